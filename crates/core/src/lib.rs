@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Bodies, regions, meshing and volumes: everything about shapes on an ellipsoid, in f64.
+//!
+//! No GPU, and no input or output beyond parsing. Angles are radians unless a name says `_deg`;
+//! lengths are metres; positions are earth-centred earth-fixed (ECEF) unless a name says otherwise.
+
+mod body;
+mod mesh;
+mod region;
+
+pub use body::{Ellipsoid, Geodetic};
+pub use mesh::{Extent, MeshOptions, OrientedBox, RegionMesh, VolumeHeights};
+pub use region::{EdgeRule, Polygon, Region, Ring};

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A region as triangles and boundary loops on the ellipsoid's surface, in f64.
+//!
+//! This is what every backend extrudes: caps from the triangles, walls from the boundary.
+
+use crate::Ellipsoid;
+use glam::{DMat3, DVec3};
+
+/// How finely a region is meshed; both are knobs of the error-against-time plots.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshOptions {
+    /// Largest distance between a boundary edge as drawn and the edge by its rule, metres.
+    pub boundary_tolerance_m: f64,
+    /// Largest edge of a cap triangle, degrees of arc: bounds the facets' sagitta and with it the
+    /// height of the walls.
+    pub cap_step_deg: f64,
+}
+
+impl Default for MeshOptions {
+    fn default() -> Self {
+        Self {
+            boundary_tolerance_m: 100.0,
+            cap_step_deg: 3.0,
+        }
+    }
+}
+
+/// Geodetic bounds in degrees. `west_deg > east_deg` when the region crosses the antimeridian.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    /// Western edge, −180 … 180.
+    pub west_deg: f64,
+    /// Southern edge.
+    pub south_deg: f64,
+    /// Eastern edge, −180 … 180.
+    pub east_deg: f64,
+    /// Northern edge.
+    pub north_deg: f64,
+}
+
+/// A box with its own axes, ECEF metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OrientedBox {
+    /// Centre, ECEF.
+    pub center_ecef: DVec3,
+    /// Columns are the unit axes, ECEF.
+    pub axes: DMat3,
+    /// Half lengths along the axes, metres.
+    pub half_extents_m: DVec3,
+}
+
+impl OrientedBox {
+    /// The eight corners, ECEF metres.
+    #[must_use]
+    pub fn corners_ecef(&self) -> [DVec3; 8] {
+        std::array::from_fn(|i| {
+            let sign = |bit: usize| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
+            let local = self.half_extents_m * DVec3::new(sign(0), sign(1), sign(2));
+            self.center_ecef + self.axes * local
+        })
+    }
+}
+
+/// Heights of a volume's caps above the ellipsoid, metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VolumeHeights {
+    /// Height of the top cap's vertices: the facets between them stay above the highest terrain.
+    pub top_m: f64,
+    /// Height of the bottom cap's vertices: below the lowest terrain.
+    pub bottom_m: f64,
+}
+
+/// One region, meshed. Vertices lie on the ellipsoid at height 0; backends extrude them along the
+/// geodetic normal.
+#[derive(Debug, Clone)]
+pub struct RegionMesh {
+    /// Index of the feature in its file.
+    pub region_index: usize,
+    /// Name of the feature.
+    pub name: String,
+    /// ECEF metres, on the surface.
+    pub vertices_ecef: Vec<DVec3>,
+    /// Longitude in `[-180, 180]` and latitude of each vertex, degrees.
+    pub vertices_deg: Vec<[f64; 2]>,
+    /// Counter-clockwise seen from outside the body.
+    pub triangles: Vec<[u32; 3]>,
+    /// Closed loops, first vertex not repeated, interior on the left seen from outside. Edges that
+    /// the antimeridian or a pole cut into a region are not among them.
+    pub boundary_loops: Vec<Vec<u32>>,
+    /// Holes in the file's rings.
+    pub holes: usize,
+    /// Exact area of the rings by their edge rule, square metres.
+    pub area_m2: f64,
+    /// Bounds.
+    pub extent: Extent,
+    /// Largest distance found between a boundary edge as drawn and by its rule, metres.
+    pub boundary_deviation_m: f64,
+    /// Largest depth of a cap facet below the spherical cap through its corners, metres.
+    pub cap_sagitta_m: f64,
+    /// What was normalised silently.
+    pub warnings: Vec<String>,
+}
+
+impl RegionMesh {
+    /// Edges of the boundary: as many walls.
+    #[must_use]
+    pub fn boundary_edge_count(&self) -> usize {
+        self.boundary_loops.iter().map(Vec::len).sum()
+    }
+
+    /// Heights that contain terrain between `lowest_m` and `highest_m` (metres above the
+    /// ellipsoid).
+    ///
+    /// The top is raised by the facets' sagitta, since a flat cap hangs through between its
+    /// corners; a flat bottom hangs further down by itself. One thousandth of the span is added on
+    /// both sides so that a cap never touches terrain of exactly the stated height.
+    #[must_use]
+    pub fn volume_heights(&self, lowest_m: f64, highest_m: f64) -> VolumeHeights {
+        let span = (highest_m - lowest_m).max(self.cap_sagitta_m);
+        let margin = span * 1e-3;
+        VolumeHeights {
+            top_m: highest_m + self.cap_sagitta_m + margin,
+            bottom_m: lowest_m - margin,
+        }
+    }
+
+    /// A box around the volume between `heights`, aligned with the local vertical at its middle.
+    ///
+    /// Holds every vertex at both heights, hence their convex hull, hence the volume.
+    #[must_use]
+    pub fn oriented_box(&self, body: &Ellipsoid, heights: VolumeHeights) -> OrientedBox {
+        let sum: DVec3 = self.vertices_ecef.iter().copied().sum();
+        let middle = body.ecef_to_geodetic(sum / self.vertices_ecef.len().max(1) as f64);
+        let up = body.geodetic_surface_normal(middle.longitude_rad, middle.latitude_rad);
+        let east = DVec3::new(-middle.longitude_rad.sin(), middle.longitude_rad.cos(), 0.0);
+        let axes = DMat3::from_cols(east, up.cross(east), up);
+        let to_local = axes.transpose();
+        let mut low = DVec3::INFINITY;
+        let mut high = DVec3::NEG_INFINITY;
+        for (vertex, degrees) in self.vertices_ecef.iter().zip(&self.vertices_deg) {
+            let normal =
+                body.geodetic_surface_normal(degrees[0].to_radians(), degrees[1].to_radians());
+            for height in [heights.top_m, heights.bottom_m] {
+                let local = to_local * (*vertex + normal * height);
+                low = low.min(local);
+                high = high.max(local);
+            }
+        }
+        OrientedBox {
+            center_ecef: axes * ((low + high) * 0.5),
+            axes,
+            half_extents_m: (high - low) * 0.5,
+        }
+    }
+}

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What a backend promises, and how it fails.
+
+use crate::{Frame, FrameInput, FrameTimes, MemoryUse};
+
+/// What a backend runs on and what it can do there.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Capabilities {
+    /// `vertex`, `native`, `reference` …
+    pub backend: &'static str,
+    /// Adapter and driver, or `cpu`.
+    pub adapter: String,
+    /// Whether [`TimedBackend::time_frame`] can give GPU times.
+    pub gpu_timestamps: bool,
+    /// Whether vertex and fragment counts come with the counters.
+    pub pipeline_statistics: bool,
+}
+
+/// What can go wrong between a frame's input and its picture.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BackendError {
+    /// The adapter lacks something; becomes a *skipped* row with this reason.
+    #[error("{adapter} lacks {capability}")]
+    Unsupported {
+        /// What is missing.
+        capability: String,
+        /// Where it is missing.
+        adapter: String,
+    },
+    /// A buffer or texture could not be had.
+    #[error("out of memory: {what} needs {bytes} bytes")]
+    OutOfMemory {
+        /// Which resource.
+        what: String,
+        /// How large.
+        bytes: u64,
+    },
+    /// The input is larger than the technique can hold; becomes a *failed* row.
+    #[error("{what}: found {found}, allowed {allowed}")]
+    OverCapacity {
+        /// Which quantity.
+        what: String,
+        /// Its value.
+        found: u64,
+        /// The limit.
+        allowed: u64,
+    },
+    /// The device is gone.
+    #[error("the device was lost: {0}")]
+    DeviceLost(String),
+    /// A shader did not compile.
+    #[error("shader {name}: {message}")]
+    Shader {
+        /// File.
+        name: String,
+        /// Compiler's words.
+        message: String,
+    },
+    /// [`Backend::render`] was called before [`Backend::prepare`], or with another input.
+    #[error("{backend} was not prepared for {scene}/{view}")]
+    NotPrepared {
+        /// Which backend.
+        backend: &'static str,
+        /// Scene asked for.
+        scene: String,
+        /// View asked for.
+        view: String,
+    },
+}
+
+/// One way to fill regions: a technique on an API, with its switches set.
+///
+/// The order is `prepare`, then any number of `render`s with the same input. A second `prepare`
+/// replaces the first.
+pub trait Backend {
+    /// What this runs on.
+    fn capabilities(&self) -> &Capabilities;
+
+    /// Builds and uploads everything the frame needs; nothing is uploaded later unless the input
+    /// changes.
+    ///
+    /// # Errors
+    /// [`BackendError`] when the adapter cannot hold or run it.
+    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, BackendError>;
+
+    /// Fills every planned region of `input` and reads the picture back; same bytes out for the
+    /// same adapter and driver.
+    ///
+    /// # Errors
+    /// [`BackendError::NotPrepared`], or whatever the device reports.
+    fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError>;
+}
+
+/// A backend whose frames can be timed without reading anything back.
+pub trait TimedBackend: Backend {
+    /// Draws one frame exactly as [`Backend::render`] does and waits for it.
+    ///
+    /// # Errors
+    /// As [`Backend::render`].
+    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, BackendError>;
+}

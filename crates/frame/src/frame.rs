@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What comes out: the picture as region ids, what it cost in memory and work, and how long it took.
+
+use terrafill_scene::ImageSize;
+
+/// Id of pixels that belong to no region. Region *i* of the scene has id *i* + 1.
+pub const NO_REGION: u32 = 0;
+
+/// A drawn frame.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    /// Size of `ids`.
+    pub size: ImageSize,
+    /// Id per pixel, row 0 at the top.
+    pub ids: Vec<u32>,
+    /// Where the surface is: false where the pixel shows the sky.
+    pub surface: Vec<bool>,
+    /// Distances or positions that came out as NaN or ±∞ where the surface is.
+    pub non_finite: u64,
+    /// Work done; `None` for the reference, which draws nothing.
+    pub counters: Option<Counters>,
+}
+
+impl Frame {
+    /// Pixels that belong to a region.
+    #[must_use]
+    pub fn filled_px(&self) -> u64 {
+        self.ids.iter().filter(|&&id| id != NO_REGION).count() as u64
+    }
+}
+
+/// Work of one frame's fill. Exact, so two runs on one driver must agree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counters {
+    /// Draw calls.
+    pub draws: u64,
+    /// Vertices asked for: the sum of the draws' index or vertex counts.
+    pub vertices: u64,
+    /// Bytes uploaded for this frame after `prepare`.
+    pub upload_bytes: u64,
+    /// Pipeline statistics of the stencil pass, where the device counts them.
+    pub vertex_shader_invocations: Option<u64>,
+    /// Primitives that reached clipping.
+    pub clipper_invocations: Option<u64>,
+    /// Primitives that left it.
+    pub clipper_primitives_out: Option<u64>,
+    /// Fragment shader invocations of the colour pass.
+    pub fragment_shader_invocations: Option<u64>,
+}
+
+/// Bytes a backend holds for a frame, by purpose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct MemoryUse {
+    /// Buffers with positions and flags.
+    pub vertex_bytes: u64,
+    /// Index buffers, or the index lists that a pulling shader reads.
+    pub index_bytes: u64,
+    /// Per-region constants of the view.
+    pub constant_bytes: u64,
+    /// How many buffers that is.
+    pub buffers: u64,
+    /// Bytes handed to the device by `prepare`.
+    pub upload_bytes: u64,
+}
+
+impl MemoryUse {
+    /// What the geometry costs: positions, flags and indices.
+    #[must_use]
+    pub fn geometry_bytes(&self) -> u64 {
+        self.vertex_bytes + self.index_bytes
+    }
+}
+
+/// Times of one frame. An absent value was not measured, and the text says why.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FrameTimes {
+    /// Surface pass, GPU clock.
+    pub surface_gpu_ms: Option<f64>,
+    /// Stencil pass, GPU clock; absent when stencil and colour alternate region by region.
+    pub stencil_gpu_ms: Option<f64>,
+    /// Colour pass, GPU clock; absent as above.
+    pub colour_gpu_ms: Option<f64>,
+    /// The whole fill, GPU clock.
+    pub fill_gpu_ms: Option<f64>,
+    /// CPU time of the whole process from recording the fill until the device is done with it. On
+    /// a software driver this contains the driver's worker threads, and is the steadier clock.
+    pub fill_cpu_ms: f64,
+    /// Wall clock over the same span.
+    pub fill_wall_ms: f64,
+}

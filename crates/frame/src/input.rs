@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What goes in: the same bytes for every backend.
+
+use std::sync::Arc;
+use terrafill_core::{EdgeRule, Ellipsoid, Region, RegionMesh};
+use terrafill_scene::{
+    Camera, FramePlan, ImageSize, Overlap, PlanOptions, Scene, SurfaceMesh, TerrainRange, View,
+};
+
+/// A scene made ready to draw: regions meshed, surface tessellated. One per scene and mesh
+/// options; shared by all its views.
+#[derive(Debug, Clone)]
+pub struct PreparedScene {
+    /// Name in reports.
+    pub name: String,
+    /// What everything lies on.
+    pub body: Ellipsoid,
+    /// What a ring edge is.
+    pub edge_rule: EdgeRule,
+    /// Whether regions may overlap.
+    pub overlap: Overlap,
+    /// As parsed: what the reference judges by.
+    pub regions: Arc<[Region]>,
+    /// As meshed: what volume backends draw. Same order and length as `regions`.
+    pub meshes: Arc<[RegionMesh]>,
+    /// What lies under the fill.
+    pub surface: Arc<SurfaceMesh>,
+}
+
+impl PreparedScene {
+    /// Joins a scene with its meshes and surface.
+    #[must_use]
+    pub fn new(scene: &Scene, meshes: Arc<[RegionMesh]>, surface: Arc<SurfaceMesh>) -> Self {
+        Self {
+            name: scene.name.clone(),
+            body: scene.body,
+            edge_rule: scene.edge_rule,
+            overlap: scene.overlap,
+            regions: Arc::clone(&scene.regions),
+            meshes,
+            surface,
+        }
+    }
+}
+
+/// Everything one frame is drawn from.
+#[derive(Debug, Clone)]
+pub struct FrameInput {
+    /// The scene.
+    pub scene: PreparedScene,
+    /// Name of the view.
+    pub view: String,
+    /// The eye.
+    pub camera: Camera,
+    /// The image.
+    pub size: ImageSize,
+    /// The surface's vertices as every renderer sees them: metres relative to the eye, ECEF axes.
+    pub surface_rte: Arc<[[f32; 3]]>,
+    /// What is drawn and what is left out.
+    pub plan: FramePlan,
+}
+
+impl FrameInput {
+    /// Plans a frame of `scene` seen by `view`.
+    #[must_use]
+    pub fn new(scene: &PreparedScene, view: &View, size: ImageSize, options: PlanOptions) -> Self {
+        let camera = view.camera(&scene.body);
+        let terrain = TerrainRange {
+            lowest_m: scene.surface.lowest_m,
+            highest_m: scene.surface.highest_m,
+        };
+        let plan = FramePlan::new(
+            &scene.body,
+            &camera,
+            size,
+            terrain,
+            &scene.meshes,
+            options,
+        );
+        Self {
+            scene: scene.clone(),
+            view: view.name.clone(),
+            camera,
+            size,
+            surface_rte: scene.surface.relative_to_eye(camera.eye_ecef).into(),
+            plan,
+        }
+    }
+}

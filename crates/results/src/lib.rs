@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Case, sample, summary and environment: the vocabulary between bench and report, and its CSV.
+//!
+//! A run is a folder: `samples.csv` (one row per timed frame), `summary.csv` (one row per case),
+//! `environment.json`, `plan.json` (the cases that the run set out to measure, so that a report can
+//! name what is missing) and `images/`. Column names are stable; new columns are added at the end.
+//! An absent value is an empty cell, and `reason` says why; it is never 0.
+
+mod row;
+mod run;
+mod statistic;
+
+pub use row::{Baselines, CaseKey, ErrorFigures, RunEnvironment, RunPlan, Sample, Status, Summary};
+pub use run::{RunError, RunFolder};
+pub use statistic::{Spread, median, quantile, spread};

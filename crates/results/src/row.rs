@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The rows.
+
+use serde::{Deserialize, Serialize};
+
+/// What a row is about: scene × view × backend × variant.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct CaseKey {
+    /// Scene name.
+    pub scene: String,
+    /// View name.
+    pub view: String,
+    /// Backend name; `bound` and `floor` are full-screen passes, not techniques.
+    pub backend: String,
+    /// `doubled`, `pulled,positions=local-f32` …: layout first, then switches that differ from the
+    /// default, `key=value`, joined by commas, sorted.
+    pub variant: String,
+}
+
+impl std::fmt::Display for CaseKey {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "{}/{}/{}/{}",
+            self.scene, self.view, self.backend, self.variant
+        )
+    }
+}
+
+/// How a case ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// The picture is right and the times were measured.
+    Ok,
+    /// The picture is wrong; times, if any, count for nothing.
+    Wrong,
+    /// Not run, for the reason given.
+    Skipped,
+    /// Started and broke off, for the reason given.
+    Failed,
+}
+
+/// One timed frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Sample {
+    /// Scene name.
+    pub scene: String,
+    /// View name.
+    pub view: String,
+    /// Backend name.
+    pub backend: String,
+    /// Variant.
+    pub variant: String,
+    /// Counts frames of this case from 0, warm-up not counted.
+    pub frame: u32,
+    /// Surface pass, GPU clock, milliseconds.
+    pub surface_gpu_ms: Option<f64>,
+    /// Stencil pass, GPU clock.
+    pub stencil_gpu_ms: Option<f64>,
+    /// Colour pass, GPU clock.
+    pub colour_gpu_ms: Option<f64>,
+    /// Whole fill, GPU clock.
+    pub fill_gpu_ms: Option<f64>,
+    /// Whole fill, CPU time of the process.
+    pub fill_cpu_ms: f64,
+    /// Whole fill, wall clock.
+    pub fill_wall_ms: f64,
+}
+
+/// One case. The first columns are the stable ones of the design; the rest may grow.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Scene name.
+    pub scene: String,
+    /// View name.
+    pub view: String,
+    /// Backend name.
+    pub backend: String,
+    /// Variant.
+    pub variant: String,
+    /// How it ended.
+    pub status: Status,
+    /// Why, unless `ok`; also remarks on the view, such as that it is filled to the last pixel.
+    pub reason: String,
+    /// Median, milliseconds.
+    pub surface_gpu_ms: Option<f64>,
+    /// Median.
+    pub fill_gpu_ms: Option<f64>,
+    /// Median.
+    pub fill_cpu_ms: Option<f64>,
+    /// Median of the bound pass of the same scene and view in the same run.
+    pub bound_gpu_ms: Option<f64>,
+    /// As above, CPU time of the process.
+    pub bound_cpu_ms: Option<f64>,
+    /// Median of the floor pass, CPU time of the process.
+    pub floor_cpu_ms: Option<f64>,
+    /// `fill_cpu_ms / bound_cpu_ms`.
+    pub fill_over_bound_cpu: Option<f64>,
+    /// Positions, flags and indices.
+    pub geometry_bytes: Option<u64>,
+    /// Bytes uploaded per frame once prepared.
+    pub upload_bytes: Option<u64>,
+    /// Draw calls of the fill.
+    pub draws: Option<u64>,
+    /// Vertices asked for by those draws.
+    pub vertices: Option<u64>,
+    /// Pixels filled.
+    pub filled_px: Option<u64>,
+    /// Pixels whose id differs from the reference's.
+    pub mismatched_px: Option<u64>,
+    /// Those farther than one pixel from every boundary in the reference's picture.
+    pub mismatched_px_outside_band: Option<u64>,
+    /// Largest distance between the two pictures' boundaries, pixels.
+    pub hausdorff_px: Option<f64>,
+    /// What the frame plan left out, by reason.
+    pub left_out: String,
+    // Columns below may grow.
+    /// Median, milliseconds.
+    pub stencil_gpu_ms: Option<f64>,
+    /// Median.
+    pub colour_gpu_ms: Option<f64>,
+    /// Median.
+    pub fill_wall_ms: Option<f64>,
+    /// 5th percentile of `fill_cpu_ms`.
+    pub fill_cpu_ms_p5: Option<f64>,
+    /// 95th percentile of `fill_cpu_ms`.
+    pub fill_cpu_ms_p95: Option<f64>,
+    /// Frames behind the medians.
+    pub samples: u32,
+    /// Regions drawn.
+    pub regions_drawn: Option<u64>,
+    /// Regions left out.
+    pub regions_left_out: Option<u64>,
+    /// NaN or infinite results.
+    pub non_finite: Option<u64>,
+    /// Pixels on which the reference's two inside tests disagree, in all and outside the band.
+    pub reference_disagreements: Option<u64>,
+    /// As above, outside the 1-pixel band.
+    pub reference_disagreements_outside_band: Option<u64>,
+    /// Boundary tolerance of the mesh, metres.
+    pub boundary_tolerance_m: Option<f64>,
+    /// Largest deviation of a drawn boundary edge from its rule, metres.
+    pub boundary_deviation_m: Option<f64>,
+    /// Filled area by the backend over that by the reference, minus 1.
+    pub area_error: Option<f64>,
+    /// Regions of fewer than 4 pixels in the reference, left out of `hausdorff_px`.
+    pub tiny_regions: Option<u64>,
+    /// Buffers the backend holds.
+    pub buffers: Option<u64>,
+    /// Positions and flags, bytes.
+    pub vertex_bytes: Option<u64>,
+    /// Indices, bytes.
+    pub index_bytes: Option<u64>,
+    /// Per-view constants, bytes.
+    pub constant_bytes: Option<u64>,
+    /// Pipeline statistics: vertex shader invocations of the stencil pass.
+    pub vertex_shader_invocations: Option<u64>,
+    /// Primitives that reached clipping in the stencil pass.
+    pub clipper_invocations: Option<u64>,
+    /// Primitives that left clipping.
+    pub clipper_primitives_out: Option<u64>,
+    /// Fragment shader invocations of the colour pass.
+    pub fragment_shader_invocations: Option<u64>,
+    /// Picture of this case, relative to the run folder; empty when none was kept.
+    pub image: String,
+    /// Its difference from the reference, relative to the run folder.
+    pub difference_image: String,
+    /// The reference's picture, relative to the run folder.
+    pub reference_image: String,
+}
+
+/// Medians of the full-screen passes measured beside a case.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Baselines {
+    /// Bound, GPU clock, milliseconds.
+    pub bound_gpu_ms: Option<f64>,
+    /// Bound, CPU time of the process.
+    pub bound_cpu_ms: Option<f64>,
+    /// Floor, CPU time of the process.
+    pub floor_cpu_ms: Option<f64>,
+}
+
+/// Difference of one frame from the reference.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ErrorFigures {
+    /// Pixels filled by the backend.
+    pub filled_px: u64,
+    /// Pixels whose id differs.
+    pub mismatched_px: u64,
+    /// Of those, farther than one pixel from every boundary of the reference.
+    pub mismatched_px_outside_band: u64,
+    /// Symmetric boundary Hausdorff distance, pixels; `None` when either picture lacks a boundary.
+    pub hausdorff_px: Option<f64>,
+    /// Filled pixels over the reference's, minus 1; `None` when the reference fills nothing.
+    pub area_error: Option<f64>,
+    /// Regions of fewer than 4 pixels in the reference, left out of the Hausdorff distance.
+    pub tiny_regions: u64,
+    /// NaN or infinite results.
+    pub non_finite: u64,
+}
+
+/// Where and with what a run was made. Free of host names: it is a fingerprint of the kind of
+/// machine, not of the machine.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, Default)]
+pub struct RunEnvironment {
+    /// Version of these files' schema.
+    pub schema: u32,
+    /// `git rev-parse HEAD`, with `+dirty` when the tree differed; empty outside a repository.
+    pub commit: String,
+    /// Seconds since 1970 at the start.
+    pub started_unix_s: u64,
+    /// CPU model.
+    pub cpu: String,
+    /// Logical cores.
+    pub cores: u32,
+    /// Memory, bytes.
+    pub memory_bytes: u64,
+    /// Operating system and kernel.
+    pub os: String,
+    /// Adapter name.
+    pub gpu: String,
+    /// `cpu`, `discrete-gpu` …
+    pub device_type: String,
+    /// PCI vendor id.
+    pub vendor_id: u32,
+    /// PCI device id.
+    pub device_id: u32,
+    /// Driver name.
+    pub driver: String,
+    /// Driver version text, which holds the Mesa version where the driver is Mesa's.
+    pub driver_info: String,
+    /// Mesa version cut out of `driver_info`; empty for other drivers.
+    pub mesa_version: String,
+    /// Graphics API.
+    pub api: String,
+    /// Image width, pixels.
+    pub width: u32,
+    /// Image height, pixels.
+    pub height: u32,
+    /// SHA-256 over all shader sources.
+    pub shader_hash: String,
+    /// Debug or release build.
+    pub profile: String,
+    /// The run's options as `key=value`.
+    pub options: Vec<String>,
+}
+
+/// What a run set out to measure, written before the first measurement.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, Default)]
+pub struct RunPlan {
+    /// Every case, in order.
+    pub cases: Vec<CaseKey>,
+    /// Scenes left out of this run, with the reason.
+    pub skipped_scenes: Vec<(String, String)>,
+    /// Timed frames per case.
+    pub frames: u32,
+    /// Frames drawn and dropped before.
+    pub warm_up: u32,
+}

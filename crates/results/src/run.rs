@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A run's folder: appended row by row and flushed, so that killing a run loses at most the case in
+//! hand; read back leniently at its torn end, strictly everywhere else.
+
+use crate::{CaseKey, RunEnvironment, RunPlan, Sample, Summary};
+use serde::{Serialize, de::DeserializeOwned};
+use std::collections::BTreeSet;
+use std::fs::{File, OpenOptions};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+/// What can be wrong with a run's folder.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// The folder or a file in it cannot be read or written.
+    #[error("{path}: {source}")]
+    Io {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A row does not fit the schema.
+    #[error("{path}, row {row}: {message}")]
+    Row {
+        /// Which file.
+        path: PathBuf,
+        /// Row number, header is 1.
+        row: u64,
+        /// What is wrong.
+        message: String,
+    },
+    /// A JSON file does not fit the schema.
+    #[error("{path}: {message}")]
+    Json {
+        /// Which file.
+        path: PathBuf,
+        /// What is wrong.
+        message: String,
+    },
+    /// The folder holds another run and `--resume` was not given, or its plan differs.
+    #[error("{path} holds a run already: {message}")]
+    Occupied {
+        /// Which folder.
+        path: PathBuf,
+        /// What to do.
+        message: String,
+    },
+}
+
+/// A folder with a run in it.
+#[derive(Debug)]
+pub struct RunFolder {
+    path: PathBuf,
+}
+
+impl RunFolder {
+    /// Starts a run in a new or empty folder.
+    ///
+    /// # Errors
+    /// [`RunError::Occupied`] if the folder holds a run; [`RunError::Io`].
+    pub fn create(
+        path: &Path,
+        environment: &RunEnvironment,
+        plan: &RunPlan,
+    ) -> Result<Self, RunError> {
+        let run = Self {
+            path: path.to_owned(),
+        };
+        if run.plan_path().exists() {
+            return Err(RunError::Occupied {
+                path: path.to_owned(),
+                message: "give another --out, or --resume to go on with it".to_owned(),
+            });
+        }
+        std::fs::create_dir_all(path.join("images")).map_err(|source| run.io("images", source))?;
+        run.write_json("environment.json", environment)?;
+        run.write_json("plan.json", plan)?;
+        Ok(run)
+    }
+
+    /// Opens an existing run.
+    ///
+    /// # Errors
+    /// [`RunError::Io`] if there is none.
+    pub fn open(path: &Path) -> Result<Self, RunError> {
+        let run = Self {
+            path: path.to_owned(),
+        };
+        File::open(run.plan_path()).map_err(|source| run.io("plan.json", source))?;
+        Ok(run)
+    }
+
+    /// The folder.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What the run set out to measure.
+    ///
+    /// # Errors
+    /// [`RunError::Io`], [`RunError::Json`].
+    pub fn plan(&self) -> Result<RunPlan, RunError> {
+        self.read_json("plan.json")
+    }
+
+    /// Where it was made.
+    ///
+    /// # Errors
+    /// [`RunError::Io`], [`RunError::Json`].
+    pub fn environment(&self) -> Result<RunEnvironment, RunError> {
+        self.read_json("environment.json")
+    }
+
+    /// Every timed frame. A last line without its line end is dropped: the run was killed there.
+    ///
+    /// # Errors
+    /// [`RunError::Row`] for any other malformed row.
+    pub fn samples(&self) -> Result<Vec<Sample>, RunError> {
+        self.read_rows("samples.csv")
+    }
+
+    /// Every finished case; when a case stands twice, the last one counts.
+    ///
+    /// # Errors
+    /// As [`RunFolder::samples`].
+    pub fn summaries(&self) -> Result<Vec<Summary>, RunError> {
+        self.read_rows("summary.csv")
+    }
+
+    /// Planned cases without a summary row.
+    ///
+    /// # Errors
+    /// As [`RunFolder::samples`].
+    pub fn missing(&self) -> Result<Vec<CaseKey>, RunError> {
+        let done: BTreeSet<CaseKey> = self.summaries()?.iter().map(Summary::key).collect();
+        let mut cases = self.plan()?.cases;
+        cases.retain(|case| !done.contains(case));
+        Ok(cases)
+    }
+
+    /// Prepares a killed run for going on: cuts torn last lines, and drops samples of cases that
+    /// have no summary yet, since those cases are measured again from their first frame.
+    ///
+    /// # Errors
+    /// As [`RunFolder::samples`].
+    pub fn resume(path: &Path, plan: &RunPlan) -> Result<Self, RunError> {
+        let run = Self::open(path)?;
+        if run.plan()? != *plan {
+            return Err(RunError::Occupied {
+                path: path.to_owned(),
+                message: "its plan differs; resume with the same scenes and options".to_owned(),
+            });
+        }
+        let summaries = run.summaries()?;
+        let done: BTreeSet<CaseKey> = summaries.iter().map(Summary::key).collect();
+        let mut samples = run.samples()?;
+        samples.retain(|sample| done.contains(&sample.key()));
+        run.rewrite("summary.csv", &summaries)?;
+        run.rewrite("samples.csv", &samples)?;
+        Ok(run)
+    }
+
+    /// Appends samples and flushes them to the disk.
+    ///
+    /// # Errors
+    /// [`RunError::Io`].
+    pub fn append_samples(&self, rows: &[Sample]) -> Result<(), RunError> {
+        self.append("samples.csv", rows)
+    }
+
+    /// Appends a finished case and flushes it to the disk.
+    ///
+    /// # Errors
+    /// [`RunError::Io`].
+    pub fn append_summary(&self, row: &Summary) -> Result<(), RunError> {
+        self.append("summary.csv", std::slice::from_ref(row))
+    }
+
+    fn plan_path(&self) -> PathBuf {
+        self.path.join("plan.json")
+    }
+
+    fn io(&self, file: &str, source: std::io::Error) -> RunError {
+        RunError::Io {
+            path: self.path.join(file),
+            source,
+        }
+    }
+
+    fn read_json<T: DeserializeOwned>(&self, file: &str) -> Result<T, RunError> {
+        let text = std::fs::read_to_string(self.path.join(file)).map_err(|e| self.io(file, e))?;
+        serde_json::from_str(&text).map_err(|error| RunError::Json {
+            path: self.path.join(file),
+            message: error.to_string(),
+        })
+    }
+
+    fn write_json<T: Serialize>(&self, file: &str, value: &T) -> Result<(), RunError> {
+        let text = serde_json::to_string_pretty(value).map_err(|error| RunError::Json {
+            path: self.path.join(file),
+            message: error.to_string(),
+        })?;
+        std::fs::write(self.path.join(file), text + "\n").map_err(|e| self.io(file, e))
+    }
+
+    fn read_rows<T: DeserializeOwned>(&self, file: &str) -> Result<Vec<T>, RunError> {
+        let path = self.path.join(file);
+        let mut text = match std::fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+            Err(error) => return Err(self.io(file, error)),
+        };
+        text.truncate(text.rfind('\n').map_or(0, |end| end + 1));
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let mut rows = Vec::new();
+        for (index, row) in reader.deserialize().enumerate() {
+            rows.push(row.map_err(|error| RunError::Row {
+                path: path.clone(),
+                row: index as u64 + 2,
+                message: error.to_string(),
+            })?);
+        }
+        Ok(rows)
+    }
+
+    fn append<T: Serialize>(&self, file: &str, rows: &[T]) -> Result<(), RunError> {
+        let path = self.path.join(file);
+        let is_new = std::fs::metadata(&path).map_or(true, |meta| meta.len() == 0);
+        let text = self.encode(file, rows, is_new)?;
+        let mut out = OpenOptions::new()
+            .create(true)
+            .append(true)
+            .open(&path)
+            .map_err(|e| self.io(file, e))?;
+        out.write_all(&text)
+            .and_then(|()| out.sync_data())
+            .map_err(|e| self.io(file, e))
+    }
+
+    /// Writes beside the file and renames, so that a kill in between leaves the old file whole.
+    fn rewrite<T: Serialize>(&self, file: &str, rows: &[T]) -> Result<(), RunError> {
+        let text = self.encode(file, rows, true)?;
+        let temporary = self.path.join(format!("{file}.new"));
+        std::fs::write(&temporary, text)
+            .and_then(|()| std::fs::rename(&temporary, self.path.join(file)))
+            .map_err(|e| self.io(file, e))
+    }
+
+    fn encode<T: Serialize>(
+        &self,
+        file: &str,
+        rows: &[T],
+        with_header: bool,
+    ) -> Result<Vec<u8>, RunError> {
+        let mut writer = csv::WriterBuilder::new()
+            .has_headers(with_header)
+            .from_writer(Vec::new());
+        for (index, row) in rows.iter().enumerate() {
+            writer.serialize(row).map_err(|error| RunError::Row {
+                path: self.path.join(file),
+                row: index as u64,
+                message: error.to_string(),
+            })?;
+        }
+        writer.into_inner().map_err(|error| RunError::Row {
+            path: self.path.join(file),
+            row: rows.len() as u64,
+            message: error.to_string(),
+        })
+    }
+}
+
+impl Summary {
+    /// The case that this row is about.
+    #[must_use]
+    pub fn key(&self) -> CaseKey {
+        CaseKey {
+            scene: self.scene.clone(),
+            view: self.view.clone(),
+            backend: self.backend.clone(),
+            variant: self.variant.clone(),
+        }
+    }
+}
+
+impl Sample {
+    /// The case that this row is about.
+    #[must_use]
+    pub fn key(&self) -> CaseKey {
+        CaseKey {
+            scene: self.scene.clone(),
+            view: self.view.clone(),
+            backend: self.backend.clone(),
+            variant: self.variant.clone(),
+        }
+    }
+}

@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The frame plan: what one frame of one scene needs and, by name and reason, what it leaves out.
+//!
+//! Both culls are exact: a region is left out only when no pixel can show it. Every test looks at
+//! the corners of a box that holds the region's whole closed volume, so it errs towards drawing.
+//!
+//! - *Frustum*: all corners outside one plane of the view frustum, which the box then is too.
+//! - *Horizon*: all corners in the shadow that the body casts from the eye. The shadow (the cone
+//!   of tangents behind the plane of the horizon circle) is convex, so it holds the whole box. The
+//!   body here is the largest ellipsoid inside the surface *as drawn*, not the true one. Under
+//!   z-fail this is exact only for whole closed volumes (a ray through the planet may enter by one
+//!   piece and leave by another); whole volumes are all that is planned here.
+
+use crate::{Camera, ImageSize};
+use glam::DVec3;
+use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh, VolumeHeights};
+
+/// Caps are moved away from the terrain by at least this many pixels at the eye's distance, so
+/// that rounding of depth (2⁻²⁴ of the distance) can never lift terrain through a cap: 1/64 of a
+/// pixel at 60° and 1,024 rows is 2⁻¹⁶ of the distance, 256 times that rounding.
+pub const CAP_CLEARANCE_PX: f64 = 1.0 / 64.0;
+
+/// Which parts of planning are switched on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PlanOptions {
+    /// Leave out regions outside the view frustum.
+    pub frustum_culling: bool,
+    /// Leave out regions hidden by the body.
+    pub horizon_culling: bool,
+}
+
+impl Default for PlanOptions {
+    fn default() -> Self {
+        Self {
+            frustum_culling: true,
+            horizon_culling: true,
+        }
+    }
+}
+
+/// Pixels `left..right` × `top..bottom`, row 0 at the top.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PixelRect {
+    /// First column.
+    pub left: u32,
+    /// First row.
+    pub top: u32,
+    /// One past the last column.
+    pub right: u32,
+    /// One past the last row.
+    pub bottom: u32,
+}
+
+impl PixelRect {
+    /// The whole image.
+    #[must_use]
+    pub fn full(size: ImageSize) -> Self {
+        Self {
+            left: 0,
+            top: 0,
+            right: size.width,
+            bottom: size.height,
+        }
+    }
+
+    /// Columns.
+    #[must_use]
+    pub fn width(self) -> u32 {
+        self.right - self.left
+    }
+
+    /// Rows.
+    #[must_use]
+    pub fn height(self) -> u32 {
+        self.bottom - self.top
+    }
+
+    /// Whether the two share a pixel.
+    #[must_use]
+    pub fn overlaps(self, other: Self) -> bool {
+        self.left < other.right
+            && other.left < self.right
+            && self.top < other.bottom
+            && other.top < self.bottom
+    }
+}
+
+/// A region that is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlannedRegion {
+    /// Index into the scene's meshes.
+    pub mesh: usize,
+    /// Where this view puts the caps.
+    pub heights: VolumeHeights,
+    /// No pixel of the region lies outside.
+    pub screen_rect: PixelRect,
+}
+
+/// Why a region is not drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum LeftOutReason {
+    /// Wholly outside the view frustum.
+    OutsideFrustum,
+    /// Wholly hidden by the body.
+    BeyondHorizon,
+}
+
+impl LeftOutReason {
+    /// Name in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::OutsideFrustum => "outside-frustum",
+            Self::BeyondHorizon => "beyond-horizon",
+        }
+    }
+}
+
+/// A region that is not drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LeftOutRegion {
+    /// Index into the scene's meshes.
+    pub mesh: usize,
+    /// Why.
+    pub reason: LeftOutReason,
+}
+
+/// What a frame draws and what it leaves out.
+#[derive(Debug, Clone, Default)]
+pub struct FramePlan {
+    /// In scene order, so that later regions win where they overlap.
+    pub regions: Vec<PlannedRegion>,
+    /// In scene order.
+    pub left_out: Vec<LeftOutRegion>,
+}
+
+/// A body's surface as drawn lies between these heights, metres above the ellipsoid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TerrainRange {
+    /// Lowest point.
+    pub lowest_m: f64,
+    /// Highest point.
+    pub highest_m: f64,
+}
+
+impl FramePlan {
+    /// Plans a frame.
+    ///
+    /// - `meshes`: every region of the scene
+    /// - `terrain`: height range of the surface as drawn
+    #[must_use]
+    pub fn new(
+        body: &Ellipsoid,
+        camera: &Camera,
+        size: ImageSize,
+        terrain: TerrainRange,
+        meshes: &[RegionMesh],
+        options: PlanOptions,
+    ) -> Self {
+        let horizon = Horizon::new(body, camera.eye_ecef, terrain.lowest_m);
+        let mut plan = Self::default();
+        for (mesh_index, mesh) in meshes.iter().enumerate() {
+            let heights = heights_for_view(body, camera, size, terrain, mesh);
+            let bounds = mesh.oriented_box(body, heights);
+            let corners = bounds.corners_ecef();
+            let reason = if options.frustum_culling && outside_frustum(camera, size, &corners) {
+                Some(LeftOutReason::OutsideFrustum)
+            } else if options.horizon_culling && horizon.hides_all(&corners) {
+                Some(LeftOutReason::BeyondHorizon)
+            } else {
+                None
+            };
+            match reason {
+                Some(reason) => plan.left_out.push(LeftOutRegion {
+                    mesh: mesh_index,
+                    reason,
+                }),
+                None => plan.regions.push(PlannedRegion {
+                    mesh: mesh_index,
+                    heights,
+                    screen_rect: screen_rect(camera, size, &corners),
+                }),
+            }
+        }
+        plan
+    }
+
+    /// One phrase per reason with count and up to three names: the `left_out` column.
+    #[must_use]
+    pub fn left_out_summary(&self, meshes: &[RegionMesh]) -> String {
+        let mut phrases = Vec::new();
+        for reason in [LeftOutReason::OutsideFrustum, LeftOutReason::BeyondHorizon] {
+            let names: Vec<&str> = self
+                .left_out
+                .iter()
+                .filter(|region| region.reason == reason)
+                .map(|region| meshes[region.mesh].name.as_str())
+                .collect();
+            if names.is_empty() {
+                continue;
+            }
+            let shown = names[..names.len().min(3)].join(", ");
+            let more = if names.len() > 3 { ", …" } else { "" };
+            phrases.push(format!(
+                "{} regions {} ({shown}{more})",
+                names.len(),
+                reason.name()
+            ));
+        }
+        phrases.join("; ")
+    }
+}
+
+/// Heights that contain the terrain with [`CAP_CLEARANCE_PX`] to spare at the region's farthest
+/// visible distance.
+fn heights_for_view(
+    body: &Ellipsoid,
+    camera: &Camera,
+    size: ImageSize,
+    terrain: TerrainRange,
+    mesh: &RegionMesh,
+) -> VolumeHeights {
+    let heights = mesh.volume_heights(terrain.lowest_m, terrain.highest_m);
+    // Nothing beyond the horizon is visible, and the horizon is no farther than this.
+    let to_center = camera.eye_ecef.length();
+    let farthest = to_center + body.equatorial_radius_m();
+    let horizon_m = (to_center * to_center - body.polar_radius_m().powi(2))
+        .max(0.0)
+        .sqrt();
+    let clearance_m =
+        camera.pixel_size_m(size, horizon_m.min(farthest)) * CAP_CLEARANCE_PX;
+    VolumeHeights {
+        top_m: heights.top_m + clearance_m,
+        bottom_m: heights.bottom_m - clearance_m,
+    }
+}
+
+/// Whether all corners lie outside one side plane, or behind the eye.
+fn outside_frustum(camera: &Camera, size: ImageSize, corners: &[DVec3; 8]) -> bool {
+    let tan_y = camera.tan_half_fov();
+    let tan_x = tan_y * size.aspect();
+    let view = corners.map(|corner| camera.view_from_ecef * (corner - camera.eye_ecef));
+    let outside: [&dyn Fn(&DVec3) -> bool; 5] = [
+        &|v| v.x > -v.z * tan_x,
+        &|v| -v.x > -v.z * tan_x,
+        &|v| v.y > -v.z * tan_y,
+        &|v| -v.y > -v.z * tan_y,
+        &|v| -v.z < 0.0,
+    ];
+    outside.iter().any(|plane| view.iter().all(plane))
+}
+
+/// The shadow of the body from the eye, in the space where the body is the unit sphere.
+struct Horizon {
+    scale: DVec3,
+    eye: DVec3,
+    /// Squared distance from the eye to the horizon circle; negative when the eye is inside.
+    tangent_squared: f64,
+}
+
+impl Horizon {
+    /// `lowest_m`: lowest height of the surface as drawn. Radii shrunk by `|lowest| · (a/b)` give an
+    /// ellipsoid wholly below it: shrinking both axes by δ moves the surface inward by at least
+    /// δ·b/a everywhere.
+    fn new(body: &Ellipsoid, eye_ecef: DVec3, lowest_m: f64) -> Self {
+        let flattening = body.equatorial_radius_m() / body.polar_radius_m();
+        let shrink = (-lowest_m).max(0.0) * flattening;
+        let scale = (body.radii_m() - DVec3::splat(shrink))
+            .max(DVec3::splat(f64::MIN_POSITIVE))
+            .recip();
+        let eye = eye_ecef * scale;
+        Self {
+            scale,
+            eye,
+            tangent_squared: eye.length_squared() - 1.0,
+        }
+    }
+
+    /// Whether the whole hull of `corners` is hidden. Source of the test: Cozzi and Ring (2011),
+    /// "3D Engine Design for Virtual Globes", §4 (horizon culling in scaled space).
+    fn hides_all(&self, corners: &[DVec3; 8]) -> bool {
+        self.tangent_squared > 0.0
+            && corners.iter().all(|corner| {
+                let to_corner = *corner * self.scale - self.eye;
+                let along = -to_corner.dot(self.eye);
+                along > self.tangent_squared
+                    && along * along > self.tangent_squared * to_corner.length_squared()
+            })
+    }
+}
+
+/// Pixels that the box can touch, grown by one for rounding; the whole image when a corner is not
+/// in front of the near plane.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to the image before the cast"
+)]
+fn screen_rect(camera: &Camera, size: ImageSize, corners: &[DVec3; 8]) -> PixelRect {
+    let mut low = [f64::INFINITY; 2];
+    let mut high = [f64::NEG_INFINITY; 2];
+    for corner in corners {
+        let Some(pixel) = camera.project_px(size, *corner) else {
+            return PixelRect::full(size);
+        };
+        for axis in 0..2 {
+            low[axis] = low[axis].min(pixel[axis]);
+            high[axis] = high[axis].max(pixel[axis]);
+        }
+    }
+    let clamp = |value: f64, limit: u32| value.clamp(0.0, f64::from(limit)) as u32;
+    PixelRect {
+        left: clamp(low[0].floor() - 1.0, size.width),
+        top: clamp(low[1].floor() - 1.0, size.height),
+        right: clamp(high[0].ceil() + 1.0, size.width),
+        bottom: clamp(high[1].ceil() + 1.0, size.height),
+    }
+}
+
+/// For tests elsewhere: bounds of a planned region.
+impl PlannedRegion {
+    /// Box around the volume as planned.
+    #[must_use]
+    pub fn bounds(&self, body: &Ellipsoid, meshes: &[RegionMesh]) -> OrientedBox {
+        meshes[self.mesh].oriented_box(body, self.heights)
+    }
+}

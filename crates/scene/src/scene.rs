@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A scene: a body, its regions, the rule for their edges, the surface, the views, and what to vary.
+
+use crate::{Camera, CameraPose};
+use std::sync::Arc;
+use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, Region};
+
+/// Whether regions may lie over one another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Overlap {
+    /// Interiors are disjoint; borders may be shared.
+    Disjoint,
+    /// They may overlap; a later region covers an earlier one.
+    Ordered,
+}
+
+/// One camera of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct View {
+    /// `globe`, `top-down`, `horizon` …
+    pub name: String,
+    /// Where the camera is.
+    pub pose: CameraPose,
+    /// What a reader of the row must know, such as that the view is filled to the last pixel.
+    pub note: Option<String>,
+}
+
+impl View {
+    /// The camera on `body`.
+    #[must_use]
+    pub fn camera(&self, body: &Ellipsoid) -> Camera {
+        Camera::new(body, &self.pose)
+    }
+}
+
+/// A scene, checked.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// Name in reports and on the command line.
+    pub name: String,
+    /// One sentence.
+    pub description: String,
+    /// What the regions lie on.
+    pub body: Ellipsoid,
+    /// What a ring edge is.
+    pub edge_rule: EdgeRule,
+    /// In file order.
+    pub regions: Arc<[Region]>,
+    /// Whether they may overlap.
+    pub overlap: Overlap,
+    /// How they are meshed unless a variant says otherwise.
+    pub mesh: MeshOptions,
+    /// Rows of the surface grid from pole to pole.
+    pub surface_rows: u32,
+    /// Cameras.
+    pub views: Vec<View>,
+    /// Boundary tolerances to sweep for error against run time, metres; may be empty.
+    pub sweep_boundary_tolerance_m: Vec<f64>,
+}
