@@ -1,2 +1,21 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! wgpu device, surface pass, timing and read-back for the wgpu backends.
+//! What every wgpu backend stands on: the device, the targets and the surface pass that fills them,
+//! GPU and CPU clocks, read-back, and the two full-screen passes that fills are measured against.
+
+mod adapter;
+mod baseline;
+mod clock;
+mod constants;
+mod readback;
+mod stage;
+mod timing;
+mod validation;
+
+pub use adapter::{DeviceFacts, Gpu, GpuOptions, list_adapters};
+pub use baseline::{Baseline, BaselineKind};
+pub use clock::CpuStopwatch;
+pub use constants::{RegionConstants, ViewConstants};
+pub use readback::{Picture, read_buffer};
+pub use stage::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, SharedStage, Stage};
+pub use timing::{PassTimer, Stamps, TimedPass};
+pub use validation::{POSITIVE_CONTROL, ValidationMessage, make_deliberate_error, messages};

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Choosing and opening a device.
+
+use crate::validation;
+use std::sync::Arc;
+use terrafill_frame::BackendError;
+
+/// How to choose a device.
+#[derive(Debug, Clone, Default)]
+pub struct GpuOptions {
+    /// Part of the adapter's name, case ignored; the first that fits is taken. `None`: a discrete
+    /// GPU before an integrated one before a software one.
+    pub adapter: Option<String>,
+    /// Turn validation layers on; also on with `TERRAFILL_VALIDATION=1`.
+    pub validation: bool,
+}
+
+/// What a device is, for reports.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DeviceFacts {
+    /// Adapter name.
+    pub name: String,
+    /// `cpu`, `discrete-gpu`, `integrated-gpu`, `virtual-gpu` or `other`.
+    pub device_type: &'static str,
+    /// PCI vendor id.
+    pub vendor_id: u32,
+    /// PCI device id.
+    pub device_id: u32,
+    /// Driver name.
+    pub driver: String,
+    /// Driver version text.
+    pub driver_info: String,
+    /// GPU timestamps in passes.
+    pub timestamps: bool,
+    /// Pipeline statistics.
+    pub pipeline_statistics: bool,
+    /// What this project needs and the adapter lacks; empty when it can run.
+    pub lacks: Vec<String>,
+}
+
+/// An open device.
+#[derive(Debug)]
+pub struct Gpu {
+    /// Device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// What it is.
+    pub facts: DeviceFacts,
+    /// Nanoseconds per timestamp tick.
+    pub timestamp_period_ns: f32,
+}
+
+fn instance(validation: bool) -> wgpu::Instance {
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+    descriptor.backends = wgpu::Backends::VULKAN;
+    descriptor.flags = if validation {
+        validation::install_logger();
+        // VALIDATION alone prints to standard output; with DEBUG the messages reach the logger.
+        wgpu::InstanceFlags::VALIDATION | wgpu::InstanceFlags::DEBUG
+    } else {
+        wgpu::InstanceFlags::empty()
+    };
+    wgpu::Instance::new(descriptor)
+}
+
+fn facts_of(adapter: &wgpu::Adapter) -> DeviceFacts {
+    let info = adapter.get_info();
+    let features = adapter.features();
+    let mut lacks = Vec::new();
+    if !features.contains(wgpu::Features::DEPTH32FLOAT_STENCIL8) {
+        lacks.push("Depth32FloatStencil8".to_owned());
+    }
+    let flags = adapter.get_downlevel_capabilities().flags;
+    if !flags.contains(wgpu::DownlevelFlags::VERTEX_STORAGE) {
+        lacks.push("storage buffers in the vertex stage".to_owned());
+    }
+    DeviceFacts {
+        name: info.name,
+        device_type: match info.device_type {
+            wgpu::DeviceType::Cpu => "cpu",
+            wgpu::DeviceType::DiscreteGpu => "discrete-gpu",
+            wgpu::DeviceType::IntegratedGpu => "integrated-gpu",
+            wgpu::DeviceType::VirtualGpu => "virtual-gpu",
+            wgpu::DeviceType::Other => "other",
+        },
+        vendor_id: info.vendor,
+        device_id: info.device,
+        driver: info.driver,
+        driver_info: info.driver_info,
+        timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
+        pipeline_statistics: features.contains(wgpu::Features::PIPELINE_STATISTICS_QUERY),
+        lacks,
+    }
+}
+
+fn adapters(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
+    let rank = |adapter: &wgpu::Adapter| match adapter.get_info().device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    };
+    let mut found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN));
+    found.sort_by_key(rank);
+    found
+}
+
+/// Every Vulkan adapter of this machine, in the order in which [`Gpu::open`] prefers them.
+#[must_use]
+pub fn list_adapters() -> Vec<DeviceFacts> {
+    adapters(&instance(false)).iter().map(facts_of).collect()
+}
+
+impl Gpu {
+    /// Opens a device.
+    ///
+    /// # Errors
+    /// [`BackendError::Unsupported`] when there is no adapter, none by that name, or it lacks
+    /// something.
+    pub fn open(options: &GpuOptions) -> Result<Arc<Self>, BackendError> {
+        let unsupported = |capability: &str, adapter: &str| BackendError::Unsupported {
+            capability: capability.to_owned(),
+            adapter: adapter.to_owned(),
+        };
+        let validation = options.validation || validation::is_requested();
+        let instance = instance(validation);
+        let wanted = options.adapter.as_deref().unwrap_or("").to_lowercase();
+        let all = adapters(&instance);
+        if all.is_empty() {
+            return Err(unsupported(
+                "a Vulkan device (ci/setup.sh installs a software one)",
+                "this machine",
+            ));
+        }
+        let Some(adapter) = all
+            .iter()
+            .find(|adapter| adapter.get_info().name.to_lowercase().contains(&wanted))
+        else {
+            let names: Vec<_> = all.iter().map(|a| a.get_info().name).collect();
+            let what = format!("an adapter called {wanted:?}; it has {}", names.join(", "));
+            return Err(unsupported(&what, "this machine"));
+        };
+        let facts = facts_of(adapter);
+        if !facts.lacks.is_empty() {
+            return Err(unsupported(&facts.lacks.join(", "), &facts.name));
+        }
+        let optional =
+            wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::PIPELINE_STATISTICS_QUERY;
+        let descriptor = wgpu::DeviceDescriptor {
+            label: Some("terrafill"),
+            required_features: wgpu::Features::DEPTH32FLOAT_STENCIL8
+                | (adapter.features() & optional),
+            required_limits: adapter.limits(),
+            ..Default::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+            .map_err(|error| BackendError::DeviceLost(error.to_string()))?;
+        let timestamp_period_ns = queue.get_timestamp_period();
+        Ok(Arc::new(Self {
+            device,
+            queue,
+            facts,
+            timestamp_period_ns,
+        }))
+    }
+
+    /// Compiles the shader at `path`, imports put in.
+    ///
+    /// # Errors
+    /// [`BackendError::Shader`].
+    pub fn shader(&self, path: &str) -> Result<wgpu::ShaderModule, BackendError> {
+        let source = terrafill_shaders::compose(path).map_err(|error| BackendError::Shader {
+            name: path.to_owned(),
+            message: error.to_string(),
+        })?;
+        let descriptor = wgpu::ShaderModuleDescriptor {
+            label: Some(path),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        };
+        Ok(self.device.create_shader_module(descriptor))
+    }
+
+    /// Waits until the device has nothing left to do.
+    ///
+    /// # Errors
+    /// [`BackendError::DeviceLost`].
+    pub fn wait(&self) -> Result<(), BackendError> {
+        self.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .map(|_| ())
+            .map_err(|error| BackendError::DeviceLost(error.to_string()))
+    }
+}

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Vulkan validation messages: caught, kept, and proved to be on.
+//!
+//! wgpu hands the layer's messages to the `log` crate. With `TERRAFILL_VALIDATION=1` a logger is
+//! installed that keeps every message of severity warning or error that comes from Vulkan, and
+//! appends it to the file named by `TERRAFILL_VALIDATION_LOG`, one line each:
+//! process id, severity, message id and text, separated by tabs. Silence alone proves nothing, so
+//! [`make_deliberate_error`] commits an error that a working layer must report.
+
+use std::fs::OpenOptions;
+use std::io::Write as _;
+use std::sync::{Mutex, Once, PoisonError};
+
+/// One message of the validation layer.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ValidationMessage {
+    /// `ERROR` or `WARN`.
+    pub severity: String,
+    /// `VUID-…` or another message id.
+    pub id: String,
+    /// What it says, on one line.
+    pub text: String,
+}
+
+static MESSAGES: Mutex<Vec<ValidationMessage>> = Mutex::new(Vec::new());
+
+/// Message id that [`make_deliberate_error`] must bring about.
+pub const POSITIVE_CONTROL: &str = "VUID-VkBufferCreateInfo-size-00912";
+
+/// Messages so far in this process.
+#[must_use]
+pub fn messages() -> Vec<ValidationMessage> {
+    MESSAGES
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .clone()
+}
+
+/// Whether the environment asks for validation.
+pub(crate) fn is_requested() -> bool {
+    std::env::var("TERRAFILL_VALIDATION").is_ok_and(|value| value != "0")
+}
+
+/// Installs the logger once. A logger that is there already stays, and keeps nothing.
+pub(crate) fn install_logger() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        if log::set_logger(&VulkanLogger).is_ok() {
+            log::set_max_level(log::LevelFilter::Warn);
+        }
+    });
+}
+
+struct VulkanLogger;
+
+impl log::Log for VulkanLogger {
+    fn enabled(&self, metadata: &log::Metadata<'_>) -> bool {
+        metadata.level() <= log::Level::Warn && metadata.target().starts_with("wgpu_hal::vulkan")
+    }
+
+    fn log(&self, record: &log::Record<'_>) {
+        if !self.enabled(record.metadata()) {
+            return;
+        }
+        let Some(message) = parse(&record.args().to_string(), record.level()) else {
+            return;
+        };
+        if let Ok(path) = std::env::var("TERRAFILL_VALIDATION_LOG") {
+            append(&path, &message);
+        }
+        MESSAGES
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .push(message);
+    }
+
+    fn flush(&self) {}
+}
+
+/// Reads `TYPE [id (0x…)]\n\ttext`. Lines about queues and objects that follow a message have no
+/// bracketed id and are dropped. A layer that was asked for and is not there says so without an
+/// id; that must not pass for silence.
+fn parse(text: &str, level: log::Level) -> Option<ValidationMessage> {
+    let one_line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let message = |id: &str, text: &str| {
+        Some(ValidationMessage {
+            severity: level.to_string(),
+            id: id.to_owned(),
+            text: one_line(text),
+        })
+    };
+    if text.contains("unable to find layer") {
+        return message("validation-layer-missing", text);
+    }
+    let (head, body) = text.split_once('\n')?;
+    let id = head.split_once('[')?.1.split_once(" (0x")?.0;
+    message(id, body)
+}
+
+fn append(path: &str, message: &ValidationMessage) {
+    let line = format!(
+        "{}\t{}\t{}\t{}\n",
+        std::process::id(),
+        message.severity,
+        message.id,
+        message.text
+    );
+    // A log that cannot be written would hide every message.
+    let written = OpenOptions::new()
+        .create(true)
+        .append(true)
+        .open(path)
+        .and_then(|mut file| file.write_all(line.as_bytes()));
+    assert!(written.is_ok(), "TERRAFILL_VALIDATION_LOG={path}: {written:?}");
+}
+
+/// Creates a Vulkan buffer of 0 bytes, which the specification forbids
+/// (`VUID-VkBufferCreateInfo-size-00912`), behind wgpu's back and destroys it again.
+///
+/// Returns false when the device is not a Vulkan one.
+#[must_use]
+pub fn make_deliberate_error(gpu: &crate::Gpu) -> bool {
+    #[allow(
+        unsafe_code,
+        reason = "wgpu refuses the error itself, so it must be made below wgpu"
+    )]
+    // SAFETY: the device outlives the call; the buffer is never used and destroyed at once. A
+    // size of 0 is invalid usage on purpose; drivers return a buffer or an error for it.
+    unsafe {
+        let Some(device) = gpu.device.as_hal::<wgpu::hal::api::Vulkan>() else {
+            return false;
+        };
+        let raw = device.raw_device();
+        let info = ash::vk::BufferCreateInfo::default()
+            .size(0)
+            .usage(ash::vk::BufferUsageFlags::TRANSFER_SRC);
+        if let Ok(buffer) = raw.create_buffer(&info, None) {
+            raw.destroy_buffer(buffer, None);
+        }
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_is_taken_apart() {
+        let text = "VALIDATION [VUID-VkBufferCreateInfo-size-00912 (0x3d9)]\n\tValidation Error:\n bad";
+        let message = parse(text, log::Level::Error).expect("has an id");
+        assert_eq!(message.id, POSITIVE_CONTROL);
+        assert_eq!(message.severity, "ERROR");
+        assert_eq!(message.text, "Validation Error: bad");
+    }
+
+    #[test]
+    fn trailing_lines_are_no_messages_but_a_missing_layer_is_one() {
+        assert_eq!(parse("\tobjects: (type: BUFFER)", log::Level::Error), None);
+        let missing = "InstanceFlags::VALIDATION requested, but unable to find layer: X";
+        let message = parse(missing, log::Level::Warn).expect("kept");
+        assert_eq!(message.id, "validation-layer-missing");
+    }
+}

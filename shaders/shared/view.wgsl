@@ -1,0 +1,22 @@
+// The camera: positions relative to the eye (metres, ECEF axes) to clip space.
+// Depth is reversed with an infinite far plane: z/w = near / distance.
+
+struct ViewConstants {
+    // Columns of the rotation from ECEF axes to view axes (x right, y up, z towards the viewer).
+    view_from_ecef: mat3x3<f32>,
+    // Eye, ECEF metres; only for shading, where f32 is enough.
+    eye_ecef: vec3<f32>,
+    near_m: f32,
+    // (1, 1, a²/b²): turns an ECEF position into a multiple of the geodetic normal there.
+    normal_scale: vec3<f32>,
+    // 1 / (tan(fov/2) · aspect) and 1 / tan(fov/2).
+    clip_scale_x: f32,
+    clip_scale_y: f32,
+};
+
+@group(0) @binding(0) var<uniform> view: ViewConstants;
+
+fn clip_from_eye_relative(relative_m: vec3<f32>) -> vec4<f32> {
+    let p = view.view_from_ecef * relative_m;
+    return vec4<f32>(p.x * view.clip_scale_x, p.y * view.clip_scale_y, view.near_m, -p.z);
+}
