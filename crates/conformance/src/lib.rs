@@ -1,2 +1,20 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Comparators, tolerances and their negative controls.
+//! How far a backend's picture is from the reference's, and whether that is too far.
+//!
+//! Everything here works on pictures of region ids; nothing knows how they were made. The first
+//! operand is always the reference: band, tiny pieces and relative area come from it, so swapping
+//! the operands gives other figures (a test holds that down).
+
+mod boundary;
+mod compare;
+mod difference;
+mod distance;
+mod tolerance;
+
+pub use boundary::{boundary_pixels, checks_nothing};
+pub use compare::{CompareError, compare};
+pub use difference::difference_rgb;
+pub use tolerance::{
+    BAND_RADIUS_PX, MAX_HAUSDORFF_PX, MAX_MISMATCHED_OUTSIDE_BAND_PX, MAX_NON_FINITE,
+    SMALLEST_PIECE_PX, Verdict, verdict,
+};

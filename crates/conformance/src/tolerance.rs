@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Every tolerance, with its cause.
+//!
+//! | tolerance | value | cause |
+//! |---|---|---|
+//! | [`BAND_RADIUS_PX`] | 1 | rasterisers snap vertices to 1/256 pixel and round depth, so the pixel that a boundary crosses may fall to either side, and no other pixel may |
+//! | [`MAX_MISMATCHED_OUTSIDE_BAND_PX`] | 0 | beyond the band no rounding reaches; what is wrong there is a leak, a missing wall or another region's colour |
+//! | [`MAX_HAUSDORFF_PX`] | 1 | a boundary that moved by less than a pixel moves its pixels by one at most; what stays in the band but goes missing over a length, such as a strip two pixels wide, shows up here only |
+//! | [`SMALLEST_PIECE_PX`] | 4 | a piece of 1 to 3 pixels exists by the luck of where pixel centres fall; rounding may take or give it whole, and the distance to the next boundary is then anything |
+//! | [`MAX_NON_FINITE`] | 0 | NaN compares false with everything, so it would hide in any other figure |
+
+use terrafill_results::ErrorFigures;
+
+/// How far from a boundary pixel of the reference a mismatch is put down to rounding; counted in
+/// steps to the eight neighbours.
+pub const BAND_RADIUS_PX: u32 = 1;
+
+/// Mismatched pixels allowed outside the band.
+pub const MAX_MISMATCHED_OUTSIDE_BAND_PX: u64 = 0;
+
+/// Largest symmetric Hausdorff distance between the boundaries, pixels.
+pub const MAX_HAUSDORFF_PX: f64 = 1.0;
+
+/// Pieces of the reference with fewer pixels are left out of the Hausdorff distance.
+pub const SMALLEST_PIECE_PX: u64 = 4;
+
+/// NaN or infinite results allowed.
+pub const MAX_NON_FINITE: u64 = 0;
+
+/// Whether a picture may be called right.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Verdict {
+    /// Every figure is within its tolerance.
+    Pass,
+    /// What is not: one phrase a figure, with the value found and the value allowed.
+    Fail(Vec<String>),
+}
+
+impl Verdict {
+    /// Whether this is [`Verdict::Pass`].
+    #[must_use]
+    pub fn is_pass(&self) -> bool {
+        *self == Self::Pass
+    }
+}
+
+/// Holds `figures` against the tolerances of this module.
+///
+/// An absent Hausdorff distance passes: neither picture has a boundary then, and mismatches are
+/// all outside the band. A distance that is not a number fails.
+#[must_use]
+pub fn verdict(figures: &ErrorFigures) -> Verdict {
+    let mut reasons = Vec::new();
+    let outside = figures.mismatched_px_outside_band;
+    if outside > MAX_MISMATCHED_OUTSIDE_BAND_PX {
+        reasons.push(format!(
+            "{outside} mismatched pixels outside the boundary band, allowed \
+             {MAX_MISMATCHED_OUTSIDE_BAND_PX}"
+        ));
+    }
+    if let Some(distance) = figures.hausdorff_px
+        && (distance.is_nan() || distance > MAX_HAUSDORFF_PX)
+    {
+        reasons.push(format!(
+            "boundary Hausdorff distance {distance:.2} px, allowed {MAX_HAUSDORFF_PX:.2}"
+        ));
+    }
+    if figures.non_finite > MAX_NON_FINITE {
+        reasons.push(format!(
+            "{} NaN or infinite results, allowed {MAX_NON_FINITE}",
+            figures.non_finite
+        ));
+    }
+    if reasons.is_empty() {
+        Verdict::Pass
+    } else {
+        Verdict::Fail(reasons)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_figure_at_its_limit_passes_and_beyond_it_fails_alone() {
+        let at_limit = ErrorFigures {
+            mismatched_px: 7,
+            hausdorff_px: Some(MAX_HAUSDORFF_PX),
+            ..ErrorFigures::default()
+        };
+        assert!(verdict(&at_limit).is_pass());
+        assert!(verdict(&ErrorFigures::default()).is_pass());
+        let beyond = [
+            ErrorFigures {
+                mismatched_px_outside_band: 1,
+                ..at_limit
+            },
+            ErrorFigures {
+                hausdorff_px: Some(2_f64.sqrt()),
+                ..at_limit
+            },
+            ErrorFigures {
+                hausdorff_px: Some(f64::NAN),
+                ..at_limit
+            },
+            ErrorFigures {
+                hausdorff_px: Some(f64::INFINITY),
+                ..at_limit
+            },
+            ErrorFigures {
+                non_finite: 1,
+                ..at_limit
+            },
+        ];
+        for figures in beyond {
+            match verdict(&figures) {
+                Verdict::Fail(reasons) => assert_eq!(reasons.len(), 1, "{reasons:?}"),
+                Verdict::Pass => panic!("{figures:?} passed"),
+            }
+        }
+    }
+
+    #[test]
+    fn every_reason_is_given() {
+        let figures = ErrorFigures {
+            mismatched_px: 12,
+            mismatched_px_outside_band: 3,
+            hausdorff_px: Some(5.0),
+            non_finite: 2,
+            ..ErrorFigures::default()
+        };
+        let Verdict::Fail(reasons) = verdict(&figures) else {
+            panic!("passed")
+        };
+        assert_eq!(reasons.len(), 3);
+        assert!(
+            reasons[0].starts_with('3') && reasons[2].starts_with('2'),
+            "{reasons:?}"
+        );
+        assert!(reasons[1].contains("5.00"), "{reasons:?}");
+    }
+}
