@@ -94,7 +94,8 @@ pub trait Backend {
 
 /// A backend whose frames can be timed without reading anything back.
 pub trait TimedBackend: Backend {
-    /// Draws one frame exactly as [`Backend::render`] does and waits for it.
+    /// Fills exactly as [`Backend::render`] does, on top of the surface that the targets hold
+    /// already, and waits for it. A fill leaves depth untouched, so one surface serves many fills.
     ///
     /// # Errors
     /// As [`Backend::render`].

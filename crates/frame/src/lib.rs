@@ -9,7 +9,9 @@
 mod backend;
 mod frame;
 mod input;
+mod palette;
 
 pub use backend::{Backend, BackendError, Capabilities, TimedBackend};
 pub use frame::{Counters, Frame, FrameTimes, MemoryUse, NO_REGION};
 pub use input::{FrameInput, PreparedScene};
+pub use palette::{paint, region_colour};

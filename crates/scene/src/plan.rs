@@ -66,13 +66,13 @@ impl PixelRect {
     /// Columns.
     #[must_use]
     pub fn width(self) -> u32 {
-        self.right - self.left
+        self.right.saturating_sub(self.left)
     }
 
     /// Rows.
     #[must_use]
     pub fn height(self) -> u32 {
-        self.bottom - self.top
+        self.bottom.saturating_sub(self.top)
     }
 
     /// Whether the two share a pixel.
@@ -163,7 +163,11 @@ impl FramePlan {
             let heights = heights_for_view(body, camera, size, terrain, mesh);
             let bounds = mesh.oriented_box(body, heights);
             let corners = bounds.corners_ecef();
-            let reason = if options.frustum_culling && outside_frustum(camera, size, &corners) {
+            let screen_rect = screen_rect(camera, size, &corners);
+            let off_screen = screen_rect.width() == 0
+                || screen_rect.height() == 0
+                || outside_frustum(camera, size, &corners);
+            let reason = if options.frustum_culling && off_screen {
                 Some(LeftOutReason::OutsideFrustum)
             } else if options.horizon_culling && horizon.hides_all(&corners) {
                 Some(LeftOutReason::BeyondHorizon)
@@ -178,7 +182,7 @@ impl FramePlan {
                 None => plan.regions.push(PlannedRegion {
                     mesh: mesh_index,
                     heights,
-                    screen_rect: screen_rect(camera, size, &corners),
+                    screen_rect,
                 }),
             }
         }

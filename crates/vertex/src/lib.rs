@@ -1,2 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Shadow volumes extruded in the vertex shader (wgpu).
+//! Shadow volumes extruded in the vertex shader, on wgpu.
+//!
+//! A region's mesh is extruded along the geodetic normal into a closed solid: two caps and the walls
+//! along its boundary. Drawn into the stencil with depth-fail counting, the solid marks the surface
+//! pixels inside it, and a screen-space pass colours them. The technique is Cozzi's (2007), after
+//! Heidmann (1991) and Carmack's depth-fail variant (2000); this backend is its vertex-shader form.
+
+mod backend;
+mod colour;
+mod fixed_point;
+mod layout;
+mod pipeline;
+
+pub use backend::{ColourWay, VertexBackend, VertexVariant};
+pub use colour::{XOR_NUMBERS, XorBatches};
+pub use fixed_point::{EyeInUnits, FixedPoint, PositionFormat, eye_relative_m};
+pub use layout::{Layout, LayoutBytes, layout_bytes, per_triangle_volume_bytes, shared_mesh_bytes};

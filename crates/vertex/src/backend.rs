@@ -1,0 +1,784 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The backend: buffers of a scene, constants of a view, and the passes of a frame.
+
+use crate::layout::{RegionSlice, SceneGeometry};
+use crate::pipeline::{Part, Pipelines, StencilRule};
+use crate::{Layout, PositionFormat, XorBatches};
+use std::sync::Arc;
+use terrafill_core::RegionMesh;
+use terrafill_frame::{
+    Backend, BackendError, Capabilities, Counters, Frame, FrameInput, FrameTimes, MemoryUse,
+    NO_REGION, TimedBackend, region_colour,
+};
+use terrafill_gpu::{
+    CpuStopwatch, Gpu, Picture, RegionConstants, SharedStage, Stage, TimedPass, read_buffer,
+};
+use terrafill_scene::PlannedRegion;
+
+/// How many regions get their own colours; both are right to the pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum ColourWay {
+    /// All stencil work first, with a number per region, then each region's screen rectangle. For
+    /// disjoint regions.
+    #[default]
+    Xor,
+    /// One region at a time: count its volume, then cover its screen rectangle. Later regions
+    /// cover earlier ones.
+    Rectangle,
+}
+
+/// A variant: the switches of this backend.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct VertexVariant {
+    /// Where duplicated vertices come from.
+    pub layout: Layout,
+    /// How positions are stored.
+    pub positions: PositionFormat,
+    /// How regions get their colours.
+    pub colour: ColourWay,
+}
+
+impl VertexVariant {
+    /// Layout first, then what differs from the default, `key=value`, in alphabetical order.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let mut name = self.layout.name().to_owned();
+        if self.colour == ColourWay::Rectangle {
+            name.push_str(",colour=rectangle");
+        }
+        if self.positions == PositionFormat::LocalF32 {
+            name.push_str(",positions=local-f32");
+        }
+        name
+    }
+}
+
+/// Shadow volumes extruded in the vertex shader.
+#[derive(Debug)]
+pub struct VertexBackend {
+    stage: SharedStage,
+    variant: VertexVariant,
+    capabilities: Capabilities,
+    pipelines: Pipelines,
+    scene: Option<SceneBuffers>,
+    view: Option<ViewBuffers>,
+}
+
+/// Geometry of every region of a scene, in view or not.
+#[derive(Debug)]
+struct SceneBuffers {
+    source: Arc<[RegionMesh]>,
+    regions: Vec<RegionSlice>,
+    vertices: wgpu::Buffer,
+    short_indices: wgpu::Buffer,
+    long_indices: wgpu::Buffer,
+    /// Layout `pulled`: the vertices with the short and with the long indices.
+    pulled: Option<[wgpu::BindGroup; 2]>,
+    vertex_bytes: u64,
+    index_bytes: u64,
+}
+
+/// Constants of the regions of a view, and the order to draw them in.
+#[derive(Debug)]
+struct ViewBuffers {
+    source: Arc<[[f32; 3]]>,
+    constants: wgpu::Buffer,
+    constant_bytes: u64,
+    bind_group: wgpu::BindGroup,
+    batches: XorBatches,
+}
+
+/// What the colour pass writes for region `index`.
+type ColourOf = fn(usize) -> [f32; 4];
+
+impl VertexBackend {
+    /// A backend on `stage`.
+    ///
+    /// # Errors
+    /// [`BackendError::Shader`].
+    pub fn new(stage: &SharedStage, variant: VertexVariant) -> Result<Self, BackendError> {
+        let gpu = Arc::clone(stage.borrow().gpu());
+        Ok(Self {
+            stage: SharedStage::clone(stage),
+            variant,
+            capabilities: Capabilities {
+                backend: "vertex",
+                adapter: format!("{} ({})", gpu.facts.name, gpu.facts.driver_info),
+                gpu_timestamps: gpu.facts.timestamps,
+                pipeline_statistics: gpu.facts.pipeline_statistics,
+            },
+            pipelines: Pipelines::new(&gpu, variant)?,
+            scene: None,
+            view: None,
+        })
+    }
+
+    /// The switches.
+    #[must_use]
+    pub fn variant(&self) -> VertexVariant {
+        self.variant
+    }
+
+    /// Draws the frame in the regions' own colours over the shaded surface.
+    ///
+    /// # Errors
+    /// As [`Backend::render`].
+    pub fn picture(&mut self, input: &FrameInput) -> Result<Picture, BackendError> {
+        self.upload_view(input, palette_colour)?;
+        let picture = self.draw_and_read(input).map(|(picture, _)| picture);
+        self.upload_view(input, id_colour)?;
+        picture
+    }
+
+    fn draw_and_read(&mut self, input: &FrameInput) -> Result<(Picture, Counters), BackendError> {
+        self.check_prepared(input)?;
+        let mut stage = self.stage.borrow_mut();
+        stage.prepare(input)?;
+        stage.draw_surface()?;
+        let statistics = Statistics::new(stage.gpu(), self.pass_count());
+        let mut encoder = stage.gpu().device.create_command_encoder(&Default::default());
+        let mut counters = self.record(&mut encoder, &stage, input, statistics.as_ref(), false)?;
+        stage.gpu().queue.submit([encoder.finish()]);
+        stage.gpu().wait()?;
+        if let Some(statistics) = &statistics {
+            statistics.read_into(stage.gpu(), &mut counters)?;
+        }
+        Ok((stage.read()?, counters))
+    }
+
+    fn check_prepared(&self, input: &FrameInput) -> Result<(), BackendError> {
+        let is_same_view = self
+            .view
+            .as_ref()
+            .is_some_and(|view| Arc::ptr_eq(&view.source, &input.surface_rte));
+        let is_same_scene = self
+            .scene
+            .as_ref()
+            .is_some_and(|scene| Arc::ptr_eq(&scene.source, &input.scene.meshes));
+        if is_same_view && is_same_scene {
+            return Ok(());
+        }
+        Err(BackendError::NotPrepared {
+            backend: "vertex",
+            scene: input.scene.name.clone(),
+            view: input.view.clone(),
+        })
+    }
+
+    fn upload_scene(&mut self, input: &FrameInput) -> Result<(), BackendError> {
+        let VertexVariant {
+            layout, positions, ..
+        } = self.variant;
+        let geometry = SceneGeometry::build(layout, positions, &input.scene.meshes);
+        let bytes = geometry.bytes();
+        let stage = self.stage.borrow();
+        let (vertex_usage, index_usage) = match layout {
+            Layout::Doubled => (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX),
+            Layout::Pulled => (wgpu::BufferUsages::STORAGE, wgpu::BufferUsages::STORAGE),
+        };
+        let upload = |label, bytes, usage| stage.upload(label, bytes, usage);
+        let vertices = upload(
+            "volume vertices",
+            bytemuck::cast_slice(&geometry.vertices),
+            vertex_usage,
+        )?;
+        let short = bytemuck::cast_slice(&geometry.short_indices);
+        let short_indices = upload("16-bit indices", short, index_usage)?;
+        let long = bytemuck::cast_slice(&geometry.long_indices);
+        let long_indices = upload("32-bit indices", long, index_usage)?;
+        let bind = |indices: &wgpu::Buffer| {
+            let descriptor = wgpu::BindGroupDescriptor {
+                label: Some("pulled geometry"),
+                layout: &self.pipelines.geometry_bindings,
+                entries: &[
+                    wgpu::BindGroupEntry {
+                        binding: 0,
+                        resource: vertices.as_entire_binding(),
+                    },
+                    wgpu::BindGroupEntry {
+                        binding: 1,
+                        resource: indices.as_entire_binding(),
+                    },
+                ],
+            };
+            stage.gpu().device.create_bind_group(&descriptor)
+        };
+        let pulled =
+            (layout == Layout::Pulled).then(|| [bind(&short_indices), bind(&long_indices)]);
+        drop(stage);
+        self.scene = Some(SceneBuffers {
+            source: Arc::clone(&input.scene.meshes),
+            regions: geometry.regions,
+            vertices,
+            short_indices,
+            long_indices,
+            pulled,
+            vertex_bytes: bytes.vertex_bytes,
+            index_bytes: bytes.index_bytes,
+        });
+        Ok(())
+    }
+
+    fn upload_view(&mut self, input: &FrameInput, colour_of: ColourOf) -> Result<(), BackendError> {
+        let Some(scene) = &self.scene else {
+            return self.check_prepared(input);
+        };
+        let constants: Vec<RegionConstants> = input
+            .plan
+            .regions
+            .iter()
+            .map(|planned| self.region_constants(input, scene, planned, colour_of))
+            .collect();
+        let stage = self.stage.borrow();
+        let bytes: &[u8] = bytemuck::cast_slice(&constants);
+        let buffer = stage.upload(
+            "region constants",
+            // A storage binding may not be empty.
+            if bytes.is_empty() { &EMPTY } else { bytes },
+            wgpu::BufferUsages::STORAGE,
+        )?;
+        let bind_group = stage
+            .gpu()
+            .device
+            .create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("view and regions"),
+                layout: &self.pipelines.frame_bindings,
+                entries: &[
+                    wgpu::BindGroupEntry {
+                        binding: 0,
+                        resource: stage.view_constants().as_entire_binding(),
+                    },
+                    wgpu::BindGroupEntry {
+                        binding: 1,
+                        resource: buffer.as_entire_binding(),
+                    },
+                ],
+            });
+        drop(stage);
+        self.view = Some(ViewBuffers {
+            source: Arc::clone(&input.surface_rte),
+            constants: buffer,
+            constant_bytes: bytes.len() as u64,
+            bind_group,
+            batches: XorBatches::new(&input.plan.regions),
+        });
+        Ok(())
+    }
+
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "rounding to what the GPU reads is the purpose"
+    )]
+    fn region_constants(
+        &self,
+        input: &FrameInput,
+        scene: &SceneBuffers,
+        planned: &PlannedRegion,
+        colour_of: ColourOf,
+    ) -> RegionConstants {
+        let slice = &scene.regions[planned.mesh];
+        let fixed = slice.fixed;
+        let eye = fixed.eye(input.camera.eye_ecef);
+        let remainder_m = match self.variant.positions {
+            PositionFormat::Fixed => eye.remainder_m,
+            PositionFormat::LocalF32 => input.camera.eye_ecef - fixed.origin_ecef,
+        };
+        RegionConstants {
+            eye: eye.eye.to_array(),
+            shift: eye.shift,
+            eye_remainder_m: remainder_m.as_vec3().to_array(),
+            scale_m: (fixed.unit_m * f64::from(eye.shift).exp2()) as f32,
+            origin_ecef_m: fixed.origin_ecef.as_vec3().to_array(),
+            unit_m: fixed.unit_m as f32,
+            top_m: planned.heights.top_m as f32,
+            bottom_m: planned.heights.bottom_m as f32,
+            first_vertex: slice.first_vertex,
+            first_triangle_index: slice.first_triangle_index,
+            first_loop_index: slice.first_loop_index,
+            triangle_count: slice.triangle_count,
+            index_bits: if slice.short_indices { 16 } else { 32 },
+            padding: 0,
+            colour: colour_of(planned.mesh),
+        }
+    }
+
+    /// Passes that a frame takes; each may have its own statistics query.
+    fn pass_count(&self) -> u32 {
+        let xor_passes = self
+            .view
+            .as_ref()
+            .map_or(0, |view| view.batches.passes.len());
+        match self.variant.colour {
+            ColourWay::Xor => 2 * u32::try_from(xor_passes).unwrap_or(u32::MAX / 2),
+            ColourWay::Rectangle => 1,
+        }
+    }
+
+    fn ensure_pipelines(&mut self, input: &FrameInput) {
+        let (Some(scene), Some(view)) = (&self.scene, &self.view) else {
+            return;
+        };
+        let gpu = Arc::clone(self.stage.borrow().gpu());
+        let mut ensure = |planned: usize, rule| {
+            let slice = &scene.regions[input.plan.regions[planned].mesh];
+            let short_indices = slice.short_indices;
+            self.pipelines.ensure(&gpu, Part::Caps, rule);
+            self.pipelines
+                .ensure(&gpu, Part::Walls { short_indices }, rule);
+        };
+        match self.variant.colour {
+            ColourWay::Rectangle => {
+                for planned in 0..input.plan.regions.len() {
+                    ensure(planned, StencilRule::Count);
+                }
+            }
+            ColourWay::Xor => {
+                for (number, regions) in view.batches.passes.iter().flat_map(numbered) {
+                    for &planned in regions {
+                        ensure(planned, StencilRule::Xor(number));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Records the fill. With `timed`, GPU stamps surround it; with `statistics`, queries do.
+    fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        stage: &Stage,
+        input: &FrameInput,
+        statistics: Option<&Statistics>,
+        timed: bool,
+    ) -> Result<Counters, BackendError> {
+        let (Some(scene), Some(view)) = (&self.scene, &self.view) else {
+            self.check_prepared(input)?;
+            return Ok(Counters::default());
+        };
+        let mut recorder = Recorder {
+            backend: self,
+            scene,
+            view,
+            stage,
+            input,
+            timed,
+            statistics,
+            counters: Counters::default(),
+        };
+        match self.variant.colour {
+            ColourWay::Xor => recorder.xor(encoder),
+            ColourWay::Rectangle => recorder.rectangles(encoder),
+        }
+        Ok(recorder.counters)
+    }
+}
+
+/// One element of region constants, for a view that plans none.
+static EMPTY: [u8; size_of::<RegionConstants>()] = [0; size_of::<RegionConstants>()];
+
+/// A pass's classes with their numbers, from 1.
+fn numbered(pass: &Vec<Vec<usize>>) -> impl Iterator<Item = (u8, &Vec<usize>)> {
+    (1..=u8::MAX).zip(pass)
+}
+
+/// The region's id in three channels, exact in 8-bit unorm.
+fn id_colour(index: usize) -> [f32; 4] {
+    let [r, g, b, _] = (index as u64 + 1).to_le_bytes()[..4] else {
+        return [0.0; 4];
+    };
+    [r, g, b, 255].map(|channel| f32::from(channel) / 255.0)
+}
+
+fn palette_colour(index: usize) -> [f32; 4] {
+    let [r, g, b] = region_colour(index);
+    [r, g, b, 255].map(|channel| f32::from(channel) / 255.0)
+}
+
+/// Ids out of a picture drawn with [`id_colour`]; alpha 0 is the surface or the sky.
+fn ids_of(picture: &Picture) -> Vec<u32> {
+    let id = |pixel: &[u8]| match pixel {
+        [_, _, _, 0] => NO_REGION,
+        [r, g, b, _] => u32::from_le_bytes([*r, *g, *b, 0]),
+        _ => NO_REGION,
+    };
+    picture.rgba.chunks_exact(4).map(id).collect()
+}
+
+impl Backend for VertexBackend {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, BackendError> {
+        // Ids are three bytes of colour.
+        let allowed = (1 << 24) - 1;
+        if input.scene.meshes.len() > allowed {
+            return Err(BackendError::OverCapacity {
+                what: "regions".to_owned(),
+                found: input.scene.meshes.len() as u64,
+                allowed: allowed as u64,
+            });
+        }
+        self.stage.borrow_mut().prepare(input)?;
+        let is_uploaded = self
+            .scene
+            .as_ref()
+            .is_some_and(|scene| Arc::ptr_eq(&scene.source, &input.scene.meshes));
+        let mut upload_bytes = 0;
+        if !is_uploaded {
+            self.upload_scene(input)?;
+            upload_bytes += self
+                .scene
+                .as_ref()
+                .map_or(0, |scene| scene.vertex_bytes + scene.index_bytes);
+        }
+        self.upload_view(input, id_colour)?;
+        self.ensure_pipelines(input);
+        let (Some(scene), Some(view)) = (&self.scene, &self.view) else {
+            return Ok(MemoryUse::default());
+        };
+        upload_bytes += view.constant_bytes;
+        let used = [
+            &scene.vertices,
+            &scene.short_indices,
+            &scene.long_indices,
+            &view.constants,
+        ];
+        Ok(MemoryUse {
+            vertex_bytes: scene.vertex_bytes,
+            index_bytes: scene.index_bytes,
+            constant_bytes: view.constant_bytes,
+            buffers: used.len() as u64,
+            upload_bytes,
+        })
+    }
+
+    fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError> {
+        let (picture, counters) = self.draw_and_read(input)?;
+        Ok(Frame {
+            size: input.size,
+            ids: ids_of(&picture),
+            surface: picture.depth.iter().map(|&depth| depth > 0.0).collect(),
+            non_finite: picture.depth.iter().filter(|d| !d.is_finite()).count() as u64,
+            counters: Some(counters),
+        })
+    }
+}
+
+impl TimedBackend for VertexBackend {
+    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, BackendError> {
+        self.check_prepared(input)?;
+        let stage = self.stage.borrow();
+        let gpu = stage.gpu();
+        let watch = CpuStopwatch::start();
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        self.record(&mut encoder, &stage, input, None, true)?;
+        gpu.queue.submit([encoder.finish()]);
+        gpu.wait()?;
+        let mut times = FrameTimes {
+            fill_cpu_ms: watch.cpu_ms(),
+            fill_wall_ms: watch.wall_ms(),
+            ..FrameTimes::default()
+        };
+        if let Some(timer) = stage.timer() {
+            match (self.variant.colour, self.pass_count()) {
+                // Nothing in view: no pass was recorded.
+                (ColourWay::Xor, 0) => {}
+                (ColourWay::Xor, passes) => {
+                    let stamps = timer.read(gpu, TimedPass::Stencil, TimedPass::Colour)?;
+                    times.fill_gpu_ms = stamps.span_ms(TimedPass::Stencil, TimedPass::Colour);
+                    if passes == 2 {
+                        times.stencil_gpu_ms = stamps.pass_ms(TimedPass::Stencil);
+                        times.colour_gpu_ms = stamps.pass_ms(TimedPass::Colour);
+                    }
+                }
+                (ColourWay::Rectangle, _) => {
+                    let stamps = timer.read(gpu, TimedPass::Colour, TimedPass::Colour)?;
+                    times.fill_gpu_ms = stamps.pass_ms(TimedPass::Colour);
+                }
+            }
+        }
+        Ok(times)
+    }
+}
+
+/// Records the passes of one frame and counts what it records.
+struct Recorder<'a> {
+    backend: &'a VertexBackend,
+    scene: &'a SceneBuffers,
+    view: &'a ViewBuffers,
+    stage: &'a Stage,
+    input: &'a FrameInput,
+    timed: bool,
+    statistics: Option<&'a Statistics>,
+    counters: Counters,
+}
+
+impl Recorder<'_> {
+    /// Numbers first, colours afterwards.
+    fn xor(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        let passes = &self.view.batches.passes;
+        let last = passes.len().saturating_sub(1);
+        for (index, classes) in passes.iter().enumerate() {
+            let depth_stencil = self.stage.depth_stencil_view();
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("stencil"),
+                color_attachments: &[],
+                depth_stencil_attachment: Some(read_only_depth(
+                    &depth_stencil,
+                    wgpu::LoadOp::Clear(0),
+                )),
+                timestamp_writes: self.stamps(TimedPass::Stencil, index == 0),
+                ..Default::default()
+            });
+            let query = self.begin_statistics(&mut pass, 2 * index);
+            self.bind_frame(&mut pass);
+            for (number, regions) in numbered(classes) {
+                self.volumes(&mut pass, regions, StencilRule::Xor(number));
+            }
+            end_statistics(&mut pass, query);
+            drop(pass);
+
+            let colour = self.stage.colour_view();
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("colour"),
+                color_attachments: &[Some(kept_colour(&colour))],
+                depth_stencil_attachment: Some(read_only_depth(
+                    &depth_stencil,
+                    wgpu::LoadOp::Load,
+                )),
+                timestamp_writes: self.stamps(TimedPass::Colour, index == last),
+                ..Default::default()
+            });
+            let query = self.begin_statistics(&mut pass, 2 * index + 1);
+            pass.set_pipeline(&self.backend.pipelines.cover);
+            self.bind_frame(&mut pass);
+            for (number, regions) in numbered(classes) {
+                pass.set_stencil_reference(u32::from(number));
+                for &planned in regions {
+                    self.cover(&mut pass, planned);
+                }
+            }
+            end_statistics(&mut pass, query);
+        }
+    }
+
+    /// One region after the other.
+    fn rectangles(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        let (colour, depth_stencil) = (self.stage.colour_view(), self.stage.depth_stencil_view());
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("stencil and colour"),
+            color_attachments: &[Some(kept_colour(&colour))],
+            depth_stencil_attachment: Some(read_only_depth(
+                &depth_stencil,
+                wgpu::LoadOp::Clear(0),
+            )),
+            timestamp_writes: self.stamps(TimedPass::Colour, true),
+            ..Default::default()
+        });
+        let query = self.begin_statistics(&mut pass, 0);
+        self.bind_frame(&mut pass);
+        for planned in 0..self.input.plan.regions.len() {
+            let rect = self.input.plan.regions[planned].screen_rect;
+            pass.set_scissor_rect(rect.left, rect.top, rect.width(), rect.height());
+            self.volumes(&mut pass, &[planned], StencilRule::Count);
+            pass.set_pipeline(&self.backend.pipelines.cover);
+            self.cover(&mut pass, planned);
+        }
+        end_statistics(&mut pass, query);
+    }
+
+    fn stamps(&self, pass: TimedPass, wanted: bool) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        let timer = self.stage.timer().filter(|_| self.timed && wanted)?;
+        Some(timer.around(pass))
+    }
+
+    fn begin_statistics(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        index: usize,
+    ) -> Option<u32> {
+        let statistics = self.statistics?;
+        let index = u32::try_from(index).ok()?;
+        pass.begin_pipeline_statistics_query(&statistics.queries, index);
+        Some(index)
+    }
+
+    fn bind_frame(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_bind_group(0, &self.view.bind_group, &[]);
+        if self.backend.variant.layout == Layout::Doubled {
+            pass.set_vertex_buffer(0, self.scene.vertices.slice(..));
+        }
+    }
+
+    /// Caps of all `regions`, then walls of all, so that pipelines change seldom.
+    fn volumes(&mut self, pass: &mut wgpu::RenderPass<'_>, regions: &[usize], rule: StencilRule) {
+        for short_indices in [true, false] {
+            for part in [Part::Caps, Part::Walls { short_indices }] {
+                let mut is_bound = false;
+                for &planned in regions {
+                    let slice = self.scene.regions[self.input.plan.regions[planned].mesh];
+                    if slice.short_indices != short_indices {
+                        continue;
+                    }
+                    if !is_bound {
+                        self.bind_part(pass, part, rule, short_indices);
+                        is_bound = true;
+                    }
+                    self.draw_part(pass, part, planned, &slice);
+                }
+            }
+        }
+    }
+
+    fn bind_part(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        part: Part,
+        rule: StencilRule,
+        short_indices: bool,
+    ) {
+        if let Some(pipeline) = self.backend.pipelines.volume(part, rule) {
+            pass.set_pipeline(pipeline);
+        }
+        if let Some(pulled) = &self.scene.pulled {
+            pass.set_bind_group(1, &pulled[usize::from(!short_indices)], &[]);
+        } else if short_indices {
+            let indices = self.scene.short_indices.slice(..);
+            pass.set_index_buffer(indices, wgpu::IndexFormat::Uint16);
+        } else {
+            let indices = self.scene.long_indices.slice(..);
+            pass.set_index_buffer(indices, wgpu::IndexFormat::Uint32);
+        }
+    }
+
+    fn draw_part(
+        &mut self,
+        pass: &mut wgpu::RenderPass<'_>,
+        part: Part,
+        planned: usize,
+        slice: &RegionSlice,
+    ) {
+        let instance = instance(planned);
+        let vertices = if self.scene.pulled.is_some() {
+            let count = match part {
+                Part::Caps => 6 * slice.triangle_count,
+                // Entry e needs entry e + 1; the last one is a separator.
+                Part::Walls { .. } => 6 * slice.loop_index_count.saturating_sub(1),
+            };
+            pass.draw(0..count, instance);
+            count
+        } else {
+            let (first, count) = match part {
+                Part::Caps => (slice.first_triangle_index, 6 * slice.triangle_count),
+                Part::Walls { .. } => (slice.first_loop_index, slice.loop_index_count),
+            };
+            let base_vertex = i32::try_from(slice.first_vertex).unwrap_or(i32::MAX);
+            pass.draw_indexed(first..first + count, base_vertex, instance);
+            count
+        };
+        self.counters.draws += 1;
+        self.counters.vertices += u64::from(vertices);
+    }
+
+    fn cover(&mut self, pass: &mut wgpu::RenderPass<'_>, planned: usize) {
+        let rect = self.input.plan.regions[planned].screen_rect;
+        pass.set_scissor_rect(rect.left, rect.top, rect.width(), rect.height());
+        pass.draw(0..3, instance(planned));
+        self.counters.draws += 1;
+        self.counters.vertices += 3;
+    }
+}
+
+/// The instance number is the index of the region's constants.
+fn instance(planned: usize) -> std::ops::Range<u32> {
+    let first = u32::try_from(planned).unwrap_or(u32::MAX - 1);
+    first..first + 1
+}
+
+fn end_statistics(pass: &mut wgpu::RenderPass<'_>, query: Option<u32>) {
+    if query.is_some() {
+        pass.end_pipeline_statistics_query();
+    }
+}
+
+fn read_only_depth(
+    view: &wgpu::TextureView,
+    stencil: wgpu::LoadOp<u32>,
+) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: None,
+        stencil_ops: Some(wgpu::Operations {
+            load: stencil,
+            store: wgpu::StoreOp::Store,
+        }),
+    }
+}
+
+fn kept_colour(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
+    wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations {
+            load: wgpu::LoadOp::Load,
+            store: wgpu::StoreOp::Store,
+        },
+    }
+}
+
+/// Pipeline statistics of a frame's passes.
+#[derive(Debug)]
+struct Statistics {
+    queries: wgpu::QuerySet,
+    resolved: wgpu::Buffer,
+    passes: u32,
+}
+
+/// Vertex shader, clipper in, clipper out, fragment shader: in the order of the bits.
+const STATISTICS: usize = 4;
+
+impl Statistics {
+    fn new(gpu: &Gpu, passes: u32) -> Option<Self> {
+        if !gpu.facts.pipeline_statistics || passes == 0 {
+            return None;
+        }
+        let types = wgpu::PipelineStatisticsTypes::VERTEX_SHADER_INVOCATIONS
+            | wgpu::PipelineStatisticsTypes::CLIPPER_INVOCATIONS
+            | wgpu::PipelineStatisticsTypes::CLIPPER_PRIMITIVES_OUT
+            | wgpu::PipelineStatisticsTypes::FRAGMENT_SHADER_INVOCATIONS;
+        let queries = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
+            label: Some("pipeline statistics"),
+            ty: wgpu::QueryType::PipelineStatistics(types),
+            count: passes,
+        });
+        let resolved = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("pipeline statistics"),
+            size: u64::from(passes) * STATISTICS as u64 * 8,
+            usage: wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        Some(Self {
+            queries,
+            resolved,
+            passes,
+        })
+    }
+
+    /// Sums the passes: geometry counts of the volumes, fragments of the covers (volumes have no
+    /// fragment shader).
+    fn read_into(&self, gpu: &Gpu, counters: &mut Counters) -> Result<(), BackendError> {
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        encoder.resolve_query_set(&self.queries, 0..self.passes, &self.resolved, 0);
+        gpu.queue.submit([encoder.finish()]);
+        let bytes = read_buffer(gpu, &self.resolved)?;
+        let values: Vec<u64> = bytemuck::pod_collect_to_vec(&bytes);
+        let sum = |which: usize| values.iter().skip(which).step_by(STATISTICS).sum();
+        counters.vertex_shader_invocations = Some(sum(0));
+        counters.clipper_invocations = Some(sum(1));
+        counters.clipper_primitives_out = Some(sum(2));
+        counters.fragment_shader_invocations = Some(sum(3));
+        Ok(())
+    }
+}
