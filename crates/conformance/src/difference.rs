@@ -42,12 +42,10 @@ pub fn difference_rgb(reference: &Frame, frame: &Frame) -> Result<Vec<u8>, Compa
         .collect();
     // Red last, so that no orange marker covers it.
     for (in_band, colour) in [(true, WRONG_IN_BAND), (false, WRONG_OUTSIDE)] {
-        for index in 0..pixels.len() {
-            if reference.ids[index] != frame.ids[index] && band[index] == in_band {
-                for near in grid.square(index, 1) {
-                    pixels[near] = colour;
-                }
-            }
+        let wrong = (0..band.len())
+            .filter(|&index| reference.ids[index] != frame.ids[index] && band[index] == in_band);
+        for near in wrong.flat_map(|index| grid.square(index, 1)) {
+            pixels[near] = colour;
         }
     }
     Ok(pixels.concat())
