@@ -170,6 +170,63 @@ pub struct Summary {
     pub reference_image: String,
 }
 
+impl Summary {
+    /// A row in which nothing is measured yet.
+    #[must_use]
+    pub fn new(case: CaseKey, status: Status) -> Self {
+        Self {
+            scene: case.scene,
+            view: case.view,
+            backend: case.backend,
+            variant: case.variant,
+            status,
+            reason: String::new(),
+            surface_gpu_ms: None,
+            fill_gpu_ms: None,
+            fill_cpu_ms: None,
+            bound_gpu_ms: None,
+            bound_cpu_ms: None,
+            floor_cpu_ms: None,
+            fill_over_bound_cpu: None,
+            geometry_bytes: None,
+            upload_bytes: None,
+            draws: None,
+            vertices: None,
+            filled_px: None,
+            mismatched_px: None,
+            mismatched_px_outside_band: None,
+            hausdorff_px: None,
+            left_out: String::new(),
+            stencil_gpu_ms: None,
+            colour_gpu_ms: None,
+            fill_wall_ms: None,
+            fill_cpu_ms_p5: None,
+            fill_cpu_ms_p95: None,
+            samples: 0,
+            regions_drawn: None,
+            regions_left_out: None,
+            non_finite: None,
+            reference_disagreements: None,
+            reference_disagreements_outside_band: None,
+            boundary_tolerance_m: None,
+            boundary_deviation_m: None,
+            area_error: None,
+            tiny_regions: None,
+            buffers: None,
+            vertex_bytes: None,
+            index_bytes: None,
+            constant_bytes: None,
+            vertex_shader_invocations: None,
+            clipper_invocations: None,
+            clipper_primitives_out: None,
+            fragment_shader_invocations: None,
+            image: String::new(),
+            difference_image: String::new(),
+            reference_image: String::new(),
+        }
+    }
+}
+
 /// Medians of the full-screen passes measured beside a case.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Baselines {

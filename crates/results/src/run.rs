@@ -115,11 +115,13 @@ impl RunFolder {
     }
 
     /// Every timed frame. A last line without its line end is dropped: the run was killed there.
+    /// When a frame of a case stands twice, the last one counts.
     ///
     /// # Errors
     /// [`RunError::Row`] for any other malformed row.
     pub fn samples(&self) -> Result<Vec<Sample>, RunError> {
-        self.read_rows("samples.csv")
+        let rows: Vec<Sample> = self.read_rows("samples.csv")?;
+        Ok(keep_last(rows, |row| (row.key(), row.frame)))
     }
 
     /// Every finished case; when a case stands twice, the last one counts.
@@ -127,7 +129,7 @@ impl RunFolder {
     /// # Errors
     /// As [`RunFolder::samples`].
     pub fn summaries(&self) -> Result<Vec<Summary>, RunError> {
-        self.read_rows("summary.csv")
+        Ok(keep_last(self.read_rows("summary.csv")?, Summary::key))
     }
 
     /// Planned cases without a summary row.
@@ -213,15 +215,22 @@ impl RunFolder {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
             Err(error) => return Err(self.io(file, error)),
         };
-        text.truncate(text.rfind('\n').map_or(0, |end| end + 1));
+        text.truncate(whole_rows_len(&text));
         let mut reader = csv::Reader::from_reader(text.as_bytes());
+        let at_row = |row: u64, message: String| RunError::Row {
+            path: path.clone(),
+            row,
+            message,
+        };
+        let header = reader
+            .headers()
+            .map_err(|error| at_row(1, error.to_string()))?
+            .clone();
         let mut rows = Vec::new();
-        for (index, row) in reader.deserialize().enumerate() {
-            rows.push(row.map_err(|error| RunError::Row {
-                path: path.clone(),
-                row: index as u64 + 2,
-                message: error.to_string(),
-            })?);
+        for (record, row) in reader.records().zip(2..) {
+            let record = record.map_err(|error| at_row(row, error.to_string()))?;
+            let value = record.deserialize(Some(&header));
+            rows.push(value.map_err(|error| at_row(row, cell_message(&error, &header, &record)))?);
         }
         Ok(rows)
     }
@@ -271,6 +280,50 @@ impl RunFolder {
             message: error.to_string(),
         })
     }
+}
+
+/// What is wrong with a row, with its column and the value found where one cell is to blame.
+fn cell_message(
+    error: &csv::Error,
+    header: &csv::StringRecord,
+    record: &csv::StringRecord,
+) -> String {
+    let csv::ErrorKind::Deserialize { err, .. } = error.kind() else {
+        return error.to_string();
+    };
+    let index = err.field().and_then(|field| usize::try_from(field).ok());
+    let cell = index.and_then(|index| Some((header.get(index)?, record.get(index)?)));
+    match cell {
+        Some((column, found)) => format!("column {column} holds {found:?}: {}", err.kind()),
+        None => err.kind().to_string(),
+    }
+}
+
+/// Bytes of `text` up to the end of its last finished row. A line end inside quotes, as in a
+/// reason of two lines, ends no row.
+fn whole_rows_len(text: &str) -> usize {
+    let mut quoted = false;
+    let mut end = 0;
+    for (index, byte) in text.bytes().enumerate() {
+        match byte {
+            b'"' => quoted = !quoted,
+            b'\n' if !quoted => end = index + 1,
+            _ => {}
+        }
+    }
+    end
+}
+
+/// Drops every row that a later one of the same key replaces; the order of the kept ones stays.
+fn keep_last<T, K: Ord>(rows: Vec<T>, key: impl Fn(&T) -> K) -> Vec<T> {
+    let mut seen = BTreeSet::new();
+    let mut kept: Vec<T> = rows
+        .into_iter()
+        .rev()
+        .filter(|row| seen.insert(key(row)))
+        .collect();
+    kept.reverse();
+    kept
 }
 
 impl Summary {

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A run folder through its life: written, killed, read, resumed. Each rule has a twin that breaks
+//! it on purpose and must be noticed.
+
+use std::fs;
+use std::path::Path;
+use terrafill_results::{
+    CaseKey, RunEnvironment, RunError, RunFolder, RunPlan, Sample, Status, Summary,
+};
+
+/// The stable part of `summary.csv`, word for word from the design's §6.
+const STABLE_SUMMARY_HEADER: &str = "scene,view,backend,variant,status,reason,surface_gpu_ms,\
+    fill_gpu_ms,fill_cpu_ms,bound_gpu_ms,bound_cpu_ms,floor_cpu_ms,fill_over_bound_cpu,\
+    geometry_bytes,upload_bytes,draws,vertices,filled_px,mismatched_px,\
+    mismatched_px_outside_band,hausdorff_px,left_out";
+
+const SAMPLES_HEADER: &str = "scene,view,backend,variant,frame,surface_gpu_ms,stencil_gpu_ms,\
+    colour_gpu_ms,fill_gpu_ms,fill_cpu_ms,fill_wall_ms";
+
+fn key(variant: &str) -> CaseKey {
+    CaseKey {
+        scene: "planet-134".to_owned(),
+        view: "globe".to_owned(),
+        backend: "vertex".to_owned(),
+        variant: variant.to_owned(),
+    }
+}
+
+fn plan(variants: &[&str]) -> RunPlan {
+    RunPlan {
+        cases: variants.iter().map(|variant| key(variant)).collect(),
+        frames: 2,
+        warm_up: 1,
+        ..RunPlan::default()
+    }
+}
+
+fn summary(variant: &str, fill_cpu_ms: Option<f64>) -> Summary {
+    Summary {
+        fill_cpu_ms,
+        ..Summary::new(key(variant), Status::Ok)
+    }
+}
+
+fn samples(variant: &str, fill_cpu_ms: &[f64]) -> Vec<Sample> {
+    let key = key(variant);
+    fill_cpu_ms
+        .iter()
+        .zip(0..)
+        .map(|(&fill_cpu_ms, frame)| Sample {
+            scene: key.scene.clone(),
+            view: key.view.clone(),
+            backend: key.backend.clone(),
+            variant: key.variant.clone(),
+            frame,
+            surface_gpu_ms: None,
+            stencil_gpu_ms: Some(0.5),
+            colour_gpu_ms: None,
+            fill_gpu_ms: Some(1.0),
+            fill_cpu_ms,
+            fill_wall_ms: fill_cpu_ms,
+        })
+        .collect()
+}
+
+fn start(path: &Path, variants: &[&str]) -> RunFolder {
+    RunFolder::create(path, &RunEnvironment::default(), &plan(variants)).expect("an empty folder")
+}
+
+/// A run of `a` and `b`, `c` still to do.
+fn half_done(path: &Path) -> RunFolder {
+    let run = start(path, &["a", "b", "c"]);
+    for variant in ["a", "b"] {
+        run.append_samples(&samples(variant, &[1.0, 2.0]))
+            .expect("samples");
+        run.append_summary(&summary(variant, Some(1.5)))
+            .expect("summary");
+    }
+    run
+}
+
+fn append_text(path: &Path, text: &str) {
+    let old = fs::read_to_string(path).expect("the file");
+    fs::write(path, old + text).expect("writable");
+}
+
+fn header(path: &Path) -> String {
+    let text = fs::read_to_string(path).expect("the file");
+    text.lines().next().expect("a header").to_owned()
+}
+
+#[test]
+fn the_headers_are_the_stable_ones() {
+    let folder = tempfile::tempdir().expect("a folder");
+    half_done(folder.path());
+    let summary = header(&folder.path().join("summary.csv"));
+    assert!(
+        summary.starts_with(&format!("{STABLE_SUMMARY_HEADER},")),
+        "{summary}"
+    );
+    assert_eq!(header(&folder.path().join("samples.csv")), SAMPLES_HEADER);
+    // Twin: with two columns swapped, the comparison above would fail.
+    let swapped = STABLE_SUMMARY_HEADER.replace("draws,vertices", "vertices,draws");
+    assert!(!summary.starts_with(&swapped));
+}
+
+#[test]
+fn rows_come_back_as_they_went_in() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = start(folder.path(), &["a"]);
+    let row = Summary {
+        reason: "two lines,\nand \"quotes\"".to_owned(),
+        hausdorff_px: Some(0.1 + 0.2),
+        geometry_bytes: Some(u64::MAX),
+        ..summary("a", None)
+    };
+    run.append_summary(&row).expect("summary");
+    let frames = samples("a", &[1.0 / 3.0, 2e-300]);
+    run.append_samples(&frames).expect("samples");
+    assert_eq!(run.summaries().expect("rows"), [row]);
+    assert_eq!(run.samples().expect("rows"), frames);
+}
+
+#[test]
+fn what_was_not_measured_is_an_empty_cell() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = start(folder.path(), &["a"]);
+    run.append_summary(&summary("a", None)).expect("summary");
+    let text = fs::read_to_string(folder.path().join("summary.csv")).expect("the file");
+    let cells: Vec<&str> = text.lines().nth(1).expect("a row").split(',').collect();
+    let column = |name: &str| {
+        let index = text.lines().next().expect("header").split(',');
+        cells[index.clone().position(|cell| cell == name).expect(name)]
+    };
+    assert_eq!(column("fill_cpu_ms"), "");
+    assert_eq!(column("mismatched_px"), "");
+    assert_eq!(column("status"), "ok");
+}
+
+#[test]
+fn a_torn_last_line_is_dropped_and_a_torn_middle_one_is_not() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = half_done(folder.path());
+    append_text(&folder.path().join("summary.csv"), "planet-134,globe,ver");
+    append_text(&folder.path().join("samples.csv"), "planet-134,globe");
+    assert_eq!(run.summaries().expect("the whole rows").len(), 2);
+    assert_eq!(run.samples().expect("the whole rows").len(), 4);
+    // Twin: the same piece with a line end after it was not torn by a kill.
+    append_text(&folder.path().join("summary.csv"), "\n");
+    let error = run.summaries().expect_err("a short row");
+    let RunError::Row { path, row, .. } = &error else {
+        panic!("{error}");
+    };
+    assert!(path.ends_with("summary.csv"));
+    assert_eq!(*row, 4, "header is 1, two rows, then the bad one");
+}
+
+#[test]
+fn a_row_torn_inside_a_quoted_line_end_is_dropped() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = half_done(folder.path());
+    append_text(
+        &folder.path().join("summary.csv"),
+        "planet-134,globe,vertex,c,failed,\"first line\nsecond",
+    );
+    assert_eq!(run.summaries().expect("the whole rows").len(), 2);
+}
+
+#[test]
+fn a_value_that_is_no_number_is_an_error_with_its_row() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = half_done(folder.path());
+    let path = folder.path().join("samples.csv");
+    append_text(&path, "planet-134,globe,vertex,c,0,,,,,fast,1\n");
+    let message = run.samples().expect_err("not a number").to_string();
+    assert!(
+        message.contains("samples.csv, row 6: column fill_cpu_ms holds \"fast\""),
+        "{message}"
+    );
+}
+
+#[test]
+fn missing_cases_are_named_in_the_plans_order() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = start(folder.path(), &["c", "a", "b"]);
+    assert_eq!(run.missing().expect("a plan").len(), 3);
+    run.append_summary(&summary("a", None)).expect("summary");
+    assert_eq!(run.missing().expect("a plan"), [key("c"), key("b")]);
+    // A case that nobody planned does not stand in for one that was.
+    run.append_summary(&summary("z", None)).expect("summary");
+    assert_eq!(run.missing().expect("a plan").len(), 2);
+}
+
+#[test]
+fn the_last_row_of_a_case_counts() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = half_done(folder.path());
+    run.append_summary(&summary("a", Some(9.0)))
+        .expect("summary");
+    let mut again = samples("a", &[7.0]);
+    run.append_samples(&again).expect("samples");
+    let rows = run.summaries().expect("rows");
+    let values: Vec<_> = rows
+        .iter()
+        .map(|row| (row.variant.as_str(), row.fill_cpu_ms))
+        .collect();
+    assert_eq!(values, [("b", Some(1.5)), ("a", Some(9.0))]);
+    let kept = run.samples().expect("rows");
+    let of_a: Vec<_> = kept.iter().filter(|row| row.variant == "a").collect();
+    again[0].frame = 0;
+    assert_eq!(of_a.len(), 2);
+    assert_eq!(of_a[1], &again[0], "frame 0 was replaced");
+    assert!((of_a[0].fill_cpu_ms - 2.0).abs() < 1e-12, "frame 1 stays");
+}
+
+#[test]
+fn resuming_drops_the_case_in_hand_and_nothing_else() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = half_done(folder.path());
+    run.append_samples(&samples("c", &[3.0])).expect("samples");
+    append_text(&folder.path().join("samples.csv"), "planet-134,globe,ve");
+    let run = RunFolder::resume(folder.path(), &plan(&["a", "b", "c"])).expect("same plan");
+    assert_eq!(run.samples().expect("rows").len(), 4);
+    assert_eq!(run.missing().expect("a plan"), [key("c")]);
+    run.append_samples(&samples("c", &[3.0, 4.0]))
+        .expect("samples");
+    run.append_summary(&summary("c", Some(3.5)))
+        .expect("summary");
+    assert_eq!(run.samples().expect("rows").len(), 6);
+    assert!(run.missing().expect("a plan").is_empty());
+    let text = fs::read_to_string(folder.path().join("summary.csv")).expect("the file");
+    assert_eq!(text.matches("scene,view").count(), 1, "one header");
+}
+
+#[test]
+fn resuming_a_run_killed_in_its_header_works() {
+    let folder = tempfile::tempdir().expect("a folder");
+    start(folder.path(), &["a"]);
+    fs::write(folder.path().join("summary.csv"), "scene,vie").expect("writable");
+    let run = RunFolder::resume(folder.path(), &plan(&["a"])).expect("same plan");
+    run.append_summary(&summary("a", Some(1.0)))
+        .expect("summary");
+    assert_eq!(run.summaries().expect("rows").len(), 1);
+}
+
+#[test]
+fn another_plan_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    half_done(folder.path());
+    let error = RunFolder::resume(folder.path(), &plan(&["a", "b"])).expect_err("another plan");
+    assert!(matches!(error, RunError::Occupied { .. }), "{error}");
+    let again = RunFolder::create(
+        folder.path(),
+        &RunEnvironment::default(),
+        &plan(&["a", "b", "c"]),
+    );
+    assert!(matches!(again, Err(RunError::Occupied { .. })));
+}
+
+#[test]
+fn a_folder_without_a_run_is_an_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let error = RunFolder::open(folder.path()).expect_err("nothing there");
+    assert!(error.to_string().contains("plan.json"), "{error}");
+}
