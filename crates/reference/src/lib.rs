@@ -1,2 +1,21 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Exact f64 CPU renderer and classifier: the only judge of error.
+//!
+//! Per pixel: the exact ray against the surface triangles as drawn, the hit's geodetic longitude
+//! and latitude, and two inside tests that share no code. Where the two differ, the pixel is
+//! reported as such, never decided in silence. Small, slow and obvious comes before fast; what
+//! there is of indices is held against brute force in tests.
+//!
+//! Shares no meshing, projection or fill code with what it judges: of a scene it reads body,
+//! parsed rings, edge rule and camera, of a frame the surface's vertices; meshes and plan it never
+//! looks at.
+
+mod backend;
+mod great_ellipse;
+mod locator;
+mod planar;
+mod slabs;
+mod surface;
+
+pub use backend::{ReferenceBackend, ReferenceFrame};
+pub use locator::{Location, Locator, LocatorError};
