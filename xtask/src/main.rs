@@ -1,3 +1,91 @@
-//! Repository checks.
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Checks of the repository that need more than cargo, and the blessing of goldens.
+//!
+//! Every check prints what it looked at and how much of it there was, since a check that found
+//! nothing to check has not passed.
 
-fn main() {}
+mod dependencies;
+mod goldens;
+mod shaders;
+mod validation_log;
+
+use anyhow::{Context as _, Result, bail};
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+const USAGE: &str = "\
+usage: cargo xtask COMMAND
+
+  check-deps                   no crate depends on one that the architecture forbids
+  check-shaders                shaders on disk, embedded and documented are the same, and valid
+  check-validation-log FILE    the Vulkan layer was at work and reported nothing unexpected
+  check-goldens                every golden is there, is used and is what the code gives
+  bless NAME                   write the golden NAME anew; the only command that writes";
+
+#[allow(
+    clippy::print_stdout,
+    reason = "a command-line tool reports on standard output"
+)]
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let outcome = match words[..] {
+        ["check-deps"] => check_deps(),
+        ["check-shaders"] => shaders::check(&root().join("shaders")),
+        ["check-validation-log", file] => validation_log::check(Path::new(file)),
+        ["check-goldens"] => goldens_now().and_then(|all| goldens::check(&goldens_dir(), &all)),
+        ["bless", name] => goldens_now().and_then(|all| goldens::bless(&goldens_dir(), &all, name)),
+        _ => {
+            eprintln!("{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match outcome {
+        Ok(summary) => {
+            println!("{summary}");
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("{error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn check_deps() -> Result<String> {
+    let edges = dependencies::edges(&metadata()?)?;
+    let imports = dependencies::check_reference(&root().join("crates/reference/src"))?;
+    Ok(format!("{}; {imports}", dependencies::check(&edges)?))
+}
+
+/// Every golden by name, with what it should be now.
+fn goldens_now() -> Result<Vec<(&'static str, String)>> {
+    let edges = dependencies::edges(&metadata()?)?;
+    Ok(vec![("dependencies.txt", dependencies::listing(&edges))])
+}
+
+fn goldens_dir() -> PathBuf {
+    root().join("tests/goldens")
+}
+
+/// The repository: xtask lies in a folder of it.
+fn root() -> PathBuf {
+    let xtask = Path::new(env!("CARGO_MANIFEST_DIR"));
+    xtask.parent().unwrap_or(xtask).to_path_buf()
+}
+
+fn metadata() -> Result<String> {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let output = Command::new(cargo)
+        .args(["metadata", "--no-deps", "--format-version", "1"])
+        .current_dir(root())
+        .output()
+        .context("cargo metadata does not start")?;
+    if !output.status.success() {
+        bail!(
+            "cargo metadata: {}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+    }
+    String::from_utf8(output.stdout).context("cargo metadata")
+}

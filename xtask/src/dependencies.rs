@@ -1,0 +1,330 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Which crate may depend on which.
+//!
+//! An allow list, not a list of what is forbidden: a crate that nobody thought of is refused until
+//! someone writes down where it stands. Edges of tests count as well, since a backend whose tests
+//! need another backend cannot be taken out.
+
+use anyhow::{Context as _, Result, bail};
+use serde::Deserialize;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// What a crate may depend on, in the short names of the folders.
+///
+/// `core ← scene ← frame ← backends ← {conformance, bench}`; `{conformance, bench, report} →
+/// results`. Backends never name each other. `report` opens no device, so it sees results only.
+const ALLOWED: &[(&str, &[&str])] = &[
+    ("core", &[]),
+    ("scene", &["core"]),
+    ("frame", &["core", "scene"]),
+    ("shaders", &[]),
+    ("gpu", &["core", "scene", "frame", "shaders"]),
+    ("vulkan", &["core", "scene", "frame", "shaders"]),
+    ("vertex", &["core", "scene", "frame", "shaders", "gpu"]),
+    ("compute", &["core", "scene", "frame", "shaders", "gpu"]),
+    ("native", &["core", "scene", "frame", "shaders", "vulkan"]),
+    ("reference", &["core", "scene", "frame"]),
+    ("results", &[]),
+    (
+        "conformance",
+        &[
+            "core",
+            "scene",
+            "frame",
+            "shaders",
+            "gpu",
+            "vulkan",
+            "vertex",
+            "compute",
+            "native",
+            "reference",
+            "results",
+        ],
+    ),
+    (
+        "bench",
+        &[
+            "core",
+            "scene",
+            "frame",
+            "shaders",
+            "gpu",
+            "vulkan",
+            "vertex",
+            "compute",
+            "native",
+            "reference",
+            "conformance",
+            "results",
+        ],
+    ),
+    ("report", &["results"]),
+    (
+        "terrafill",
+        &[
+            "core",
+            "scene",
+            "frame",
+            "shaders",
+            "gpu",
+            "vulkan",
+            "vertex",
+            "compute",
+            "native",
+            "reference",
+            "conformance",
+            "results",
+            "bench",
+            "report",
+        ],
+    ),
+    ("xtask", &["shaders"]),
+];
+
+/// What the reference may take from core: bodies and parsed rings, nothing that meshes.
+const REFERENCE_MAY_IMPORT: &[&str] = &[
+    "EdgeRule",
+    "Ellipsoid",
+    "Geodetic",
+    "Polygon",
+    "Region",
+    "RegionFileError",
+    "Ring",
+    "parse_regions",
+];
+
+/// The part of `cargo metadata` that is read.
+#[derive(Deserialize)]
+struct Metadata {
+    packages: Vec<Package>,
+}
+
+#[derive(Deserialize)]
+struct Package {
+    name: String,
+    dependencies: Vec<Dependency>,
+}
+
+#[derive(Deserialize)]
+struct Dependency {
+    name: String,
+    kind: Option<String>,
+    path: Option<String>,
+}
+
+/// One crate of the workspace needs another.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Edge {
+    from: String,
+    to: String,
+    /// `dev` or `build`; `None` for an ordinary one.
+    kind: Option<String>,
+}
+
+/// `terrafill-core` → `core`; `terrafill` and `xtask` stay.
+fn short(name: &str) -> String {
+    name.strip_prefix("terrafill-").unwrap_or(name).to_owned()
+}
+
+/// Edges between crates of the workspace, sorted.
+pub(crate) fn edges(metadata: &str) -> Result<Vec<Edge>> {
+    let metadata: Metadata = serde_json::from_str(metadata).context("cargo metadata")?;
+    let mut edges = BTreeSet::new();
+    for package in &metadata.packages {
+        let inside = package.dependencies.iter().filter(|d| d.path.is_some());
+        edges.extend(inside.map(|dependency| Edge {
+            from: short(&package.name),
+            to: short(&dependency.name),
+            kind: dependency.kind.clone(),
+        }));
+    }
+    Ok(edges.into_iter().collect())
+}
+
+/// One line per crate, for the golden: whoever adds an edge sees it in the review.
+pub(crate) fn listing(edges: &[Edge]) -> String {
+    edges
+        .iter()
+        .map(|edge| {
+            let kind = edge
+                .kind
+                .as_ref()
+                .map_or(String::new(), |k| format!(" ({k})"));
+            format!("{} -> {}{kind}\n", edge.from, edge.to)
+        })
+        .collect()
+}
+
+/// Refuses edges that are not allowed.
+pub(crate) fn check(edges: &[Edge]) -> Result<String> {
+    if edges.is_empty() {
+        bail!("no edges found: the workspace was not read");
+    }
+    let mut forbidden = Vec::new();
+    for Edge { from, to, .. } in edges {
+        match ALLOWED.iter().find(|(name, _)| name == from) {
+            None => forbidden.push(format!("{from} -> {to}: {from} is not in the allow list")),
+            Some((_, allowed)) if !allowed.contains(&to.as_str()) => {
+                forbidden.push(format!("{from} -> {to}: allowed: {}", allowed.join(", ")));
+            }
+            Some(_) => {}
+        }
+    }
+    if forbidden.is_empty() {
+        return Ok(format!("{} edges between crates, all allowed", edges.len()));
+    }
+    bail!("forbidden dependencies:\n  {}", forbidden.join("\n  "));
+}
+
+/// Refuses a reference that takes anything but bodies and rings from core.
+///
+/// The reference judges what the mesher and its users produce; were it to share their code, a
+/// mistake in it would be right by definition.
+pub(crate) fn check_reference(folder: &Path) -> Result<String> {
+    let mut names = BTreeSet::new();
+    for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|extension| extension == "rs") {
+            let text =
+                std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+            names.extend(imports_from_core(&text));
+        }
+    }
+    let allowed = |name: &&String| REFERENCE_MAY_IMPORT.contains(&name.as_str());
+    let wrong: Vec<String> = names
+        .iter()
+        .filter(|name| !allowed(name))
+        .cloned()
+        .collect();
+    if !wrong.is_empty() {
+        bail!(
+            "reference takes {} from core; allowed: {}",
+            wrong.join(", "),
+            REFERENCE_MAY_IMPORT.join(", ")
+        );
+    }
+    Ok(format!(
+        "reference takes {} names from core, all allowed",
+        names.len()
+    ))
+}
+
+/// Names after `terrafill_core::`, alone or in braces.
+fn imports_from_core(text: &str) -> BTreeSet<String> {
+    let is_name = |c: char| c.is_alphanumeric() || c == '_' || c == '*';
+    let mut names = BTreeSet::new();
+    for after in text.split("terrafill_core::").skip(1) {
+        let list = match after.strip_prefix('{') {
+            Some(braced) => braced.split('}').next().unwrap_or(braced),
+            None => after.split(|c| !is_name(c)).next().unwrap_or(after),
+        };
+        // `Name as Other` imports Name; a nested path would be refused by its first part.
+        names.extend(
+            list.split(',')
+                .filter_map(|item| item.split_whitespace().next())
+                .map(str::to_owned),
+        );
+    }
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn edge(from: &str, to: &str) -> Edge {
+        Edge {
+            from: from.to_owned(),
+            to: to.to_owned(),
+            kind: None,
+        }
+    }
+
+    #[test]
+    fn edges_of_the_architecture_pass() {
+        let good = [("scene", "core"), ("vertex", "gpu"), ("bench", "results")];
+        let edges: Vec<Edge> = good.map(|(from, to)| edge(from, to)).to_vec();
+        assert_eq!(
+            check(&edges).expect("allowed"),
+            "3 edges between crates, all allowed"
+        );
+    }
+
+    #[test]
+    fn every_forbidden_edge_is_refused_by_name() {
+        let forbidden = [
+            ("core", "scene"),
+            ("frame", "gpu"),
+            ("vertex", "compute"),
+            ("vertex", "reference"),
+            ("gpu", "vulkan"),
+            ("reference", "gpu"),
+            ("reference", "vertex"),
+            ("results", "core"),
+            ("report", "gpu"),
+            ("report", "bench"),
+            ("bench", "report"),
+            ("bench", "terrafill"),
+            ("shaders", "core"),
+            ("newcomer", "core"),
+        ];
+        for (from, to) in forbidden {
+            let error = check(&[edge("scene", "core"), edge(from, to)]).expect_err(to);
+            let text = error.to_string();
+            assert!(text.contains(&format!("{from} -> {to}:")), "{text}");
+            assert!(!text.contains("scene -> core"), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_workspace_without_edges_was_not_read() {
+        assert!(check(&[]).is_err());
+        assert!(edges("{}").is_err());
+    }
+
+    #[test]
+    fn edges_are_read_from_metadata_with_those_of_tests() {
+        let metadata = r#"{"packages":[{"name":"terrafill-frame","dependencies":[
+            {"name":"glam","kind":null},
+            {"name":"terrafill-scene","kind":null,"path":"p"},
+            {"name":"terrafill-gpu","kind":"dev","path":"p"}]}]}"#;
+        let edges = edges(metadata).expect("valid");
+        assert_eq!(listing(&edges), "frame -> gpu (dev)\nframe -> scene\n");
+        let error = check(&edges).expect_err("an edge of tests is an edge");
+        assert!(error.to_string().contains("frame -> gpu"), "{error}");
+    }
+
+    #[test]
+    fn the_allow_list_has_no_circle() {
+        // Whoever is allowed must stand earlier in the list.
+        for (i, (name, allowed)) in ALLOWED.iter().enumerate() {
+            for other in *allowed {
+                let place = ALLOWED.iter().position(|(n, _)| n == other);
+                assert!(place.is_some_and(|place| place < i), "{name} -> {other}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_reference_that_meshes_is_refused() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let file = folder.path().join("lib.rs");
+        std::fs::write(
+            &file,
+            "use terrafill_core::{Ellipsoid,\n    Ring};\nterrafill_core::Region",
+        )
+        .expect("writable");
+        let summary = check_reference(folder.path()).expect("allowed");
+        assert!(summary.contains("3 names"), "{summary}");
+        for twin in [
+            "{Ellipsoid, RegionMesh}",
+            "RegionMesh::area",
+            "*",
+            "{RegionMesh as Region}",
+        ] {
+            std::fs::write(&file, format!("use terrafill_core::{twin};")).expect("writable");
+            assert!(check_reference(folder.path()).is_err(), "{twin}");
+        }
+    }
+}

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Shaders on disk, shaders built into the program and shaders in the README's table: one set, and
+//! valid.
+//!
+//! A file that lies in `shaders/` and is not embedded is never validated, so the three lists are
+//! held against each other before naga is asked.
+
+use anyhow::{Context as _, Result, bail};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// Files with entry points. Written down, so that a list that shrinks by accident fails.
+const EXPECTED_MODULES: usize = 6;
+/// Files that others import.
+const EXPECTED_SHARED: usize = 2;
+
+/// Checks the folder `shaders/`.
+pub(crate) fn check(folder: &Path) -> Result<String> {
+    let readme = folder.join("README.md");
+    let readme = std::fs::read_to_string(&readme).with_context(|| readme.display().to_string())?;
+    let embedded = terrafill_shaders::embedded_paths()
+        .map(str::to_owned)
+        .collect();
+    same_set(&embedded, "embedded", &on_disk(folder)?, "on disk")?;
+    same_set(
+        &embedded,
+        "embedded",
+        &documented(&readme),
+        "in shaders/README.md",
+    )?;
+    let valid = terrafill_shaders::check_all()?;
+    counts_are_expected(valid, embedded.len())?;
+    Ok(format!(
+        "{valid} shaders valid, {} imported by them",
+        embedded.len() - valid
+    ))
+}
+
+fn counts_are_expected(modules: usize, embedded: usize) -> Result<()> {
+    let expected = (EXPECTED_MODULES, EXPECTED_MODULES + EXPECTED_SHARED);
+    if (modules, embedded) != expected {
+        bail!(
+            "{modules} shaders of {embedded} files, expected {} of {}: if that is meant, change \
+             the numbers in xtask",
+            expected.0,
+            expected.1
+        );
+    }
+    Ok(())
+}
+
+/// Paths of the shader sources below `folder`, relative to it, with `/`.
+fn on_disk(folder: &Path) -> Result<BTreeSet<String>> {
+    let mut found = BTreeSet::new();
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(next) = folders.pop() {
+        for entry in std::fs::read_dir(&next).with_context(|| next.display().to_string())? {
+            let path = entry?.path();
+            let is_source = path
+                .extension()
+                .is_some_and(|extension| extension == "wgsl" || extension == "glsl");
+            if path.is_dir() {
+                folders.push(path);
+            } else if is_source {
+                let relative = path.strip_prefix(folder)?;
+                found.insert(relative.to_string_lossy().replace('\\', "/"));
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// First cells of the README's table that name a source.
+fn documented(readme: &str) -> BTreeSet<String> {
+    readme
+        .lines()
+        .filter_map(|line| line.strip_prefix("| ")?.split(" |").next())
+        .filter(|cell| cell.ends_with(".wgsl") || cell.ends_with(".glsl"))
+        .map(str::to_owned)
+        .collect()
+}
+
+fn same_set(a: &BTreeSet<String>, a_is: &str, b: &BTreeSet<String>, b_is: &str) -> Result<()> {
+    let list = |from: &BTreeSet<String>, without: &BTreeSet<String>| {
+        from.difference(without)
+            .cloned()
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    if a != b {
+        bail!(
+            "shaders {a_is} but not {b_is}: [{}]; {b_is} but not {a_is}: [{}]",
+            list(a, b),
+            list(b, a)
+        );
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn set(names: &[&str]) -> BTreeSet<String> {
+        names.iter().map(|&name| name.to_owned()).collect()
+    }
+
+    #[test]
+    fn sources_are_found_in_folders_and_other_files_are_not() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let sub = folder.path().join("vertex");
+        std::fs::create_dir(&sub).expect("writable");
+        std::fs::write(sub.join("a.wgsl"), "").expect("writable");
+        std::fs::write(folder.path().join("README.md"), "").expect("writable");
+        assert_eq!(
+            on_disk(folder.path()).expect("readable"),
+            set(&["vertex/a.wgsl"])
+        );
+    }
+
+    #[test]
+    fn the_table_names_sources_in_its_first_cell() {
+        let readme = "| file | stage |\n|---|---|\n| a/b.wgsl | vertex |\n| c.glsl | – |\nd.wgsl\n";
+        assert_eq!(documented(readme), set(&["a/b.wgsl", "c.glsl"]));
+    }
+
+    #[test]
+    fn a_file_that_is_in_one_list_only_is_named() {
+        let (both, one) = (set(&["a.wgsl", "b.wgsl"]), set(&["a.wgsl"]));
+        same_set(&both, "x", &both, "y").expect("equal");
+        for (first, second) in [(&both, &one), (&one, &both)] {
+            let error = same_set(first, "x", second, "y").expect_err("unequal");
+            assert!(error.to_string().contains("[b.wgsl]"), "{error}");
+        }
+    }
+
+    #[test]
+    fn another_count_than_expected_fails() {
+        let (modules, all) = (EXPECTED_MODULES, EXPECTED_MODULES + EXPECTED_SHARED);
+        counts_are_expected(modules, all).expect("as written down");
+        for (m, a) in [(0, 0), (modules - 1, all), (modules, all + 1)] {
+            assert!(counts_are_expected(m, a).is_err(), "{m} of {a}");
+        }
+    }
+}

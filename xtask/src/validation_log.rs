@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The log that tests write while the Vulkan validation layer watches them.
+//!
+//! One message a line: `PID<TAB>severity<TAB>message id<TAB>text`. Silence is no success: a layer
+//! that was never loaded is silent too. So one test commits an error on purpose, and a log without
+//! that error fails.
+
+use anyhow::{Context as _, Result, bail};
+use std::path::Path;
+
+/// What the deliberate error is reported as.
+const POSITIVE_CONTROL: &str = "VUID-VkBufferCreateInfo-size-00912";
+
+/// Messages that are known to be false with the layer of Debian 12 (1.3.239): start of the id, what
+/// the text holds, why.
+const FALSE_MESSAGES: [(&str, &str); 2] = [
+    // The layer's SPIR-V headers are older than the source language that naga writes.
+    (
+        "UNASSIGNED-CoreValidation-Shader-InconsistentSpirv",
+        "Invalid source language operand: 10",
+    ),
+    // Blamed on the line width, which no pipeline here makes dynamic; the layer loses count of the
+    // stencil reference.
+    ("VUID-vkCmdDraw", "LINE_WIDTH"),
+];
+
+/// Reads a log and refuses it if the layer was not at work or reported anything unexpected.
+pub(crate) fn check(path: &Path) -> Result<String> {
+    let text = std::fs::read_to_string(path).with_context(|| {
+        format!(
+            "{}: no log: did no test run with the layer on?",
+            path.display()
+        )
+    })?;
+    check_text(&text)
+}
+
+fn check_text(text: &str) -> Result<String> {
+    let (mut control, mut known_false, mut unexpected) = (0_usize, 0_usize, Vec::new());
+    for (i, line) in text.lines().enumerate() {
+        let mut fields = line.splitn(4, '\t');
+        let (Some(pid), Some(severity), Some(id), Some(message)) =
+            (fields.next(), fields.next(), fields.next(), fields.next())
+        else {
+            bail!(
+                "line {}: found {line:?}, allowed: four fields between tabs",
+                i + 1
+            );
+        };
+        if id == POSITIVE_CONTROL {
+            control += 1;
+        } else if is_known_false(id, message) {
+            known_false += 1;
+        } else {
+            unexpected.push(format!("process {pid}: {severity} {id}: {message}"));
+        }
+    }
+    if !unexpected.is_empty() {
+        bail!(
+            "{} unexpected validation messages:\n  {}",
+            unexpected.len(),
+            unexpected.join("\n  ")
+        );
+    }
+    if control == 0 {
+        bail!("the deliberate error {POSITIVE_CONTROL} was not reported: the layer is not at work");
+    }
+    Ok(format!(
+        "validation layer at work ({control} deliberate errors reported), {known_false} messages \
+         known to be false, nothing else"
+    ))
+}
+
+fn is_known_false(id: &str, message: &str) -> bool {
+    FALSE_MESSAGES
+        .iter()
+        .any(|(start, part)| id.starts_with(start) && message.contains(part))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CONTROL: &str = "7\tERROR\tVUID-VkBufferCreateInfo-size-00912\tsize is 0\n";
+    const SPIRV: &str = "8\tERROR\tUNASSIGNED-CoreValidation-Shader-InconsistentSpirv\t\
+                         Invalid source language operand: 10\n";
+    const LINE_WIDTH: &str = "8\tERROR\tVUID-vkCmdDrawIndexed-commandBuffer-02701\t\
+                              VK_DYNAMIC_STATE_LINE_WIDTH not set\n";
+
+    #[test]
+    fn the_deliberate_error_and_the_two_false_messages_pass() {
+        let summary = check_text(&[CONTROL, SPIRV, LINE_WIDTH].concat()).expect("clean");
+        assert!(summary.contains("1 deliberate errors"), "{summary}");
+        assert!(
+            summary.contains("2 messages known to be false"),
+            "{summary}"
+        );
+    }
+
+    #[test]
+    fn silence_fails() {
+        for text in ["", SPIRV] {
+            let error = check_text(text).expect_err("no positive control");
+            assert!(error.to_string().contains("not at work"), "{error}");
+        }
+        let folder = tempfile::tempdir().expect("temporary folder");
+        assert!(check(&folder.path().join("none")).is_err());
+    }
+
+    #[test]
+    fn any_other_message_fails_and_is_shown() {
+        let others = [
+            "9\tERROR\tVUID-vkCmdDrawIndexed-None-02699\tdescriptor not bound\n",
+            "9\tWARN\tvalidation-layer-missing\tunable to find layer\n",
+            // The false messages' ids with other texts are real ones.
+            "9\tERROR\tUNASSIGNED-CoreValidation-Shader-InconsistentSpirv\tmissing capability\n",
+            "9\tERROR\tVUID-vkCmdDraw-commandBuffer-02701\tviewport not set\n",
+        ];
+        for other in others {
+            let error = check_text(&format!("{CONTROL}{other}")).expect_err(other);
+            let id = other.split('\t').nth(2).expect("an id");
+            assert!(error.to_string().contains(id), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_line_that_is_no_message_fails() {
+        assert!(check_text(&format!("{CONTROL}half a line")).is_err());
+    }
+}
