@@ -5,9 +5,11 @@
 //! lengths are metres; positions are earth-centred earth-fixed (ECEF) unless a name says otherwise.
 
 mod body;
+mod geojson;
 mod mesh;
 mod region;
 
 pub use body::{Ellipsoid, Geodetic};
+pub use geojson::{RegionFileError, RegionProblem, RegionProblemKind, parse_regions};
 pub use mesh::{Extent, MeshOptions, OrientedBox, RegionMesh, VolumeHeights};
-pub use region::{EdgeRule, Polygon, Region, Ring};
+pub use region::{EdgeRule, Pole, Polygon, Region, Ring};

@@ -37,7 +37,10 @@ impl EdgeRule {
 ///
 /// A planar ring round a pole that was written uncut ends 360° away from where it started; then
 /// [`Ring::winding_deg`] is ±360 and the closing edge runs from the last vertex to the first one
-/// shifted by that much.
+/// shifted by that much. A ring that says so by a jump between −180 and 180 at one latitude is held
+/// the same way, the vertices after the jump shifted by one turn. Jumps that cancel, such as the
+/// two in the rectangle −180 … 180 × −10 … 10, are no such thing: they are edges along a parallel,
+/// and the ring is held as it was written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ring {
     vertices_deg: Vec<[f64; 2]>,
@@ -65,6 +68,13 @@ impl Ring {
         self.winding_deg
     }
 
+    /// Mean of the vertices' latitudes: what decides which pole a ring that goes round one holds.
+    #[must_use]
+    pub fn mean_latitude_deg(&self) -> f64 {
+        let sum: f64 = self.vertices_deg.iter().map(|vertex| vertex[1]).sum();
+        sum / self.vertices_deg.len() as f64
+    }
+
     /// Edges in file order, the closing edge last; its end carries [`Ring::winding_deg`].
     pub fn edges_deg(&self) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
         let count = self.vertices_deg.len();
@@ -90,6 +100,54 @@ pub struct Polygon {
     pub holes: Vec<Ring>,
 }
 
+/// An end of a body's axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Pole {
+    /// Latitude +90.
+    North,
+    /// Latitude −90.
+    South,
+}
+
+impl Pole {
+    /// ±90.
+    #[must_use]
+    pub fn latitude_deg(self) -> f64 {
+        match self {
+            Self::North => 90.0,
+            Self::South => -90.0,
+        }
+    }
+}
+
+impl Polygon {
+    /// The pole held by this polygon's ring `ring` (0 is the shell), should that ring go round one.
+    ///
+    /// A ring round the axis divides a body in two, and either winding is accepted, so the winding
+    /// cannot say which side is meant: the shell means the side of the pole whose sign its mean
+    /// latitude has (north when it is 0). A hole is closed over the same pole as its shell, so that
+    /// a zone between two parallels comes out as written; when the shell does not go round, the
+    /// hole decides for itself. `shell_goes_round` depends on the edge rule: see
+    /// [`Ring::winding_deg`] for planar edges.
+    #[must_use]
+    pub fn pole_held(&self, ring: usize, shell_goes_round: bool) -> Pole {
+        let decides = match ring.checked_sub(1) {
+            Some(hole) if !shell_goes_round => self.holes.get(hole).unwrap_or(&self.shell),
+            _ => &self.shell,
+        };
+        if decides.mean_latitude_deg() < 0.0 {
+            Pole::South
+        } else {
+            Pole::North
+        }
+    }
+
+    /// Shell first, then the holes.
+    pub fn rings(&self) -> impl Iterator<Item = &Ring> {
+        std::iter::once(&self.shell).chain(&self.holes)
+    }
+}
+
 /// One feature of a file: everything that shares a name, a colour and an id.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
@@ -112,8 +170,6 @@ impl Region {
 
     /// Shells and holes of all parts.
     pub fn rings(&self) -> impl Iterator<Item = &Ring> {
-        self.polygons
-            .iter()
-            .flat_map(|polygon| std::iter::once(&polygon.shell).chain(&polygon.holes))
+        self.polygons.iter().flat_map(Polygon::rings)
     }
 }
