@@ -1,0 +1,65 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT OR Apache-2.0
+#
+# Everything that must hold before a change is merged. Stops at the first step that fails.
+#
+# usage: ci/test.sh
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+section() { printf '\n== %s\n' "$*"; }
+
+section "set-up"
+ci/setup.sh --for test
+
+section "scripts"
+scripts=(ci/*.sh .ci/run)
+for script in "${scripts[@]}"; do
+    bash -n "$script"
+    [ -x "$script" ] || {
+        echo "$script is not executable" >&2
+        exit 1
+    }
+done
+echo "${#scripts[@]} scripts parse"
+if command -v shellcheck >/dev/null; then
+    shellcheck "${scripts[@]}"
+else
+    echo "shellcheck is not installed: not run"
+fi
+
+section "format"
+cargo fmt --all --check
+
+section "lints"
+cargo clippy --workspace --all-targets --locked -- -D warnings
+
+section "dependencies, shaders, goldens"
+cargo xtask check-deps
+cargo xtask check-shaders
+cargo xtask check-goldens
+
+section "tests"
+target=${CARGO_TARGET_DIR:-target}
+mkdir -p "$target"
+target=$(cd "$target" && pwd)
+log=$target/validation.log
+output=$target/nextest.txt
+rm -f "$log"
+TERRAFILL_VALIDATION=1 TERRAFILL_VALIDATION_LOG=$log \
+    cargo nextest run --workspace --locked 2>&1 | tee "$output"
+
+section "what the Vulkan validation layer saw"
+cargo xtask check-validation-log "$log"
+
+section "documentation tests"
+cargo test --workspace --doc --locked --quiet
+
+section "documentation"
+RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked --quiet
+
+section "result"
+if [ -z "${TERRAFILL_DATA:-}" ]; then
+    echo "TERRAFILL_DATA is not set: tests on real data were skipped"
+fi
+grep -E '^ *Summary ' "$output"
