@@ -3,14 +3,22 @@
 //! what a frame of a scene draws and leaves out.
 
 mod camera;
+mod data;
+mod file;
 mod plan;
+mod procedural;
 mod scene;
+mod shipped;
 mod surface;
 
 pub use camera::{Camera, CameraPose, ImageSize};
+pub use data::{DATA_DIR_VARIABLE, RegionLoadError, data_dir_from_env, load_regions};
+pub use file::SceneError;
 pub use plan::{
     CAP_CLEARANCE_PX, FramePlan, LeftOutReason, LeftOutRegion, PixelRect, PlanOptions,
     PlannedRegion, TerrainRange,
 };
+pub use procedural::Islands;
 pub use scene::{Overlap, Scene, View};
+pub use shipped::shipped_scene_names;
 pub use surface::SurfaceMesh;

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Files with regions: opened, read, and for scenes held against their SHA-256.
+//!
+//! A scene names its data by a path relative to the data folder and by the hash of the bytes. A
+//! file that is not there, or has other bytes, is no wrong input: the scene is skipped, with a line
+//! on how to get the file. A measurement on other data would carry the same name and mean
+//! something else.
+
+use sha2::{Digest, Sha256};
+use std::io;
+use std::path::{Path, PathBuf};
+use terrafill_core::{Region, RegionFileError, parse_regions};
+
+/// Environment variable with the data folder.
+pub const DATA_DIR_VARIABLE: &str = "TERRAFILL_DATA";
+
+/// The data folder named by [`DATA_DIR_VARIABLE`], if it is set to anything.
+#[must_use]
+pub fn data_dir_from_env() -> Option<PathBuf> {
+    std::env::var_os(DATA_DIR_VARIABLE)
+        .filter(|value| !value.is_empty())
+        .map(PathBuf::from)
+}
+
+/// Why a file gave no regions.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RegionLoadError {
+    /// Nothing is at the path.
+    #[error("{}: no such file", path.display())]
+    Missing {
+        /// The path.
+        path: PathBuf,
+    },
+    /// A directory is at the path.
+    #[error("{}: is a directory, allowed: a GeoJSON file", path.display())]
+    Directory {
+        /// The path.
+        path: PathBuf,
+    },
+    /// The system refused to read it.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Unreadable {
+        /// The path.
+        path: PathBuf,
+        /// The system's words.
+        source: io::Error,
+    },
+    /// It was read, and is not a file of regions.
+    #[error(transparent)]
+    Invalid(#[from] RegionFileError),
+}
+
+/// Reads every region of a GeoJSON file.
+///
+/// # Errors
+/// [`RegionLoadError`], with the path as given.
+pub fn load_regions(path: &Path) -> Result<Vec<Region>, RegionLoadError> {
+    let bytes = read(path)?;
+    Ok(parse_regions(&bytes, &path.display().to_string())?)
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, RegionLoadError> {
+    let path_buf = || path.to_path_buf();
+    // Asked for first: what opening a directory says differs between systems.
+    if path.is_dir() {
+        return Err(RegionLoadError::Directory { path: path_buf() });
+    }
+    std::fs::read(path).map_err(|source| match source.kind() {
+        io::ErrorKind::NotFound => RegionLoadError::Missing { path: path_buf() },
+        _ => RegionLoadError::Unreadable {
+            path: path_buf(),
+            source,
+        },
+    })
+}
+
+/// What became of a scene's data file.
+pub(crate) enum Verified {
+    /// Its bytes, which have the hash.
+    Bytes(Vec<u8>),
+    /// It is not there or not the same, and why.
+    Absent(String),
+}
+
+/// Reads `file` under `data_dir` and compares its hash.
+///
+/// # Errors
+/// [`RegionLoadError`] if it is there but cannot be read.
+pub(crate) fn read_verified(
+    data_dir: Option<&Path>,
+    file: &str,
+    sha256: &str,
+) -> Result<Verified, RegionLoadError> {
+    let Some(data_dir) = data_dir else {
+        return Ok(Verified::Absent(format!(
+            "no data folder is given ({DATA_DIR_VARIABLE} is not set)"
+        )));
+    };
+    let path = data_dir.join(file);
+    match read(&path) {
+        Ok(bytes) => {
+            let found = sha256_hex(&bytes);
+            Ok(if found == sha256 {
+                Verified::Bytes(bytes)
+            } else {
+                Verified::Absent(format!("{} has sha256 {found}", path.display()))
+            })
+        }
+        Err(RegionLoadError::Missing { .. }) => {
+            Ok(Verified::Absent(format!("{} is not there", path.display())))
+        }
+        Err(other) => Err(other),
+    }
+}
+
+/// SHA-256 in lower-case hexadecimal.
+pub(crate) fn sha256_hex(bytes: &[u8]) -> String {
+    Sha256::digest(bytes)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EMPTY_SHA256: &str = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
+
+    #[test]
+    fn the_hash_is_the_standards() {
+        // FIPS 180-2, appendix B.1.
+        assert_eq!(
+            sha256_hex(b"abc"),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+        );
+        assert_eq!(sha256_hex(b""), EMPTY_SHA256);
+    }
+
+    #[test]
+    fn a_path_without_a_readable_file_says_what_is_there() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let missing = folder.path().join("none.geojson");
+        assert_eq!(
+            load_regions(&missing).expect_err("missing").to_string(),
+            format!("{}: no such file", missing.display())
+        );
+        assert_eq!(
+            load_regions(folder.path())
+                .expect_err("directory")
+                .to_string(),
+            format!(
+                "{}: is a directory, allowed: a GeoJSON file",
+                folder.path().display()
+            )
+        );
+    }
+
+    #[test]
+    fn an_empty_file_is_invalid_and_a_good_one_is_read() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("r.geojson");
+        std::fs::write(&path, "").expect("writable");
+        let error = load_regions(&path).expect_err("empty");
+        assert!(matches!(error, RegionLoadError::Invalid(_)), "{error:?}");
+        assert!(error.to_string().contains("r.geojson"), "{error}");
+        let square = r#"{"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1],[0,1],[0,0]]]}"#;
+        std::fs::write(&path, square).expect("writable");
+        let regions = load_regions(&path).expect("a square");
+        assert_eq!((regions.len(), regions[0].vertex_count()), (1, 4));
+    }
+
+    #[test]
+    fn one_changed_byte_makes_a_data_file_absent() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let dir = Some(folder.path());
+        std::fs::write(folder.path().join("d"), "abc").expect("writable");
+        let hash = sha256_hex(b"abc");
+        let verified = read_verified(dir, "d", &hash).expect("readable");
+        assert!(matches!(verified, Verified::Bytes(bytes) if bytes == b"abc"));
+        std::fs::write(folder.path().join("d"), "abd").expect("writable");
+        let verified = read_verified(dir, "d", &hash).expect("readable");
+        let Verified::Absent(why) = verified else {
+            panic!("other bytes were taken for the scene's");
+        };
+        assert!(why.contains(&sha256_hex(b"abd")), "{why}");
+    }
+
+    #[test]
+    fn absent_data_says_whether_folder_or_file_is_missing() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        for (dir, phrase) in [
+            (None, "TERRAFILL_DATA is not set"),
+            (Some(folder.path()), "is not there"),
+        ] {
+            let Ok(Verified::Absent(why)) = read_verified(dir, "d", EMPTY_SHA256) else {
+                panic!("nothing was taken for something");
+            };
+            assert!(why.contains(phrase), "{why}");
+        }
+    }
+}

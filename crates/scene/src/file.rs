@@ -1,0 +1,572 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Scene files: TOML in degrees and metres in, a checked [`Scene`] in radians out.
+//!
+//! Everything is checked here, once. A message names the file, the key, the value found and the
+//! values allowed; keys that mean nothing are refused, since a misspelt switch would otherwise
+//! measure the default under another name.
+
+use crate::data::{Verified, read_verified};
+use crate::procedural::Islands;
+use crate::scene::{Overlap, Scene, View};
+use crate::shipped;
+use crate::{CameraPose, RegionLoadError};
+use serde::Deserialize;
+use std::io;
+use std::ops::RangeInclusive;
+use std::path::{Component, Path, PathBuf};
+use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, Region, parse_regions};
+
+/// Vertical field of view where a view names none, degrees.
+const DEFAULT_FOV_DEG: f64 = 60.0;
+/// Distance of the near plane where a view names none, share of the eye's height: far below
+/// anything a camera above the surface can see, and reversed depth keeps its precision.
+const DEFAULT_NEAR_SHARE: f64 = 1e-3;
+/// Rows of the surface grid where a scene names none: 1°.
+const DEFAULT_SURFACE_ROWS: i64 = 180;
+/// Rows of the surface grid: four are the fewest that close, 4,096 are 67 million triangles.
+const SURFACE_ROWS: RangeInclusive<i64> = 4..=4096;
+/// Largest edge of a cap triangle, degrees: beyond 30° a facet sags by hundreds of kilometres.
+const CAP_STEP_LIMIT_DEG: f64 = 30.0;
+
+/// Why a scene cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// No shipped scene has this name.
+    #[error("scene {name:?} is not shipped, allowed: {allowed}")]
+    Unknown {
+        /// Name asked for.
+        name: String,
+        /// Names there are.
+        allowed: String,
+    },
+    /// The scene file cannot be read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Unreadable {
+        /// The path.
+        path: PathBuf,
+        /// The system's words.
+        source: io::Error,
+    },
+    /// Not TOML, a key that means nothing, a missing key or a value of the wrong type.
+    #[error("{file}:{line}:{column}: {message}")]
+    Syntax {
+        /// The scene file.
+        file: String,
+        /// From 1.
+        line: usize,
+        /// From 1, in bytes.
+        column: usize,
+        /// The parser's words.
+        message: String,
+    },
+    /// A value outside what is allowed.
+    #[error("{file}: {key}: found {found}, allowed: {allowed}")]
+    Value {
+        /// The scene file.
+        file: String,
+        /// Path of the key, such as `views[2].latitude_deg`.
+        key: String,
+        /// The value.
+        found: String,
+        /// What it may be.
+        allowed: String,
+    },
+    /// The scene is right, but its data is not here: to be skipped, not failed.
+    #[error("scene {scene} needs {file} (sha256 {sha256}), but {why}; {how}")]
+    DataMissing {
+        /// Name of the scene.
+        scene: String,
+        /// Path relative to the data folder.
+        file: String,
+        /// Hash the file must have.
+        sha256: String,
+        /// What is the matter.
+        why: String,
+        /// How to get the file.
+        how: String,
+    },
+    /// The regions' file is here and is wrong.
+    #[error(transparent)]
+    Regions(#[from] RegionLoadError),
+}
+
+impl Scene {
+    /// Reads a scene file.
+    ///
+    /// - `data_dir`: where files named by the scene are; without it they count as missing
+    ///
+    /// # Errors
+    /// [`SceneError`]; [`SceneError::DataMissing`] if only the data is missing.
+    pub fn load(path: &Path, data_dir: Option<&Path>) -> Result<Self, SceneError> {
+        let text = std::fs::read_to_string(path).map_err(|source| SceneError::Unreadable {
+            path: path.to_path_buf(),
+            source,
+        })?;
+        Self::from_toml(&text, &path.display().to_string(), data_dir)
+    }
+
+    /// A scene that ships with the program, by name.
+    ///
+    /// # Errors
+    /// As [`Scene::load`], and [`SceneError::Unknown`].
+    pub fn shipped(name: &str, data_dir: Option<&Path>) -> Result<Self, SceneError> {
+        let text = shipped::scene_text(name).ok_or_else(|| SceneError::Unknown {
+            name: name.to_owned(),
+            allowed: shipped::shipped_scene_names().join(", "),
+        })?;
+        Self::from_toml(text, &format!("bench-scenes/{name}.toml"), data_dir)
+    }
+
+    /// A scene from the text of a scene file; `file` is for messages.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn from_toml(text: &str, file: &str, data_dir: Option<&Path>) -> Result<Self, SceneError> {
+        let raw: RawScene =
+            toml::from_str(text).map_err(|error| syntax_error(text, file, &error))?;
+        let check = Check { file };
+        let name = check.name("name", raw.name)?;
+        let body = check.body(&raw.body)?;
+        let edge_rule = check.choice(
+            "edges",
+            raw.edges.as_deref(),
+            [EdgeRule::Planar, EdgeRule::GreatEllipse],
+            EdgeRule::name,
+        )?;
+        let overlap = check.choice(
+            "overlap",
+            raw.overlap.as_deref(),
+            [Overlap::Disjoint, Overlap::Ordered],
+            Overlap::name,
+        )?;
+        let source = check.region_source(raw.regions)?;
+        let surface_rows = check.surface_rows(&raw.surface)?;
+        let mesh = check.mesh(&raw.mesh)?;
+        let views = check.views(&raw.views)?;
+        let sweep_boundary_tolerance_m = check.sweep(raw.vary.unwrap_or_default())?;
+        // Last, so that a wrong scene is reported as wrong even where its data is missing.
+        let regions = source.regions(&name, data_dir)?;
+        Ok(Self {
+            name,
+            description: raw.description,
+            body,
+            edge_rule,
+            regions: regions.into(),
+            overlap,
+            mesh,
+            surface_rows,
+            views,
+            sweep_boundary_tolerance_m,
+        })
+    }
+}
+
+impl Overlap {
+    /// Name in scene files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Disjoint => "disjoint",
+            Self::Ordered => "ordered",
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawScene {
+    name: String,
+    description: String,
+    body: String,
+    edges: Option<String>,
+    overlap: Option<String>,
+    regions: RawRegions,
+    surface: RawSurface,
+    #[serde(default)]
+    mesh: RawMesh,
+    views: Vec<RawView>,
+    vary: Option<RawVary>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawRegions {
+    file: Option<String>,
+    sha256: Option<String>,
+    how: Option<String>,
+    embedded: Option<String>,
+    procedural: Option<RawProcedural>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawProcedural {
+    kind: String,
+    seed: i64,
+    count: i64,
+    min_vertices: i64,
+    max_vertices: i64,
+    #[serde(default)]
+    lake_every: i64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawSurface {
+    kind: String,
+    rows: Option<i64>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct RawMesh {
+    boundary_tolerance_m: Option<f64>,
+    cap_step_deg: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawView {
+    name: String,
+    longitude_deg: f64,
+    latitude_deg: f64,
+    height_m: f64,
+    heading_deg: f64,
+    pitch_deg: f64,
+    fov_deg: Option<f64>,
+    near_m: Option<f64>,
+    note: Option<String>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+struct RawVary {
+    #[serde(default)]
+    boundary_tolerance_m: Vec<f64>,
+}
+
+/// Where a scene's regions come from.
+enum RegionSource {
+    File {
+        file: String,
+        sha256: String,
+        how: String,
+    },
+    Embedded {
+        name: String,
+        text: &'static str,
+    },
+    Procedural(Islands),
+}
+
+impl RegionSource {
+    fn regions(self, scene: &str, data_dir: Option<&Path>) -> Result<Vec<Region>, SceneError> {
+        let parse = |bytes: &[u8], file: &str| {
+            parse_regions(bytes, file)
+                .map_err(|error| SceneError::Regions(RegionLoadError::Invalid(error)))
+        };
+        match self {
+            Self::Embedded { name, text } => {
+                parse(text.as_bytes(), &format!("bench-scenes/{name}"))
+            }
+            Self::Procedural(islands) => parse(
+                islands.geojson().as_bytes(),
+                &format!("{scene} (procedural)"),
+            ),
+            Self::File { file, sha256, how } => match read_verified(data_dir, &file, &sha256)? {
+                Verified::Bytes(bytes) => parse(&bytes, &file),
+                Verified::Absent(why) => Err(SceneError::DataMissing {
+                    scene: scene.to_owned(),
+                    file,
+                    sha256,
+                    why,
+                    how,
+                }),
+            },
+        }
+    }
+}
+
+/// Checks values and words the complaints.
+struct Check<'a> {
+    file: &'a str,
+}
+
+impl Check<'_> {
+    fn refuse(
+        &self,
+        key: impl Into<String>,
+        found: impl std::fmt::Display,
+        allowed: impl Into<String>,
+    ) -> SceneError {
+        SceneError::Value {
+            file: self.file.to_owned(),
+            key: key.into(),
+            found: found.to_string(),
+            allowed: allowed.into(),
+        }
+    }
+
+    /// Names become parts of file names and CSV cells.
+    fn name(&self, key: &str, name: String) -> Result<String, SceneError> {
+        let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+        if !name.is_empty() && name.chars().all(plain) {
+            return Ok(name);
+        }
+        Err(self.refuse(key, format!("{name:?}"), "lower-case letters, digits and -"))
+    }
+
+    fn body(&self, name: &str) -> Result<Ellipsoid, SceneError> {
+        Ellipsoid::by_name(name).ok_or_else(|| {
+            let names = Ellipsoid::ALL.map(|body| body.name());
+            self.refuse("body", format!("{name:?}"), names.join(", "))
+        })
+    }
+
+    /// One of two values by its name; the first where the key is absent.
+    fn choice<T: Copy>(
+        &self,
+        key: &str,
+        found: Option<&str>,
+        values: [T; 2],
+        name_of: fn(T) -> &'static str,
+    ) -> Result<T, SceneError> {
+        let Some(found) = found else {
+            return Ok(values[0]);
+        };
+        values
+            .into_iter()
+            .find(|value| name_of(*value) == found)
+            .ok_or_else(|| self.refuse(key, format!("{found:?}"), values.map(name_of).join(", ")))
+    }
+
+    fn within(
+        &self,
+        key: impl Into<String>,
+        value: f64,
+        range: RangeInclusive<f64>,
+    ) -> Result<f64, SceneError> {
+        // NaN and infinities are valid TOML; no range contains a NaN.
+        if range.contains(&value) && value.is_finite() {
+            return Ok(value);
+        }
+        let allowed = format!("{} to {}", range.start(), range.end());
+        Err(self.refuse(key, value, allowed))
+    }
+
+    fn positive(&self, key: impl Into<String>, value: f64) -> Result<f64, SceneError> {
+        if value > 0.0 && value.is_finite() {
+            return Ok(value);
+        }
+        Err(self.refuse(key, value, "greater than 0"))
+    }
+
+    fn count(&self, key: &str, value: i64, range: RangeInclusive<i64>) -> Result<u32, SceneError> {
+        let allowed = format!("{} to {}", range.start(), range.end());
+        u32::try_from(value)
+            .ok()
+            .filter(|_| range.contains(&value))
+            .ok_or_else(|| self.refuse(key, value, allowed))
+    }
+
+    fn region_source(&self, raw: RawRegions) -> Result<RegionSource, SceneError> {
+        let given: Vec<&str> = [
+            ("file", raw.file.is_some()),
+            ("embedded", raw.embedded.is_some()),
+            ("procedural", raw.procedural.is_some()),
+        ]
+        .into_iter()
+        .filter_map(|(key, is_given)| is_given.then_some(key))
+        .collect();
+        if raw.file.is_none() {
+            let stray = [("sha256", &raw.sha256), ("how", &raw.how)];
+            if let Some((key, _)) = stray.into_iter().find(|(_, value)| value.is_some()) {
+                return Err(self.refuse(
+                    format!("regions.{key}"),
+                    "a value",
+                    "only together with file",
+                ));
+            }
+        }
+        match (raw.file, raw.embedded, raw.procedural) {
+            (Some(file), None, None) => self.file_source(file, raw.sha256, raw.how),
+            (None, Some(name), None) => match shipped::data_text(&name) {
+                Some(text) => Ok(RegionSource::Embedded { name, text }),
+                None => Err(self.refuse(
+                    "regions.embedded",
+                    format!("{name:?}"),
+                    shipped::data_names().join(", "),
+                )),
+            },
+            (None, None, Some(procedural)) => {
+                Ok(RegionSource::Procedural(self.islands(&procedural)?))
+            }
+            _ => {
+                let found = if given.is_empty() {
+                    "none".to_owned()
+                } else {
+                    given.join(" and ")
+                };
+                Err(self.refuse(
+                    "regions",
+                    found,
+                    "exactly one of file, embedded, procedural",
+                ))
+            }
+        }
+    }
+
+    fn file_source(
+        &self,
+        file: String,
+        sha256: Option<String>,
+        how: Option<String>,
+    ) -> Result<RegionSource, SceneError> {
+        let inside = |part: Component<'_>| matches!(part, Component::Normal(_));
+        if file.is_empty() || !Path::new(&file).components().all(inside) {
+            return Err(self.refuse(
+                "regions.file",
+                format!("{file:?}"),
+                "a path inside the data folder",
+            ));
+        }
+        let sha256 = sha256.unwrap_or_default();
+        let is_hash =
+            sha256.len() == 64 && sha256.chars().all(|c| matches!(c, '0'..='9' | 'a'..='f'));
+        if !is_hash {
+            return Err(self.refuse(
+                "regions.sha256",
+                format!("{sha256:?}"),
+                "64 lower-case hexadecimal digits",
+            ));
+        }
+        let how = how.unwrap_or_default();
+        if how.trim().is_empty() {
+            return Err(self.refuse("regions.how", "nothing", "how to get the file"));
+        }
+        Ok(RegionSource::File { file, sha256, how })
+    }
+
+    fn islands(&self, raw: &RawProcedural) -> Result<Islands, SceneError> {
+        if raw.kind != "islands" {
+            let found = format!("{:?}", raw.kind);
+            return Err(self.refuse("regions.procedural.kind", found, "islands"));
+        }
+        let seed = u64::try_from(raw.seed)
+            .map_err(|_| self.refuse("regions.procedural.seed", raw.seed, "0 or more"))?;
+        let key = |name: &str| format!("regions.procedural.{name}");
+        let min_vertices = self.count(&key("min_vertices"), raw.min_vertices, 32..=100_000)?;
+        Ok(Islands {
+            seed,
+            // From two on there is a neighbour to keep clear of; at ten thousand islands are 2°.
+            count: self.count(&key("count"), raw.count, 2..=10_000)?,
+            min_vertices,
+            max_vertices: self.count(
+                &key("max_vertices"),
+                raw.max_vertices,
+                i64::from(min_vertices)..=100_000,
+            )?,
+            lake_every: self.count(&key("lake_every"), raw.lake_every, 0..=10_000)?,
+        })
+    }
+
+    fn surface_rows(&self, raw: &RawSurface) -> Result<u32, SceneError> {
+        if raw.kind != "ellipsoid" {
+            return Err(self.refuse("surface.kind", format!("{:?}", raw.kind), "ellipsoid"));
+        }
+        let rows = raw.rows.unwrap_or(DEFAULT_SURFACE_ROWS);
+        self.count("surface.rows", rows, SURFACE_ROWS)
+    }
+
+    fn mesh(&self, raw: &RawMesh) -> Result<MeshOptions, SceneError> {
+        let default = MeshOptions::default();
+        let cap_step_deg = raw.cap_step_deg.unwrap_or(default.cap_step_deg);
+        if !(cap_step_deg > 0.0 && cap_step_deg <= CAP_STEP_LIMIT_DEG) {
+            return Err(self.refuse(
+                "mesh.cap_step_deg",
+                cap_step_deg,
+                format!("greater than 0, at most {CAP_STEP_LIMIT_DEG}"),
+            ));
+        }
+        Ok(MeshOptions {
+            boundary_tolerance_m: self.positive(
+                "mesh.boundary_tolerance_m",
+                raw.boundary_tolerance_m
+                    .unwrap_or(default.boundary_tolerance_m),
+            )?,
+            cap_step_deg,
+        })
+    }
+
+    fn views(&self, raw: &[RawView]) -> Result<Vec<View>, SceneError> {
+        if raw.is_empty() {
+            return Err(self.refuse("views", "0 views", "at least 1"));
+        }
+        let mut views: Vec<View> = Vec::with_capacity(raw.len());
+        for (i, raw_view) in raw.iter().enumerate() {
+            let view = self.view(i, raw_view)?;
+            if views.iter().any(|earlier| earlier.name == view.name) {
+                return Err(self.refuse(
+                    format!("views[{i}].name"),
+                    format!("{:?} again", view.name),
+                    "a name of its own",
+                ));
+            }
+            views.push(view);
+        }
+        Ok(views)
+    }
+
+    fn view(&self, index: usize, raw: &RawView) -> Result<View, SceneError> {
+        let key = |name: &str| format!("views[{index}].{name}");
+        let longitude_deg = self.within(key("longitude_deg"), raw.longitude_deg, -180.0..=180.0)?;
+        let latitude_deg = self.within(key("latitude_deg"), raw.latitude_deg, -90.0..=90.0)?;
+        let height_m = self.positive(key("height_m"), raw.height_m)?;
+        let near_m = raw.near_m.unwrap_or(height_m * DEFAULT_NEAR_SHARE);
+        // Below 1° and above 170° the image plane of a perspective projection is of no use.
+        let fov_deg = raw.fov_deg.unwrap_or(DEFAULT_FOV_DEG);
+        let fov_y_rad = self
+            .within(key("fov_deg"), fov_deg, 1.0..=170.0)?
+            .to_radians();
+        Ok(View {
+            name: self.name(&key("name"), raw.name.clone())?,
+            pose: CameraPose {
+                eye: Geodetic::from_degrees(longitude_deg, latitude_deg, height_m),
+                heading_rad: self
+                    .within(key("heading_deg"), raw.heading_deg, -360.0..=360.0)?
+                    .to_radians(),
+                pitch_rad: self
+                    .within(key("pitch_deg"), raw.pitch_deg, -90.0..=90.0)?
+                    .to_radians(),
+                fov_y_rad,
+                near_m: self.positive(key("near_m"), near_m)?,
+            },
+            note: raw.note.clone(),
+        })
+    }
+
+    fn sweep(&self, raw: RawVary) -> Result<Vec<f64>, SceneError> {
+        raw.boundary_tolerance_m
+            .into_iter()
+            .enumerate()
+            .map(|(i, value)| self.positive(format!("vary.boundary_tolerance_m[{i}]"), value))
+            .collect()
+    }
+}
+
+/// The parser's complaint with its place, on one line.
+fn syntax_error(text: &str, file: &str, error: &toml::de::Error) -> SceneError {
+    let start = error.span().map_or(0, |span| span.start.min(text.len()));
+    let before = &text.as_bytes()[..start];
+    let line_start = before
+        .iter()
+        .rposition(|&b| b == b'\n')
+        .map_or(0, |i| i + 1);
+    SceneError::Syntax {
+        file: file.to_owned(),
+        line: before.iter().filter(|&&b| b == b'\n').count() + 1,
+        column: start - line_start + 1,
+        message: error.message().replace('\n', ", "),
+    }
+}
