@@ -17,3 +17,7 @@ fn vertex_main(
     );
     return clip_from_eye_relative(eye_relative_m(position, region_index, height_m));
 }
+
+// For passes that also hold a colour target: volumes leave it alone.
+@fragment
+fn no_colour() {}

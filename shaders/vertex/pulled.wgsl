@@ -71,3 +71,7 @@ fn walls_main(
     let is_bottom = corner == 1u || corner == 4u || corner == 5u;
     return extrude(region_index, select(start, end, is_end), is_bottom);
 }
+
+// For passes that also hold a colour target: volumes leave it alone.
+@fragment
+fn no_colour() {}

@@ -19,6 +19,13 @@ pub fn boundary_pixels(frame: &Frame) -> u64 {
         .count() as u64
 }
 
+/// Per pixel: whether it lies within [`BAND_RADIUS_PX`] of a boundary pixel of `frame`, where a
+/// difference is put down to rounding.
+#[must_use]
+pub fn boundary_band(frame: &Frame) -> Vec<bool> {
+    Grid::of(frame).band(&frame.ids)
+}
+
 /// Whether a comparison with `reference` can find no boundary error because no boundary is in
 /// sight: all sky, all surface without a region, or filled by one region to the last pixel.
 #[must_use]

@@ -11,7 +11,7 @@ mod difference;
 mod distance;
 mod tolerance;
 
-pub use boundary::{boundary_pixels, checks_nothing};
+pub use boundary::{boundary_band, boundary_pixels, checks_nothing};
 pub use compare::{CompareError, compare};
 pub use difference::difference_rgb;
 pub use tolerance::{

@@ -86,4 +86,29 @@ impl FrameInput {
             plan,
         }
     }
+
+    /// The same view of the same surface with regions meshed otherwise, such as with another
+    /// boundary tolerance; what lies under the fill stays the same bytes.
+    #[must_use]
+    pub fn remeshed(&self, scene: &PreparedScene, options: PlanOptions) -> Self {
+        let terrain = TerrainRange {
+            lowest_m: scene.surface.lowest_m,
+            highest_m: scene.surface.highest_m,
+        };
+        Self {
+            scene: scene.clone(),
+            view: self.view.clone(),
+            camera: self.camera,
+            size: self.size,
+            surface_rte: Arc::clone(&self.surface_rte),
+            plan: FramePlan::new(
+                &scene.body,
+                &self.camera,
+                self.size,
+                terrain,
+                &scene.meshes,
+                options,
+            ),
+        }
+    }
 }

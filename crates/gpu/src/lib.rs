@@ -11,6 +11,8 @@ mod stage;
 mod timing;
 mod validation;
 
+pub use terrafill_shaders::source_hash as shader_source_hash;
+
 pub use adapter::{DeviceFacts, Gpu, GpuOptions, list_adapters};
 pub use baseline::{Baseline, BaselineKind};
 pub use clock::CpuStopwatch;

@@ -295,7 +295,7 @@ pub struct RunEnvironment {
     pub width: u32,
     /// Image height, pixels.
     pub height: u32,
-    /// SHA-256 over all shader sources.
+    /// Hash over all shader sources: changes when any of them does.
     pub shader_hash: String,
     /// Debug or release build.
     pub profile: String,

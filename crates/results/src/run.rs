@@ -143,11 +143,11 @@ impl RunFolder {
         Ok(cases)
     }
 
-    /// Prepares a killed run for going on: cuts torn last lines, and drops samples of cases that
-    /// have no summary yet, since those cases are measured again from their first frame.
+    /// Prepares a killed run for going on: cuts torn last lines and keeps every whole row, so that
+    /// nothing that was measured is measured again.
     ///
     /// # Errors
-    /// As [`RunFolder::samples`].
+    /// [`RunError::Occupied`] if the folder's plan differs; else as [`RunFolder::samples`].
     pub fn resume(path: &Path, plan: &RunPlan) -> Result<Self, RunError> {
         let run = Self::open(path)?;
         if run.plan()? != *plan {
@@ -156,10 +156,7 @@ impl RunFolder {
                 message: "its plan differs; resume with the same scenes and options".to_owned(),
             });
         }
-        let summaries = run.summaries()?;
-        let done: BTreeSet<CaseKey> = summaries.iter().map(Summary::key).collect();
-        let mut samples = run.samples()?;
-        samples.retain(|sample| done.contains(&sample.key()));
+        let (summaries, samples) = (run.summaries()?, run.samples()?);
         run.rewrite("summary.csv", &summaries)?;
         run.rewrite("samples.csv", &samples)?;
         Ok(run)
@@ -251,6 +248,9 @@ impl RunFolder {
 
     /// Writes beside the file and renames, so that a kill in between leaves the old file whole.
     fn rewrite<T: Serialize>(&self, file: &str, rows: &[T]) -> Result<(), RunError> {
+        if rows.is_empty() && !self.path.join(file).exists() {
+            return Ok(());
+        }
         let text = self.encode(file, rows, true)?;
         let temporary = self.path.join(format!("{file}.new"));
         std::fs::write(&temporary, text)

@@ -214,15 +214,15 @@ fn the_last_row_of_a_case_counts() {
 }
 
 #[test]
-fn resuming_drops_the_case_in_hand_and_nothing_else() {
+fn resuming_drops_the_torn_row_and_nothing_else() {
     let folder = tempfile::tempdir().expect("a folder");
     let run = half_done(folder.path());
     run.append_samples(&samples("c", &[3.0])).expect("samples");
     append_text(&folder.path().join("samples.csv"), "planet-134,globe,ve");
     let run = RunFolder::resume(folder.path(), &plan(&["a", "b", "c"])).expect("same plan");
-    assert_eq!(run.samples().expect("rows").len(), 4);
+    assert_eq!(run.samples().expect("rows").len(), 5);
     assert_eq!(run.missing().expect("a plan"), [key("c")]);
-    run.append_samples(&samples("c", &[3.0, 4.0]))
+    run.append_samples(&samples("c", &[4.0]))
         .expect("samples");
     run.append_summary(&summary("c", Some(3.5)))
         .expect("summary");

@@ -1,4 +1,77 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The command line.
+//! The command line: parses arguments, calls the crates, prints, and turns errors into exit codes.
+//! No logic of its own.
+#![allow(
+    clippy::print_stdout,
+    reason = "printing to standard output is what a command line is for"
+)]
 
-fn main() {}
+mod arguments;
+mod bench;
+mod inspect;
+mod locate;
+mod mesh;
+mod render;
+
+use arguments::{Arguments, Verb};
+use clap::Parser as _;
+use std::process::ExitCode;
+
+/// How a command ended; the numbers are the exit codes of `terrafill --help`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    Done = 0,
+    Regression = 1,
+    BadInput = 2,
+    NothingMeasured = 4,
+    NoDevice = 5,
+}
+
+/// A message for standard error and the exit code that goes with it.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    outcome: Outcome,
+    message: String,
+}
+
+impl Failure {
+    /// The input or the usage is wrong.
+    pub(crate) fn bad_input(error: impl std::fmt::Display) -> Self {
+        Self {
+            outcome: Outcome::BadInput,
+            message: error.to_string(),
+        }
+    }
+
+    /// No device can do it.
+    pub(crate) fn no_device(error: impl std::fmt::Display) -> Self {
+        Self {
+            outcome: Outcome::NoDevice,
+            message: error.to_string(),
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    let result = match Arguments::parse().verb {
+        Verb::Bench(arguments) => bench::run(arguments),
+        Verb::Report(arguments) => bench::report(&arguments),
+        Verb::Render(arguments) => render::run(&arguments),
+        Verb::Mesh(arguments) => mesh::run(&arguments),
+        Verb::Locate(arguments) => locate::run(&arguments),
+        Verb::Scenes(arguments) => inspect::scenes(&arguments),
+        Verb::Devices => inspect::devices(),
+    };
+    let outcome = result.unwrap_or_else(|failure| {
+        eprintln!("error: {}", failure.message);
+        failure.outcome
+    });
+    ExitCode::from(outcome as u8)
+}
+
+/// Writes to standard output; a reader that closed the pipe has seen enough, which is no error.
+pub(crate) fn print(text: &str) {
+    use std::io::Write as _;
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+}

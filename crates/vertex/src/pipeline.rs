@@ -148,7 +148,16 @@ impl Pipelines {
                 },
                 depth_stencil: Some(depth_fail_state(rule)),
                 multisample: Default::default(),
-                fragment: None,
+                fragment: (rule == StencilRule::Count).then_some(wgpu::FragmentState {
+                    module: &self.volume_shader,
+                    entry_point: Some("no_colour"),
+                    compilation_options: Default::default(),
+                    targets: &[Some(wgpu::ColorTargetState {
+                        format: COLOUR_FORMAT,
+                        blend: None,
+                        write_mask: wgpu::ColorWrites::empty(),
+                    })],
+                }),
                 multiview_mask: None,
                 cache: None,
             })

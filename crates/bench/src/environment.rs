@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The fingerprint of the machine and build that a run was made with.
+
+use crate::BenchOptions;
+use std::process::Command;
+use std::time::{SystemTime, UNIX_EPOCH};
+use sysinfo::System;
+use terrafill_gpu::DeviceFacts;
+use terrafill_results::RunEnvironment;
+
+/// Version of the CSV and JSON files' schema.
+const SCHEMA: u32 = 1;
+
+/// Facts about this machine, device and build.
+#[must_use]
+pub fn environment(device: &DeviceFacts, options: &BenchOptions) -> RunEnvironment {
+    let mut system = System::new();
+    system.refresh_memory();
+    system.refresh_cpu_all();
+    let cpu = system
+        .cpus()
+        .first()
+        .map(|cpu| cpu.brand().trim().to_owned())
+        .unwrap_or_default();
+    let started = SystemTime::now().duration_since(UNIX_EPOCH);
+    RunEnvironment {
+        schema: SCHEMA,
+        commit: commit(),
+        started_unix_s: started.map(|time| time.as_secs()).unwrap_or(0),
+        cpu,
+        cores: u32::try_from(system.cpus().len()).unwrap_or(u32::MAX),
+        memory_bytes: system.total_memory(),
+        os: format!(
+            "{}, kernel {}",
+            System::long_os_version().unwrap_or_default(),
+            System::kernel_version().unwrap_or_default()
+        ),
+        gpu: device.name.clone(),
+        device_type: device.device_type.to_owned(),
+        vendor_id: device.vendor_id,
+        device_id: device.device_id,
+        driver: device.driver.clone(),
+        driver_info: device.driver_info.clone(),
+        mesa_version: mesa_version(&device.driver_info),
+        api: "Vulkan through wgpu 30.0.1".to_owned(),
+        width: options.size.width,
+        height: options.size.height,
+        shader_hash: format!("{:016x}", terrafill_gpu::shader_source_hash()),
+        profile: if cfg!(debug_assertions) {
+            "debug"
+        } else {
+            "release"
+        }
+        .to_owned(),
+        options: options.describe(),
+    }
+}
+
+/// `Mesa 25.0.7-2…` → `25.0.7-2…`.
+fn mesa_version(driver_info: &str) -> String {
+    let mut words = driver_info.split_whitespace();
+    words
+        .find(|&word| word == "Mesa")
+        .and_then(|_| words.next())
+        .unwrap_or_default()
+        .to_owned()
+}
+
+/// HEAD of the repository around the working directory; empty where there is none.
+fn commit() -> String {
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").args(arguments).output().ok()?;
+        let text = String::from_utf8(output.stdout).ok()?;
+        output.status.success().then(|| text.trim().to_owned())
+    };
+    let Some(head) = git(&["rev-parse", "HEAD"]) else {
+        return String::new();
+    };
+    match git(&["status", "--porcelain", "--untracked-files=no"]) {
+        Some(changes) if changes.is_empty() => head,
+        _ => head + "+dirty",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mesa_version_is_cut_out_and_other_drivers_have_none() {
+        assert_eq!(mesa_version("Mesa 25.0.7-2~bpo12+1 (LLVM 15.0.6)"), "25.0.7-2~bpo12+1");
+        assert_eq!(mesa_version("570.86.15"), "");
+    }
+}

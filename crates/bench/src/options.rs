@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What a bench run is asked to do, and how it can fail as a whole.
+
+use std::path::PathBuf;
+use terrafill_scene::ImageSize;
+
+/// Part `index` (from 1) of `count`: every `count`-th scene view.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shard {
+    /// From 1.
+    pub index: usize,
+    /// At least `index`.
+    pub count: usize,
+}
+
+impl std::str::FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || format!("shard {text:?}, allowed: m/n with 1 ≤ m ≤ n");
+        let (index, count) = text.split_once('/').ok_or_else(wrong)?;
+        let index: usize = index.parse().map_err(|_| wrong())?;
+        let count: usize = count.parse().map_err(|_| wrong())?;
+        if index == 0 || index > count {
+            return Err(wrong());
+        }
+        Ok(Self { index, count })
+    }
+}
+
+/// A run's options.
+#[derive(Debug, Clone)]
+pub struct BenchOptions {
+    /// Names of shipped scenes or paths of scene files; empty for all shipped ones.
+    pub scenes: Vec<String>,
+    /// Backends to run; empty for all.
+    pub backends: Vec<String>,
+    /// Fewer frames, the main variants only.
+    pub quick: bool,
+    /// Where the run goes.
+    pub out: PathBuf,
+    /// Go on with the run in `out`.
+    pub resume: bool,
+    /// Where real data lies.
+    pub data_dir: Option<PathBuf>,
+    /// Timed frames per case; `None`: 30, or 8 when quick.
+    pub frames: Option<u32>,
+    /// Image size.
+    pub size: ImageSize,
+    /// Part of the work to do.
+    pub shard: Option<Shard>,
+    /// Part of the adapter's name.
+    pub adapter: Option<String>,
+}
+
+impl BenchOptions {
+    /// Timed frames per case.
+    #[must_use]
+    pub fn frame_count(&self) -> u32 {
+        self.frames.unwrap_or(if self.quick { 8 } else { 30 })
+    }
+
+    /// Rounds drawn and dropped before.
+    #[must_use]
+    pub fn warm_up_count(&self) -> u32 {
+        if self.quick { 2 } else { 3 }
+    }
+
+    /// As `key=value`, for the environment file.
+    #[must_use]
+    pub fn describe(&self) -> Vec<String> {
+        let mut lines = vec![
+            format!("frames={}", self.frame_count()),
+            format!("quick={}", self.quick),
+            format!("size={}x{}", self.size.width, self.size.height),
+        ];
+        if !self.scenes.is_empty() {
+            lines.push(format!("scenes={}", self.scenes.join("+")));
+        }
+        if let Some(shard) = self.shard {
+            lines.push(format!("shard={}/{}", shard.index, shard.count));
+        }
+        lines
+    }
+}
+
+/// Why a run could not start or go on. Cases that fail one by one become rows instead.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BenchError {
+    /// A scene's file or a name is wrong.
+    #[error(transparent)]
+    Scene(#[from] terrafill_scene::SceneError),
+    /// A backend that does not exist was asked for.
+    #[error("backend {found:?}, allowed: {allowed}")]
+    UnknownBackend {
+        /// As given.
+        found: String,
+        /// Those there are.
+        allowed: String,
+    },
+    /// No device can run anything.
+    #[error("no usable device: {0}")]
+    NoDevice(terrafill_frame::BackendError),
+    /// The run's folder.
+    #[error(transparent)]
+    Run(#[from] terrafill_results::RunError),
+    /// A picture could not be written.
+    #[error("{path}: {message}")]
+    Image {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        message: String,
+    },
+    /// Regions of a scene cannot be meshed.
+    #[error("{scene}: {message}")]
+    Mesh {
+        /// Which scene.
+        scene: String,
+        /// One line per region.
+        message: String,
+    },
+    /// The device broke while baselines were measured, without which no row has a meaning.
+    #[error("{scene}/{view}: {source}")]
+    Device {
+        /// Scene in hand.
+        scene: String,
+        /// View in hand.
+        view: String,
+        /// What happened.
+        source: terrafill_frame::BackendError,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_are_read_and_refused() {
+        assert_eq!("2/3".parse(), Ok(Shard { index: 2, count: 3 }));
+        for wrong in ["0/3", "4/3", "1", "a/b", "1/0", "-1/2"] {
+            let error = wrong.parse::<Shard>().expect_err(wrong);
+            assert!(error.contains(wrong) && error.contains("1 ≤ m ≤ n"), "{error}");
+        }
+    }
+}

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! `render`: one picture.
+
+use crate::arguments::{RenderArguments, RenderBackend};
+use crate::{Failure, Outcome};
+use image::{ExtendedColorType, ImageFormat};
+use serde_json::json;
+use std::path::Path;
+use std::sync::Arc;
+use terrafill_bench::open_scene;
+use terrafill_core::{MeshOptions, RegionMesh};
+use terrafill_frame::{
+    Backend as _, BackendError, Frame, FrameInput, MemoryUse, PreparedScene, paint,
+};
+use terrafill_gpu::{Gpu, GpuOptions, Stage};
+use terrafill_reference::ReferenceBackend;
+use terrafill_scene::{ImageSize, Overlap, PlanOptions, Scene, SurfaceMesh, View, data_dir_from_env};
+use terrafill_vertex::{ColourWay, Layout, PositionFormat, VertexBackend, VertexVariant};
+
+/// What one backend drew.
+struct Drawn {
+    rgb: Vec<u8>,
+    frame: Frame,
+    memory: Option<MemoryUse>,
+    variant: String,
+}
+
+pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
+    let data = arguments.data.clone().or_else(data_dir_from_env);
+    let scene = open_scene(&arguments.scene, data.as_deref()).map_err(Failure::bad_input)?;
+    let view = find_view(&scene, &arguments.view)?;
+    let (variant, mesh) = switches(&scene, &arguments.variant)?;
+    let input = input(&scene, view, &mesh, arguments)?;
+    let drawn = match arguments.backend {
+        RenderBackend::Reference => draw_reference(&input)?,
+        RenderBackend::Vertex => draw_vertex(&input, variant, arguments)?,
+    };
+    if let Some(path) = &arguments.ids {
+        write_ids(path, &drawn.frame)?;
+    }
+    if let Some(path) = &arguments.stats {
+        let text = serde_json::to_string_pretty(&statistics(arguments, &input, &drawn))
+            .map_err(Failure::bad_input)?;
+        std::fs::write(path, text + "\n").map_err(|error| unwritable(path, error))?;
+    }
+    write_png(
+        &arguments.out,
+        &drawn.rgb,
+        input.size,
+        ExtendedColorType::Rgb8,
+    )?;
+    Ok(Outcome::Done)
+}
+
+fn find_view<'a>(scene: &'a Scene, name: &str) -> Result<&'a View, Failure> {
+    let found = scene.views.iter().find(|view| view.name == name);
+    found.ok_or_else(|| {
+        let names: Vec<&str> = scene.views.iter().map(|view| view.name.as_str()).collect();
+        let allowed = names.join(", ");
+        Failure::bad_input(format!("--view: found {name:?}, allowed: {allowed}"))
+    })
+}
+
+fn switches(scene: &Scene, given: &[String]) -> Result<(VertexVariant, MeshOptions), Failure> {
+    let mut variant = VertexVariant {
+        colour: match scene.overlap {
+            Overlap::Disjoint => ColourWay::Xor,
+            Overlap::Ordered => ColourWay::Rectangle,
+        },
+        ..VertexVariant::default()
+    };
+    let mut mesh = scene.mesh;
+    for switch in given {
+        match switch.split_once('=').unwrap_or((switch, "")) {
+            ("layout", "doubled") => variant.layout = Layout::Doubled,
+            ("layout", "pulled") => variant.layout = Layout::Pulled,
+            ("positions", "fixed") => variant.positions = PositionFormat::Fixed,
+            ("positions", "local-f32") => variant.positions = PositionFormat::LocalF32,
+            ("colour", "xor") => variant.colour = ColourWay::Xor,
+            ("colour", "rectangle") => variant.colour = ColourWay::Rectangle,
+            ("boundary-tolerance-m", value) if value.parse().is_ok_and(|m: f64| m > 0.0) => {
+                mesh.boundary_tolerance_m = value.parse().map_err(Failure::bad_input)?;
+            }
+            _ => {
+                return Err(Failure::bad_input(format!(
+                    "--variant: found {switch:?}, allowed: layout=doubled|pulled, \
+                     positions=fixed|local-f32, colour=xor|rectangle, \
+                     boundary-tolerance-m=METRES above 0"
+                )));
+            }
+        }
+    }
+    Ok((variant, mesh))
+}
+
+fn input(
+    scene: &Scene,
+    view: &View,
+    mesh: &MeshOptions,
+    arguments: &RenderArguments,
+) -> Result<FrameInput, Failure> {
+    let meshes = RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, mesh)
+        .map_err(|errors| {
+            let lines: Vec<String> = errors.iter().map(ToString::to_string).collect();
+            Failure::bad_input(lines.join("\n"))
+        })?;
+    let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
+    let prepared = PreparedScene::new(scene, meshes.into(), surface);
+    let size = ImageSize {
+        width: arguments.size.0,
+        height: arguments.size.1,
+    };
+    Ok(FrameInput::new(&prepared, view, size, PlanOptions::default()))
+}
+
+fn draw_reference(input: &FrameInput) -> Result<Drawn, Failure> {
+    let mut reference = ReferenceBackend::new();
+    reference.prepare(input).map_err(Failure::bad_input)?;
+    let frame = reference.render(input).map_err(Failure::bad_input)?;
+    Ok(Drawn {
+        rgb: paint(&frame),
+        frame,
+        memory: None,
+        variant: String::new(),
+    })
+}
+
+fn draw_vertex(
+    input: &FrameInput,
+    variant: VertexVariant,
+    arguments: &RenderArguments,
+) -> Result<Drawn, Failure> {
+    let options = GpuOptions {
+        adapter: arguments.adapter.clone(),
+        ..GpuOptions::default()
+    };
+    let gpu = Gpu::open(&options).map_err(Failure::no_device)?;
+    let draw = || -> Result<Drawn, BackendError> {
+        let stage = Stage::shared(&gpu, input.size)?;
+        let mut backend = VertexBackend::new(&stage, variant)?;
+        let memory = backend.prepare(input)?;
+        let frame = backend.render(input)?;
+        let picture = backend.picture(input)?;
+        let rgb = picture.rgba.chunks_exact(4).flat_map(|p| &p[..3]).copied();
+        Ok(Drawn {
+            rgb: rgb.collect(),
+            frame,
+            memory: Some(memory),
+            variant: variant.name(),
+        })
+    };
+    draw().map_err(|error| match error {
+        BackendError::Unsupported { .. } | BackendError::DeviceLost(_) => Failure::no_device(error),
+        _ => Failure::bad_input(error),
+    })
+}
+
+fn statistics(
+    arguments: &RenderArguments,
+    input: &FrameInput,
+    drawn: &Drawn,
+) -> serde_json::Value {
+    let left_out: Vec<_> = input
+        .plan
+        .left_out
+        .iter()
+        .map(|region| {
+            let mesh = &input.scene.meshes[region.mesh];
+            json!({ "index": mesh.region_index, "name": mesh.name, "reason": region.reason.name() })
+        })
+        .collect();
+    let counters = drawn.frame.counters.map(|counters| {
+        json!({
+            "draws": counters.draws,
+            "vertices": counters.vertices,
+            "upload_bytes": counters.upload_bytes,
+            "vertex_shader_invocations": counters.vertex_shader_invocations,
+            "clipper_invocations": counters.clipper_invocations,
+            "clipper_primitives_out": counters.clipper_primitives_out,
+            "fragment_shader_invocations": counters.fragment_shader_invocations,
+        })
+    });
+    let memory = drawn.memory.map(|memory| {
+        json!({
+            "buffers": memory.buffers,
+            "vertex_bytes": memory.vertex_bytes,
+            "index_bytes": memory.index_bytes,
+            "constant_bytes": memory.constant_bytes,
+            "geometry_bytes": memory.geometry_bytes(),
+        })
+    });
+    json!({
+        "scene": input.scene.name,
+        "view": input.view,
+        "backend": match arguments.backend {
+            RenderBackend::Vertex => "vertex",
+            RenderBackend::Reference => "reference",
+        },
+        "variant": drawn.variant,
+        "width": input.size.width,
+        "height": input.size.height,
+        "filled_px": drawn.frame.filled_px(),
+        "non_finite": drawn.frame.non_finite,
+        "counters": counters,
+        "memory": memory,
+        "regions_drawn": input.plan.regions.len(),
+        "left_out": left_out,
+    })
+}
+
+fn write_ids(path: &Path, frame: &Frame) -> Result<(), Failure> {
+    let mut bytes = Vec::new();
+    for &id in &frame.ids {
+        let short = u16::try_from(id).map_err(|_| {
+            Failure::bad_input(format!("--ids: region id {id}, a 16-bit PNG holds up to 65535"))
+        })?;
+        bytes.extend(short.to_ne_bytes());
+    }
+    write_png(path, &bytes, frame.size, ExtendedColorType::L16)
+}
+
+fn write_png(
+    path: &Path,
+    bytes: &[u8],
+    size: ImageSize,
+    colour: ExtendedColorType,
+) -> Result<(), Failure> {
+    let (width, height) = (size.width, size.height);
+    image::save_buffer_with_format(path, bytes, width, height, colour, ImageFormat::Png)
+        .map_err(|error| unwritable(path, error))
+}
+
+fn unwritable(path: &Path, error: impl std::fmt::Display) -> Failure {
+    Failure::bad_input(format!("{}: {error}", path.display()))
+}
