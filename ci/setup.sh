@@ -7,10 +7,11 @@
 # line, which device was found.
 #
 # usage: ci/setup.sh [--for bench|test]
+# shellcheck disable=SC2016 # apt expands $(SITE), not the shell
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-purpose=test
+purpose="test"
 case "$#:${1:-}:${2:-}" in
     0::) ;;
     2:--for:bench | 2:--for:test) purpose=$2 ;;
@@ -125,6 +126,7 @@ install_driver() {
     apt_install mesa-vulkan-drivers
 }
 
+# shellcheck source=/dev/null
 distribution=$(. /etc/os-release 2>/dev/null && echo "${ID:-} ${VERSION_ID:-}" || true)
 require_apt() {
     case "$distribution" in

@@ -22,11 +22,21 @@ for script in "${scripts[@]}"; do
     }
 done
 echo "${#scripts[@]} scripts parse"
-if command -v shellcheck >/dev/null; then
-    shellcheck "${scripts[@]}"
-else
-    echo "shellcheck is not installed: not run"
-fi
+
+section "text"
+# None of these is needed to build; where one is missing, the line says so.
+optional() {
+    if command -v "$1" >/dev/null; then
+        "$@"
+        echo "$1: clean"
+    else
+        echo "$1: not installed, not run"
+    fi
+}
+optional shellcheck "${scripts[@]}"
+optional typos
+optional taplo fmt --check
+optional cargo-deny --locked check licenses sources
 
 section "format"
 cargo fmt --all --check

@@ -185,8 +185,8 @@ fn region_sources_that_are_not_exactly_one() {
 fn unknown_keys_missing_keys_and_wrong_types_name_their_line() {
     let cases = [
         (
-            broken("description", "descripton"),
-            "t.toml:2:1: unknown field `descripton`",
+            broken("description", "summary"),
+            "t.toml:2:1: unknown field `summary`",
         ),
         (
             broken("pitch_deg = -90", "pitch = -90"),
