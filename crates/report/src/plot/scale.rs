@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Axes: where a value stands on the drawing, and which values deserve a tick.
+
+use crate::number::significant;
+
+/// Tick values per decade, from coarse to fine.
+const MANTISSAS: [&[f64]; 4] = [
+    &[1.0],
+    &[1.0, 3.0],
+    &[1.0, 2.0, 5.0],
+    &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0],
+];
+
+/// Fewest ticks from which an axis can be read.
+const FEWEST_TICKS: usize = 3;
+
+/// Steps of a linear axis that people read without reckoning.
+const LINEAR_STEPS: [f64; 3] = [1.0, 2.0, 5.0];
+
+/// A logarithmic axis from `low` to `high`, drawn from `start_px` to `end_px`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LogScale {
+    low: f64,
+    high: f64,
+    start_px: f64,
+    end_px: f64,
+}
+
+impl LogScale {
+    /// An axis that holds all `values` with a margin; `None` when none of them is positive and
+    /// finite.
+    pub(crate) fn around(
+        values: impl IntoIterator<Item = f64>,
+        start_px: f64,
+        end_px: f64,
+    ) -> Option<Self> {
+        let (low, high) = values
+            .into_iter()
+            .filter(|value| value.is_finite() && *value > 0.0)
+            .fold((f64::INFINITY, 0.0_f64), |(low, high), value| {
+                (low.min(value), high.max(value))
+            });
+        if low > high {
+            return None;
+        }
+        // At least half an octave each way, so that one point stands in the middle of an axis and
+        // not on both of its ends.
+        let margin = (high / low).powf(0.08).max(1.2);
+        Some(Self {
+            low: low / margin,
+            high: high * margin,
+            start_px,
+            end_px,
+        })
+    }
+
+    /// Where `value` stands, clamped to the axis.
+    pub(crate) fn px(&self, value: f64) -> f64 {
+        let at = (value / self.low).ln() / (self.high / self.low).ln();
+        self.start_px + at.clamp(0.0, 1.0) * (self.end_px - self.start_px)
+    }
+
+    /// Ticks in rising order.
+    pub(crate) fn ticks(&self) -> Vec<f64> {
+        for mantissas in MANTISSAS {
+            let ticks = self.decade_ticks(mantissas);
+            if ticks.len() >= FEWEST_TICKS {
+                return ticks;
+            }
+        }
+        linear_ticks(self.low, self.high)
+    }
+
+    fn decade_ticks(&self, mantissas: &[f64]) -> Vec<f64> {
+        let mut ticks = Vec::new();
+        let mut decade = 10_f64.powf(self.low.log10().floor());
+        while decade <= self.high {
+            ticks.extend(
+                mantissas
+                    .iter()
+                    .map(|mantissa| mantissa * decade)
+                    .filter(|tick| (self.low..=self.high).contains(tick)),
+            );
+            decade *= 10.0;
+        }
+        ticks
+    }
+}
+
+/// About five round values between `low` and `high`.
+pub(crate) fn linear_ticks(low: f64, high: f64) -> Vec<f64> {
+    let span = high - low;
+    if !(span > 0.0 && span.is_finite()) {
+        return Vec::new();
+    }
+    let decade = 10_f64.powf((span / 5.0).log10().floor());
+    let step = LINEAR_STEPS
+        .iter()
+        .chain(&[10.0])
+        .map(|step| step * decade)
+        .find(|step| span / step <= 6.0)
+        .unwrap_or(decade * 10.0);
+    let mut tick = (low / step).ceil() * step;
+    let mut ticks = Vec::new();
+    while tick <= high {
+        ticks.push(tick);
+        tick += step;
+    }
+    ticks
+}
+
+/// A tick's label: as short as it can be said.
+pub(crate) fn tick_label(value: f64) -> String {
+    let text = significant(value);
+    match text.split_once('.') {
+        Some((whole, fraction)) if !text.contains('e') => {
+            let fraction = fraction.trim_end_matches('0');
+            if fraction.is_empty() {
+                whole.to_owned()
+            } else {
+                format!("{whole}.{fraction}")
+            }
+        }
+        _ => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_ratios_are_equal_distances() {
+        let scale = LogScale::around([1.0, 100.0], 0.0, 1000.0).expect("positive values");
+        let step = scale.px(10.0) - scale.px(1.0);
+        assert!((scale.px(100.0) - scale.px(10.0) - step).abs() < 1e-9);
+        assert!(scale.px(1e-9) >= 0.0 && scale.px(1e9) <= 1000.0);
+        // Twin: a linear axis would fail the first line.
+        assert!((scale.px(55.0) - (scale.px(10.0) + scale.px(100.0)) / 2.0).abs() > 10.0);
+    }
+
+    #[test]
+    fn nothing_positive_is_no_axis() {
+        assert_eq!(
+            LogScale::around([0.0, -1.0, f64::NAN, f64::INFINITY], 0.0, 1.0),
+            None
+        );
+    }
+
+    #[test]
+    fn every_range_gets_a_few_ticks_inside_it() {
+        for (low, high) in [
+            (1.0, 1.0),
+            (0.97, 1.04),
+            (3.0, 8.0),
+            (0.3, 30.0),
+            (1e-3, 1e6),
+        ] {
+            let scale = LogScale::around([low, high], 0.0, 1.0).expect("positive values");
+            let ticks = scale.ticks();
+            assert!((3..=14).contains(&ticks.len()), "{low} … {high}: {ticks:?}");
+            assert!(ticks.iter().all(|t| (scale.low..=scale.high).contains(t)));
+        }
+    }
+
+    #[test]
+    fn tick_labels_are_short() {
+        assert_eq!(tick_label(1.0), "1");
+        assert_eq!(tick_label(0.5), "0.5");
+        assert_eq!(tick_label(200.0), "200");
+        assert_eq!(tick_label(0.05), "0.05");
+    }
+}
