@@ -193,8 +193,8 @@ impl Ellipsoid {
         let mut latitude_rad = beta;
         for _ in 0..12 {
             let (sin_beta, cos_beta) = beta.sin_cos();
-            latitude_rad = (ecef.z + second_e2 * b * sin_beta.powi(3))
-                .atan2(rho - e2 * a * cos_beta.powi(3));
+            latitude_rad =
+                (ecef.z + second_e2 * b * sin_beta.powi(3)).atan2(rho - e2 * a * cos_beta.powi(3));
             let (sin_lat, cos_lat) = latitude_rad.sin_cos();
             let next = (b * sin_lat).atan2(a * cos_lat);
             let moved = (next - beta).abs();
@@ -206,8 +206,7 @@ impl Ellipsoid {
         let (sin_lat, cos_lat) = latitude_rad.sin_cos();
         // ρ cos φ + z sin φ − a √(1 − e² sin² φ) is well conditioned at every latitude, unlike
         // ρ / cos φ − N, which loses the pole.
-        let height_m =
-            rho * cos_lat + ecef.z * sin_lat - a * (1.0 - e2 * sin_lat * sin_lat).sqrt();
+        let height_m = rho * cos_lat + ecef.z * sin_lat - a * (1.0 - e2 * sin_lat * sin_lat).sqrt();
         Geodetic {
             longitude_rad,
             latitude_rad,

@@ -198,8 +198,7 @@ pub fn parse_regions(bytes: &[u8], file: &str) -> Result<Vec<Region>, RegionFile
 }
 
 const GEOMETRY_TYPES: &str = "Polygon, MultiPolygon or GeometryCollection";
-const ROOT_TYPES: &str =
-    "FeatureCollection, Feature, Polygon, MultiPolygon or GeometryCollection";
+const ROOT_TYPES: &str = "FeatureCollection, Feature, Polygon, MultiPolygon or GeometryCollection";
 
 /// Where in the file the reader is.
 #[derive(Default, Clone)]
@@ -225,7 +224,11 @@ impl Normalised {
             (n > 0).then(|| format!("{n} {}", if n == 1 { one } else { many }))
         };
         [
-            count(self.open_rings, "ring was not closed", "rings were not closed"),
+            count(
+                self.open_rings,
+                "ring was not closed",
+                "rings were not closed",
+            ),
             count(
                 self.repeated_positions,
                 "repeated position was dropped",
@@ -507,12 +510,12 @@ impl Reader {
     }
 
     fn check_position(&mut self, vertex: usize, [longitude, latitude]: [f64; 2]) {
-        // Written so that a NaN would be refused as well.
-        if !(longitude.abs() <= LARGEST_LONGITUDE_DEG) {
+        // JSON has no NaN and serde_json refuses what overflows: both are finite.
+        if longitude.abs() > LARGEST_LONGITUDE_DEG {
             let found = longitude;
             self.problem(Some(vertex), RegionProblemKind::Longitude { found });
         }
-        if !(latitude.abs() <= 90.0) {
+        if latitude.abs() > 90.0 {
             let found = latitude;
             self.problem(Some(vertex), RegionProblemKind::Latitude { found });
         }
@@ -539,7 +542,8 @@ impl Reader {
             return None;
         }
         let last_edge_is_jump = jump(positions[positions.len() - 1], positions[0]) != 0;
-        if !closed && !(turns != 0 && last_edge_is_jump) {
+        let ends_one_turn_on = turns != 0 && last_edge_is_jump;
+        if !(closed || ends_one_turn_on) {
             self.normalised.open_rings += 1;
         }
         let winding_deg = if turns == 0 {
@@ -643,9 +647,15 @@ fn json_problem(text: &[u8], error: &serde_json::Error) -> RegionProblemKind {
 /// Letters, digits and signs around a place: `NaN`, `-Infinity`, `1e999`.
 fn word_at(text: &[u8], line: usize, column: usize) -> Option<String> {
     let is_word = |byte: &u8| byte.is_ascii_alphanumeric() || b"+-.".contains(byte);
-    let line = text.split(|byte| *byte == b'\n').nth(line.checked_sub(1)?)?;
+    let line = text
+        .split(|byte| *byte == b'\n')
+        .nth(line.checked_sub(1)?)?;
     let at = column.saturating_sub(1).min(line.len());
-    let before = line[..at].iter().rev().take_while(|byte| is_word(byte)).count();
+    let before = line[..at]
+        .iter()
+        .rev()
+        .take_while(|byte| is_word(byte))
+        .count();
     let after = line[at..].iter().take_while(|byte| is_word(byte)).count();
     let word = &line[at - before..at + after];
     // A longer run is a broken file, not a word worth quoting.
@@ -673,6 +683,7 @@ fn geometry_kind(name: &str) -> Option<GeometryKind> {
 
 /// Any GeoJSON object: members may come in any order, so the type is known only at its end.
 #[derive(serde::Deserialize)]
+#[serde(expecting = "a GeoJSON object")]
 struct RawObject {
     #[serde(rename = "type")]
     kind: Option<String>,
@@ -696,7 +707,14 @@ impl RawObject {
 
 /// Properties that name a feature, best first.
 const NAME_PROPERTIES: [&str; 8] = [
-    "NAME", "name", "Name", "ADMIN", "admin", "NAME_LONG", "id", "ID",
+    "NAME",
+    "name",
+    "Name",
+    "ADMIN",
+    "admin",
+    "NAME_LONG",
+    "id",
+    "ID",
 ];
 
 /// Only the name of all the properties.

@@ -5,11 +5,18 @@
 //! lengths are metres; positions are earth-centred earth-fixed (ECEF) unless a name says otherwise.
 
 mod body;
+mod build;
+mod edge;
 mod geojson;
+mod invariants;
 mod mesh;
+mod outline;
 mod region;
+mod triangulate;
 
 pub use body::{Ellipsoid, Geodetic};
+pub use build::{EdgePlace, MeshError};
 pub use geojson::{RegionFileError, RegionProblem, RegionProblemKind, parse_regions};
+pub use invariants::InvariantViolation;
 pub use mesh::{Extent, MeshOptions, OrientedBox, RegionMesh, VolumeHeights};
 pub use region::{EdgeRule, Pole, Polygon, Region, Ring};

@@ -102,6 +102,18 @@ pub struct RegionMesh {
 }
 
 impl RegionMesh {
+    /// Vertices, those inside included.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.vertices_ecef.len()
+    }
+
+    /// Triangles of one cap.
+    #[must_use]
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
     /// Edges of the boundary: as many walls.
     #[must_use]
     pub fn boundary_edge_count(&self) -> usize {
@@ -151,5 +163,35 @@ impl RegionMesh {
             axes,
             half_extents_m: (high - low) * 0.5,
         }
+    }
+}
+
+/// Largest depth of a flat facet with these corners below the surface, metres.
+///
+/// A ball of the body's smallest curvature radius R rolls freely inside it (Blaschke), so no facet
+/// hangs deeper than in that ball: `R − √(R² − r²)`, with r the radius of the smallest circle that
+/// holds the facet.
+pub(crate) fn sagitta_m(body: &Ellipsoid, corners: [DVec3; 3]) -> f64 {
+    let largest = body.smallest_curvature_radius_m();
+    let squared = enclosing_radius_squared(corners).min(largest * largest);
+    // Without the cancellation of R − √(R² − r²).
+    squared / (largest + (largest * largest - squared).sqrt())
+}
+
+/// Square of the radius of the smallest circle that holds a triangle.
+fn enclosing_radius_squared([a, b, c]: [DVec3; 3]) -> f64 {
+    let mut sides = [
+        (b - c).length_squared(),
+        (c - a).length_squared(),
+        (a - b).length_squared(),
+    ];
+    sides.sort_by(f64::total_cmp);
+    let [shortest, middle, longest] = sides;
+    if shortest + middle <= longest {
+        // Obtuse: the longest side is a diameter.
+        longest * 0.25
+    } else {
+        let area = (b - a).cross(c - a).length_squared();
+        shortest * middle * longest / (4.0 * area)
     }
 }

@@ -1,0 +1,431 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Region → [`RegionMesh`]: outline, triangles, stitching, boundary loops, area.
+//!
+//! Pieces are meshed in degrees and put together on the body: vertices at longitude −180 and +180
+//! with the same latitude become one, all vertices at a pole become one, and what that makes
+//! degenerate vanishes. A boundary edge whose reverse then exists too was a cut, not a border.
+
+use crate::edge::{Degrees, EdgeSplitter, ZoneArea, surface_point};
+use crate::mesh::sagitta_m;
+use crate::outline::{OppositeEnds, Outline};
+use crate::triangulate::{GroupMesh, TriangulateError, index_u32, triangulate};
+use crate::{EdgeRule, Ellipsoid, MeshOptions, Region, RegionMesh};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::fmt;
+
+/// A ring edge in its file; indices count from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct EdgePlace {
+    /// Areal part of the feature.
+    pub polygon: usize,
+    /// Ring of the polygon; 0 is the shell.
+    pub ring: usize,
+    /// Vertex that the edge starts at.
+    pub vertex: usize,
+}
+
+impl fmt::Display for EdgePlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            polygon,
+            ring,
+            vertex,
+        } = self;
+        write!(f, "polygon {polygon}, ring {ring}, vertex {vertex}")
+    }
+}
+
+/// Why a region cannot be meshed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// Two edges of a region cross other than at a common vertex.
+    #[error(
+        "feature {feature} ({name}): the edge from {first} crosses the edge from {second} at \
+         longitude {longitude_deg:.7}, latitude {latitude_deg:.7}"
+    )]
+    SelfCrossing {
+        /// Index in the file.
+        feature: usize,
+        /// Its name.
+        name: String,
+        /// The edge that comes first in the file.
+        first: EdgePlace,
+        /// The other.
+        second: EdgePlace,
+        /// Of the crossing.
+        longitude_deg: f64,
+        /// Of the crossing.
+        latitude_deg: f64,
+    },
+    /// An edge between opposite points: every plane through them holds the centre.
+    #[error(
+        "feature {feature} ({name}): the great-ellipse edge from {place} joins the opposite points \
+         {start:?} and {end:?}; put a vertex between them"
+    )]
+    OppositeEnds {
+        /// Index in the file.
+        feature: usize,
+        /// Its name.
+        name: String,
+        /// The edge.
+        place: EdgePlace,
+        /// Longitude and latitude of its start, degrees.
+        start: [f64; 2],
+        /// Longitude and latitude of its end, degrees.
+        end: [f64; 2],
+    },
+    /// The rings cancel one another or have no width.
+    #[error("feature {feature} ({name}): the rings enclose no area")]
+    NoArea {
+        /// Index in the file.
+        feature: usize,
+        /// Its name.
+        name: String,
+    },
+    /// A knob out of its range.
+    #[error("{option} is {found}; allowed is {allowed}")]
+    Option {
+        /// Its name in [`MeshOptions`].
+        option: &'static str,
+        /// Its value.
+        found: f64,
+        /// Its range.
+        allowed: &'static str,
+    },
+    /// A fault of this program, not of the file.
+    #[error("feature {feature} ({name}): triangulation failed: {message}")]
+    Triangulation {
+        /// Index in the file.
+        feature: usize,
+        /// Its name.
+        name: String,
+        /// What went wrong.
+        message: String,
+    },
+}
+
+impl MeshError {
+    /// Index of the feature, where one is to blame.
+    #[must_use]
+    pub fn feature(&self) -> Option<usize> {
+        match self {
+            Self::SelfCrossing { feature, .. }
+            | Self::OppositeEnds { feature, .. }
+            | Self::NoArea { feature, .. }
+            | Self::Triangulation { feature, .. } => Some(*feature),
+            Self::Option { .. } => None,
+        }
+    }
+
+    /// The edge to blame, where there is one.
+    #[must_use]
+    pub fn place(&self) -> Option<EdgePlace> {
+        match self {
+            Self::SelfCrossing { first, .. } => Some(*first),
+            Self::OppositeEnds { place, .. } => Some(*place),
+            Self::NoArea { .. } | Self::Triangulation { .. } | Self::Option { .. } => None,
+        }
+    }
+}
+
+impl MeshOptions {
+    /// # Errors
+    /// [`MeshError::Option`] for a value that cannot be meshed with.
+    pub fn check(&self) -> Result<(), MeshError> {
+        let tolerance = self.boundary_tolerance_m;
+        if !(tolerance > 0.0 && tolerance.is_finite()) {
+            return Err(MeshError::Option {
+                option: "boundary_tolerance_m",
+                found: tolerance,
+                allowed: "above 0 and finite",
+            });
+        }
+        // Upwards of 30° a facet's sagitta is a large part of the body; downwards of 0.01° a
+        // whole globe has a billion facets.
+        if !(0.01..=30.0).contains(&self.cap_step_deg) {
+            return Err(MeshError::Option {
+                option: "cap_step_deg",
+                found: self.cap_step_deg,
+                allowed: "0.01 … 30",
+            });
+        }
+        Ok(())
+    }
+}
+
+impl RegionMesh {
+    /// Meshes one region.
+    ///
+    /// Inside is what an odd number of the region's ring edges separates from the outside, so holes
+    /// and islands in holes need no nesting order. Which pole a ring round the axis holds is said
+    /// at [`Polygon::pole_held`](crate::Polygon::pole_held).
+    ///
+    /// # Errors
+    /// [`MeshError`]; the first one found.
+    pub fn build(
+        region: &Region,
+        body: &Ellipsoid,
+        rule: EdgeRule,
+        options: &MeshOptions,
+    ) -> Result<Self, MeshError> {
+        options.check()?;
+        let (feature, name) = (region.index, region.name.clone());
+        let mut splitter = EdgeSplitter::new(body, rule, options);
+        let outline = Outline::new(region, rule, &mut splitter).map_err(|opposite| {
+            let OppositeEnds { place, start, end } = opposite;
+            MeshError::OppositeEnds {
+                feature,
+                name: name.clone(),
+                place,
+                start,
+                end,
+            }
+        })?;
+        let mut stitcher = Stitcher::default();
+        let mut area_m2 = 0.0;
+        for edges in &outline.groups {
+            let group = triangulate(edges, options).map_err(|error| match error {
+                TriangulateError::Crossing { first, second, at } => MeshError::SelfCrossing {
+                    feature,
+                    name: name.clone(),
+                    first,
+                    second,
+                    longitude_deg: at[0],
+                    latitude_deg: at[1],
+                },
+                TriangulateError::Refused(message) => MeshError::Triangulation {
+                    feature,
+                    name: name.clone(),
+                    message,
+                },
+            })?;
+            area_m2 += enclosed_area_m2(body, rule, &group);
+            stitcher.add(body, group);
+        }
+        if stitcher.triangles.is_empty() {
+            return Err(MeshError::NoArea { feature, name });
+        }
+        let boundary_loops = stitcher.boundary_loops();
+        let cap_sagitta_m = stitcher
+            .triangles
+            .iter()
+            .map(|corners| sagitta_m(body, corners.map(|i| stitcher.vertices_ecef[i as usize])))
+            .fold(0.0, f64::max);
+        Ok(Self {
+            region_index: feature,
+            name,
+            vertices_ecef: stitcher.vertices_ecef,
+            vertices_deg: stitcher.vertices_deg,
+            triangles: stitcher.triangles,
+            boundary_loops,
+            holes: region
+                .polygons
+                .iter()
+                .map(|polygon| polygon.holes.len())
+                .sum(),
+            area_m2,
+            extent: outline.extent,
+            boundary_deviation_m: splitter.deviation_m,
+            cap_sagitta_m,
+            warnings: region.warnings.clone(),
+        })
+    }
+
+    /// Meshes every region, several at a time.
+    ///
+    /// # Errors
+    /// One [`MeshError`] for each region that has one, in order.
+    pub fn build_all(
+        regions: &[Region],
+        body: &Ellipsoid,
+        rule: EdgeRule,
+        options: &MeshOptions,
+    ) -> Result<Vec<Self>, Vec<MeshError>> {
+        options.check().map_err(|error| vec![error])?;
+        let results: Vec<Result<Self, MeshError>> = regions
+            .par_iter()
+            .map(|region| Self::build(region, body, rule, options))
+            .collect();
+        let mut meshes = Vec::with_capacity(results.len());
+        let mut errors = Vec::new();
+        for result in results {
+            match result {
+                Ok(mesh) => meshes.push(mesh),
+                Err(error) => errors.push(error),
+            }
+        }
+        if errors.is_empty() {
+            Ok(meshes)
+        } else {
+            Err(errors)
+        }
+    }
+}
+
+/// `−∮ (Z − Z₀) dλ` round the boundary, each edge by its rule: Green's theorem for
+/// `dA = (dZ/dφ) dφ dλ`. Exact for the rings: splitting an edge does not change where it runs.
+fn enclosed_area_m2(body: &Ellipsoid, rule: EdgeRule, group: &GroupMesh) -> f64 {
+    let Some(first) = group.vertices.first() else {
+        return 0.0;
+    };
+    let zone = ZoneArea::new(body, first[1]);
+    -group
+        .boundary
+        .iter()
+        .map(|ends| {
+            let [start, end] = ends.map(|i| group.vertices[i as usize]);
+            zone.under_edge(rule, start, end)
+        })
+        .sum::<f64>()
+}
+
+/// Puts pieces together on the body.
+#[derive(Default)]
+struct Stitcher {
+    vertices_ecef: Vec<DVec3>,
+    vertices_deg: Vec<Degrees>,
+    triangles: Vec<[u32; 3]>,
+    /// Directed, inside on the left; cuts still among them.
+    boundary: Vec<[u32; 2]>,
+    /// Vertices on the antimeridian and at the poles, by the bits of their one position.
+    shared: HashMap<[u64; 2], u32>,
+}
+
+impl Stitcher {
+    fn add(&mut self, body: &Ellipsoid, group: GroupMesh) {
+        self.vertices_ecef.reserve(group.vertices.len());
+        self.vertices_deg.reserve(group.vertices.len());
+        let index: Vec<u32> = group
+            .vertices
+            .into_iter()
+            .map(|position| self.vertex(body, position))
+            .collect();
+        let distinct = |ends: &[u32]| {
+            ends.iter()
+                .zip(ends.iter().cycle().skip(1))
+                .all(|(a, b)| a != b)
+        };
+        for corners in group.triangles {
+            let corners = corners.map(|i| index[i as usize]);
+            if distinct(&corners) {
+                self.triangles.push(corners);
+            }
+        }
+        for ends in group.boundary {
+            let ends = ends.map(|i| index[i as usize]);
+            if distinct(&ends) {
+                self.boundary.push(ends);
+            }
+        }
+    }
+
+    fn vertex(&mut self, body: &Ellipsoid, position: Degrees) -> u32 {
+        let new = index_u32(self.vertices_deg.len());
+        let position = if position[1].abs() == 90.0 {
+            [0.0, position[1]]
+        } else if position[0].abs() == 180.0 {
+            [180.0, position[1]]
+        } else {
+            self.push(body, position);
+            return new;
+        };
+        let key = position.map(f64::to_bits);
+        if let Some(existing) = self.shared.get(&key) {
+            return *existing;
+        }
+        self.shared.insert(key, new);
+        self.push(body, position);
+        new
+    }
+
+    fn push(&mut self, body: &Ellipsoid, position: Degrees) {
+        self.vertices_deg.push(position);
+        self.vertices_ecef.push(surface_point(body, position));
+    }
+
+    /// Whether stitching may have touched the vertex.
+    fn is_shared(&self, vertex: u32) -> bool {
+        let [longitude, latitude] = self.vertices_deg[vertex as usize];
+        longitude == 180.0 || latitude.abs() == 90.0
+    }
+
+    /// Drops the edges whose reverse is there too, and chains the rest.
+    fn boundary_loops(&mut self) -> Vec<Vec<u32>> {
+        let (mut maybe_cuts, mut edges): (Vec<_>, Vec<_>) = std::mem::take(&mut self.boundary)
+            .into_iter()
+            .partition(|[a, b]| self.is_shared(*a) && self.is_shared(*b));
+        maybe_cuts.sort_unstable_by_key(|&[a, b]| (a.min(b), a.max(b), a));
+        for same_ends in maybe_cuts.chunk_by(|a, b| a == b || *a == [b[1], b[0]]) {
+            let forward = same_ends.iter().filter(|ends| ends[0] < ends[1]).count();
+            let backward = same_ends.len() - forward;
+            let [low, high] = [
+                same_ends[0][0].min(same_ends[0][1]),
+                same_ends[0][0].max(same_ends[0][1]),
+            ];
+            for _ in backward..forward {
+                edges.push([low, high]);
+            }
+            for _ in forward..backward {
+                edges.push([high, low]);
+            }
+        }
+        self.chain(edges)
+    }
+
+    fn chain(&self, mut edges: Vec<[u32; 2]>) -> Vec<Vec<u32>> {
+        edges.sort_unstable();
+        let mut first_from = vec![u32::MAX; self.vertices_deg.len()];
+        for (i, edge) in edges.iter().enumerate().rev() {
+            first_from[edge[0] as usize] = index_u32(i);
+        }
+        let mut used = vec![false; edges.len()];
+        let mut loops = Vec::new();
+        for start in 0..edges.len() {
+            if used[start] {
+                continue;
+            }
+            let mut ring = Vec::new();
+            let mut at = start;
+            while !used[at] {
+                used[at] = true;
+                let [from, to] = edges[at];
+                ring.push(from);
+                let first = first_from[to as usize] as usize;
+                let leaving = edges[first..]
+                    .iter()
+                    .take_while(|edge| edge[0] == to)
+                    .count();
+                let choices = (first..first + leaving).filter(|&i| !used[i]);
+                at = match leaving {
+                    1 => first,
+                    _ => choices
+                        .min_by(|&i, &j| {
+                            let turn = |i: usize| self.clockwise_turn(from, to, edges[i][1]);
+                            turn(i).total_cmp(&turn(j))
+                        })
+                        .unwrap_or(start),
+                };
+            }
+            loops.push(ring);
+        }
+        loops
+    }
+
+    /// Angle from the direction back to `from`, clockwise seen from outside, to the direction to
+    /// `next`, both at `at`: the inside lies left of the way in, so the smallest such turn is the
+    /// other side of the same corner of the inside.
+    fn clockwise_turn(&self, from: u32, at: u32, next: u32) -> f64 {
+        let origin = self.vertices_ecef[at as usize];
+        let up = crate::edge::normal(self.vertices_deg[at as usize]);
+        let x_axis = up.any_orthonormal_vector();
+        let y_axis = up.cross(x_axis);
+        let angle = |vertex: u32| {
+            let direction = self.vertices_ecef[vertex as usize] - origin;
+            direction.dot(y_axis).atan2(direction.dot(x_axis))
+        };
+        (angle(from) - angle(next)).rem_euclid(std::f64::consts::TAU)
+    }
+}

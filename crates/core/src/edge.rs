@@ -1,0 +1,475 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! One boundary edge: where it runs by its rule, how far the wall drawn for it is away from that,
+//! where to split it, and the area under it.
+//!
+//! Endpoints in degrees within ±180 and ±90, no edge crossing the antimeridian. Everything here is
+//! symmetric in the endpoints to the last bit, so that two regions that share an edge, one from
+//! each side, split it at the same places.
+//!
+//! Great ellipses are handled as great circles on the sphere of geodetic latitudes: tangents of
+//! geocentric and geodetic latitude differ by a constant factor, so a plane through the body's
+//! centre stays one.
+
+use crate::{EdgeRule, Ellipsoid, Geodetic, MeshOptions};
+use glam::DVec3;
+
+/// Longitude and latitude, degrees.
+pub(crate) type Degrees = [f64; 2];
+
+/// Ratio of the deviation of an edge to its length above which it is split however small it is:
+/// beyond it a triangle next to the edge can be turned over (only near poles and on small bodies,
+/// where the tolerance in metres says nothing).
+const LARGEST_RELATIVE_BOW: f64 = 0.05;
+/// Longitude span below which [`LARGEST_RELATIVE_BOW`] cannot be reached, degrees: the bow of a
+/// straight line in longitude and latitude is at most Δλ · length / 4.
+const HARMLESS_SPAN_DEG: f64 = 11.4;
+/// Longest edge along a pole, degrees of longitude: its triangles reach down to the next vertices.
+pub(crate) const POLE_STEP_DEG: f64 = 30.0;
+/// Halvings of one edge after which splitting stops: a millionth of the edge is below the rounding
+/// of its coordinates' use in metres.
+const MOST_HALVINGS: u32 = 20;
+
+/// What is needed to judge edges, and the worst deviation seen so far.
+pub(crate) struct EdgeSplitter<'a> {
+    body: &'a Ellipsoid,
+    rule: EdgeRule,
+    tolerance_m: f64,
+    step_rad: f64,
+    /// Largest distance between a kept edge as drawn and by its rule, metres.
+    pub(crate) deviation_m: f64,
+}
+
+impl<'a> EdgeSplitter<'a> {
+    pub(crate) fn new(body: &'a Ellipsoid, rule: EdgeRule, options: &MeshOptions) -> Self {
+        Self {
+            body,
+            rule,
+            tolerance_m: options.boundary_tolerance_m,
+            step_rad: options.cap_step_deg.to_radians(),
+            deviation_m: 0.0,
+        }
+    }
+
+    /// Calls `emit` with each point that splits the edge, in order from `start` to `end`.
+    pub(crate) fn split(&mut self, start: Degrees, end: Degrees, emit: &mut impl FnMut(Degrees)) {
+        self.split_further(start, end, MOST_HALVINGS, emit);
+    }
+
+    fn split_further(
+        &mut self,
+        start: Degrees,
+        end: Degrees,
+        halvings_left: u32,
+        emit: &mut impl FnMut(Degrees),
+    ) {
+        if halvings_left == 0 || !self.should_split(start, end) {
+            return;
+        }
+        let middle = point_on_edge(self.rule, start, end, 0.5);
+        self.split_further(start, middle, halvings_left - 1, emit);
+        emit(middle);
+        self.split_further(middle, end, halvings_left - 1, emit);
+    }
+
+    fn should_split(&mut self, start: Degrees, end: Degrees) -> bool {
+        let (start, end) = in_order(start, end);
+        if let Some(pole) = along_pole(start, end) {
+            debug_assert!(pole.abs() == 90.0);
+            return (end[0] - start[0]).abs() > POLE_STEP_DEG;
+        }
+        let longitude_rad = (end[0] - start[0]).abs().to_radians();
+        let latitude_rad = (end[1] - start[1]).abs().to_radians();
+        if longitude_rad.hypot(latitude_rad) > self.step_rad
+            && normal(start).angle_between(normal(end)) > self.step_rad
+        {
+            return true;
+        }
+        let (a, b) = (self.body.equatorial_radius_m(), self.body.polar_radius_m());
+        // A straight line in longitude and latitude bends away from the great circle with the
+        // covariant acceleration (sin φ cos φ Δλ², 2 tan φ · cos φ Δλ Δφ); an arc of acceleration w
+        // bows by w / 8. Half as much again covers the change along the edge.
+        let largest_radius_m = a * a / b;
+        let bow_bound_m =
+            0.19 * largest_radius_m * longitude_rad * longitude_rad.hypot(2.0 * latitude_rad);
+        let length_bound_m = largest_radius_m * longitude_rad.hypot(latitude_rad);
+        let deviation_bound_m = match self.rule {
+            EdgeRule::Planar => bow_bound_m,
+            // Plane through the centre against plane along the normal: they differ by less than
+            // e², and the arc rises above its chord by L² / 8R.
+            EdgeRule::GreatEllipse => {
+                0.25 * self.body.eccentricity_squared() * length_bound_m * length_bound_m / b
+            }
+        };
+        let harmless = longitude_rad.to_degrees() < HARMLESS_SPAN_DEG
+            && bow_bound_m <= self.tolerance_m
+            && deviation_bound_m <= self.deviation_m.min(self.tolerance_m);
+        if harmless {
+            return false;
+        }
+        let measured = measure(self.body, self.rule, start, end);
+        let limit_m = self
+            .tolerance_m
+            .min(LARGEST_RELATIVE_BOW * measured.length_m);
+        // A point that no longer lies between the ends cannot split the edge.
+        let middle = point_on_edge(self.rule, start, end, 0.5);
+        let splittable = middle != start && middle != end;
+        if splittable && (measured.deviation_m > limit_m || measured.bow_m > limit_m) {
+            return true;
+        }
+        self.deviation_m = self.deviation_m.max(measured.deviation_m);
+        false
+    }
+}
+
+/// Same result for an edge and its reverse.
+fn in_order(start: Degrees, end: Degrees) -> (Degrees, Degrees) {
+    if (end[0], end[1]) < (start[0], start[1]) {
+        (end, start)
+    } else {
+        (start, end)
+    }
+}
+
+/// Latitude of the pole that both ends lie at.
+pub(crate) fn along_pole(start: Degrees, end: Degrees) -> Option<f64> {
+    (start[1].abs() == 90.0 && start[1] == end[1]).then_some(start[1])
+}
+
+/// Unit normal of the body at a position.
+pub(crate) fn normal([longitude_deg, latitude_deg]: Degrees) -> DVec3 {
+    let (sin_lon, cos_lon) = longitude_deg.to_radians().sin_cos();
+    let (sin_lat, cos_lat) = latitude_deg.to_radians().sin_cos();
+    DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat)
+}
+
+/// Point on the surface, ECEF metres; poles exactly on the axis, ±180 one and the same meridian.
+pub(crate) fn surface_point(body: &Ellipsoid, [longitude_deg, latitude_deg]: Degrees) -> DVec3 {
+    if latitude_deg.abs() == 90.0 {
+        return DVec3::new(0.0, 0.0, body.polar_radius_m().copysign(latitude_deg));
+    }
+    let longitude_deg = if longitude_deg == -180.0 {
+        180.0
+    } else {
+        longitude_deg
+    };
+    body.geodetic_to_ecef(Geodetic::from_degrees(longitude_deg, latitude_deg, 0.0))
+}
+
+/// Point of the edge at `fraction` of its length (of its longitude span for planar edges).
+fn point_on_edge(rule: EdgeRule, start: Degrees, end: Degrees, fraction: f64) -> Degrees {
+    let (start, end) = in_order(start, end);
+    let planar = [
+        start[0] * (1.0 - fraction) + end[0] * fraction,
+        start[1] * (1.0 - fraction) + end[1] * fraction,
+    ];
+    let meridian = start[0] == end[0] || start[1].abs() == 90.0 || end[1].abs() == 90.0;
+    if rule == EdgeRule::Planar || meridian {
+        return planar;
+    }
+    let (from, to) = (normal(start), normal(end));
+    let angle = from.angle_between(to);
+    let point = from * ((1.0 - fraction) * angle).sin() + to * (fraction * angle).sin();
+    let longitude_deg = point.y.atan2(point.x).to_degrees();
+    [
+        // Rounding must not carry the point past the edge's ends.
+        longitude_deg.clamp(start[0], end[0]),
+        point.z.atan2(point.x.hypot(point.y)).to_degrees(),
+    ]
+}
+
+/// Where the great circle through two places crosses a meridian between them, degrees latitude.
+pub(crate) fn great_circle_latitude(start: Degrees, end: Degrees, longitude_deg: f64) -> f64 {
+    let (start, end) = in_order(start, end);
+    let span = (end[0] - start[0]).to_radians();
+    let from_start = (longitude_deg - start[0]).to_radians();
+    let from_end = (end[0] - longitude_deg).to_radians();
+    let tangent =
+        start[1].to_radians().tan() * from_end.sin() + end[1].to_radians().tan() * from_start.sin();
+    (tangent / span.sin()).atan().to_degrees()
+}
+
+struct Measured {
+    /// Of the chord, metres.
+    length_m: f64,
+    /// Between the edge by its rule and the plane of its wall, metres.
+    deviation_m: f64,
+    /// Between the straight line in longitude and latitude, which the triangulation sees, and the
+    /// plane of the wall, metres.
+    bow_m: f64,
+}
+
+/// Compares an edge with the plane through its ends that contains the surface normal midway.
+fn measure(body: &Ellipsoid, rule: EdgeRule, start: Degrees, end: Degrees) -> Measured {
+    let (start, end) = in_order(start, end);
+    let from = surface_point(body, start);
+    let chord = surface_point(body, end) - from;
+    let middle = point_on_edge(rule, start, end, 0.5);
+    let wall = chord.cross(normal(middle)).normalize_or_zero();
+    let distance = |rule: EdgeRule, fraction: f64| {
+        let point = point_on_edge(rule, start, end, fraction);
+        wall.dot(surface_point(body, point) - from).abs()
+    };
+    let largest = |rule: EdgeRule| {
+        distance(rule, 0.25)
+            .max(distance(rule, 0.5))
+            .max(distance(rule, 0.75))
+    };
+    let deviation_m = largest(rule);
+    let bow_m = match rule {
+        EdgeRule::Planar => deviation_m,
+        EdgeRule::GreatEllipse => largest(EdgeRule::Planar),
+    };
+    Measured {
+        length_m: chord.length(),
+        deviation_m,
+        bow_m,
+    }
+}
+
+/// `Z(φ) − Z(φ₀)`, where Z is [`Ellipsoid::zone_area_per_radian`], without cancellation: both terms
+/// as differences, by `x/(1−e²x²) − y/(1−e²y²)` over a common denominator and
+/// `artanh u − artanh v = artanh((u − v)/(1 − uv))`.
+pub(crate) struct ZoneArea {
+    half_b2: f64,
+    e2: f64,
+    reference_rad: f64,
+    sin_reference: f64,
+}
+
+impl ZoneArea {
+    pub(crate) fn new(body: &Ellipsoid, reference_deg: f64) -> Self {
+        let b = body.polar_radius_m();
+        Self {
+            half_b2: 0.5 * b * b,
+            e2: body.eccentricity_squared(),
+            reference_rad: reference_deg.to_radians(),
+            sin_reference: reference_deg.to_radians().sin(),
+        }
+    }
+
+    /// At a latitude, square metres per radian of longitude.
+    pub(crate) fn at(&self, latitude_rad: f64) -> f64 {
+        let (e2, t) = (self.e2, self.sin_reference);
+        let s = latitude_rad.sin();
+        // sin φ − sin φ₀ without cancellation.
+        let difference = 2.0
+            * (0.5 * (latitude_rad + self.reference_rad)).cos()
+            * (0.5 * (latitude_rad - self.reference_rad)).sin();
+        let rational = difference * (1.0 + e2 * s * t) / ((1.0 - e2 * s * s) * (1.0 - e2 * t * t));
+        let argument = difference / (1.0 - e2 * s * t);
+        let e = e2.sqrt();
+        let artanh = if e < 1e-9 {
+            argument
+        } else {
+            (e * argument).atanh() / e
+        };
+        self.half_b2 * (rational + artanh)
+    }
+
+    /// `∫ (Z − Z₀) dλ` along an edge from `start` to `end`, square metres.
+    pub(crate) fn under_edge(&self, rule: EdgeRule, start: Degrees, end: Degrees) -> f64 {
+        if start[0] == end[0] {
+            return 0.0;
+        }
+        let at_pole = start[1].abs() == 90.0 || end[1].abs() == 90.0;
+        if rule == EdgeRule::Planar || at_pole {
+            self.under_line(start, end)
+        } else {
+            let whole = self.under_arc_gauss(start, end);
+            self.under_arc(start, end, whole, 12)
+        }
+    }
+
+    fn under_line(&self, start: Degrees, end: Degrees) -> f64 {
+        let width = (end[0] - start[0]).to_radians();
+        let (from, to) = (start[1].to_radians(), end[1].to_radians());
+        if start[1] == end[1] {
+            return width * self.at(from);
+        }
+        // Error of n-point Gauss–Legendre falls with span²ⁿ; these keep it under 1e-14 relative.
+        let span = (to - from).abs();
+        let rule: &[(f64, f64)] = if span < 2e-4 {
+            &GAUSS_2
+        } else if span < 0.15 {
+            &GAUSS_5
+        } else {
+            &GAUSS_10
+        };
+        let pieces = (span / 0.7).ceil().max(1.0);
+        let mut sum = 0.0;
+        let mut piece = 0.0;
+        while piece < pieces {
+            let center = from + (to - from) * (piece + 0.5) / pieces;
+            let half = 0.5 * (to - from) / pieces;
+            sum += gauss(rule, |x| self.at(center + half * x));
+            piece += 1.0;
+        }
+        width * 0.5 * sum / pieces
+    }
+
+    /// Halves the arc until both halves together agree with the whole.
+    fn under_arc(&self, start: Degrees, end: Degrees, whole: f64, halvings_left: u32) -> f64 {
+        let middle_deg = 0.5 * (start[0] + end[0]);
+        let middle = [middle_deg, great_circle_latitude(start, end, middle_deg)];
+        let first = self.under_arc_gauss(start, middle);
+        let second = self.under_arc_gauss(middle, end);
+        let scale = first.abs() + second.abs();
+        if halvings_left == 0 || (first + second - whole).abs() <= 1e-13 * scale {
+            return first + second;
+        }
+        self.under_arc(start, middle, first, halvings_left - 1)
+            + self.under_arc(middle, end, second, halvings_left - 1)
+    }
+
+    fn under_arc_gauss(&self, start: Degrees, end: Degrees) -> f64 {
+        let (center, half) = (0.5 * (start[0] + end[0]), 0.5 * (end[0] - start[0]));
+        if half == 0.0 {
+            return 0.0;
+        }
+        let sum = gauss(&GAUSS_5, |x| {
+            self.at(great_circle_latitude(start, end, center + half * x).to_radians())
+        });
+        half.to_radians() * sum
+    }
+}
+
+/// Nodes and weights on [−1, 1] (Abramowitz & Stegun, table 25.4); nodes not listed are mirrored.
+const GAUSS_2: [(f64, f64); 1] = [(0.577_350_269_189_625_8, 1.0)];
+const GAUSS_5: [(f64, f64); 3] = [
+    (0.0, 0.568_888_888_888_888_9),
+    (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
+    (0.906_179_845_938_664, 0.236_926_885_056_189_08),
+];
+const GAUSS_10: [(f64, f64); 5] = [
+    (0.148_874_338_981_631_22, 0.295_524_224_714_752_87),
+    (0.433_395_394_129_247_2, 0.269_266_719_309_996_36),
+    (0.679_409_568_299_024_4, 0.219_086_362_515_982_05),
+    (0.865_063_366_688_984_5, 0.149_451_349_150_580_6),
+    (0.973_906_528_517_171_7, 0.066_671_344_308_688_14),
+];
+
+/// `∫ f dx` over [−1, 1].
+fn gauss(rule: &[(f64, f64)], f: impl Fn(f64) -> f64) -> f64 {
+    rule.iter()
+        .map(|&(node, weight)| {
+            if node == 0.0 {
+                weight * f(0.0)
+            } else {
+                weight * (f(-node) + f(node))
+            }
+        })
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quadrature_rules_integrate_the_polynomials_they_promise() {
+        for (rule, points) in [(&GAUSS_2[..], 2), (&GAUSS_5[..], 5), (&GAUSS_10[..], 10)] {
+            for degree in (0..2 * points).step_by(2) {
+                let found = gauss(rule, |x| x.powi(degree));
+                let exact = 2.0 / f64::from(degree + 1);
+                assert!((found - exact).abs() < 4e-16, "{points} points, x^{degree}");
+            }
+            // Twin: one degree more must be missed.
+            let degree = 2 * points;
+            let found = gauss(rule, |x| x.powi(degree));
+            assert!((found - 2.0 / f64::from(degree + 1)).abs() > 1e-7);
+        }
+    }
+
+    #[test]
+    fn zone_area_is_the_difference_of_the_closed_forms() {
+        for body in Ellipsoid::ALL {
+            for reference_deg in [-90.0_f64, -30.0, 0.0, 45.0] {
+                let zone = ZoneArea::new(&body, reference_deg);
+                for latitude_deg in [-90.0_f64, -10.0, 0.0, 45.0, 46.0, 90.0] {
+                    let exact = body.zone_area_per_radian(latitude_deg.to_radians())
+                        - body.zone_area_per_radian(reference_deg.to_radians());
+                    let found = zone.at(latitude_deg.to_radians());
+                    let scale = body.equatorial_radius_m().powi(2);
+                    assert!((found - exact).abs() < 1e-15 * scale * 4.0);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_edge_and_its_reverse_split_at_the_same_bits() {
+        let body = Ellipsoid::WGS84;
+        let options = MeshOptions {
+            boundary_tolerance_m: 10.0,
+            cap_step_deg: 3.0,
+        };
+        for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
+            let (a, b) = ([10.1, 47.3], [31.7, 52.9]);
+            let mut there = Vec::new();
+            let mut back = Vec::new();
+            let mut splitter = EdgeSplitter::new(&body, rule, &options);
+            splitter.split(a, b, &mut |point| there.push(point));
+            EdgeSplitter::new(&body, rule, &options).split(b, a, &mut |point| back.push(point));
+            back.reverse();
+            assert!(there.len() > 20);
+            assert_eq!(there, back);
+            assert!(splitter.deviation_m > 0.0 && splitter.deviation_m <= 10.0);
+        }
+    }
+
+    #[test]
+    fn shortcuts_never_change_where_an_edge_is_split() {
+        // A splitter that has already seen a large deviation takes every shortcut it can; a fresh
+        // one measures. Their points must agree.
+        let options = MeshOptions::default();
+        let mut state = 7_u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for body in [
+            Ellipsoid::WGS84,
+            Ellipsoid::SATURN_LIKE,
+            Ellipsoid::UNIT_SPHERE,
+        ] {
+            for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
+                let mut hasty = EdgeSplitter::new(&body, rule, &options);
+                hasty.deviation_m = options.boundary_tolerance_m;
+                for _ in 0..400 {
+                    let a = [360.0 * random() - 180.0, 180.0 * random() - 90.0];
+                    let reach = 10_f64.powf(-4.0 * random()) * 30.0;
+                    let b = [
+                        (a[0] + reach * (random() - 0.5)).clamp(-180.0, 180.0),
+                        (a[1] + reach * (random() - 0.5)).clamp(-90.0, 90.0),
+                    ];
+                    let (mut quick, mut slow) = (Vec::new(), Vec::new());
+                    hasty.split(a, b, &mut |point| quick.push(point));
+                    let mut fresh = EdgeSplitter::new(&body, rule, &options);
+                    fresh.split(a, b, &mut |point| slow.push(point));
+                    assert_eq!(quick, slow, "{} {a:?} {b:?}", body.name());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn area_under_a_great_circle_matches_girard() {
+        // Octant of the unit sphere: a quarter of the equator, two meridians; edges at 0, 0–90.
+        let zone = ZoneArea::new(&Ellipsoid::UNIT_SPHERE, 0.0);
+        // Triangle (0,0) (90,0) (45, atan √2 …): excess by the angles of the right triangles.
+        let apex = [45.0, 60.0];
+        let found = zone.under_edge(EdgeRule::GreatEllipse, [0.0, 0.0], apex)
+            + zone.under_edge(EdgeRule::GreatEllipse, apex, [90.0, 0.0]);
+        // tan(E/2) = tan(a/2) tan(b/2) for each right spherical triangle with legs a, b.
+        let half_excess =
+            ((45_f64.to_radians() / 2.0).tan() * (60_f64.to_radians() / 2.0).tan()).atan();
+        assert!((found - 4.0 * half_excess).abs() < 1e-14);
+        let planar = zone.under_edge(EdgeRule::Planar, [0.0, 0.0], apex);
+        assert!(
+            (planar - 2.0 * half_excess).abs() > 1e-2,
+            "the rule must matter"
+        );
+    }
+}

@@ -1,0 +1,590 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Rings → edges that the triangulation can take: within ±180° of longitude, closed there, split to
+//! follow their rule, and grouped into parts that have nothing to do with one another.
+//!
+//! Degrees. A region is treated as a *chain modulo 2* on the strip −180 … 180 × −90 … 90: a set of
+//! edges in which every point is met by an even number of ends, and whose inside is what an odd
+//! number of edges separates from the outside. Cutting at the antimeridian then needs no case
+//! distinction: wherever a ring passes from one side to the other it leaves an odd end at the same
+//! latitude on both sides, and joining those ends in pairs along +180 and again along −180 closes
+//! the chain on each side. A ring round a pole passes an odd number of times; it is closed by the
+//! whole parallel of that pole, which is one point of the body.
+
+use crate::edge::{Degrees, EdgeSplitter, along_pole, great_circle_latitude};
+use crate::mesh::Extent;
+use crate::{EdgePlace, EdgeRule, Polygon, Region, Ring};
+
+/// An edge short enough to draw.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct OutlineEdge {
+    pub(crate) start: Degrees,
+    pub(crate) end: Degrees,
+    /// Edge of the file that it is a part of.
+    pub(crate) place: EdgePlace,
+}
+
+/// A region's edges, ready to triangulate.
+pub(crate) struct Outline {
+    /// Parts whose bounding boxes do not touch: each is triangulated for itself.
+    pub(crate) groups: Vec<Vec<OutlineEdge>>,
+    pub(crate) extent: Extent,
+}
+
+/// The great ellipse between two opposite points is not determined.
+pub(crate) struct OppositeEnds {
+    pub(crate) place: EdgePlace,
+    pub(crate) start: Degrees,
+    pub(crate) end: Degrees,
+}
+
+/// Part of a ring edge between two cuts.
+#[derive(Debug, Clone, Copy)]
+struct Piece {
+    start: Degrees,
+    end: Degrees,
+    vertex: usize,
+}
+
+/// Longitudes and latitudes covered, `[west, south, east, north]`.
+#[derive(Debug, Clone, Copy)]
+struct Bounds([f64; 4]);
+
+impl Bounds {
+    const EMPTY: Self = Self([
+        f64::INFINITY,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::NEG_INFINITY,
+    ]);
+
+    fn add(&mut self, [longitude, latitude]: Degrees) {
+        let [west, south, east, north] = &mut self.0;
+        *west = west.min(longitude);
+        *south = south.min(latitude);
+        *east = east.max(longitude);
+        *north = north.max(latitude);
+    }
+
+    fn join(&mut self, other: &Self) {
+        self.add([other.0[0], other.0[1]]);
+        self.add([other.0[2], other.0[3]]);
+    }
+
+    fn touches(&self, other: &Self) -> bool {
+        let ([w, s, e, n], [w2, s2, e2, n2]) = (self.0, other.0);
+        w <= e2 && w2 <= e && s <= n2 && s2 <= n
+    }
+}
+
+/// One polygon's edges.
+struct Part {
+    edges: Vec<OutlineEdge>,
+    bounds: Bounds,
+}
+
+impl Outline {
+    /// Cuts, closes, splits and groups the rings of `region`.
+    pub(crate) fn new(
+        region: &Region,
+        rule: EdgeRule,
+        splitter: &mut EdgeSplitter<'_>,
+    ) -> Result<Self, OppositeEnds> {
+        let mut builder = Builder {
+            rule,
+            splitter,
+            parts: Vec::with_capacity(region.polygons.len()),
+            longitudes: Vec::new(),
+            crossings: Vec::new(),
+        };
+        for (index, polygon) in region.polygons.iter().enumerate() {
+            builder.add_polygon(index, polygon)?;
+        }
+        builder.close_along_antimeridian();
+        let mut whole = Bounds::EMPTY;
+        for part in &builder.parts {
+            whole.join(&part.bounds);
+        }
+        let [west_deg, east_deg] = shortest_interval(builder.longitudes);
+        Ok(Self {
+            groups: group(builder.parts),
+            extent: Extent {
+                west_deg,
+                south_deg: whole.0[1],
+                east_deg,
+                north_deg: whole.0[3],
+            },
+        })
+    }
+}
+
+struct Builder<'a, 'b> {
+    rule: EdgeRule,
+    splitter: &'a mut EdgeSplitter<'b>,
+    parts: Vec<Part>,
+    /// West and east ends of every run of a ring between two crossings of the antimeridian.
+    longitudes: Vec<[f64; 2]>,
+    /// Latitudes where rings pass from one side of the antimeridian to the other, and the part.
+    crossings: Vec<(f64, usize)>,
+}
+
+impl Builder<'_, '_> {
+    fn add_polygon(&mut self, index: usize, polygon: &Polygon) -> Result<(), OppositeEnds> {
+        let part_index = self.parts.len();
+        let mut part = Part {
+            edges: Vec::with_capacity(polygon.rings().map(|ring| ring.vertices_deg().len()).sum()),
+            bounds: Bounds::EMPTY,
+        };
+        let mut shell_goes_round = false;
+        for (ring_index, ring) in polygon.rings().enumerate() {
+            let place = |vertex: usize| EdgePlace {
+                polygon: index,
+                ring: ring_index,
+                vertex,
+            };
+            let mut pieces = ring_pieces(self.rule, ring).map_err(|vertex| OppositeEnds {
+                place: place(vertex),
+                start: ring.vertices_deg()[vertex],
+                end: ring.vertices_deg()[(vertex + 1) % ring.vertices_deg().len()],
+            })?;
+            let crossings = self.record_runs(&pieces, part_index);
+            if crossings % 2 == 1 {
+                shell_goes_round |= ring_index == 0;
+                let latitude = polygon
+                    .pole_held(ring_index, shell_goes_round)
+                    .latitude_deg();
+                pieces.push(Piece {
+                    start: [-180.0, latitude],
+                    end: [180.0, latitude],
+                    vertex: ring.vertices_deg().len() - 1,
+                });
+                self.crossings.push((latitude, part_index));
+                self.longitudes.push([-180.0, 180.0]);
+            }
+            for piece in pieces {
+                self.add_split(&mut part, piece.start, piece.end, place(piece.vertex));
+            }
+        }
+        self.parts.push(part);
+        Ok(())
+    }
+
+    /// Notes longitude intervals and crossings of a closed sequence of pieces; returns the number
+    /// of crossings.
+    fn record_runs(&mut self, pieces: &[Piece], part: usize) -> usize {
+        let before = self.crossings.len();
+        let mut run = Bounds::EMPTY;
+        let next = pieces.iter().cycle().skip(1);
+        for (piece, next) in pieces.iter().zip(next) {
+            run.add(piece.start);
+            run.add(piece.end);
+            if piece.end != next.start {
+                self.crossings.push((piece.end[1], part));
+                self.longitudes.push([run.0[0], run.0[2]]);
+                run = Bounds::EMPTY;
+            }
+        }
+        if run.0[0] <= run.0[2] {
+            self.longitudes.push([run.0[0], run.0[2]]);
+        }
+        self.crossings.len() - before
+    }
+
+    fn add_split(&mut self, part: &mut Part, start: Degrees, end: Degrees, place: EdgePlace) {
+        let mut from = start;
+        part.bounds.add(start);
+        part.bounds.add(end);
+        let Part { edges, bounds } = part;
+        self.splitter.split(start, end, &mut |point| {
+            bounds.add(point);
+            edges.push(OutlineEdge {
+                start: from,
+                end: point,
+                place,
+            });
+            from = point;
+        });
+        edges.push(OutlineEdge {
+            start: from,
+            end,
+            place,
+        });
+    }
+
+    /// Joins the parts that cross the antimeridian into one and closes it on both sides.
+    fn close_along_antimeridian(&mut self) {
+        if self.crossings.is_empty() {
+            return;
+        }
+        let mut crossings = std::mem::take(&mut self.crossings);
+        crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut crossing_parts: Vec<usize> = crossings.iter().map(|crossing| crossing.1).collect();
+        crossing_parts.sort_unstable();
+        crossing_parts.dedup();
+        let mut joined = Part {
+            edges: Vec::new(),
+            bounds: Bounds::EMPTY,
+        };
+        for index in crossing_parts.iter().rev() {
+            let part = self.parts.swap_remove(*index);
+            joined.bounds.join(&part.bounds);
+            joined.edges.extend(part.edges);
+        }
+        let place = joined.edges[0].place;
+        for pair in crossings.chunks_exact(2) {
+            let (south, north) = (pair[0].0, pair[1].0);
+            if south < north {
+                for side in [-180.0, 180.0] {
+                    self.add_split(&mut joined, [side, south], [side, north], place);
+                }
+            }
+        }
+        self.parts.push(joined);
+    }
+}
+
+/// Pieces of a ring within ±180, in order; where one ends at ±180 and the next starts at ∓180 the
+/// ring crosses the antimeridian.
+///
+/// # Errors
+/// The vertex whose edge joins two opposite points of the body (great ellipses only).
+fn ring_pieces(rule: EdgeRule, ring: &Ring) -> Result<Vec<Piece>, usize> {
+    match rule {
+        EdgeRule::Planar => Ok(planar_pieces(ring)),
+        EdgeRule::GreatEllipse => great_ellipse_pieces(ring),
+    }
+}
+
+fn planar_pieces(ring: &Ring) -> Vec<Piece> {
+    let vertices = ring.vertices_deg();
+    let within = |vertex: &Degrees| vertex[0].abs() <= 180.0;
+    let mut pieces = Vec::with_capacity(vertices.len());
+    if ring.winding_deg() == 0.0 && vertices.iter().all(within) {
+        for (vertex, (start, end)) in ring.edges_deg().enumerate() {
+            pieces.push(Piece { start, end, vertex });
+        }
+        return pieces;
+    }
+    let turns = (ring.winding_deg() / 360.0).round();
+    for (vertex, start) in vertices.iter().enumerate() {
+        let start = Turned::new(*start, 0.0);
+        let end = match vertices.get(vertex + 1) {
+            Some(end) => Turned::new(*end, 0.0),
+            None => Turned::new(vertices[0], turns),
+        };
+        let first = pieces.len();
+        if end.is_west_of(&start) {
+            cut_planar(end, start, vertex, &mut pieces);
+            pieces[first..].reverse();
+            for piece in &mut pieces[first..] {
+                (piece.start, piece.end) = (piece.end, piece.start);
+            }
+        } else {
+            cut_planar(start, end, vertex, &mut pieces);
+        }
+    }
+    pieces
+}
+
+/// A position as longitude within ±180 and whole turns, so that the same place has the same bits
+/// whichever turn it was written in.
+#[derive(Clone, Copy)]
+struct Turned {
+    degrees: Degrees,
+    turns: f64,
+}
+
+impl Turned {
+    fn new(position: Degrees, extra_turns: f64) -> Self {
+        let turns = (position[0] / 360.0).round();
+        Self {
+            degrees: [position[0] - 360.0 * turns, position[1]],
+            turns: turns + extra_turns,
+        }
+    }
+
+    fn is_west_of(&self, other: &Self) -> bool {
+        let turns = self.turns - other.turns;
+        360.0 * turns + self.degrees[0] - other.degrees[0] < 0.0
+    }
+}
+
+/// Cuts an eastward (or meridional) edge at every ±180 it crosses.
+fn cut_planar(mut west: Turned, mut east: Turned, vertex: usize, pieces: &mut Vec<Piece>) {
+    // On the antimeridian itself an edge starts on the side it goes to and ends on the one it
+    // comes from; a meridional edge stays on one side.
+    let meridional = west.degrees[0] - east.degrees[0] == 360.0 * (east.turns - west.turns);
+    if east.degrees[0] == -180.0 {
+        east.degrees[0] = 180.0;
+        east.turns -= 1.0;
+    }
+    if meridional {
+        if west.degrees[0] == -180.0 {
+            west.degrees[0] = 180.0;
+            west.turns -= 1.0;
+        }
+    } else if west.degrees[0] == 180.0 {
+        west.degrees[0] = -180.0;
+        west.turns += 1.0;
+    }
+    let mut start = west.degrees;
+    let mut turn = west.turns;
+    while turn < east.turns {
+        let to_west = (180.0 - west.degrees[0]) + 360.0 * (turn - west.turns);
+        let to_east = (180.0 + east.degrees[0]) + 360.0 * (east.turns - turn - 1.0);
+        let share = to_west / (to_west + to_east);
+        let latitude = west.degrees[1] + (east.degrees[1] - west.degrees[1]) * share;
+        let end = [180.0, latitude];
+        pieces.push(Piece { start, end, vertex });
+        start = [-180.0, latitude];
+        turn += 1.0;
+    }
+    let end = east.degrees;
+    pieces.push(Piece { start, end, vertex });
+}
+
+fn great_ellipse_pieces(ring: &Ring) -> Result<Vec<Piece>, usize> {
+    let vertices: Vec<Degrees> = ring
+        .vertices_deg()
+        .iter()
+        .map(|vertex| Turned::new(*vertex, 0.0).degrees)
+        .collect();
+    let mut pieces: Vec<Piece> = Vec::with_capacity(vertices.len());
+    for (vertex, start) in vertices.iter().enumerate() {
+        let end = vertices[(vertex + 1) % vertices.len()];
+        cut_great_ellipse(*start, end, vertex, &mut pieces)?;
+    }
+    join_at_poles(&mut pieces);
+    Ok(pieces)
+}
+
+/// Pieces of the shorter arc; where it meets a pole they end and start at their own longitudes.
+fn cut_great_ellipse(
+    mut start: Degrees,
+    mut end: Degrees,
+    vertex: usize,
+    pieces: &mut Vec<Piece>,
+) -> Result<(), usize> {
+    let mut push = |start, end| pieces.push(Piece { start, end, vertex });
+    match (start[1].abs() == 90.0, end[1].abs() == 90.0) {
+        (true, true) if start[1] == end[1] => return Ok(()),
+        (true, true) => return Err(vertex),
+        // A pole has no longitude of its own: the edge is a meridian.
+        (true, false) => {
+            push([end[0], start[1]], end);
+            return Ok(());
+        }
+        (false, true) => {
+            push(start, [start[0], end[1]]);
+            return Ok(());
+        }
+        (false, false) => {}
+    }
+    if (end[0] - start[0]).abs() > 180.0 {
+        // ±180 is one meridian, written as suits the other end.
+        if start[0].abs() == 180.0 {
+            start[0] = -start[0];
+        } else if end[0].abs() == 180.0 {
+            end[0] = -end[0];
+        }
+    }
+    let span = (end[0] - start[0]).abs();
+    if span < 180.0 {
+        push(start, end);
+    } else if span == 180.0 {
+        // Over the nearer pole.
+        if start[1] + end[1] == 0.0 {
+            return Err(vertex);
+        }
+        let pole = 90.0_f64.copysign(start[1] + end[1]);
+        push(start, [start[0], pole]);
+        push([end[0], pole], end);
+    } else {
+        let (west, east) = if start[0] > 0.0 {
+            (start, end)
+        } else {
+            (end, start)
+        };
+        let latitude = great_circle_latitude(west, [east[0] + 360.0, east[1]], 180.0);
+        push(start, [180.0_f64.copysign(start[0]), latitude]);
+        push([180.0_f64.copysign(end[0]), latitude], end);
+    }
+    Ok(())
+}
+
+/// Fills the gaps that arcs through a pole left between their longitudes there, the shorter way.
+///
+/// The way does not matter: the two ways differ by the pole's whole parallel, which
+/// [`Builder::add_polygon`] adds or not by the number of crossings.
+fn join_at_poles(pieces: &mut Vec<Piece>) {
+    let mut joined = Vec::with_capacity(pieces.len());
+    let next = pieces.iter().cycle().skip(1);
+    for (piece, next) in pieces.iter().zip(next) {
+        joined.push(*piece);
+        let (from, to) = (piece.end, next.start);
+        let Some(pole) = along_pole(from, to) else {
+            continue;
+        };
+        let step = to[0] - from[0];
+        let vertex = piece.vertex;
+        if step != 0.0 && step.abs() <= 180.0 {
+            joined.push(Piece {
+                start: from,
+                end: to,
+                vertex,
+            });
+        } else if step.abs() > 180.0 && step.abs() < 360.0 {
+            let side = 180.0_f64.copysign(from[0]);
+            for (start, end) in [(from, [side, pole]), ([-side, pole], to)] {
+                if start != end {
+                    joined.push(Piece { start, end, vertex });
+                }
+            }
+        }
+    }
+    *pieces = joined;
+}
+
+/// Parts with touching bounding boxes, joined.
+fn group(mut parts: Vec<Part>) -> Vec<Vec<OutlineEdge>> {
+    parts.retain(|part| !part.edges.is_empty());
+    parts.sort_by(|a, b| a.bounds.0[0].total_cmp(&b.bounds.0[0]));
+    // Boxes of groups are compared rather than those of parts: it may join more than needed, never
+    // less, and a group's box only grows while going east.
+    let mut groups: Vec<Part> = Vec::new();
+    for part in parts {
+        let mut part = part;
+        // Joining may make the box touch further groups.
+        while let Some(touching) = groups
+            .iter()
+            .position(|group| group.bounds.touches(&part.bounds))
+        {
+            let mut group = groups.swap_remove(touching);
+            group.bounds.join(&part.bounds);
+            group.edges.append(&mut part.edges);
+            part = group;
+        }
+        groups.push(part);
+    }
+    groups.into_iter().map(|group| group.edges).collect()
+}
+
+/// The shortest interval of longitude that holds all of them, `[west, east]`; west of the
+/// antimeridian to east of it when west > east.
+fn shortest_interval(mut intervals: Vec<[f64; 2]>) -> [f64; 2] {
+    intervals.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let Some(&[west, mut east]) = intervals.first() else {
+        return [-180.0, 180.0];
+    };
+    let mut widest_gap = 0.0;
+    let mut gap_ends = [west, west];
+    for &[next_west, next_east] in &intervals {
+        if next_west - east > widest_gap {
+            widest_gap = next_west - east;
+            gap_ends = [east, next_west];
+        }
+        east = east.max(next_east);
+    }
+    // The gap over the antimeridian; it wins a draw, which leaves west < east.
+    if west + 360.0 - east >= widest_gap {
+        [west, east]
+    } else {
+        [gap_ends[1], gap_ends[0]]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pieces_of(
+        rule: EdgeRule,
+        vertices: &[Degrees],
+        winding_deg: f64,
+    ) -> Vec<(Degrees, Degrees)> {
+        let ring = Ring::from_checked(vertices.to_vec(), winding_deg);
+        let pieces = ring_pieces(rule, &ring).expect("no opposite ends");
+        pieces
+            .iter()
+            .map(|piece| (piece.start, piece.end))
+            .collect()
+    }
+
+    #[test]
+    fn an_edge_over_the_antimeridian_is_cut_at_the_same_bits_in_every_spelling() {
+        let east = [[170.3, 10.1], [189.9, 20.7], [180.0, 0.0]];
+        let west = east.map(|[longitude, latitude]| [longitude - 360.0, latitude]);
+        let a = pieces_of(EdgeRule::Planar, &east, 0.0);
+        let b = pieces_of(EdgeRule::Planar, &west, 0.0);
+        assert_eq!(a, b);
+        assert_eq!(a[0].1[0], 180.0);
+        assert_eq!(a[1].0, [-180.0, a[0].1[1]]);
+        // The vertex on the antimeridian belongs to the side that each of its edges lies on.
+        assert_eq!(a[2].1, [-180.0, 0.0]);
+        assert_eq!(a[3].0, [180.0, 0.0]);
+    }
+
+    #[test]
+    fn a_great_ellipse_is_cut_at_the_same_bits_both_ways() {
+        let ring = [[170.3, 10.1], [-169.9, 20.7], [175.0, -30.0]];
+        let mut reversed = ring;
+        reversed.reverse();
+        let a = pieces_of(EdgeRule::GreatEllipse, &ring, 0.0);
+        let b = pieces_of(EdgeRule::GreatEllipse, &reversed, 0.0);
+        let cuts = |pieces: &[(Degrees, Degrees)]| {
+            let mut cuts: Vec<f64> = pieces
+                .iter()
+                .filter(|piece| piece.1[0] == 180.0)
+                .map(|piece| piece.1[1])
+                .chain(pieces.iter().filter(|p| p.0[0] == 180.0).map(|p| p.0[1]))
+                .collect();
+            cuts.sort_by(f64::total_cmp);
+            cuts
+        };
+        assert_eq!(cuts(&a).len(), 2);
+        assert_eq!(cuts(&a), cuts(&b));
+    }
+
+    #[test]
+    fn opposite_ends_are_refused() {
+        let ring = Ring::from_checked(vec![[0.0, 10.0], [180.0, -10.0], [90.0, 0.0]], 0.0);
+        assert_eq!(ring_pieces(EdgeRule::GreatEllipse, &ring).err(), Some(0));
+        let near = Ring::from_checked(vec![[0.0, 10.0], [180.0, -9.0], [90.0, 0.0]], 0.0);
+        assert!(ring_pieces(EdgeRule::GreatEllipse, &near).is_ok());
+    }
+
+    #[test]
+    fn the_shortest_interval_goes_over_the_antimeridian_where_that_is_shorter() {
+        assert_eq!(
+            shortest_interval(vec![[10.0, 20.0], [-5.0, 12.0]]),
+            [-5.0, 20.0]
+        );
+        assert_eq!(
+            shortest_interval(vec![[20.0, 180.0], [-180.0, -169.0]]),
+            [20.0, -169.0]
+        );
+        assert_eq!(shortest_interval(vec![[-180.0, 180.0]]), [-180.0, 180.0]);
+        assert_eq!(shortest_interval(vec![[170.0, 180.0]]), [170.0, 180.0]);
+    }
+
+    #[test]
+    fn only_parts_that_touch_are_grouped() {
+        let part = |west: f64, east: f64| {
+            let mut bounds = Bounds::EMPTY;
+            bounds.add([west, 0.0]);
+            bounds.add([east, 1.0]);
+            let edge = OutlineEdge {
+                start: [west, 0.0],
+                end: [east, 1.0],
+                place: EdgePlace::default(),
+            };
+            Part {
+                edges: vec![edge],
+                bounds,
+            }
+        };
+        let groups = group(vec![part(0.0, 1.0), part(5.0, 6.0), part(1.0, 2.0)]);
+        let mut sizes: Vec<usize> = groups.iter().map(Vec::len).collect();
+        sizes.sort_unstable();
+        assert_eq!(sizes, [1, 2]);
+    }
+}
