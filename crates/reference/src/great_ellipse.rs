@@ -36,8 +36,12 @@ const AZIMUTH_MARGIN_RAD: f64 = 1e-9;
 /// near to 2π to be told from a jump, and arcs become ambiguous.
 const SMALLEST_COSINE: f64 = 1e-4;
 
-/// Steps towards the smallest cap; the error of the centre shrinks as their inverse.
-const CENTER_STEPS: u32 = 400;
+/// Steps towards the smallest cap; the error of the centre shrinks as their inverse. A cap a few
+/// percent too large only costs time.
+const CENTER_STEPS: u32 = 30;
+
+/// Steps before a ring is said to lie in no hemisphere.
+const CENTER_STEPS_AT_MOST: u32 = 400;
 
 /// Rounding of a dot product of unit vectors, with room.
 const DOT_MARGIN: f64 = 1e-14;
@@ -126,11 +130,12 @@ impl GreatEllipseRing {
         if p.dot(self.center.at) < self.center.cos_radius - DOT_MARGIN {
             return Verdicts::default();
         }
-        let first = if (p - self.center.at).length() < AT_CENTER {
-            self.parity(self.second_center, p, 0..self.vertices.len() - 1)
-        } else {
+        let center = self.center_for(p);
+        let first = if center == self.center.at {
             let near = self.by_azimuth.at(self.center.azimuth(p));
-            self.parity(self.center.at, p, near.iter().map(|&edge| edge as usize))
+            self.parity(center, p, near.iter().map(|&edge| edge as usize))
+        } else {
+            self.parity(center, p, 0..self.vertices.len() - 1)
         };
         let angle = self
             .chains
@@ -148,13 +153,22 @@ impl GreatEllipseRing {
     pub(crate) fn holds_brute(&self, point: &Point) -> Verdicts {
         let p = point.normal;
         let edges = 0..self.vertices.len() - 1;
-        let in_hemisphere = p.dot(self.second_center) > 0.0;
         let angles = edges
             .clone()
             .map(|i| angle(self.vertices[i], self.vertices[i + 1], p));
+        let in_hemisphere = p.dot(self.center.at) > 0.0;
         Verdicts {
-            first: in_hemisphere && self.parity(self.second_center, p, edges),
             second: winds(angles.sum()),
+            first: in_hemisphere && self.parity(self.center_for(p), p, edges),
+        }
+    }
+
+    /// The centre to judge `p` from.
+    fn center_for(&self, p: DVec3) -> DVec3 {
+        if (p - self.center.at).length() < AT_CENTER {
+            self.second_center
+        } else {
+            self.center.at
         }
     }
 
@@ -203,7 +217,10 @@ impl Center {
         let sum: DVec3 = vertices.iter().copied().sum();
         let mut at = sum.try_normalize().unwrap_or(DVec3::Z);
         let mut best = (at, farthest(at).dot(at));
-        for step in 1..=CENTER_STEPS {
+        for step in 1..=CENTER_STEPS_AT_MOST {
+            if step > CENTER_STEPS && best.1 >= SMALLEST_COSINE {
+                break;
+            }
             let towards = farthest(at);
             at = (at + (towards - at) / f64::from(step + 1))
                 .try_normalize()

@@ -16,6 +16,8 @@ mod locator;
 mod planar;
 mod slabs;
 mod surface;
+#[cfg(test)]
+mod validation;
 
 pub use backend::{ReferenceBackend, ReferenceFrame};
 pub use locator::{Location, Locator, LocatorError};

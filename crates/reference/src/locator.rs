@@ -8,7 +8,7 @@
 use crate::great_ellipse::GreatEllipseRing;
 use crate::planar::{PlanarRing, on_longitude_grid};
 use glam::DVec3;
-use terrafill_core::{EdgeRule, Region};
+use terrafill_core::{EdgeRule, Polygon, Region, Ring};
 
 /// Why a ring cannot be judged.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -61,6 +61,8 @@ pub(crate) struct RingSource<'a> {
     pub(crate) place: String,
     pub(crate) vertices_deg: &'a [[f64; 2]],
     pub(crate) winding_deg: f64,
+    /// Which pole is inside, should the ring go round the axis.
+    pub(crate) holds_north: bool,
 }
 
 impl RingSource<'_> {
@@ -225,16 +227,23 @@ impl Locator {
     /// [`LocatorError`] when a ring leaves open what is inside it.
     pub fn new(regions: &[Region], rule: EdgeRule) -> Result<Self, LocatorError> {
         let sources = regions.iter().enumerate().flat_map(|(position, region)| {
-            region.rings().enumerate().map(move |(ring_index, ring)| {
-                let source = RingSource {
-                    place: format!(
-                        "region {} ({}), ring {ring_index}",
-                        region.index, region.name
-                    ),
-                    vertices_deg: ring.vertices_deg(),
-                    winding_deg: ring.winding_deg(),
-                };
-                (position, source)
+            let polygons = region.polygons.iter().enumerate();
+            polygons.flat_map(move |(part, polygon)| {
+                rings_of(polygon)
+                    .into_iter()
+                    .enumerate()
+                    .map(move |(index, (ring, north))| {
+                        let source = RingSource {
+                            place: format!(
+                                "feature {} ({}), polygon {part}, ring {index}",
+                                region.index, region.name
+                            ),
+                            vertices_deg: ring.vertices_deg(),
+                            winding_deg: ring.winding_deg(),
+                            holds_north: north,
+                        };
+                        (position, source)
+                    })
             })
         });
         Self::from_rings(sources, rule)
@@ -322,6 +331,30 @@ impl Locator {
         }
         location
     }
+}
+
+/// Shell and holes, each with whether it holds the north pole, should it go round the axis.
+///
+/// A ring that does holds the pole of the hemisphere in which its vertices lie on average, north
+/// if undecided. The holes of a shell that goes round are closed over the shell's pole.
+fn rings_of(polygon: &Polygon) -> Vec<(&Ring, bool)> {
+    let holds_north = |ring: &Ring| holds_north(ring.vertices_deg());
+    let shell = &polygon.shell;
+    let mut rings = vec![(shell, holds_north(shell))];
+    for hole in &polygon.holes {
+        let decides = if shell.winding_deg() == 0.0 {
+            hole
+        } else {
+            shell
+        };
+        rings.push((hole, holds_north(decides)));
+    }
+    rings
+}
+
+/// Whether vertices lie north of the equator on average.
+pub(crate) fn holds_north(vertices_deg: &[[f64; 2]]) -> bool {
+    vertices_deg.iter().map(|vertex| vertex[1]).sum::<f64>() >= 0.0
 }
 
 /// Even-odd rule over rings.

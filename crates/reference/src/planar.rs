@@ -15,9 +15,8 @@
 //! Edges are half-open, so a vertex between two of them counts once. The plain test may differ
 //! from the exact one within rounding of an edge; that is what comparing the two is for.
 //!
-//! Which pole a winding ring holds follows from the mean latitude of its vertices: north if
-//! positive, else south. Even crossings of a ring with itself, and rings inside rings, count by
-//! the even-odd rule.
+//! Which pole a winding ring holds is said by whoever makes it. Where a ring crosses itself, the
+//! even-odd rule counts.
 
 use crate::locator::{Bounds, LocatorError, Point, RingSource, Verdicts};
 use crate::slabs::Slabs;
@@ -57,8 +56,7 @@ impl PlanarRing {
         let edges = edges_of(source);
         let bounds = bounds_of(source, &edges)?;
         let winds = source.winding_deg != 0.0;
-        let mean_latitude_sign: f64 = source.vertices_deg.iter().map(|vertex| vertex[1]).sum();
-        let holds_north = winds.then_some(mean_latitude_sign > 0.0);
+        let holds_north = winds.then_some(source.holds_north);
         let mut closed_edges = edges.clone();
         if let (Some(north), Some(first), Some(last)) = (holds_north, edges.first(), edges.last()) {
             let pole = if north { 90.0 } else { -90.0 };
