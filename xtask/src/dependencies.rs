@@ -177,18 +177,26 @@ pub(crate) fn check(edges: &[Edge]) -> Result<String> {
     bail!("forbidden dependencies:\n  {}", forbidden.join("\n  "));
 }
 
-/// Refuses a reference that takes anything but bodies and rings from core.
+/// Refuses a reference that takes anything but bodies and rings from core, or reads a scene's meshes.
 ///
 /// The reference judges what the mesher and its users produce; were it to share their code, a
 /// mistake in it would be right by definition.
 pub(crate) fn check_reference(folder: &Path) -> Result<String> {
     let mut names = BTreeSet::new();
-    for entry in std::fs::read_dir(folder).with_context(|| folder.display().to_string())? {
-        let path = entry?.path();
-        if path.extension().is_some_and(|extension| extension == "rs") {
-            let text =
-                std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-            names.extend(imports_from_core(&text));
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(next) = folders.pop() {
+        for entry in std::fs::read_dir(&next).with_context(|| next.display().to_string())? {
+            let path = entry?.path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let text =
+                    std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+                if text.contains(".meshes") {
+                    bail!("{}: the reference reads a scene's meshes", path.display());
+                }
+                names.extend(imports_from_core(&text));
+            }
         }
     }
     let allowed = |name: &&String| REFERENCE_MAY_IMPORT.contains(&name.as_str());
@@ -203,6 +211,9 @@ pub(crate) fn check_reference(folder: &Path) -> Result<String> {
             wrong.join(", "),
             REFERENCE_MAY_IMPORT.join(", ")
         );
+    }
+    if names.is_empty() {
+        bail!("{}: nothing is taken from core: not read", folder.display());
     }
     Ok(format!(
         "reference takes {} names from core, all allowed",
@@ -309,21 +320,21 @@ mod tests {
     #[test]
     fn a_reference_that_meshes_is_refused() {
         let folder = tempfile::tempdir().expect("temporary folder");
-        let file = folder.path().join("lib.rs");
-        std::fs::write(
-            &file,
-            "use terrafill_core::{Ellipsoid,\n    Ring};\nterrafill_core::Region",
-        )
-        .expect("writable");
+        assert!(check_reference(folder.path()).is_err(), "nothing was read");
+        let good = "use terrafill_core::{Ellipsoid,\n    Ring};\nterrafill_core::Region";
+        std::fs::write(folder.path().join("lib.rs"), good).expect("writable");
         let summary = check_reference(folder.path()).expect("allowed");
         assert!(summary.contains("3 names"), "{summary}");
+        let below = folder.path().join("below");
+        std::fs::create_dir(&below).expect("writable");
         for twin in [
-            "{Ellipsoid, RegionMesh}",
-            "RegionMesh::area",
-            "*",
-            "{RegionMesh as Region}",
+            "use terrafill_core::{Ellipsoid, RegionMesh};",
+            "terrafill_core::RegionMesh::area",
+            "use terrafill_core::*;",
+            "use terrafill_core::{RegionMesh as Region};",
+            "input.scene.meshes.len()",
         ] {
-            std::fs::write(&file, format!("use terrafill_core::{twin};")).expect("writable");
+            std::fs::write(below.join("more.rs"), twin).expect("writable");
             assert!(check_reference(folder.path()).is_err(), "{twin}");
         }
     }
