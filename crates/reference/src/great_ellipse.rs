@@ -46,6 +46,9 @@ const CENTER_STEPS_AT_MOST: u32 = 400;
 /// Rounding of a dot product of unit vectors, with room.
 const DOT_MARGIN: f64 = 1e-14;
 
+/// A direction that lies in no plane of borders that people draw.
+const TIE_BREAKER: DVec3 = DVec3::new(0.314_159_265_3, 0.577_215_664_9, 0.753_784_612_1);
+
 /// A ring with an index for each of the two tests.
 #[derive(Debug, Clone)]
 pub(crate) struct GreatEllipseRing {
@@ -181,10 +184,10 @@ impl GreatEllipseRing {
         let mut odd = false;
         for i in edges {
             let (a, b) = (self.vertices[i], self.vertices[i + 1]);
-            let a_is_left = exact_sign(center, p, a) >= 0.0;
-            let b_is_left = exact_sign(center, p, b) >= 0.0;
+            let a_is_left = side_of(center, a, p) <= 0.0;
+            let b_is_left = side_of(center, b, p) <= 0.0;
             if a_is_left != b_is_left {
-                let side = exact_sign(a, b, p);
+                let side = side_of(a, b, p);
                 odd ^= if b_is_left { side > 0.0 } else { side < 0.0 };
             }
         }
@@ -320,6 +323,20 @@ fn build_chain(vertices: &[DVec3], start: usize, end: usize, chains: &mut Vec<Ch
         halves,
     });
     chains.len() - 1
+}
+
+/// Sign of `det(a, b, p)`: positive when `p` lies on the left of the way from `a` to `b`.
+///
+/// Where it is 0, `p` counts as moved by next to nothing towards [`TIE_BREAKER`]. All rings see the
+/// same move, so a place on a border or a vertex belongs to exactly one of those that meet there
+/// (Edelsbrunner and Mücke, 1990, "Simulation of Simplicity").
+fn side_of(a: DVec3, b: DVec3, p: DVec3) -> f64 {
+    let sign = exact_sign(a, b, p);
+    if sign == 0.0 {
+        exact_sign(a, b, TIE_BREAKER)
+    } else {
+        sign
+    }
 }
 
 /// Sign of `det(a, b, c)`, exact for the numbers given.

@@ -125,8 +125,20 @@ impl Point {
 }
 
 /// Unit geodetic normal.
+///
+/// One place has one vector to the bit, under whichever longitude it is written, and the
+/// antimeridian lies in one plane to the bit: parts cut there or run to a pole meet without a gap.
 pub(crate) fn normal(longitude_deg: f64, latitude_deg: f64) -> DVec3 {
-    let (sin_lon, cos_lon) = longitude_deg.to_radians().sin_cos();
+    if latitude_deg.abs() >= 90.0 {
+        return DVec3::new(0.0, 0.0, latitude_deg.signum());
+    }
+    let turns = ((longitude_deg + 180.0) / 360.0).floor();
+    let longitude_deg = longitude_deg - 360.0 * turns;
+    let (sin_lon, cos_lon) = if longitude_deg == -180.0 {
+        (0.0, -1.0)
+    } else {
+        longitude_deg.to_radians().sin_cos()
+    };
     let (sin_lat, cos_lat) = latitude_deg.to_radians().sin_cos();
     DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat)
 }

@@ -257,3 +257,92 @@ fn positions_that_are_none_are_in_no_region() {
         );
     }
 }
+
+#[test]
+fn parts_cut_at_the_antimeridian_meet_without_a_gap() {
+    for rule in RULES {
+        // The parts' vertices on the cut are at different latitudes.
+        let rings = vec![
+            (
+                0,
+                vec![
+                    [170.0, 50.0],
+                    [180.0, 48.0],
+                    [180.0, 61.0],
+                    [180.0, 70.0],
+                    [170.0, 70.0],
+                ],
+                0.0,
+            ),
+            (
+                0,
+                vec![
+                    [-180.0, 48.0],
+                    [-170.0, 50.0],
+                    [-170.0, 70.0],
+                    [-180.0, 70.0],
+                ],
+                0.0,
+            ),
+        ];
+        let located = locator(&rings, rule);
+        for i in 0..400 {
+            let latitude = 50.0 + f64::from(i) * 0.049;
+            for longitude in [
+                180.0,
+                -180.0,
+                540.0,
+                180.0_f64.next_down(),
+                (-180.0_f64).next_up(),
+            ] {
+                let found = located.locate(longitude, latitude).regions;
+                assert_eq!(found, [0], "{rule:?} {longitude} {latitude}");
+            }
+        }
+        // Twin: a gap of a metre is not closed.
+        let mut apart = rings;
+        for vertex in &mut apart[1].1 {
+            vertex[0] += 1e-5;
+        }
+        assert!(
+            locator(&apart, rule)
+                .locate(-180.0 + 5e-6, 60.0)
+                .regions
+                .is_empty()
+        );
+    }
+}
+
+#[test]
+fn a_fan_of_triangles_leaves_no_place_without_an_owner_and_gives_none_two() {
+    for rule in RULES {
+        for middle in [[20.3, 31.7], [180.0, 10.0], [0.0, 0.0]] {
+            // Spokes to the north and south lie on the meridian itself.
+            let rim: Vec<[f64; 2]> = (0..12)
+                .map(|i| {
+                    let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / 12.0).sin_cos();
+                    let cos = if i % 6 == 3 { 0.0 } else { cos };
+                    [middle[0] + 9.0 * cos, middle[1] + 9.0 * sin]
+                })
+                .collect();
+            let rings: Vec<TestRing> = (0..12)
+                .map(|i| (i, vec![middle, rim[i], rim[(i + 1) % 12]], 0.0))
+                .collect();
+            let located = locator(&rings, rule);
+            let owners = |place: [f64; 2]| located.locate(place[0], place[1]).regions.len();
+            assert_eq!(owners(middle), 1, "{rule:?} {middle:?}");
+            for spoke in &rim {
+                for i in 1..200 {
+                    let share = f64::from(i) / 200.0;
+                    let place = [0, 1].map(|k| middle[k] + share * (spoke[k] - middle[k]));
+                    assert_eq!(owners(place), 1, "{rule:?} {place:?}");
+                }
+            }
+            // Twin: with one triangle missing, its places have no owner.
+            let missing = locator(&rings[1..], rule);
+            let inside = [0, 1].map(|k| (middle[k] + rim[0][k] + rim[1][k]) / 3.0);
+            assert!(missing.locate(inside[0], inside[1]).regions.is_empty());
+            assert_eq!(owners(inside), 1);
+        }
+    }
+}
