@@ -13,7 +13,7 @@ use crate::{Locator, ReferenceBackend};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
-use terrafill_core::{EdgeRule, Ellipsoid, Geodetic};
+use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, Region, parse_regions};
 use terrafill_frame::{Backend, BackendError, FrameInput, PreparedScene};
 use terrafill_scene::{Camera, CameraPose, FramePlan, ImageSize, Overlap, SurfaceMesh};
 
@@ -329,4 +329,38 @@ fn rendering_wants_its_own_input_prepared() {
     assert_eq!(frame.ids, judged.frame.ids);
     assert_eq!(frame.surface, judged.frame.surface);
     assert_eq!(frame.counters, None);
+}
+
+#[test]
+fn a_frame_is_judged_from_its_parsed_regions() {
+    let mut input = input(Ellipsoid::WGS84, &pose(10.0, 5.0, 1e6, -90.0), 64, 60);
+    let parsed = |coordinates: &str| -> Arc<[Region]> {
+        let text = format!(r#"{{"type":"Polygon","coordinates":[{coordinates}]}}"#);
+        parse_regions(text.as_bytes(), "test")
+            .expect("valid")
+            .into()
+    };
+    // Everything in sight, then everything but a hole around the foot of the eye.
+    input.scene.regions = parsed("[[-40,-40],[60,-40],[60,40],[-40,40],[-40,-40]]");
+    let full = ReferenceBackend::new().judge(&input).expect("a rectangle");
+    assert_eq!(full.frame.filled_px(), 64 * 64);
+    input.scene.regions =
+        parsed("[[-40,-40],[60,-40],[60,40],[-40,40],[-40,-40]],[[9,4],[11,4],[11,6],[9,6],[9,4]]");
+    let holed = ReferenceBackend::new()
+        .judge(&input)
+        .expect("a rectangle with a hole");
+    assert_eq!(holed.frame.ids[32 * 64 + 32], 0);
+    assert_eq!(holed.frame.ids[0], 1);
+    // The hole is 2° × 2°, 221 km × 222 km, seen from 1,000 km under 40°: 19.5 pixels a side.
+    let hole_px = 64 * 64 - holed.frame.filled_px();
+    assert!((361..=400).contains(&hole_px), "{hole_px}");
+
+    // What cannot be judged is refused, not guessed.
+    input.scene.regions = parsed("[[0,0],[90,0],[180,0],[270,10],[0,0]]");
+    input.scene.edge_rule = EdgeRule::GreatEllipse;
+    let refused = ReferenceBackend::new().prepare(&input);
+    assert!(
+        matches!(refused, Err(BackendError::Unsupported { .. })),
+        "{refused:?}"
+    );
 }
