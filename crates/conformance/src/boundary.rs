@@ -33,21 +33,6 @@ pub fn checks_nothing(reference: &Frame) -> bool {
     boundary_pixels(reference) == 0
 }
 
-/// Of the pixels of `marked`, how many lie outside the boundary band of `reference`.
-///
-/// Meant for what a reference reports about itself, such as the pixels where its inside tests
-/// differ: within the band they are rounding, outside it a fault. Pixels that `marked` has beyond
-/// the picture, or lacks, count as outside too, since nothing is known about them.
-#[must_use]
-pub fn marked_outside_band_px(reference: &Frame, marked: &[bool]) -> u64 {
-    let band = Grid::of(reference).band(&reference.ids);
-    let outside = band
-        .iter()
-        .zip(marked)
-        .filter(|(in_band, marked)| **marked && !**in_band);
-    outside.count() as u64 + band.len().abs_diff(marked.len()) as u64
-}
-
 /// Shape of a picture; turns (column, row) into an index.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Grid {
@@ -199,19 +184,6 @@ mod tests {
                 assert_eq!(band[row * 7 + column], mark == '#', "{column},{row}");
             }
         }
-    }
-
-    #[test]
-    fn a_mark_within_the_band_is_forgiven_and_outside_it_is_counted() {
-        let frame = picture(&["1.....", "1....."]);
-        let mut marked = vec![false; 12];
-        assert_eq!(marked_outside_band_px(&frame, &marked), 0);
-        marked[1] = true;
-        marked[2] = true;
-        assert_eq!(marked_outside_band_px(&frame, &marked), 0);
-        marked[3] = true;
-        assert_eq!(marked_outside_band_px(&frame, &marked), 1);
-        assert_eq!(marked_outside_band_px(&frame, &marked[..10]), 3);
     }
 
     #[test]
