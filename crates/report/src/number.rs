@@ -15,7 +15,7 @@ pub(crate) fn significant(value: f64) -> String {
         return format!("{value:.2e}");
     }
     let decimals = match magnitude {
-        m if m == 0.0 => 0,
+        0.0 => 0,
         m if m >= 99.95 => 0,
         m if m >= 9.995 => 1,
         m if m >= 0.9995 => 2,

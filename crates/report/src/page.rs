@@ -26,7 +26,7 @@ const NOT_COUNTED: &str = "not counted by this backend";
 const NOT_COMPARED: &str = "not compared with the reference";
 
 /// The columns, left to right.
-pub(crate) const COLUMNS: [Column; 14] = [
+pub(crate) const COLUMNS: [Column; 15] = [
     Column {
         term: "fill_cpu_ms",
         heading: "fill, CPU ms",
@@ -36,14 +36,14 @@ pub(crate) const COLUMNS: [Column; 14] = [
     },
     Column {
         term: "fill_over_bound_cpu",
-        heading: "÷ bound",
+        heading: "÷\u{a0}bound",
         cell: |case| case.value(|row| row.fill_over_bound_cpu).map(significant),
         is_time: true,
         absent_because: "no bound was measured in this run",
     },
     Column {
         term: "fill over floor",
-        heading: "÷ floor",
+        heading: "÷\u{a0}floor",
         cell: |case| {
             case.value(|row| Some(row.fill_cpu_ms? / row.floor_cpu_ms?))
                 .map(significant)
@@ -53,28 +53,28 @@ pub(crate) const COLUMNS: [Column; 14] = [
     },
     Column {
         term: "fill_gpu_ms",
-        heading: "fill, GPU ms",
+        heading: "fill, GPU\u{a0}ms",
         cell: |case| case.value(|row| row.fill_gpu_ms).map(significant),
         is_time: true,
         absent_because: NO_GPU_TIME,
     },
     Column {
         term: "surface_gpu_ms",
-        heading: "surface",
+        heading: "surface, GPU\u{a0}ms",
         cell: |case| case.value(|row| row.surface_gpu_ms).map(significant),
         is_time: true,
         absent_because: NO_GPU_TIME,
     },
     Column {
         term: "stencil_gpu_ms",
-        heading: "stencil",
+        heading: "stencil, GPU\u{a0}ms",
         cell: |case| case.value(|row| row.stencil_gpu_ms).map(significant),
         is_time: true,
         absent_because: NO_PASS_TIME,
     },
     Column {
         term: "colour_gpu_ms",
-        heading: "colour",
+        heading: "colour, GPU\u{a0}ms",
         cell: |case| case.value(|row| row.colour_gpu_ms).map(significant),
         is_time: true,
         absent_because: NO_PASS_TIME,
@@ -101,6 +101,13 @@ pub(crate) const COLUMNS: [Column; 14] = [
         absent_because: NOT_COUNTED,
     },
     Column {
+        term: "regions_left_out",
+        heading: "regions left out",
+        cell: |case| case.value(|row| row.regions_left_out).map(count),
+        is_time: false,
+        absent_because: "not recorded by this run",
+    },
+    Column {
         term: "mismatched_px",
         heading: "wrong px",
         cell: |case| case.value(|row| row.mismatched_px).map(count),
@@ -123,7 +130,7 @@ pub(crate) const COLUMNS: [Column; 14] = [
     },
     Column {
         term: "boundary_deviation_m",
-        heading: "boundary, m",
+        heading: "boundary,\u{a0}m",
         cell: |case| case.value(|row| row.boundary_deviation_m).map(significant),
         is_time: false,
         absent_because: "not recorded by this run",
@@ -183,6 +190,7 @@ struct ViewSection {
     headings: Vec<Heading>,
     rows: Vec<Row>,
     footnotes: Vec<String>,
+    left_out: Vec<LeftOut>,
     error_plot: Option<String>,
     not_drawn: Vec<String>,
 }
@@ -201,12 +209,17 @@ struct Heading {
 }
 
 struct Row {
-    name: String,
+    /// The case's name, cut where a line may break.
+    name_parts: Vec<String>,
     status: &'static str,
     cells: Vec<Cell>,
-    left_out: String,
-    left_out_summary: String,
     reason: String,
+}
+
+/// Cases of a view whose plans left out the same.
+struct LeftOut {
+    cases: Vec<String>,
+    text: String,
 }
 
 struct Cell {
@@ -225,7 +238,7 @@ struct PublishedTable {
 }
 
 struct PublishedRow {
-    name: String,
+    name_parts: Vec<String>,
     is_ours: bool,
     cells: Vec<String>,
 }
@@ -403,6 +416,7 @@ fn view_section(
             .collect(),
         rows,
         footnotes,
+        left_out: left_out_groups(view),
         error_plot,
         not_drawn,
     })
@@ -495,34 +509,40 @@ fn fill_cpu_cell(case: &Case) -> Option<String> {
 }
 
 fn table_row(case: &Case, footnotes: &mut Vec<String>) -> Row {
-    let left_out = case
-        .summary
-        .as_ref()
-        .map(|row| row.left_out.clone())
-        .unwrap_or_default();
     Row {
-        name: case.name(),
+        name_parts: breakable(&case.name()),
         status: case.outcome.name(),
         cells: COLUMNS
             .iter()
             .map(|column| table_cell(case, column, footnotes))
             .collect(),
-        left_out_summary: left_out_summary(case, &left_out),
-        left_out,
         reason: case.reason().to_owned(),
     }
 }
 
-/// What stands for a long list; empty when the list is short enough to stand for itself.
-fn left_out_summary(case: &Case, left_out: &str) -> String {
-    const SHORT: usize = 70;
-    if left_out.chars().count() <= SHORT {
-        return String::new();
+/// A name in the pieces between which a line may break: after commas and slashes.
+fn breakable(name: &str) -> Vec<String> {
+    name.split_inclusive([',', '/'])
+        .map(str::to_owned)
+        .collect()
+}
+
+/// Frame plans that left something out, equal ones together.
+fn left_out_groups(view: &ViewCases<'_>) -> Vec<LeftOut> {
+    let mut groups: Vec<LeftOut> = Vec::new();
+    for case in &view.cases {
+        let Some(row) = case.summary.as_ref().filter(|row| !row.left_out.is_empty()) else {
+            continue;
+        };
+        match groups.iter_mut().find(|group| group.text == row.left_out) {
+            Some(group) => group.cases.push(case.name()),
+            None => groups.push(LeftOut {
+                cases: vec![case.name()],
+                text: row.left_out.clone(),
+            }),
+        }
     }
-    case.value(|row| row.regions_left_out).map_or_else(
-        || "what was left out".to_owned(),
-        |regions| format!("{} regions left out", count(regions)),
-    )
+    groups
 }
 
 fn table_cell(case: &Case, column: &Column, footnotes: &mut Vec<String>) -> Cell {
@@ -595,7 +615,7 @@ fn published_table(data: &RunData, scene: &SceneCases<'_>) -> Option<PublishedTa
     let mut rows: Vec<PublishedRow> = published
         .iter()
         .map(|row| PublishedRow {
-            name: format!("CesiumJS, {}", row.method),
+            name_parts: vec![format!("CesiumJS, {}", row.method)],
             is_ours: false,
             cells: row
                 .fill_cpu_ms
@@ -613,7 +633,7 @@ fn published_table(data: &RunData, scene: &SceneCases<'_>) -> Option<PublishedTa
     }
     rows.extend(names.into_iter().map(|name| PublishedRow {
         cells: our_cells(scene, &name, &published, comparable),
-        name,
+        name_parts: breakable(&name),
         is_ours: true,
     }));
     Some(PublishedTable {

@@ -12,7 +12,6 @@ use crate::ReportError;
 use crate::number;
 use crate::run_data::{Case, SceneCases};
 use plotters::prelude::Color as _;
-use std::collections::BTreeMap;
 
 /// The variant whose bytes the others' are divided by.
 const BASE: &str = "vertex/doubled";
@@ -70,12 +69,18 @@ pub(crate) fn geometry_bytes(
     palette: &Palette,
 ) -> Result<Option<String>, ReportError> {
     let variants = largest_by_variant(scene);
-    let most = variants.values().map(Bytes::total).max().unwrap_or(0);
+    let most = variants
+        .iter()
+        .map(|(_, bytes)| bytes.total())
+        .max()
+        .unwrap_or(0);
     if most == 0 {
         return Ok(None);
     }
-    let base = variants.get(BASE).map(|bytes| bytes.geometry);
-    let left = label_column(variants.keys().map(|name| name.chars().count()));
+    let base = variants
+        .iter()
+        .find_map(|(name, bytes)| (name == BASE).then_some(bytes.geometry));
+    let left = label_column(variants.iter().map(|(name, _)| name.chars().count()));
     let right = WIDTH_PX - VALUE_COLUMN_PX;
     let bottom = TOP_PX + variants.len() as f64 * ROW_PX;
     let title = format!("{}: bytes per variant", scene.name);
@@ -113,15 +118,18 @@ pub(crate) fn geometry_bytes(
     .map(Some)
 }
 
-fn largest_by_variant(scene: &SceneCases<'_>) -> BTreeMap<String, Bytes> {
-    let mut variants: BTreeMap<String, Bytes> = BTreeMap::new();
+/// In the order in which the variants first appear.
+fn largest_by_variant(scene: &SceneCases<'_>) -> Vec<(String, Bytes)> {
+    let mut variants: Vec<(String, Bytes)> = Vec::new();
     for case in scene.views.iter().flat_map(|view| &view.cases) {
         let Some(bytes) = Bytes::of(case) else {
             continue;
         };
-        let most = variants.entry(case.name()).or_default();
-        if bytes.total() > most.total() {
-            *most = bytes;
+        let name = case.name();
+        match variants.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, most)) if bytes.total() > most.total() => *most = bytes,
+            Some(_) => {}
+            None => variants.push((name, bytes)),
         }
     }
     variants
