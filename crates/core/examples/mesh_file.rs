@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Reads and meshes a GeoJSON file and prints what each stage took.
 //!
-//! `mesh_file FILE [TOLERANCE_M] [great-ellipse]`; set `RAYON_NUM_THREADS=1` to time one core.
+//! `mesh_file FILE [TOLERANCE_M] [great-ellipse] [even-odd]`; set `RAYON_NUM_THREADS=1` to time one core.
 
 #![allow(clippy::print_stdout, reason = "printing is what an example is for")]
 
@@ -12,7 +12,7 @@ use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh, parse_regions
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
     let Some(file) = arguments.next() else {
-        println!("usage: mesh_file FILE [TOLERANCE_M] [great-ellipse]");
+        println!("usage: mesh_file FILE [TOLERANCE_M] [great-ellipse] [even-odd]");
         return ExitCode::from(2);
     };
     let rest: Vec<String> = arguments.collect();
@@ -45,6 +45,15 @@ fn main() -> ExitCode {
         }
     };
     let parsed = Instant::now();
+    let mut regions = regions;
+    if rest.iter().any(|word| word == "even-odd") {
+        let crossings: usize = regions
+            .iter_mut()
+            .map(|region| region.split_at_crossings(rule))
+            .sum();
+        println!("crossings       {crossings}");
+    }
+    let repaired = Instant::now();
     let body = Ellipsoid::WGS84;
     let meshes = match RegionMesh::build_all(&regions, &body, rule, &options) {
         Ok(meshes) => meshes,
@@ -86,7 +95,8 @@ fn main() -> ExitCode {
     println!("broken          {broken}");
     println!("read   {:8.1} ms", (read - start).as_secs_f64() * 1e3);
     println!("parse  {:8.1} ms", (parsed - read).as_secs_f64() * 1e3);
-    println!("mesh   {:8.1} ms", (meshed - parsed).as_secs_f64() * 1e3);
+    println!("repair {:8.1} ms", (repaired - parsed).as_secs_f64() * 1e3);
+    println!("mesh   {:8.1} ms", (meshed - repaired).as_secs_f64() * 1e3);
     println!("check  {:8.1} ms", (checked - meshed).as_secs_f64() * 1e3);
     if broken == 0 {
         ExitCode::SUCCESS

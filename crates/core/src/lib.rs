@@ -6,6 +6,7 @@
 
 mod body;
 mod build;
+mod crossings;
 mod edge;
 mod geojson;
 mod invariants;

@@ -7,6 +7,7 @@
 //! middle latitude: triangles come out well shaped on the body, and not one bit of a coordinate
 //! changes, so predicates remain exact for the numbers of the file.
 
+use crate::crossings::planar_crossing;
 use crate::edge::{Degrees, normal};
 use crate::outline::OutlineEdge;
 use crate::{EdgePlace, MeshOptions};
@@ -396,7 +397,7 @@ fn find_crossing(edges: &[OutlineEdge], a: Degrees, b: Degrees) -> TriangulateEr
         return TriangulateError::Refused("a crossing edge is not among the edges".to_owned());
     };
     for edge in edges {
-        if let Some(at) = crossing(refused, edge) {
+        if let Some(at) = planar_crossing([refused.start, refused.end], [edge.start, edge.end]) {
             let (first, second) = if edge.place < refused.place {
                 (edge.place, refused.place)
             } else {
@@ -406,21 +407,6 @@ fn find_crossing(edges: &[OutlineEdge], a: Degrees, b: Degrees) -> TriangulateEr
         }
     }
     TriangulateError::Refused("a crossing edge crosses no edge".to_owned())
-}
-
-/// Where two edges cross, each strictly between its ends.
-fn crossing(a: &OutlineEdge, b: &OutlineEdge) -> Option<Degrees> {
-    let side = |p: Degrees, q: Degrees, r: Degrees| {
-        let coord = |[x, y]: Degrees| robust::Coord { x, y };
-        robust::orient2d(coord(p), coord(q), coord(r))
-    };
-    let (a0, a1) = (side(b.start, b.end, a.start), side(b.start, b.end, a.end));
-    let (b0, b1) = (side(a.start, a.end, b.start), side(a.start, a.end, b.end));
-    let apart = |x: f64, y: f64| x > 0.0 && y < 0.0 || x < 0.0 && y > 0.0;
-    (apart(a0, a1) && apart(b0, b1)).then(|| {
-        let along = a0 / (a0 - a1);
-        [0, 1].map(|i| a.start[i] + (a.end[i] - a.start[i]) * along)
-    })
 }
 
 /// Hash of two coordinates' bits: the default hasher's protection against crafted keys costs more
