@@ -57,7 +57,7 @@ log=$target/validation.log
 output=$target/nextest.txt
 rm -f "$log"
 TERRAFILL_VALIDATION=1 TERRAFILL_VALIDATION_LOG=$log \
-    cargo nextest run --workspace --locked 2>&1 | tee "$output"
+    cargo nextest run --workspace --locked --color never 2>&1 | tee "$output"
 
 section "what the Vulkan validation layer saw"
 cargo xtask check-validation-log "$log"

@@ -140,13 +140,19 @@ impl Scene {
             [Overlap::Disjoint, Overlap::Ordered],
             Overlap::name,
         )?;
+        let repair = check.repair(raw.regions.repair.as_deref())?;
         let source = check.region_source(raw.regions)?;
         let surface_rows = check.surface_rows(&raw.surface)?;
         let mesh = check.mesh(&raw.mesh)?;
         let views = check.views(&raw.views)?;
         let sweep_boundary_tolerance_m = check.sweep(raw.vary.unwrap_or_default())?;
         // Last, so that a wrong scene is reported as wrong even where its data is missing.
-        let regions = source.regions(&name, data_dir)?;
+        let mut regions = source.regions(&name, data_dir)?;
+        if repair {
+            for region in &mut regions {
+                region.split_at_crossings(edge_rule);
+            }
+        }
         Ok(Self {
             name,
             description: raw.description,
@@ -197,6 +203,7 @@ struct RawRegions {
     how: Option<String>,
     embedded: Option<String>,
     procedural: Option<RawProcedural>,
+    repair: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -368,6 +375,15 @@ impl Check<'_> {
             .ok()
             .filter(|_| range.contains(&value))
             .ok_or_else(|| self.refuse(key, value, allowed))
+    }
+
+    /// Whether rings that cross are split there; the only repair there is.
+    fn repair(&self, found: Option<&str>) -> Result<bool, SceneError> {
+        match found {
+            None => Ok(false),
+            Some("even-odd") => Ok(true),
+            Some(other) => Err(self.refuse("regions.repair", format!("{other:?}"), "even-odd")),
+        }
     }
 
     fn region_source(&self, raw: RawRegions) -> Result<RegionSource, SceneError> {

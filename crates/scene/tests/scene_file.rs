@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Scene files that are wrong: each gives one exact message, and the same file unbroken loads.
 
+use sha2::{Digest, Sha256};
 use terrafill_core::EdgeRule;
 use terrafill_scene::{Overlap, Scene, SceneError};
 
@@ -179,6 +180,34 @@ fn region_sources_that_are_not_exactly_one() {
     for (text, expected) in cases {
         assert_eq!(message(&text), expected);
     }
+}
+
+#[test]
+fn crossing_rings_stay_as_they_are_unless_the_scene_asks_for_repair() {
+    // A bow tie of four vertices, crossing in the middle.
+    let bow_tie = br#"{"type":"Polygon","coordinates":[[[0,0],[2,2],[2,0],[0,2],[0,0]]]}"#;
+    let sha256: String = Sha256::digest(bow_tie)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect();
+    let folder = tempfile::tempdir().expect("temporary folder");
+    std::fs::write(folder.path().join("a.geojson"), bow_tie).expect("writable");
+    let source = format!("file = \"a.geojson\"\nsha256 = \"{sha256}\"\nhow = \"draw it\"");
+    let vertices = |repair: &str| {
+        let text = broken(
+            "embedded = \"california.geojson\"",
+            &format!("{source}\n{repair}"),
+        );
+        Scene::from_toml(&text, "t.toml", Some(folder.path()))
+            .map(|scene| scene.regions[0].vertex_count())
+            .map_err(|error| error.to_string())
+    };
+    assert_eq!(vertices(""), Ok(4));
+    assert_eq!(vertices("repair = \"even-odd\""), Ok(6));
+    assert_eq!(
+        vertices("repair = \"buffer\""),
+        Err("t.toml: regions.repair: found \"buffer\", allowed: even-odd".to_owned())
+    );
 }
 
 #[test]
