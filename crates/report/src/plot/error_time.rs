@@ -444,6 +444,135 @@ impl Rectangle {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use terrafill_results::{CaseKey, Status, Summary, spread};
+
+    fn case(variant: &str, outcome: Outcome, ms: f64, error_px: u64) -> Case {
+        let key = CaseKey {
+            scene: "s".to_owned(),
+            view: "v".to_owned(),
+            backend: "vertex".to_owned(),
+            variant: variant.to_owned(),
+        };
+        let times = [0.98, 0.99, 1.0, 1.01, 1.02].map(|factor| factor * ms);
+        Case {
+            summary: Some(Summary {
+                mismatched_px: Some(error_px),
+                ..Summary::new(key.clone(), Status::Ok)
+            }),
+            key,
+            outcome,
+            fill_cpu: spread(&times),
+            fill_cpu_ms: times.to_vec(),
+        }
+    }
+
+    fn without_time(mut case: Case) -> Case {
+        case.fill_cpu = None;
+        case.fill_cpu_ms.clear();
+        case
+    }
+
+    /// Places of the cases on the panel of wrong pixels.
+    fn places(cases: &[Case]) -> Vec<[f64; 2]> {
+        let cases: Vec<&Case> = cases.iter().collect();
+        let panel = Panel::new(&QUANTITIES[0], 0.0, &cases).expect("something to draw");
+        panel.points.iter().map(|point| point.at).collect()
+    }
+
+    #[test]
+    fn slower_is_further_right_and_worse_is_higher() {
+        let at = places(&[
+            case("a", Outcome::Ok, 1.0, 500),
+            case("b", Outcome::Ok, 2.0, 10),
+            case("c", Outcome::Ok, 4.0, 0),
+        ]);
+        assert!(at[0][0] < at[1][0] && at[1][0] < at[2][0], "{at:?}");
+        assert!(at[0][1] < at[1][1] && at[1][1] < at[2][1], "{at:?}");
+        assert!(at[0][1] > EDGE_Y, "an error, however large, is no failure");
+        assert!(
+            at[2][1] >= ZERO_Y && at[1][1] < ZERO_Y,
+            "only 0 is on the line"
+        );
+    }
+
+    #[test]
+    fn wrong_and_failed_cases_are_pinned_and_none_is_dropped() {
+        let at = places(&[
+            case("a", Outcome::Ok, 1.0, 3),
+            case("b", Outcome::Wrong, 2.0, 0),
+            without_time(case("c", Outcome::Failed, 2.0, 0)),
+            without_time(case("d", Outcome::Failed, 2.0, 0)),
+        ]);
+        assert_eq!(at.len(), 4);
+        assert!(at[1..].iter().all(|at| at[1] <= EDGE_Y), "{at:?}");
+        assert!(at[0][1] > EDGE_Y);
+        assert!(at[2][0] > at[1][0], "no time: at the right");
+        assert!(
+            (at[2][0] - at[3][0]).abs() > 2.0 * MARKER_PX,
+            "side by side"
+        );
+    }
+
+    #[test]
+    fn only_cases_that_count_reach_the_front() {
+        let cases = [
+            case("a", Outcome::Ok, 1.0, 50),
+            case("b", Outcome::Ok, 4.0, 0),
+            case("c", Outcome::Ok, 4.0, 60),
+            case("d", Outcome::Wrong, 0.5, 0),
+        ];
+        let all: Vec<&Case> = cases.iter().collect();
+        let panel = Panel::new(&QUANTITIES[0], 0.0, &all).expect("something to draw");
+        assert_eq!(panel.front, [panel.points[0].at, panel.points[1].at]);
+        // Twin: had the wrong one been right, it would beat them all.
+        let mut right = cases;
+        right[3].outcome = Outcome::Ok;
+        let all: Vec<&Case> = right.iter().collect();
+        let panel = Panel::new(&QUANTITIES[0], 0.0, &all).expect("something to draw");
+        assert_eq!(panel.front, [panel.points[3].at]);
+    }
+
+    #[test]
+    fn a_curve_runs_through_its_layout_only() {
+        let cases = [
+            case("doubled,boundary-tolerance-m=5000", Outcome::Ok, 1.0, 9),
+            case("doubled,boundary-tolerance-m=1000", Outcome::Ok, 2.0, 3),
+            case("doubled,boundary-tolerance-m=9000", Outcome::Wrong, 0.5, 99),
+            case("pulled,boundary-tolerance-m=1000", Outcome::Ok, 2.0, 3),
+        ];
+        let all: Vec<&Case> = cases.iter().collect();
+        let panel = Panel::new(&QUANTITIES[0], 0.0, &all).expect("something to draw");
+        let curves = panel.curves();
+        assert_eq!(curves.keys().collect::<Vec<_>>(), ["vertex/doubled"]);
+        assert_eq!(curves["vertex/doubled"].len(), 2, "without the wrong one");
+    }
+
+    #[test]
+    fn labels_keep_clear_of_points_and_of_each_other() {
+        let cases = [
+            case("a", Outcome::Ok, 1.0, 9),
+            case("b", Outcome::Ok, 4.0, 90),
+        ];
+        let all: Vec<&Case> = cases.iter().collect();
+        let panel = Panel::new(&QUANTITIES[0], 0.0, &all).expect("something to draw");
+        let at = [300.0, 200.0];
+        let mut taken = vec![Rectangle::around(at, 11.0, 11.0)];
+        for _ in 0..9 {
+            let (middle, _) = panel.free_place(at, 40.0, &taken).expect("room");
+            let place = Rectangle::around(middle, 40.0, TEXT_PX);
+            assert!(!taken.iter().any(|other| other.meets(&place)));
+            taken.push(place);
+        }
+        // Twin: where everything is taken, there is no place.
+        let full = [Rectangle::around(at, 1000.0, 1000.0)];
+        assert!(panel.free_place(at, 40.0, &full).is_none());
+    }
+
+    #[test]
+    fn nothing_with_a_time_is_no_panel() {
+        let cases = [without_time(case("a", Outcome::Failed, 1.0, 0))];
+        assert!(Panel::new(&QUANTITIES[0], 0.0, &[&cases[0]]).is_none());
+    }
 
     #[test]
     fn rectangles_meet_or_do_not() {

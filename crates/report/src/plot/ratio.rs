@@ -16,6 +16,8 @@ use crate::statistic::over;
 use terrafill_results::{Spread, median};
 
 const ROW_PX: f64 = 19.0;
+/// Room above each view after the first.
+const VIEW_GAP_PX: f64 = 8.0;
 const TOP_PX: f64 = 26.0;
 const AXIS_PX: f64 = 48.0;
 const VALUE_COLUMN_PX: f64 = 190.0;
@@ -63,19 +65,23 @@ pub(crate) fn time_over_bound(
     let Some(scale) = LogScale::around(values, left, right - 14.0) else {
         return Ok(None);
     };
-    let rows: usize = scene.views.iter().map(|view| view.cases.len() + 1).sum();
-    let bottom = TOP_PX + rows as f64 * ROW_PX + 4.0;
+    let height: f64 = scene.views.iter().map(view_height).sum();
+    let bottom = TOP_PX + height;
     let title = format!("{}: fill time over bound", scene.name);
     svg(&title, WIDTH_PX, bottom + AXIS_PX, |canvas| {
         draw_axis(canvas, &scale, [left, right], bottom)?;
         let mut y = TOP_PX + ROW_PX * 0.5;
         for view in &scene.views {
             draw_view(canvas, view, palette, &scale, [left, right], y)?;
-            y += ROW_PX * (view.cases.len() + 1) as f64;
+            y += view_height(view);
         }
         Ok(())
     })
     .map(Some)
+}
+
+fn view_height(view: &ViewCases<'_>) -> f64 {
+    ROW_PX * (view.cases.len() + 1) as f64 + VIEW_GAP_PX
 }
 
 fn draw_axis(
@@ -143,5 +149,58 @@ fn no_ratio(case: &Case) -> &'static str {
         "no fill time"
     } else {
         "no bound measured"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run_data::Outcome;
+    use terrafill_results::{CaseKey, Status, Summary};
+
+    fn case(outcome: Outcome, bound_ms: Option<f64>) -> Case {
+        let key = CaseKey {
+            scene: "s".to_owned(),
+            view: "v".to_owned(),
+            backend: "vertex".to_owned(),
+            variant: "doubled".to_owned(),
+        };
+        Case {
+            summary: Some(Summary {
+                bound_cpu_ms: bound_ms,
+                floor_cpu_ms: Some(3.0),
+                ..Summary::new(key.clone(), Status::Ok)
+            }),
+            key,
+            outcome,
+            fill_cpu_ms: vec![20.0],
+            fill_cpu: Some(Spread {
+                p5: 19.0,
+                median: 20.0,
+                p95: 22.0,
+            }),
+        }
+    }
+
+    #[test]
+    fn the_ratio_is_fill_over_bound_and_only_for_right_pictures() {
+        let right = ratio(&case(Outcome::Ok, Some(10.0))).expect("both were measured");
+        assert!((right.median - 2.0).abs() < 1e-12 && (right.p95 - 2.2).abs() < 1e-12);
+        assert_eq!(ratio(&case(Outcome::Wrong, Some(10.0))), None);
+        assert_eq!(ratio(&case(Outcome::Ok, None)), None);
+        assert_eq!(ratio(&case(Outcome::Ok, Some(0.0))), None);
+        assert_eq!(no_ratio(&case(Outcome::Ok, None)), "no bound measured");
+        assert_eq!(no_ratio(&case(Outcome::Wrong, None)), "wrong");
+    }
+
+    #[test]
+    fn the_floor_is_over_the_same_bound() {
+        let case = case(Outcome::Ok, Some(12.0));
+        let view = ViewCases {
+            name: "v",
+            cases: vec![&case],
+        };
+        let floor = floor_ratio(&view).expect("both were measured");
+        assert!((floor - 0.25).abs() < 1e-12);
     }
 }
