@@ -186,8 +186,8 @@ impl RegionMesh {
         })?;
         let mut stitcher = Stitcher::default();
         let mut area_m2 = 0.0;
-        for edges in &outline.groups {
-            let group = triangulate(edges, options).map_err(|error| match error {
+        for edges in outline.groups {
+            let group = triangulate(edges, rule, options).map_err(|error| match error {
                 TriangulateError::Crossing { first, second, at } => MeshError::SelfCrossing {
                     feature,
                     name: name.clone(),

@@ -8,12 +8,13 @@
 //! Candidates come from a sweep over the edges' boxes: O(n log n + pairs whose boxes overlap).
 
 use crate::edge::{Degrees, normal};
+use crate::outline::OutlineEdge;
 use crate::{EdgeRule, Region, Ring};
 use glam::DVec3;
 
 /// Rounds after which the search gives up: a crossing is rounded to the nearest number, which can
 /// bend an edge over another one close by, but only by the last bit.
-const MOST_ROUNDS: usize = 8;
+pub(crate) const MOST_ROUNDS: usize = 8;
 
 impl Region {
     /// Makes a vertex of every place where two edges cross, so that the region can be meshed and is
@@ -130,6 +131,50 @@ impl BoxedEdge {
     }
 }
 
+/// Makes vertices of the crossings of straight edges.
+///
+/// Rounding can leave new ones, so the caller tries again until there are none.
+pub(crate) fn split_outline(edges: &[OutlineEdge]) -> SplitOutline {
+    let mut boxed: Vec<BoxedEdge> = edges
+        .iter()
+        .enumerate()
+        .map(|(index, edge)| BoxedEdge::new(EdgeRule::Planar, [0, index], edge.start, edge.end))
+        .collect();
+    let crossings = find_crossings(EdgeRule::Planar, &mut boxed);
+    let mut insertions: Vec<Insertion> = Vec::with_capacity(2 * crossings.len());
+    let mut pairs = Vec::with_capacity(crossings.len());
+    for (pair, at) in crossings {
+        let pair = pair.map(|sorted| boxed[sorted].place[1]);
+        for index in pair {
+            let along = distance(EdgeRule::Planar, edges[index].start, at);
+            insertions.push((index, along, at));
+        }
+        pairs.push(pair);
+    }
+    insertions.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut waiting = insertions.iter().peekable();
+    let mut split = Vec::with_capacity(edges.len() + insertions.len());
+    for (index, edge) in edges.iter().enumerate() {
+        let mut rest = *edge;
+        while let Some((_, _, at)) = waiting.next_if(|insertion| insertion.0 == index) {
+            split.push(OutlineEdge { end: *at, ..rest });
+            rest.start = *at;
+        }
+        split.push(rest);
+    }
+    SplitOutline {
+        edges: split,
+        pairs,
+    }
+}
+
+/// Edges split where they crossed.
+pub(crate) struct SplitOutline {
+    pub(crate) edges: Vec<OutlineEdge>,
+    /// Which crossed, by index before splitting.
+    pub(crate) pairs: Vec<[usize; 2]>,
+}
+
 /// Pairs of edges, by index after sorting, and where they cross.
 fn find_crossings(rule: EdgeRule, edges: &mut [BoxedEdge]) -> Vec<([usize; 2], Degrees)> {
     edges.sort_by(|a, b| a.low.x.total_cmp(&b.low.x).then(a.place.cmp(&b.place)));
@@ -171,25 +216,42 @@ pub(crate) fn planar_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degree
     })
 }
 
-/// Where two arcs cross, each strictly between its ends.
-fn great_ellipse_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degrees> {
-    // With a common end the planes meet there, and rounding would decide.
-    if a.iter().any(|end| b.contains(end)) {
+/// Where two arcs cross, each strictly between its ends and by more than rounding can feign.
+pub(crate) fn great_ellipse_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degrees> {
+    let (a, b) = (a.map(normal), b.map(normal));
+    let apart = opposite(certain_side(b, a[0]), certain_side(b, a[1]))
+        && opposite(certain_side(a, b[0]), certain_side(a, b[1]));
+    if !apart {
         return None;
     }
-    let ([a0, a1], [b0, b1]) = (a.map(normal), b.map(normal));
-    let (plane_a, plane_b) = (a0.cross(a1), b0.cross(b1));
-    let apart =
-        opposite(plane_b.dot(a0), plane_b.dot(a1)) && opposite(plane_a.dot(b0), plane_a.dot(b1));
-    let line = plane_a.cross(plane_b);
-    let point = if line.dot(a0 + a1) < 0.0 { -line } else { line };
+    let line = a[0].cross(a[1] - a[0]).cross(b[0].cross(b[1] - b[0]));
+    let point = if line.dot(a[0] + a[1]) < 0.0 {
+        -line
+    } else {
+        line
+    };
     // The planes also meet on the far side of the body.
-    (apart && point.dot(b0 + b1) > 0.0).then(|| {
+    (point.dot(b[0] + b[1]) > 0.0).then(|| {
         [
             point.y.atan2(point.x).to_degrees(),
             point.z.atan2(point.x.hypot(point.y)).to_degrees(),
         ]
     })
+}
+
+/// Side of the plane through the centre and an arc that a point lies on: positive to the left, 0
+/// where moving the three unit vectors by their rounding could change the answer.
+fn certain_side([from, to]: [DVec3; 2], point: DVec3) -> f64 {
+    // Differences before products: the products of the unit vectors themselves would lose what
+    // tells neighbours apart.
+    let (along, beside) = (to - from, point - from);
+    let volume = from.cross(along).dot(beside);
+    let uncertain = 8.0 * f64::EPSILON * (along.length() + beside.length());
+    if volume.abs() > uncertain {
+        volume
+    } else {
+        0.0
+    }
 }
 
 fn opposite(a: f64, b: f64) -> bool {

@@ -25,6 +25,8 @@ const LARGEST_RELATIVE_BOW: f64 = 0.05;
 const HARMLESS_SPAN_DEG: f64 = 11.4;
 /// Longest edge along a pole, degrees of longitude: its triangles reach down to the next vertices.
 pub(crate) const POLE_STEP_DEG: f64 = 30.0;
+/// Distances smaller than this share of the body's radius are rounding, 0.1 µm on the Earth.
+const ROUNDING: f64 = 2e-14;
 /// Halvings of one edge after which splitting stops: a millionth of the edge is below the rounding
 /// of its coordinates' use in metres.
 const MOST_HALVINGS: u32 = 20;
@@ -107,9 +109,11 @@ impl<'a> EdgeSplitter<'a> {
             return false;
         }
         let measured = measure(self.body, self.rule, start, end);
+        // Below the rounding of ECEF coordinates a measured deviation is noise.
         let limit_m = self
             .tolerance_m
-            .min(LARGEST_RELATIVE_BOW * measured.length_m);
+            .min(LARGEST_RELATIVE_BOW * measured.length_m)
+            .max(ROUNDING * a);
         // A point that no longer lies between the ends cannot split the edge.
         let middle = point_on_edge(self.rule, start, end, 0.5);
         let splittable = middle != start && middle != end;
@@ -234,6 +238,8 @@ pub(crate) struct ZoneArea {
     e2: f64,
     reference_rad: f64,
     sin_reference: f64,
+    /// Bound on `dZ/dφ = M N cos φ`, square metres per steradian.
+    largest_slope: f64,
 }
 
 impl ZoneArea {
@@ -244,6 +250,7 @@ impl ZoneArea {
             e2: body.eccentricity_squared(),
             reference_rad: reference_deg.to_radians(),
             sin_reference: reference_deg.to_radians().sin(),
+            largest_slope: body.equatorial_radius_m().powi(2),
         }
     }
 
@@ -313,8 +320,10 @@ impl ZoneArea {
         let middle = [middle_deg, great_circle_latitude(start, end, middle_deg)];
         let first = self.under_arc_gauss(start, middle);
         let second = self.under_arc_gauss(middle, end);
-        let scale = first.abs() + second.abs();
-        if halvings_left == 0 || (first + second - whole).abs() <= 1e-13 * scale {
+        // The latitudes carry rounding of 1e-16 rad, and dZ/dφ is at most a².
+        let rounding = 1e-15 * self.largest_slope * (end[0] - start[0]).abs().to_radians();
+        let allowed = 1e-13 * (first.abs() + second.abs()) + rounding;
+        if halvings_left == 0 || (first + second - whole).abs() <= allowed {
             return first + second;
         }
         self.under_arc(start, middle, first, halvings_left - 1)

@@ -256,7 +256,7 @@ fn ring_pieces(rule: EdgeRule, ring: &Ring) -> Result<Vec<Piece>, usize> {
 
 fn planar_pieces(ring: &Ring) -> Vec<Piece> {
     let vertices = ring.vertices_deg();
-    let within = |vertex: &Degrees| vertex[0].abs() <= 180.0;
+    let within = |vertex: &Degrees| vertex[0].abs() == 180.0 || is_off_antimeridian(vertex[0]);
     let mut pieces = Vec::with_capacity(vertices.len());
     if ring.winding_deg() == 0.0 && vertices.iter().all(within) {
         for (vertex, (start, end)) in ring.edges_deg().enumerate() {
@@ -285,6 +285,14 @@ fn planar_pieces(ring: &Ring) -> Vec<Piece> {
     pieces
 }
 
+/// Longitudes closer than this to ±180 mean ±180, degrees (a micrometre on the Earth): Natural
+/// Earth's land at 1:110m has 180.00000000000014, and pieces that far apart are not stitched.
+const ANTIMERIDIAN_SNAP_DEG: f64 = 1e-11;
+
+fn is_off_antimeridian(longitude_deg: f64) -> bool {
+    longitude_deg.abs() < 180.0 - ANTIMERIDIAN_SNAP_DEG
+}
+
 /// A position as longitude within ±180 and whole turns, so that the same place has the same bits
 /// whichever turn it was written in.
 #[derive(Clone, Copy)]
@@ -296,8 +304,12 @@ struct Turned {
 impl Turned {
     fn new(position: Degrees, extra_turns: f64) -> Self {
         let turns = (position[0] / 360.0).round();
+        let mut longitude = position[0] - 360.0 * turns;
+        if !is_off_antimeridian(longitude) {
+            longitude = 180.0_f64.copysign(longitude);
+        }
         Self {
-            degrees: [position[0] - 360.0 * turns, position[1]],
+            degrees: [longitude, position[1]],
             turns: turns + extra_turns,
         }
     }

@@ -7,10 +7,10 @@
 //! middle latitude: triangles come out well shaped on the body, and not one bit of a coordinate
 //! changes, so predicates remain exact for the numbers of the file.
 
-use crate::crossings::planar_crossing;
+use crate::crossings::{self, great_ellipse_crossing, planar_crossing, split_outline};
 use crate::edge::{Degrees, normal};
 use crate::outline::OutlineEdge;
-use crate::{EdgePlace, MeshOptions};
+use crate::{EdgePlace, EdgeRule, MeshOptions};
 use spade::handles::FixedVertexHandle;
 use spade::{
     ConstrainedDelaunayTriangulation, Intersection, LineIntersectionIterator, Point2,
@@ -59,11 +59,15 @@ pub(crate) enum TriangulateError {
 }
 
 /// Triangulates what `edges`, a closed chain modulo 2, enclose.
+///
+/// The plane sees straight lines for great-ellipse arcs, within the boundary tolerance of them;
+/// where two of those lines cross although the arcs do not, the crossing becomes a vertex.
 pub(crate) fn triangulate(
-    edges: &[OutlineEdge],
+    edges: Vec<OutlineEdge>,
+    rule: EdgeRule,
     options: &MeshOptions,
 ) -> Result<GroupMesh, TriangulateError> {
-    let mut group = Group::load(edges)?;
+    let mut group = load_without_false_crossings(edges, rule)?;
     let mut inside = group.inside_faces();
     if group.reaches_beyond(options.cap_step_deg) {
         group.insert_lattice(&inside, options.cap_step_deg)?;
@@ -76,6 +80,27 @@ pub(crate) fn triangulate(
         }
     }
     group.extract(&inside)
+}
+
+fn load_without_false_crossings(
+    mut edges: Vec<OutlineEdge>,
+    rule: EdgeRule,
+) -> Result<Group, TriangulateError> {
+    for _ in 0..crossings::MOST_ROUNDS {
+        match Group::load(&edges) {
+            Err(TriangulateError::Crossing { .. }) if rule == EdgeRule::GreatEllipse => {}
+            result => return result,
+        }
+        let split = split_outline(&edges);
+        let ends = |index: usize| [edges[index].start, edges[index].end];
+        for [a, b] in split.pairs {
+            if let Some(at) = great_ellipse_crossing(ends(a), ends(b)) {
+                return Err(crossing_of(&edges[a], &edges[b], at));
+            }
+        }
+        edges = split.edges;
+    }
+    Group::load(&edges)
 }
 
 struct Group {
@@ -398,15 +423,18 @@ fn find_crossing(edges: &[OutlineEdge], a: Degrees, b: Degrees) -> TriangulateEr
     };
     for edge in edges {
         if let Some(at) = planar_crossing([refused.start, refused.end], [edge.start, edge.end]) {
-            let (first, second) = if edge.place < refused.place {
-                (edge.place, refused.place)
-            } else {
-                (refused.place, edge.place)
-            };
-            return TriangulateError::Crossing { first, second, at };
+            return crossing_of(refused, edge, at);
         }
     }
     TriangulateError::Refused("a crossing edge crosses no edge".to_owned())
+}
+
+fn crossing_of(a: &OutlineEdge, b: &OutlineEdge, at: Degrees) -> TriangulateError {
+    TriangulateError::Crossing {
+        first: a.place.min(b.place),
+        second: a.place.max(b.place),
+        at,
+    }
 }
 
 /// Hash of two coordinates' bits: the default hasher's protection against crafted keys costs more
@@ -473,7 +501,7 @@ mod tests {
             cap_step_deg,
             ..MeshOptions::default()
         };
-        match triangulate(edges, &options) {
+        match triangulate(edges.to_vec(), EdgeRule::Planar, &options) {
             Ok(mesh) => mesh,
             Err(TriangulateError::Crossing { at, .. }) => panic!("crossing at {at:?}"),
             Err(TriangulateError::Refused(message)) => panic!("{message}"),
@@ -540,7 +568,7 @@ mod tests {
     #[test]
     fn a_crossing_is_placed_and_a_touch_is_not_a_crossing() {
         let bow_tie = closed(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]]);
-        match triangulate(&bow_tie, &MeshOptions::default()) {
+        match triangulate(bow_tie, EdgeRule::Planar, &MeshOptions::default()) {
             Err(TriangulateError::Crossing { first, second, at }) => {
                 assert_eq!((first.vertex, second.vertex), (0, 2));
                 assert_eq!(at, [1.0, 1.0]);
