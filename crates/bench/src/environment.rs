@@ -14,22 +14,22 @@ const SCHEMA: u32 = 1;
 /// Facts about this machine, device and build.
 #[must_use]
 pub fn environment(device: &DeviceFacts, options: &BenchOptions) -> RunEnvironment {
-    let mut system = System::new();
-    system.refresh_memory();
-    system.refresh_cpu_all();
-    let cpu = system
-        .cpus()
-        .first()
-        .map(|cpu| cpu.brand().trim().to_owned())
-        .unwrap_or_default();
+    // Unknown facts stay empty or 0: a report shows them as not known.
+    let system = System::new().ok().map(|mut system| {
+        system.refresh_memory();
+        system.refresh_cpu_all();
+        system
+    });
+    let cpus = system.as_ref().map_or(&[][..], |system| system.cpus());
+    let cpu = cpus.first().map(|cpu| cpu.brand().trim().to_owned());
     let started = SystemTime::now().duration_since(UNIX_EPOCH);
     RunEnvironment {
         schema: SCHEMA,
         commit: commit(),
         started_unix_s: started.map(|time| time.as_secs()).unwrap_or(0),
-        cpu,
-        cores: u32::try_from(system.cpus().len()).unwrap_or(u32::MAX),
-        memory_bytes: system.total_memory(),
+        cpu: cpu.unwrap_or_default(),
+        cores: u32::try_from(cpus.len()).unwrap_or(u32::MAX),
+        memory_bytes: system.as_ref().map_or(0, System::total_memory),
         os: format!(
             "{}, kernel {}",
             System::long_os_version().unwrap_or_default(),
@@ -88,7 +88,10 @@ mod tests {
 
     #[test]
     fn the_mesa_version_is_cut_out_and_other_drivers_have_none() {
-        assert_eq!(mesa_version("Mesa 25.0.7-2~bpo12+1 (LLVM 15.0.6)"), "25.0.7-2~bpo12+1");
+        assert_eq!(
+            mesa_version("Mesa 25.0.7-2~bpo12+1 (LLVM 15.0.6)"),
+            "25.0.7-2~bpo12+1"
+        );
         assert_eq!(mesa_version("570.86.15"), "");
     }
 }

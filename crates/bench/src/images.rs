@@ -43,6 +43,12 @@ pub(crate) fn drop_alpha(rgba: &[u8]) -> Vec<u8> {
 pub(crate) fn file_stem(key: &CaseKey) -> String {
     let text = format!("{}_{}_{}_{}", key.scene, key.view, key.backend, key.variant);
     text.chars()
-        .map(|c| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '-' })
+        .map(|c| {
+            if c.is_ascii_alphanumeric() || "-_".contains(c) {
+                c
+            } else {
+                '-'
+            }
+        })
         .collect()
 }

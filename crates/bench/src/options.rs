@@ -142,7 +142,10 @@ mod tests {
         assert_eq!("2/3".parse(), Ok(Shard { index: 2, count: 3 }));
         for wrong in ["0/3", "4/3", "1", "a/b", "1/0", "-1/2"] {
             let error = wrong.parse::<Shard>().expect_err(wrong);
-            assert!(error.contains(wrong) && error.contains("1 ≤ m ≤ n"), "{error}");
+            assert!(
+                error.contains(wrong) && error.contains("1 ≤ m ≤ n"),
+                "{error}"
+            );
         }
     }
 }

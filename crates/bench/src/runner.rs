@@ -139,7 +139,8 @@ pub fn open_scene(name: &str, data_dir: Option<&Path>) -> Result<Scene, SceneErr
 
 fn progress_bar(plan: &RunPlan, missing: &[CaseKey]) -> ProgressBar {
     let bar = ProgressBar::new(plan.cases.len() as u64);
-    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} cases · {eta} · {msg}") {
+    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos}/{len} cases · {eta} · {msg}")
+    {
         bar.set_style(style);
     }
     bar.set_position((plan.cases.len() - missing.len()) as u64);
@@ -282,7 +283,10 @@ impl<'a> GroupRun<'a> {
         let mut running = Vec::new();
         for case in &self.group.cases {
             self.progress.set_message(format!("{}: probe", case.key));
-            let first_frame = done.iter().filter(|sample| sample.key() == case.key).count();
+            let first_frame = done
+                .iter()
+                .filter(|sample| sample.key() == case.key)
+                .count();
             running.push(RunningCase {
                 first_frame: u32::try_from(first_frame).unwrap_or(u32::MAX),
                 ..self.probe(case)?
@@ -377,7 +381,8 @@ impl<'a> GroupRun<'a> {
         if backend.variant().colour == ColourWay::Rectangle {
             probe.remark(ALTERNATING);
         }
-        let is_main = backend.variant().name() == case.key.variant && !case.key.variant.contains('=');
+        let is_main =
+            backend.variant().name() == case.key.variant && !case.key.variant.contains('=');
         let is_wrong = probe.status == Some(Status::Wrong) && !case.is_sweep;
         if is_main || is_wrong {
             self.write_pictures(case, backend, input, &frame, &mut probe)?;
@@ -420,7 +425,12 @@ impl<'a> GroupRun<'a> {
             return Ok(());
         }
         let warm_up = self.options.warm_up_count();
-        let rounds = frames - running.iter().map(|case| case.first_frame).min().unwrap_or(0);
+        let rounds = frames
+            - running
+                .iter()
+                .map(|case| case.first_frame)
+                .min()
+                .unwrap_or(0);
         for round in 0..warm_up + rounds {
             self.progress.set_message(format!(
                 "{}/{}: frame {round}",
@@ -554,10 +564,7 @@ impl<'a> GroupRun<'a> {
 }
 
 /// Meshes of every region, or the first errors.
-fn build_meshes(
-    scene: &Scene,
-    boundary_tolerance_m: f64,
-) -> Result<Arc<[RegionMesh]>, BenchError> {
+fn build_meshes(scene: &Scene, boundary_tolerance_m: f64) -> Result<Arc<[RegionMesh]>, BenchError> {
     let options = MeshOptions {
         boundary_tolerance_m,
         ..scene.mesh

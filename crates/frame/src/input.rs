@@ -69,14 +69,7 @@ impl FrameInput {
             lowest_m: scene.surface.lowest_m,
             highest_m: scene.surface.highest_m,
         };
-        let plan = FramePlan::new(
-            &scene.body,
-            &camera,
-            size,
-            terrain,
-            &scene.meshes,
-            options,
-        );
+        let plan = FramePlan::new(&scene.body, &camera, size, terrain, &scene.meshes, options);
         Self {
             scene: scene.clone(),
             view: view.name.clone(),

@@ -50,7 +50,9 @@ mod tests {
     fn neighbours_differ_and_no_region_is_grey() {
         for index in 0..500 {
             let (a, b) = (region_colour(index), region_colour(index + 1));
-            let distance: i32 = (0..3).map(|i| (i32::from(a[i]) - i32::from(b[i])).abs()).sum();
+            let distance: i32 = (0..3)
+                .map(|i| (i32::from(a[i]) - i32::from(b[i])).abs())
+                .sum();
             assert!(distance > 60, "{index}: {a:?} {b:?}");
         }
     }

@@ -146,8 +146,7 @@ impl Gpu {
         if !facts.lacks.is_empty() {
             return Err(unsupported(&facts.lacks.join(", "), &facts.name));
         }
-        let optional =
-            wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::PIPELINE_STATISTICS_QUERY;
+        let optional = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::PIPELINE_STATISTICS_QUERY;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("terrafill"),
             required_features: wgpu::Features::DEPTH32FLOAT_STENCIL8

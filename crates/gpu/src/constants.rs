@@ -105,7 +105,9 @@ mod tests {
         let layout = struct_layout(path, name).expect("struct is in the shader");
         let members = layout.members.into_iter();
         (
-            members.map(|(name, offset, _)| (name, offset as usize)).collect(),
+            members
+                .map(|(name, offset, _)| (name, offset as usize))
+                .collect(),
             layout.stride as usize,
         )
     }
@@ -114,7 +116,11 @@ mod tests {
     fn view_constants_lie_as_the_shader_reads_them() {
         let rust = offsets!(ViewConstants: view_from_ecef, eye_ecef, near_m, normal_scale,
             clip_scale_x, clip_scale_y);
-        for path in ["surface/surface.wgsl", "vertex/doubled.wgsl", "vertex/cover.wgsl"] {
+        for path in [
+            "surface/surface.wgsl",
+            "vertex/doubled.wgsl",
+            "vertex/cover.wgsl",
+        ] {
             let (shader, stride) = shader_offsets(path, "ViewConstants");
             assert_eq!(rust, shader);
             assert_eq!(size_of::<ViewConstants>(), stride);
@@ -126,7 +132,11 @@ mod tests {
         let rust = offsets!(RegionConstants: eye, shift, eye_remainder_m, scale_m, origin_ecef_m,
             unit_m, top_m, bottom_m, first_vertex, first_triangle_index, first_loop_index,
             triangle_count, index_bits, padding, colour);
-        for path in ["vertex/doubled.wgsl", "vertex/pulled.wgsl", "vertex/cover.wgsl"] {
+        for path in [
+            "vertex/doubled.wgsl",
+            "vertex/pulled.wgsl",
+            "vertex/cover.wgsl",
+        ] {
             let (shader, stride) = shader_offsets(path, "RegionConstants");
             assert_eq!(rust, shader);
             assert_eq!(size_of::<RegionConstants>(), stride);

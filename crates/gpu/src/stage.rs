@@ -148,10 +148,11 @@ impl Stage {
     /// Depth for sampling.
     #[must_use]
     pub fn depth_view(&self) -> wgpu::TextureView {
-        self.depth_stencil.create_view(&wgpu::TextureViewDescriptor {
-            aspect: wgpu::TextureAspect::DepthOnly,
-            ..Default::default()
-        })
+        self.depth_stencil
+            .create_view(&wgpu::TextureViewDescriptor {
+                aspect: wgpu::TextureAspect::DepthOnly,
+                ..Default::default()
+            })
     }
 
     /// Uploads the view and its surface, unless they are there already.
@@ -166,7 +167,8 @@ impl Stage {
                 allowed: self.size.pixel_count() as u64,
             });
         }
-        let is_same = |prepared: &PreparedSurface| Arc::ptr_eq(&prepared.source, &input.surface_rte);
+        let is_same =
+            |prepared: &PreparedSurface| Arc::ptr_eq(&prepared.source, &input.surface_rte);
         if self.prepared.as_ref().is_some_and(is_same) {
             return Ok(());
         }
@@ -205,7 +207,9 @@ impl Stage {
         let size = (bytes.len() as u64).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT);
         let limits = self.gpu.device.limits();
         let allowed = if usage.contains(wgpu::BufferUsages::STORAGE) {
-            limits.max_buffer_size.min(limits.max_storage_buffer_binding_size)
+            limits
+                .max_buffer_size
+                .min(limits.max_storage_buffer_binding_size)
         } else {
             limits.max_buffer_size
         };

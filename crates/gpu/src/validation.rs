@@ -111,7 +111,10 @@ fn append(path: &str, message: &ValidationMessage) {
         .append(true)
         .open(path)
         .and_then(|mut file| file.write_all(line.as_bytes()));
-    assert!(written.is_ok(), "TERRAFILL_VALIDATION_LOG={path}: {written:?}");
+    assert!(
+        written.is_ok(),
+        "TERRAFILL_VALIDATION_LOG={path}: {written:?}"
+    );
 }
 
 /// Creates a Vulkan buffer of 0 bytes, which the specification forbids
@@ -147,7 +150,8 @@ mod tests {
 
     #[test]
     fn a_message_is_taken_apart() {
-        let text = "VALIDATION [VUID-VkBufferCreateInfo-size-00912 (0x3d9)]\n\tValidation Error:\n bad";
+        let text =
+            "VALIDATION [VUID-VkBufferCreateInfo-size-00912 (0x3d9)]\n\tValidation Error:\n bad";
         let message = parse(text, log::Level::Error).expect("has an id");
         assert_eq!(message.id, POSITIVE_CONTROL);
         assert_eq!(message.severity, "ERROR");

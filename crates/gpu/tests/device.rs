@@ -62,10 +62,19 @@ fn a_deliberate_error_is_reported_when_validation_is_on() {
         ..GpuOptions::default()
     };
     let Some(gpu) = open(&options) else { return };
-    let count = || messages().iter().filter(|m| m.id == POSITIVE_CONTROL).count();
+    let count = || {
+        messages()
+            .iter()
+            .filter(|m| m.id == POSITIVE_CONTROL)
+            .count()
+    };
     assert_eq!(count(), 0);
     assert!(make_deliberate_error(&gpu), "the device is a Vulkan one");
-    assert!(count() > 0, "the validation layer is not at work: {:?}", messages());
+    assert!(
+        count() > 0,
+        "the validation layer is not at work: {:?}",
+        messages()
+    );
 }
 
 #[test]
@@ -91,7 +100,10 @@ fn the_surface_has_the_depth_of_the_ellipsoid() {
     let sin = 6.371e6 / (6.371e6 + 8e6);
     let radius_px = sin / f64::sqrt(1.0 - sin * sin) / 30_f64.to_radians().tan() * 33.5;
     let area = std::f64::consts::PI * radius_px * radius_px;
-    assert!((covered as f64 / area - 1.0).abs() < 0.02, "{covered} of {area}");
+    assert!(
+        (covered as f64 / area - 1.0).abs() < 0.02,
+        "{covered} of {area}"
+    );
 }
 
 #[test]
@@ -112,7 +124,16 @@ fn a_stage_refuses_an_input_of_another_size_and_a_size_no_device_has() {
     };
     let error = Stage::new(&gpu, huge).expect_err("too large");
     assert!(error.to_string().contains("1048576 × 10 pixels"), "{error}");
-    assert!(Stage::new(&gpu, ImageSize { width: 0, height: 1 }).is_err());
+    assert!(
+        Stage::new(
+            &gpu,
+            ImageSize {
+                width: 0,
+                height: 1
+            }
+        )
+        .is_err()
+    );
 }
 
 #[test]
@@ -129,7 +150,15 @@ fn baselines_cover_every_pixel() {
         let times = baseline.time_frame().expect("draws");
         assert!(times.fill_cpu_ms > 0.0 && times.fill_wall_ms > 0.0);
         let picture = stage.borrow().read().expect("reads");
-        assert!(picture.rgba.chunks_exact(4).all(|pixel| pixel == [255, 204, 51, 255]));
-        assert!(picture.depth.iter().any(|&depth| depth > 0.0), "depth survives");
+        assert!(
+            picture
+                .rgba
+                .chunks_exact(4)
+                .all(|pixel| pixel == [255, 204, 51, 255])
+        );
+        assert!(
+            picture.depth.iter().any(|&depth| depth > 0.0),
+            "depth survives"
+        );
     }
 }

@@ -302,23 +302,35 @@ fn verdict(data: &RunData) -> Verdict {
 
 fn picture_sentence(data: &RunData) -> String {
     let outside = |case: &Case| case.value(|row| row.mismatched_px_outside_band);
-    let compared = data.cases.iter().filter(|c| outside(c).is_some()).count();
-    let matching = data
+    let compared: Vec<&Case> = data
         .cases
         .iter()
-        .filter(|case| outside(case) == Some(0) && case.outcome != Outcome::Wrong)
-        .count();
-    match (compared, matching) {
+        .filter(|case| outside(case).is_some())
+        .collect();
+    let differing: Vec<String> = compared
+        .iter()
+        .filter(|case| outside(case) != Some(0) || case.outcome == Outcome::Wrong)
+        .map(|case| case.key.to_string())
+        .collect();
+    match (compared.len(), differing.len()) {
         (0, _) => "No picture was compared with the reference.".to_owned(),
-        (c, m) if c == m => format!(
-            "Every picture that was compared ({c}) matches the reference outside the 1-pixel \
+        (all, 0) => format!(
+            "Every picture that was compared ({all}) matches the reference outside the 1-pixel \
              boundary band."
         ),
-        (c, m) => format!(
-            "{} of {c} compared pictures do not match the reference: {}.",
-            c - m,
-            names_of(data, Outcome::Wrong).join(", ")
+        (all, some) => format!(
+            "{some} of {all} compared pictures do not match the reference: {}.",
+            first_few(&differing)
         ),
+    }
+}
+
+/// The names, or the first of them and how many more there are.
+fn first_few(names: &[String]) -> String {
+    const FEW: usize = 4;
+    match names.len().saturating_sub(FEW) {
+        0 => names.join(", "),
+        more => format!("{} and {more} more", names[..FEW].join(", ")),
     }
 }
 

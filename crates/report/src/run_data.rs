@@ -71,12 +71,17 @@ impl Case {
         format!("{}/{}", self.key.backend, switches.join(","))
     }
 
-    /// Value of the knob, metres: as the variant names it, else as the mesh was built.
-    pub(crate) fn knob_m(&self) -> Option<f64> {
+    /// Value of the knob as the variant names it, metres.
+    pub(crate) fn named_knob_m(&self) -> Option<f64> {
         self.key
             .variant
             .split(',')
             .find_map(|switch| switch.strip_prefix(KNOB)?.parse().ok())
+    }
+
+    /// Value of the knob, metres: as the variant names it, else as the mesh was built.
+    pub(crate) fn knob_m(&self) -> Option<f64> {
+        self.named_knob_m()
             .or(self.value(|row| row.boundary_tolerance_m))
     }
 

@@ -346,6 +346,20 @@ fn a_summary_that_its_samples_contradict_is_called_out() {
 }
 
 #[test]
+fn a_row_called_ok_whose_picture_differs_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = start(folder.path(), &["doubled"]);
+    let mut row = measured(&run, "doubled", Status::Ok, 36.1);
+    row.mismatched_px_outside_band = Some(2);
+    finish(&run, &row);
+    let (_, html) = report(folder.path());
+    assert!(html.contains(
+        "1 of 1 compared pictures do not match the reference: countries-110m/globe/vertex/doubled."
+    ));
+    assert!(html.contains("ok, though 2 pixels outside the boundary band are wrong"));
+}
+
+#[test]
 fn pictures_are_grouped_and_broken_ones_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let run = start(folder.path(), &["doubled", "pulled"]);

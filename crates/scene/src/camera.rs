@@ -95,9 +95,8 @@ impl Camera {
     #[must_use]
     pub fn pixel_direction_ecef(&self, size: ImageSize, column: u32, row: u32) -> DVec3 {
         let tan = self.tan_half_fov();
-        let x = (2.0 * (f64::from(column) + 0.5) / f64::from(size.width) - 1.0)
-            * tan
-            * size.aspect();
+        let x =
+            (2.0 * (f64::from(column) + 0.5) / f64::from(size.width) - 1.0) * tan * size.aspect();
         let y = (1.0 - 2.0 * (f64::from(row) + 0.5) / f64::from(size.height)) * tan;
         self.view_from_ecef.transpose() * DVec3::new(x, y, -1.0)
     }
@@ -157,7 +156,10 @@ mod tests {
             assert!((middle[0] - 100.0).abs() < 1e-6 && (middle[1] - 50.0).abs() < 1e-6);
             let ahead = body.geodetic_to_ecef(Geodetic::from_degrees(lon, lat, 0.0));
             let above = camera.project_px(SIZE, ahead).expect("in front");
-            assert!(above[1] < 45.0 && (above[0] - 100.0).abs() < 0.1, "{above:?}");
+            assert!(
+                above[1] < 45.0 && (above[0] - 100.0).abs() < 0.1,
+                "{above:?}"
+            );
         }
     }
 

@@ -231,8 +231,7 @@ fn heights_for_view(
     let horizon_m = (to_center * to_center - body.polar_radius_m().powi(2))
         .max(0.0)
         .sqrt();
-    let clearance_m =
-        camera.pixel_size_m(size, horizon_m.min(farthest)) * CAP_CLEARANCE_PX;
+    let clearance_m = camera.pixel_size_m(size, horizon_m.min(farthest)) * CAP_CLEARANCE_PX;
     VolumeHeights {
         top_m: heights.top_m + clearance_m,
         bottom_m: heights.bottom_m - clearance_m,

@@ -35,11 +35,18 @@ impl SurfaceMesh {
         let mut vertices_ecef = Vec::new();
         for row in 0..=rows {
             for column in 0..columns {
-                vertices_ecef.push(body.geodetic_to_ecef(Geodetic {
-                    longitude_rad: f64::from(column) * step - PI,
-                    latitude_rad: f64::from(row) * step - PI / 2.0,
-                    height_m: 0.0,
-                }));
+                // A column's own rounding of the pole would leave a hole of a nanometre there.
+                vertices_ecef.push(if row == 0 {
+                    DVec3::new(0.0, 0.0, -body.polar_radius_m())
+                } else if row == rows {
+                    DVec3::new(0.0, 0.0, body.polar_radius_m())
+                } else {
+                    body.geodetic_to_ecef(Geodetic {
+                        longitude_rad: f64::from(column) * step - PI,
+                        latitude_rad: f64::from(row) * step - PI / 2.0,
+                        height_m: 0.0,
+                    })
+                });
             }
         }
         let mut triangles = Vec::new();
@@ -94,10 +101,11 @@ mod tests {
             let mesh = SurfaceMesh::ellipsoid(&body, 18);
             let mut edges: HashMap<(u32, u32), i32> = HashMap::new();
             let mut lowest = 0.0_f64;
-            // The rows at the poles have one vertex per column: same place, different index.
+            // The rows at the poles have one vertex per column: same place to the bit, other index.
             let pole = |i: u32| {
                 let v = mesh.vertices_ecef[i as usize];
-                if v.x.hypot(v.y) < 1.0 { if v.z > 0.0 { u32::MAX } else { u32::MAX - 1 } } else { i }
+                let at_pole = (v.x == 0.0 && v.y == 0.0).then_some(v.z > 0.0);
+                at_pole.map_or(i, |is_north| u32::MAX - u32::from(is_north))
             };
             for triangle in &mesh.triangles {
                 let corners = triangle.map(|i| mesh.vertices_ecef[i as usize]);
@@ -110,9 +118,15 @@ mod tests {
                     lowest = lowest.min(body.ecef_to_geodetic(p).height_m);
                 }
             }
-            assert!(edges.values().all(|&sum| sum == 0), "an edge is used once only");
+            assert!(
+                edges.values().all(|&sum| sum == 0),
+                "an edge is used once only"
+            );
             assert!(lowest >= mesh.lowest_m, "{lowest} below {}", mesh.lowest_m);
-            assert!(lowest < 0.4 * mesh.lowest_m, "the bound is far too loose: {lowest}");
+            assert!(
+                lowest < 0.4 * mesh.lowest_m,
+                "the bound is far too loose: {lowest}"
+            );
         }
     }
 }

@@ -226,7 +226,10 @@ mod tests {
                 let path = entry.expect("readable").path();
                 if path.is_dir() {
                     folders.push(path);
-                } else if path.extension().is_some_and(|extension| extension == "wgsl") {
+                } else if path
+                    .extension()
+                    .is_some_and(|extension| extension == "wgsl")
+                {
                     let relative = path.strip_prefix(&root).expect("below the root");
                     found.push(relative.to_string_lossy().into_owned());
                 }
@@ -238,7 +241,10 @@ mod tests {
         assert_eq!(found, embedded);
         let table = std::fs::read_to_string(root.join("README.md")).expect("readable");
         for path in &found {
-            assert!(table.contains(&format!("| {path} |")), "{path} is not in README.md");
+            assert!(
+                table.contains(&format!("| {path} |")),
+                "{path} is not in README.md"
+            );
         }
     }
 }

@@ -27,7 +27,9 @@ pub(crate) enum Verb {
     #[command(after_help = "Example: terrafill report out/first")]
     Report(ReportArguments),
     /// Draw one picture
-    #[command(after_help = "Example: terrafill render california --view globe --out california.png")]
+    #[command(
+        after_help = "Example: terrafill render california --view globe --out california.png"
+    )]
     Render(RenderArguments),
     /// Mesh regions and print what came of it
     #[command(after_help = "Example: terrafill mesh countries.geojson --json | jq .totals")]

@@ -52,7 +52,10 @@ pub(crate) fn devices() -> Result<Outcome, Failure> {
         let verdict = if device.lacks.is_empty() {
             "can run: vertex, reference".to_owned()
         } else {
-            format!("can run: reference; vertex needs {}", device.lacks.join(", "))
+            format!(
+                "can run: reference; vertex needs {}",
+                device.lacks.join(", ")
+            )
         };
         text += &format!("    {verdict}\n");
     }

@@ -68,7 +68,10 @@ pub(crate) fn run(arguments: &MeshArguments) -> Result<Outcome, Failure> {
     let regions = load_regions(&arguments.regions).map_err(Failure::bad_input)?;
     let file = arguments.regions.display().to_string();
     let meshes = RegionMesh::build_all(&regions, &body, edges, &options).map_err(|errors| {
-        let lines: Vec<String> = errors.iter().map(|error| format!("{file}: {error}")).collect();
+        let lines: Vec<String> = errors
+            .iter()
+            .map(|error| format!("{file}: {error}"))
+            .collect();
         Failure::bad_input(lines.join("\n"))
     })?;
     let elapsed_ms = start.elapsed().as_secs_f64() * 1e3;

@@ -14,7 +14,9 @@ use terrafill_frame::{
 };
 use terrafill_gpu::{Gpu, GpuOptions, Stage};
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{ImageSize, Overlap, PlanOptions, Scene, SurfaceMesh, View, data_dir_from_env};
+use terrafill_scene::{
+    ImageSize, Overlap, PlanOptions, Scene, SurfaceMesh, View, data_dir_from_env,
+};
 use terrafill_vertex::{ColourWay, Layout, PositionFormat, VertexBackend, VertexVariant};
 
 /// What one backend drew.
@@ -110,7 +112,12 @@ fn input(
         width: arguments.size.0,
         height: arguments.size.1,
     };
-    Ok(FrameInput::new(&prepared, view, size, PlanOptions::default()))
+    Ok(FrameInput::new(
+        &prepared,
+        view,
+        size,
+        PlanOptions::default(),
+    ))
 }
 
 fn draw_reference(input: &FrameInput) -> Result<Drawn, Failure> {
@@ -155,11 +162,7 @@ fn draw_vertex(
     })
 }
 
-fn statistics(
-    arguments: &RenderArguments,
-    input: &FrameInput,
-    drawn: &Drawn,
-) -> serde_json::Value {
+fn statistics(arguments: &RenderArguments, input: &FrameInput, drawn: &Drawn) -> serde_json::Value {
     let left_out: Vec<_> = input
         .plan
         .left_out
@@ -212,7 +215,9 @@ fn write_ids(path: &Path, frame: &Frame) -> Result<(), Failure> {
     let mut bytes = Vec::new();
     for &id in &frame.ids {
         let short = u16::try_from(id).map_err(|_| {
-            Failure::bad_input(format!("--ids: region id {id}, a 16-bit PNG holds up to 65535"))
+            Failure::bad_input(format!(
+                "--ids: region id {id}, a 16-bit PNG holds up to 65535"
+            ))
         })?;
         bytes.extend(short.to_ne_bytes());
     }

@@ -136,7 +136,10 @@ impl VertexBackend {
         stage.prepare(input)?;
         stage.draw_surface()?;
         let statistics = Statistics::new(stage.gpu(), self.pass_count());
-        let mut encoder = stage.gpu().device.create_command_encoder(&Default::default());
+        let mut encoder = stage
+            .gpu()
+            .device
+            .create_command_encoder(&Default::default());
         let mut counters = self.record(&mut encoder, &stage, input, statistics.as_ref(), false)?;
         stage.gpu().queue.submit([encoder.finish()]);
         stage.gpu().wait()?;
@@ -543,10 +546,7 @@ impl Recorder<'_> {
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("colour"),
                 color_attachments: &[Some(kept_colour(&colour))],
-                depth_stencil_attachment: Some(read_only_depth(
-                    &depth_stencil,
-                    wgpu::LoadOp::Load,
-                )),
+                depth_stencil_attachment: Some(read_only_depth(&depth_stencil, wgpu::LoadOp::Load)),
                 timestamp_writes: self.stamps(TimedPass::Colour, index == last),
                 ..Default::default()
             });
@@ -569,10 +569,7 @@ impl Recorder<'_> {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("stencil and colour"),
             color_attachments: &[Some(kept_colour(&colour))],
-            depth_stencil_attachment: Some(read_only_depth(
-                &depth_stencil,
-                wgpu::LoadOp::Clear(0),
-            )),
+            depth_stencil_attachment: Some(read_only_depth(&depth_stencil, wgpu::LoadOp::Clear(0))),
             timestamp_writes: self.stamps(TimedPass::Colour, true),
             ..Default::default()
         });
@@ -593,11 +590,7 @@ impl Recorder<'_> {
         Some(timer.around(pass))
     }
 
-    fn begin_statistics(
-        &self,
-        pass: &mut wgpu::RenderPass<'_>,
-        index: usize,
-    ) -> Option<u32> {
+    fn begin_statistics(&self, pass: &mut wgpu::RenderPass<'_>, index: usize) -> Option<u32> {
         let statistics = self.statistics?;
         let index = u32::try_from(index).ok()?;
         pass.begin_pipeline_statistics_query(&statistics.queries, index);

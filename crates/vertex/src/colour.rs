@@ -79,6 +79,9 @@ mod tests {
         let batches = XorBatches::new(&regions);
         let sizes: Vec<_> = batches.passes.iter().map(Vec::len).collect();
         assert_eq!(sizes, [XOR_NUMBERS, 3]);
-        assert_eq!(batches.passes.iter().flatten().flatten().count(), regions.len());
+        assert_eq!(
+            batches.passes.iter().flatten().flatten().count(),
+            regions.len()
+        );
     }
 }

@@ -55,7 +55,11 @@ impl FixedPoint {
             high = high.max(*vertex);
         }
         let half = ((high - low) * 0.5).max_element();
-        let extent = if half.is_finite() && half > 0.0 { half } else { 1.0 };
+        let extent = if half.is_finite() && half > 0.0 {
+            half
+        } else {
+            1.0
+        };
         let unit_m = (extent / LARGEST_COORDINATE).log2().ceil().exp2();
         let middle = if half.is_finite() {
             (low + high) * 0.5
@@ -91,7 +95,9 @@ impl FixedPoint {
     fn checked_eye(whole: DVec3, fraction: DVec3, shift: u32, unit_m: f64) -> EyeInUnits {
         EyeInUnits {
             // Saturates for an eye 2³¹ extents away, from where the region is far below a pixel.
-            eye: whole.clamp(DVec3::splat(-LARGEST_EYE), DVec3::splat(LARGEST_EYE)).as_ivec3(),
+            eye: whole
+                .clamp(DVec3::splat(-LARGEST_EYE), DVec3::splat(LARGEST_EYE))
+                .as_ivec3(),
             shift,
             remainder_m: fraction * unit_m * f64::from(shift).exp2(),
         }
@@ -130,7 +136,10 @@ mod tests {
                     let got = eye_relative_m(stored, &eye, fixed.unit_m);
                     let error = (got - (ecef - eye_ecef)).abs().max_element();
                     let allowed = fixed.unit_m + distance.max(extent) * 2e-9;
-                    assert!(error <= allowed, "2^{exponent} at {distance}: {error} > {allowed}");
+                    assert!(
+                        error <= allowed,
+                        "2^{exponent} at {distance}: {error} > {allowed}"
+                    );
                 }
             }
         }

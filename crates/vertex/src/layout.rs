@@ -75,7 +75,11 @@ fn has_short_indices(layout: Layout, vertices: usize) -> bool {
 pub fn layout_bytes(layout: Layout, mesh: &RegionMesh) -> LayoutBytes {
     let (vertices, triangles) = (mesh.vertices_ecef.len(), mesh.triangles.len());
     let (edges, loops) = (mesh.boundary_edge_count(), mesh.boundary_loops.len());
-    let index_size: usize = if has_short_indices(layout, vertices) { 2 } else { 4 };
+    let index_size: usize = if has_short_indices(layout, vertices) {
+        2
+    } else {
+        4
+    };
     let (vertex_bytes, indices) = match layout {
         Layout::Doubled => (32 * vertices, 6 * triangles + 2 * (edges + loops) + loops),
         Layout::Pulled => (12 * vertices, 3 * triangles + edges + 2 * loops),
@@ -309,8 +313,16 @@ mod tests {
             for layout in [Layout::Doubled, Layout::Pulled] {
                 let meshes = std::slice::from_ref(&mesh);
                 let geometry = SceneGeometry::build(layout, PositionFormat::Fixed, meshes);
-                let restarts = geometry.short_indices.iter().filter(|&&i| i == 0xffff).count();
-                let long = geometry.long_indices.iter().filter(|&&i| i == u32::MAX).count();
+                let restarts = geometry
+                    .short_indices
+                    .iter()
+                    .filter(|&&i| i == 0xffff)
+                    .count();
+                let long = geometry
+                    .long_indices
+                    .iter()
+                    .filter(|&&i| i == u32::MAX)
+                    .count();
                 assert_eq!(restarts + long, 1, "{layout:?} {count}");
             }
         }

@@ -59,11 +59,10 @@ impl Pipelines {
                 buffer_entry(1, storage),
             ],
         });
-        let geometry_bindings =
-            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some("pulled geometry"),
-                entries: &[buffer_entry(0, storage), buffer_entry(1, storage)],
-            });
+        let geometry_bindings = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("pulled geometry"),
+            entries: &[buffer_entry(0, storage), buffer_entry(1, storage)],
+        });
         let groups: &[Option<&wgpu::BindGroupLayout>] = match variant.layout {
             Layout::Doubled => &[Some(&frame_bindings)],
             Layout::Pulled => &[Some(&frame_bindings), Some(&geometry_bindings)],
@@ -79,7 +78,11 @@ impl Pipelines {
             Layout::Doubled => "vertex/doubled.wgsl",
             Layout::Pulled => "vertex/pulled.wgsl",
         })?;
-        let cover = cover_pipeline(gpu, &pipeline_layout(&[Some(&frame_bindings)]), variant.colour)?;
+        let cover = cover_pipeline(
+            gpu,
+            &pipeline_layout(&[Some(&frame_bindings)]),
+            variant.colour,
+        )?;
         Ok(Self {
             variant,
             volume_shader,
@@ -118,8 +121,18 @@ impl Pipelines {
             (false, Part::Walls { .. }) => "walls_main",
         };
         let strip_index_format = match (is_doubled, part) {
-            (true, Part::Walls { short_indices: true }) => Some(wgpu::IndexFormat::Uint16),
-            (true, Part::Walls { short_indices: false }) => Some(wgpu::IndexFormat::Uint32),
+            (
+                true,
+                Part::Walls {
+                    short_indices: true,
+                },
+            ) => Some(wgpu::IndexFormat::Uint16),
+            (
+                true,
+                Part::Walls {
+                    short_indices: false,
+                },
+            ) => Some(wgpu::IndexFormat::Uint32),
             _ => None,
         };
         let local_f32 = self.variant.positions == PositionFormat::LocalF32;
@@ -208,7 +221,11 @@ fn cover_pipeline(
     // XOR: the number is the stencil reference, and the pass leaves the stencil alone. One at a
     // time: anything but 0 is inside, and the cover clears it for the next region.
     let (compare, pass_op, write_mask) = match colour {
-        ColourWay::Xor => (wgpu::CompareFunction::Equal, wgpu::StencilOperation::Keep, 0),
+        ColourWay::Xor => (
+            wgpu::CompareFunction::Equal,
+            wgpu::StencilOperation::Keep,
+            0,
+        ),
         ColourWay::Rectangle => (
             wgpu::CompareFunction::NotEqual,
             wgpu::StencilOperation::Zero,

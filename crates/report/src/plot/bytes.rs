@@ -7,7 +7,7 @@
 use super::canvas::{Anchor, Canvas, svg};
 use super::palette::{INK, Palette};
 use super::scale::linear_ticks;
-use super::{LABEL_CHARS, WIDTH_PX, label_column};
+use super::{WIDTH_PX, label, label_column};
 use crate::ReportError;
 use crate::number;
 use crate::run_data::{Case, SceneCases};
@@ -35,6 +35,7 @@ struct Bytes {
     parts: [u64; 3],
     /// Positions, flags and indices.
     geometry: u64,
+    label: String,
     series: String,
 }
 
@@ -51,6 +52,7 @@ impl Bytes {
                 case.value(|row| row.constant_bytes).unwrap_or(0),
             ],
             geometry,
+            label: label(case),
             series: case.series(),
         })
     }
@@ -80,7 +82,7 @@ pub(crate) fn geometry_bytes(
     let base = variants
         .iter()
         .find_map(|(name, bytes)| (name == BASE).then_some(bytes.geometry));
-    let left = label_column(variants.iter().map(|(name, _)| name.chars().count()));
+    let left = label_column(variants.iter().map(|(_, bytes)| bytes.label.clone()));
     let right = WIDTH_PX - VALUE_COLUMN_PX;
     let bottom = TOP_PX + variants.len() as f64 * ROW_PX;
     let title = format!("{}: bytes per variant", scene.name);
@@ -100,9 +102,8 @@ pub(crate) fn geometry_bytes(
             Anchor::Left,
         )?;
         let mut y = TOP_PX + ROW_PX * 0.5;
-        for (name, bytes) in &variants {
-            let label = number::elided(name, LABEL_CHARS);
-            canvas.text(&label, [left - 10.0, y], Anchor::Right)?;
+        for (_, bytes) in &variants {
+            canvas.text(&bytes.label, [left - 10.0, y], Anchor::Right)?;
             let colour = palette.stroke(&bytes.series).colour;
             let mut x = left;
             for (part, (_, opacity)) in bytes.parts.iter().zip(PARTS) {
@@ -175,6 +176,7 @@ mod tests {
         let bytes = Bytes {
             parts: [300, 160, 999],
             geometry: 460,
+            label: String::new(),
             series: String::new(),
         };
         assert_eq!(value_label(&bytes, Some(1000)), "460 B · 0.460 ×");

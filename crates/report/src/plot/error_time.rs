@@ -9,7 +9,7 @@
 use super::WIDTH_PX;
 use super::canvas::{Anchor, Canvas, MARKER_PX, TEXT_PX, svg, text_width};
 use super::palette::{INK, Palette, Stroke};
-use super::scale::{LogScale, tick_label};
+use super::scale::{LogScale, length, tick_label};
 use crate::ReportError;
 use crate::number::elided;
 use crate::run_data::{Case, Outcome, ViewCases};
@@ -413,14 +413,6 @@ fn label_of(point: &Point<'_>) -> String {
     }
 }
 
-fn length(metres: f64) -> String {
-    if metres >= 1000.0 {
-        format!("{} km", tick_label(metres / 1000.0))
-    } else {
-        format!("{} m", tick_label(metres))
-    }
-}
-
 /// Room that a mark takes up.
 #[derive(Debug, Clone, Copy)]
 struct Rectangle {
@@ -580,13 +572,6 @@ mod tests {
         assert!(a.meets(&Rectangle::around([9.0, 0.0], 10.0, 4.0)));
         assert!(!a.meets(&Rectangle::around([11.0, 0.0], 10.0, 4.0)));
         assert!(!a.meets(&Rectangle::around([0.0, 5.0], 10.0, 4.0)));
-    }
-
-    #[test]
-    fn the_knob_reads_as_a_length() {
-        assert_eq!(length(100.0), "100 m");
-        assert_eq!(length(5000.0), "5 km");
-        assert_eq!(length(0.5), "0.5 m");
     }
 
     #[test]

@@ -16,14 +16,28 @@ pub(crate) use error_time::error_against_time;
 pub(crate) use palette::{Palette, dark_rules};
 pub(crate) use ratio::time_over_bound;
 
+use crate::number;
+use crate::run_data::Case;
+
 /// Width of every plot, pixels.
 const WIDTH_PX: f64 = 1080.0;
 
 /// Longest label before its middle is left out.
 const LABEL_CHARS: usize = 62;
 
-/// Width of the label column: the longest label, or what the limit allows.
-fn label_column(labels: impl IntoIterator<Item = usize>) -> f64 {
-    let longest = labels.into_iter().max().unwrap_or(0).min(LABEL_CHARS);
+/// A case's name as a plot has room for it: the knob, in short, after the rest, where cutting a long
+/// name leaves it.
+fn label(case: &Case) -> String {
+    let label = match case.named_knob_m() {
+        Some(knob) => format!("{} · {}", case.series(), scale::length(knob)),
+        None => case.name(),
+    };
+    number::elided(&label, LABEL_CHARS)
+}
+
+/// Width of the label column: as the longest label needs.
+fn label_column(labels: impl IntoIterator<Item = String>) -> f64 {
+    let lengths = labels.into_iter().map(|label| label.chars().count());
+    let longest = lengths.max().unwrap_or(0);
     longest as f64 * canvas::text_width("m", canvas::TEXT_PX) + 16.0
 }

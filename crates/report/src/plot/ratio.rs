@@ -8,9 +8,9 @@
 use super::canvas::{Anchor, Canvas, MARKER_PX, svg};
 use super::palette::{INK, Palette};
 use super::scale::{LogScale, tick_label};
-use super::{LABEL_CHARS, WIDTH_PX, label_column};
+use super::{WIDTH_PX, label, label_column};
 use crate::ReportError;
-use crate::number::{elided, significant};
+use crate::number::significant;
 use crate::run_data::{Case, SceneCases, ViewCases};
 use crate::statistic::over;
 use terrafill_results::{Spread, median};
@@ -51,7 +51,7 @@ pub(crate) fn time_over_bound(
     palette: &Palette,
 ) -> Result<Option<String>, ReportError> {
     let cases = || scene.views.iter().flat_map(|view| &view.cases);
-    let left = label_column(cases().map(|case| case.name().chars().count()));
+    let left = label_column(cases().map(|case| label(case)));
     let right = WIDTH_PX - VALUE_COLUMN_PX;
     let spreads: Vec<f64> = cases()
         .filter_map(|case| ratio(case))
@@ -125,8 +125,7 @@ fn draw_view(
     }
     for (case, row) in view.cases.iter().zip(1_u32..) {
         let y = top + ROW_PX * f64::from(row);
-        let label = elided(&case.name(), LABEL_CHARS);
-        canvas.text(&label, [left - 10.0, y], Anchor::Right)?;
+        canvas.text(&label(case), [left - 10.0, y], Anchor::Right)?;
         let stroke = palette.stroke(&case.series());
         let Some(spread) = ratio(case) else {
             canvas.cross([right - MARKER_PX, y], INK)?;

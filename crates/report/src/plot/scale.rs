@@ -125,6 +125,15 @@ pub(crate) fn tick_label(value: f64) -> String {
     }
 }
 
+/// A length as a label.
+pub(crate) fn length(metres: f64) -> String {
+    if metres >= 1000.0 {
+        format!("{} km", tick_label(metres / 1000.0))
+    } else {
+        format!("{} m", tick_label(metres))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -169,5 +178,12 @@ mod tests {
         assert_eq!(tick_label(0.5), "0.5");
         assert_eq!(tick_label(200.0), "200");
         assert_eq!(tick_label(0.05), "0.05");
+    }
+
+    #[test]
+    fn the_knob_reads_as_a_length() {
+        assert_eq!(length(100.0), "100 m");
+        assert_eq!(length(5000.0), "5 km");
+        assert_eq!(length(0.5), "0.5 m");
     }
 }
