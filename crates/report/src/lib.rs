@@ -30,6 +30,9 @@ pub struct ReportSummary {
     pub ok: usize,
     /// Cases whose picture is wrong.
     pub wrong: usize,
+    /// Those of them that belong to a sweep through the boundary tolerance, where a wrong picture is
+    /// a result.
+    pub wrong_in_sweep: usize,
     /// Cases not run, with a reason.
     pub skipped: usize,
     /// Cases that broke off, with a reason.
@@ -60,6 +63,7 @@ pub fn write_report(run_folder: &Path) -> Result<ReportSummary, ReportError> {
         path,
         ok: data.count(Outcome::Ok),
         wrong: data.count(Outcome::Wrong),
+        wrong_in_sweep: data.wrong_in_sweep(),
         skipped: data.count(Outcome::Skipped),
         failed: data.count(Outcome::Failed),
         missing: data.count(Outcome::Missing),

@@ -280,10 +280,19 @@ fn verdict(data: &RunData) -> Verdict {
     let n = |outcome| data.count(outcome);
     let (ok, wrong, skipped) = (n(Outcome::Ok), n(Outcome::Wrong), n(Outcome::Skipped));
     let (failed, missing) = (n(Outcome::Failed), n(Outcome::Missing));
+    let in_sweep = data.wrong_in_sweep();
     let total = data.cases.len();
     let mut sentences = vec![format!(
-        "{total} {}: {ok} right, {wrong} wrong, {skipped} skipped, {failed} failed, {missing} missing.",
-        if total == 1 { "case" } else { "cases" }
+        "{}{}: {ok} right, {wrong} wrong{}, {skipped} skipped, {failed} failed, {missing} missing.",
+        plural(total, "case"),
+        match data.cases.iter().filter(|case| case.is_baseline()).count() {
+            0 => String::new(),
+            passes => format!(", {passes} of them full-screen passes to compare with"),
+        },
+        match in_sweep {
+            0 => String::new(),
+            _ => format!(" ({in_sweep} of them in the sweep, where error is the question)"),
+        },
     )];
     if missing > 0 {
         sentences.push(format!(
@@ -292,7 +301,7 @@ fn verdict(data: &RunData) -> Verdict {
         ));
     }
     sentences.push(picture_sentence(data));
-    let class = match (ok, wrong + failed, missing) {
+    let class = match (ok, wrong - in_sweep + failed, missing) {
         (_, 1.., _) | (0, _, _) => "bad",
         (_, _, 1..) => "incomplete",
         _ => "good",
@@ -300,12 +309,17 @@ fn verdict(data: &RunData) -> Verdict {
     Verdict { class, sentences }
 }
 
+fn plural(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
+/// Whether the pictures outside the sweep match the reference.
 fn picture_sentence(data: &RunData) -> String {
     let outside = |case: &Case| case.value(|row| row.mismatched_px_outside_band);
     let compared: Vec<&Case> = data
         .cases
         .iter()
-        .filter(|case| outside(case).is_some())
+        .filter(|case| outside(case).is_some() && !case.is_sweep())
         .collect();
     let differing: Vec<String> = compared
         .iter()
@@ -405,8 +419,9 @@ fn view_section(
 ) -> Result<ViewSection, ReportError> {
     let mut footnotes = Vec::new();
     let rows = view
-        .cases
+        .baselines
         .iter()
+        .chain(&view.cases)
         .map(|case| table_row(case, &mut footnotes))
         .collect();
     let (error_plot, not_drawn) = plot::error_against_time(scene, view, palette)?
@@ -589,6 +604,7 @@ fn table_cell(case: &Case, column: &Column, footnotes: &mut Vec<String>) -> Cell
 
 fn why_absent(case: &Case, column: &Column) -> String {
     match (case.outcome, case.reason()) {
+        (Outcome::Ok, _) if case.is_baseline() => "a full-screen pass fills no region".to_owned(),
         (Outcome::Ok, _) => column.absent_because.to_owned(),
         (outcome, "") => format!("{}, no reason was recorded", outcome.name()),
         (outcome, reason) => format!("{}: {reason}", outcome.name()),

@@ -90,6 +90,17 @@ impl Case {
         self.summary.as_ref().and_then(cell)
     }
 
+    /// Whether it is a full-screen pass to hold techniques against, and no technique.
+    pub(crate) fn is_baseline(&self) -> bool {
+        is_baseline(&self.key)
+    }
+
+    /// Whether it belongs to the sweep through the knob: its error is what is asked for, so a wrong
+    /// picture is a result there and no defect.
+    pub(crate) fn is_sweep(&self) -> bool {
+        self.named_knob_m().is_some()
+    }
+
     /// Why the case has no result, or the remark of its row; empty when there is nothing to say.
     pub(crate) fn reason(&self) -> &str {
         match &self.summary {
@@ -139,11 +150,11 @@ impl RunData {
         }
         let mut notes = Vec::new();
         let mut cases = Vec::new();
-        for key in plan.cases.iter().filter(|key| is_technique(key)) {
+        for key in &plan.cases {
             let (row, times) = (rows.remove(key), times.remove(key).unwrap_or_default());
             cases.push(Case::new(key.clone(), row, &times, &mut notes));
         }
-        for (key, row) in rows.into_iter().filter(|(key, _)| is_technique(key)) {
+        for (key, row) in rows {
             notes.push(format!("{key}: measured, but not in the plan"));
             let times = times.remove(&key).unwrap_or_default();
             cases.push(Case::new(key, Some(row), &times, &mut notes));
@@ -165,6 +176,14 @@ impl RunData {
             .count()
     }
 
+    /// Cases of the sweep whose pictures are wrong.
+    pub(crate) fn wrong_in_sweep(&self) -> usize {
+        self.cases
+            .iter()
+            .filter(|case| case.outcome == Outcome::Wrong && case.is_sweep())
+            .count()
+    }
+
     /// Scenes in order of appearance, each with its views, each with its cases.
     pub(crate) fn scenes(&self) -> Vec<SceneCases<'_>> {
         let mut scenes: Vec<SceneCases<'_>> = Vec::new();
@@ -182,17 +201,23 @@ impl RunData {
                 |v| v.name == case.key.view,
                 || ViewCases {
                     name: &case.key.view,
+                    baselines: Vec::new(),
                     cases: Vec::new(),
                 },
             );
-            view.cases.push(case);
+            if case.is_baseline() {
+                view.baselines.push(case);
+            } else {
+                view.cases.push(case);
+            }
         }
         scenes
     }
 
     /// Every curve name of the run, sorted: a curve's place here is its colour in every plot.
     pub(crate) fn series(&self) -> Vec<String> {
-        let mut series: Vec<String> = self.cases.iter().map(Case::series).collect();
+        let techniques = self.cases.iter().filter(|case| !case.is_baseline());
+        let mut series: Vec<String> = techniques.map(Case::series).collect();
         series.sort_unstable();
         series.dedup();
         series
@@ -210,6 +235,9 @@ pub(crate) struct SceneCases<'a> {
 #[derive(Debug)]
 pub(crate) struct ViewCases<'a> {
     pub(crate) name: &'a str,
+    /// Full-screen passes.
+    pub(crate) baselines: Vec<&'a Case>,
+    /// Techniques.
     pub(crate) cases: Vec<&'a Case>,
 }
 
@@ -252,8 +280,8 @@ impl Case {
     }
 }
 
-fn is_technique(key: &CaseKey) -> bool {
-    !BASELINE_BACKENDS.contains(&key.backend.as_str())
+fn is_baseline(key: &CaseKey) -> bool {
+    BASELINE_BACKENDS.contains(&key.backend.as_str())
 }
 
 /// Notes what in a row contradicts its samples or itself.
@@ -272,7 +300,7 @@ fn check_row(key: &CaseKey, row: &Summary, usable: &[f64], frames: usize, notes:
             samples.median
         ));
     }
-    if row.status == Status::Ok {
+    if row.status == Status::Ok && !is_baseline(key) {
         match row.mismatched_px_outside_band {
             None => notes.push(format!("{key}: ok, but never compared with the reference")),
             Some(0) => {}
@@ -344,6 +372,14 @@ mod tests {
             mismatched_px_outside_band: Some(0),
             ..Summary::new(case("doubled").key, Status::Ok)
         }
+    }
+
+    #[test]
+    fn a_full_screen_pass_needs_no_error_figures() {
+        let mut row = honest_row();
+        row.backend = "bound".to_owned();
+        row.mismatched_px_outside_band = None;
+        assert_eq!(notes_of(row, &[1.0, 2.0, 3.0]), [""; 0]);
     }
 
     #[test]

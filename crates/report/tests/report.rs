@@ -365,6 +365,58 @@ fn a_row_called_ok_whose_picture_differs_is_named() {
 }
 
 #[test]
+fn full_screen_passes_have_rows_and_are_no_techniques() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let bound = CaseKey {
+        backend: "bound".to_owned(),
+        ..key("full-screen")
+    };
+    let floor = CaseKey {
+        backend: "floor".to_owned(),
+        ..key("full-screen")
+    };
+    let plan = RunPlan {
+        cases: vec![bound.clone(), floor, key("doubled")],
+        ..RunPlan::default()
+    };
+    let run = RunFolder::create(folder.path(), &environment(), &plan).expect("an empty folder");
+    let mut row = Summary::new(bound, Status::Ok);
+    row.fill_cpu_ms = Some(BOUND_MS);
+    finish(&run, &row);
+    finish(&run, &measured(&run, "doubled", Status::Ok, 36.1));
+    let (summary, html) = report(folder.path());
+    assert_eq!((summary.ok, summary.missing), (2, 1));
+    assert!(html.contains("3 cases, 2 of them full-screen passes"));
+    assert!(html.contains("<li>countries-110m/globe/floor/full-screen</li>"));
+    assert!(without_breaks(&html).contains("<th scope=\"row\">bound/full-screen</th>"));
+    assert!(html.contains("title=\"a full-screen pass fills no region\""));
+    assert!(!plot(&html, "fill time over bound").contains("full-screen"));
+    assert!(!html.contains("does not fit together"));
+}
+
+#[test]
+fn a_wrong_case_of_the_sweep_does_not_spoil_the_verdict() {
+    let verdict = |variant: &str| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let run = start(folder.path(), &["doubled", variant]);
+        finish(&run, &measured(&run, "doubled", Status::Ok, 36.1));
+        let mut row = measured(&run, variant, Status::Wrong, 7.77);
+        row.mismatched_px_outside_band = Some(41);
+        finish(&run, &row);
+        let (summary, html) = report(folder.path());
+        (summary.wrong, summary.wrong_in_sweep, html)
+    };
+    let (wrong, in_sweep, html) = verdict("doubled,boundary-tolerance-m=20000");
+    assert_eq!((wrong, in_sweep), (1, 1));
+    assert!(html.contains("verdict good") && html.contains("1 wrong (1 of them in the sweep"));
+    assert!(html.contains("Every picture that was compared (1) matches"));
+    // Twin: the same outside the sweep does.
+    let (wrong, in_sweep, html) = verdict("pulled");
+    assert_eq!((wrong, in_sweep), (1, 0));
+    assert!(html.contains("verdict bad"));
+}
+
+#[test]
 fn pictures_are_grouped_and_broken_ones_named() {
     let folder = tempfile::tempdir().expect("a folder");
     let run = start(folder.path(), &["doubled", "pulled"]);

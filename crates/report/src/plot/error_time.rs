@@ -3,8 +3,10 @@
 //!
 //! Both axes are logarithmic; one curve per layout through its knob, the boundary tolerance. A case
 //! without error stands on a line of its own at the bottom, a wrong or failed one on the upper edge:
-//! neither has a place on a logarithm, and neither may vanish. The Pareto front joins only cases
-//! that keep their place when frames are resampled (see `statistic`).
+//! neither has a place on a logarithm, and neither may vanish. A wrong case of the sweep is the
+//! exception, since its error is the answer to the sweep's question: it stands where its figures put
+//! it, on its curve, with the cross of a wrong case. The Pareto front joins only right cases that
+//! keep their place when frames are resampled (see `statistic`).
 
 use super::WIDTH_PX;
 use super::canvas::{Anchor, Canvas, MARKER_PX, TEXT_PX, svg, text_width};
@@ -74,6 +76,7 @@ struct Point<'a> {
     case: &'a Case,
     at: [f64; 2],
     whisker: Option<[f64; 2]>,
+    /// On the upper edge.
     pinned: bool,
 }
 
@@ -183,7 +186,7 @@ impl<'a> Panel<'a> {
         let x = LogScale::around(times, left, right)?;
         let errors = shown
             .iter()
-            .filter(|case| case.counts())
+            .filter(|case| !is_pinned(case, quantity))
             .filter_map(|case| (quantity.of)(case));
         let y = LogScale::around(errors, LOG_BOTTOM_Y, LOG_TOP_Y);
         let mut panel = Self {
@@ -205,7 +208,7 @@ impl<'a> Panel<'a> {
         cases
             .iter()
             .map(|case| {
-                let pinned = !case.counts();
+                let pinned = is_pinned(case, self.quantity);
                 let at_x = case.fill_cpu.map_or_else(
                     || {
                         without_time += 1.0;
@@ -228,14 +231,18 @@ impl<'a> Panel<'a> {
 
     fn height_of(&self, case: &Case) -> f64 {
         match ((self.quantity.of)(case), &self.y) {
-            _ if !case.counts() => EDGE_Y,
+            _ if is_pinned(case, self.quantity) => EDGE_Y,
             (Some(error), Some(scale)) if error > 0.0 => scale.px(error),
             _ => ZERO_Y,
         }
     }
 
     fn front_corners(&self) -> Vec<[f64; 2]> {
-        let judged: Vec<&Point<'a>> = self.points.iter().filter(|point| !point.pinned).collect();
+        let judged: Vec<&Point<'a>> = self
+            .points
+            .iter()
+            .filter(|point| point.case.counts())
+            .collect();
         let candidates: Vec<Candidate<'_>> = judged
             .iter()
             .filter_map(|point| {
@@ -320,7 +327,7 @@ impl<'a> Panel<'a> {
         Ok(())
     }
 
-    /// Points that count, by layout, where a layout has more than one.
+    /// Points with a place of their own, by layout, where a layout has more than one.
     fn curves(&self) -> BTreeMap<String, Vec<&Point<'a>>> {
         let mut curves: BTreeMap<String, Vec<&Point<'a>>> = BTreeMap::new();
         for point in self.points.iter().filter(|point| !point.pinned) {
@@ -339,10 +346,10 @@ impl<'a> Panel<'a> {
         if let Some([from, to]) = point.whisker {
             canvas.whisker(from, to, point.at[1], stroke.colour)?;
         }
-        if point.pinned {
-            canvas.cross(point.at, stroke.colour)
-        } else {
+        if point.case.counts() {
             canvas.marker(point.at, stroke)
+        } else {
+            canvas.cross(point.at, stroke.colour)
         }
     }
 
@@ -400,6 +407,13 @@ impl<'a> Panel<'a> {
         }
         None
     }
+}
+
+/// Whether a case has no place by its figures: it has none, or they count for nothing.
+fn is_pinned(case: &Case, quantity: &Quantity) -> bool {
+    let has_figures = case.fill_cpu.is_some() && (quantity.of)(case).is_some();
+    let is_result = case.counts() || (case.outcome == Outcome::Wrong && case.is_sweep());
+    !(has_figures && is_result)
 }
 
 /// The knob's value, and what went wrong where something did.
@@ -536,7 +550,26 @@ mod tests {
         let panel = Panel::new(&QUANTITIES[0], 0.0, &all).expect("something to draw");
         let curves = panel.curves();
         assert_eq!(curves.keys().collect::<Vec<_>>(), ["vertex/doubled"]);
-        assert_eq!(curves["vertex/doubled"].len(), 2, "without the wrong one");
+        assert_eq!(curves["vertex/doubled"].len(), 3, "the wrong one too");
+    }
+
+    #[test]
+    fn a_wrong_case_of_the_sweep_stands_at_its_error_but_not_on_the_front() {
+        let coarse = "doubled,boundary-tolerance-m=9000";
+        let cases = [
+            case("doubled", Outcome::Ok, 2.0, 3),
+            case(coarse, Outcome::Wrong, 0.5, 99),
+            without_time(case(coarse, Outcome::Wrong, 0.5, 99)),
+        ];
+        let all: Vec<&Case> = cases.iter().collect();
+        let panel = Panel::new(&QUANTITIES[0], 0.0, &all).expect("something to draw");
+        let [right, wrong, timeless] = &panel.points[..] else {
+            panic!("three points");
+        };
+        assert!(EDGE_Y < wrong.at[1] && wrong.at[1] < right.at[1]);
+        assert!(wrong.at[0] < right.at[0]);
+        assert!(timeless.at[1] <= EDGE_Y, "without a time there is no place");
+        assert_eq!(panel.front, [right.at]);
     }
 
     #[test]

@@ -197,6 +197,7 @@ mod tests {
         let case = case(Outcome::Ok, Some(12.0));
         let view = ViewCases {
             name: "v",
+            baselines: Vec::new(),
             cases: vec![&case],
         };
         let floor = floor_ratio(&view).expect("both were measured");
