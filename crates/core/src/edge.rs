@@ -27,6 +27,8 @@ const HARMLESS_SPAN_DEG: f64 = 11.4;
 pub(crate) const POLE_STEP_DEG: f64 = 30.0;
 /// Distances smaller than this share of the body's radius are rounding, 0.1 µm on the Earth.
 const ROUNDING: f64 = 2e-14;
+/// Arcs shorter than this are straight in longitude and latitude to the last bit.
+const STRAIGHT_ARC_RAD: f64 = 1e-9;
 /// Halvings of one edge after which splitting stops: a millionth of the edge is below the rounding
 /// of its coordinates' use in metres.
 const MOST_HALVINGS: u32 = 20;
@@ -81,8 +83,7 @@ impl<'a> EdgeSplitter<'a> {
         }
         let longitude_rad = (end[0] - start[0]).abs().to_radians();
         let latitude_rad = (end[1] - start[1]).abs().to_radians();
-        if longitude_rad.hypot(latitude_rad) > self.step_rad
-            && normal(start).angle_between(normal(end)) > self.step_rad
+        if longitude_rad.hypot(latitude_rad) > self.step_rad && arc_rad(start, end) > self.step_rad
         {
             return true;
         }
@@ -146,6 +147,12 @@ pub(crate) fn normal([longitude_deg, latitude_deg]: Degrees) -> DVec3 {
     DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat)
 }
 
+/// Angle between the normals of two positions. From the chord: an arc cosine has no digits left
+/// for neighbours.
+pub(crate) fn arc_rad(a: Degrees, b: Degrees) -> f64 {
+    2.0 * (0.5 * (normal(b) - normal(a)).length()).min(1.0).asin()
+}
+
 /// Point on the surface, ECEF metres; poles exactly on the axis, ±180 one and the same meridian.
 pub(crate) fn surface_point(body: &Ellipsoid, [longitude_deg, latitude_deg]: Degrees) -> DVec3 {
     if latitude_deg.abs() == 90.0 {
@@ -171,7 +178,10 @@ fn point_on_edge(rule: EdgeRule, start: Degrees, end: Degrees, fraction: f64) ->
         return planar;
     }
     let (from, to) = (normal(start), normal(end));
-    let angle = from.angle_between(to);
+    let angle = arc_rad(start, end);
+    if angle < STRAIGHT_ARC_RAD {
+        return planar;
+    }
     let point = from * ((1.0 - fraction) * angle).sin() + to * (fraction * angle).sin();
     let longitude_deg = point.y.atan2(point.x).to_degrees();
     [
@@ -402,6 +412,20 @@ mod tests {
                     assert!((found - exact).abs() < 1e-15 * scale * 4.0);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn middle_of_two_neighbours_lies_between_them() {
+        // Two corners of Washington, D.C., 2 cm apart at 1:110m.
+        let (a, b) = (
+            [-77.041_235_015_754_28, 38.789_544_853_649_8],
+            [-77.041_234_970_092_77, 38.789_545_059_204_1],
+        );
+        for scale in [1.0, 1e-3, 1e-6] {
+            let b = [0, 1].map(|i| a[i] + (b[i] - a[i]) * scale);
+            let middle = point_on_edge(EdgeRule::GreatEllipse, a, b, 0.5);
+            assert!(a[1] <= middle[1] && middle[1] <= b[1], "{middle:?}");
         }
     }
 

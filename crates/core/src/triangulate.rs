@@ -8,7 +8,7 @@
 //! changes, so predicates remain exact for the numbers of the file.
 
 use crate::crossings::{self, great_ellipse_crossing, planar_crossing, split_outline};
-use crate::edge::{Degrees, normal};
+use crate::edge::{Degrees, arc_rad};
 use crate::outline::OutlineEdge;
 use crate::{EdgePlace, EdgeRule, MeshOptions};
 use spade::handles::FixedVertexHandle;
@@ -323,7 +323,7 @@ impl Group {
             if width.hypot(height) <= longest_deg {
                 continue;
             }
-            let long = normal(a).angle_between(normal(b)).to_degrees() > longest_deg;
+            let long = arc_rad(a, b).to_degrees() > longest_deg;
             if long || width > WIDEST_INTERIOR_EDGE_DEG {
                 middles.push([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]);
             }
@@ -558,8 +558,8 @@ mod tests {
                 .iter()
                 .flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]);
             sides
-                .map(|side| side.map(|i| normal(mesh.vertices[i as usize])))
-                .map(|[a, b]| a.angle_between(b).to_degrees())
+                .map(|side| side.map(|i| mesh.vertices[i as usize]))
+                .map(|[a, b]| arc_rad(a, b).to_degrees())
                 .fold(0.0, f64::max)
         };
         assert!(longest(&fine) <= 3.0 && longest(&coarse) > 10.0);
