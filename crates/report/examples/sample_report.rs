@@ -121,7 +121,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .ok_or("usage: sample_report DIR")?;
     let cases: Vec<CaseKey> = VIEWS
         .iter()
-        .flat_map(|(scene, view, _)| VARIANTS.iter().map(|v| key(scene, view, v.name)))
+        .flat_map(|(scene, view, _)| {
+            let passes = ["bound", "floor"].map(|pass| pass_key(scene, view, pass));
+            let variants = VARIANTS.iter().map(|v| key(scene, view, v.name));
+            passes.into_iter().chain(variants)
+        })
         .collect();
     let plan = RunPlan {
         skipped_scenes: vec![(
@@ -136,6 +140,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut noise = Noise(1);
     for (scene, view, base_ms) in VIEWS {
         draw_pictures(&folder, scene, view)?;
+        for (pass, ms) in [("bound", BOUND_MS), ("floor", FLOOR_MS)] {
+            let key = pass_key(scene, view, pass);
+            let times: Vec<f64> = (0..FRAMES).map(|_| ms * noise.factor()).collect();
+            run.append_samples(&samples(&key, &times))?;
+            run.append_summary(&full_screen_pass(key, &times))?;
+        }
         for variant in &VARIANTS {
             record(
                 &run,
@@ -157,6 +167,22 @@ fn key(scene: &str, view: &str, variant: &str) -> CaseKey {
         view: view.to_owned(),
         backend: "vertex".to_owned(),
         variant: variant.to_owned(),
+    }
+}
+
+fn pass_key(scene: &str, view: &str, pass: &str) -> CaseKey {
+    CaseKey {
+        backend: pass.to_owned(),
+        ..key(scene, view, "full-screen")
+    }
+}
+
+fn full_screen_pass(key: CaseKey, times: &[f64]) -> Summary {
+    Summary {
+        reason: "a full-screen pass: it fills no region, so it has no error".to_owned(),
+        fill_cpu_ms: spread(times).map(|fill| fill.median),
+        samples: FRAMES,
+        ..Summary::new(key, Status::Ok)
     }
 }
 

@@ -604,7 +604,7 @@ fn table_cell(case: &Case, column: &Column, footnotes: &mut Vec<String>) -> Cell
 
 fn why_absent(case: &Case, column: &Column) -> String {
     match (case.outcome, case.reason()) {
-        (Outcome::Ok, _) if case.is_baseline() => "a full-screen pass fills no region".to_owned(),
+        (Outcome::Ok, _) if case.is_baseline() => "does not apply to a full-screen pass".to_owned(),
         (Outcome::Ok, _) => column.absent_because.to_owned(),
         (outcome, "") => format!("{}, no reason was recorded", outcome.name()),
         (outcome, reason) => format!("{}: {reason}", outcome.name()),

@@ -389,7 +389,7 @@ fn full_screen_passes_have_rows_and_are_no_techniques() {
     assert!(html.contains("3 cases, 2 of them full-screen passes"));
     assert!(html.contains("<li>countries-110m/globe/floor/full-screen</li>"));
     assert!(without_breaks(&html).contains("<th scope=\"row\">bound/full-screen</th>"));
-    assert!(html.contains("title=\"a full-screen pass fills no region\""));
+    assert!(html.contains("title=\"does not apply to a full-screen pass\""));
     assert!(!plot(&html, "fill time over bound").contains("full-screen"));
     assert!(!html.contains("does not fit together"));
 }

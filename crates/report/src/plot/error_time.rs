@@ -35,6 +35,10 @@ const RIGHT_MARGIN_PX: f64 = 22.0;
 /// Longest curve name in the legend.
 const LEGEND_CHARS: usize = 80;
 
+/// Errors that differ by less than this much are hardly different: keeps one pixel more or less from
+/// filling the axis.
+const LEAST_ERROR_MARGIN: f64 = 2.5;
+
 /// Distances at which a label is tried around its point, nearest first.
 const LABEL_RADII_PX: [f64; 4] = [13.0, 24.0, 38.0, 54.0];
 /// From this distance on, a line leads from the label to its point.
@@ -183,12 +187,12 @@ impl<'a> Panel<'a> {
             .iter()
             .filter_map(|case| case.fill_cpu)
             .flat_map(|spread| [spread.p5, spread.p95]);
-        let x = LogScale::around(times, left, right)?;
+        let x = LogScale::around(times, 1.2, left, right)?;
         let errors = shown
             .iter()
             .filter(|case| !is_pinned(case, quantity))
             .filter_map(|case| (quantity.of)(case));
-        let y = LogScale::around(errors, LOG_BOTTOM_Y, LOG_TOP_Y);
+        let y = LogScale::around(errors, LEAST_ERROR_MARGIN, LOG_BOTTOM_Y, LOG_TOP_Y);
         let mut panel = Self {
             quantity,
             left,

@@ -62,7 +62,7 @@ pub(crate) fn time_over_bound(
     }
     let floors = scene.views.iter().filter_map(floor_ratio);
     let values = spreads.iter().copied().chain(floors).chain([1.0]);
-    let Some(scale) = LogScale::around(values, left, right - 14.0) else {
+    let Some(scale) = LogScale::around(values, 1.2, left, right - 14.0) else {
         return Ok(None);
     };
     let height: f64 = scene.views.iter().map(view_height).sum();

@@ -27,10 +27,12 @@ pub(crate) struct LogScale {
 }
 
 impl LogScale {
-    /// An axis that holds all `values` with a margin; `None` when none of them is positive and
-    /// finite.
+    /// An axis that holds all `values` with a margin, at least the factor `least_margin` each way,
+    /// so that one point stands in the middle of an axis and not on both of its ends; `None` when no
+    /// value is positive and finite.
     pub(crate) fn around(
         values: impl IntoIterator<Item = f64>,
+        least_margin: f64,
         start_px: f64,
         end_px: f64,
     ) -> Option<Self> {
@@ -43,9 +45,7 @@ impl LogScale {
         if low > high {
             return None;
         }
-        // At least half an octave each way, so that one point stands in the middle of an axis and
-        // not on both of its ends.
-        let margin = (high / low).powf(0.08).max(1.2);
+        let margin = (high / low).powf(0.08).max(least_margin);
         Some(Self {
             low: low / margin,
             high: high * margin,
@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn equal_ratios_are_equal_distances() {
-        let scale = LogScale::around([1.0, 100.0], 0.0, 1000.0).expect("positive values");
+        let scale = LogScale::around([1.0, 100.0], 1.2, 0.0, 1000.0).expect("positive values");
         let step = scale.px(10.0) - scale.px(1.0);
         assert!((scale.px(100.0) - scale.px(10.0) - step).abs() < 1e-9);
         assert!(scale.px(1e-9) >= 0.0 && scale.px(1e9) <= 1000.0);
@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn nothing_positive_is_no_axis() {
         assert_eq!(
-            LogScale::around([0.0, -1.0, f64::NAN, f64::INFINITY], 0.0, 1.0),
+            LogScale::around([0.0, -1.0, f64::NAN, f64::INFINITY], 1.2, 0.0, 1.0),
             None
         );
     }
@@ -165,7 +165,7 @@ mod tests {
             (0.3, 30.0),
             (1e-3, 1e6),
         ] {
-            let scale = LogScale::around([low, high], 0.0, 1.0).expect("positive values");
+            let scale = LogScale::around([low, high], 1.2, 0.0, 1.0).expect("positive values");
             let ticks = scale.ticks();
             assert!((3..=14).contains(&ticks.len()), "{low} … {high}: {ticks:?}");
             assert!(ticks.iter().all(|t| (scale.low..=scale.high).contains(t)));
