@@ -338,8 +338,8 @@ impl<'a> GroupRun<'a> {
         let scene = &self.group.scene;
         match case.boundary_tolerance_m {
             Some(tolerance) if case.is_sweep => {
-                let mut prepared = self.input.scene.clone();
-                prepared.meshes = build_meshes(scene, tolerance)?;
+                let meshes = build_meshes(scene, tolerance)?;
+                let prepared = self.input.scene.with_meshes(meshes);
                 let input = self.input.remeshed(&prepared, PlanOptions::default());
                 Ok(Rc::new(input))
             }

@@ -69,9 +69,11 @@ fn input(geojson: &str, body: Ellipsoid, rows: u32, pose: Pose) -> FrameInput {
         edge_rule: EdgeRule::Planar,
         overlap: Overlap::Disjoint,
         regions: regions.into(),
-        meshes: meshes.expect("meshes").into(),
+        meshes: Arc::new([]),
+        bounds: Arc::new([]),
         surface: Arc::new(SurfaceMesh::ellipsoid(&body, rows)),
-    };
+    }
+    .with_meshes(meshes.expect("meshes").into());
     let (longitude, latitude, height_m, heading, pitch) = pose;
     let view = View {
         name: "test".to_owned(),
@@ -282,7 +284,8 @@ fn broken(change: fn(&mut RegionMesh)) -> (FrameInput, Frame) {
 #[test]
 fn broken_volumes_are_noticed() {
     let Some(gpu) = open() else { return };
-    let mutants: [(&str, fn(&mut RegionMesh)); 4] = [
+    type Mutation = fn(&mut RegionMesh);
+    let mutants: [(&str, Mutation); 4] = [
         ("none", |_| {}),
         ("half the caps missing", |mesh| {
             mesh.triangles.truncate(mesh.triangles.len() / 2);

@@ -4,7 +4,8 @@
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Region, RegionMesh};
 use terrafill_scene::{
-    Camera, FramePlan, ImageSize, Overlap, PlanOptions, Scene, SurfaceMesh, TerrainRange, View,
+    Camera, FramePlan, ImageSize, Overlap, PlanOptions, RegionBounds, Scene, SurfaceMesh,
+    TerrainRange, View,
 };
 
 /// A scene made ready to draw: regions meshed, surface tessellated. One per scene and mesh
@@ -23,6 +24,8 @@ pub struct PreparedScene {
     pub regions: Arc<[Region]>,
     /// As meshed: what volume backends draw. Same order and length as `regions`.
     pub meshes: Arc<[RegionMesh]>,
+    /// Bounds of `meshes` over the surface, made once for all views.
+    pub bounds: Arc<[RegionBounds]>,
     /// What lies under the fill.
     pub surface: Arc<SurfaceMesh>,
 }
@@ -37,10 +40,42 @@ impl PreparedScene {
             edge_rule: scene.edge_rule,
             overlap: scene.overlap,
             regions: Arc::clone(&scene.regions),
+            bounds: bounds(&scene.body, &meshes, &surface),
             meshes,
             surface,
         }
     }
+
+    /// The same scene with its regions meshed otherwise.
+    #[must_use]
+    pub fn with_meshes(&self, meshes: Arc<[RegionMesh]>) -> Self {
+        Self {
+            bounds: bounds(&self.body, &meshes, &self.surface),
+            meshes,
+            ..self.clone()
+        }
+    }
+
+    /// Height range of the surface as drawn.
+    #[must_use]
+    pub fn terrain(&self) -> TerrainRange {
+        terrain(&self.surface)
+    }
+}
+
+fn terrain(surface: &SurfaceMesh) -> TerrainRange {
+    TerrainRange {
+        lowest_m: surface.lowest_m,
+        highest_m: surface.highest_m,
+    }
+}
+
+fn bounds(body: &Ellipsoid, meshes: &[RegionMesh], surface: &SurfaceMesh) -> Arc<[RegionBounds]> {
+    let terrain = terrain(surface);
+    meshes
+        .iter()
+        .map(|mesh| RegionBounds::new(body, mesh, terrain))
+        .collect()
 }
 
 /// Everything one frame is drawn from.
@@ -65,11 +100,7 @@ impl FrameInput {
     #[must_use]
     pub fn new(scene: &PreparedScene, view: &View, size: ImageSize, options: PlanOptions) -> Self {
         let camera = view.camera(&scene.body);
-        let terrain = TerrainRange {
-            lowest_m: scene.surface.lowest_m,
-            highest_m: scene.surface.highest_m,
-        };
-        let plan = FramePlan::new(&scene.body, &camera, size, terrain, &scene.meshes, options);
+        let plan = plan(scene, &camera, size, options);
         Self {
             scene: scene.clone(),
             view: view.name.clone(),
@@ -84,24 +115,29 @@ impl FrameInput {
     /// boundary tolerance; what lies under the fill stays the same bytes.
     #[must_use]
     pub fn remeshed(&self, scene: &PreparedScene, options: PlanOptions) -> Self {
-        let terrain = TerrainRange {
-            lowest_m: scene.surface.lowest_m,
-            highest_m: scene.surface.highest_m,
-        };
         Self {
             scene: scene.clone(),
             view: self.view.clone(),
             camera: self.camera,
             size: self.size,
             surface_rte: Arc::clone(&self.surface_rte),
-            plan: FramePlan::new(
-                &scene.body,
-                &self.camera,
-                self.size,
-                terrain,
-                &scene.meshes,
-                options,
-            ),
+            plan: plan(scene, &self.camera, self.size, options),
         }
     }
+}
+
+fn plan(
+    scene: &PreparedScene,
+    camera: &Camera,
+    size: ImageSize,
+    options: PlanOptions,
+) -> FramePlan {
+    FramePlan::new(
+        &scene.body,
+        camera,
+        size,
+        scene.terrain(),
+        &scene.bounds,
+        options,
+    )
 }

@@ -39,6 +39,7 @@ fn globe_from(height_m: f64) -> FrameInput {
         overlap: Overlap::Disjoint,
         regions: Arc::new([]),
         meshes: Arc::new([]),
+        bounds: Arc::new([]),
         surface: Arc::new(SurfaceMesh::ellipsoid(&body, 180)),
     };
     let view = View {

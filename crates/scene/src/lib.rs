@@ -16,7 +16,7 @@ pub use data::{DATA_DIR_VARIABLE, RegionLoadError, data_dir_from_env, load_regio
 pub use file::SceneError;
 pub use plan::{
     CAP_CLEARANCE_PX, FramePlan, LeftOutReason, LeftOutRegion, PixelRect, PlanOptions,
-    PlannedRegion, TerrainRange,
+    PlannedRegion, RegionBounds, TerrainRange,
 };
 pub use procedural::Islands;
 pub use scene::{Overlap, Scene, View};

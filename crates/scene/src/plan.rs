@@ -134,6 +134,43 @@ pub struct FramePlan {
     pub left_out: Vec<LeftOutRegion>,
 }
 
+/// A region's volume and a box around it before any view is known: what a plan looks at, so that
+/// planning a frame costs time per region, not per vertex.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RegionBounds {
+    /// Caps that contain the terrain.
+    pub heights: VolumeHeights,
+    /// Holds the volume between them.
+    pub bounds: OrientedBox,
+}
+
+impl RegionBounds {
+    /// Bounds of `mesh` over `terrain`.
+    #[must_use]
+    pub fn new(body: &Ellipsoid, mesh: &RegionMesh, terrain: TerrainRange) -> Self {
+        let heights = mesh.volume_heights(terrain.lowest_m, terrain.highest_m);
+        Self {
+            heights,
+            bounds: mesh.oriented_box(body, heights),
+        }
+    }
+
+    /// The same with both caps `clearance_m` farther from the terrain. Every vertex moves by that
+    /// much, so a box grown by as much on all sides holds them.
+    fn grown(self, clearance_m: f64) -> Self {
+        Self {
+            heights: VolumeHeights {
+                top_m: self.heights.top_m + clearance_m,
+                bottom_m: self.heights.bottom_m - clearance_m,
+            },
+            bounds: OrientedBox {
+                half_extents_m: self.bounds.half_extents_m + DVec3::splat(clearance_m),
+                ..self.bounds
+            },
+        }
+    }
+}
+
 /// A body's surface as drawn lies between these heights, metres above the ellipsoid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TerrainRange {
@@ -146,7 +183,7 @@ pub struct TerrainRange {
 impl FramePlan {
     /// Plans a frame.
     ///
-    /// - `meshes`: every region of the scene
+    /// - `regions`: bounds of every region of the scene
     /// - `terrain`: height range of the surface as drawn
     #[must_use]
     pub fn new(
@@ -154,15 +191,15 @@ impl FramePlan {
         camera: &Camera,
         size: ImageSize,
         terrain: TerrainRange,
-        meshes: &[RegionMesh],
+        regions: &[RegionBounds],
         options: PlanOptions,
     ) -> Self {
         let horizon = Horizon::new(body, camera.eye_ecef, terrain.lowest_m);
+        let clearance_m = cap_clearance_m(body, camera, size);
         let mut plan = Self::default();
-        for (mesh_index, mesh) in meshes.iter().enumerate() {
-            let heights = heights_for_view(body, camera, size, terrain, mesh);
-            let bounds = mesh.oriented_box(body, heights);
-            let corners = bounds.corners_ecef();
+        for (mesh, region) in regions.iter().enumerate() {
+            let region = region.grown(clearance_m);
+            let corners = region.bounds.corners_ecef();
             let screen_rect = screen_rect(camera, size, &corners);
             let off_screen = screen_rect.width() == 0
                 || screen_rect.height() == 0
@@ -175,13 +212,10 @@ impl FramePlan {
                 None
             };
             match reason {
-                Some(reason) => plan.left_out.push(LeftOutRegion {
-                    mesh: mesh_index,
-                    reason,
-                }),
+                Some(reason) => plan.left_out.push(LeftOutRegion { mesh, reason }),
                 None => plan.regions.push(PlannedRegion {
-                    mesh: mesh_index,
-                    heights,
+                    mesh,
+                    heights: region.heights,
                     screen_rect,
                 }),
             }
@@ -215,27 +249,14 @@ impl FramePlan {
     }
 }
 
-/// Heights that contain the terrain with [`CAP_CLEARANCE_PX`] to spare at the region's farthest
-/// visible distance.
-fn heights_for_view(
-    body: &Ellipsoid,
-    camera: &Camera,
-    size: ImageSize,
-    terrain: TerrainRange,
-    mesh: &RegionMesh,
-) -> VolumeHeights {
-    let heights = mesh.volume_heights(terrain.lowest_m, terrain.highest_m);
-    // Nothing beyond the horizon is visible, and the horizon is no farther than this.
+/// [`CAP_CLEARANCE_PX`] in metres at the farthest distance at which anything can be seen: nothing
+/// beyond the horizon is.
+fn cap_clearance_m(body: &Ellipsoid, camera: &Camera, size: ImageSize) -> f64 {
     let to_center = camera.eye_ecef.length();
-    let farthest = to_center + body.equatorial_radius_m();
     let horizon_m = (to_center * to_center - body.polar_radius_m().powi(2))
         .max(0.0)
         .sqrt();
-    let clearance_m = camera.pixel_size_m(size, horizon_m.min(farthest)) * CAP_CLEARANCE_PX;
-    VolumeHeights {
-        top_m: heights.top_m + clearance_m,
-        bottom_m: heights.bottom_m - clearance_m,
-    }
+    camera.pixel_size_m(size, horizon_m) * CAP_CLEARANCE_PX
 }
 
 /// Whether all corners lie outside one side plane, or behind the eye.
@@ -317,14 +338,5 @@ fn screen_rect(camera: &Camera, size: ImageSize, corners: &[DVec3; 8]) -> PixelR
         top: clamp(low[1].floor() - 1.0, size.height),
         right: clamp(high[0].ceil() + 1.0, size.width),
         bottom: clamp(high[1].ceil() + 1.0, size.height),
-    }
-}
-
-/// For tests elsewhere: bounds of a planned region.
-impl PlannedRegion {
-    /// Box around the volume as planned.
-    #[must_use]
-    pub fn bounds(&self, body: &Ellipsoid, meshes: &[RegionMesh]) -> OrientedBox {
-        meshes[self.mesh].oriented_box(body, self.heights)
     }
 }
