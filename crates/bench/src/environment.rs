@@ -33,7 +33,7 @@ pub fn environment(device: &DeviceFacts, options: &BenchOptions) -> RunEnvironme
         os: format!(
             "{}, kernel {}",
             System::long_os_version().unwrap_or_default(),
-            System::kernel_version().unwrap_or_default()
+            kernel_release(&System::kernel_version().unwrap_or_default())
         ),
         gpu: device.name.clone(),
         device_type: device.device_type.to_owned(),
@@ -54,6 +54,13 @@ pub fn environment(device: &DeviceFacts, options: &BenchOptions) -> RunEnvironme
         .to_owned(),
         options: options.describe(),
     }
+}
+
+/// `6.18.44-build-x` → `6.18.44`: builds differ between machines of one kind.
+fn kernel_release(version: &str) -> &str {
+    let is_release = |c: char| c.is_ascii_digit() || c == '.';
+    let end = version.find(|c| !is_release(c)).unwrap_or(version.len());
+    &version[..end]
 }
 
 /// `Mesa 25.0.7-2…` → `25.0.7-2…`.
@@ -85,6 +92,13 @@ fn commit() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_kernel_is_named_by_its_release() {
+        assert_eq!(kernel_release("6.1.0-18-amd64"), "6.1.0");
+        assert_eq!(kernel_release("6.18.44"), "6.18.44");
+        assert_eq!(kernel_release(""), "");
+    }
 
     #[test]
     fn the_mesa_version_is_cut_out_and_other_drivers_have_none() {

@@ -16,7 +16,7 @@ use terrafill_frame::{
     Backend, BackendError, Frame, FrameInput, FrameTimes, MemoryUse, PreparedScene, TimedBackend,
     paint,
 };
-use terrafill_gpu::{Baseline, Gpu, GpuOptions, SharedStage, Stage};
+use terrafill_gpu::{Baseline, CpuStopwatch, Gpu, GpuOptions, SharedStage, Stage};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::{
     Baselines, CaseKey, ErrorFigures, RunFolder, RunPlan, Sample, Status, Summary, median, quantile,
@@ -204,6 +204,7 @@ struct Probe {
     regions_left_out: Option<u64>,
     left_out: String,
     boundary_deviation_m: Option<f64>,
+    plan_cpu_ms: Option<f64>,
     image: String,
     difference_image: String,
 }
@@ -361,6 +362,7 @@ impl<'a> GroupRun<'a> {
             regions_left_out: Some(input.plan.left_out.len() as u64),
             left_out: input.plan.left_out_summary(&input.scene.meshes),
             boundary_deviation_m: largest_deviation(&input.scene.meshes),
+            plan_cpu_ms: plan_cpu_ms(input),
             ..Probe::default()
         };
         match compare(&self.reference, &frame) {
@@ -540,6 +542,7 @@ impl<'a> GroupRun<'a> {
             image: probe.image.clone(),
             difference_image: probe.difference_image.clone(),
             reference_image: self.reference_image.clone(),
+            plan_cpu_ms: probe.plan_cpu_ms,
         }
     }
 
@@ -586,6 +589,16 @@ fn build_meshes(scene: &Scene, boundary_tolerance_m: f64) -> Result<Arc<[RegionM
 fn largest_deviation(meshes: &[RegionMesh]) -> Option<f64> {
     let deviations = meshes.iter().map(|mesh| mesh.boundary_deviation_m);
     deviations.reduce(f64::max)
+}
+
+/// Median over a few plans of the same frame.
+fn plan_cpu_ms(input: &FrameInput) -> Option<f64> {
+    let plans = (0..9).map(|_| {
+        let watch = CpuStopwatch::start();
+        std::hint::black_box(input.remeshed(&input.scene, PlanOptions::default()));
+        watch.cpu_ms()
+    });
+    median(&plans.collect::<Vec<_>>())
 }
 
 /// What the adapter lacks is skipped; everything else that breaks has failed.

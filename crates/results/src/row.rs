@@ -168,6 +168,9 @@ pub struct Summary {
     pub difference_image: String,
     /// The reference's picture, relative to the run folder.
     pub reference_image: String,
+    /// CPU time of planning one frame (culling, heights, screen rectangles), milliseconds; not part
+    /// of the fill's times, since an unchanged view is not planned again.
+    pub plan_cpu_ms: Option<f64>,
 }
 
 impl Summary {
@@ -223,6 +226,7 @@ impl Summary {
             image: String::new(),
             difference_image: String::new(),
             reference_image: String::new(),
+            plan_cpu_ms: None,
         }
     }
 }
