@@ -27,6 +27,9 @@ const HARMLESS_SPAN_DEG: f64 = 11.4;
 pub(crate) const POLE_STEP_DEG: f64 = 30.0;
 /// Distances smaller than this share of the body's radius are rounding, 0.1 µm on the Earth.
 const ROUNDING: f64 = 2e-14;
+/// Planar edges that span more longitude than this are split unmeasured, radians; none that a step
+/// of 30° allows does, except on a circle round a pole that [`LARGEST_RELATIVE_BOW`] splits anyway.
+const WIDEST_MEASURED_RAD: f64 = 1.0;
 /// Arcs shorter than this are straight in longitude and latitude to the last bit.
 const STRAIGHT_ARC_RAD: f64 = 1e-9;
 /// Halvings of one edge after which splitting stops: a millionth of the edge is below the rounding
@@ -83,6 +86,11 @@ impl<'a> EdgeSplitter<'a> {
         }
         let longitude_rad = (end[0] - start[0]).abs().to_radians();
         let latitude_rad = (end[1] - start[1]).abs().to_radians();
+        // Ends more than half a turn apart can be neighbours on the body, and the two ends of a
+        // whole parallel are one place: nothing measured between them would mean the edge.
+        if self.rule == EdgeRule::Planar && longitude_rad > WIDEST_MEASURED_RAD {
+            return true;
+        }
         if longitude_rad.hypot(latitude_rad) > self.step_rad && arc_rad(start, end) > self.step_rad
         {
             return true;

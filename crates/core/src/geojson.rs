@@ -858,6 +858,10 @@ impl<'de> Visitor<'de> for CoordinatesVisitor {
         let longitude = match seq.next_element()? {
             None => return Ok(RawCoordinates::List(Vec::new())),
             Some(RawCoordinates::Number(longitude)) => longitude,
+            Some(RawCoordinates::Other(text)) => {
+                while seq.next_element::<IgnoredAny>()?.is_some() {}
+                return Ok(RawCoordinates::Other(format!("{text} in a list").into()));
+            }
             Some(first) => {
                 let mut list = vec![first];
                 while let Some(item) = seq.next_element()? {

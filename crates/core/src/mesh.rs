@@ -124,14 +124,20 @@ impl RegionMesh {
     /// ellipsoid).
     ///
     /// The top is raised by the facets' sagitta, since a flat cap hangs through between its
-    /// corners; a flat bottom hangs further down by itself. One thousandth of the span is added on
-    /// both sides so that a cap never touches terrain of exactly the stated height.
+    /// corners; a flat bottom hangs further down by itself. Raising the corners by h along their
+    /// normals spreads them, and the sagitta grows by h/R; it is enlarged by twice h over the
+    /// distance to the centre, which is more for every oblate body with f < ½. One thousandth of
+    /// the span is added on both sides so that a cap never touches terrain of exactly the stated
+    /// height.
     #[must_use]
     pub fn volume_heights(&self, lowest_m: f64, highest_m: f64) -> VolumeHeights {
         let span = (highest_m - lowest_m).max(self.cap_sagitta_m);
         let margin = span * 1e-3;
+        let radius_m = self.vertices_ecef.first().map_or(1.0, |v| v.length());
+        let raised_m = highest_m.max(0.0) + self.cap_sagitta_m;
+        let sagitta_m = self.cap_sagitta_m * (1.0 + 2.0 * raised_m / radius_m);
         VolumeHeights {
-            top_m: highest_m + self.cap_sagitta_m + margin,
+            top_m: highest_m + sagitta_m + margin,
             bottom_m: lowest_m - margin,
         }
     }

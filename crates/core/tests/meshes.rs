@@ -1,0 +1,582 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Meshes of shapes whose area and boundary are known by arithmetic.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use terrafill_core::{
+    EdgeRule, Ellipsoid, Extent, InvariantViolation, MeshError, MeshOptions, Region, RegionMesh,
+    parse_regions,
+};
+
+const RULES: [EdgeRule; 2] = [EdgeRule::Planar, EdgeRule::GreatEllipse];
+
+fn region(coordinates: &str) -> Region {
+    let kind = if coordinates.starts_with("[[[[") {
+        "MultiPolygon"
+    } else {
+        "Polygon"
+    };
+    let text = format!(r#"{{"type":"{kind}","coordinates":{coordinates}}}"#);
+    parse_regions(text.as_bytes(), "test")
+        .expect("valid")
+        .remove(0)
+}
+
+fn mesh_on(body: &Ellipsoid, rule: EdgeRule, region: &Region) -> RegionMesh {
+    let mesh = RegionMesh::build(region, body, rule, &MeshOptions::default()).expect("meshes");
+    mesh.check_invariants(body).expect("sound");
+    mesh
+}
+
+fn mesh(rule: EdgeRule, coordinates: &str) -> RegionMesh {
+    mesh_on(&Ellipsoid::WGS84, rule, &region(coordinates))
+}
+
+/// Exact area between two parallels and two meridians.
+fn quadrangle(west: f64, south: f64, east: f64, north: f64) -> f64 {
+    Ellipsoid::WGS84.quadrangle_area_m2(
+        (east - west).to_radians(),
+        south.to_radians(),
+        north.to_radians(),
+    )
+}
+
+fn assert_close(found: f64, exact: f64, tolerance: f64) {
+    let error = (found / exact - 1.0).abs();
+    assert!(error < tolerance, "{found} is not {exact}: {error:e}");
+}
+
+fn rectangle(west: f64, south: f64, east: f64, north: f64) -> String {
+    format!(
+        "[[{west},{south}],[{east},{south}],[{east},{north}],[{west},{north}],[{west},{south}]]"
+    )
+}
+
+#[test]
+fn a_square_degree_has_the_closed_form_area_either_winding() {
+    let exact = quadrangle(10.0, 45.0, 11.0, 46.0);
+    let there = mesh(
+        EdgeRule::Planar,
+        &format!("[{}]", rectangle(10.0, 45.0, 11.0, 46.0)),
+    );
+    let back = mesh(EdgeRule::Planar, "[[[10,45],[10,46],[11,46],[11,45]]]");
+    for mesh in [&there, &back] {
+        assert_close(mesh.area_m2, exact, 1e-12);
+        assert_eq!(mesh.boundary_loops.len(), 1);
+        let extent = Extent {
+            west_deg: 10.0,
+            south_deg: 45.0,
+            east_deg: 11.0,
+            north_deg: 46.0,
+        };
+        assert_eq!(mesh.extent, extent);
+        assert_eq!(mesh.holes, 0);
+    }
+    assert_eq!(there.vertex_count(), back.vertex_count());
+    // The rule matters: great ellipses rise north of the parallels, the northern one more.
+    let arcs = mesh(
+        EdgeRule::GreatEllipse,
+        &format!("[{}]", rectangle(10.0, 45.0, 11.0, 46.0)),
+    );
+    let difference = (arcs.area_m2 / exact - 1.0).abs();
+    assert!(difference > 1e-6 && difference < 1e-3, "{difference}");
+}
+
+#[test]
+fn a_ten_metre_square_keeps_its_digits() {
+    let mesh = mesh(
+        EdgeRule::Planar,
+        &format!("[{}]", rectangle(10.0, 45.0, 10.0001, 45.0001)),
+    );
+    let b = Ellipsoid::WGS84;
+    let (mid, half) = (45.000_05_f64.to_radians(), 0.000_05_f64.to_radians());
+    // M N cos φ at the middle times the two spans: exact to the square of the span.
+    let e2 = b.eccentricity_squared();
+    let w = 1.0 - e2 * mid.sin().powi(2);
+    let a2 = b.equatorial_radius_m().powi(2);
+    let exact = a2 * (1.0 - e2) / (w * w) * mid.cos() * 4.0 * half * half;
+    assert_close(mesh.area_m2, exact, 1e-8);
+    assert_eq!(mesh.triangle_count(), 2);
+}
+
+#[test]
+fn holes_and_islands_in_them_alternate() {
+    let rings = format!(
+        "[[{},{}],[{}]]",
+        rectangle(0.0, 0.0, 10.0, 10.0),
+        rectangle(2.0, 2.0, 8.0, 8.0),
+        rectangle(4.0, 4.0, 6.0, 6.0)
+    );
+    let mesh = mesh(EdgeRule::Planar, &rings);
+    let exact = quadrangle(0.0, 0.0, 10.0, 10.0) - quadrangle(2.0, 2.0, 8.0, 8.0)
+        + quadrangle(4.0, 4.0, 6.0, 6.0);
+    assert_close(mesh.area_m2, exact, 1e-12);
+    assert_eq!((mesh.boundary_loops.len(), mesh.holes), (3, 1));
+}
+
+#[test]
+fn a_hole_may_touch_its_shell_at_a_vertex_or_on_an_edge() {
+    let exact = quadrangle(0.0, 0.0, 4.0, 4.0);
+    // At the corner (0, 0); on the southern edge at (2, 0), which is no vertex of the shell.
+    for hole in ["[[0,0],[2,1],[1,2]]", "[[2,0],[3,1],[1,1]]"] {
+        let rings = format!("[{},{hole}]", rectangle(0.0, 0.0, 4.0, 4.0));
+        let with_hole = mesh(EdgeRule::Planar, &rings);
+        let hole_alone = mesh(EdgeRule::Planar, &format!("[{hole}]"));
+        assert_close(with_hole.area_m2 + hole_alone.area_m2, exact, 1e-12);
+        // The corner of the inside on the left is followed, so the touch does not join the loops
+        // into one that crosses itself: each loop passes the vertex once.
+        for ring in &with_hole.boundary_loops {
+            let mut sorted = ring.clone();
+            sorted.sort_unstable();
+            sorted.dedup();
+            assert!(sorted.len() >= ring.len() - 1);
+        }
+    }
+}
+
+#[test]
+fn the_antimeridian_leaves_no_trace() {
+    let uncut = "[[[170,10],[190,12],[188,30],[172,28]]]";
+    let west = "[[[-190,10],[-170,12],[-172,30],[-188,28]]]";
+    // Latitudes where the southern and the northern edge cross: 11 and 29.
+    let cut =
+        "[[[[170,10],[180,11],[180,29],[172,28]]],[[[-180,11],[-170,12],[-172,30],[-180,29]]]]";
+    let meshes = [uncut, west, cut].map(|text| mesh(EdgeRule::Planar, text));
+    for mesh in &meshes {
+        assert_close(mesh.area_m2, meshes[0].area_m2, 1e-14);
+        assert_eq!(mesh.boundary_loops.len(), 1);
+        assert_eq!(
+            (mesh.extent.west_deg, mesh.extent.east_deg),
+            (170.0, -170.0)
+        );
+    }
+    assert_eq!(meshes[0].vertex_count(), meshes[1].vertex_count());
+    assert_eq!(meshes[0].area_m2, meshes[1].area_m2);
+    // The same ring 20° further west, where nothing is cut.
+    let moved = mesh(EdgeRule::Planar, "[[[150,10],[170,12],[168,30],[152,28]]]");
+    assert_close(meshes[0].area_m2, moved.area_m2, 1e-13);
+    // Great ellipses are cut at another latitude; written 179 → −179 they take the short way.
+    let arcs = mesh(EdgeRule::GreatEllipse, uncut);
+    let short = mesh(
+        EdgeRule::GreatEllipse,
+        "[[[170,10],[-170,12],[-172,30],[172,28]]]",
+    );
+    let away = mesh(
+        EdgeRule::GreatEllipse,
+        "[[[150,10],[170,12],[168,30],[152,28]]]",
+    );
+    assert_eq!(arcs.area_m2, short.area_m2);
+    assert_close(arcs.area_m2, away.area_m2, 1e-12);
+    // Planar, the same numbers go the long way round: another region.
+    let long = mesh(
+        EdgeRule::Planar,
+        "[[[170,10],[-170,12],[-172,30],[172,28]]]",
+    );
+    assert!(long.area_m2 > 10.0 * meshes[0].area_m2);
+}
+
+#[test]
+fn a_hole_over_the_antimeridian_stays_a_hole() {
+    let rings = "[[[160,-20],[200,-20],[200,20],[160,20]],[[175,-5],[185,-5],[185,5],[175,5]]]";
+    let mesh = mesh(EdgeRule::Planar, rings);
+    let exact = quadrangle(160.0, -20.0, 200.0, 20.0) - quadrangle(175.0, -5.0, 185.0, 5.0);
+    assert_close(mesh.area_m2, exact, 1e-13);
+    assert_eq!(mesh.boundary_loops.len(), 2);
+}
+
+#[test]
+fn a_cap_round_a_pole_has_the_closed_form_area_however_it_is_written() {
+    let cap = |body: &Ellipsoid| body.quadrangle_area_m2(TAU, 80_f64.to_radians(), FRAC_PI_2);
+    for text in [
+        "[[[0,80],[120,80],[240,80],[360,80]]]",
+        "[[[-180,80],[-90,80],[0,80],[90,80],[180,80],[-180,80]]]",
+        "[[[180,80],[90,80],[0,80],[-90,80],[-180,80],[180,80]]]",
+        "[[[-180,80],[0,80],[180,80],[180,90],[-180,90],[-180,80]]]",
+    ] {
+        for sign in [1.0, -1.0] {
+            let text = if sign < 0.0 {
+                text.replace("80]", "-80]")
+                    .replace("90]", "-90]")
+                    .replace(",80", ",-80")
+            } else {
+                text.to_owned()
+            };
+            let region = region(&text.replace("--", "-"));
+            for body in Ellipsoid::ALL {
+                let mesh = mesh_on(&body, EdgeRule::Planar, &region);
+                assert_close(mesh.area_m2, cap(&body), 1e-12);
+                assert_eq!(mesh.boundary_loops.len(), 1, "{text} {}", body.name());
+                let poles = mesh.vertices_deg.iter().filter(|v| v[1] == 90.0 * sign);
+                assert_eq!(poles.count(), 1);
+                assert_eq!(
+                    (mesh.extent.west_deg, mesh.extent.east_deg),
+                    (-180.0, 180.0)
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn great_ellipses_round_a_pole_enclose_it() {
+    // Three arcs of the octahedron's face, tilted to nothing: the octant triangle's mirror round the
+    // pole. On the unit sphere: excess of a triangle with three vertices at latitude 80.
+    let text = "[[[0,80],[120,80],[-120,80]]]";
+    let body = Ellipsoid::UNIT_SPHERE;
+    let mesh = mesh_on(&body, EdgeRule::GreatEllipse, &region(text));
+    // Three triangles with legs c = 10° and 120° between them: tan(E/2) = t² sin γ / (1 + t² cos γ),
+    // t = tan(c/2).
+    let (t, gamma) = ((10_f64.to_radians() / 2.0).tan(), 120_f64.to_radians());
+    let excess = 2.0 * (t * t * gamma.sin()).atan2(1.0 + t * t * gamma.cos());
+    assert_close(mesh.area_m2, 3.0 * excess, 1e-12);
+    assert_eq!(mesh.boundary_loops.len(), 1);
+}
+
+#[test]
+fn a_great_ellipse_over_a_pole_passes_through_it() {
+    // Half of the cap-like triangle: meridians 0 and 180 joined over the pole.
+    let text = "[[[0,60],[90,60],[180,60]]]";
+    let mesh = mesh_on(
+        &Ellipsoid::UNIT_SPHERE,
+        EdgeRule::GreatEllipse,
+        &region(text),
+    );
+    let (t, gamma) = ((30_f64.to_radians() / 2.0).tan(), 90_f64.to_radians());
+    let excess = 2.0 * (t * t * gamma.sin()).atan2(1.0 + t * t * gamma.cos());
+    assert_close(mesh.area_m2, 2.0 * excess, 1e-12);
+    assert_eq!(mesh.boundary_loops.len(), 1);
+    // The same with the pole as a vertex of its own, at any longitude.
+    let with_pole = "[[[0,60],[90,60],[180,60],[-33,90]]]";
+    let same = mesh_on(
+        &Ellipsoid::UNIT_SPHERE,
+        EdgeRule::GreatEllipse,
+        &region(with_pole),
+    );
+    assert_close(same.area_m2, 2.0 * excess, 1e-12);
+}
+
+#[test]
+fn bands_and_the_whole_globe() {
+    let whole = mesh(
+        EdgeRule::Planar,
+        "[[[-180,-90],[180,-90],[180,90],[-180,90],[-180,-90]]]",
+    );
+    assert_close(whole.area_m2, quadrangle(0.0, -90.0, 360.0, 90.0), 1e-13);
+    assert!(whole.boundary_loops.is_empty());
+    let euler = whole.vertex_count() as i64 - 3 * whole.triangle_count() as i64 / 2
+        + whole.triangle_count() as i64;
+    assert_eq!(euler, 2, "a closed surface without handles");
+
+    let band = mesh(
+        EdgeRule::Planar,
+        "[[[-180,-10],[180,-10],[180,10],[-180,10],[-180,-10]]]",
+    );
+    assert_close(band.area_m2, quadrangle(0.0, -10.0, 360.0, 10.0), 1e-13);
+    assert_eq!(band.boundary_loops.len(), 2);
+
+    let almost = mesh(
+        EdgeRule::Planar,
+        "[[[0.5,-10],[359.5,-10],[359.5,10],[0.5,10]]]",
+    );
+    assert_close(almost.area_m2, quadrangle(0.5, -10.0, 359.5, 10.0), 1e-13);
+    assert_eq!(almost.boundary_loops.len(), 1);
+    assert_eq!(
+        (almost.extent.west_deg, almost.extent.east_deg),
+        (0.5, -0.5)
+    );
+
+    // A zone between two parallels written as two rings round the axis.
+    let zone = mesh(
+        EdgeRule::Planar,
+        "[[[-180,60],[0,60],[180,60],[-180,60]],[[-180,80],[0,80],[180,80],[-180,80]]]",
+    );
+    assert_close(zone.area_m2, quadrangle(0.0, 60.0, 360.0, 80.0), 1e-12);
+    assert_eq!(zone.boundary_loops.len(), 2);
+}
+
+#[test]
+fn lunes_by_great_ellipses_and_by_planar_edges_agree() {
+    // Meridians are edges of both rules.
+    let exact = quadrangle(10.0, -90.0, 40.0, 90.0);
+    for rule in RULES {
+        let mesh = mesh(rule, "[[[10,-90],[10,0],[10,90],[40,90],[40,0],[40,-90]]]");
+        assert_close(mesh.area_m2, exact, 1e-12);
+        assert_eq!(mesh.boundary_loops.len(), 1);
+    }
+}
+
+#[test]
+fn a_hemisphere_by_great_ellipses() {
+    let ring = "[[[0,0],[90,0],[180,0],[-90,0]]]";
+    let mesh = mesh_on(
+        &Ellipsoid::UNIT_SPHERE,
+        EdgeRule::GreatEllipse,
+        &region(ring),
+    );
+    assert_close(mesh.area_m2, TAU, 1e-12);
+    assert_eq!(mesh.boundary_loops.len(), 1);
+}
+
+#[test]
+fn a_bow_tie_is_refused_with_its_crossing() {
+    let bow_tie = region("[[[0,0],[2,2],[2,0],[0,2],[0,0]]]");
+    for rule in RULES {
+        let error = RegionMesh::build(&bow_tie, &Ellipsoid::WGS84, rule, &MeshOptions::default())
+            .expect_err("crosses itself");
+        let MeshError::SelfCrossing {
+            first,
+            second,
+            longitude_deg,
+            latitude_deg,
+            ..
+        } = &error
+        else {
+            panic!("{error}");
+        };
+        assert_eq!((first.vertex, second.vertex), (0, 2));
+        assert!((longitude_deg - 1.0).abs() < 1e-3 && (latitude_deg - 1.0).abs() < 1e-3);
+    }
+    let all = RegionMesh::build_all(
+        &[bow_tie.clone(), region("[[[0,0],[1,0],[0,1]]]"), bow_tie],
+        &Ellipsoid::WGS84,
+        EdgeRule::Planar,
+        &MeshOptions::default(),
+    );
+    let errors = all.expect_err("two of three");
+    assert_eq!(errors.len(), 2);
+    assert_eq!(
+        errors[0].to_string(),
+        "feature 0 (feature 0): the edge from polygon 0, ring 0, vertex 0 crosses the edge from \
+         polygon 0, ring 0, vertex 2 at longitude 1.0000000, latitude 1.0000000"
+    );
+}
+
+#[test]
+fn what_cannot_be_meshed_is_refused() {
+    let build = |text: &str, rule, options: &MeshOptions| {
+        RegionMesh::build(&region(text), &Ellipsoid::WGS84, rule, options)
+            .expect_err("refused")
+            .to_string()
+    };
+    let options = MeshOptions::default();
+    assert_eq!(
+        build("[[[0,0],[1,0],[2,0]]]", EdgeRule::Planar, &options),
+        "feature 0 (feature 0): the rings enclose no area"
+    );
+    assert_eq!(
+        build(
+            "[[[0,10],[180,-10],[90,0]]]",
+            EdgeRule::GreatEllipse,
+            &options
+        ),
+        "feature 0 (feature 0): the great-ellipse edge from polygon 0, ring 0, vertex 0 joins the \
+         opposite points [0.0, 10.0] and [180.0, -10.0]; put a vertex between them"
+    );
+    let coarse = MeshOptions {
+        cap_step_deg: 31.0,
+        ..options
+    };
+    assert_eq!(
+        build("[[[0,0],[1,0],[0,1]]]", EdgeRule::Planar, &coarse),
+        "cap_step_deg is 31; allowed is 0.01 … 30"
+    );
+    let loose = MeshOptions {
+        boundary_tolerance_m: f64::NAN,
+        ..options
+    };
+    assert_eq!(
+        build("[[[0,0],[1,0],[0,1]]]", EdgeRule::Planar, &loose),
+        "boundary_tolerance_m is NaN; allowed is above 0 and finite"
+    );
+}
+
+#[test]
+fn a_needle_of_aspect_a_billion() {
+    let mesh = mesh(
+        EdgeRule::Planar,
+        "[[[0,45],[10,45.00000001],[0,45.00000001]]]",
+    );
+    let exact = 0.5 * quadrangle(0.0, 45.0, 10.0, 45.000_000_01);
+    assert_close(mesh.area_m2, exact, 1e-6);
+}
+
+#[test]
+fn a_circle_of_a_hundred_thousand_vertices() {
+    let ring: Vec<String> = (0..100_000)
+        .map(|k| {
+            let angle = TAU * f64::from(k) / 1e5;
+            format!("[{},{}]", 20.0 + 5.0 * angle.cos(), 5.0 * angle.sin())
+        })
+        .collect();
+    let mesh = mesh(EdgeRule::Planar, &format!("[[{}]]", ring.join(",")));
+    assert_eq!(mesh.boundary_edge_count(), 100_000);
+    assert!(mesh.area_m2 > 0.99 * PI * 25.0 * quadrangle(0.0, -0.5, 1.0, 0.5));
+}
+
+#[test]
+fn the_boundary_stays_within_its_tolerance() {
+    // Independent of the splitter: points of the true edge against the great circle through the two
+    // mesh vertices either side.
+    let body = Ellipsoid::UNIT_SPHERE;
+    let region = region("[[[0,50],[40,60],[20,30]]]");
+    for tolerance in [1e-3, 1e-5] {
+        let options = MeshOptions {
+            boundary_tolerance_m: tolerance,
+            cap_step_deg: 10.0,
+        };
+        let mesh = RegionMesh::build(&region, &body, EdgeRule::Planar, &options).expect("meshes");
+        mesh.check_invariants(&body).expect("sound");
+        let mut worst = 0.0_f64;
+        for ring in &mesh.boundary_loops {
+            for (i, &from) in ring.iter().enumerate() {
+                let to = ring[(i + 1) % ring.len()];
+                let [a, b] = [from, to].map(|k| mesh.vertices_ecef[k as usize]);
+                let [p, q] = [from, to].map(|k| mesh.vertices_deg[k as usize]);
+                let wall = a.cross(b).normalize();
+                for step in 1..16 {
+                    let t = f64::from(step) / 16.0;
+                    let [lon, lat] = [0, 1].map(|k| (p[k] + (q[k] - p[k]) * t).to_radians());
+                    worst = worst.max(wall.dot(body.geodetic_surface_normal(lon, lat)).abs());
+                }
+            }
+        }
+        assert!(worst <= 1.02 * tolerance, "{worst} over {tolerance}");
+        assert!(
+            worst > 0.2 * tolerance,
+            "far finer than asked: {worst} for {tolerance}"
+        );
+        assert!(mesh.boundary_deviation_m <= tolerance);
+        assert!((mesh.boundary_deviation_m / worst - 1.0).abs() < 0.1);
+    }
+}
+
+#[test]
+fn raised_caps_stay_above_the_terrain() {
+    let shapes = [
+        "[[[-180,-90],[180,-90],[180,90],[-180,90]]]",
+        "[[[0,0],[40,5],[35,50],[-5,40]]]",
+    ];
+    for body in [
+        Ellipsoid::WGS84,
+        Ellipsoid::SATURN_LIKE,
+        Ellipsoid::ASTEROID_250M,
+    ] {
+        for cap_step_deg in [3.0, 10.0] {
+            for shape in shapes {
+                let options = MeshOptions {
+                    boundary_tolerance_m: 1000.0,
+                    cap_step_deg,
+                };
+                let mesh = RegionMesh::build(&region(shape), &body, EdgeRule::Planar, &options)
+                    .expect("meshes");
+                let highest_m = 1.4e-3 * body.equatorial_radius_m();
+                let top_m = mesh.volume_heights(-highest_m, highest_m).top_m;
+                let raise = |height_m: f64| lowest_of_cap(&body, &mesh, height_m);
+                let lowest = raise(top_m);
+                assert!(
+                    lowest > highest_m,
+                    "{} {cap_step_deg} {shape}: {lowest}",
+                    body.name()
+                );
+                // Twin: without the sagitta the facets do hang through.
+                assert!(raise(highest_m) < highest_m);
+                // And the bound is no more than three times what is needed.
+                assert!(highest_m - raise(highest_m) > mesh.cap_sagitta_m / 3.0);
+            }
+        }
+    }
+}
+
+/// Lowest height of the cap raised to `height_m`, sampled over every facet.
+fn lowest_of_cap(body: &Ellipsoid, mesh: &RegionMesh, height_m: f64) -> f64 {
+    let mut lowest = f64::INFINITY;
+    for triangle in &mesh.triangles {
+        let corners = triangle.map(|i| {
+            let [lon, lat] = mesh.vertices_deg[i as usize].map(f64::to_radians);
+            mesh.vertices_ecef[i as usize] + body.geodetic_surface_normal(lon, lat) * height_m
+        });
+        for i in 0..=6 {
+            for j in 0..=6 - i {
+                let (u, v) = (f64::from(i) / 6.0, f64::from(j) / 6.0);
+                let point = corners[0] * (1.0 - u - v) + corners[1] * u + corners[2] * v;
+                lowest = lowest.min(body.ecef_to_geodetic(point).height_m);
+            }
+        }
+    }
+    lowest
+}
+
+#[test]
+fn broken_meshes_are_caught() {
+    let body = Ellipsoid::WGS84;
+    let sound = mesh(
+        EdgeRule::Planar,
+        "[[[0,40],[20,40],[20,60],[0,60]],[[5,45],[15,45],[15,55],[5,55]]]",
+    );
+    #[track_caller]
+    fn caught(result: Result<(), InvariantViolation>) -> InvariantViolation {
+        result.expect_err("must be caught")
+    }
+    let broken = |change: &dyn Fn(&mut RegionMesh)| {
+        let mut mesh = sound.clone();
+        change(&mut mesh);
+        caught(mesh.check_invariants(&body))
+    };
+    let flipped = broken(&|mesh| mesh.triangles[7].swap(1, 2));
+    assert!(
+        matches!(flipped, InvariantViolation::OpenEdge { .. }),
+        "{flipped}"
+    );
+    let all_flipped = broken(&|mesh| {
+        mesh.triangles
+            .iter_mut()
+            .for_each(|triangle| triangle.swap(1, 2));
+        mesh.boundary_loops
+            .iter_mut()
+            .for_each(|ring| ring.reverse());
+    });
+    assert!(
+        matches!(all_flipped, InvariantViolation::Inverted { .. }),
+        "{all_flipped}"
+    );
+    let missing = broken(&|mesh| drop(mesh.triangles.pop()));
+    assert!(
+        matches!(missing, InvariantViolation::OpenEdge { .. }),
+        "{missing}"
+    );
+    let no_hole = broken(&|mesh| drop(mesh.boundary_loops.pop()));
+    assert!(
+        matches!(no_hole, InvariantViolation::OpenEdge { .. }),
+        "{no_hole}"
+    );
+    let shifted = broken(&|mesh| mesh.vertices_ecef[3].x += 1e-3);
+    assert!(
+        matches!(shifted, InvariantViolation::OffSurface { .. }),
+        "{shifted}"
+    );
+    // A boundary vertex moved along the surface, consistently: only the area tells.
+    let moved = broken(&|mesh| {
+        let vertex = mesh.boundary_loops[0][1] as usize;
+        // Both ways, since a vertex on a meridian may slide along it.
+        mesh.vertices_deg[vertex][0] += 1e-4;
+        mesh.vertices_deg[vertex][1] += 1e-4;
+        let [lon, lat] = mesh.vertices_deg[vertex];
+        mesh.vertices_ecef[vertex] =
+            body.geodetic_to_ecef(terrafill_core::Geodetic::from_degrees(lon, lat, 0.0));
+    });
+    assert!(matches!(moved, InvariantViolation::Area { .. }), "{moved}");
+    let wrong_area = broken(&|mesh| mesh.area_m2 *= 1.0 + 1e-7);
+    assert!(
+        matches!(wrong_area, InvariantViolation::Area { .. }),
+        "{wrong_area}"
+    );
+    let collapsed = broken(&|mesh| mesh.triangles[0][1] = mesh.triangles[0][0]);
+    assert!(
+        matches!(collapsed, InvariantViolation::Degenerate { .. }),
+        "{collapsed}"
+    );
+    let dangling = broken(&|mesh| mesh.triangles[0][1] = 1 << 20);
+    assert!(
+        matches!(dangling, InvariantViolation::Index { .. }),
+        "{dangling}"
+    );
+}
