@@ -551,7 +551,11 @@ impl Reader {
         } else {
             unroll(&mut positions)
         };
-        let found = distinct_up_to_three(&positions);
+        let mut found = distinct_up_to_three(&positions);
+        if winding_deg != 0.0 && found < 3 {
+            // Its end, one turn on, is a position of its own in the file.
+            found += 1;
+        }
         if found < 3 {
             let required = 3;
             self.problem(None, RegionProblemKind::TooFewVertices { found, required });
