@@ -20,6 +20,8 @@ pub struct RegionFileError {
     pub file: String,
     /// At least one.
     pub problems: Vec<RegionProblem>,
+    /// Features without problems: what else is wrong with them can be told in the same round.
+    pub readable: Vec<Region>,
 }
 
 impl fmt::Display for RegionFileError {
@@ -193,6 +195,7 @@ pub fn parse_regions(bytes: &[u8], file: &str) -> Result<Vec<Region>, RegionFile
         Err(RegionFileError {
             file: file.to_owned(),
             problems: reader.problems,
+            readable: regions,
         })
     }
 }
