@@ -4,10 +4,12 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use terrafill_bench::Shard;
-use terrafill_core::EdgeRule;
+use terrafill_core::{EdgeRule, Ellipsoid};
 
-const EXIT_CODES: &str = "Exit codes: 0 done · 1 a picture is wrong · 2 bad input or usage · \
-    3 inconclusive · 4 nothing measured · 5 no usable device";
+const EXIT_CODES: &str = "\
+Exit codes: 0 done · 1 a picture is wrong · 2 bad input or usage · 3 inconclusive ·
+            4 nothing measured · 5 no usable device
+Example: terrafill bench california --quick --out out/first";
 
 /// Fills polygon regions on planets on the GPU and measures the error and the cost.
 #[derive(Debug, Parser)]
@@ -38,8 +40,10 @@ pub(crate) enum Verb {
     #[command(after_help = "Example: terrafill locate countries.geojson --points points.csv")]
     Locate(LocateArguments),
     /// List the shipped scenes and whether they can run
+    #[command(after_help = "Example: terrafill scenes --data natural-earth")]
     Scenes(ScenesArguments),
-    /// List the devices of this machine, and what they lack
+    /// List the devices of this machine, what runs on them, and what the rest lack
+    #[command(after_help = "Example: terrafill devices")]
     Devices,
 }
 
@@ -63,13 +67,13 @@ pub(crate) struct BenchArguments {
     #[arg(long)]
     pub(crate) data: Option<PathBuf>,
     /// Timed frames per case [default: 30, with --quick 8]
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_parser = parse_frames)]
     pub(crate) frames: Option<u32>,
     /// Image size, WIDTHxHEIGHT or one number for both
     #[arg(long, default_value = "1024", value_parser = parse_size)]
     pub(crate) size: (u32, u32),
     /// Part m of n of the scene views
-    #[arg(long, value_name = "M/N")]
+    #[arg(long, value_name = "M/N", value_parser = parse_shard)]
     pub(crate) shard: Option<Shard>,
     /// Part of the adapter's name
     #[arg(long)]
@@ -82,6 +86,11 @@ pub(crate) struct ReportArguments {
     pub(crate) run: PathBuf,
 }
 
+const VARIANT_HELP: &str = "\
+Switch of the vertex backend; may be repeated:
+layout=doubled|pulled, positions=fixed|local-f32,
+colour=xor|rectangle, boundary-tolerance-m=METRES";
+
 #[derive(Debug, Args)]
 pub(crate) struct RenderArguments {
     /// Shipped scene by name, or path of a scene file
@@ -92,14 +101,12 @@ pub(crate) struct RenderArguments {
     /// Backend
     #[arg(long, default_value = "vertex")]
     pub(crate) backend: RenderBackend,
-    /// Switch, KEY=VALUE; may be repeated: layout=doubled|pulled, positions=fixed|local-f32,
-    /// colour=xor|rectangle, boundary-tolerance-m=METRES
-    #[arg(long, value_name = "KEY=VALUE")]
+    #[arg(long, value_name = "KEY=VALUE", help = VARIANT_HELP)]
     pub(crate) variant: Vec<String>,
     /// Picture to write, PNG
     #[arg(long)]
     pub(crate) out: PathBuf,
-    /// Region ids to write, 16-bit grey PNG: 0 none, feature index + 1
+    /// Region ids to write, 16-bit grey PNG: feature index + 1, 0 for none
     #[arg(long)]
     pub(crate) ids: Option<PathBuf>,
     /// Counters, memory and what was left out, JSON
@@ -116,21 +123,22 @@ pub(crate) struct RenderArguments {
     pub(crate) adapter: Option<String>,
 }
 
-/// What can draw a picture.
+/// What can draw a picture. The values have no help of their own: with it clap prints a paragraph
+/// per option, and the page no longer fits a screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum RenderBackend {
-    /// Shadow volumes in the vertex shader
+    // Shadow volumes in the vertex shader.
     Vertex,
-    /// The f64 reference on the CPU
+    // The f64 reference on the CPU.
     Reference,
 }
 
 /// Edge rule by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Edges {
-    /// Straight in longitude and latitude (RFC 7946)
+    // Straight in longitude and latitude (RFC 7946).
     Planar,
-    /// In the plane through the body's centre
+    // In the plane through the body's centre.
     GreatEllipse,
 }
 
@@ -143,21 +151,41 @@ impl From<Edges> for EdgeRule {
     }
 }
 
+/// What to do about rings that cross themselves or one another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Repair {
+    // Inside is what an odd number of edges separates from the outside.
+    EvenOdd,
+}
+
+const EDGES_HELP: &str = "\
+What an edge between two vertices is: planar (straight in
+longitude and latitude, RFC 7946) or great-ellipse (in the
+plane through the body's centre)";
+
+const BODY_HELP: &str = "\
+Ellipsoid: wgs84, moon, mars, saturn-like, unit-sphere or
+asteroid-250m";
+
+const REPAIR_HELP: &str = "\
+Rings that cross: even-odd fills what an odd number of edges
+separates from the outside; without it they are refused";
+
 #[derive(Debug, Args)]
 pub(crate) struct MeshArguments {
     /// GeoJSON file
     pub(crate) regions: PathBuf,
-    /// What an edge between two vertices is
-    #[arg(long, default_value = "planar")]
+    #[arg(long, default_value = "planar", hide_possible_values = true, help = EDGES_HELP)]
     pub(crate) edges: Edges,
-    /// wgs84, moon, mars, saturn-like, unit-sphere or asteroid-250m
-    #[arg(long, default_value = "wgs84")]
-    pub(crate) body: String,
-    /// Largest distance of a drawn boundary edge from its rule, metres
-    #[arg(long, default_value_t = 100.0)]
+    #[arg(long, hide_possible_values = true, help = REPAIR_HELP)]
+    pub(crate) repair: Option<Repair>,
+    #[arg(long, default_value = "wgs84", value_parser = parse_body, help = BODY_HELP)]
+    pub(crate) body: Ellipsoid,
+    /// Largest distance of a drawn edge from its rule
+    #[arg(long, default_value = "100", value_name = "METRES", value_parser = parse_number)]
     pub(crate) boundary_tolerance_m: f64,
-    /// Largest edge of a cap triangle, degrees of arc
-    #[arg(long, default_value_t = 3.0)]
+    /// Largest edge of a cap triangle
+    #[arg(long, default_value = "3", value_name = "DEGREES", value_parser = parse_number)]
     pub(crate) cap_step_deg: f64,
     /// Print one JSON object instead of a table
     #[arg(long)]
@@ -168,12 +196,13 @@ pub(crate) struct MeshArguments {
 pub(crate) struct LocateArguments {
     /// GeoJSON file
     pub(crate) regions: PathBuf,
-    /// CSV with columns lon and lat, degrees
+    /// CSV file with columns lon and lat, degrees
     #[arg(long)]
     pub(crate) points: PathBuf,
-    /// What an edge between two vertices is
-    #[arg(long, default_value = "planar")]
+    #[arg(long, default_value = "planar", hide_possible_values = true, help = EDGES_HELP)]
     pub(crate) edges: Edges,
+    #[arg(long, hide_possible_values = true, help = REPAIR_HELP)]
+    pub(crate) repair: Option<Repair>,
 }
 
 #[derive(Debug, Args)]
@@ -183,14 +212,35 @@ pub(crate) struct ScenesArguments {
     pub(crate) data: Option<PathBuf>,
 }
 
+// The error of each parser is what is allowed; the message around it is made in `usage`.
+
 /// `1024` or `1920x1080`.
-fn parse_size(text: &str) -> Result<(u32, u32), String> {
+fn parse_size(text: &str) -> Result<(u32, u32), &'static str> {
     let (width, height) = text.split_once('x').unwrap_or((text, text));
     let parse = |side: &str| match side.parse::<u32>() {
         Ok(pixels @ 1..=16_384) => Ok(pixels),
-        _ => Err(format!("{side:?}, allowed: 1 … 16384 pixels a side")),
+        _ => Err("1 … 16384 pixels a side, such as 1024 or 1920x1080"),
     };
     Ok((parse(width)?, parse(height)?))
+}
+
+fn parse_frames(text: &str) -> Result<u32, &'static str> {
+    match text.parse() {
+        Ok(frames @ 1..=100_000) => Ok(frames),
+        _ => Err("1 … 100000"),
+    }
+}
+
+fn parse_shard(text: &str) -> Result<Shard, &'static str> {
+    text.parse().map_err(|_| "M/N with 1 ≤ M ≤ N")
+}
+
+fn parse_number(text: &str) -> Result<f64, &'static str> {
+    text.parse().map_err(|_| "a number")
+}
+
+fn parse_body(text: &str) -> Result<Ellipsoid, String> {
+    Ellipsoid::by_name(text).ok_or_else(|| Ellipsoid::ALL.map(|body| body.name()).join(", "))
 }
 
 #[cfg(test)]
@@ -207,7 +257,7 @@ mod tests {
     fn sizes_are_read_and_refused() {
         assert_eq!(parse_size("1024"), Ok((1024, 1024)));
         assert_eq!(parse_size("1920x1080"), Ok((1920, 1080)));
-        for wrong in ["0", "16385", "x", "10x", "-1", "10x20x30"] {
+        for wrong in ["0", "16385", "x", "10x", "-1", "10x20x30", ""] {
             assert!(parse_size(wrong).is_err(), "{wrong}");
         }
     }

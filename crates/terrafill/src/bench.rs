@@ -26,7 +26,7 @@ pub(crate) fn run(arguments: BenchArguments) -> Result<Outcome, Failure> {
         adapter: arguments.adapter,
     };
     let outcome = terrafill_bench::run(&options).map_err(|error| match error {
-        BenchError::NoDevice(_) => Failure::no_device(error),
+        BenchError::NoDevice(_) | BenchError::Device { .. } => Failure::no_device(error),
         _ => Failure::bad_input(error),
     })?;
     for (scene, why) in &outcome.skipped_scenes {

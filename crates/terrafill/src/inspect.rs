@@ -3,8 +3,8 @@
 
 use crate::arguments::ScenesArguments;
 use crate::{Failure, Outcome, print};
-use terrafill_gpu::list_adapters;
-use terrafill_scene::{Scene, data_dir_from_env, shipped_scene_names};
+use terrafill_gpu::{DeviceFacts, list_adapters};
+use terrafill_scene::{Scene, SceneError, data_dir_from_env, shipped_scene_names};
 
 pub(crate) fn scenes(arguments: &ScenesArguments) -> Result<Outcome, Failure> {
     let data = arguments.data.clone().or_else(data_dir_from_env);
@@ -23,6 +23,17 @@ pub(crate) fn scenes(arguments: &ScenesArguments) -> Result<Outcome, Failure> {
                     views.join(", ")
                 );
             }
+            Err(SceneError::DataMissing {
+                file,
+                sha256,
+                why,
+                how,
+                ..
+            }) => {
+                text += &format!(
+                    "{name}\n    skipped: {why}\n    needs {file}\n    sha256 {sha256}\n    {how}\n"
+                );
+            }
             Err(error) => text += &format!("{name}\n    not available: {error}\n"),
         }
     }
@@ -32,37 +43,75 @@ pub(crate) fn scenes(arguments: &ScenesArguments) -> Result<Outcome, Failure> {
 
 pub(crate) fn devices() -> Result<Outcome, Failure> {
     let adapters = list_adapters();
+    print("CPU\n    reference  runs; needs no device\n");
+    for device in &adapters {
+        print(&describe(device));
+    }
     if adapters.is_empty() {
         return Err(Failure::no_device(
-            "no Vulkan device; ci/setup.sh installs a software one",
+            "no Vulkan device, which vertex needs; ci/setup.sh installs a software one",
         ));
     }
-    let yes_no = |yes| if yes { "yes" } else { "no" };
-    let mut text = String::new();
-    for device in &adapters {
-        text += &format!(
-            "{} ({})\n    driver {} {}\n    GPU timestamps {}, pipeline statistics {}\n",
-            device.name,
-            device.device_type,
-            device.driver,
-            device.driver_info,
-            yes_no(device.timestamps),
-            yes_no(device.pipeline_statistics)
-        );
-        let verdict = if device.lacks.is_empty() {
-            "can run: vertex, reference".to_owned()
-        } else {
-            format!(
-                "can run: reference; vertex needs {}",
-                device.lacks.join(", ")
-            )
-        };
-        text += &format!("    {verdict}\n");
-    }
-    print(&text);
     Ok(if adapters.iter().any(|device| device.lacks.is_empty()) {
         Outcome::Done
     } else {
         Outcome::NoDevice
     })
+}
+
+fn describe(device: &DeviceFacts) -> String {
+    let vertex = if device.lacks.is_empty() {
+        let without = [
+            (device.timestamps, "GPU timestamps: GPU times stay empty"),
+            (
+                device.pipeline_statistics,
+                "pipeline statistics: invocation counts stay empty",
+            ),
+        ];
+        let lacking: String = without
+            .iter()
+            .filter(|(has, _)| !has)
+            .map(|(_, what)| format!("; lacks {what}"))
+            .collect();
+        if lacking.is_empty() {
+            "runs, with GPU timestamps and pipeline statistics".to_owned()
+        } else {
+            format!("runs{lacking}")
+        }
+    } else {
+        format!("cannot run; lacks {}", device.lacks.join(", "))
+    };
+    format!(
+        "{} ({})\n    driver     {} {}\n    vertex     {vertex}\n",
+        device.name, device.device_type, device.driver, device.driver_info
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_device_lacks_is_said() {
+        let mut device = DeviceFacts {
+            name: "D".to_owned(),
+            device_type: "cpu",
+            vendor_id: 0,
+            device_id: 0,
+            driver: "d".to_owned(),
+            driver_info: "1".to_owned(),
+            timestamps: true,
+            pipeline_statistics: true,
+            lacks: Vec::new(),
+        };
+        assert!(!describe(&device).contains("lacks"));
+        device.timestamps = false;
+        assert!(describe(&device).contains("runs; lacks GPU timestamps"));
+        device.lacks = vec!["Depth32FloatStencil8".to_owned(), "another".to_owned()];
+        let text = describe(&device);
+        assert!(
+            text.contains("cannot run; lacks Depth32FloatStencil8, another"),
+            "{text}"
+        );
+    }
 }

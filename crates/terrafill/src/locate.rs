@@ -2,27 +2,39 @@
 //! `locate`: `lon,lat` in, `lon,lat,regions` out.
 
 use crate::arguments::LocateArguments;
+use crate::regions::read_and_mesh;
 use crate::{Failure, Outcome, print};
 use std::path::Path;
+use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions};
 use terrafill_reference::Locator;
-use terrafill_scene::load_regions;
+
+/// As for regions: one turn past the antimeridian is written on purpose, more is another unit.
+const LARGEST_LONGITUDE_DEG: f64 = 540.0;
 
 pub(crate) fn run(arguments: &LocateArguments) -> Result<Outcome, Failure> {
-    let regions = load_regions(&arguments.regions).map_err(Failure::bad_input)?;
-    let locator = Locator::new(&regions, arguments.edges.into()).map_err(Failure::bad_input)?;
+    let edges: EdgeRule = arguments.edges.into();
+    // The meshes judge nothing here; making them finds the crossings that `mesh` refuses too. On
+    // what body does not matter: edges follow geodetic coordinates.
+    let (path, body, options) = (
+        &arguments.regions,
+        &Ellipsoid::WGS84,
+        MeshOptions::default(),
+    );
+    let (regions, _) = read_and_mesh(path, arguments.repair, body, edges, &options)?;
+    let locator = Locator::new(&regions, edges)
+        .map_err(|error| Failure::bad_input(format!("{}: {error}", path.display())))?;
     let points = read_points(&arguments.points)?;
     let mut text = "lon,lat,regions\n".to_owned();
     let mut undecided = 0;
-    for (longitude, latitude) in points {
-        let parse = |value: &str| value.parse::<f64>().unwrap_or(f64::NAN);
-        let location = locator.locate(parse(&longitude), parse(&latitude));
+    for point in points {
+        let location = locator.locate(point.longitude_deg, point.latitude_deg);
         undecided += usize::from(!location.disagree.is_empty());
         let found: Vec<String> = location
             .regions
             .iter()
             .map(|&position| regions[position].index.to_string())
             .collect();
-        text += &format!("{longitude},{latitude},{}\n", found.join(";"));
+        text += &format!("{},{}\n", point.as_written, found.join(";"));
     }
     if undecided > 0 {
         eprintln!("{undecided} points lie so near a boundary that the two tests differ");
@@ -31,45 +43,113 @@ pub(crate) fn run(arguments: &LocateArguments) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
-/// The two columns as written, each checked; nothing is printed unless all are right.
-fn read_points(path: &Path) -> Result<Vec<(String, String)>, Failure> {
+struct NamedPoint {
+    /// The two cells of the file, so that a script finds its own numbers again.
+    as_written: String,
+    longitude_deg: f64,
+    latitude_deg: f64,
+}
+
+/// The points of a file, or every problem of it, a line each.
+fn read_points(path: &Path) -> Result<Vec<NamedPoint>, Failure> {
     let shown = path.display();
-    let fail = |message: String| Failure::bad_input(format!("{shown}: {message}"));
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .from_path(path)
-        .map_err(|error| fail(error.to_string()))?;
-    let header = reader
-        .headers()
-        .map_err(|error| fail(error.to_string()))?
-        .clone();
-    let column = |name: &str| {
-        let position = header
-            .iter()
-            .position(|found| found.trim_start_matches('\u{feff}') == name);
-        position.ok_or_else(|| {
-            let found: Vec<&str> = header.iter().collect();
-            fail(format!("no column {name}, found: {}", found.join(",")))
-        })
-    };
-    let (longitude, latitude) = (column("lon")?, column("lat")?);
-    let mut points = Vec::new();
-    for (index, row) in reader.records().enumerate() {
-        let line = index + 2;
-        let row = row.map_err(|error| fail(error.to_string()))?;
-        let value = |column: usize, name: &str, limit: f64| {
-            let text = row.get(column).unwrap_or_default();
-            match text.parse::<f64>() {
-                Ok(number) if number.abs() <= limit => Ok(text.to_owned()),
-                _ => Err(fail(format!(
-                    "line {line}, {name}: found {text:?}, allowed: a number within ±{limit}"
-                ))),
-            }
-        };
-        points.push((
-            value(longitude, "lon", 540.0)?,
-            value(latitude, "lat", 90.0)?,
+    let fail = |what: String| Failure::bad_input(format!("{shown}: {what}"));
+    if path.is_dir() {
+        return Err(fail(
+            "is a directory, allowed: a CSV file with columns lon and lat".to_owned(),
         ));
     }
-    Ok(points)
+    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => fail("no such file".to_owned()),
+        _ => fail(format!("cannot be read: {error}")),
+    })?;
+    parse_points(&bytes).map_err(|problems| {
+        let lines: Vec<String> = problems
+            .iter()
+            .map(|what| format!("{shown}: {what}"))
+            .collect();
+        Failure::bad_input(lines.join("\n"))
+    })
+}
+
+fn parse_points(bytes: &[u8]) -> Result<Vec<NamedPoint>, Vec<String>> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let text = std::str::from_utf8(bytes).map_err(|error| {
+        let before = &bytes[..error.valid_up_to()];
+        let line = before.iter().filter(|&&byte| byte == b'\n').count() + 1;
+        vec![format!("line {line}: not UTF-8")]
+    })?;
+    if text.trim().is_empty() {
+        return Err(vec![
+            "the file is empty; expected columns lon and lat".to_owned(),
+        ]);
+    }
+    let mut reader = csv::ReaderBuilder::new()
+        .trim(csv::Trim::All)
+        // A short row is reported by its missing cell, like any other wrong cell.
+        .flexible(true)
+        .from_reader(text.as_bytes());
+    let header = reader
+        .headers()
+        .map_err(|error| vec![error.to_string()])?
+        .clone();
+    let column = |name: &str| {
+        let position = header.iter().position(|found| found == name);
+        position.ok_or_else(|| {
+            let found: Vec<&str> = header.iter().collect();
+            format!("line 1: no column {name}; found: {}", found.join(", "))
+        })
+    };
+    let columns = match (column("lon"), column("lat")) {
+        (Ok(longitude), Ok(latitude)) => [longitude, latitude],
+        (longitude, latitude) => {
+            return Err([longitude, latitude]
+                .into_iter()
+                .filter_map(Result::err)
+                .collect());
+        }
+    };
+    let (mut points, mut problems) = (Vec::new(), Vec::new());
+    for row in reader.records() {
+        match row {
+            Ok(row) => match parse_point(&row, columns) {
+                Ok(point) => points.push(point),
+                Err(wrong) => problems.extend(wrong),
+            },
+            Err(error) => problems.push(error.to_string()),
+        }
+    }
+    if problems.is_empty() {
+        Ok(points)
+    } else {
+        Err(problems)
+    }
+}
+
+/// One row, or what is wrong with its cells.
+fn parse_point(row: &csv::StringRecord, columns: [usize; 2]) -> Result<NamedPoint, Vec<String>> {
+    let line = row.position().map_or(0, csv::Position::line);
+    let cell = |column: usize, name: &str, limit: f64| {
+        let allowed = format!("allowed: a number from -{limit} to {limit}");
+        let Some(text) = row.get(column) else {
+            return Err(format!("line {line}, {name}: found no cell, {allowed}"));
+        };
+        match text.parse::<f64>() {
+            Ok(number) if number.abs() <= limit => Ok((text, number)),
+            _ => Err(format!("line {line}, {name}: found {text:?}, {allowed}")),
+        }
+    };
+    let longitude = cell(columns[0], "lon", LARGEST_LONGITUDE_DEG);
+    let latitude = cell(columns[1], "lat", 90.0);
+    match (longitude, latitude) {
+        (Ok((longitude, longitude_deg)), Ok((latitude, latitude_deg))) => Ok(NamedPoint {
+            as_written: format!("{longitude},{latitude}"),
+            longitude_deg,
+            latitude_deg,
+        }),
+        (longitude, latitude) => {
+            let problems = [longitude.err(), latitude.err()];
+            Err(problems.into_iter().flatten().collect())
+        }
+    }
 }

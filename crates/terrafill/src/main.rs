@@ -11,7 +11,10 @@ mod bench;
 mod inspect;
 mod locate;
 mod mesh;
+mod output;
+mod regions;
 mod render;
+mod usage;
 
 use arguments::{Arguments, Verb};
 use clap::Parser as _;
@@ -27,7 +30,7 @@ pub(crate) enum Outcome {
     NoDevice = 5,
 }
 
-/// A message for standard error and the exit code that goes with it.
+/// A message for standard error, one problem per line, and the exit code that goes with it.
 #[derive(Debug)]
 pub(crate) struct Failure {
     outcome: Outcome,
@@ -53,7 +56,11 @@ impl Failure {
 }
 
 fn main() -> ExitCode {
-    let result = match Arguments::parse().verb {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return usage::answer(&error),
+    };
+    let result = match arguments.verb {
         Verb::Bench(arguments) => bench::run(arguments),
         Verb::Report(arguments) => bench::report(&arguments),
         Verb::Render(arguments) => render::run(&arguments),
@@ -63,7 +70,9 @@ fn main() -> ExitCode {
         Verb::Devices => inspect::devices(),
     };
     let outcome = result.unwrap_or_else(|failure| {
-        eprintln!("error: {}", failure.message);
+        for problem in failure.message.lines() {
+            eprintln!("error: {problem}");
+        }
         failure.outcome
     });
     ExitCode::from(outcome as u8)

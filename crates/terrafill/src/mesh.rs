@@ -2,12 +2,12 @@
 //! `mesh`: what becomes of a file's regions.
 
 use crate::arguments::MeshArguments;
+use crate::regions::read_and_mesh;
 use crate::{Failure, Outcome, print};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
-use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, Region, RegionMesh};
-use terrafill_scene::load_regions;
+use terrafill_core::{EdgeRule, MeshOptions, Region, RegionMesh};
 use terrafill_vertex::{Layout, layout_bytes};
 
 #[derive(Serialize)]
@@ -50,39 +50,22 @@ struct Totals {
 }
 
 pub(crate) fn run(arguments: &MeshArguments) -> Result<Outcome, Failure> {
-    let body = Ellipsoid::by_name(&arguments.body).ok_or_else(|| {
-        let names = Ellipsoid::ALL.map(|body| body.name());
-        let (found, allowed) = (&arguments.body, names.join(", "));
-        Failure::bad_input(format!("--body: found {found:?}, allowed: {allowed}"))
-    })?;
     let options = MeshOptions {
-        boundary_tolerance_m: positive(
-            "--boundary-tolerance-m",
-            arguments.boundary_tolerance_m,
-            f64::MAX,
-        )?,
-        cap_step_deg: positive("--cap-step-deg", arguments.cap_step_deg, 90.0)?,
+        boundary_tolerance_m: arguments.boundary_tolerance_m,
+        cap_step_deg: arguments.cap_step_deg,
     };
+    let (path, body) = (&arguments.regions, &arguments.body);
     let edges: EdgeRule = arguments.edges.into();
     let start = Instant::now();
-    let regions = load_regions(&arguments.regions).map_err(Failure::bad_input)?;
-    let file = arguments.regions.display().to_string();
-    let meshes = RegionMesh::build_all(&regions, &body, edges, &options).map_err(|errors| {
-        let lines: Vec<String> = errors
-            .iter()
-            .map(|error| format!("{file}: {error}"))
-            .collect();
-        Failure::bad_input(lines.join("\n"))
-    })?;
-    let elapsed_ms = start.elapsed().as_secs_f64() * 1e3;
+    let (regions, meshes) = read_and_mesh(path, arguments.repair, body, edges, &options)?;
     let output = MeshOutput {
-        file,
+        file: path.display().to_string(),
         edges: edges.name(),
         body: body.name(),
         totals: totals(&regions, &meshes),
         regions: meshes.iter().map(describe).collect(),
         errors: Vec::new(),
-        elapsed_ms,
+        elapsed_ms: start.elapsed().as_secs_f64() * 1e3,
     };
     if arguments.json {
         let text = serde_json::to_string_pretty(&output).map_err(Failure::bad_input)?;
@@ -91,20 +74,6 @@ pub(crate) fn run(arguments: &MeshArguments) -> Result<Outcome, Failure> {
         print(&table(&output));
     }
     Ok(Outcome::Done)
-}
-
-fn positive(name: &str, value: f64, largest: f64) -> Result<f64, Failure> {
-    if value > 0.0 && value <= largest {
-        return Ok(value);
-    }
-    let allowed = if largest < f64::MAX {
-        format!("above 0 and up to {largest}")
-    } else {
-        "a number above 0".to_owned()
-    };
-    Err(Failure::bad_input(format!(
-        "{name}: found {value}, allowed: {allowed}"
-    )))
 }
 
 fn bytes(meshes: &[RegionMesh]) -> BTreeMap<String, u64> {
@@ -153,37 +122,109 @@ fn totals(regions: &[Region], meshes: &[RegionMesh]) -> Totals {
     }
 }
 
+/// Characters of a name that the table shows.
+const NAME_WIDTH: usize = 30;
+
 fn table(output: &MeshOutput) -> String {
+    let totals = &output.totals;
+    let largest = output.regions.iter().map(|region| region.area_m2);
+    let unit = AreaUnit::fitting(largest.fold(0.0, f64::max));
     let mut text = format!(
-        "{:>5}  {:<32} {:>9} {:>9} {:>9} {:>14}\n",
-        "index", "name", "vertices", "triangles", "boundary", "area km²"
+        "{} · {} edges · {}\n\n{:>5}  {:<NAME_WIDTH$} {:>9} {:>9} {:>9} {:>6} {:>16}\n",
+        output.file,
+        output.edges,
+        output.body,
+        "index",
+        "name",
+        "vertices",
+        "triangles",
+        "boundary",
+        "holes",
+        unit.heading
     );
     for region in &output.regions {
-        let name: String = region.name.chars().take(32).collect();
         text += &format!(
-            "{:>5}  {name:<32} {:>9} {:>9} {:>9} {:>14.1}\n",
+            "{:>5}  {:<NAME_WIDTH$} {:>9} {:>9} {:>9} {:>6} {:>16}\n",
             region.index,
+            shortened(&region.name),
             region.vertices,
             region.triangles,
             region.boundary_edges,
-            region.area_m2 * 1e-6
+            region.holes,
+            unit.show(region.area_m2)
         );
         for warning in &region.warnings {
             text += &format!("       {warning}\n");
         }
     }
-    let totals = &output.totals;
     text += &format!(
-        "{} regions, {} input vertices, {} vertices, {} triangles, {:.1} km² in {:.0} ms\n",
-        totals.regions,
-        totals.input_vertices,
+        "{:>5}  {:<NAME_WIDTH$} {:>9} {:>9} {:>9} {:>6} {:>16}\n\n",
+        "",
+        format!("{} regions", totals.regions),
         totals.vertices,
         totals.triangles,
-        totals.area_m2 * 1e-6,
-        output.elapsed_ms
+        totals.boundary_edges,
+        totals.holes,
+        unit.show(totals.area_m2)
     );
     for (layout, bytes) in &totals.bytes {
         text += &format!("{layout}: {bytes} bytes\n");
     }
+    text += &format!(
+        "{} vertices read, meshed in {:.0} ms\n",
+        totals.input_vertices, output.elapsed_ms
+    );
     text
+}
+
+fn shortened(name: &str) -> String {
+    if name.chars().count() <= NAME_WIDTH {
+        return name.to_owned();
+    }
+    name.chars().take(NAME_WIDTH - 1).chain(['…']).collect()
+}
+
+/// One unit for a whole table, so that its rows can be compared at a glance.
+struct AreaUnit {
+    heading: &'static str,
+    square_metres: f64,
+    decimals: usize,
+}
+
+impl AreaUnit {
+    /// Keeps the largest area above 0.1 of its unit, from countries down to a body of 1 m.
+    fn fitting(largest_m2: f64) -> Self {
+        let (heading, square_metres, decimals) = if largest_m2 >= 1e5 {
+            ("area km²", 1e6, 3)
+        } else {
+            ("area m²", 1.0, 6)
+        };
+        Self {
+            heading,
+            square_metres,
+            decimals,
+        }
+    }
+
+    fn show(&self, area_m2: f64) -> String {
+        format!("{:.*}", self.decimals, area_m2 / self.square_metres)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn areas_of_a_country_and_of_a_pebble_keep_their_digits() {
+        assert_eq!(AreaUnit::fitting(4e11).show(4.093e11), "409300.000");
+        assert_eq!(AreaUnit::fitting(12.5).show(12.566_370_6), "12.566371");
+    }
+
+    #[test]
+    fn long_names_are_cut_between_characters() {
+        let long = "São Tomé and Príncipe and many others";
+        assert_eq!(shortened(long), "São Tomé and Príncipe and man…");
+        assert_eq!(shortened("Perú"), "Perú");
+    }
 }

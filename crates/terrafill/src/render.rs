@@ -2,10 +2,12 @@
 //! `render`: one picture.
 
 use crate::arguments::{RenderArguments, RenderBackend};
+use crate::output::{check_paths, write_all};
 use crate::{Failure, Outcome};
 use image::{ExtendedColorType, ImageFormat};
 use serde_json::json;
-use std::path::Path;
+use std::io::Cursor;
+use std::path::PathBuf;
 use std::sync::Arc;
 use terrafill_bench::open_scene;
 use terrafill_core::{MeshOptions, RegionMesh};
@@ -28,29 +30,29 @@ struct Drawn {
 }
 
 pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
+    let out = arguments.out.as_path();
+    let others = [&arguments.ids, &arguments.stats];
+    check_paths(std::iter::once(out).chain(others.into_iter().flatten().map(PathBuf::as_path)))?;
     let data = arguments.data.clone().or_else(data_dir_from_env);
     let scene = open_scene(&arguments.scene, data.as_deref()).map_err(Failure::bad_input)?;
     let view = find_view(&scene, &arguments.view)?;
-    let (variant, mesh) = switches(&scene, &arguments.variant)?;
+    let (variant, mesh) = switches(&scene, arguments)?;
     let input = input(&scene, view, &mesh, arguments)?;
     let drawn = match arguments.backend {
         RenderBackend::Reference => draw_reference(&input)?,
         RenderBackend::Vertex => draw_vertex(&input, variant, arguments)?,
     };
+    let colour = ExtendedColorType::Rgb8;
+    let mut files = vec![(out, png(&drawn.rgb, input.size, colour)?)];
     if let Some(path) = &arguments.ids {
-        write_ids(path, &drawn.frame)?;
+        files.push((path, ids_png(&drawn.frame)?));
     }
     if let Some(path) = &arguments.stats {
         let text = serde_json::to_string_pretty(&statistics(arguments, &input, &drawn))
             .map_err(Failure::bad_input)?;
-        std::fs::write(path, text + "\n").map_err(|error| unwritable(path, error))?;
+        files.push((path, (text + "\n").into_bytes()));
     }
-    write_png(
-        &arguments.out,
-        &drawn.rgb,
-        input.size,
-        ExtendedColorType::Rgb8,
-    )?;
+    write_all(&files)?;
     Ok(Outcome::Done)
 }
 
@@ -63,7 +65,10 @@ fn find_view<'a>(scene: &'a Scene, name: &str) -> Result<&'a View, Failure> {
     })
 }
 
-fn switches(scene: &Scene, given: &[String]) -> Result<(VertexVariant, MeshOptions), Failure> {
+fn switches(
+    scene: &Scene,
+    arguments: &RenderArguments,
+) -> Result<(VertexVariant, MeshOptions), Failure> {
     let mut variant = VertexVariant {
         colour: match scene.overlap {
             Overlap::Disjoint => ColourWay::Xor,
@@ -72,7 +77,14 @@ fn switches(scene: &Scene, given: &[String]) -> Result<(VertexVariant, MeshOptio
         ..VertexVariant::default()
     };
     let mut mesh = scene.mesh;
-    for switch in given {
+    for switch in &arguments.variant {
+        let refuse = |allowed: &str| {
+            let message = format!("--variant: found {switch:?}, allowed: {allowed}");
+            Err(Failure::bad_input(message))
+        };
+        if arguments.backend == RenderBackend::Reference {
+            return refuse("none with --backend reference, which has one way only");
+        }
         match switch.split_once('=').unwrap_or((switch, "")) {
             ("layout", "doubled") => variant.layout = Layout::Doubled,
             ("layout", "pulled") => variant.layout = Layout::Pulled,
@@ -80,15 +92,17 @@ fn switches(scene: &Scene, given: &[String]) -> Result<(VertexVariant, MeshOptio
             ("positions", "local-f32") => variant.positions = PositionFormat::LocalF32,
             ("colour", "xor") => variant.colour = ColourWay::Xor,
             ("colour", "rectangle") => variant.colour = ColourWay::Rectangle,
-            ("boundary-tolerance-m", value) if value.parse().is_ok_and(|m: f64| m > 0.0) => {
-                mesh.boundary_tolerance_m = value.parse().map_err(Failure::bad_input)?;
-            }
+            ("boundary-tolerance-m", value) => match value.parse() {
+                Ok(metres) if metres > 0.0 && f64::is_finite(metres) => {
+                    mesh.boundary_tolerance_m = metres;
+                }
+                _ => return refuse("boundary-tolerance-m=METRES, a number above 0"),
+            },
             _ => {
-                return Err(Failure::bad_input(format!(
-                    "--variant: found {switch:?}, allowed: layout=doubled|pulled, \
-                     positions=fixed|local-f32, colour=xor|rectangle, \
-                     boundary-tolerance-m=METRES above 0"
-                )));
+                return refuse(
+                    "layout=doubled|pulled, positions=fixed|local-f32, colour=xor|rectangle, \
+                     boundary-tolerance-m=METRES",
+                );
             }
         }
     }
@@ -103,7 +117,10 @@ fn input(
 ) -> Result<FrameInput, Failure> {
     let meshes = RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, mesh)
         .map_err(|errors| {
-            let lines: Vec<String> = errors.iter().map(ToString::to_string).collect();
+            let lines: Vec<String> = errors
+                .iter()
+                .map(|error| format!("{}: {error}", arguments.scene))
+                .collect();
             Failure::bad_input(lines.join("\n"))
         })?;
     let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
@@ -211,30 +228,23 @@ fn statistics(arguments: &RenderArguments, input: &FrameInput, drawn: &Drawn) ->
     })
 }
 
-fn write_ids(path: &Path, frame: &Frame) -> Result<(), Failure> {
+fn ids_png(frame: &Frame) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();
     for &id in &frame.ids {
         let short = u16::try_from(id).map_err(|_| {
             Failure::bad_input(format!(
-                "--ids: region id {id}, a 16-bit PNG holds up to 65535"
+                "--ids: found region id {id}, allowed: up to 65535, as a 16-bit PNG holds"
             ))
         })?;
         bytes.extend(short.to_ne_bytes());
     }
-    write_png(path, &bytes, frame.size, ExtendedColorType::L16)
+    png(&bytes, frame.size, ExtendedColorType::L16)
 }
 
-fn write_png(
-    path: &Path,
-    bytes: &[u8],
-    size: ImageSize,
-    colour: ExtendedColorType,
-) -> Result<(), Failure> {
+fn png(bytes: &[u8], size: ImageSize, colour: ExtendedColorType) -> Result<Vec<u8>, Failure> {
+    let mut encoded = Cursor::new(Vec::new());
     let (width, height) = (size.width, size.height);
-    image::save_buffer_with_format(path, bytes, width, height, colour, ImageFormat::Png)
-        .map_err(|error| unwritable(path, error))
-}
-
-fn unwritable(path: &Path, error: impl std::fmt::Display) -> Failure {
-    Failure::bad_input(format!("{}: {error}", path.display()))
+    image::write_buffer_with_format(&mut encoded, bytes, width, height, colour, ImageFormat::Png)
+        .map_err(Failure::bad_input)?;
+    Ok(encoded.into_inner())
 }

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Answers to command lines that ask for help or cannot be understood.
+//!
+//! A wrong value gets the one line that wrong input gets everywhere, with what was found and what is
+//! allowed; for the rest clap's own text says best what the verb looks like.
+
+use crate::Outcome;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use std::error::Error as _;
+use std::process::ExitCode;
+
+/// Prints help to standard output, problems to standard error.
+pub(crate) fn answer(error: &clap::Error) -> ExitCode {
+    match wrong_value(error) {
+        Some(line) => eprintln!("error: {line}"),
+        // A reader that closed the pipe has seen enough.
+        None => drop(error.print()),
+    }
+    if error.use_stderr() {
+        ExitCode::from(Outcome::BadInput as u8)
+    } else {
+        ExitCode::SUCCESS
+    }
+}
+
+/// `--edges: found "x", allowed: planar, great-ellipse`; nothing for other errors.
+fn wrong_value(error: &clap::Error) -> Option<String> {
+    let text = |kind| match error.get(kind) {
+        Some(ContextValue::String(text)) => Some(text.clone()),
+        Some(ContextValue::Strings(list)) if !list.is_empty() => Some(list.join(", ")),
+        _ => None,
+    };
+    let allowed = match error.kind() {
+        ErrorKind::InvalidValue => text(ContextKind::ValidValue)?,
+        ErrorKind::ValueValidation => error.source()?.to_string(),
+        _ => return None,
+    };
+    let argument = text(ContextKind::InvalidArg)?;
+    let argument = argument.split(' ').next()?;
+    let found = text(ContextKind::InvalidValue)?;
+    Some(format!("{argument}: found {found:?}, allowed: {allowed}"))
+}
