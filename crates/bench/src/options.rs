@@ -114,12 +114,16 @@ pub enum BenchError {
         message: String,
     },
     /// Regions of a scene cannot be meshed.
-    #[error("{scene}: {message}")]
+    #[error("{lines}")]
     Mesh {
-        /// Which scene.
-        scene: String,
-        /// One line per region.
-        message: String,
+        /// Scene and problem, one line per region.
+        lines: String,
+    },
+    /// Two scenes of the run have one name, so their rows could not be told apart.
+    #[error("scene {name:?} is given twice, allowed: once")]
+    SceneTwice {
+        /// The name.
+        name: String,
     },
     /// The device broke while baselines were measured, without which no row has a meaning.
     #[error("{scene}/{view}: {source}")]

@@ -19,7 +19,8 @@ use terrafill_frame::{
 use terrafill_gpu::{Baseline, CpuStopwatch, Gpu, GpuOptions, SharedStage, Stage};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::{
-    Baselines, CaseKey, ErrorFigures, RunFolder, RunPlan, Sample, Status, Summary, median, quantile,
+    Baselines, CaseKey, ErrorFigures, RunEnvironment, RunError, RunFolder, RunPlan, Sample, Status,
+    Summary, median, quantile,
 };
 use terrafill_scene::{PlanOptions, Scene, SceneError, SurfaceMesh, shipped_scene_names};
 use terrafill_vertex::{ColourWay, VertexBackend};
@@ -70,10 +71,12 @@ pub fn run(options: &BenchOptions) -> Result<BenchOutcome, BenchError> {
         frames: options.frame_count(),
         warm_up: options.warm_up_count(),
     };
+    let environment = environment(&gpu.facts, options);
     let folder = if options.resume {
+        refuse_other_setup(&RunFolder::open(&options.out)?, &environment)?;
         RunFolder::resume(&options.out, &plan)?
     } else {
-        RunFolder::create(&options.out, &environment(&gpu.facts, options), &plan)?
+        RunFolder::create(&options.out, &environment, &plan)?
     };
     let missing = folder.missing()?;
     let progress = progress_bar(&plan, &missing);
@@ -87,9 +90,37 @@ pub fn run(options: &BenchOptions) -> Result<BenchOutcome, BenchError> {
     Ok(outcome(&groups, &folder.summaries()?, skipped_scenes))
 }
 
+/// Rows of a run are compared with one another, so the rest of it is measured in the same way. The
+/// plan does not hold all of that: size, device, driver, shaders and code are in the environment.
+fn refuse_other_setup(folder: &RunFolder, now: &RunEnvironment) -> Result<(), RunError> {
+    let then = folder.environment()?;
+    // Whether the tree is clean changes with every edit, also of a text that nothing runs.
+    let commit = |of: &RunEnvironment| of.commit.trim_end_matches("+dirty").to_owned();
+    let aspects: [(&str, String, String); 6] = [
+        ("options", then.options.join(" "), now.options.join(" ")),
+        ("device", then.gpu.clone(), now.gpu.clone()),
+        ("driver", then.driver_info.clone(), now.driver_info.clone()),
+        (
+            "shader hash",
+            then.shader_hash.clone(),
+            now.shader_hash.clone(),
+        ),
+        ("profile", then.profile.clone(), now.profile.clone()),
+        ("commit", commit(&then), commit(now)),
+    ];
+    match aspects.into_iter().find(|(_, then, now)| then != now) {
+        None => Ok(()),
+        Some((what, then, now)) => Err(RunError::Occupied {
+            path: folder.path().to_owned(),
+            message: format!("cannot resume with {what} {now:?}, it was begun with {then:?}"),
+        }),
+    }
+}
+
 type SkippedScenes = Vec<(String, String)>;
 
-/// Scenes with missing data are skipped with that reason; wrong ones stop the run before it starts.
+/// Scenes with missing data are skipped with that reason; wrong ones, and those whose regions cannot
+/// be meshed, stop the run before it starts.
 fn plan_groups(options: &BenchOptions) -> Result<(Vec<SceneGroup>, SkippedScenes), BenchError> {
     let names: Vec<String> = if options.scenes.is_empty() {
         shipped_scene_names()
@@ -104,6 +135,13 @@ fn plan_groups(options: &BenchOptions) -> Result<(Vec<SceneGroup>, SkippedScenes
     for name in &names {
         match open_scene(name, options.data_dir.as_deref()) {
             Ok(scene) => {
+                build_meshes(&scene, scene.mesh.boundary_tolerance_m)?;
+                if groups
+                    .iter()
+                    .any(|group: &SceneGroup| group.scene.name == scene.name)
+                {
+                    return Err(BenchError::SceneTwice { name: scene.name });
+                }
                 let scene = Arc::new(scene);
                 for view in &scene.views {
                     groups.push(group_cases(&scene, view, options));
@@ -576,10 +614,9 @@ fn build_meshes(scene: &Scene, boundary_tolerance_m: f64) -> Result<Arc<[RegionM
     match meshes {
         Ok(meshes) => Ok(meshes.into()),
         Err(errors) => Err(BenchError::Mesh {
-            scene: scene.name.clone(),
-            message: errors
+            lines: errors
                 .iter()
-                .map(ToString::to_string)
+                .map(|error| format!("{}: {error}", scene.name))
                 .collect::<Vec<_>>()
                 .join("\n"),
         }),
