@@ -13,6 +13,7 @@ use crate::{EdgeRule, Ellipsoid, MeshOptions, Region, RegionMesh};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt;
 
 /// A ring edge in its file; indices count from 0.
@@ -77,7 +78,8 @@ pub enum MeshError {
         /// Longitude and latitude of its end, degrees.
         end: [f64; 2],
     },
-    /// The rings cancel one another or have no width.
+    /// The rings cancel one another, have no width, or run into a pole closer together than the
+    /// boundary tolerance.
     #[error("feature {feature} ({name}): the rings enclose no area")]
     NoArea {
         /// Index in the file.
@@ -209,6 +211,12 @@ impl RegionMesh {
             return Err(MeshError::NoArea { feature, name });
         }
         let boundary_loops = stitcher.boundary_loops();
+        // Without a border there is only the whole body. Anything else ran into a pole between two
+        // lines that the tolerance made one.
+        let whole_m2 = body.quadrangle_area_m2(TAU, -FRAC_PI_2, FRAC_PI_2);
+        if boundary_loops.is_empty() && area_m2 < 0.999_999 * whole_m2 {
+            return Err(MeshError::NoArea { feature, name });
+        }
         let cap_sagitta_m = stitcher
             .triangles
             .iter()
@@ -346,17 +354,19 @@ impl Stitcher {
         self.vertices_ecef.push(surface_point(body, position));
     }
 
-    /// Whether stitching may have touched the vertex.
-    fn is_shared(&self, vertex: u32) -> bool {
-        let [longitude, latitude] = self.vertices_deg[vertex as usize];
-        longitude == 180.0 || latitude.abs() == 90.0
+    /// Whether stitching may have laid another edge on this one: along the antimeridian, and at a
+    /// pole, where lines towards different longitudes become one.
+    fn may_be_doubled(&self, a: u32, b: u32) -> bool {
+        let [a, b] = [a, b].map(|vertex| self.vertices_deg[vertex as usize]);
+        let at_pole = |position: Degrees| position[1].abs() == 90.0;
+        at_pole(a) || at_pole(b) || a[0] == 180.0 && b[0] == 180.0
     }
 
     /// Drops the edges whose reverse is there too, and chains the rest.
     fn boundary_loops(&mut self) -> Vec<Vec<u32>> {
         let (mut maybe_cuts, mut edges): (Vec<_>, Vec<_>) = std::mem::take(&mut self.boundary)
             .into_iter()
-            .partition(|[a, b]| self.is_shared(*a) && self.is_shared(*b));
+            .partition(|[a, b]| self.may_be_doubled(*a, *b));
         maybe_cuts.sort_unstable_by_key(|&[a, b]| (a.min(b), a.max(b), a));
         for same_ends in maybe_cuts.chunk_by(|a, b| a == b || *a == [b[1], b[0]]) {
             let forward = same_ends.iter().filter(|ends| ends[0] < ends[1]).count();

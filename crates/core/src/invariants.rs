@@ -6,8 +6,8 @@
 //! triangles add up to the exact area of the rings.
 
 use crate::edge::{Degrees, ZoneArea, normal, surface_point};
+use crate::triangulate::WIDEST_INTERIOR_EDGE_DEG;
 use crate::{EdgeRule, Ellipsoid, RegionMesh};
-use std::f64::consts::PI;
 
 /// Relative difference allowed between the triangles' area and the rings', from rounding alone.
 const AREA_TOLERANCE: f64 = 1e-9;
@@ -190,7 +190,7 @@ impl RegionMesh {
             let middle = body.ecef_to_geodetic((a + b + c) / 3.0);
             let up = body.geodetic_surface_normal(middle.longitude_rad, middle.latitude_rad);
             let cross = (b - a).cross(c - a);
-            if cross.length_squared() == 0.0 {
+            if self.is_degenerate(*triangle) {
                 return Err(InvariantViolation::Degenerate {
                     corners: triangle.to_vec(),
                 });
@@ -216,12 +216,29 @@ impl RegionMesh {
         Ok(())
     }
 
+    /// Whether the corners are on one line in longitude and latitude, exactly. On the body a sliver
+    /// may be flat to the last bit, and a facet between two lines towards a pole is: the volume
+    /// needs it to be closed.
+    fn is_degenerate(&self, triangle: [u32; 3]) -> bool {
+        let [a, b, c] = triangle.map(|i| self.vertices_deg[i as usize]);
+        if [a, b, c].iter().any(|corner| corner[1].abs() == 90.0) {
+            return false;
+        }
+        // Longitudes taken over the antimeridian are rounded, and the question is about the last bit.
+        let unrolled = (b[0] - a[0]).abs() > 180.0 || (c[0] - a[0]).abs() > 180.0;
+        let coord = |[x, y]: Degrees| robust::Coord { x, y };
+        !unrolled && robust::orient2d(coord(a), coord(b), coord(c)) == 0.0
+    }
+
     /// Distance between the middle of an edge that is straight in longitude and latitude and the
     /// plane through its ends and the normal there.
     fn planar_bow_m(&self, body: &Ellipsoid, from: u32, to: u32) -> f64 {
         let [start, end] = [from, to].map(|i| self.vertices_deg[i as usize]);
         if start[1].abs() == 90.0 || end[1].abs() == 90.0 {
-            return 0.0;
+            // Meshed towards some longitude at the pole, up to the widest edge away from its
+            // other end's, and drawn as a meridian: the bow of a line is Δλ · length / 4.
+            let chord = self.vertices_ecef[to as usize] - self.vertices_ecef[from as usize];
+            return 0.25 * WIDEST_INTERIOR_EDGE_DEG.to_radians() * chord.length();
         }
         let middle = [
             start[0] + 0.5 * short_step(start[0], end[0]),
@@ -244,27 +261,22 @@ impl RegionMesh {
             scale_m2 += terms;
         }
         // Where edges follow great ellipses the triangles stand on their chords in longitude and
-        // latitude; what lies between chord and arc is known exactly. Edges that end at a pole are
-        // drawn as meridians: what a slanted one cut off is bounded by the strip it could slant in.
+        // latitude; what lies between chord and arc is known exactly.
         let mut segments_m2 = 0.0;
-        let mut slack_m2 = 0.0;
         for ring in &self.boundary_loops {
             for (from, to) in ring.iter().zip(ring.iter().cycle().skip(1)) {
                 let [start, end] = [from, to].map(|i| self.vertices_deg[*i as usize]);
-                if start[1].abs() == 90.0 || end[1].abs() == 90.0 {
-                    let pole = if start[1].abs() == 90.0 { start } else { end };
-                    let other = if start[1].abs() == 90.0 { end } else { start };
-                    let strip = zone.at(pole[1].to_radians()) - zone.at(other[1].to_radians());
-                    slack_m2 += 0.5 * strip.abs() * (PI / 6.0);
-                    continue;
+                if start[1].abs() < 90.0 && end[1].abs() < 90.0 {
+                    let end = [start[0] + short_step(start[0], end[0]), end[1]];
+                    segments_m2 += zone.under_edge(EdgeRule::Planar, start, end)
+                        - zone.under_edge(EdgeRule::GreatEllipse, start, end);
                 }
-                let end = [start[0] + short_step(start[0], end[0]), end[1]];
-                segments_m2 += zone.under_edge(EdgeRule::Planar, start, end)
-                    - zone.under_edge(EdgeRule::GreatEllipse, start, end);
             }
         }
+        let slack_m2 = self.pole_slack_m2(body);
         let expected_m2 = self.area_m2;
-        let allowed_m2 = AREA_TOLERANCE * expected_m2 + 1e-14 * scale_m2 + slack_m2;
+        let rounding_m2 = 1e-14 * body.equatorial_radius_m() * self.boundary_length_m();
+        let allowed_m2 = AREA_TOLERANCE * expected_m2 + 1e-14 * scale_m2 + rounding_m2 + slack_m2;
         let planar = (found_m2 - expected_m2).abs();
         let great_ellipse = (found_m2 + segments_m2 - expected_m2).abs();
         if planar.min(great_ellipse) <= allowed_m2 {
@@ -276,6 +288,44 @@ impl RegionMesh {
                 allowed_m2,
             })
         }
+    }
+
+    fn boundary_length_m(&self) -> f64 {
+        let length = |ring: &Vec<u32>| -> f64 {
+            let next = ring.iter().cycle().skip(1);
+            ring.iter()
+                .zip(next)
+                .map(|(a, b)| {
+                    let [a, b] = [a, b].map(|i| self.vertices_ecef[*i as usize]);
+                    (b - a).length()
+                })
+                .sum()
+        };
+        self.boundary_loops.iter().map(length).sum()
+    }
+
+    /// Edges that end at a pole are drawn as meridians. The slanted ones they stand for lie within
+    /// the boundary's deviation of them, and two that became one enclosed no more than that; nobody
+    /// knows any more how many there were, so every vertex counts as the end of one. A pole inside
+    /// the mesh, with triangles all round, needs no allowance.
+    fn pole_slack_m2(&self, body: &Ellipsoid) -> f64 {
+        let deviation_m = self.boundary_deviation_m + 1e-14 * body.equatorial_radius_m();
+        let at_pole = |i: u32| self.vertices_deg[i as usize][1].abs() == 90.0;
+        (0..)
+            .take(self.vertices_deg.len())
+            .filter(|&pole| at_pole(pole) && !self.is_inside_a_fan(pole))
+            .map(|pole| {
+                let pole = self.vertices_ecef[pole as usize];
+                let reach = self.vertices_ecef.iter().map(|v| (*v - pole).length());
+                deviation_m * reach.sum::<f64>()
+            })
+            .sum()
+    }
+
+    /// Whether the vertex has triangles and is on no boundary loop.
+    fn is_inside_a_fan(&self, vertex: u32) -> bool {
+        self.triangles.iter().flatten().any(|&i| i == vertex)
+            && !self.boundary_loops.iter().flatten().any(|&i| i == vertex)
     }
 
     /// Area of a triangle whose edges are straight in longitude and latitude, exact, and the sum of

@@ -40,7 +40,8 @@ impl EdgeRule {
 /// shifted by that much. A ring that says so by a jump between −180 and 180 at one latitude is held
 /// the same way, the vertices after the jump shifted by one turn. Jumps that cancel, such as the
 /// two in the rectangle −180 … 180 × −10 … 10, are no such thing: they are edges along a parallel,
-/// and the ring is held as it was written.
+/// and the ring is held as it was written. Of a ring that goes round, two vertices and its end are
+/// enough.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ring {
     vertices_deg: Vec<[f64; 2]>,

@@ -26,7 +26,7 @@ type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>, (), bool>;
 const LONGEST_INTERIOR_EDGE_STEPS: f64 = 1.5;
 /// Interior edges that span more longitude than this are halved: beyond it, close to a pole, a
 /// triangle that is small on the body can still be turned over.
-const WIDEST_INTERIOR_EDGE_DEG: f64 = 45.0;
+pub(crate) const WIDEST_INTERIOR_EDGE_DEG: f64 = 45.0;
 /// Widest spacing of lattice points, degrees of longitude: twelve round a pole.
 const WIDEST_LATTICE_STEP_DEG: f64 = 30.0;
 /// Lattice points closer than this to the boundary, in steps, are left out: they make slivers.
