@@ -10,7 +10,9 @@ mod backend;
 mod colour;
 mod fixed_point;
 mod layout;
+mod pass;
 mod pipeline;
+mod statistics;
 
 pub use backend::{ColourWay, VertexBackend, VertexVariant};
 pub use colour::{XOR_NUMBERS, XorBatches};
