@@ -112,7 +112,7 @@ fn parse_points(bytes: &[u8]) -> Result<Vec<NamedPoint>, Vec<String>> {
     let (mut points, mut problems) = (Vec::new(), Vec::new());
     for row in reader.records() {
         match row {
-            Ok(row) => match parse_point(&row, columns) {
+            Ok(row) => match parse_point(&row, line_of(&row, text), columns) {
                 Ok(point) => points.push(point),
                 Err(wrong) => problems.extend(wrong),
             },
@@ -126,9 +126,24 @@ fn parse_points(bytes: &[u8]) -> Result<Vec<NamedPoint>, Vec<String>> {
     }
 }
 
+/// Line of `text` that a row starts at, from 1. The reader's own position lies before the blank
+/// lines that it skipped on the way.
+fn line_of(row: &csv::StringRecord, text: &str) -> u64 {
+    let Some(position) = row.position() else {
+        return 0;
+    };
+    let before = usize::try_from(position.byte()).unwrap_or(usize::MAX);
+    let ahead = text.bytes().skip(before);
+    let skipped = ahead.take_while(|byte| matches!(byte, b'\n' | b'\r'));
+    position.line() + skipped.filter(|byte| *byte == b'\n').count() as u64
+}
+
 /// One row, or what is wrong with its cells.
-fn parse_point(row: &csv::StringRecord, columns: [usize; 2]) -> Result<NamedPoint, Vec<String>> {
-    let line = row.position().map_or(0, csv::Position::line);
+fn parse_point(
+    row: &csv::StringRecord,
+    line: u64,
+    columns: [usize; 2],
+) -> Result<NamedPoint, Vec<String>> {
     let cell = |column: usize, name: &str, limit: f64| {
         let allowed = format!("allowed: a number from -{limit} to {limit}");
         let Some(text) = row.get(column) else {

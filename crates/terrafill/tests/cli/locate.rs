@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! `locate`: known points, the form of its output, and what the edge rules change.
+
+use crate::harness::{BOW_TIE, Desk, collection, data_file, polygon, rectangle};
+
+fn locate(desk: &Desk, arguments: &[&str], points: &str) -> String {
+    desk.write("points.csv", points);
+    let all = [&["locate", "--points", "points.csv"][..], arguments].concat();
+    desk.run(&all).succeeded()
+}
+
+/// Regions found for each point, as printed.
+fn found(text: &str) -> Vec<&str> {
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("lon,lat,regions"));
+    lines
+        .map(|line| line.splitn(3, ',').nth(2).expect("three cells"))
+        .collect()
+}
+
+fn write_regions(desk: &Desk) {
+    let shell = polygon(&rectangle(0.0, 40.0, 10.0, 50.0));
+    let holed = shell.replace("]]}", "],[[2,42],[4,42],[4,44],[2,44],[2,42]]]}");
+    desk.write(
+        "r.geojson",
+        collection(&[
+            ("holed", holed),
+            ("overlapping", polygon(&rectangle(8.0, 45.0, 20.0, 46.0))),
+            ("far", polygon(&rectangle(178.0, -1.0, 182.0, 1.0))),
+        ]),
+    );
+}
+
+#[test]
+fn indices_are_joined_by_semicolons_and_nowhere_is_empty() {
+    let desk = Desk::new();
+    write_regions(&desk);
+    let points = "lon,lat\n1,41\n9,45.5\n15,45.5\n3,43\n30,30\n-179,0\n181.5,0\n-541e-1,0\n";
+    let text = locate(&desk, &["r.geojson"], points);
+    assert_eq!(
+        text,
+        "lon,lat,regions\n1,41,0\n9,45.5,0;1\n15,45.5,1\n3,43,\n30,30,\n-179,0,2\n181.5,0,2\n\
+         -541e-1,0,\n"
+    );
+    assert_eq!(
+        locate(&desk, &["r.geojson"], "lon,lat\n"),
+        "lon,lat,regions\n"
+    );
+}
+
+#[test]
+fn the_points_file_may_hold_more_and_in_another_order() {
+    let desk = Desk::new();
+    write_regions(&desk);
+    let points = "\u{feff}id,lat,name,lon\r\n7,41,\"a, b\", 1\r\n8,45.50,c,9.0\r\n";
+    let text = locate(&desk, &["r.geojson"], points);
+    assert_eq!(text, "lon,lat,regions\n1,41,0\n9.0,45.50,0;1\n");
+}
+
+#[test]
+fn the_edge_rules_differ_where_an_edge_bulges() {
+    let desk = Desk::new();
+    write_regions(&desk);
+    // The great ellipse between the northern corners passes longitude 5 at latitude
+    // atan(tan 50° / cos 5°) = 50.108°, that between the southern ones at 40.108°.
+    let points = "lon,lat\n5,50.05\n5,40.05\n5,45\n5,50.2\n5,40.2\n";
+    let planar = locate(&desk, &["r.geojson", "--edges", "planar"], points);
+    let great = locate(&desk, &["r.geojson", "--edges", "great-ellipse"], points);
+    assert_eq!(found(&planar), ["", "0", "0", "", "0"]);
+    assert_eq!(found(&great), ["0", "", "0", "", "0"]);
+    assert_eq!(locate(&desk, &["r.geojson"], points), planar);
+}
+
+#[test]
+fn crossing_rings_are_judged_by_the_even_odd_rule_when_asked_for() {
+    let desk = Desk::new();
+    let squares = "[[[[0,0],[2,0],[2,2],[0,2],[0,0]]],[[[1,1],[3,1],[3,3],[1,3],[1,1]]]]";
+    let text = format!(r#"{{"type":"MultiPolygon","coordinates":{squares}}}"#);
+    desk.write(
+        "r.geojson",
+        collection(&[("tie", polygon(&BOW_TIE)), ("two", text)]),
+    );
+    let points = "lon,lat\n0.25,0.4\n0.5,0.25\n0.75,0.4\n1.5,1.5\n2.5,2.5\n";
+    for edges in ["planar", "great-ellipse"] {
+        let options = ["r.geojson", "--repair", "even-odd", "--edges", edges];
+        let text = locate(&desk, &options, points);
+        // In order: the western wing; below the knot, in the square alone; the eastern wing; where
+        // both squares are; in the second square.
+        assert_eq!(found(&text), ["0;1", "1", "0;1", "", "1"], "{edges}");
+    }
+    desk.run(&["locate", "r.geojson", "--points", "points.csv"])
+        .refused(&[
+            &["feature 0 (tie)", "latitude 0.5000000", "--repair even-odd"],
+            &["feature 1 (two)", "--repair even-odd"],
+        ]);
+}
+
+#[test]
+fn cities_lie_in_their_countries() {
+    let Some(file) = data_file("vectors/ne_110m_admin_0_countries.geojson") else {
+        return;
+    };
+    let file = file.display().to_string();
+    let desk = Desk::new();
+    let json = desk
+        .run(&["mesh", &file, "--json", "--repair", "even-odd"])
+        .succeeded();
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let places = [
+        (2.35, 48.86, Some("France")),
+        (-77.04, -12.05, Some("Peru")),
+        (32.53, 15.5, Some("Sudan")),
+        (149.13, -35.28, Some("Australia")),
+        (179.9, 68.0, Some("Russia")),
+        (-179.9, 68.0, Some("Russia")),
+        (0.0, -89.9, Some("Antarctica")),
+        (28.5, -29.5, Some("Lesotho")),
+        (-30.0, 40.0, None),
+    ];
+    let mut points = "lon,lat\n".to_owned();
+    for (longitude, latitude, _) in places {
+        points += &format!("{longitude},{latitude}\n");
+    }
+    let text = locate(&desk, &[&file, "--repair", "even-odd"], &points);
+    for (cell, (longitude, latitude, name)) in found(&text).into_iter().zip(places) {
+        let index: Option<usize> = cell.parse().ok();
+        let found = index.and_then(|index| json["regions"][index]["name"].as_str());
+        assert_eq!(found, name, "{longitude}, {latitude}: {cell:?}");
+    }
+}

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The built program, driven as a user drives it: arguments and files in; exit code, standard
+//! output, standard error and files out.
+
+mod bad_input;
+mod bench;
+mod harness;
+mod locate;
+mod mesh;
+mod render;
+mod usage;

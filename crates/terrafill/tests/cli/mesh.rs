@@ -1,0 +1,423 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! `mesh`: the keys of its JSON, areas against closed forms, and everything a file may look like.
+
+use crate::harness::{BOW_TIE, Desk, collection, data_file, polygon, rectangle};
+use serde_json::Value;
+use std::collections::BTreeSet;
+
+/// Equatorial and polar radius in metres, written down here once more.
+const BODIES: [(&str, f64, f64); 6] = [
+    ("wgs84", 6_378_137.0, 6_356_752.314_245),
+    ("moon", 1_737_400.0, 1_737_400.0),
+    ("mars", 3_396_190.0, 3_376_200.0),
+    ("saturn-like", 60_268_000.0, 54_364_000.0),
+    ("unit-sphere", 1.0, 1.0),
+    ("asteroid-250m", 250.0, 230.0),
+];
+
+/// Area between the equator and a latitude per radian of longitude; Snyder (1987), eq. 3-12, with
+/// the logarithm written as artanh.
+fn zone(a: f64, b: f64, latitude_deg: f64) -> f64 {
+    let s = latitude_deg.to_radians().sin();
+    let e = (1.0 - (b / a).powi(2)).sqrt();
+    let last = if e > 0.0 { (e * s).atanh() / e } else { s };
+    b * b / 2.0 * (s / (1.0 - (e * s).powi(2)) + last)
+}
+
+fn rectangle_area(body: &str, [west, south, east, north]: [f64; 4]) -> f64 {
+    let (_, a, b) = BODIES
+        .into_iter()
+        .find(|(name, ..)| *name == body)
+        .expect("a body");
+    (east - west).to_radians() * (zone(a, b, north) - zone(a, b, south))
+}
+
+#[track_caller]
+fn assert_area(found: &Value, expected: f64) {
+    let found = found.as_f64().expect("a number");
+    let error = (found / expected - 1.0).abs();
+    assert!(error < 1e-9, "{found} instead of {expected}: {error}");
+}
+
+fn mesh(desk: &Desk, arguments: &[&str]) -> Value {
+    let all = [&["mesh", "--json"][..], arguments].concat();
+    serde_json::from_str(&desk.run(&all).succeeded()).expect("JSON")
+}
+
+fn keys(value: &Value) -> BTreeSet<&str> {
+    let object = value.as_object().expect("an object");
+    object.keys().map(String::as_str).collect()
+}
+
+/// Keys that scripts rely on.
+const TOP_KEYS: [&str; 7] = [
+    "file",
+    "edges",
+    "body",
+    "regions",
+    "errors",
+    "totals",
+    "elapsed_ms",
+];
+const REGION_KEYS: [&str; 11] = [
+    "index",
+    "name",
+    "vertices",
+    "triangles",
+    "boundary_edges",
+    "holes",
+    "area_m2",
+    "extent_deg",
+    "boundary_deviation_m",
+    "bytes",
+    "warnings",
+];
+const TOTAL_KEYS: [&str; 8] = [
+    "regions",
+    "input_vertices",
+    "vertices",
+    "triangles",
+    "boundary_edges",
+    "holes",
+    "area_m2",
+    "bytes",
+];
+
+#[test]
+fn the_json_has_the_promised_keys_and_no_others() {
+    let desk = Desk::new();
+    let squares = [
+        ("one", polygon(&rectangle(0.0, 0.0, 1.0, 1.0))),
+        ("two", polygon(&rectangle(5.0, 5.0, 7.0, 6.0))),
+    ];
+    desk.write("r.geojson", collection(&squares));
+    let json = mesh(&desk, &["r.geojson"]);
+    assert_eq!(keys(&json), BTreeSet::from(TOP_KEYS));
+    assert_eq!(keys(&json["totals"]), BTreeSet::from(TOTAL_KEYS));
+    assert_eq!(
+        (&json["file"], &json["edges"], &json["body"]),
+        (&"r.geojson".into(), &"planar".into(), &"wgs84".into())
+    );
+    assert_eq!(json["errors"], Value::Array(Vec::new()));
+    assert!(json["elapsed_ms"].as_f64() > Some(0.0));
+    let regions = json["regions"].as_array().expect("a list");
+    assert_eq!(regions.len(), 2);
+    for (index, region) in regions.iter().enumerate() {
+        assert_eq!(keys(region), BTreeSet::from(REGION_KEYS));
+        assert_eq!(region["index"], index);
+        assert_eq!(region["name"], squares[index].0);
+        let layouts = BTreeSet::from(["vertex/doubled", "vertex/pulled"]);
+        assert_eq!(keys(&region["bytes"]), layouts);
+    }
+    assert_eq!(
+        regions[0]["extent_deg"],
+        serde_json::json!([0.0, 0.0, 1.0, 1.0])
+    );
+    // Totals are sums.
+    for key in ["vertices", "triangles", "boundary_edges", "holes"] {
+        let sum: u64 = regions
+            .iter()
+            .filter_map(|region| region[key].as_u64())
+            .sum();
+        assert_eq!(json["totals"][key], sum, "{key}");
+    }
+    for layout in ["vertex/doubled", "vertex/pulled"] {
+        let bytes = |region: &Value| region["bytes"][layout].as_u64().expect("bytes");
+        let sum: u64 = regions.iter().map(bytes).sum();
+        assert!(sum > 0, "{layout}");
+        assert_eq!(json["totals"]["bytes"][layout], sum);
+    }
+    assert_eq!(
+        (
+            &json["totals"]["regions"],
+            &json["totals"]["input_vertices"]
+        ),
+        (&2.into(), &8.into())
+    );
+}
+
+#[test]
+fn areas_of_a_rectangle_are_exact_on_every_body() {
+    let desk = Desk::new();
+    let sides = [10.0, 40.0, 12.0, 41.0];
+    let [west, south, east, north] = sides;
+    desk.write("r.geojson", polygon(&rectangle(west, south, east, north)));
+    for (body, ..) in BODIES {
+        let json = mesh(&desk, &["r.geojson", "--body", body]);
+        assert_eq!(json["body"], body);
+        assert_area(&json["regions"][0]["area_m2"], rectangle_area(body, sides));
+        assert_area(&json["totals"]["area_m2"], rectangle_area(body, sides));
+    }
+    // The tolerance tells the ellipsoid from the sphere of its mean radius.
+    let sphere = rectangle_area("unit-sphere", sides) * 6_371_008.8_f64.powi(2);
+    let error = (sphere / rectangle_area("wgs84", sides) - 1.0).abs();
+    assert!(error > 1e-4, "{error}");
+}
+
+#[test]
+fn a_file_may_be_written_in_many_ways_and_means_the_same() {
+    let desk = Desk::new();
+    let plain = polygon(&rectangle(10.0, 40.0, 12.0, 41.0));
+    let mut reversed = rectangle(10.0, 40.0, 12.0, 41.0);
+    reversed.reverse();
+    let multi = plain
+        .replace("Polygon", "MultiPolygon")
+        .replace("[[[", "[[[[")
+        .replace("]]]", "]]]]");
+    let ways = [
+        ("plain", plain.clone()),
+        ("other winding", polygon(&reversed)),
+        ("byte order mark", format!("\u{feff}{plain}")),
+        ("CRLF", plain.replace(',', ",\r\n")),
+        ("feature", collection(&[("one", plain.clone())])),
+        (
+            "bare feature",
+            format!(r#"{{"type":"Feature","properties":null,"geometry":{plain}}}"#),
+        ),
+        ("multipolygon", multi),
+        ("heights", plain.replace("40]", "40,8848.86]")),
+        ("unclosed", plain.replace(",[10,40]]]", "]]")),
+        ("repeated", plain.replace("[12,41]", "[12,41],[12,41]")),
+        (
+            "collinear",
+            plain.replace("[12,41]", "[12,40.5],[12,41],[11,41]"),
+        ),
+        (
+            "a turn further",
+            plain.replace("[10,", "[370,").replace("[12,", "[372,"),
+        ),
+        (
+            "collection",
+            format!(
+                r#"{{"type":"GeometryCollection","geometries":[
+                    {{"type":"Point","coordinates":[0,0]}},{plain}]}}"#
+            ),
+        ),
+    ];
+    for (way, text) in ways {
+        desk.write("r.geojson", &text);
+        let json = mesh(&desk, &["r.geojson"]);
+        let region = &json["regions"][0];
+        assert_eq!(json["totals"]["regions"], 1, "{way}");
+        assert_area(
+            &region["area_m2"],
+            rectangle_area("wgs84", [10.0, 40.0, 12.0, 41.0]),
+        );
+        let extent = serde_json::json!([10.0, 40.0, 12.0, 41.0]);
+        assert_eq!(region["extent_deg"], extent, "{way}");
+        let warnings = region["warnings"].as_array().expect("a list");
+        let is_put_right = ["unclosed", "repeated", "collection"].contains(&way);
+        assert_eq!(!warnings.is_empty(), is_put_right, "{way}: {warnings:?}");
+    }
+}
+
+#[test]
+fn rings_past_the_antimeridian_and_round_a_pole_are_whole() {
+    let desk = Desk::new();
+    for (west, east, turned) in [
+        (178.0, 182.0, [178.0, -178.0]),
+        (-182.0, -178.0, [178.0, -178.0]),
+        (530.0, 535.0, [170.0, 175.0]),
+    ] {
+        let area = rectangle_area("wgs84", [west, -10.0, east, 10.0]);
+        desk.write("r.geojson", polygon(&rectangle(west, -10.0, east, 10.0)));
+        let region = &mesh(&desk, &["r.geojson"])["regions"][0];
+        assert_area(&region["area_m2"], area);
+        let extent = serde_json::json!([turned[0], -10.0, turned[1], 10.0]);
+        assert_eq!(region["extent_deg"], extent);
+    }
+    let ring: Vec<[f64; 2]> = (0..8)
+        .map(|i| [f64::from(i) * 45.0 - 180.0, 80.0])
+        .collect();
+    let cap = rectangle_area("wgs84", [-180.0, 80.0, 180.0, 90.0]);
+    let cut = [&ring[..], &[[180.0, 80.0], [180.0, 90.0], [-180.0, 90.0]]].concat();
+    // Cut along the antimeridian as RFC 7946 asks, and left uncut.
+    let closed = polygon(&ring).replace(",[-180,80]]]", ",[180,80]]]");
+    for text in [polygon(&cut), closed] {
+        desk.write("r.geojson", &text);
+        assert_area(&mesh(&desk, &["r.geojson"])["regions"][0]["area_m2"], cap);
+    }
+}
+
+#[test]
+fn holes_are_counted_and_cut_out() {
+    let desk = Desk::new();
+    let shell = polygon(&rectangle(0.0, 0.0, 6.0, 6.0));
+    let with_hole = shell.replace("]]}", "],[[2,2],[4,2],[4,3],[2,3],[2,2]]]}");
+    desk.write("r.geojson", with_hole);
+    let region = &mesh(&desk, &["r.geojson"])["regions"][0];
+    assert_eq!(region["holes"], 1);
+    let area = rectangle_area("wgs84", [0.0, 0.0, 6.0, 6.0])
+        - rectangle_area("wgs84", [2.0, 2.0, 4.0, 3.0]);
+    assert_area(&region["area_m2"], area);
+}
+
+#[test]
+fn great_ellipse_edges_bulge_towards_the_pole_by_the_closed_form() {
+    let desk = Desk::new();
+    let (south, north) = (40.0_f64, 50.0_f64);
+    desk.write("r.geojson", polygon(&rectangle(0.0, south, 10.0, north)));
+    let area = |edges: &str| {
+        let arguments = ["r.geojson", "--body", "unit-sphere", "--edges", edges];
+        let json = mesh(
+            &desk,
+            &[&arguments[..], &["--boundary-tolerance-m", "1e-6"]].concat(),
+        );
+        assert_eq!(json["edges"], edges);
+        json["regions"][0]["area_m2"].clone()
+    };
+    assert_area(
+        &area("planar"),
+        rectangle_area("unit-sphere", [0.0, south, 10.0, north]),
+    );
+    // A great circle between two points of one latitude and the equator: spherical excess
+    // 2 atan(tan(Δλ/2) sin φ).
+    let half = 5.0_f64.to_radians().tan();
+    let under = |latitude: f64| 2.0 * (half * latitude.to_radians().sin()).atan();
+    assert_area(&area("great-ellipse"), under(north) - under(south));
+    // On the Earth the rules differ by hundredths, not by rounding.
+    let earth =
+        |edges: &str| mesh(&desk, &["r.geojson", "--edges", edges])["totals"]["area_m2"].as_f64();
+    let ratio = earth("great-ellipse").expect("an area") / earth("planar").expect("an area");
+    assert!((1e-4..1e-2).contains(&(ratio - 1.0).abs()), "{ratio}");
+}
+
+#[test]
+fn a_finer_tolerance_gives_more_edges_and_is_kept() {
+    let desk = Desk::new();
+    desk.write("r.geojson", polygon(&rectangle(0.0, 50.0, 40.0, 60.0)));
+    let mut edges_before = 0;
+    for tolerance in ["1000", "10", "0.1"] {
+        let json = mesh(&desk, &["r.geojson", "--boundary-tolerance-m", tolerance]);
+        let region = &json["regions"][0];
+        let deviation = region["boundary_deviation_m"].as_f64();
+        let limit = tolerance.parse::<f64>().ok();
+        assert!(deviation > Some(0.0) && deviation <= limit, "{deviation:?}");
+        let edges = region["boundary_edges"].as_u64().expect("a count");
+        assert!(edges > edges_before, "{edges} at {tolerance} m");
+        edges_before = edges;
+    }
+    let triangles = |step: &str| {
+        mesh(&desk, &["r.geojson", "--cap-step-deg", step])["totals"]["triangles"].as_u64()
+    };
+    assert!(triangles("1") > triangles("10"));
+}
+
+#[test]
+fn crossings_are_filled_by_the_even_odd_rule_when_asked_for() {
+    let desk = Desk::new();
+    let right = polygon(&rectangle(8.0, 0.0, 9.0, 1.0));
+    desk.write(
+        "tie.geojson",
+        collection(&[("tie", polygon(&BOW_TIE)), ("right", right.clone())]),
+    );
+    let json = mesh(&desk, &["tie.geojson", "--repair", "even-odd"]);
+    let [tie, other] = [&json["regions"][0], &json["regions"][1]];
+    let warning = "1 crossing of edges: filled by the even-odd rule";
+    assert_eq!(tie["warnings"], serde_json::json!([warning]));
+    assert_eq!(other["warnings"], serde_json::json!([]));
+    // Two triangles between the diagonals, west and east of their crossing, added up in strips of
+    // longitude (midpoint rule, whose error is below 1e-9 of the area at this width).
+    let (_, a, b) = BODIES[0];
+    let strips = 20_000;
+    let width = 1.0 / f64::from(strips);
+    let sum: f64 = (0..strips)
+        .map(|strip| (f64::from(strip) + 0.5) * width)
+        .map(|x| (zone(a, b, x.max(1.0 - x)) - zone(a, b, x.min(1.0 - x))) * width.to_radians())
+        .sum();
+    let found = tie["area_m2"].as_f64().expect("an area");
+    assert!((found / sum - 1.0).abs() < 1e-7, "{found} instead of {sum}");
+
+    // Two squares of one feature that overlap: where both are, nothing is filled.
+    let squares = "[[[[0,0],[2,0],[2,2],[0,2],[0,0]]],[[[1,1],[3,1],[3,3],[1,3],[1,1]]]]";
+    let text = format!(r#"{{"type":"MultiPolygon","coordinates":{squares}}}"#);
+    desk.write("two.geojson", text);
+    let json = mesh(&desk, &["two.geojson", "--repair", "even-odd"]);
+    let area = |sides| rectangle_area("wgs84", sides);
+    let even_odd =
+        area([0.0, 0.0, 2.0, 2.0]) + area([1.0, 1.0, 3.0, 3.0]) - 2.0 * area([1.0, 1.0, 2.0, 2.0]);
+    assert_area(&json["totals"]["area_m2"], even_odd);
+    desk.run(&["mesh", "two.geojson"]).refused(&[&[
+        "polygon 0",
+        "polygon 1",
+        "longitude",
+        "--repair even-odd",
+    ]]);
+
+    // Where nothing crosses, nothing is changed.
+    desk.write("right.geojson", &right);
+    let (mut with, mut without) = (
+        mesh(&desk, &["right.geojson", "--repair", "even-odd"]),
+        mesh(&desk, &["right.geojson"]),
+    );
+    for json in [&mut with, &mut without] {
+        json["elapsed_ms"] = Value::Null;
+    }
+    assert_eq!(with, without);
+}
+
+#[test]
+fn the_table_is_readable() {
+    let desk = Desk::new();
+    let long = "a name that goes on and on for ever and ever";
+    desk.write(
+        "r.geojson",
+        collection(&[
+            (long, polygon(&rectangle(0.0, 0.0, 1.0, 1.0))),
+            ("São Tomé", polygon(&rectangle(5.0, 5.0, 7.0, 6.0))),
+        ]),
+    );
+    let text = desk.run(&["mesh", "r.geojson"]).succeeded();
+    let widths: Vec<usize> = text.lines().map(|line| line.chars().count()).collect();
+    assert!(widths.iter().all(|width| *width <= 100), "{text}");
+    // The heading, both rows and the sums end in one column.
+    let columns: BTreeSet<usize> = widths[2..6].iter().copied().collect();
+    assert_eq!(columns.len(), 1, "{text}");
+    let area = rectangle_area("wgs84", [0.0, 0.0, 1.0, 1.0]) * 1e-6;
+    for phrase in [
+        "r.geojson · planar edges · wgs84",
+        "a name that goes on and on fo… ",
+        "São Tomé",
+        "area km²",
+        &format!("{area:.3}"),
+        "2 regions",
+        "8 vertices read",
+        "vertex/pulled: ",
+    ] {
+        assert!(text.contains(phrase), "{phrase:?} is not in {text}");
+    }
+    let small = desk
+        .run(&["mesh", "r.geojson", "--body", "unit-sphere"])
+        .succeeded();
+    assert!(small.contains("area m²"), "{small}");
+    let area = rectangle_area("unit-sphere", [0.0, 0.0, 1.0, 1.0]);
+    assert!(small.contains(&format!("{area:.6}")), "{small}");
+}
+
+#[test]
+fn countries_are_all_reported_and_the_one_that_crosses_itself_is_named() {
+    let (Some(fine), Some(coarse)) = (
+        data_file("vectors/ne_10m_admin_0_countries.geojson"),
+        data_file("vectors/ne_110m_admin_0_countries.geojson"),
+    ) else {
+        return;
+    };
+    let (fine, coarse) = (fine.display().to_string(), coarse.display().to_string());
+    let desk = Desk::new();
+    let json = mesh(&desk, &[&fine]);
+    assert_eq!(json["totals"]["regions"], 258);
+    // 148.9 million km² of land, less what the file's generalisation leaves out.
+    let area = json["totals"]["area_m2"].as_f64().expect("an area");
+    assert!((area / 1.48e14 - 1.0).abs() < 0.02, "{area}");
+    desk.run(&["mesh", &coarse])
+        .refused(&[&["(Sudan)", "longitude 33.9", "latitude 9.4"]]);
+    let json = mesh(&desk, &[&coarse, "--repair", "even-odd"]);
+    let changed: Vec<&Value> = json["regions"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter(|region| region["warnings"].to_string().contains("even-odd"))
+        .map(|region| &region["name"])
+        .collect();
+    assert_eq!(changed, ["Sudan"]);
+}

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Help, version, exit codes, wrong arguments, and what there is.
+
+use crate::harness::{Desk, collection, has_device, polygon, rectangle};
+
+fn verbs(help: &str) -> Vec<String> {
+    help.lines()
+        .skip_while(|line| *line != "Commands:")
+        .skip(1)
+        .take_while(|line| !line.is_empty())
+        .filter_map(|line| line.split_whitespace().next())
+        .filter(|verb| *verb != "help")
+        .map(str::to_owned)
+        .collect()
+}
+
+fn check_help(text: &str, example: &str) -> Result<(), String> {
+    let (lines, columns) = (
+        text.lines().count(),
+        text.lines().map(|line| line.chars().count()).max(),
+    );
+    if lines > 40 || columns > Some(100) {
+        return Err(format!("{lines} lines of up to {columns:?} columns"));
+    }
+    if !text.contains(&format!("Example: {example}")) {
+        return Err(format!("no example of {example}"));
+    }
+    Ok(())
+}
+
+#[test]
+fn help_of_every_verb_fits_a_screen_and_shows_an_example() {
+    let desk = Desk::new();
+    let help = desk.run(&["--help"]).succeeded();
+    assert_eq!(check_help(&help, "terrafill "), Ok(()));
+    let verbs = verbs(&help);
+    for verb in [
+        "bench", "report", "render", "mesh", "locate", "scenes", "devices",
+    ] {
+        assert!(verbs.iter().any(|found| found == verb), "{verb}: {verbs:?}");
+    }
+    for verb in &verbs {
+        let text = desk.run(&[verb, "--help"]).succeeded();
+        let example = format!("terrafill {verb}");
+        assert_eq!(check_help(&text, &example), Ok(()), "{text}");
+        assert_eq!(desk.run(&["help", verb]).succeeded(), text);
+    }
+}
+
+#[test]
+fn help_that_is_too_long_too_wide_or_without_example_is_noticed() {
+    let good = "Usage\n\nExample: terrafill mesh f\n";
+    assert_eq!(check_help(good, "terrafill mesh"), Ok(()));
+    assert!(check_help(&"\n".repeat(41), "").is_err());
+    let wide = format!("{good}{}", "ü".repeat(101));
+    assert!(check_help(&wide, "terrafill mesh").is_err());
+    assert!(check_help(good, "terrafill render").is_err());
+}
+
+#[test]
+fn exit_codes_are_listed_and_the_version_is_the_packages() {
+    let desk = Desk::new();
+    let help = desk.run(&["--help"]).succeeded();
+    for (code, word) in [
+        (0, "done"),
+        (1, "a picture is wrong"),
+        (2, "bad input or usage"),
+        (3, "inconclusive"),
+        (4, "nothing measured"),
+        (5, "no usable device"),
+    ] {
+        assert!(help.contains(&format!("{code} {word}")), "{help}");
+    }
+    assert_eq!(
+        desk.run(&["--version"]).succeeded(),
+        concat!("terrafill ", env!("CARGO_PKG_VERSION"), "\n")
+    );
+}
+
+#[test]
+fn a_wrong_value_gets_one_line_with_what_is_allowed() {
+    let desk = Desk::new();
+    let cases: [(&[&str], &str); 13] = [
+        (
+            &["mesh", "f", "--edges", "rhumb"],
+            "--edges: found \"rhumb\", allowed: planar, great-ellipse",
+        ),
+        (
+            &["locate", "f", "--points", "p", "--edges", "x"],
+            "--edges: found \"x\", allowed: planar, great-ellipse",
+        ),
+        (
+            &["mesh", "f", "--repair", "nonzero"],
+            "--repair: found \"nonzero\", allowed: even-odd",
+        ),
+        (
+            &["mesh", "f", "--body", "pluto"],
+            "--body: found \"pluto\", allowed: wgs84, moon, mars",
+        ),
+        (
+            &["mesh", "f", "--boundary-tolerance-m", "wide"],
+            "--boundary-tolerance-m: found \"wide\", allowed: a number",
+        ),
+        (
+            &["mesh", "f", "--boundary-tolerance-m", "0"],
+            "--boundary-tolerance-m: found 0, allowed: above 0",
+        ),
+        (
+            &["mesh", "f", "--boundary-tolerance-m", "inf"],
+            "--boundary-tolerance-m: found inf, allowed: above 0 and finite",
+        ),
+        (
+            &["mesh", "f", "--cap-step-deg", "NaN"],
+            "--cap-step-deg: found NaN, allowed: 0.01 … 30",
+        ),
+        (
+            &["bench", "--size", "0x4"],
+            "--size: found \"0x4\", allowed: 1 … 16384 pixels",
+        ),
+        (
+            &["bench", "--frames", "0"],
+            "--frames: found \"0\", allowed: 1 … 100000",
+        ),
+        (
+            &["bench", "--shard", "3/2"],
+            "--shard: found \"3/2\", allowed: M/N with 1 ≤ M ≤ N",
+        ),
+        (
+            &["bench", "--backend", "metal"],
+            "backend \"metal\", allowed: vertex",
+        ),
+        (
+            &[
+                "render",
+                "california",
+                "--view",
+                "v",
+                "--out",
+                "o",
+                "--backend",
+                "x",
+            ],
+            "--backend: found \"x\", allowed: vertex, reference",
+        ),
+    ];
+    for (arguments, line) in cases {
+        desk.run(arguments).refused(&[&[line]]);
+    }
+    assert_eq!(desk.names(), [""; 0], "nothing was written");
+}
+
+#[test]
+fn usage_errors_end_with_2_and_say_what_is_missing() {
+    let desk = Desk::new();
+    let cases: [(&[&str], &str); 5] = [
+        (&[], "Usage: terrafill"),
+        (&["fly"], "unrecognized subcommand 'fly'"),
+        (&["mesh"], "<REGIONS>"),
+        (&["locate", "f"], "--points <POINTS>"),
+        (&["report", "a", "b"], "unexpected argument 'b'"),
+    ];
+    for (arguments, phrase) in cases {
+        let ran = desk.run(arguments);
+        assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{arguments:?}");
+        assert!(ran.stderr.contains(phrase), "{}", ran.stderr);
+    }
+}
+
+#[test]
+fn scenes_says_what_there_is_and_what_the_rest_needs() {
+    let desk = Desk::new();
+    let text = desk.run(&["scenes"]).succeeded();
+    for phrase in [
+        "planet-134\n",
+        "134 regions",
+        "california\n",
+        "views globe, top-down, horizon",
+        "countries-110m\n    skipped: no data folder is given (TERRAFILL_DATA is not set)\n",
+        "needs vectors/ne_110m_admin_0_countries.geojson\n",
+    ] {
+        assert!(text.contains(phrase), "{phrase:?} is not in {text}");
+    }
+    // An empty folder is a folder: other words.
+    desk.write("data/readme", "");
+    let text = desk.run(&["scenes", "--data", "data"]).succeeded();
+    assert!(text.contains("is not there"), "{text}");
+    assert!(!text.contains("TERRAFILL_DATA is not set"), "{text}");
+}
+
+#[test]
+fn devices_says_what_runs_and_ends_with_5_where_no_device_does() {
+    let desk = Desk::new();
+    let ran = desk.run_without_device(&["devices"]);
+    assert_eq!(ran.code, 5, "{}", ran.stdout);
+    assert!(ran.stdout.contains("reference  runs"), "{}", ran.stdout);
+    assert!(!ran.stdout.contains("vertex     runs"), "{}", ran.stdout);
+    assert!(ran.stderr.contains("no Vulkan device"), "{}", ran.stderr);
+    if has_device() {
+        let text = desk.run(&["devices"]).succeeded();
+        assert!(text.contains("reference  runs"), "{text}");
+        assert!(text.contains("vertex     runs"), "{text}");
+        assert!(text.contains("driver     "), "{text}");
+    }
+}
+
+#[test]
+fn without_a_device_what_needs_one_ends_with_5_and_writes_nothing() {
+    let desk = Desk::new();
+    for arguments in [
+        &["bench", "california", "--quick", "--out", "run"][..],
+        &["render", "california", "--view", "globe", "--out", "a.png"],
+    ] {
+        let ran = desk.run_without_device(arguments);
+        assert_eq!((ran.code, ran.stdout.as_str()), (5, ""), "{}", ran.stderr);
+        assert_eq!(ran.stderr.lines().count(), 1, "{}", ran.stderr);
+    }
+    assert_eq!(desk.names(), [""; 0], "nothing was written");
+    // The rest of the program needs none.
+    desk.write("r.geojson", polygon(&rectangle(0.0, 0.0, 1.0, 1.0)));
+    assert_eq!(desk.run_without_device(&["mesh", "r.geojson"]).code, 0);
+}
+
+#[test]
+fn a_reader_that_closes_the_pipe_is_no_error() {
+    let desk = Desk::new();
+    let square = polygon(&rectangle(0.0, 0.0, 1.0, 1.0));
+    let many: Vec<(&str, String)> = (0..3_000).map(|_| ("square", square.clone())).collect();
+    desk.write("r.geojson", collection(&many));
+    let mut child = desk
+        .command(&["mesh", "r.geojson", "--json"])
+        .spawn()
+        .expect("the program starts");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("it ends");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!((output.status.code(), &*stderr), (Some(0), ""));
+}
