@@ -7,11 +7,15 @@
 
 mod cases;
 mod environment;
+mod group;
 mod images;
 mod options;
 mod runner;
+mod scenes;
+mod summary;
 
 pub use cases::{BenchCase, SceneGroup, Technique, group_cases};
 pub use environment::environment;
 pub use options::{BenchError, BenchOptions, Shard};
-pub use runner::{BenchOutcome, open_scene, run};
+pub use runner::{BenchOutcome, run};
+pub use scenes::open_scene;

@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! One scene and view being measured: the reference judges, probes are compared, rounds are timed.
+
+use crate::images::{drop_alpha, file_stem, write_rgb};
+use crate::scenes::build_meshes;
+use crate::summary::baselines;
+use crate::{BenchCase, BenchError, BenchOptions, SceneGroup, Technique};
+use indicatif::ProgressBar;
+use std::rc::Rc;
+use std::sync::Arc;
+use terrafill_conformance::{Verdict, boundary_band, compare, difference_rgb, verdict};
+use terrafill_core::RegionMesh;
+use terrafill_frame::{
+    Backend as _, BackendError, Frame, FrameInput, FrameTimes, MemoryUse, PreparedScene,
+    TimedBackend as _, paint,
+};
+use terrafill_gpu::{Baseline, CpuStopwatch, Gpu, SharedStage, Stage};
+use terrafill_reference::ReferenceBackend;
+use terrafill_results::{CaseKey, ErrorFigures, RunFolder, Sample, Status, median};
+use terrafill_scene::{PlanOptions, SurfaceMesh};
+use terrafill_vertex::{ColourWay, VertexBackend};
+
+/// A case with what draws it and what the probe frame showed.
+pub(crate) struct RunningCase<'a> {
+    pub(crate) case: &'a BenchCase,
+    pub(crate) drawer: Drawer,
+    pub(crate) probe: Probe,
+    /// Frames measured by an earlier, killed process.
+    pub(crate) first_frame: u32,
+}
+
+pub(crate) enum Drawer {
+    Baseline(Baseline),
+    Vertex(Box<VertexBackend>, Rc<FrameInput>),
+    /// Cannot be timed; the probe says why.
+    None,
+}
+
+/// The probe frame and what it says about the case.
+#[derive(Default)]
+pub(crate) struct Probe {
+    pub(crate) status: Option<Status>,
+    pub(crate) reason: String,
+    pub(crate) memory: Option<MemoryUse>,
+    pub(crate) figures: Option<ErrorFigures>,
+    pub(crate) frame: Option<Frame>,
+    pub(crate) regions_drawn: Option<u64>,
+    pub(crate) regions_left_out: Option<u64>,
+    pub(crate) left_out: String,
+    pub(crate) boundary_deviation_m: Option<f64>,
+    pub(crate) plan_cpu_ms: Option<f64>,
+    pub(crate) image: String,
+    pub(crate) difference_image: String,
+}
+
+/// Why two cells of such a row are empty.
+const ALTERNATING: &str =
+    "stencil and colour alternate region by region: no GPU times of their own";
+
+impl Probe {
+    fn remark(&mut self, remark: &str) {
+        if !self.reason.is_empty() {
+            self.reason.push_str("; ");
+        }
+        self.reason.push_str(remark);
+    }
+}
+
+/// One scene and view being measured.
+pub(crate) struct GroupRun<'a> {
+    pub(crate) options: &'a BenchOptions,
+    pub(crate) folder: &'a RunFolder,
+    pub(crate) group: &'a SceneGroup,
+    pub(crate) progress: &'a ProgressBar,
+    pub(crate) stage: SharedStage,
+    /// What the default mesh options give; views of other options share its surface.
+    pub(crate) input: Rc<FrameInput>,
+    pub(crate) reference: Frame,
+    pub(crate) disagreements: (u64, u64),
+    pub(crate) reference_image: String,
+}
+
+impl<'a> GroupRun<'a> {
+    pub(crate) fn new(
+        gpu: &Arc<Gpu>,
+        options: &'a BenchOptions,
+        folder: &'a RunFolder,
+        group: &'a SceneGroup,
+        progress: &'a ProgressBar,
+    ) -> Result<Self, BenchError> {
+        let (scene, view) = (&group.scene, &group.view);
+        progress.set_message(format!("{}/{}: reference", scene.name, view.name));
+        let device = |source| BenchError::Device {
+            scene: scene.name.clone(),
+            view: view.name.clone(),
+            source,
+        };
+        let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
+        let meshes = build_meshes(scene, scene.mesh.boundary_tolerance_m)?;
+        let prepared = PreparedScene::new(scene, meshes, surface);
+        let input = FrameInput::new(&prepared, view, options.size, PlanOptions::default());
+        let stage = Stage::shared(gpu, options.size).map_err(device)?;
+        let judged = ReferenceBackend::new().judge(&input).map_err(device)?;
+        let band = boundary_band(&judged.frame);
+        let disagree = judged.disagreements.iter().zip(&band);
+        let outside = disagree.filter(|&(&differ, &near)| differ && !near).count() as u64;
+        let reference_image = write_rgb(
+            folder.path(),
+            &format!("{}_{}_reference", scene.name, view.name),
+            options.size,
+            &paint(&judged.frame),
+        )?;
+        Ok(Self {
+            options,
+            folder,
+            group,
+            progress,
+            stage,
+            input: Rc::new(input),
+            disagreements: (judged.disagreement_px(), outside),
+            reference: judged.frame,
+            reference_image,
+        })
+    }
+
+    pub(crate) fn run(&self) -> Result<(), BenchError> {
+        let done: Vec<Sample> = self.folder.samples()?;
+        let mut running = Vec::new();
+        for case in &self.group.cases {
+            self.progress.set_message(format!("{}: probe", case.key));
+            let first_frame = done
+                .iter()
+                .filter(|sample| sample.key() == case.key)
+                .count();
+            running.push(RunningCase {
+                first_frame: u32::try_from(first_frame).unwrap_or(u32::MAX),
+                ..self.probe(case)?
+            });
+        }
+        self.measure(&mut running)?;
+        let samples = self.folder.samples()?;
+        let baselines = baselines(&self.group.cases, &samples);
+        for case in &running {
+            self.folder
+                .append_summary(&self.summary(case, &samples, baselines))?;
+            self.progress.inc(1);
+        }
+        Ok(())
+    }
+
+    /// Prepares a case and draws its probe frame. What goes wrong becomes the case's status.
+    fn probe(&self, case: &'a BenchCase) -> Result<RunningCase<'a>, BenchError> {
+        let (drawer, probe) = match case.technique {
+            Technique::Baseline(kind) => match Baseline::new(kind, &self.stage) {
+                Ok(baseline) => (Drawer::Baseline(baseline), Probe::default()),
+                Err(error) => (Drawer::None, failed_probe(&error)),
+            },
+            Technique::Vertex(variant) => {
+                let input = self.input_for(case)?;
+                let drawn = VertexBackend::new(&self.stage, variant).and_then(|mut backend| {
+                    let memory = backend.prepare(&input)?;
+                    let frame = backend.render(&input)?;
+                    Ok((backend, memory, frame))
+                });
+                match drawn {
+                    Ok((mut backend, memory, frame)) => {
+                        let probe = self.judge(case, &mut backend, &input, memory, frame)?;
+                        (Drawer::Vertex(Box::new(backend), input), probe)
+                    }
+                    Err(error) => (Drawer::None, failed_probe(&error)),
+                }
+            }
+        };
+        Ok(RunningCase {
+            case,
+            drawer,
+            probe,
+            first_frame: 0,
+        })
+    }
+
+    fn input_for(&self, case: &BenchCase) -> Result<Rc<FrameInput>, BenchError> {
+        let scene = &self.group.scene;
+        match case.boundary_tolerance_m {
+            Some(tolerance) if case.is_sweep => {
+                let meshes = build_meshes(scene, tolerance)?;
+                let prepared = self.input.scene.with_meshes(meshes);
+                let input = self.input.remeshed(&prepared, PlanOptions::default());
+                Ok(Rc::new(input))
+            }
+            _ => Ok(Rc::clone(&self.input)),
+        }
+    }
+
+    fn judge(
+        &self,
+        case: &BenchCase,
+        backend: &mut VertexBackend,
+        input: &FrameInput,
+        memory: MemoryUse,
+        frame: Frame,
+    ) -> Result<Probe, BenchError> {
+        let mut probe = Probe {
+            memory: Some(memory),
+            regions_drawn: Some(input.plan.regions.len() as u64),
+            regions_left_out: Some(input.plan.left_out.len() as u64),
+            left_out: input.plan.left_out_summary(&input.scene.meshes),
+            boundary_deviation_m: largest_deviation(&input.scene.meshes),
+            plan_cpu_ms: plan_cpu_ms(input),
+            ..Probe::default()
+        };
+        match compare(&self.reference, &frame) {
+            Ok(figures) => {
+                let (status, reasons) = match verdict(&figures) {
+                    Verdict::Pass => (Status::Ok, Vec::new()),
+                    Verdict::Fail(reasons) => (Status::Wrong, reasons),
+                };
+                probe.status = Some(status);
+                probe.reason = reasons.join("; ");
+                probe.figures = Some(figures);
+            }
+            Err(error) => {
+                probe.status = Some(Status::Failed);
+                probe.reason = error.to_string();
+            }
+        }
+        if backend.variant().colour == ColourWay::Rectangle {
+            probe.remark(ALTERNATING);
+        }
+        let is_main =
+            backend.variant().name() == case.key.variant && !case.key.variant.contains('=');
+        let is_wrong = probe.status == Some(Status::Wrong) && !case.is_sweep;
+        if is_main || is_wrong {
+            self.write_pictures(case, backend, input, &frame, &mut probe)?;
+        }
+        probe.frame = Some(frame);
+        Ok(probe)
+    }
+
+    fn write_pictures(
+        &self,
+        case: &BenchCase,
+        backend: &mut VertexBackend,
+        input: &FrameInput,
+        frame: &Frame,
+        probe: &mut Probe,
+    ) -> Result<(), BenchError> {
+        let (folder, stem, size) = (self.folder.path(), file_stem(&case.key), self.options.size);
+        if let Ok(picture) = backend.picture(input) {
+            probe.image = write_rgb(folder, &stem, size, &drop_alpha(&picture.rgba))?;
+        }
+        if let Ok(rgb) = difference_rgb(&self.reference, frame) {
+            probe.difference_image = write_rgb(folder, &format!("{stem}_difference"), size, &rgb)?;
+        }
+        Ok(())
+    }
+
+    /// Rounds: the surface once, then every case once, forwards and backwards in turn, starting one
+    /// case later each time, so that no case always follows the same one.
+    fn measure(&self, running: &mut [RunningCase<'_>]) -> Result<(), BenchError> {
+        let device = |source| BenchError::Device {
+            scene: self.group.scene.name.clone(),
+            view: self.group.view.name.clone(),
+            source,
+        };
+        let frames = self.options.frame_count();
+        let needs_frames = |case: &RunningCase<'_>| {
+            case.first_frame < frames && !matches!(case.drawer, Drawer::None)
+        };
+        if !running.iter().any(needs_frames) {
+            return Ok(());
+        }
+        let warm_up = self.options.warm_up_count();
+        let rounds = frames
+            - running
+                .iter()
+                .map(|case| case.first_frame)
+                .min()
+                .unwrap_or(0);
+        for round in 0..warm_up + rounds {
+            self.progress.set_message(format!(
+                "{}/{}: frame {round}",
+                self.group.scene.name, self.group.view.name
+            ));
+            let mut stage = self.stage.borrow_mut();
+            stage.prepare(&self.input).map_err(device)?;
+            let surface_gpu_ms = stage.draw_surface().map_err(device)?;
+            drop(stage);
+            let mut rows = Vec::new();
+            for index in round_order(running.len(), round) {
+                let case = &mut running[index];
+                let frame = (round.saturating_sub(warm_up)) + case.first_frame;
+                if frame >= frames {
+                    continue;
+                }
+                let times = match time(&mut case.drawer) {
+                    None => continue,
+                    Some(Ok(times)) => times,
+                    Some(Err(error)) => {
+                        case.probe = failed_probe(&error);
+                        case.drawer = Drawer::None;
+                        continue;
+                    }
+                };
+                if round >= warm_up {
+                    rows.push(sample(&case.case.key, frame, surface_gpu_ms, &times));
+                }
+            }
+            self.folder.append_samples(&rows)?;
+        }
+        Ok(())
+    }
+}
+
+fn largest_deviation(meshes: &[RegionMesh]) -> Option<f64> {
+    let deviations = meshes.iter().map(|mesh| mesh.boundary_deviation_m);
+    deviations.reduce(f64::max)
+}
+
+/// Median over a few plans of the same frame.
+fn plan_cpu_ms(input: &FrameInput) -> Option<f64> {
+    let plans = (0..9).map(|_| {
+        let watch = CpuStopwatch::start();
+        std::hint::black_box(input.remeshed(&input.scene, PlanOptions::default()));
+        watch.cpu_ms()
+    });
+    median(&plans.collect::<Vec<_>>())
+}
+
+/// What the adapter lacks is skipped; everything else that breaks has failed.
+fn failed_probe(error: &BackendError) -> Probe {
+    Probe {
+        status: Some(match error {
+            BackendError::Unsupported { .. } => Status::Skipped,
+            _ => Status::Failed,
+        }),
+        reason: error.to_string(),
+        ..Probe::default()
+    }
+}
+
+fn time(drawer: &mut Drawer) -> Option<Result<FrameTimes, BackendError>> {
+    match drawer {
+        Drawer::Baseline(baseline) => Some(baseline.time_frame()),
+        Drawer::Vertex(backend, input) => Some(backend.time_frame(input)),
+        Drawer::None => None,
+    }
+}
+
+fn round_order(count: usize, round: u32) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..count).collect();
+    if count > 0 {
+        order.rotate_left(round as usize % count);
+    }
+    if round % 2 == 1 {
+        order.reverse();
+    }
+    order
+}
+
+fn sample(key: &CaseKey, frame: u32, surface_gpu_ms: Option<f64>, times: &FrameTimes) -> Sample {
+    Sample {
+        scene: key.scene.clone(),
+        view: key.view.clone(),
+        backend: key.backend.clone(),
+        variant: key.variant.clone(),
+        frame,
+        surface_gpu_ms: times.surface_gpu_ms.or(surface_gpu_ms),
+        stencil_gpu_ms: times.stencil_gpu_ms,
+        colour_gpu_ms: times.colour_gpu_ms,
+        fill_gpu_ms: times.fill_gpu_ms,
+        fill_cpu_ms: times.fill_cpu_ms,
+        fill_wall_ms: times.fill_wall_ms,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_round_measures_every_case_once_and_the_order_changes() {
+        for count in [1, 2, 5] {
+            for round in 0..12 {
+                let mut order = round_order(count, round);
+                order.sort_unstable();
+                assert_eq!(order, (0..count).collect::<Vec<_>>());
+            }
+        }
+        let firsts: std::collections::BTreeSet<_> =
+            (0..10).map(|round| round_order(5, round)[0]).collect();
+        assert_eq!(firsts.len(), 5, "every case comes first at some time");
+        assert_eq!(round_order(0, 3), Vec::<usize>::new());
+    }
+}

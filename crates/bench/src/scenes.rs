@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! From names to scenes that can be measured.
+
+use crate::{BenchError, BenchOptions, SceneGroup, group_cases};
+use std::path::Path;
+use std::sync::Arc;
+use terrafill_core::{MeshOptions, RegionMesh};
+use terrafill_scene::{Scene, SceneError, shipped_scene_names};
+
+pub(crate) type SkippedScenes = Vec<(String, String)>;
+
+/// Scenes with missing data are skipped with that reason; wrong ones, and those whose regions cannot
+/// be meshed, stop the run before it starts.
+pub(crate) fn plan_groups(
+    options: &BenchOptions,
+) -> Result<(Vec<SceneGroup>, SkippedScenes), BenchError> {
+    let names: Vec<String> = if options.scenes.is_empty() {
+        shipped_scene_names()
+            .into_iter()
+            .map(str::to_owned)
+            .collect()
+    } else {
+        options.scenes.clone()
+    };
+    let mut groups = Vec::new();
+    let mut skipped = Vec::new();
+    for name in &names {
+        match open_scene(name, options.data_dir.as_deref()) {
+            Ok(scene) => {
+                build_meshes(&scene, scene.mesh.boundary_tolerance_m)?;
+                if groups
+                    .iter()
+                    .any(|group: &SceneGroup| group.scene.name == scene.name)
+                {
+                    return Err(BenchError::SceneTwice { name: scene.name });
+                }
+                let scene = Arc::new(scene);
+                for view in &scene.views {
+                    groups.push(group_cases(&scene, view, options));
+                }
+            }
+            Err(error @ SceneError::DataMissing { .. }) => {
+                skipped.push((name.clone(), error.to_string()));
+            }
+            Err(error) => return Err(error.into()),
+        }
+    }
+    if let Some(shard) = options.shard {
+        let mut index = 0;
+        groups.retain(|_| {
+            index += 1;
+            (index - 1) % shard.count == shard.index - 1
+        });
+    }
+    Ok((groups, skipped))
+}
+
+/// A scene by the name of a shipped one, or by the path of a scene file (with `/` or `.toml` in it).
+///
+/// # Errors
+/// [`SceneError`].
+pub fn open_scene(name: &str, data_dir: Option<&Path>) -> Result<Scene, SceneError> {
+    if name.contains('/') || name.ends_with(".toml") {
+        Scene::load(Path::new(name), data_dir)
+    } else {
+        Scene::shipped(name, data_dir)
+    }
+}
+
+/// Meshes of every region, or the first errors.
+pub(crate) fn build_meshes(
+    scene: &Scene,
+    boundary_tolerance_m: f64,
+) -> Result<Arc<[RegionMesh]>, BenchError> {
+    let options = MeshOptions {
+        boundary_tolerance_m,
+        ..scene.mesh
+    };
+    let meshes = RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &options);
+    match meshes {
+        Ok(meshes) => Ok(meshes.into()),
+        Err(errors) => Err(BenchError::Mesh {
+            lines: errors
+                .iter()
+                .map(|error| format!("{}: {error}", scene.name))
+                .collect::<Vec<_>>()
+                .join("\n"),
+        }),
+    }
+}
