@@ -7,5 +7,6 @@ mod bench;
 mod harness;
 mod locate;
 mod mesh;
+mod readme;
 mod render;
 mod usage;
