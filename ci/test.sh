@@ -56,7 +56,8 @@ target=$(cd "$target" && pwd)
 log=$target/validation.log
 output=$target/nextest.txt
 rm -f "$log"
-TERRAFILL_VALIDATION=1 TERRAFILL_VALIDATION_LOG=$log \
+# A device test that is skipped for want of a device would be a check that does not check.
+TERRAFILL_REQUIRE_DEVICE=1 TERRAFILL_VALIDATION=1 TERRAFILL_VALIDATION_LOG=$log \
     cargo nextest run --workspace --locked --color never 2>&1 | tee "$output"
 
 section "what the Vulkan validation layer saw"

@@ -10,27 +10,13 @@ use terrafill_bench::open_scene;
 use terrafill_conformance::{compare, verdict};
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh, parse_regions};
 use terrafill_frame::{Backend as _, Frame, FrameInput, PreparedScene, TimedBackend as _};
-use terrafill_gpu::{Gpu, GpuOptions, Stage};
+use terrafill_gpu::{Gpu, GpuOptions, Stage, open_for_test};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::ErrorFigures;
 use terrafill_scene::{
     CameraPose, ImageSize, Overlap, PlanOptions, SurfaceMesh, View, data_dir_from_env,
 };
 use terrafill_vertex::{ColourWay, Layout, PositionFormat, VertexBackend, VertexVariant};
-
-fn open() -> Option<Arc<Gpu>> {
-    match Gpu::open(&GpuOptions::default()) {
-        Ok(gpu) => Some(gpu),
-        Err(error) => {
-            assert!(
-                std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_none(),
-                "TERRAFILL_REQUIRE_DEVICE is set: {error}"
-            );
-            eprintln!("skipped: {error}");
-            None
-        }
-    }
-}
 
 const SIZE: ImageSize = ImageSize {
     width: 384,
@@ -114,7 +100,9 @@ fn figures(reference: &Frame, frame: &Frame) -> ErrorFigures {
 
 /// Every variant passes, and the view has both filled and empty surface in it.
 fn assert_all_variants_pass(what: &str, input: &FrameInput) {
-    let Some(gpu) = open() else { return };
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
     let judged = ReferenceBackend::new().judge(input).expect("judges");
     let filled = judged.frame.filled_px();
     let surface = judged.frame.surface.iter().filter(|&&is| is).count() as u64;
@@ -204,7 +192,9 @@ fn other_bodies() {
 
 #[test]
 fn shipped_scenes_and_real_countries() {
-    let Some(gpu) = open() else { return };
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
     let data = data_dir_from_env();
     for name in ["california", "planet-134", "countries-110m"] {
         let scene = match open_scene(name, data.as_deref()) {
@@ -242,7 +232,9 @@ fn shipped_scenes_and_real_countries() {
 
 #[test]
 fn culling_changes_no_pixel() {
-    let Some(gpu) = open() else { return };
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
     let scene = open_scene("planet-134", None).expect("ships with the project");
     let meshes = RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh)
         .expect("meshes");
@@ -283,7 +275,9 @@ fn broken(change: fn(&mut RegionMesh)) -> (FrameInput, Frame) {
 
 #[test]
 fn broken_volumes_are_noticed() {
-    let Some(gpu) = open() else { return };
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
     type Mutation = fn(&mut RegionMesh);
     let mutants: [(&str, Mutation); 4] = [
         ("none", |_| {}),
@@ -315,7 +309,9 @@ fn broken_volumes_are_noticed() {
 
 #[test]
 fn xor_is_wrong_where_regions_overlap_and_one_at_a_time_is_right() {
-    let Some(gpu) = open() else { return };
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
     let text = collection(&[
         polygon("under", "[[0,0],[10,0],[10,10],[0,10],[0,0]]"),
         polygon("over", "[[5,5],[15,5],[15,15],[5,15],[5,5]]"),
@@ -335,7 +331,9 @@ fn xor_is_wrong_where_regions_overlap_and_one_at_a_time_is_right() {
 
 #[test]
 fn a_frame_needs_preparing_and_an_unchanged_one_uploads_no_geometry() {
-    let Some(gpu) = open() else { return };
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
     let text = polygon("square", "[[0,0],[10,0],[10,10],[0,10],[0,0]]");
     let first = input(&text, Ellipsoid::WGS84, 180, (5.0, 5.0, 2e6, 0.0, -90.0));
     let other = input(&text, Ellipsoid::WGS84, 180, (5.0, 5.0, 2e6, 0.0, -90.0));

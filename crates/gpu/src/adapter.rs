@@ -192,3 +192,24 @@ impl Gpu {
             .map_err(|error| BackendError::DeviceLost(error.to_string()))
     }
 }
+
+/// Opens a device for a test. Where there is none, prints why and gives `None`, so that everything
+/// but device tests passes on a machine without a GPU.
+///
+/// # Panics
+/// When there is none and `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does: there a skipped
+/// device test would be a check that does not check.
+#[must_use]
+pub fn open_for_test(options: &GpuOptions) -> Option<Arc<Gpu>> {
+    match Gpu::open(options) {
+        Ok(gpu) => Some(gpu),
+        Err(error) => {
+            assert!(
+                std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_none(),
+                "TERRAFILL_REQUIRE_DEVICE is set: {error}"
+            );
+            eprintln!("skipped: {error}");
+            None
+        }
+    }
+}

@@ -13,7 +13,7 @@ mod validation;
 
 pub use terrafill_shaders::source_hash as shader_source_hash;
 
-pub use adapter::{DeviceFacts, Gpu, GpuOptions, list_adapters};
+pub use adapter::{DeviceFacts, Gpu, GpuOptions, list_adapters, open_for_test};
 pub use baseline::{Baseline, BaselineKind};
 pub use clock::CpuStopwatch;
 pub use constants::{RegionConstants, ViewConstants};

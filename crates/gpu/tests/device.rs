@@ -6,24 +6,10 @@ use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_frame::{FrameInput, PreparedScene};
 use terrafill_gpu::{
-    Baseline, BaselineKind, Gpu, GpuOptions, POSITIVE_CONTROL, Stage, make_deliberate_error,
-    messages,
+    Baseline, BaselineKind, GpuOptions, POSITIVE_CONTROL, Stage, make_deliberate_error, messages,
+    open_for_test,
 };
 use terrafill_scene::{CameraPose, ImageSize, Overlap, PlanOptions, SurfaceMesh, View};
-
-fn open(options: &GpuOptions) -> Option<Arc<Gpu>> {
-    match Gpu::open(options) {
-        Ok(gpu) => Some(gpu),
-        Err(error) => {
-            assert!(
-                std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_none(),
-                "TERRAFILL_REQUIRE_DEVICE is set: {error}"
-            );
-            eprintln!("skipped: {error}");
-            None
-        }
-    }
-}
 
 const SIZE: ImageSize = ImageSize {
     width: 101,
@@ -62,7 +48,9 @@ fn a_deliberate_error_is_reported_when_validation_is_on() {
         validation: true,
         ..GpuOptions::default()
     };
-    let Some(gpu) = open(&options) else { return };
+    let Some(gpu) = open_for_test(&options) else {
+        return;
+    };
     let count = || {
         messages()
             .iter()
@@ -80,7 +68,7 @@ fn a_deliberate_error_is_reported_when_validation_is_on() {
 
 #[test]
 fn the_surface_has_the_depth_of_the_ellipsoid() {
-    let Some(gpu) = open(&GpuOptions::default()) else {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
         return;
     };
     let input = globe_from(8e6);
@@ -109,7 +97,7 @@ fn the_surface_has_the_depth_of_the_ellipsoid() {
 
 #[test]
 fn a_stage_refuses_an_input_of_another_size_and_a_size_no_device_has() {
-    let Some(gpu) = open(&GpuOptions::default()) else {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
         return;
     };
     let small = ImageSize {
@@ -139,7 +127,7 @@ fn a_stage_refuses_an_input_of_another_size_and_a_size_no_device_has() {
 
 #[test]
 fn baselines_cover_every_pixel() {
-    let Some(gpu) = open(&GpuOptions::default()) else {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
         return;
     };
     let input = globe_from(8e6);
