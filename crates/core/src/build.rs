@@ -78,8 +78,7 @@ pub enum MeshError {
         /// Longitude and latitude of its end, degrees.
         end: [f64; 2],
     },
-    /// The rings cancel one another, have no width, or run into a pole closer together than the
-    /// boundary tolerance.
+    /// The rings cancel one another or have no width, if only by the rounding of their coordinates.
     #[error("feature {feature} ({name}): the rings enclose no area")]
     NoArea {
         /// Index in the file.
@@ -211,8 +210,8 @@ impl RegionMesh {
             return Err(MeshError::NoArea { feature, name });
         }
         let boundary_loops = stitcher.boundary_loops();
-        // Without a border there is only the whole body. Anything else ran into a pole between two
-        // lines that the tolerance made one.
+        // Without a border there is only the whole body. Anything else is within micrometres of a
+        // pole, where its border became a point.
         let whole_m2 = body.quadrangle_area_m2(TAU, -FRAC_PI_2, FRAC_PI_2);
         if boundary_loops.is_empty() && area_m2 < 0.999_999 * whole_m2 {
             return Err(MeshError::NoArea { feature, name });

@@ -23,6 +23,11 @@ const LARGEST_RELATIVE_BOW: f64 = 0.05;
 /// Longitude span below which [`LARGEST_RELATIVE_BOW`] cannot be reached, degrees: the bow of a
 /// straight line in longitude and latitude is at most Δλ · length / 4.
 const HARMLESS_SPAN_DEG: f64 = 11.4;
+/// Ratio of the distances from the pole between places that split a planar edge which ends there.
+/// A power of two, so that their latitudes are exact.
+const POLE_APPROACH_RATIO: f64 = 4.0;
+/// Distance from the pole of the last such place, degrees: 2⁻³⁶, on the Earth 1.6 µm.
+const POLE_APPROACH_END_DEG: f64 = 1.0 / (1_u64 << 36) as f64;
 /// Longest edge along a pole, degrees of longitude: its triangles reach down to the next vertices.
 pub(crate) const POLE_STEP_DEG: f64 = 30.0;
 /// Distances smaller than this share of the body's radius are rounding, 0.1 µm on the Earth.
@@ -59,7 +64,15 @@ impl<'a> EdgeSplitter<'a> {
 
     /// Calls `emit` with each point that splits the edge, in order from `start` to `end`.
     pub(crate) fn split(&mut self, start: Degrees, end: Degrees, emit: &mut impl FnMut(Degrees)) {
-        self.split_further(start, end, MOST_HALVINGS, emit);
+        let mut from = start;
+        if self.rule == EdgeRule::Planar {
+            for place in pole_approach(start, end) {
+                self.split_further(from, place, MOST_HALVINGS, emit);
+                emit(place);
+                from = place;
+            }
+        }
+        self.split_further(from, end, MOST_HALVINGS, emit);
     }
 
     fn split_further(
@@ -132,6 +145,40 @@ impl<'a> EdgeSplitter<'a> {
         self.deviation_m = self.deviation_m.max(measured.deviation_m);
         false
     }
+}
+
+/// Places that split a planar edge with one end at a pole, in order from `start` to `end`; none for
+/// other edges and for meridians.
+///
+/// All ends at a pole are one point of the body, so the last piece is drawn as a meridian whatever
+/// longitude it was to end at, and two edges from one vertex would become one and lose the area
+/// between them. Halving by the boundary's tolerance does not help: that area can be all a region
+/// has. So these edges are split at fixed parallels down to where what is left is below rounding;
+/// parallels, and not parts of the edge, so that edges side by side are split side by side.
+fn pole_approach(start: Degrees, end: Degrees) -> Vec<Degrees> {
+    let (pole, other) = match (start[1].abs() == 90.0, end[1].abs() == 90.0) {
+        (true, false) => (start, end),
+        (false, true) => (end, start),
+        _ => return Vec::new(),
+    };
+    if pole[0] == other[0] {
+        return Vec::new();
+    }
+    let height_deg = (pole[1] - other[1]).abs();
+    let mut places = Vec::new();
+    let mut distance_deg = POLE_APPROACH_END_DEG;
+    while distance_deg < height_deg {
+        let share = distance_deg / height_deg;
+        places.push([
+            pole[0] + (other[0] - pole[0]) * share,
+            pole[1] - distance_deg.copysign(pole[1]),
+        ]);
+        distance_deg *= POLE_APPROACH_RATIO;
+    }
+    if pole == end {
+        places.reverse();
+    }
+    places
 }
 
 /// Same result for an edge and its reverse.

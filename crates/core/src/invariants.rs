@@ -273,10 +273,9 @@ impl RegionMesh {
                 }
             }
         }
-        let slack_m2 = self.pole_slack_m2(body);
         let expected_m2 = self.area_m2;
         let rounding_m2 = 1e-14 * body.equatorial_radius_m() * self.boundary_length_m();
-        let allowed_m2 = AREA_TOLERANCE * expected_m2 + 1e-14 * scale_m2 + rounding_m2 + slack_m2;
+        let allowed_m2 = AREA_TOLERANCE * expected_m2 + 1e-14 * scale_m2 + rounding_m2;
         let planar = (found_m2 - expected_m2).abs();
         let great_ellipse = (found_m2 + segments_m2 - expected_m2).abs();
         if planar.min(great_ellipse) <= allowed_m2 {
@@ -302,30 +301,6 @@ impl RegionMesh {
                 .sum()
         };
         self.boundary_loops.iter().map(length).sum()
-    }
-
-    /// Edges that end at a pole are drawn as meridians. The slanted ones they stand for lie within
-    /// the boundary's deviation of them, and two that became one enclosed no more than that; nobody
-    /// knows any more how many there were, so every vertex counts as the end of one. A pole inside
-    /// the mesh, with triangles all round, needs no allowance.
-    fn pole_slack_m2(&self, body: &Ellipsoid) -> f64 {
-        let deviation_m = self.boundary_deviation_m + 1e-14 * body.equatorial_radius_m();
-        let at_pole = |i: u32| self.vertices_deg[i as usize][1].abs() == 90.0;
-        (0..)
-            .take(self.vertices_deg.len())
-            .filter(|&pole| at_pole(pole) && !self.is_inside_a_fan(pole))
-            .map(|pole| {
-                let pole = self.vertices_ecef[pole as usize];
-                let reach = self.vertices_ecef.iter().map(|v| (*v - pole).length());
-                deviation_m * reach.sum::<f64>()
-            })
-            .sum()
-    }
-
-    /// Whether the vertex has triangles and is on no boundary loop.
-    fn is_inside_a_fan(&self, vertex: u32) -> bool {
-        self.triangles.iter().flatten().any(|&i| i == vertex)
-            && !self.boundary_loops.iter().flatten().any(|&i| i == vertex)
     }
 
     /// Area of a triangle whose edges are straight in longitude and latitude, exact, and the sum of
