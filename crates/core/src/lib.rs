@@ -4,6 +4,7 @@
 //! No GPU, and no input or output beyond parsing. Angles are radians unless a name says `_deg`;
 //! lengths are metres; positions are earth-centred earth-fixed (ECEF) unless a name says otherwise.
 
+mod analytic;
 mod body;
 mod build;
 mod crossings;
@@ -15,6 +16,7 @@ mod outline;
 mod region;
 mod triangulate;
 
+pub use analytic::{AnalyticError, AnalyticRegion, GeodesicSector, SensorCone, SurfaceEllipse};
 pub use body::{Ellipsoid, Geodetic};
 pub use build::{EdgePlace, MeshError};
 pub use geojson::{RegionFileError, RegionProblem, RegionProblemKind, parse_regions};
