@@ -179,6 +179,9 @@ pub(crate) struct MeshArguments {
     pub(crate) edges: Edges,
     #[arg(long, hide_possible_values = true, help = REPAIR_HELP)]
     pub(crate) repair: Option<Repair>,
+    /// Go on with the features that are right, and list the others
+    #[arg(long)]
+    pub(crate) skip_invalid: bool,
     #[arg(long, default_value = "wgs84", value_parser = parse_body, help = BODY_HELP)]
     pub(crate) body: Ellipsoid,
     /// Largest distance of a drawn edge from its rule
@@ -203,6 +206,9 @@ pub(crate) struct LocateArguments {
     pub(crate) edges: Edges,
     #[arg(long, hide_possible_values = true, help = REPAIR_HELP)]
     pub(crate) repair: Option<Repair>,
+    /// Go on with the features that are right, and list the others
+    #[arg(long)]
+    pub(crate) skip_invalid: bool,
 }
 
 #[derive(Debug, Args)]

@@ -2,7 +2,7 @@
 //! `locate`: `lon,lat` in, `lon,lat,regions` out.
 
 use crate::arguments::LocateArguments;
-use crate::regions::read_and_mesh;
+use crate::regions::{Leniency, Meshed, read_and_mesh, report_skipped};
 use crate::{Failure, Outcome, print};
 use std::path::Path;
 use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions};
@@ -20,10 +20,17 @@ pub(crate) fn run(arguments: &LocateArguments) -> Result<Outcome, Failure> {
         &Ellipsoid::WGS84,
         MeshOptions::default(),
     );
-    let (regions, _) = read_and_mesh(path, arguments.repair, body, edges, &options)?;
+    let leniency = Leniency {
+        repair: arguments.repair,
+        skip_invalid: arguments.skip_invalid,
+    };
+    let Meshed {
+        regions, skipped, ..
+    } = read_and_mesh(path, leniency, body, edges, &options)?;
     let locator = Locator::new(&regions, edges)
         .map_err(|error| Failure::bad_input(format!("{}: {error}", path.display())))?;
     let points = read_points(&arguments.points)?;
+    report_skipped(&skipped);
     let mut text = "lon,lat,regions\n".to_owned();
     let mut undecided = 0;
     for point in points {

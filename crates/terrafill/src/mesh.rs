@@ -2,7 +2,7 @@
 //! `mesh`: what becomes of a file's regions.
 
 use crate::arguments::MeshArguments;
-use crate::regions::read_and_mesh;
+use crate::regions::{FeatureProblem, Leniency, Meshed, read_and_mesh, report_skipped};
 use crate::{Failure, Outcome, print};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -16,7 +16,8 @@ struct MeshOutput {
     edges: &'static str,
     body: &'static str,
     regions: Vec<MeshedRegion>,
-    errors: Vec<serde_json::Value>,
+    /// Features left out by `--skip-invalid`.
+    errors: Vec<FeatureProblem>,
     totals: Totals,
     elapsed_ms: f64,
 }
@@ -57,14 +58,23 @@ pub(crate) fn run(arguments: &MeshArguments) -> Result<Outcome, Failure> {
     let (path, body) = (&arguments.regions, &arguments.body);
     let edges: EdgeRule = arguments.edges.into();
     let start = Instant::now();
-    let (regions, meshes) = read_and_mesh(path, arguments.repair, body, edges, &options)?;
+    let leniency = Leniency {
+        repair: arguments.repair,
+        skip_invalid: arguments.skip_invalid,
+    };
+    let Meshed {
+        regions,
+        meshes,
+        skipped,
+    } = read_and_mesh(path, leniency, body, edges, &options)?;
+    report_skipped(&skipped);
     let output = MeshOutput {
         file: path.display().to_string(),
         edges: edges.name(),
         body: body.name(),
         totals: totals(&regions, &meshes),
         regions: meshes.iter().map(describe).collect(),
-        errors: Vec::new(),
+        errors: skipped,
         elapsed_ms: start.elapsed().as_secs_f64() * 1e3,
     };
     if arguments.json {

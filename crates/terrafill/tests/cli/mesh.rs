@@ -421,3 +421,52 @@ fn countries_are_all_reported_and_the_one_that_crosses_itself_is_named() {
         .collect();
     assert_eq!(changed, ["Sudan"]);
 }
+
+#[test]
+fn invalid_features_are_skipped_only_when_asked_and_listed_then() {
+    let desk = Desk::new();
+    let good = polygon(&rectangle(0.0, 0.0, 1.0, 1.0));
+    let crossing = polygon(&BOW_TIE);
+    let beyond = polygon(&rectangle(10.0, 0.0, 11.0, 91.0));
+    let features = [("bow", crossing), ("good", good), ("high", beyond)];
+    desk.write("mixed.geojson", collection(&features));
+    desk.write("bad.geojson", collection(&features[..1]));
+    let strict = desk.run(&["mesh", "mixed.geojson", "--json"]);
+    assert_eq!((strict.code, strict.stdout.as_str()), (2, ""));
+
+    let lenient = desk.run(&["mesh", "mixed.geojson", "--json", "--skip-invalid"]);
+    assert_eq!(lenient.code, 0, "{}", lenient.stderr);
+    let json: Value = serde_json::from_str(&lenient.stdout).expect("JSON");
+    let regions = json["regions"].as_array().expect("an array");
+    let indices: Vec<_> = regions.iter().map(|region| &region["index"]).collect();
+    assert_eq!(indices, [1]);
+    assert_area(
+        &regions[0]["area_m2"],
+        rectangle_area("wgs84", [0.0, 0.0, 1.0, 1.0]),
+    );
+    let errors = json["errors"].as_array().expect("an array");
+    let mut wrong: Vec<_> = errors
+        .iter()
+        .map(|error| error["feature"].as_u64())
+        .collect();
+    wrong.sort();
+    wrong.dedup();
+    assert_eq!(wrong, [Some(0), Some(2)]);
+    let listed = lenient
+        .stderr
+        .lines()
+        .filter(|line| line.starts_with("skipped: "));
+    assert_eq!(listed.count(), errors.len());
+
+    desk.write("points.csv", "lon,lat\n0.5,0.5\n10.5,0.5\n");
+    let located = desk.run(&[
+        "locate",
+        "mixed.geojson",
+        "--points",
+        "points.csv",
+        "--skip-invalid",
+    ]);
+    assert_eq!(located.stdout, "lon,lat,regions\n0.5,0.5,1\n10.5,0.5,\n");
+    let nothing_left = desk.run(&["mesh", "bad.geojson", "--skip-invalid"]);
+    assert_eq!((nothing_left.code, nothing_left.stdout.as_str()), (2, ""));
+}
