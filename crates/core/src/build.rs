@@ -5,9 +5,10 @@
 //! with the same latitude become one, all vertices at a pole become one, and what that makes
 //! degenerate vanishes. A boundary edge whose reverse then exists too was a cut, not a border.
 
+use crate::crossings::CrossingPlaces;
 use crate::edge::{Degrees, EdgeSplitter, ZoneArea, surface_point};
 use crate::mesh::sagitta_m;
-use crate::outline::{OppositeEnds, Outline};
+use crate::outline::{OppositeEnds, Outline, OutlineEdge};
 use crate::triangulate::{GroupMesh, TriangulateError, index_u32, triangulate};
 use crate::{EdgeRule, Ellipsoid, MeshOptions, Region, RegionMesh};
 use glam::DVec3;
@@ -60,6 +61,21 @@ pub enum MeshError {
         longitude_deg: f64,
         /// Of the crossing.
         latitude_deg: f64,
+    },
+    /// More crossings than are worth listing.
+    #[error(
+        "feature {feature} ({name}): {}{more} more crossings",
+        if *counted_all { "" } else { "over " }
+    )]
+    MoreCrossings {
+        /// Index in the file.
+        feature: usize,
+        /// Its name.
+        name: String,
+        /// How many are not listed.
+        more: usize,
+        /// Whether `more` is all of them: the search ends when it has found far too many.
+        counted_all: bool,
     },
     /// An edge between opposite points: every plane through them holds the centre.
     #[error(
@@ -114,6 +130,7 @@ impl MeshError {
     pub fn feature(&self) -> Option<usize> {
         match self {
             Self::SelfCrossing { feature, .. }
+            | Self::MoreCrossings { feature, .. }
             | Self::OppositeEnds { feature, .. }
             | Self::NoArea { feature, .. }
             | Self::Triangulation { feature, .. } => Some(*feature),
@@ -127,10 +144,19 @@ impl MeshError {
         match self {
             Self::SelfCrossing { first, .. } => Some(*first),
             Self::OppositeEnds { place, .. } => Some(*place),
-            Self::NoArea { .. } | Self::Triangulation { .. } | Self::Option { .. } => None,
+            Self::MoreCrossings { .. }
+            | Self::NoArea { .. }
+            | Self::Triangulation { .. }
+            | Self::Option { .. } => None,
         }
     }
 }
+
+/// Crossings listed of one region; the rest are counted.
+const MOST_LISTED_CROSSINGS: usize = 100;
+/// Edges of a region from which its groups are triangulated several at a time: below that, handing
+/// them out costs more than it saves.
+const PARALLEL_FROM_EDGES: usize = 2_000;
 
 impl MeshOptions {
     /// # Errors
@@ -172,49 +198,44 @@ impl RegionMesh {
         rule: EdgeRule,
         options: &MeshOptions,
     ) -> Result<Self, MeshError> {
-        options.check()?;
-        let (feature, name) = (region.index, region.name.clone());
+        Self::build_or_list(region, body, rule, options).map_err(|mut errors| errors.swap_remove(0))
+    }
+
+    /// # Errors
+    /// At least one [`MeshError`]: everything that is wrong with the region.
+    fn build_or_list(
+        region: &Region,
+        body: &Ellipsoid,
+        rule: EdgeRule,
+        options: &MeshOptions,
+    ) -> Result<Self, Vec<MeshError>> {
+        options.check().map_err(|error| vec![error])?;
         let mut splitter = EdgeSplitter::new(body, rule, options);
-        let outline = Outline::new(region, rule, &mut splitter).map_err(|opposite| {
-            let OppositeEnds { place, start, end } = opposite;
-            MeshError::OppositeEnds {
-                feature,
-                name: name.clone(),
-                place,
-                start,
-                end,
-            }
-        })?;
+        let outline = Outline::new(region, rule, &mut splitter)
+            .map_err(|opposite| opposite_ends(region, opposite))?;
         let mut stitcher = Stitcher::default();
         let mut area_m2 = 0.0;
-        for edges in outline.groups {
-            let group = triangulate(edges, rule, options).map_err(|error| match error {
-                TriangulateError::Crossing { first, second, at } => MeshError::SelfCrossing {
-                    feature,
-                    name: name.clone(),
-                    first,
-                    second,
-                    longitude_deg: at[0],
-                    latitude_deg: at[1],
-                },
-                TriangulateError::Refused(message) => MeshError::Triangulation {
-                    feature,
-                    name: name.clone(),
-                    message,
-                },
-            })?;
-            area_m2 += enclosed_area_m2(body, rule, &group);
+        for (group, group_area_m2) in
+            triangulate_groups(region, body, rule, options, outline.groups)?
+        {
+            area_m2 += group_area_m2;
             stitcher.add(body, group);
         }
+        let no_area = || {
+            vec![MeshError::NoArea {
+                feature: region.index,
+                name: region.name.clone(),
+            }]
+        };
         if stitcher.triangles.is_empty() {
-            return Err(MeshError::NoArea { feature, name });
+            return Err(no_area());
         }
         let boundary_loops = stitcher.boundary_loops();
         // Without a border there is only the whole body. Anything else is within micrometres of a
         // pole, where its border became a point.
         let whole_m2 = body.quadrangle_area_m2(TAU, -FRAC_PI_2, FRAC_PI_2);
         if boundary_loops.is_empty() && area_m2 < 0.999_999 * whole_m2 {
-            return Err(MeshError::NoArea { feature, name });
+            return Err(no_area());
         }
         let cap_sagitta_m = stitcher
             .triangles
@@ -222,8 +243,8 @@ impl RegionMesh {
             .map(|corners| sagitta_m(body, corners.map(|i| stitcher.vertices_ecef[i as usize])))
             .fold(0.0, f64::max);
         Ok(Self {
-            region_index: feature,
-            name,
+            region_index: region.index,
+            name: region.name.clone(),
             vertices_ecef: stitcher.vertices_ecef,
             vertices_deg: stitcher.vertices_deg,
             triangles: stitcher.triangles,
@@ -244,7 +265,8 @@ impl RegionMesh {
     /// Meshes every region, several at a time.
     ///
     /// # Errors
-    /// One [`MeshError`] for each region that has one, in order.
+    /// Everything that is wrong with any region, in order: each crossing is a [`MeshError`] of its
+    /// own, up to a hundred a region, and the rest are counted.
     pub fn build_all(
         regions: &[Region],
         body: &Ellipsoid,
@@ -252,16 +274,16 @@ impl RegionMesh {
         options: &MeshOptions,
     ) -> Result<Vec<Self>, Vec<MeshError>> {
         options.check().map_err(|error| vec![error])?;
-        let results: Vec<Result<Self, MeshError>> = regions
+        let results: Vec<Result<Self, Vec<MeshError>>> = regions
             .par_iter()
-            .map(|region| Self::build(region, body, rule, options))
+            .map(|region| Self::build_or_list(region, body, rule, options))
             .collect();
         let mut meshes = Vec::with_capacity(results.len());
         let mut errors = Vec::new();
         for result in results {
             match result {
                 Ok(mesh) => meshes.push(mesh),
-                Err(error) => errors.push(error),
+                Err(of_region) => errors.extend(of_region),
             }
         }
         if errors.is_empty() {
@@ -270,6 +292,98 @@ impl RegionMesh {
             Err(errors)
         }
     }
+}
+
+fn opposite_ends(region: &Region, opposite: Vec<OppositeEnds>) -> Vec<MeshError> {
+    let error = |OppositeEnds { place, start, end }| MeshError::OppositeEnds {
+        feature: region.index,
+        name: region.name.clone(),
+        place,
+        start,
+        end,
+    };
+    opposite.into_iter().map(error).collect()
+}
+
+/// Triangles and area of each group.
+///
+/// # Errors
+/// The crossings of all groups, or a fault of this program.
+fn triangulate_groups(
+    region: &Region,
+    body: &Ellipsoid,
+    rule: EdgeRule,
+    options: &MeshOptions,
+    groups: Vec<Vec<OutlineEdge>>,
+) -> Result<Vec<(GroupMesh, f64)>, Vec<MeshError>> {
+    let mesh_one = |edges: Vec<OutlineEdge>| {
+        triangulate(edges, rule, options).map(|group| {
+            let area_m2 = enclosed_area_m2(body, rule, &group);
+            (group, area_m2)
+        })
+    };
+    let edge_count: usize = groups.iter().map(Vec::len).sum();
+    let results: Vec<Result<(GroupMesh, f64), TriangulateError>> =
+        if groups.len() > 1 && edge_count >= PARALLEL_FROM_EDGES {
+            groups.into_par_iter().map(mesh_one).collect()
+        } else {
+            groups.into_iter().map(mesh_one).collect()
+        };
+    let mut meshed = Vec::with_capacity(results.len());
+    let mut crossings = Vec::new();
+    let mut counted_all = true;
+    for result in results {
+        match result {
+            Ok(group) => meshed.push(group),
+            Err(TriangulateError::Crossings { found, complete }) => {
+                crossings.extend(found);
+                counted_all &= complete;
+            }
+            Err(TriangulateError::Refused(message)) => {
+                return Err(vec![MeshError::Triangulation {
+                    feature: region.index,
+                    name: region.name.clone(),
+                    message,
+                }]);
+            }
+        }
+    }
+    if crossings.is_empty() {
+        Ok(meshed)
+    } else {
+        Err(self_crossings(region, crossings, counted_all))
+    }
+}
+
+fn self_crossings(
+    region: &Region,
+    mut crossings: Vec<CrossingPlaces>,
+    counted_all: bool,
+) -> Vec<MeshError> {
+    crossings.sort_by_key(|crossing| (crossing.first, crossing.second));
+    let more = crossings.len().saturating_sub(MOST_LISTED_CROSSINGS);
+    crossings.truncate(MOST_LISTED_CROSSINGS);
+    let (feature, name) = (region.index, &region.name);
+    let mut errors: Vec<MeshError> = crossings
+        .into_iter()
+        .map(|crossing| MeshError::SelfCrossing {
+            feature,
+            name: name.clone(),
+            first: crossing.first,
+            second: crossing.second,
+            longitude_deg: crossing.at[0],
+            latitude_deg: crossing.at[1],
+        })
+        .collect();
+    if more > 0 {
+        errors.push(MeshError::MoreCrossings {
+            feature,
+            name: name.clone(),
+            more,
+            counted_all,
+        });
+    }
+    errors
 }
 
 /// `−∮ (Z − Z₀) dλ` round the boundary, each edge by its rule: Green's theorem for

@@ -6,12 +6,14 @@
 //! Real files need this: at 1:110m a vertex of Sudan's outline that was meant to lie on another of
 //! its edges lies 5.7e-14° (6 nm) beyond it, and by exact arithmetic that is a crossing.
 //!
-//! Candidates come from a sweep over the edges' boxes: O(n log n + pairs whose boxes overlap).
+//! Candidates come from a tree over the edges' boxes: O(n log n + pairs whose boxes overlap).
 
+use crate::box_tree::{AxisBox, BoxTree};
 use crate::edge::{Degrees, normal};
-use crate::outline::OutlineEdge;
-use crate::{EdgeRule, Region, Ring};
+use crate::outline::{OutlineEdge, Piece, planar_pieces};
+use crate::{EdgePlace, EdgeRule, Region, Ring};
 use glam::DVec3;
+use std::ops::ControlFlow;
 
 /// Rounds after which the search gives up: a crossing is rounded to the nearest number, which can
 /// bend an edge over another one close by, but only by the last bit.
@@ -22,8 +24,7 @@ impl Region {
     /// filled by the even-odd rule; returns how many there were and notes them in
     /// [`Region::warnings`].
     ///
-    /// Planar edges are compared as written: a crossing between a ring written past ±180 and one
-    /// written within is not found, and meshing refuses it.
+    /// Edges are compared where they lie on the body, whichever turn they were written in.
     pub fn split_at_crossings(&mut self, rule: EdgeRule) -> usize {
         let mut total = 0;
         for _ in 0..MOST_ROUNDS {
@@ -43,33 +44,47 @@ impl Region {
     }
 
     fn split_once(&mut self, rule: EdgeRule) -> usize {
-        let mut edges: Vec<BoxedEdge> = Vec::with_capacity(self.vertex_count());
-        let mut lengths = Vec::new();
-        for (ring_index, ring) in self.rings().enumerate() {
-            lengths.push(ring.vertices_deg().len());
-            for (vertex, (start, end)) in ring.edges_deg().enumerate() {
-                edges.push(BoxedEdge::new(rule, [ring_index, vertex], start, end));
-            }
-        }
-        let crossings = find_crossings(rule, &mut edges);
+        let pieces: Vec<RingPiece> = self
+            .rings()
+            .enumerate()
+            .flat_map(|(ring, found)| {
+                let pieces = pieces_as_compared(rule, found);
+                pieces
+                    .into_iter()
+                    .map(move |piece| RingPiece { ring, piece })
+            })
+            .collect();
+        let ends: Vec<[Degrees; 2]> = pieces.iter().map(RingPiece::ends).collect();
+        let (crossings, _) = find_crossings(rule, &ends, usize::MAX);
         if crossings.is_empty() {
             return 0;
         }
-        let mut inserted: Vec<Vec<Insertion>> = lengths.iter().map(|_| Vec::new()).collect();
+        let several_turns = pieces.iter().any(|piece| piece.piece.turns != 0.0);
+        let mut inserted: Vec<Vec<Insertion>> = self.rings().map(|_| Vec::new()).collect();
         for (pair, at) in &crossings {
-            for edge in pair {
-                let [ring, vertex] = edges[*edge].place;
-                let along = distance(rule, edges[*edge].start, *at);
-                inserted[ring].push((vertex, along, *at));
+            let at = if several_turns {
+                [round_for_turning(at[0]), at[1]]
+            } else {
+                *at
+            };
+            for &index in pair {
+                let RingPiece { ring, piece } = &pieces[index];
+                let start = piece_as_written(piece, piece.start);
+                let along = Along {
+                    piece: index,
+                    distance: distance(rule, start, piece_as_written(piece, at)),
+                };
+                inserted[*ring].push((piece.vertex, along, piece_as_written(piece, at)));
             }
         }
+        keep_cuts(&pieces, &mut inserted);
         let rings = self
             .polygons
             .iter_mut()
             .flat_map(|polygon| std::iter::once(&mut polygon.shell).chain(&mut polygon.holes));
         for (ring, mut insertions) in rings.zip(inserted) {
             if !insertions.is_empty() {
-                insertions.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+                insertions.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.cmp(&b.1)));
                 *ring = with_insertions(ring, &insertions);
             }
         }
@@ -77,8 +92,90 @@ impl Region {
     }
 }
 
-/// Vertex that the edge starts at, distance from there, position.
-type Insertion = (usize, f64, Degrees);
+/// Part of a ring between two cuts at the antimeridian.
+struct RingPiece {
+    ring: usize,
+    piece: Piece,
+}
+
+impl RingPiece {
+    fn ends(&self) -> [Degrees; 2] {
+        [self.piece.start, self.piece.end]
+    }
+}
+
+/// Pieces of a ring as they lie on the body, in order.
+fn pieces_as_compared(rule: EdgeRule, ring: &Ring) -> Vec<Piece> {
+    match rule {
+        EdgeRule::Planar => planar_pieces(ring),
+        // Arcs are compared by their normals, for which all turns are one.
+        EdgeRule::GreatEllipse => ring
+            .edges_deg()
+            .enumerate()
+            .map(|(vertex, (start, end))| Piece {
+                start,
+                end,
+                vertex,
+                turns: 0.0,
+            })
+            .collect(),
+    }
+}
+
+/// A place on a piece as its file would write it.
+fn piece_as_written(piece: &Piece, [longitude, latitude]: Degrees) -> Degrees {
+    [longitude + 360.0 * piece.turns, latitude]
+}
+
+/// To the nearest multiple of 2⁻⁴³ degrees (12 nm on the Earth): the last place of numbers up to
+/// 1,024, so that whole turns can be added and taken away without rounding.
+fn round_for_turning(longitude_deg: f64) -> f64 {
+    let unit = 1.0 / (1_u64 << 43) as f64;
+    (longitude_deg / unit).round() * unit
+}
+
+/// Makes vertices of the places where edges that get new vertices were cut at the antimeridian: cut
+/// again from a new vertex, they would be cut a rounding away, and could cross again.
+fn keep_cuts(pieces: &[RingPiece], inserted: &mut [Vec<Insertion>]) {
+    let mut split: Vec<(usize, usize)> = inserted
+        .iter()
+        .enumerate()
+        .flat_map(|(ring, new)| new.iter().map(move |insertion| (ring, insertion.0)))
+        .collect();
+    split.sort_unstable();
+    for (index, pair) in pieces.windows(2).enumerate() {
+        let [before, after] = pair else { continue };
+        let edge = (before.ring, before.piece.vertex);
+        let is_cut = edge == (after.ring, after.piece.vertex);
+        if is_cut && split.binary_search(&edge).is_ok() {
+            let along = Along {
+                piece: index,
+                distance: f64::INFINITY,
+            };
+            let at = piece_as_written(&before.piece, before.piece.end);
+            inserted[edge.0].push((edge.1, along, at));
+        }
+    }
+}
+
+/// How far along its edge a new vertex lies.
+#[derive(Debug, Clone, Copy)]
+struct Along {
+    /// Pieces of an edge have growing numbers.
+    piece: usize,
+    /// From the piece's start.
+    distance: f64,
+}
+
+impl Along {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        let by_piece = self.piece.cmp(&other.piece);
+        by_piece.then(self.distance.total_cmp(&other.distance))
+    }
+}
+
+/// Vertex that the edge starts at, how far along it, position.
+type Insertion = (usize, Along, Degrees);
 
 fn with_insertions(ring: &Ring, insertions: &[Insertion]) -> Ring {
     let mut waiting = insertions.iter().peekable();
@@ -100,57 +197,64 @@ fn with_insertions(ring: &Ring, insertions: &[Insertion]) -> Ring {
     Ring::from_checked(vertices, winding_deg)
 }
 
-struct BoxedEdge {
-    start: Degrees,
-    end: Degrees,
-    low: DVec3,
-    high: DVec3,
-    /// Ring of the region and vertex of the ring.
-    place: [usize; 2],
-}
-
-impl BoxedEdge {
-    fn new(rule: EdgeRule, place: [usize; 2], start: Degrees, end: Degrees) -> Self {
-        let (a, b, bulge) = match rule {
-            EdgeRule::Planar => {
-                let point = |[x, y]: Degrees| DVec3::new(x, y, 0.0);
-                (point(start), point(end), 0.0)
-            }
-            EdgeRule::GreatEllipse => {
-                let (a, b) = (normal(start), normal(end));
-                // An arc of chord c rises 1 − √(1 − c²/4) ≤ c²/4 above it.
-                (a, b, 0.25 * (b - a).length_squared())
-            }
-        };
-        Self {
-            start,
-            end,
-            low: a.min(b) - bulge,
-            high: a.max(b) + bulge,
-            place,
+/// A box that holds the edge, in degrees or in unit normals.
+fn box_of(rule: EdgeRule, [start, end]: [Degrees; 2]) -> AxisBox {
+    let (a, b, bulge) = match rule {
+        EdgeRule::Planar => {
+            let point = |[x, y]: Degrees| DVec3::new(x, y, 0.0);
+            (point(start), point(end), 0.0)
         }
+        EdgeRule::GreatEllipse => {
+            let (a, b) = (normal(start), normal(end));
+            // An arc of chord c rises 1 − √(1 − c²/4) ≤ c²/4 above it.
+            (a, b, 0.25 * (b - a).length_squared())
+        }
+    };
+    AxisBox {
+        low: a.min(b) - bulge,
+        high: a.max(b) + bulge,
     }
 }
 
-/// Makes vertices of the crossings of straight edges.
+/// Two edges, by index, the lower first, and where they cross.
+pub(crate) type Crossing = ([usize; 2], Degrees);
+
+/// Crossings in order of their edges, and whether these are all: the search ends at `most`.
+pub(crate) fn find_crossings(
+    rule: EdgeRule,
+    edges: &[[Degrees; 2]],
+    most: usize,
+) -> (Vec<Crossing>, bool) {
+    let boxes: Vec<AxisBox> = edges.iter().map(|ends| box_of(rule, *ends)).collect();
+    let mut found: Vec<Crossing> = Vec::new();
+    let end = BoxTree::new(&boxes).overlapping_pairs(&mut |a, b| {
+        let crossing = match rule {
+            EdgeRule::Planar => planar_crossing(edges[a], edges[b]),
+            EdgeRule::GreatEllipse => great_ellipse_crossing(edges[a], edges[b]),
+        };
+        let Some(at) = crossing else {
+            return ControlFlow::Continue(());
+        };
+        if found.len() == most {
+            return ControlFlow::Break(());
+        }
+        found.push(([a, b], at));
+        ControlFlow::Continue(())
+    });
+    found.sort_unstable_by_key(|crossing| crossing.0);
+    (found, end.is_continue())
+}
+
+/// Splits straight edges where they cross.
 ///
-/// Rounding can leave new ones, so the caller tries again until there are none.
-pub(crate) fn split_outline(edges: &[OutlineEdge]) -> SplitOutline {
-    let mut boxed: Vec<BoxedEdge> = edges
-        .iter()
-        .enumerate()
-        .map(|(index, edge)| BoxedEdge::new(EdgeRule::Planar, [0, index], edge.start, edge.end))
-        .collect();
-    let crossings = find_crossings(EdgeRule::Planar, &mut boxed);
-    let mut insertions: Vec<Insertion> = Vec::with_capacity(2 * crossings.len());
-    let mut pairs = Vec::with_capacity(crossings.len());
-    for (pair, at) in crossings {
-        let pair = pair.map(|sorted| boxed[sorted].place[1]);
+/// Rounding can leave new crossings, so the caller tries again until there are none.
+pub(crate) fn split_outline(edges: &[OutlineEdge], crossings: &[Crossing]) -> Vec<OutlineEdge> {
+    let mut insertions: Vec<(usize, f64, Degrees)> = Vec::with_capacity(2 * crossings.len());
+    for &(pair, at) in crossings {
         for index in pair {
             let along = distance(EdgeRule::Planar, edges[index].start, at);
             insertions.push((index, along, at));
         }
-        pairs.push(pair);
     }
     insertions.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let mut waiting = insertions.iter().peekable();
@@ -163,46 +267,37 @@ pub(crate) fn split_outline(edges: &[OutlineEdge]) -> SplitOutline {
         }
         split.push(rest);
     }
-    SplitOutline {
-        edges: split,
-        pairs,
-    }
+    split
 }
 
-/// Edges split where they crossed.
-pub(crate) struct SplitOutline {
-    pub(crate) edges: Vec<OutlineEdge>,
-    /// Which crossed, by index before splitting.
-    pub(crate) pairs: Vec<[usize; 2]>,
+/// Two ring edges that cross, the first of them in the file first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct CrossingPlaces {
+    pub(crate) first: EdgePlace,
+    pub(crate) second: EdgePlace,
+    pub(crate) at: Degrees,
 }
 
-/// Pairs of edges, by index after sorting, and where they cross.
-fn find_crossings(rule: EdgeRule, edges: &mut [BoxedEdge]) -> Vec<([usize; 2], Degrees)> {
-    edges.sort_by(|a, b| a.low.x.total_cmp(&b.low.x).then(a.place.cmp(&b.place)));
-    let mut open: Vec<usize> = Vec::new();
-    let mut found = Vec::new();
-    for (index, edge) in edges.iter().enumerate() {
-        open.retain(|&other| edges[other].high.x >= edge.low.x);
-        for &other in &open {
-            let earlier = &edges[other];
-            let boxes_overlap = earlier.low.y <= edge.high.y
-                && edge.low.y <= earlier.high.y
-                && earlier.low.z <= edge.high.z
-                && edge.low.z <= earlier.high.z;
-            if !boxes_overlap {
-                continue;
+/// Crossings of ring edges, by those of the outline's edges that are parts of them.
+pub(crate) fn crossing_places(
+    edges: &[OutlineEdge],
+    crossings: &[Crossing],
+) -> Vec<CrossingPlaces> {
+    let mut places: Vec<CrossingPlaces> = crossings
+        .iter()
+        .map(|&(pair, at)| {
+            let [a, b] = pair.map(|index| edges[index].place);
+            CrossingPlaces {
+                first: a.min(b),
+                second: a.max(b),
+                at,
             }
-            let a = [earlier.start, earlier.end];
-            let b = [edge.start, edge.end];
-            let crossing = match rule {
-                EdgeRule::Planar => planar_crossing(a, b),
-                EdgeRule::GreatEllipse => great_ellipse_crossing(a, b),
-            };
-            found.extend(crossing.map(|at| ([other, index], at)));
-        }
-        open.push(index);
-    }
-    found
+        })
+        .collect();
+    places.sort_by_key(|crossing| (crossing.first, crossing.second));
+    // Rounding can bend neighbouring parts of one edge over the same other edge.
+    places.dedup_by_key(|crossing| (crossing.first, crossing.second));
+    places
 }
 
 /// Where two straight edges cross, each strictly between its ends. The decision is exact.
@@ -336,6 +431,103 @@ mod tests {
         };
         let exact = square(0.0, 2.0) + 2.0 * square(1.0, 1.0) + square(2.0, 2.0);
         assert!((mesh.area_m2 / exact - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn rings_written_a_turn_apart_cross_all_the_same() {
+        let a = [[170.0, 0.0], [190.3, 0.1], [190.1, 10.0], [170.0, 10.0]];
+        let b = [[175.0, 5.0], [195.0, 5.7], [195.2, 15.0], [175.0, 15.3]];
+        let shifted = |ring: &[Degrees; 4], turn: f64| ring.map(|[x, y]| [x + 360.0 * turn, y]);
+        let mut areas = Vec::new();
+        for turn in [0.0, -1.0] {
+            let mut region = region(&[&a, &shifted(&b, turn)]);
+            assert!(matches!(
+                build(&region, EdgeRule::Planar),
+                Err(MeshError::SelfCrossing { .. })
+            ));
+            assert_eq!(region.split_at_crossings(EdgeRule::Planar), 2, "{turn}");
+            // Where the edges were cut stays a vertex of those that were split.
+            let mesh = build(&region, EdgeRule::Planar).expect("repaired");
+            areas.push(mesh.area_m2);
+        }
+        assert!((areas[0] / areas[1] - 1.0).abs() < 1e-12, "{areas:?}");
+        // Twin: apart on the body, they do not cross, though their longitudes overlap modulo a
+        // smaller angle than a turn.
+        let mut apart = region(&[&a, &shifted(&b, -0.5)]);
+        assert_eq!(apart.split_at_crossings(EdgeRule::Planar), 0);
+    }
+
+    #[test]
+    fn random_rings_a_turn_apart_mesh_once_they_are_split() {
+        let mut state = 5_u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let mut crossings = 0;
+        for _ in 0..200 {
+            let mut ring = |west: f64| -> Vec<Degrees> {
+                let vertex = |_| [west + 20.0 * random(), 30.0 * random()];
+                (0..6).map(vertex).collect()
+            };
+            let mut region = region(&[&ring(170.0), &ring(-190.0), &ring(170.0)]);
+            crossings += region.split_at_crossings(EdgeRule::Planar);
+            build(&region, EdgeRule::Planar).expect("repaired");
+        }
+        assert!(crossings > 2_000, "{crossings}");
+    }
+
+    #[test]
+    fn every_crossing_of_a_region_is_listed_up_to_a_bound() {
+        let zigzag = |count: u32, turned: bool| -> Vec<Degrees> {
+            // Long teeth, closed by a way round that touches nothing; each of them crosses each of
+            // those turned by 90°.
+            let tooth = |k: u32| {
+                [
+                    f64::from(k) * 0.1 + 1.0,
+                    if k.is_multiple_of(2) { 0.25 } else { 44.5 },
+                ]
+            };
+            let mut ring: Vec<Degrees> = (0..2 * count).map(tooth).collect();
+            ring.push([f64::from(2 * count) * 0.1 + 2.0, 0.0]);
+            ring.push([0.0, 0.0]);
+            if turned {
+                ring.iter_mut().for_each(|vertex| vertex.swap(0, 1));
+            }
+            ring
+        };
+        for (count, listed, more, counted_all) in [
+            (3, 36, 0, true),
+            (20, 100, 1_500, true),
+            (80, 100, 9_900, false),
+        ] {
+            let region = region(&[&zigzag(count, false), &zigzag(count, true)]);
+            let errors = RegionMesh::build_all(
+                std::slice::from_ref(&region),
+                &Ellipsoid::WGS84,
+                EdgeRule::Planar,
+                &MeshOptions::default(),
+            )
+            .expect_err("teeth cross");
+            let crossings: Vec<_> = errors.iter().filter_map(MeshError::place).collect();
+            assert_eq!(crossings.len(), listed, "{errors:?}");
+            assert!(crossings.is_sorted());
+            let found = errors.iter().find_map(|error| match error {
+                MeshError::MoreCrossings {
+                    more, counted_all, ..
+                } => Some((*more, *counted_all)),
+                _ => None,
+            });
+            let expected = (more > 0).then_some((more, counted_all));
+            assert_eq!(found, expected, "{count}");
+            // The repair finds as many.
+            if counted_all {
+                let mut repaired = region.clone();
+                assert_eq!(repaired.split_at_crossings(EdgeRule::Planar), listed + more);
+            }
+        }
     }
 
     #[test]

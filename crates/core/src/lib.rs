@@ -6,6 +6,7 @@
 
 mod analytic;
 mod body;
+mod box_tree;
 mod build;
 mod crossings;
 mod edge;

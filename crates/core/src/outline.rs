@@ -13,6 +13,8 @@
 use crate::edge::{Degrees, EdgeSplitter, along_pole, great_circle_latitude};
 use crate::mesh::Extent;
 use crate::{EdgePlace, EdgeRule, Polygon, Region, Ring};
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
 
 /// An edge short enough to draw.
 #[derive(Debug, Clone, Copy)]
@@ -39,10 +41,14 @@ pub(crate) struct OppositeEnds {
 
 /// Part of a ring edge between two cuts.
 #[derive(Debug, Clone, Copy)]
-struct Piece {
-    start: Degrees,
-    end: Degrees,
-    vertex: usize,
+pub(crate) struct Piece {
+    pub(crate) start: Degrees,
+    pub(crate) end: Degrees,
+    /// Vertex that the edge starts at.
+    pub(crate) vertex: usize,
+    /// Whole turns between the longitudes here and those of the file; 0 for great ellipses, which
+    /// have none of their own.
+    pub(crate) turns: f64,
 }
 
 /// Longitudes and latitudes covered, `[west, south, east, north]`.
@@ -69,11 +75,6 @@ impl Bounds {
         self.add([other.0[0], other.0[1]]);
         self.add([other.0[2], other.0[3]]);
     }
-
-    fn touches(&self, other: &Self) -> bool {
-        let ([w, s, e, n], [w2, s2, e2, n2]) = (self.0, other.0);
-        w <= e2 && w2 <= e && s <= n2 && s2 <= n
-    }
 }
 
 /// One polygon's edges.
@@ -84,20 +85,27 @@ struct Part {
 
 impl Outline {
     /// Cuts, closes, splits and groups the rings of `region`.
+    ///
+    /// # Errors
+    /// Every edge that joins opposite points.
     pub(crate) fn new(
         region: &Region,
         rule: EdgeRule,
         splitter: &mut EdgeSplitter<'_>,
-    ) -> Result<Self, OppositeEnds> {
+    ) -> Result<Self, Vec<OppositeEnds>> {
         let mut builder = Builder {
             rule,
             splitter,
             parts: Vec::with_capacity(region.polygons.len()),
             longitudes: Vec::new(),
             crossings: Vec::new(),
+            opposite: Vec::new(),
         };
         for (index, polygon) in region.polygons.iter().enumerate() {
-            builder.add_polygon(index, polygon)?;
+            builder.add_polygon(index, polygon);
+        }
+        if !builder.opposite.is_empty() {
+            return Err(builder.opposite);
         }
         builder.close_along_antimeridian();
         builder.share_breakpoints();
@@ -126,10 +134,11 @@ struct Builder<'a, 'b> {
     longitudes: Vec<[f64; 2]>,
     /// Latitudes where rings pass from one side of the antimeridian to the other, and the part.
     crossings: Vec<(f64, usize)>,
+    opposite: Vec<OppositeEnds>,
 }
 
 impl Builder<'_, '_> {
-    fn add_polygon(&mut self, index: usize, polygon: &Polygon) -> Result<(), OppositeEnds> {
+    fn add_polygon(&mut self, index: usize, polygon: &Polygon) {
         let part_index = self.parts.len();
         let mut part = Part {
             edges: Vec::with_capacity(polygon.rings().map(|ring| ring.vertices_deg().len()).sum()),
@@ -142,11 +151,19 @@ impl Builder<'_, '_> {
                 ring: ring_index,
                 vertex,
             };
-            let mut pieces = ring_pieces(self.rule, ring).map_err(|vertex| OppositeEnds {
-                place: place(vertex),
-                start: ring.vertices_deg()[vertex],
-                end: ring.vertices_deg()[(vertex + 1) % ring.vertices_deg().len()],
-            })?;
+            let mut pieces = match ring_pieces(self.rule, ring) {
+                Ok(pieces) => pieces,
+                Err(vertices) => {
+                    let corners = ring.vertices_deg();
+                    let opposite = vertices.into_iter().map(|vertex| OppositeEnds {
+                        place: place(vertex),
+                        start: corners[vertex],
+                        end: corners[(vertex + 1) % corners.len()],
+                    });
+                    self.opposite.extend(opposite);
+                    continue;
+                }
+            };
             let crossings = self.record_runs(&pieces, part_index);
             if crossings % 2 == 1 {
                 shell_goes_round |= ring_index == 0;
@@ -157,6 +174,7 @@ impl Builder<'_, '_> {
                     start: [-180.0, latitude],
                     end: [180.0, latitude],
                     vertex: ring.vertices_deg().len() - 1,
+                    turns: 0.0,
                 });
                 self.crossings.push((latitude, part_index));
                 self.longitudes.push([-180.0, 180.0]);
@@ -166,7 +184,6 @@ impl Builder<'_, '_> {
             }
         }
         self.parts.push(part);
-        Ok(())
     }
 
     /// Notes longitude intervals and crossings of a closed sequence of pieces; returns the number
@@ -300,21 +317,27 @@ fn is_along_antimeridian(edge: &OutlineEdge) -> bool {
 /// ring crosses the antimeridian.
 ///
 /// # Errors
-/// The vertex whose edge joins two opposite points of the body (great ellipses only).
-fn ring_pieces(rule: EdgeRule, ring: &Ring) -> Result<Vec<Piece>, usize> {
+/// The vertices whose edges join two opposite points of the body (great ellipses only).
+fn ring_pieces(rule: EdgeRule, ring: &Ring) -> Result<Vec<Piece>, Vec<usize>> {
     match rule {
         EdgeRule::Planar => Ok(planar_pieces(ring)),
         EdgeRule::GreatEllipse => great_ellipse_pieces(ring),
     }
 }
 
-fn planar_pieces(ring: &Ring) -> Vec<Piece> {
+/// See [`ring_pieces`].
+pub(crate) fn planar_pieces(ring: &Ring) -> Vec<Piece> {
     let vertices = ring.vertices_deg();
     let within = |vertex: &Degrees| vertex[0].abs() == 180.0 || is_off_antimeridian(vertex[0]);
     let mut pieces = Vec::with_capacity(vertices.len());
     if ring.winding_deg() == 0.0 && vertices.iter().all(within) {
         for (vertex, (start, end)) in ring.edges_deg().enumerate() {
-            pieces.push(Piece { start, end, vertex });
+            pieces.push(Piece {
+                start,
+                end,
+                vertex,
+                turns: 0.0,
+            });
         }
         return pieces;
     }
@@ -399,38 +422,60 @@ fn cut_planar(mut west: Turned, mut east: Turned, vertex: usize, pieces: &mut Ve
         let to_east = (180.0 + east.degrees[0]) + 360.0 * (east.turns - turn - 1.0);
         let share = to_west / (to_west + to_east);
         let latitude = west.degrees[1] + (east.degrees[1] - west.degrees[1]) * share;
-        let end = [180.0, latitude];
-        pieces.push(Piece { start, end, vertex });
+        pieces.push(Piece {
+            start,
+            end: [180.0, latitude],
+            vertex,
+            turns: turn,
+        });
         start = [-180.0, latitude];
         turn += 1.0;
     }
-    let end = east.degrees;
-    pieces.push(Piece { start, end, vertex });
+    pieces.push(Piece {
+        start,
+        end: east.degrees,
+        vertex,
+        turns: turn,
+    });
 }
 
-fn great_ellipse_pieces(ring: &Ring) -> Result<Vec<Piece>, usize> {
+fn great_ellipse_pieces(ring: &Ring) -> Result<Vec<Piece>, Vec<usize>> {
     let vertices: Vec<Degrees> = ring
         .vertices_deg()
         .iter()
         .map(|vertex| Turned::new(*vertex, 0.0).degrees)
         .collect();
     let mut pieces: Vec<Piece> = Vec::with_capacity(vertices.len());
+    let mut opposite = Vec::new();
     for (vertex, start) in vertices.iter().enumerate() {
         let end = vertices[(vertex + 1) % vertices.len()];
-        cut_great_ellipse(*start, end, vertex, &mut pieces)?;
+        opposite.extend(cut_great_ellipse(*start, end, vertex, &mut pieces).err());
+    }
+    if !opposite.is_empty() {
+        return Err(opposite);
     }
     join_at_poles(&mut pieces);
     Ok(pieces)
 }
 
 /// Pieces of the shorter arc; where it meets a pole they end and start at their own longitudes.
+///
+/// # Errors
+/// `vertex`, where the ends are opposite.
 fn cut_great_ellipse(
     mut start: Degrees,
     mut end: Degrees,
     vertex: usize,
     pieces: &mut Vec<Piece>,
 ) -> Result<(), usize> {
-    let mut push = |start, end| pieces.push(Piece { start, end, vertex });
+    let mut push = |start, end| {
+        pieces.push(Piece {
+            start,
+            end,
+            vertex,
+            turns: 0.0,
+        });
+    };
     match (start[1].abs() == 90.0, end[1].abs() == 90.0) {
         (true, true) if start[1] == end[1] => return Ok(()),
         (true, true) => return Err(vertex),
@@ -491,48 +536,115 @@ fn join_at_poles(pieces: &mut Vec<Piece>) {
             continue;
         };
         let step = to[0] - from[0];
-        let vertex = piece.vertex;
-        if step != 0.0 && step.abs() <= 180.0 {
-            joined.push(Piece {
-                start: from,
-                end: to,
-                vertex,
-            });
-        } else if step.abs() > 180.0 && step.abs() < 360.0 {
-            let side = 180.0_f64.copysign(from[0]);
-            for (start, end) in [(from, [side, pole]), ([-side, pole], to)] {
-                if start != end {
-                    joined.push(Piece { start, end, vertex });
-                }
+        let mut push = |start: Degrees, end: Degrees| {
+            if start != end {
+                joined.push(Piece {
+                    start,
+                    end,
+                    ..*piece
+                });
             }
+        };
+        if step.abs() <= 180.0 {
+            push(from, to);
+        } else if step.abs() < 360.0 {
+            let side = 180.0_f64.copysign(from[0]);
+            push(from, [side, pole]);
+            push([-side, pole], to);
         }
     }
     *pieces = joined;
 }
 
-/// Parts with touching bounding boxes, joined.
+/// Parts with touching bounding boxes, joined; parts and their edges keep their order.
+///
+/// A sweep from west to east over groups whose intervals of latitude are apart. A group's interval
+/// is compared rather than its parts': it may join more than needed, never less.
 fn group(mut parts: Vec<Part>) -> Vec<Vec<OutlineEdge>> {
     parts.retain(|part| !part.edges.is_empty());
-    parts.sort_by(|a, b| a.bounds.0[0].total_cmp(&b.bounds.0[0]));
-    // Boxes of groups are compared rather than those of parts: it may join more than needed, never
-    // less, and a group's box only grows while going east.
-    let mut groups: Vec<Part> = Vec::new();
-    for part in parts {
-        let mut part = part;
-        // Joining may make the box touch further groups.
-        while let Some(touching) = groups
-            .iter()
-            .position(|group| group.bounds.touches(&part.bounds))
-        {
-            let mut group = groups.swap_remove(touching);
-            group.bounds.join(&part.bounds);
-            group.edges.append(&mut part.edges);
-            part = group;
+    let mut from_west: Vec<usize> = (0..parts.len()).collect();
+    from_west.sort_by(|&a, &b| parts[a].bounds.0[0].total_cmp(&parts[b].bounds.0[0]));
+    let mut open: BTreeMap<Latitude, OpenGroup> = BTreeMap::new();
+    let mut done: Vec<Vec<usize>> = Vec::new();
+    for index in from_west {
+        // Adding zero turns −0 into 0, which sorts apart from it.
+        let [west, south, east, north] = parts[index].bounds.0.map(|side| side + 0.0);
+        let mut joined = OpenGroup {
+            north,
+            east,
+            members: vec![index],
+        };
+        // Those apart from one another lie in order of both ends, and those that reach into the
+        // interval are the last ones that start in it or south of it.
+        let mut lowest = south;
+        while let Some((&start, group)) = open.range(..=Latitude(joined.north)).next_back() {
+            if group.north < south {
+                break;
+            }
+            let Some(mut group) = open.remove(&start) else {
+                break;
+            };
+            if group.east < west {
+                done.push(group.members);
+                continue;
+            }
+            lowest = lowest.min(start.0);
+            joined.north = joined.north.max(group.north);
+            joined.east = joined.east.max(group.east);
+            if group.members.len() > joined.members.len() {
+                std::mem::swap(&mut group.members, &mut joined.members);
+            }
+            joined.members.append(&mut group.members);
         }
-        groups.push(part);
+        open.insert(Latitude(lowest), joined);
     }
-    groups.into_iter().map(|group| group.edges).collect()
+    done.extend(open.into_values().map(|group| group.members));
+    for members in &mut done {
+        members.sort_unstable();
+    }
+    done.sort_unstable();
+    done.into_iter()
+        .map(|members| {
+            let count = members.iter().map(|&i| parts[i].edges.len()).sum();
+            let mut edges = Vec::with_capacity(count);
+            for i in members {
+                edges.append(&mut parts[i].edges);
+            }
+            edges
+        })
+        .collect()
 }
+
+/// A group that parts further east may touch.
+struct OpenGroup {
+    north: f64,
+    east: f64,
+    members: Vec<usize>,
+}
+
+/// Degrees, in order.
+#[derive(Debug, Clone, Copy)]
+struct Latitude(f64);
+
+impl Ord for Latitude {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+impl PartialOrd for Latitude {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Latitude {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Latitude {}
 
 /// The shortest interval of longitude that holds all of them, `[west, east]`; west of the
 /// antimeridian to east of it when west > east.
@@ -613,7 +725,10 @@ mod tests {
     #[test]
     fn opposite_ends_are_refused() {
         let ring = Ring::from_checked(vec![[0.0, 10.0], [180.0, -10.0], [90.0, 0.0]], 0.0);
-        assert_eq!(ring_pieces(EdgeRule::GreatEllipse, &ring).err(), Some(0));
+        assert_eq!(
+            ring_pieces(EdgeRule::GreatEllipse, &ring).err(),
+            Some(vec![0])
+        );
         let near = Ring::from_checked(vec![[0.0, 10.0], [180.0, -9.0], [90.0, 0.0]], 0.0);
         assert!(ring_pieces(EdgeRule::GreatEllipse, &near).is_ok());
     }
@@ -630,6 +745,55 @@ mod tests {
         );
         assert_eq!(shortest_interval(vec![[-180.0, 180.0]]), [-180.0, 180.0]);
         assert_eq!(shortest_interval(vec![[170.0, 180.0]]), [170.0, 180.0]);
+    }
+
+    #[test]
+    fn parts_that_touch_are_never_apart_and_order_does_not_matter() {
+        let mut state = 9_u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let mut most_groups = 0;
+        for round in 0..200 {
+            let size = 0.3 / f64::from(round % 20 + 1);
+            let corners: Vec<[f64; 4]> = (0..60)
+                .map(|_| {
+                    let (w, s) = (random(), random() - 0.5);
+                    [w, s, w + size * random(), s + size * random()]
+                })
+                .collect();
+            let parts = corners.iter().map(|&[w, s, e, n]| {
+                let edge = OutlineEdge {
+                    start: [w, s],
+                    end: [e, n],
+                    place: EdgePlace::default(),
+                };
+                Part {
+                    edges: vec![edge],
+                    bounds: Bounds([w, s, e, n]),
+                }
+            });
+            let groups = group(parts.collect());
+            let sides =
+                |edge: &OutlineEdge| [edge.start[0], edge.start[1], edge.end[0], edge.end[1]];
+            assert_eq!(groups.iter().map(Vec::len).sum::<usize>(), corners.len());
+            for (i, a) in groups.iter().enumerate() {
+                for b in &groups[..i] {
+                    for ([w, s, e, n], [w2, s2, e2, n2]) in a
+                        .iter()
+                        .flat_map(|a| b.iter().map(move |b| (sides(a), sides(b))))
+                    {
+                        assert!(w > e2 || w2 > e || s > n2 || s2 > n, "touching, yet apart");
+                    }
+                }
+            }
+            most_groups = most_groups.max(groups.len());
+        }
+        // Twin: putting everything in one group would pass the above.
+        assert!(most_groups > 30, "{most_groups}");
     }
 
     #[test]

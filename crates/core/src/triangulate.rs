@@ -7,10 +7,12 @@
 //! middle latitude: triangles come out well shaped on the body, and not one bit of a coordinate
 //! changes, so predicates remain exact for the numbers of the file.
 
-use crate::crossings::{self, great_ellipse_crossing, planar_crossing, split_outline};
+use crate::crossings::{
+    self, CrossingPlaces, crossing_places, find_crossings, great_ellipse_crossing, split_outline,
+};
 use crate::edge::{Degrees, arc_rad};
 use crate::outline::OutlineEdge;
-use crate::{EdgePlace, EdgeRule, MeshOptions};
+use crate::{EdgeRule, MeshOptions};
 use spade::handles::FixedVertexHandle;
 use spade::{
     ConstrainedDelaunayTriangulation, Intersection, LineIntersectionIterator, Point2,
@@ -48,11 +50,12 @@ pub(crate) struct GroupMesh {
 
 /// Why a group could not be triangulated.
 pub(crate) enum TriangulateError {
-    /// Two edges cross other than at a common vertex.
-    Crossing {
-        first: EdgePlace,
-        second: EdgePlace,
-        at: Degrees,
+    /// Edges cross other than at a common vertex.
+    Crossings {
+        /// In order of their place in the file; at least one.
+        found: Vec<CrossingPlaces>,
+        /// Whether these are all.
+        complete: bool,
     },
     /// The triangulation refused; a fault in this program rather than in the file.
     Refused(String),
@@ -82,25 +85,49 @@ pub(crate) fn triangulate(
     group.extract(&inside)
 }
 
+/// Crossings of one group that are looked for: a list that long helps nobody, and a ring that
+/// crosses itself everywhere has as many as the square of its edges.
+const MOST_CROSSINGS: usize = 10_000;
+
 fn load_without_false_crossings(
     mut edges: Vec<OutlineEdge>,
     rule: EdgeRule,
 ) -> Result<Group, TriangulateError> {
-    for _ in 0..crossings::MOST_ROUNDS {
-        match Group::load(&edges) {
-            Err(TriangulateError::Crossing { .. }) if rule == EdgeRule::GreatEllipse => {}
-            result => return result,
+    for round in 0..=crossings::MOST_ROUNDS {
+        if let Some(group) = Group::load(&edges)? {
+            return Ok(group);
         }
-        let split = split_outline(&edges);
-        let ends = |index: usize| [edges[index].start, edges[index].end];
-        for [a, b] in split.pairs {
-            if let Some(at) = great_ellipse_crossing(ends(a), ends(b)) {
-                return Err(crossing_of(&edges[a], &edges[b], at));
+        let ends: Vec<[Degrees; 2]> = edges.iter().map(|edge| [edge.start, edge.end]).collect();
+        let (found, complete) = find_crossings(EdgeRule::Planar, &ends, MOST_CROSSINGS);
+        if found.is_empty() {
+            return Err(TriangulateError::Refused(
+                "a crossing edge crosses no edge".to_owned(),
+            ));
+        }
+        let refused: Vec<_> = match rule {
+            EdgeRule::Planar => found.clone(),
+            EdgeRule::GreatEllipse => {
+                let arcs = found.iter().filter_map(|&([a, b], _)| {
+                    great_ellipse_crossing(ends[a], ends[b]).map(|at| ([a, b], at))
+                });
+                arcs.collect()
             }
+        };
+        let refused = match refused.is_empty() && round == crossings::MOST_ROUNDS {
+            true => &found,
+            false => &refused,
+        };
+        if !refused.is_empty() {
+            return Err(TriangulateError::Crossings {
+                found: crossing_places(&edges, refused),
+                complete,
+            });
         }
-        edges = split.edges;
+        edges = split_outline(&edges, &found);
     }
-    Group::load(&edges)
+    Err(TriangulateError::Refused(
+        "crossings of chords could not be resolved".to_owned(),
+    ))
 }
 
 struct Group {
@@ -114,7 +141,8 @@ struct Group {
 }
 
 impl Group {
-    fn load(edges: &[OutlineEdge]) -> Result<Self, TriangulateError> {
+    /// `None` where edges cross.
+    fn load(edges: &[OutlineEdge]) -> Result<Option<Self>, TriangulateError> {
         let mut vertices: Vec<Degrees> = Vec::with_capacity(edges.len());
         let mut index_of: HashMap<[u64; 2], u32, BuildHasherDefault<PositionHasher>> =
             HashMap::with_capacity_and_hasher(edges.len(), BuildHasherDefault::default());
@@ -149,11 +177,11 @@ impl Group {
             .iter()
             .map(|[a, b]| [*a as usize, *b as usize])
             .collect();
-        let mut conflict = None;
-        let cdt = Cdt::try_bulk_load_cdt(points, constraints, |edge| conflict = Some(edge))
+        let mut edges_cross = false;
+        let cdt = Cdt::try_bulk_load_cdt(points, constraints, |_| edges_cross = true)
             .map_err(|error| TriangulateError::Refused(error.to_string()))?;
-        if let Some([a, b]) = conflict {
-            return Err(find_crossing(edges, vertices[a], vertices[b]));
+        if edges_cross {
+            return Ok(None);
         }
         let mut group = Self {
             cdt,
@@ -162,7 +190,7 @@ impl Group {
             bounds,
         };
         group.mark_odd_edges(&kept);
-        Ok(group)
+        Ok(Some(group))
     }
 
     /// Marks what an odd number of edges runs along. An edge that passes exactly through a vertex
@@ -412,31 +440,6 @@ fn distance_to_segment(from: Point2<f64>, to: Point2<f64>) -> f64 {
     (from.x + along * dx).hypot(from.y + along * dy)
 }
 
-/// The edge that crosses the one between `a` and `b`, which the triangulation could not insert.
-fn find_crossing(edges: &[OutlineEdge], a: Degrees, b: Degrees) -> TriangulateError {
-    let joins = |edge: &&OutlineEdge| {
-        let ends = [edge.start, edge.end].map(|end| end.map(without_underflow));
-        ends == [a, b] || ends == [b, a]
-    };
-    let Some(refused) = edges.iter().find(joins) else {
-        return TriangulateError::Refused("a crossing edge is not among the edges".to_owned());
-    };
-    for edge in edges {
-        if let Some(at) = planar_crossing([refused.start, refused.end], [edge.start, edge.end]) {
-            return crossing_of(refused, edge, at);
-        }
-    }
-    TriangulateError::Refused("a crossing edge crosses no edge".to_owned())
-}
-
-fn crossing_of(a: &OutlineEdge, b: &OutlineEdge, at: Degrees) -> TriangulateError {
-    TriangulateError::Crossing {
-        first: a.place.min(b.place),
-        second: a.place.max(b.place),
-        at,
-    }
-}
-
 /// Hash of two coordinates' bits: the default hasher's protection against crafted keys costs more
 /// than the whole lookup, and a file crafted against this one is slow, not wrong.
 #[derive(Default)]
@@ -466,6 +469,7 @@ impl Hasher for PositionHasher {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::EdgePlace;
 
     fn closed(vertices: &[Degrees]) -> Vec<OutlineEdge> {
         let next = vertices.iter().cycle().skip(1);
@@ -503,7 +507,7 @@ mod tests {
         };
         match triangulate(edges.to_vec(), EdgeRule::Planar, &options) {
             Ok(mesh) => mesh,
-            Err(TriangulateError::Crossing { at, .. }) => panic!("crossing at {at:?}"),
+            Err(TriangulateError::Crossings { found, .. }) => panic!("crossings at {found:?}"),
             Err(TriangulateError::Refused(message)) => panic!("{message}"),
         }
     }
@@ -569,9 +573,10 @@ mod tests {
     fn a_crossing_is_placed_and_a_touch_is_not_a_crossing() {
         let bow_tie = closed(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]]);
         match triangulate(bow_tie, EdgeRule::Planar, &MeshOptions::default()) {
-            Err(TriangulateError::Crossing { first, second, at }) => {
-                assert_eq!((first.vertex, second.vertex), (0, 2));
-                assert_eq!(at, [1.0, 1.0]);
+            Err(TriangulateError::Crossings { found, complete }) => {
+                assert_eq!((found.len(), complete), (1, true));
+                assert_eq!((found[0].first.vertex, found[0].second.vertex), (0, 2));
+                assert_eq!(found[0].at, [1.0, 1.0]);
             }
             _ => panic!("a bow-tie crosses itself"),
         }

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Which of many boxes overlap: a tree of boxes compared with itself.
+//!
+//! Any unit; planar users leave z at 0. Halved at the median of the longest axis, so that long thin
+//! edges side by side, which defeat a sweep along one axis, are told apart along the other.
+//! O(n log n) to build, and to compare O(n + pairs) where boxes are not much larger than their
+//! distances.
+
+use glam::DVec3;
+use std::ops::ControlFlow;
+
+/// Boxes in a leaf: comparing this many pairwise costs about what one more level would.
+const LEAF_SIZE: usize = 6;
+
+/// A box along the axes; touching counts as overlapping.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AxisBox {
+    pub(crate) low: DVec3,
+    pub(crate) high: DVec3,
+}
+
+impl AxisBox {
+    fn overlaps(&self, other: &Self) -> bool {
+        self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
+    }
+
+    fn join(self, other: Self) -> Self {
+        Self {
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+        }
+    }
+}
+
+/// A tree over boxes.
+pub(crate) struct BoxTree<'a> {
+    boxes: &'a [AxisBox],
+    /// Indices of boxes, leaf by leaf.
+    order: Vec<usize>,
+    nodes: Vec<Node>,
+}
+
+struct Node {
+    bounds: AxisBox,
+    /// Range of [`BoxTree::order`].
+    first: usize,
+    past: usize,
+    /// The first child is the next node; this is the other one. `None` for a leaf.
+    second_child: Option<usize>,
+}
+
+impl<'a> BoxTree<'a> {
+    pub(crate) fn new(boxes: &'a [AxisBox]) -> Self {
+        let mut tree = Self {
+            boxes,
+            order: (0..boxes.len()).collect(),
+            nodes: Vec::with_capacity(2 * boxes.len().div_ceil(LEAF_SIZE / 2)),
+        };
+        if !boxes.is_empty() {
+            tree.add_node(0, boxes.len());
+        }
+        tree
+    }
+
+    fn add_node(&mut self, first: usize, past: usize) -> usize {
+        let at = self.nodes.len();
+        let range = &mut self.order[first..past];
+        let bounds = range[1..]
+            .iter()
+            .fold(self.boxes[range[0]], |sum, &i| sum.join(self.boxes[i]));
+        self.nodes.push(Node {
+            bounds,
+            first,
+            past,
+            second_child: None,
+        });
+        if past - first > LEAF_SIZE {
+            let twice_center = |i: usize| self.boxes[i].low + self.boxes[i].high;
+            let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+            for &i in range.iter() {
+                low = low.min(twice_center(i));
+                high = high.max(twice_center(i));
+            }
+            let axis = (high - low).max_position();
+            let middle = range.len() / 2;
+            range.select_nth_unstable_by(middle, |&a, &b| {
+                twice_center(a)[axis].total_cmp(&twice_center(b)[axis])
+            });
+            self.add_node(first, first + middle);
+            let second = self.add_node(first + middle, past);
+            self.nodes[at].second_child = Some(second);
+        }
+        at
+    }
+
+    /// Calls `visit` once for every two boxes that overlap, until it breaks.
+    pub(crate) fn overlapping_pairs(
+        &self,
+        visit: &mut impl FnMut(usize, usize) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let mut waiting = Vec::new();
+        if !self.nodes.is_empty() {
+            waiting.push((0, 0));
+        }
+        while let Some((a, b)) = waiting.pop() {
+            let (left, right) = (&self.nodes[a], &self.nodes[b]);
+            if a != b && !left.bounds.overlaps(&right.bounds) {
+                continue;
+            }
+            let left_is_larger = left.past - left.first >= right.past - right.first;
+            match (left.second_child, right.second_child) {
+                (None, None) => self.compare_leaves(left, right, a == b, visit)?,
+                (Some(second), _) if a == b => {
+                    waiting.extend([(a + 1, a + 1), (second, second), (a + 1, second)]);
+                }
+                (Some(_), Some(second)) if !left_is_larger => {
+                    waiting.extend([(a, b + 1), (a, second)]);
+                }
+                (Some(second), _) => waiting.extend([(a + 1, b), (second, b)]),
+                (None, Some(second)) => waiting.extend([(a, b + 1), (a, second)]),
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn compare_leaves(
+        &self,
+        left: &Node,
+        right: &Node,
+        same: bool,
+        visit: &mut impl FnMut(usize, usize) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        for at in left.first..left.past {
+            let i = self.order[at];
+            let from = if same { at + 1 } else { right.first };
+            for &j in &self.order[from..right.past] {
+                if self.boxes[i].overlaps(&self.boxes[j]) {
+                    visit(i.min(j), i.max(j))?;
+                }
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pairs(boxes: &[AxisBox]) -> Vec<(usize, usize)> {
+        let mut found = Vec::new();
+        let tree = BoxTree::new(boxes);
+        let end = tree.overlapping_pairs(&mut |a, b| {
+            found.push((a, b));
+            ControlFlow::Continue(())
+        });
+        assert_eq!(end, ControlFlow::Continue(()));
+        found.sort_unstable();
+        found
+    }
+
+    fn slow_pairs(boxes: &[AxisBox]) -> Vec<(usize, usize)> {
+        let all = (0..boxes.len()).flat_map(|a| (a + 1..boxes.len()).map(move |b| (a, b)));
+        all.filter(|&(a, b)| boxes[a].overlaps(&boxes[b])).collect()
+    }
+
+    fn random_boxes(count: u32, size: DVec3) -> Vec<AxisBox> {
+        let mut state = 3_u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..count)
+            .map(|_| {
+                let low = DVec3::new(random(), random(), random());
+                let high = low + size * DVec3::new(random(), random(), random());
+                AxisBox { low, high }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn every_overlapping_pair_is_found_once() {
+        for size in [
+            DVec3::splat(0.1),
+            DVec3::splat(0.9),
+            DVec3::new(1.0, 1e-3, 1.0),
+            DVec3::ZERO,
+        ] {
+            for count in [0, 1, 2, 6, 7, 50, 300] {
+                let boxes = random_boxes(count, size);
+                assert_eq!(pairs(&boxes), slow_pairs(&boxes), "{count} of {size}");
+            }
+        }
+        // Equal boxes cannot be told apart by any axis.
+        let equal = vec![random_boxes(1, DVec3::ONE)[0]; 40];
+        assert_eq!(pairs(&equal).len(), 40 * 39 / 2);
+    }
+
+    #[test]
+    fn a_visitor_can_stop_early() {
+        let boxes = random_boxes(100, DVec3::ONE);
+        let mut count = 0;
+        let end = BoxTree::new(&boxes).overlapping_pairs(&mut |_, _| {
+            count += 1;
+            if count == 10 {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        });
+        assert_eq!((end, count), (ControlFlow::Break(()), 10));
+    }
+
+    #[test]
+    fn thin_boxes_side_by_side_do_not_cost_their_square() {
+        // Teeth of a comb, whatever way they lie: the square would run into the test's time limit.
+        for axis in 0..2 {
+            let boxes: Vec<AxisBox> = (0..300_000)
+                .map(|k| {
+                    let mut low = DVec3::ZERO;
+                    low[axis] = f64::from(k);
+                    let mut high = low + DVec3::new(1e6, 1e6, 0.0);
+                    high[axis] = f64::from(k) + 0.5;
+                    AxisBox { low, high }
+                })
+                .collect();
+            assert!(pairs(&boxes).is_empty());
+        }
+    }
+}
