@@ -159,7 +159,7 @@ pub enum AnalyticError {
         half_angle_deg: f64,
     },
     /// A shape without width.
-    #[error("the shape is {found_m} m wide; allowed on {body} is {smallest_m} and more")]
+    #[error("the shape is {found_m:.3e} m wide; allowed on {body} is {smallest_m:.3e} and more")]
     TooNarrow {
         /// Name of the body.
         body: &'static str,

@@ -906,8 +906,14 @@ fn what_cannot_be_is_refused_with_what_was_found_and_allowed() {
             "semi-minor axis is 2000 m; allowed on wgs84 is 0.0063",
         ),
         (sector([2e3, 1e3], [0.0, 90.0]), "inner radius is 2000 m"),
-        (sector([1e3, 1e3], [0.0, 90.0]), "0 m wide"),
-        (sector([0.0, 1e3], [30.0, 30.0]), "0 m wide"),
+        (
+            sector([1e3, 1e3], [0.0, 90.0]),
+            "m wide; allowed on wgs84 is 6.378e-3",
+        ),
+        (
+            sector([0.0, 1e3], [30.0, 30.0]),
+            "m wide; allowed on wgs84 is 6.378e-3",
+        ),
         (sector([0.0, 1e3], [0.0, 5_000.0]), "end bearing is 87.2"),
         (footprint(0.0, -90.0, 10.0), "height of 0 m"),
         (footprint(-100.0, -90.0, 10.0), "height of -100 m"),

@@ -45,11 +45,75 @@ pub(super) struct Sight {
     half_angle_rad: f64,
 }
 
-/// An arc of the cone's edge, angles about its axis.
+/// Where the cone's edge crosses the horizon, or its mirror image behind the apex.
+struct Tangents {
+    /// Angle about the axis that the others count from.
+    start_rad: f64,
+    /// Ascending, within ±π.
+    angles_rad: Vec<f64>,
+    /// Of `D (1 + t²)²` in `t = tan ½x`, x counting from the start; ascending.
+    quartic: [f64; 5],
+}
+
+/// An arc of the cone's edge between two tangents.
+///
+/// There `D = factor · sin ½(x − from) · sin ½(to − x) · (r₀ cos² ½x + r₁ cos ½x sin ½x + r₂ sin² ½x)`,
+/// which is smooth to the last bit. As the difference of two squares D has an absolute error, and a
+/// footprint that only just reaches the body would be all noise.
 #[derive(Clone, Copy)]
 struct ConeArc {
+    start_rad: f64,
     from_rad: f64,
     to_rad: f64,
+    factor: f64,
+    rest: [f64; 3],
+}
+
+impl Tangents {
+    /// Between each tangent and the next, the last one's next being the first a turn on.
+    fn arcs(&self) -> impl Iterator<Item = ConeArc> + '_ {
+        let next = self.angles_rad.iter().skip(1).copied();
+        let wrapped = self.angles_rad.first().map(|first| first + TAU);
+        self.angles_rad
+            .iter()
+            .zip(next.chain(wrapped))
+            .map(|(from_rad, to_rad)| self.arc(*from_rad, to_rad))
+    }
+
+    fn arc(&self, from_rad: f64, to_rad: f64) -> ConeArc {
+        let [from, to] = [from_rad, to_rad].map(|angle| (0.5 * angle).tan());
+        let (sum, product) = (from + to, from * to);
+        let [_, _, c2, c3, c4] = self.quartic;
+        // The quartic divided by (t − from)(t − to).
+        let linear = c3 + c4 * sum;
+        ConeArc {
+            start_rad: self.start_rad,
+            from_rad,
+            to_rad,
+            factor: -1.0 / ((0.5 * from_rad).cos() * (0.5 * to_rad).cos()),
+            rest: [c2 + sum * linear - product * c4, linear, c4],
+        }
+    }
+}
+
+impl ConeArc {
+    fn middle_rad(&self) -> f64 {
+        self.start_rad + 0.5 * (self.from_rad + self.to_rad)
+    }
+
+    /// Angle about the axis, and the root of D there, for a parameter 0 … 1.
+    fn at(&self, parameter: f64) -> (f64, f64) {
+        let width_rad = self.to_rad - self.from_rad;
+        // Next to a tangent the range changes like the root of the angle; with this parameter it
+        // changes evenly.
+        let (sin, cos) = (FRAC_PI_2 * parameter).sin_cos();
+        let (done_rad, left_rad) = (width_rad * sin * sin, width_rad * cos * cos);
+        let angle_rad = self.from_rad + done_rad;
+        let (s, c) = (0.5 * angle_rad).sin_cos();
+        let rest = self.rest[0] * c * c + self.rest[1] * c * s + self.rest[2] * s * s;
+        let squared = self.factor * (0.5 * done_rad).sin() * (0.5 * left_rad).sin() * rest;
+        (self.start_rad + angle_rad, squared.max(0.0).sqrt())
+    }
 }
 
 /// Where the boundary runs.
@@ -112,8 +176,14 @@ impl Sight {
         self.bilinear(e, e)
     }
 
+    /// `(p·u)(p·v) − g u·v`, for a far apex as the `u·v − (p×u)·(p×v)` that it is by Binet and
+    /// Cauchy: each loses digits where the other keeps them.
     fn bilinear(&self, u: DVec3, v: DVec3) -> f64 {
-        self.p.dot(u) * self.p.dot(v) - self.g * u.dot(v)
+        if self.g > 1.0 {
+            u.dot(v) - self.p.cross(u).dot(self.p.cross(v))
+        } else {
+            self.p.dot(u) * self.p.dot(v) - self.g * u.dot(v)
+        }
     }
 
     fn meets(&self, angle_rad: f64) -> bool {
@@ -123,19 +193,18 @@ impl Sight {
 
     /// Where a ray of the cone's edge meets the surface first.
     ///
-    /// - `touches`: the ray is known to be on the horizon; what rounding makes of D would count
-    ///   with its root
-    fn hit(&self, angle_rad: f64, touches: bool) -> DVec3 {
+    /// - `root`: of D; 0 for a ray that touches
+    fn hit(&self, angle_rad: f64, root: f64) -> DVec3 {
         let direction = self.ray(angle_rad);
-        let e = direction / self.radii_m;
-        let root = if touches {
-            0.0
-        } else {
-            self.discriminant(e).max(0.0).sqrt()
-        };
         // The smaller solution without the difference of its numerator.
-        let range_m = self.g / (root - self.p.dot(e));
+        let range_m = self.g / (root - self.p.dot(direction / self.radii_m));
         self.apex_ecef + direction * range_m
+    }
+
+    /// The same for an edge that is on the body all round.
+    fn hit_all_round(&self, angle_rad: f64) -> DVec3 {
+        let squared = self.discriminant(self.ray(angle_rad) / self.radii_m);
+        self.hit(angle_rad, squared.max(0.0).sqrt())
     }
 
     /// A point of the horizon, ECEF; counter-clockwise from outside.
@@ -167,8 +236,7 @@ impl Sight {
             .atan2(direction.dot(self.axis))
     }
 
-    /// Angles at which the cone's edge crosses the horizon or its mirror image behind the apex.
-    fn tangent_angles_rad(&self) -> Vec<f64> {
+    fn tangents(&self) -> Tangents {
         // tan ½ψ is infinite at ψ = π: that has to be no root, best the opposite of one.
         let size = |start: &f64| self.discriminant(self.ray(start + PI) / self.radii_m).abs();
         let start = (0..STARTS)
@@ -188,12 +256,16 @@ impl Sight {
             4.0 * (q(a, v) - q(u, v)),
             q(a, a) - 2.0 * q(a, u) + q(u, u),
         ];
-        let mut angles: Vec<f64> = real_roots(&quartic)
+        let mut angles_rad: Vec<f64> = real_roots(&quartic)
             .into_iter()
-            .map(|t| self.polished(start + 2.0 * t.atan()))
+            .map(|t| self.polished(start + 2.0 * t.atan()) - start)
             .collect();
-        angles.sort_by(f64::total_cmp);
-        angles
+        angles_rad.sort_by(f64::total_cmp);
+        Tangents {
+            start_rad: start,
+            angles_rad,
+            quartic,
+        }
     }
 
     /// Newton on D itself, whose products are small near a tangent and keep their digits.
@@ -214,17 +286,10 @@ impl Sight {
 
     /// What bounds the footprint; `None` when the cone misses the body.
     fn outline(&self) -> Option<Outline> {
-        let angles = self.tangent_angles_rad();
-        let next = angles.iter().skip(1).copied();
-        let wrapped = angles.first().map(|first| first + TAU);
-        let arcs: Vec<ConeArc> = angles
-            .iter()
-            .zip(next.chain(wrapped))
-            .map(|(from_rad, to_rad)| ConeArc {
-                from_rad: *from_rad,
-                to_rad,
-            })
-            .filter(|arc| self.meets(0.5 * (arc.from_rad + arc.to_rad)))
+        let arcs: Vec<ConeArc> = self
+            .tangents()
+            .arcs()
+            .filter(|arc| self.meets(arc.middle_rad()))
             .collect();
         if !arcs.is_empty() {
             Some(Outline::Mixed(arcs))
@@ -242,9 +307,9 @@ impl Sight {
         let body = *body;
         let mut bands = Vec::new();
         match self.outline()? {
-            Outline::Cone => {
-                bands.push(band(TAU, move |t| degrees(&body, self.hit(TAU * t, false))))
-            }
+            Outline::Cone => bands.push(band(TAU, move |t| {
+                degrees(&body, self.hit_all_round(TAU * t))
+            })),
             Outline::Horizon => {
                 bands.push(band(TAU, move |t| degrees(&body, self.horizon(TAU * t))))
             }
@@ -252,7 +317,7 @@ impl Sight {
                 let next = arcs.iter().cycle().skip(1);
                 for (arc, next) in arcs.iter().zip(next) {
                     bands.push(self.cone_band(body, *arc));
-                    bands.extend(self.horizon_band(body, arc.to_rad, next.from_rad));
+                    bands.extend(self.horizon_band(body, arc, next));
                 }
             }
         }
@@ -273,20 +338,23 @@ impl Sight {
     }
 
     fn cone_band(&self, body: Ellipsoid, arc: ConeArc) -> Band<'_> {
-        let width_rad = arc.to_rad - arc.from_rad;
-        band(width_rad, move |t| {
-            // Next to a tangent the range changes like the root of the angle; with this parameter
-            // it changes evenly.
-            let angle_rad = arc.from_rad + width_rad * (FRAC_PI_2 * t).sin().powi(2);
-            degrees(&body, self.hit(angle_rad, t == 0.0 || t == 1.0))
+        band(arc.to_rad - arc.from_rad, move |t| {
+            let (angle_rad, root) = arc.at(t);
+            degrees(&body, self.hit(angle_rad, root))
         })
     }
 
     /// From where the cone's edge leaves the body to where it comes back; `None` where that is the
     /// same point.
-    fn horizon_band(&self, body: Ellipsoid, leaves_rad: f64, returns_rad: f64) -> Option<Band<'_>> {
-        let from_rad = self.horizon_angle_rad(self.hit(leaves_rad, true));
-        let to_rad = self.horizon_angle_rad(self.hit(returns_rad, true));
+    fn horizon_band(
+        &self,
+        body: Ellipsoid,
+        leaves: &ConeArc,
+        returns: &ConeArc,
+    ) -> Option<Band<'_>> {
+        let touches = |angle_rad: f64| self.horizon_angle_rad(self.hit(angle_rad, 0.0));
+        let from_rad = touches(leaves.start_rad + leaves.to_rad);
+        let to_rad = touches(returns.start_rad + returns.from_rad);
         let sweep_rad = (to_rad - from_rad).rem_euclid(TAU);
         let middle = self.horizon(from_rad + 0.5 * sweep_rad);
         let turned_over =
@@ -419,11 +487,35 @@ mod tests {
             let normal = horizon / (sight.radii_m * sight.radii_m);
             let slant = (horizon - sight.apex_ecef).normalize();
             assert!(normal.normalize().dot(slant).abs() < 1e-14);
-            let hit = sight.hit(angle, false);
+            let hit = sight.hit_all_round(angle);
             assert!(((hit / sight.radii_m).length() - 1.0).abs() < 1e-13);
             assert!((sight.off_axis_rad(hit) - 3_f64.to_radians()).abs() < 1e-14);
             // The near side, not the far one.
             assert!((hit / sight.radii_m).dot(sight.p) > 1.0);
+        }
+    }
+
+    #[test]
+    fn the_discriminant_comes_back_from_its_factors() {
+        for (half_angle, elevation) in [(8.0, -84.0), (3.0, -80.0), (20.0, -75.0), (40.0, -50.0)] {
+            let sight = sight(half_angle, elevation);
+            let largest = (0..64)
+                .map(|k| {
+                    sight
+                        .discriminant(sight.ray(f64::from(k) * 0.1) / sight.radii_m)
+                        .abs()
+                })
+                .fold(0.0, f64::max);
+            let tangents = sight.tangents();
+            assert_eq!(tangents.angles_rad.len(), 2);
+            for arc in tangents.arcs().filter(|arc| sight.meets(arc.middle_rad())) {
+                for k in 0..=20 {
+                    let (angle, root) = arc.at(f64::from(k) / 20.0);
+                    let whole = sight.discriminant(sight.ray(angle) / sight.radii_m);
+                    let difference = (root * root - whole).abs();
+                    assert!(difference < 1e-13 * largest, "{difference} of {largest}");
+                }
+            }
         }
     }
 
@@ -438,13 +530,13 @@ mod tests {
         };
         let crossings = |half_angle_deg: f64| {
             let sight = Sight::new(&Ellipsoid::WGS84, &cone(half_angle_deg));
-            sight.tangent_angles_rad().len()
+            sight.tangents().angles_rad.len()
         };
         let (a, distance) = (6_378_137.0_f64, 42_164_137.0_f64);
         let widest = (a / distance).asin().to_degrees();
         assert_eq!(crossings(widest - 0.01), 4);
         assert_eq!(crossings(widest + 1e-6), 0);
         assert_eq!(crossings(widest - 0.1), 0);
-        assert_eq!(sight(8.0, -84.0).tangent_angles_rad().len(), 2);
+        assert_eq!(sight(8.0, -84.0).tangents().angles_rad.len(), 2);
     }
 }
