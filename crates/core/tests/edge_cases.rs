@@ -354,17 +354,15 @@ fn in_every_refused_case_another_word_or_place_is_noticed() {
         if refusal.place != Place::default() {
             check(&|mutant| {
                 let place = &mut mutant.place;
-                for index in [
+                let innermost = [
                     &mut place.vertex,
                     &mut place.ring,
                     &mut place.polygon,
                     &mut place.feature,
-                ] {
-                    if let Some(index) = index {
-                        *index += 1;
-                        break;
-                    }
-                }
+                ]
+                .into_iter()
+                .find_map(Option::as_mut);
+                *innermost.expect("a place") += 1;
             });
         }
         if refusal.at.is_some() {
