@@ -91,7 +91,16 @@ fn crossing_rings_are_judged_by_the_even_odd_rule_when_asked_for() {
     desk.run(&["locate", "r.geojson", "--points", "points.csv"])
         .refused(&[
             &["feature 0 (tie)", "latitude 0.5000000", "--repair even-odd"],
-            &["feature 1 (two)", "--repair even-odd"],
+            &[
+                "feature 1 (two)",
+                "longitude 2.0000000",
+                "--repair even-odd",
+            ],
+            &[
+                "feature 1 (two)",
+                "longitude 1.0000000",
+                "--repair even-odd",
+            ],
         ]);
 }
 

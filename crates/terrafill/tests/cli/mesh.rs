@@ -337,12 +337,13 @@ fn crossings_are_filled_by_the_even_odd_rule_when_asked_for() {
     let even_odd =
         area([0.0, 0.0, 2.0, 2.0]) + area([1.0, 1.0, 3.0, 3.0]) - 2.0 * area([1.0, 1.0, 2.0, 2.0]);
     assert_area(&json["totals"]["area_m2"], even_odd);
-    desk.run(&["mesh", "two.geojson"]).refused(&[&[
-        "polygon 0",
-        "polygon 1",
-        "longitude",
-        "--repair even-odd",
-    ]]);
+    // Both places where the squares cross are named.
+    let crossing = |longitude| ["polygon 0", "polygon 1", longitude, "--repair even-odd"];
+    let (east, west) = (
+        crossing("longitude 2.0000000"),
+        crossing("longitude 1.0000000"),
+    );
+    desk.run(&["mesh", "two.geojson"]).refused(&[&east, &west]);
 
     // Where nothing crosses, nothing is changed.
     desk.write("right.geojson", &right);
