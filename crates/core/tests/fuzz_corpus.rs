@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Replays the fuzz targets' seeds and regressions, and holds their judges to account: each must
+//! reach all its branches, and say so when it is lied to.
+
+#[path = "../fuzz/src/lib.rs"]
+#[allow(
+    unreachable_pub,
+    reason = "a crate of its own for libFuzzer, a module here"
+)]
+mod fuzz;
+
+use fuzz::bytes::Bytes;
+use fuzz::mesh::Case;
+use fuzz::reached::Reached;
+use fuzz::{area, geojson, mesh};
+use std::path::{Path, PathBuf};
+use terrafill_core::{
+    EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionFileError, RegionMesh,
+    RegionProblem, RegionProblemKind, parse_regions,
+};
+
+type Check = fn(&[u8], &mut Reached) -> Result<(), String>;
+
+/// Files of a folder, in order.
+fn inputs(folder: &Path) -> Vec<PathBuf> {
+    let listed = std::fs::read_dir(folder).map(|entries| {
+        let paths = entries.map(|entry| entry.expect("readable").path());
+        paths.filter(|path| path.is_file()).collect()
+    });
+    let mut paths: Vec<PathBuf> = listed.unwrap_or_default();
+    paths.sort();
+    paths
+}
+
+/// Runs every file below `root`; the finds, told with their file.
+fn replay(root: &Path, target: &str, check: Check, reached: &mut Reached) -> Vec<String> {
+    let mut finds = Vec::new();
+    for kind in ["seeds", "regressions"] {
+        let folder = root.join(kind).join(target);
+        let inputs = inputs(&folder);
+        if inputs.is_empty() {
+            finds.push(format!("{}: nothing to replay", folder.display()));
+        }
+        for path in inputs {
+            let bytes = std::fs::read(&path).expect("readable");
+            if let Err(find) = check(&bytes, reached) {
+                finds.push(format!("{}: {find}", path.display()));
+            }
+        }
+    }
+    finds
+}
+
+fn fuzz_folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz")
+}
+
+fn assert_replays(target: &str, check: Check, branches: &'static [&'static str]) {
+    let mut reached = Reached::new(branches);
+    let finds = replay(&fuzz_folder(), target, check, &mut reached);
+    assert!(finds.is_empty(), "{}", finds.join("\n"));
+    assert!(reached.executions() >= 10);
+    let missing = reached.missing();
+    assert!(missing.is_empty(), "no input comes to {missing:?}");
+    assert_eq!(reached.found().len(), branches.len());
+}
+
+#[test]
+fn geojson_corpus_replays_and_reaches_every_branch() {
+    assert_replays("geojson", geojson::check, geojson::BRANCHES);
+}
+
+#[test]
+fn mesh_corpus_replays_and_reaches_every_branch() {
+    assert_replays("mesh", mesh::check, mesh::BRANCHES);
+}
+
+#[test]
+fn an_empty_corpus_a_find_and_a_branch_not_reached_are_noticed() {
+    // Twin of the two above.
+    let root = tempfile::tempdir().expect("a folder");
+    let mut reached = Reached::new(mesh::BRANCHES);
+    let finds = replay(root.path(), "mesh", mesh::check, &mut reached);
+    assert_eq!(finds.len(), 2, "both folders are missing: {finds:?}");
+
+    for kind in ["seeds", "regressions"] {
+        let folder = root.path().join(kind).join("mesh");
+        std::fs::create_dir_all(&folder).expect("a folder");
+        std::fs::write(folder.join("zero"), [0]).expect("a file");
+    }
+    let always: Check = |_, reached| {
+        reached.execution();
+        Err("found".to_owned())
+    };
+    let finds = replay(root.path(), "mesh", always, &mut reached);
+    assert_eq!(finds.len(), 2);
+    assert_eq!(reached.missing().len(), mesh::BRANCHES.len());
+    assert!(reached.found().is_empty());
+}
+
+// ---- the judges ---------------------------------------------------------------------------------
+
+fn case(polygons: Vec<Vec<Vec<[f64; 2]>>>) -> Case {
+    Case {
+        polygons,
+        body: Ellipsoid::WGS84,
+        rule: EdgeRule::Planar,
+        options: MeshOptions::default(),
+        repair: false,
+    }
+}
+
+fn rectangle(west: f64, south: f64, east: f64, north: f64) -> Vec<[f64; 2]> {
+    vec![[west, south], [east, south], [east, north], [west, north]]
+}
+
+fn region(case: &Case) -> Region {
+    let text = mesh::text_of(&case.polygons);
+    parse_regions(text.as_bytes(), "test")
+        .expect("valid")
+        .remove(0)
+}
+
+fn find(case: &Case, outcome: &Result<RegionMesh, MeshError>) -> Result<(), String> {
+    mesh::judge(
+        &region(case),
+        case,
+        outcome,
+        &mut Reached::new(mesh::BRANCHES),
+    )
+}
+
+type Lie = fn(&mut RegionMesh);
+
+#[test]
+fn a_mesh_that_lies_is_found_out() {
+    let case = case(vec![vec![
+        rectangle(0.0, 0.0, 10.0, 10.0),
+        rectangle(2.0, 2.0, 3.0, 4.0),
+    ]]);
+    let right =
+        RegionMesh::build(&region(&case), &case.body, case.rule, &case.options).expect("meshes");
+    assert_eq!(find(&case, &Ok(right.clone())), Ok(()));
+    let lies: [(&str, Lie); 8] = [
+        ("area a millionth too large", |mesh| {
+            mesh.area_m2 *= 1.000_001
+        }),
+        ("area not a number", |mesh| mesh.area_m2 = f64::NAN),
+        ("a triangle missing", |mesh| {
+            mesh.triangles.pop();
+        }),
+        ("a triangle turned over", |mesh| {
+            mesh.triangles[0].swap(0, 1)
+        }),
+        ("no hole in the boundary", |mesh| {
+            mesh.boundary_loops.pop();
+        }),
+        ("deviation over the tolerance", |mesh| {
+            mesh.boundary_deviation_m = 101.0
+        }),
+        ("extent too small", |mesh| mesh.extent.east_deg = 9.0),
+        ("a vertex not finite", |mesh| {
+            mesh.vertices_ecef[3].x = f64::NAN
+        }),
+    ];
+    for (what, lie) in lies {
+        let mut mesh = right.clone();
+        lie(&mut mesh);
+        assert!(find(&case, &Ok(mesh)).is_err(), "{what}");
+    }
+    // The same mesh for other rings: one hole more, and rings that cross.
+    let mut other = case.clone();
+    other.polygons[0].push(rectangle(5.0, 5.0, 6.0, 6.0));
+    assert!(find(&other, &Ok(right.clone())).is_err(), "hole forgotten");
+    let mut crossing = case.clone();
+    crossing.polygons[0][1] = rectangle(2.0, 2.0, 12.0, 2.2);
+    assert!(find(&crossing, &Ok(right)).is_err(), "crossing overlooked");
+}
+
+#[test]
+fn a_refusal_without_a_reason_is_found_out() {
+    let sound = case(vec![vec![rectangle(0.0, 0.0, 10.0, 10.0)]]);
+    let bow_tie = case(vec![vec![vec![
+        [0.0, 0.0],
+        [2.0, 2.0],
+        [2.0, 0.0],
+        [0.0, 2.0],
+    ]]]);
+    let refused = |case: &Case| {
+        RegionMesh::build(&region(case), &case.body, case.rule, &case.options)
+            .expect_err("crosses itself")
+    };
+    let crossing = refused(&bow_tie);
+    assert_eq!(find(&bow_tie, &Err(crossing.clone())), Ok(()));
+    let name = || "x".to_owned();
+    let opposite = MeshError::OppositeEnds {
+        feature: 0,
+        name: name(),
+        place: terrafill_core::EdgePlace::default(),
+        start: [0.0, 0.0],
+        end: [10.0, 0.0],
+    };
+    let option = MeshError::Option {
+        option: "cap_step_deg",
+        found: 3.0,
+        allowed: "0.01 … 30",
+    };
+    let fault = MeshError::Triangulation {
+        feature: 0,
+        name: name(),
+        message: name(),
+    };
+    let no_area = MeshError::NoArea {
+        feature: 0,
+        name: name(),
+    };
+    for error in [crossing, opposite, option, fault, no_area] {
+        assert!(find(&sound, &Err(error.clone())).is_err(), "{error}");
+    }
+    let mut repaired = bow_tie.clone();
+    repaired.repair = true;
+    let crossing = refused(&bow_tie);
+    assert!(
+        find(&repaired, &Err(crossing)).is_err(),
+        "crosses after repair"
+    );
+}
+
+#[test]
+fn a_reader_that_lies_is_found_out() {
+    let text = br#"{"type":"Polygon","coordinates":[[[0,0],[4,0],[4,4],[0,0]]]}"#;
+    let judge = |text: &[u8], outcome: &geojson::Outcome| {
+        geojson::judge(text, outcome, &mut Reached::new(geojson::BRANCHES))
+    };
+    let right = parse_regions(text, "fuzz.geojson").expect("valid");
+    assert_eq!(judge(text, &Ok(right.clone())), Ok(()));
+    assert!(judge(b"{", &Ok(right.clone())).is_err(), "not JSON");
+    assert!(judge(text, &Ok(Vec::new())).is_err(), "nothing read");
+    let mut twice = right.clone();
+    twice.extend(right.clone());
+    assert!(judge(text, &Ok(twice)).is_err(), "the same index twice");
+    let other = br#"{"type":"Polygon","coordinates":[[[0,0],[4,0],[4,5],[0,0]]]}"#;
+    assert!(judge(other, &Ok(right.clone())).is_err(), "another file's");
+
+    let refused = |kind: RegionProblemKind, readable: Vec<Region>| {
+        let problem = RegionProblem {
+            feature: Some(0),
+            name: None,
+            polygon: None,
+            ring: None,
+            vertex: None,
+            kind,
+        };
+        judge(
+            text,
+            &Err(RegionFileError {
+                file: "fuzz.geojson".to_owned(),
+                problems: vec![problem],
+                readable,
+            }),
+        )
+    };
+    let beyond = RegionProblemKind::Latitude { found: 91.0 };
+    assert_eq!(refused(beyond.clone(), Vec::new()), Ok(()));
+    assert!(refused(beyond, right).is_err(), "blamed and readable");
+    let within = RegionProblemKind::Latitude { found: 89.0 };
+    assert!(refused(within, Vec::new()).is_err(), "within its limits");
+}
+
+#[test]
+fn area_by_slabs_is_right_by_arithmetic() {
+    use std::f64::consts::{PI, TAU};
+    let close = |found: f64, exact: f64| {
+        assert!(
+            (found / exact - 1.0).abs() < 1e-11,
+            "{found} is not {exact}"
+        );
+    };
+    for body in Ellipsoid::ALL {
+        let zone = |south: f64, north: f64, width: f64| {
+            body.quadrangle_area_m2(width.to_radians(), south.to_radians(), north.to_radians())
+        };
+        let slabs = |paths: &[Vec<[f64; 2]>]| area::even_odd_area_m2(&body, paths);
+        // A hole in a square; the same over the antimeridian; the same in two turns.
+        for west in [0.0, 175.0, -185.0, 355.0] {
+            let shell = rectangle(west, 40.0, west + 10.0, 50.0);
+            let hole = rectangle(west + 2.0, 42.0, west + 7.0, 43.0);
+            let exact = zone(40.0, 50.0, 10.0) - zone(42.0, 43.0, 5.0);
+            close(slabs(&[shell.clone(), hole.clone()]), exact);
+            let turned = hole.iter().map(|[x, y]| [x - 360.0, *y]).collect();
+            close(slabs(&[shell.clone(), turned]), exact);
+            // Twin: without the hole.
+            assert!((slabs(&[shell]) / exact - 1.0).abs() > 1e-3);
+        }
+        close(
+            slabs(&[rectangle(-180.0, -90.0, 180.0, 90.0)]),
+            zone(-90.0, 90.0, 360.0),
+        );
+        close(
+            slabs(&[rectangle(10.0, 80.0, 370.0, 90.0)]),
+            zone(80.0, 90.0, 360.0),
+        );
+    }
+    // A triangle with straight edges on the unit sphere: ∫ (1 − φ/φ₁) Δλ cos φ dφ.
+    let found = area::even_odd_area_m2(
+        &Ellipsoid::UNIT_SPHERE,
+        &[vec![[0.0, 0.0], [90.0, 0.0], [0.0, 90.0]]],
+    );
+    close(found, PI / 2.0 * (1.0 - (1.0 - 2.0 / PI)));
+    assert!(found < TAU);
+}
+
+#[test]
+fn an_exhausted_input_is_a_complete_one() {
+    let case = mesh::decode(&mut Bytes::new(&[]));
+    assert_eq!(case.polygons.len(), 1);
+    assert_eq!(
+        geojson::check(&[geojson::GRAMMAR], &mut Reached::new(geojson::BRANCHES)),
+        Ok(())
+    );
+}
