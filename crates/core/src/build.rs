@@ -393,14 +393,27 @@ fn enclosed_area_m2(body: &Ellipsoid, rule: EdgeRule, group: &GroupMesh) -> f64 
         return 0.0;
     };
     let zone = ZoneArea::new(body, first[1]);
-    -group
-        .boundary
-        .iter()
-        .map(|ends| {
-            let [start, end] = ends.map(|i| group.vertices[i as usize]);
-            zone.under_edge(rule, start, end)
-        })
-        .sum::<f64>()
+    let under = group.boundary.iter().map(|ends| {
+        let [start, end] = ends.map(|i| group.vertices[i as usize]);
+        zone.under_edge(rule, start, end)
+    });
+    -compensated_sum(under)
+}
+
+/// What lies under the two sides of a sliver is a million times the sliver, and a plain sum rounds
+/// at the size of the former (Neumaier 1974).
+fn compensated_sum(terms: impl Iterator<Item = f64>) -> f64 {
+    let (mut sum, mut lost) = (0.0_f64, 0.0_f64);
+    for term in terms {
+        let next = sum + term;
+        lost += if sum.abs() >= term.abs() {
+            (sum - next) + term
+        } else {
+            (term - next) + sum
+        };
+        sum = next;
+    }
+    sum + lost
 }
 
 /// Puts pieces together on the body.
@@ -550,5 +563,18 @@ impl Stitcher {
             direction.dot(y_axis).atan2(direction.dot(x_axis))
         };
         (angle(from) - angle(next)).rem_euclid(std::f64::consts::TAU)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_compensated_sum_keeps_what_a_plain_one_loses() {
+        let terms = [1e16, 3.0, -1e16, 1.0, 1e-3];
+        assert!((compensated_sum(terms.into_iter()) - 4.001).abs() < 1e-15);
+        // Twin: the plain sum does lose it.
+        assert!((terms.iter().sum::<f64>() - 4.001).abs() > 0.5);
     }
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Closed edges in the plane of longitude and latitude → triangles of what they enclose.
 //!
-//! Degrees. Constrained Delaunay by `spade` (sweep circle bulk loading, exact predicates), inside
-//! and outside by the even-odd rule, then interior points so that no cap facet is much longer than
+//! Degrees. Constrained Delaunay by `spade` (incremental, exact predicates), inside and outside by
+//! the even-odd rule, then interior points so that no cap facet is much longer than
 //! the step asked for. Longitudes are scaled by the power of two nearest to the cosine of the
 //! middle latitude: triangles come out well shaped on the body, and not one bit of a coordinate
 //! changes, so predicates remain exact for the numbers of the file.
@@ -13,13 +13,11 @@ use crate::crossings::{
 use crate::edge::{Degrees, arc_rad};
 use crate::outline::OutlineEdge;
 use crate::{EdgeRule, MeshOptions};
-use spade::handles::FixedVertexHandle;
+use spade::handles::{DirectedEdgeHandle, FixedVertexHandle};
 use spade::{
-    ConstrainedDelaunayTriangulation, Intersection, LineIntersectionIterator, Point2,
+    CdtEdge, ConstrainedDelaunayTriangulation, Intersection, LineIntersectionIterator, Point2,
     PositionInTriangulation, Triangulation,
 };
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
 
 /// The data of an undirected edge says whether an odd number of the file's edges runs along it.
 type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>, (), bool>;
@@ -72,15 +70,8 @@ pub(crate) fn triangulate(
 ) -> Result<GroupMesh, TriangulateError> {
     let mut group = load_without_false_crossings(edges, rule)?;
     let mut inside = group.inside_faces();
-    if group.reaches_beyond(options.cap_step_deg) {
-        group.insert_lattice(&inside, options.cap_step_deg)?;
+    if group.reaches_beyond(options.cap_step_deg) && group.refine(&inside, options.cap_step_deg)? {
         inside = group.inside_faces();
-        for _ in 0..MOST_ROUNDS {
-            if !group.halve_long_edges(&inside, options.cap_step_deg)? {
-                break;
-            }
-            inside = group.inside_faces();
-        }
     }
     group.extract(&inside)
 }
@@ -136,6 +127,8 @@ struct Group {
     scale: f64,
     /// Degrees, by index of the vertex in the triangulation.
     vertices: Vec<Degrees>,
+    /// Indices of the outline's vertices in the order of the outline; some occur more than once.
+    outline_order: Vec<u32>,
     /// `[west, south, east, north]`.
     bounds: [f64; 4],
 }
@@ -143,52 +136,33 @@ struct Group {
 impl Group {
     /// `None` where edges cross.
     fn load(edges: &[OutlineEdge]) -> Result<Option<Self>, TriangulateError> {
-        let mut vertices: Vec<Degrees> = Vec::with_capacity(edges.len());
-        let mut index_of: HashMap<[u64; 2], u32, BuildHasherDefault<PositionHasher>> =
-            HashMap::with_capacity_and_hasher(edges.len(), BuildHasherDefault::default());
-        let mut index = |position: Degrees| {
-            let position = position.map(without_underflow);
-            let key = position.map(f64::to_bits);
-            *index_of.entry(key).or_insert_with(|| {
-                vertices.push(position);
-                index_u32(vertices.len() - 1)
-            })
-        };
-        let ends: Vec<[u32; 2]> = edges
-            .iter()
-            .map(|edge| [index(edge.start), index(edge.end)])
-            .collect();
-        let kept = odd_edges(&ends);
-
-        let mut bounds = [180.0_f64, 90.0_f64, -180.0_f64, -90.0_f64];
-        for [longitude, latitude] in &vertices {
-            bounds[0] = bounds[0].min(*longitude);
-            bounds[1] = bounds[1].min(*latitude);
-            bounds[2] = bounds[2].max(*longitude);
-            bounds[3] = bounds[3].max(*latitude);
-        }
+        let bounds = bounds(edges);
         let cosine = (0.5 * (bounds[1] + bounds[3])).to_radians().cos();
         let scale = cosine.log2().round().clamp(-12.0, 0.0).exp2();
-        let points = vertices
-            .iter()
-            .map(|[longitude, latitude]| Point2::new(longitude * scale, *latitude))
-            .collect();
-        let constraints = kept
-            .iter()
-            .map(|[a, b]| [*a as usize, *b as usize])
-            .collect();
-        let mut edges_cross = false;
-        let cdt = Cdt::try_bulk_load_cdt(points, constraints, |_| edges_cross = true)
-            .map_err(|error| TriangulateError::Refused(error.to_string()))?;
-        if edges_cross {
-            return Ok(None);
-        }
+        let corners = Corners::new(edges);
+        let count = corners.positions.len();
         let mut group = Self {
-            cdt,
+            cdt: Cdt::with_capacity(count, 3 * count, 2 * count),
             scale,
-            vertices,
+            vertices: Vec::with_capacity(count),
+            outline_order: vec![0; count],
             bounds,
         };
+        let mut kept: Vec<[u32; 2]> = Vec::with_capacity(corners.ends.len());
+        for (new_corners, new_edges) in corners.rounds() {
+            for corner in new_corners {
+                let handle = group.insert(corners.positions[corner as usize])?;
+                group.outline_order[corner as usize] = index_u32(handle.index());
+            }
+            let ends = new_edges.map(|ends| ends.map(|i| group.outline_order[i as usize]));
+            for ends in odd_edges(ends) {
+                let [from, to] = ends.map(|i| FixedVertexHandle::from_index(i as usize));
+                if group.cdt.try_add_constraint(from, to).is_empty() {
+                    return Ok(None);
+                }
+                kept.push(ends);
+            }
+        }
         group.mark_odd_edges(&kept);
         Ok(Some(group))
     }
@@ -217,38 +191,36 @@ impl Group {
 
     /// By index of the face: whether an odd number of edges separates it from the outside.
     fn inside_faces(&self) -> Vec<bool> {
-        let mut inside = vec![false; self.cdt.num_all_faces()];
-        let mut seen = vec![false; self.cdt.num_all_faces()];
+        let mut inside: Vec<Option<bool>> = vec![None; self.cdt.num_all_faces()];
         let mut waiting = Vec::new();
-        seen[self.cdt.outer_face().index()] = true;
+        inside[self.cdt.outer_face().index()] = Some(false);
         for edge in self.cdt.convex_hull() {
             // Hull edges have the outer face on one side; the other is where the walk starts.
             for side in [edge, edge.rev()] {
                 let Some(face) = side.face().as_inner() else {
                     continue;
                 };
-                if !seen[face.index()] {
-                    seen[face.index()] = true;
-                    inside[face.index()] = *side.as_undirected().data().data();
+                if inside[face.index()].is_none() {
+                    inside[face.index()] = Some(*side.as_undirected().data().data());
                     waiting.push(face.fix());
                 }
             }
         }
         while let Some(face) = waiting.pop() {
             let face = self.cdt.face(face);
+            let here = inside[face.index()] == Some(true);
             for edge in face.adjacent_edges() {
                 let Some(neighbour) = edge.rev().face().as_inner() else {
                     continue;
                 };
-                if !seen[neighbour.index()] {
-                    seen[neighbour.index()] = true;
+                if inside[neighbour.index()].is_none() {
                     let odd = *edge.as_undirected().data().data();
-                    inside[neighbour.index()] = inside[face.index()] ^ odd;
+                    inside[neighbour.index()] = Some(here ^ odd);
                     waiting.push(neighbour.fix());
                 }
             }
         }
-        inside
+        inside.into_iter().map(|side| side == Some(true)).collect()
     }
 
     /// Whether anything can be longer than the step; most islands are not.
@@ -261,7 +233,7 @@ impl Group {
         [point.x / self.scale, point.y]
     }
 
-    fn insert(&mut self, position: Degrees) -> Result<(), TriangulateError> {
+    fn insert(&mut self, position: Degrees) -> Result<FixedVertexHandle, TriangulateError> {
         let position = position.map(without_underflow);
         let point = Point2::new(position[0] * self.scale, position[1]);
         let handle = self
@@ -271,11 +243,72 @@ impl Group {
         if handle.index() == self.vertices.len() {
             self.vertices.push(position);
         }
-        Ok(())
+        Ok(handle)
+    }
+
+    /// Adds interior points until no interior edge is too long; whether there were any to add.
+    ///
+    /// Every edge that an insertion makes ends at the point inserted, so after the first look only
+    /// the edges of new points are looked at.
+    fn refine(&mut self, inside: &[bool], step_deg: f64) -> Result<bool, TriangulateError> {
+        let long: Vec<[FixedVertexHandle; 2]> = self
+            .cdt
+            .undirected_edges()
+            .map(|edge| edge.as_directed())
+            .filter(|edge| inside[edge.face().index()] && self.is_too_long(*edge, step_deg))
+            .map(|edge| [edge.from().fix(), edge.to().fix()])
+            .collect();
+        let mut new = self.insert_lattice(inside, step_deg)?;
+        let mut middles: Vec<Degrees> = long
+            .into_iter()
+            .filter(|[from, to]| self.cdt.get_edge_from_neighbors(*from, *to).is_some())
+            .map(|ends| self.middle(ends))
+            .collect();
+        let changed = !(new.is_empty() && middles.is_empty());
+        for _ in 0..MOST_ROUNDS {
+            middles.extend(self.middles_round(&new, step_deg));
+            if middles.is_empty() {
+                break;
+            }
+            new.clear();
+            for middle in middles.drain(..) {
+                let before = self.vertices.len();
+                let handle = self.insert(middle)?;
+                if handle.index() == before {
+                    new.push(handle);
+                }
+            }
+        }
+        Ok(changed)
+    }
+
+    /// Middles of the edges that are too long among those that end at one of these vertices.
+    fn middles_round(&self, new: &[FixedVertexHandle], step_deg: f64) -> Vec<Degrees> {
+        let mut long: Vec<[FixedVertexHandle; 2]> = Vec::new();
+        for vertex in new {
+            for edge in self.cdt.vertex(*vertex).out_edges() {
+                if self.is_too_long(edge, step_deg) {
+                    let [from, to] = [edge.from().fix(), edge.to().fix()];
+                    long.push([from.min(to), from.max(to)]);
+                }
+            }
+        }
+        long.sort_unstable();
+        long.dedup();
+        long.into_iter().map(|ends| self.middle(ends)).collect()
+    }
+
+    fn middle(&self, ends: [FixedVertexHandle; 2]) -> Degrees {
+        let [a, b] = ends.map(|end| self.vertices[end.index()]);
+        [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
     }
 
     /// Points on parallels that are multiples of the step apart, about one step apart on each.
-    fn insert_lattice(&mut self, inside: &[bool], step_deg: f64) -> Result<(), TriangulateError> {
+    fn insert_lattice(
+        &mut self,
+        inside: &[bool],
+        step_deg: f64,
+    ) -> Result<Vec<FixedVertexHandle>, TriangulateError> {
         let [west, south, east, north] = self.bounds;
         let mut chosen = Vec::new();
         let mut row = (south / step_deg).ceil();
@@ -295,10 +328,11 @@ impl Group {
                 }
             }
         }
+        let mut new = Vec::with_capacity(chosen.len());
         for position in chosen {
-            self.insert(position)?;
+            new.push(self.insert(position)?);
         }
-        Ok(())
+        Ok(new)
     }
 
     /// Whether a place is inside and far enough from the corners and marked edges of its face.
@@ -332,52 +366,45 @@ impl Group {
         })
     }
 
-    /// Halves every interior edge that is too long; whether there was one.
-    fn halve_long_edges(
-        &mut self,
-        inside: &[bool],
+    /// Whether an edge that is not of the outline is longer than a facet's may be.
+    fn is_too_long(
+        &self,
+        edge: DirectedEdgeHandle<'_, Point2<f64>, (), CdtEdge<bool>, ()>,
         step_deg: f64,
-    ) -> Result<bool, TriangulateError> {
+    ) -> bool {
+        if edge.as_undirected().is_constraint_edge() {
+            return false;
+        }
         let longest_deg = LONGEST_INTERIOR_EDGE_STEPS * step_deg;
-        let mut middles = Vec::new();
-        for edge in self.cdt.undirected_edges() {
-            let directed = edge.as_directed();
-            let face = directed.face().index();
-            if *edge.data().data() || !inside[face] || edge.is_constraint_edge() {
-                continue;
-            }
-            let [a, b] = directed.positions().map(|point| self.degrees(point));
-            let (width, height) = ((b[0] - a[0]).abs(), b[1] - a[1]);
-            if width.hypot(height) <= longest_deg {
-                continue;
-            }
-            let long = arc_rad(a, b).to_degrees() > longest_deg;
-            if long || width > WIDEST_INTERIOR_EDGE_DEG {
-                middles.push([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]);
-            }
-        }
-        for middle in &middles {
-            self.insert(*middle)?;
-        }
-        Ok(!middles.is_empty())
+        let [a, b] = edge.positions().map(|point| self.degrees(point));
+        let (width, height) = ((b[0] - a[0]).abs(), b[1] - a[1]);
+        width.hypot(height) > longest_deg
+            && (width > WIDEST_INTERIOR_EDGE_DEG || arc_rad(a, b).to_degrees() > longest_deg)
     }
 
     fn extract(self, inside: &[bool]) -> Result<GroupMesh, TriangulateError> {
-        let mut new_index = vec![u32::MAX; self.vertices.len()];
-        let mut vertices = Vec::new();
-        let mut triangles = Vec::new();
+        let mut triangles = Vec::with_capacity(self.cdt.num_inner_faces());
+        let mut used = vec![false; self.vertices.len()];
         for face in self.cdt.inner_faces() {
-            if !inside[face.index()] {
-                continue;
+            if inside[face.index()] {
+                let corners = face.vertices().map(|vertex| index_u32(vertex.index()));
+                corners.iter().for_each(|&i| used[i as usize] = true);
+                triangles.push(corners);
             }
-            triangles.push(face.vertices().map(|vertex| {
-                let old = vertex.index();
-                if new_index[old] == u32::MAX {
-                    new_index[old] = index_u32(vertices.len());
-                    vertices.push(self.vertices[old]);
-                }
-                new_index[old]
-            }));
+        }
+        // In the order of the outline: what is done with neighbours stays close in memory.
+        let mut new_index = vec![u32::MAX; self.vertices.len()];
+        let mut vertices = Vec::with_capacity(self.vertices.len());
+        let interior = 0..index_u32(self.vertices.len());
+        for old in self.outline_order.iter().copied().chain(interior) {
+            let old = old as usize;
+            if used[old] && new_index[old] == u32::MAX {
+                new_index[old] = index_u32(vertices.len());
+                vertices.push(self.vertices[old]);
+            }
+        }
+        for corners in &mut triangles {
+            *corners = corners.map(|i| new_index[i as usize]);
         }
         let mut boundary = Vec::new();
         for edge in self.cdt.undirected_edges() {
@@ -393,6 +420,7 @@ impl Group {
             let directed = if left { directed } else { directed.rev() };
             boundary.push([directed.from(), directed.to()].map(|end| new_index[end.index()]));
         }
+        boundary.sort_unstable();
         Ok(GroupMesh {
             vertices,
             triangles,
@@ -401,12 +429,106 @@ impl Group {
     }
 }
 
+/// `[west, south, east, north]`.
+fn bounds(edges: &[OutlineEdge]) -> [f64; 4] {
+    let mut bounds = [180.0_f64, 90.0_f64, -180.0_f64, -90.0_f64];
+    for [longitude, latitude] in edges.iter().flat_map(|edge| [edge.start, edge.end]) {
+        bounds[0] = bounds[0].min(longitude);
+        bounds[1] = bounds[1].min(latitude);
+        bounds[2] = bounds[2].max(longitude);
+        bounds[3] = bounds[3].max(latitude);
+    }
+    bounds
+}
+
+/// The corners of an outline, and when each is to be inserted.
+///
+/// First a random one in 4¹⁵, then four times as many, and so on, in every round in the order of
+/// the outline, and edges as soon as both their ends are there. Random rounds keep the number of
+/// flips proportional to the number of corners whatever the shape; the outline's order makes the
+/// next corner a neighbour of the last one, which is where the search for its place starts
+/// (Amenta, Choi & Rote 2003, "Incremental constructions con BRIO"). Loading all at once from the
+/// middle outwards, as spade's bulk loading does, takes the square of the number for a comb: a line
+/// of many corners is there long before the next one, and each corner of that takes its neighbours
+/// from all those before it. So do edges that are inserted last, where they cross many triangles.
+struct Corners {
+    /// An outline's neighbours once, so a corner that several rings share occurs several times.
+    positions: Vec<Degrees>,
+    /// By number of the corner.
+    ends: Vec<[u32; 2]>,
+    /// Round of each corner.
+    round: Vec<u8>,
+}
+
+/// Rounds of insertion; each has about four times as many corners as the one before.
+const ROUNDS: u8 = 16;
+
+impl Corners {
+    fn new(edges: &[OutlineEdge]) -> Self {
+        let mut positions: Vec<Degrees> = Vec::with_capacity(edges.len());
+        let mut ends = Vec::with_capacity(edges.len());
+        // Where the run of edges that follow one another began, and where it has come to.
+        let (mut first, mut last) = (0, 0);
+        for edge in edges {
+            let [start, end] = [edge.start, edge.end].map(|end| end.map(without_underflow));
+            if positions.is_empty() || positions[last] != start {
+                first = positions.len();
+                last = first;
+                positions.push(start);
+            }
+            let from = last;
+            if positions[first] == end {
+                last = first;
+            } else {
+                last = positions.len();
+                positions.push(end);
+            }
+            ends.push([from, last].map(index_u32));
+        }
+        let round = positions.iter().map(|position| round(*position)).collect();
+        Self {
+            positions,
+            ends,
+            round,
+        }
+    }
+
+    /// For each round the corners that are new in it, and the edges that then have both ends.
+    fn rounds(&self) -> impl Iterator<Item = (Vec<u32>, impl Iterator<Item = [u32; 2]> + '_)> + '_ {
+        let mut corners: [Vec<u32>; ROUNDS as usize] = Default::default();
+        for (corner, round) in (0..).zip(&self.round) {
+            corners[usize::from(*round)].push(corner);
+        }
+        let mut edges: [Vec<u32>; ROUNDS as usize] = Default::default();
+        for (edge, ends) in (0..).zip(&self.ends) {
+            let [from, to] = ends.map(|i| self.round[i as usize]);
+            edges[usize::from(from.max(to))].push(edge);
+        }
+        corners.into_iter().zip(edges).map(|(corners, edges)| {
+            let ends = edges.into_iter().map(|edge| self.ends[edge as usize]);
+            (corners, ends)
+        })
+    }
+}
+
+/// The same for equal positions, so that edges with the same ends are inserted in the same round.
+fn round(position: Degrees) -> u8 {
+    // Two rounds of multiply and shift: enough to make the last bits depend on all.
+    let [x, y] = position.map(f64::to_bits);
+    let mut mixed = x.rotate_left(32) ^ y;
+    for _ in 0..2 {
+        mixed = mixed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        mixed ^= mixed >> 32;
+    }
+    let earlier = mixed.trailing_zeros() / 2;
+    (ROUNDS - 1).saturating_sub(u8::try_from(earlier).unwrap_or(u8::MAX))
+}
+
 /// Edges that occur an odd number of times, whichever way they run.
-fn odd_edges(ends: &[[u32; 2]]) -> Vec<[u32; 2]> {
+fn odd_edges(ends: impl Iterator<Item = [u32; 2]>) -> Vec<[u32; 2]> {
     let mut sorted: Vec<[u32; 2]> = ends
-        .iter()
         .filter(|[a, b]| a != b)
-        .map(|&[a, b]| [a.min(b), a.max(b)])
+        .map(|[a, b]| [a.min(b), a.max(b)])
         .collect();
     sorted.sort_unstable();
     sorted
@@ -438,32 +560,6 @@ fn distance_to_segment(from: Point2<f64>, to: Point2<f64>) -> f64 {
     let along = -(from.x * dx + from.y * dy) / (dx * dx + dy * dy);
     let along = along.clamp(0.0, 1.0);
     (from.x + along * dx).hypot(from.y + along * dy)
-}
-
-/// Hash of two coordinates' bits: the default hasher's protection against crafted keys costs more
-/// than the whole lookup, and a file crafted against this one is slow, not wrong.
-#[derive(Default)]
-struct PositionHasher(u64);
-
-impl Hasher for PositionHasher {
-    fn finish(&self) -> u64 {
-        self.0 ^ (self.0 >> 32)
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        for byte in bytes {
-            self.write_u64(u64::from(*byte));
-        }
-    }
-
-    fn write_u64(&mut self, value: u64) {
-        // Multiplication by 2⁶⁴ divided by the golden ratio, the rotation between the two words.
-        self.0 = (self.0.rotate_left(29) ^ value).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    }
-
-    fn write_usize(&mut self, value: usize) {
-        self.write_u64(value as u64);
-    }
 }
 
 #[cfg(test)]
