@@ -6,11 +6,11 @@
 //! degenerate vanishes. A boundary edge whose reverse then exists too was a cut, not a border.
 
 use crate::crossings::CrossingPlaces;
-use crate::edge::{Degrees, EdgeSplitter, ZoneArea, surface_point};
+use crate::edge::{Degrees, EdgeSplitter, ROUNDING, ZoneArea, surface_point};
 use crate::mesh::sagitta_m;
 use crate::outline::{OppositeEnds, Outline, OutlineEdge};
 use crate::triangulate::{GroupMesh, TriangulateError, index_u32, triangulate};
-use crate::{EdgeRule, Ellipsoid, MeshOptions, Region, RegionMesh};
+use crate::{EdgeRule, Ellipsoid, Extent, MeshOptions, Region, RegionMesh};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -210,27 +210,43 @@ impl RegionMesh {
         options: &MeshOptions,
     ) -> Result<Self, Vec<MeshError>> {
         options.check().map_err(|error| vec![error])?;
-        let mut splitter = EdgeSplitter::new(body, rule, options);
-        let outline = Outline::new(region, rule, &mut splitter)
-            .map_err(|opposite| opposite_ends(region, opposite))?;
-        let mut stitcher = Stitcher::default();
-        let mut area_m2 = 0.0;
-        for (group, group_area_m2) in
-            triangulate_groups(region, body, rule, options, outline.groups)?
-        {
-            area_m2 += group_area_m2;
-            stitcher.add(body, group);
-        }
         let no_area = || {
             vec![MeshError::NoArea {
                 feature: region.index,
                 name: region.name.clone(),
             }]
         };
-        if stitcher.triangles.is_empty() {
+        let mut options = *options;
+        let Meshed {
+            groups,
+            extent,
+            boundary_deviation_m,
+        } = loop {
+            let meshed = Meshed::new(region, body, rule, &options)?;
+            match narrowest_turned_over_m(body, &meshed.groups) {
+                // Its narrow places may be far narrower than their mean.
+                Some(width_m) if options.boundary_tolerance_m > 0.01 * width_m => {
+                    options.boundary_tolerance_m = width_m.min(0.25 * options.boundary_tolerance_m);
+                }
+                _ => break meshed,
+            }
+        };
+        let mut stitcher = Stitcher::default();
+        let mut area_m2 = 0.0;
+        for (group, group_area_m2) in groups {
+            area_m2 += group_area_m2;
+            stitcher.add(body, group);
+        }
+        if stitcher.triangles.is_empty() || area_m2 < 0.0 {
             return Err(no_area());
         }
-        let boundary_loops = stitcher.boundary_loops();
+        let Some(boundary_loops) = stitcher.boundary_loops() else {
+            return Err(vec![MeshError::Triangulation {
+                feature: region.index,
+                name: region.name.clone(),
+                message: "the boundary is not closed".to_owned(),
+            }]);
+        };
         // Without a border there is only the whole body. Anything else is within micrometres of a
         // pole, where its border became a point.
         let whole_m2 = body.quadrangle_area_m2(TAU, -FRAC_PI_2, FRAC_PI_2);
@@ -255,8 +271,8 @@ impl RegionMesh {
                 .map(|polygon| polygon.holes.len())
                 .sum(),
             area_m2,
-            extent: outline.extent,
-            boundary_deviation_m: splitter.deviation_m,
+            extent,
+            boundary_deviation_m,
             cap_sagitta_m,
             warnings: region.warnings.clone(),
         })
@@ -303,6 +319,58 @@ fn opposite_ends(region: &Region, opposite: Vec<OppositeEnds>) -> Vec<MeshError>
         end,
     };
     opposite.into_iter().map(error).collect()
+}
+
+/// A region's groups, not yet put together.
+struct Meshed {
+    /// With the area of each.
+    groups: Vec<(GroupMesh, f64)>,
+    extent: Extent,
+    boundary_deviation_m: f64,
+}
+
+impl Meshed {
+    /// # Errors
+    /// At least one [`MeshError`].
+    fn new(
+        region: &Region,
+        body: &Ellipsoid,
+        rule: EdgeRule,
+        options: &MeshOptions,
+    ) -> Result<Self, Vec<MeshError>> {
+        let mut splitter = EdgeSplitter::new(body, rule, options);
+        let outline = Outline::new(region, rule, &mut splitter)
+            .map_err(|opposite| opposite_ends(region, opposite))?;
+        Ok(Self {
+            groups: triangulate_groups(region, body, rule, options, outline.groups)?,
+            extent: outline.extent,
+            boundary_deviation_m: splitter.deviation_m,
+        })
+    }
+}
+
+/// Mean width of the narrowest group that is turned over, metres; `None` where none is.
+///
+/// The triangles see chords. Of a sliver between an arc and its chord they see the far side: its
+/// border runs round it the wrong way and its area is below 0. Chords closer to their arcs than the
+/// sliver is wide put that right, unless its width is rounding, which does not count.
+fn narrowest_turned_over_m(body: &Ellipsoid, groups: &[(GroupMesh, f64)]) -> Option<f64> {
+    let turned_over = groups.iter().filter(|(_, area_m2)| *area_m2 < 0.0);
+    let widths_m = turned_over.map(|(group, area_m2)| {
+        let length_m: f64 = group
+            .boundary
+            .iter()
+            .map(|ends| {
+                let [start, end] = ends.map(|i| surface_point(body, group.vertices[i as usize]));
+                start.distance(end)
+            })
+            .sum();
+        -area_m2 / length_m
+    });
+    let rounding_m = ROUNDING * body.equatorial_radius_m();
+    widths_m
+        .filter(|width_m| *width_m > rounding_m)
+        .min_by(f64::total_cmp)
 }
 
 /// Triangles and area of each group.
@@ -388,6 +456,7 @@ fn self_crossings(
 
 /// `−∮ (Z − Z₀) dλ` round the boundary, each edge by its rule: Green's theorem for
 /// `dA = (dZ/dφ) dφ dλ`. Exact for the rings: splitting an edge does not change where it runs.
+/// Below 0 where [`narrowest_turned_over_m`] says why.
 fn enclosed_area_m2(body: &Ellipsoid, rule: EdgeRule, group: &GroupMesh) -> f64 {
     let Some(first) = group.vertices.first() else {
         return 0.0;
@@ -488,8 +557,9 @@ impl Stitcher {
         at_pole(a) || at_pole(b) || a[0] == 180.0 && b[0] == 180.0
     }
 
-    /// Drops the edges whose reverse is there too, and chains the rest.
-    fn boundary_loops(&mut self) -> Vec<Vec<u32>> {
+    /// Drops the edges whose reverse is there too, and chains the rest; `None` where one leads
+    /// nowhere.
+    fn boundary_loops(&mut self) -> Option<Vec<Vec<u32>>> {
         let (mut maybe_cuts, mut edges): (Vec<_>, Vec<_>) = std::mem::take(&mut self.boundary)
             .into_iter()
             .partition(|[a, b]| self.may_be_doubled(*a, *b));
@@ -511,7 +581,7 @@ impl Stitcher {
         self.chain(edges)
     }
 
-    fn chain(&self, mut edges: Vec<[u32; 2]>) -> Vec<Vec<u32>> {
+    fn chain(&self, mut edges: Vec<[u32; 2]>) -> Option<Vec<Vec<u32>>> {
         edges.sort_unstable();
         let mut first_from = vec![u32::MAX; self.vertices_deg.len()];
         for (i, edge) in edges.iter().enumerate().rev() {
@@ -530,7 +600,8 @@ impl Stitcher {
                 let [from, to] = edges[at];
                 ring.push(from);
                 let first = first_from[to as usize] as usize;
-                let leaving = edges[first..]
+                let leaving = edges
+                    .get(first..)?
                     .iter()
                     .take_while(|edge| edge[0] == to)
                     .count();
@@ -547,7 +618,7 @@ impl Stitcher {
             }
             loops.push(ring);
         }
-        loops
+        Some(loops)
     }
 
     /// Angle from the direction back to `from`, clockwise seen from outside, to the direction to

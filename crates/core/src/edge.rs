@@ -31,7 +31,7 @@ const POLE_APPROACH_END_DEG: f64 = 1.0 / (1_u64 << 36) as f64;
 /// Longest edge along a pole, degrees of longitude: its triangles reach down to the next vertices.
 pub(crate) const POLE_STEP_DEG: f64 = 30.0;
 /// Distances smaller than this share of the body's radius are rounding, 0.1 µm on the Earth.
-const ROUNDING: f64 = 2e-14;
+pub(crate) const ROUNDING: f64 = 2e-14;
 /// Planar edges that span more longitude than this are split unmeasured, radians; none that a step
 /// of 30° allows does, except on a circle round a pole that [`LARGEST_RELATIVE_BOW`] splits anyway.
 const WIDEST_MEASURED_RAD: f64 = 1.0;

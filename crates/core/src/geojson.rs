@@ -576,10 +576,10 @@ impl Reader {
     }
 }
 
-/// ±1 for an edge between two spellings, one turn apart, of one place; else 0.
-fn whole_turn(start: [f64; 2], end: [f64; 2]) -> isize {
+/// ±1 for an edge between two spellings, one turn apart, of a place that is not a pole; else 0.
+fn jump(start: [f64; 2], end: [f64; 2]) -> isize {
     let step = end[0] - start[0];
-    if start[1] != end[1] || step.abs() != 360.0 {
+    if start[1] != end[1] || start[1].abs() == 90.0 || step.abs() != 360.0 {
         0
     } else if step > 0.0 {
         1
@@ -588,30 +588,34 @@ fn whole_turn(start: [f64; 2], end: [f64; 2]) -> isize {
     }
 }
 
-/// The same, unless the place is a pole, where every longitude is one place anyhow.
-fn jump(start: [f64; 2], end: [f64; 2]) -> isize {
-    if start[1].abs() == 90.0 {
-        0
-    } else {
-        whole_turn(start, end)
-    }
-}
-
 /// Sum of the jumps of a closed ring.
 ///
 /// Not 0: the ring goes round the axis and was cut open at the antimeridian to be written down.
 /// 0 with jumps: edges along a whole parallel, as in the rectangle −180 … 180 × −10 … 10. The
-/// rectangle −180 … 180 × 80 … 90 comes back along a pole, so its one jump is such an edge too.
+/// rectangle −180 … 180 × 80 … 90 comes back along a pole, in one edge or in several, so its one
+/// jump is such an edge too.
 fn net_jumps(positions: &[[f64; 2]]) -> isize {
-    let sum = |turns: fn([f64; 2], [f64; 2]) -> isize| -> isize {
-        let next = positions.iter().cycle().skip(1);
-        positions
-            .iter()
-            .zip(next)
-            .map(|(start, end)| turns(*start, *end))
-            .sum()
-    };
-    if sum(whole_turn) == 0 { 0 } else { sum(jump) }
+    let next = || positions.iter().cycle().skip(1);
+    let turns: isize = positions
+        .iter()
+        .zip(next())
+        .map(|(start, end)| jump(*start, *end))
+        .sum();
+    // By the ends of each run along a pole, which round nothing where its edges would.
+    let along_pole = |a: &[f64; 2], b: &[f64; 2]| a[1].abs() == 90.0 && a[1] == b[1];
+    let previous = positions.iter().cycle().skip(positions.len() - 1);
+    let along_poles_deg: f64 = previous
+        .zip(positions)
+        .zip(next())
+        .map(|((previous, at), next)| {
+            f64::from(along_pole(previous, at)) * at[0] - f64::from(along_pole(at, next)) * at[0]
+        })
+        .sum();
+    if along_poles_deg == -360.0 * turns as f64 {
+        0
+    } else {
+        turns
+    }
 }
 
 /// Shifts what follows each jump by one turn, drops the position that this repeats, and returns how

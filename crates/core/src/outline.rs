@@ -72,6 +72,10 @@ impl Bounds {
     }
 
     fn join(&mut self, other: &Self) {
+        if other.0[0] > other.0[2] {
+            // Nothing is left of a polygon whose vertices are all at one pole.
+            return;
+        }
         self.add([other.0[0], other.0[1]]);
         self.add([other.0[2], other.0[3]]);
     }

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What fuzzing found, as small as it could be made.
+
+use terrafill_core::{
+    EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, parse_regions,
+};
+
+fn region(coordinates: &str) -> Region {
+    let text = format!(r#"{{"type":"MultiPolygon","coordinates":{coordinates}}}"#);
+    let mut regions = parse_regions(text.as_bytes(), "find").expect("valid");
+    regions.remove(0)
+}
+
+fn build(region: &Region, rule: EdgeRule) -> Result<RegionMesh, MeshError> {
+    let body = Ellipsoid::WGS84;
+    let mesh = RegionMesh::build(region, &body, rule, &MeshOptions::default())?;
+    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    Ok(mesh)
+}
+
+#[test]
+fn a_polygon_shrunk_to_a_pole_leaves_the_extent_alone() {
+    // Its second polygon has all its vertices at the south pole: south came out as −∞.
+    let region = region("[[[[0,0],[10,0],[10,10]]],[[[-50,-90],[40,-90],[130,-90]]]]");
+    let mesh = build(&region, EdgeRule::GreatEllipse).expect("meshes");
+    let extent = mesh.extent;
+    assert_eq!((extent.west_deg, extent.east_deg), (0.0, 10.0));
+    assert_eq!(extent.south_deg, 0.0);
+}
+
+#[test]
+fn a_cap_may_run_along_its_pole_in_several_edges() {
+    let cap = Ellipsoid::WGS84.quadrangle_area_m2(
+        std::f64::consts::TAU,
+        -std::f64::consts::FRAC_PI_2,
+        -60_f64.to_radians(),
+    );
+    // Read as a ring round the axis that comes back along it, the rings enclosed nothing.
+    // A tenth of a degree is no binary fraction: the run must be measured by its ends.
+    for pole in [
+        "[-180,-90],[180,-90]",
+        "[-180,-90],[0,-90],[180,-90]",
+        "[-180,-90],[-59.9,-90],[-0.7,-90],[0.1,-90],[77.3,-90],[180,-90]",
+    ] {
+        let region = region(&format!("[[[{pole},[180,-60],[-180,-60]]]]"));
+        let mesh = build(&region, EdgeRule::Planar).expect("meshes");
+        assert!((mesh.area_m2 / cap - 1.0).abs() < 1e-12);
+    }
+    // Twin: a parallel with a jump and no way back along the pole still goes round.
+    let ring = region("[[[[-180,-60],[-60,-60],[60,-60],[180,-60]]]]");
+    assert_eq!(ring.polygons[0].shell.winding_deg(), 360.0);
+}
+
+#[test]
+fn a_ring_a_rounding_off_the_pole_is_refused_without_a_panic() {
+    let region = region(
+        "[[[[-209.99999999999994,89.99999999999997],[-142.617187501746,89.99999999999997],\
+         [-7.851562505238691,89.99999999999997]]]]",
+    );
+    let outcome = build(&region, EdgeRule::GreatEllipse);
+    assert!(outcome.is_err() || outcome.is_ok_and(|mesh| mesh.area_m2 < 1e-9));
+}
+
+#[test]
+fn a_sliver_between_an_arc_and_its_chord_has_the_area_of_its_arcs() {
+    // Its third vertex lies south of the arc between the others and north of the straight line, so
+    // triangle and arcs go round it in opposite senses: the area came out as −0.98 m².
+    let region =
+        region("[[[[-0.008,84.993],[0.006,84.996],[0.0008705814741551878,84.99490083888732]]]]");
+    let body = Ellipsoid::MARS;
+    let build = |boundary_tolerance_m: f64| {
+        let options = MeshOptions {
+            boundary_tolerance_m,
+            cap_step_deg: 0.01,
+        };
+        let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options);
+        let mesh = mesh.expect("meshes");
+        assert_eq!(mesh.check_invariants(&body), Ok(()));
+        mesh.area_m2
+    };
+    let (coarse, fine) = (build(8.3), build(1e-5));
+    assert!((coarse / fine - 1.0).abs() < 1e-6, "{coarse} m², {fine} m²");
+    // Twin: the triangle of straight lines has next to none.
+    let chords = RegionMesh::build(&region, &body, EdgeRule::Planar, &MeshOptions::default());
+    assert!(chords.expect("meshes").area_m2 < 1e-6);
+}
