@@ -129,6 +129,8 @@ struct Group {
     vertices: Vec<Degrees>,
     /// Indices of the outline's vertices in the order of the outline; some occur more than once.
     outline_order: Vec<u32>,
+    /// Edges that were made constraints, by their ends.
+    kept: Vec<[u32; 2]>,
     /// `[west, south, east, north]`.
     bounds: [f64; 4],
 }
@@ -146,9 +148,9 @@ impl Group {
             scale,
             vertices: Vec::with_capacity(count),
             outline_order: vec![0; count],
+            kept: Vec::with_capacity(corners.ends.len()),
             bounds,
         };
-        let mut kept: Vec<[u32; 2]> = Vec::with_capacity(corners.ends.len());
         for (new_corners, new_edges) in corners.rounds() {
             for corner in new_corners {
                 let handle = group.insert(corners.positions[corner as usize])?;
@@ -160,18 +162,18 @@ impl Group {
                 if group.cdt.try_add_constraint(from, to).is_empty() {
                     return Ok(None);
                 }
-                kept.push(ends);
+                group.kept.push(ends);
             }
         }
-        group.mark_odd_edges(&kept);
+        group.mark_odd_edges();
         Ok(Some(group))
     }
 
     /// Marks what an odd number of edges runs along. An edge that passes exactly through a vertex
     /// has become several, and several edges may share one of those.
-    fn mark_odd_edges(&mut self, kept: &[[u32; 2]]) {
+    fn mark_odd_edges(&mut self) {
         let mut marked = vec![false; self.cdt.num_undirected_edges()];
-        for ends in kept {
+        for ends in &self.kept {
             let [from, to] = ends.map(|i| FixedVertexHandle::from_index(i as usize));
             if let Some(edge) = self.cdt.get_edge_from_neighbors(from, to) {
                 marked[edge.as_undirected().fix().index()] ^= true;
@@ -251,6 +253,7 @@ impl Group {
     /// Every edge that an insertion makes ends at the point inserted, so after the first look only
     /// the edges of new points are looked at.
     fn refine(&mut self, inside: &[bool], step_deg: f64) -> Result<bool, TriangulateError> {
+        let constraints_before = self.cdt.num_constraints();
         let long: Vec<[FixedVertexHandle; 2]> = self
             .cdt
             .undirected_edges()
@@ -278,6 +281,11 @@ impl Group {
                     new.push(handle);
                 }
             }
+        }
+        if self.cdt.num_constraints() != constraints_before {
+            // Where the inside is a rounding wide, a point came to lie on the outline, and the
+            // halves of the edge that it split have no marks.
+            self.mark_odd_edges();
         }
         Ok(changed)
     }
