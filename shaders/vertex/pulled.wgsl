@@ -2,7 +2,8 @@
 // or bottom caps. One invocation works out from `vertex_index` which corner of which triangle it is
 // and fetches that vertex.
 //
-// caps:  6 vertices a triangle: its top copy, then its bottom copy with the winding reversed.
+// caps:  3 vertices a triangle for the top, then 3 a triangle for the bottom, winding reversed; a
+//        draw of the first half leaves the bottom out.
 // walls: 6 vertices an entry of the loop list; entry e and e + 1 are an edge's ends. A loop is
 //        stored closed (first vertex again at its end) and followed by a separator; the entries
 //        before and at a separator give triangles of zero area.
@@ -40,25 +41,26 @@ fn extrude(region_index: u32, vertex: u32, is_bottom: bool) -> vec4<f32> {
     return clip_from_eye_relative(eye_relative_m(position, region_index, height_m));
 }
 
+fn extrude_cap(vertex_index: u32, region_index: u32) -> vec4<f32> {
+    let top_count = 3u * regions[region_index].triangle_count;
+    let is_bottom = vertex_index >= top_count;
+    let in_cap = select(vertex_index, vertex_index - top_count, is_bottom);
+    let corner = in_cap % 3u;
+    // 0 1 2 on top, 0 2 1 at the bottom.
+    let slot = select(corner, (3u - corner) % 3u, is_bottom);
+    let element = regions[region_index].first_triangle_index + in_cap - corner + slot;
+    return extrude(region_index, fetch_index(region_index, element), is_bottom);
+}
+
 @vertex
 fn caps_main(
     @builtin(vertex_index) vertex_index: u32,
     @builtin(instance_index) region_index: u32,
 ) -> @invariant @builtin(position) vec4<f32> {
-    let triangle = vertex_index / 6u;
-    let corner = vertex_index % 6u;
-    let is_bottom = corner >= 3u;
-    // 0 1 2 on top, 0 2 1 at the bottom.
-    let slot = select(corner, (6u - corner) % 3u, is_bottom);
-    let element = regions[region_index].first_triangle_index + 3u * triangle + slot;
-    return extrude(region_index, fetch_index(region_index, element), is_bottom);
+    return extrude_cap(vertex_index, region_index);
 }
 
-@vertex
-fn walls_main(
-    @builtin(vertex_index) vertex_index: u32,
-    @builtin(instance_index) region_index: u32,
-) -> @invariant @builtin(position) vec4<f32> {
+fn extrude_wall(vertex_index: u32, region_index: u32) -> vec4<f32> {
     let entry = regions[region_index].first_loop_index + vertex_index / 6u;
     let corner = vertex_index % 6u;
     let start = fetch_index(region_index, entry);
@@ -72,6 +74,41 @@ fn walls_main(
     return extrude(region_index, select(start, end, is_end), is_bottom);
 }
 
+@vertex
+fn walls_main(
+    @builtin(vertex_index) vertex_index: u32,
+    @builtin(instance_index) region_index: u32,
+) -> @invariant @builtin(position) vec4<f32> {
+    return extrude_wall(vertex_index, region_index);
+}
+
 // For passes that also hold a colour target: volumes leave it alone.
 @fragment
 fn no_colour() {}
+
+// Colour pass by volumes: the same positions, and the region's colour.
+struct Coloured {
+    @builtin(position) @invariant clip: vec4<f32>,
+    @location(0) @interpolate(flat) colour: vec4<f32>,
+};
+
+@vertex
+fn coloured_caps(
+    @builtin(vertex_index) vertex_index: u32,
+    @builtin(instance_index) region_index: u32,
+) -> Coloured {
+    return Coloured(extrude_cap(vertex_index, region_index), regions[region_index].colour);
+}
+
+@vertex
+fn coloured_walls(
+    @builtin(vertex_index) vertex_index: u32,
+    @builtin(instance_index) region_index: u32,
+) -> Coloured {
+    return Coloured(extrude_wall(vertex_index, region_index), regions[region_index].colour);
+}
+
+@fragment
+fn region_colour(in: Coloured) -> @location(0) vec4<f32> {
+    return in.colour;
+}

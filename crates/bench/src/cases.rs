@@ -3,10 +3,11 @@
 
 use crate::BenchOptions;
 use std::sync::Arc;
+use terrafill_frame::{ColourWay, PositionFormat, Switches};
 use terrafill_gpu::BaselineKind;
 use terrafill_results::CaseKey;
 use terrafill_scene::{Overlap, Scene, View};
-use terrafill_vertex::{ColourWay, Layout, PositionFormat, VertexVariant};
+use terrafill_vertex::{Layout, VertexVariant};
 
 /// What draws a case.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,10 +94,7 @@ pub fn group_cases(scene: &Arc<Scene>, view: &View, options: &BenchOptions) -> S
 fn main_variant(overlap: Overlap, layout: Layout) -> VertexVariant {
     VertexVariant {
         layout,
-        colour: match overlap {
-            Overlap::Disjoint => ColourWay::Xor,
-            Overlap::Ordered => ColourWay::Rectangle,
-        },
+        switches: Switches::for_overlap(overlap),
         ..VertexVariant::default()
     }
 }
@@ -106,9 +104,12 @@ fn vertex_variants(overlap: Overlap, quick: bool) -> Vec<VertexVariant> {
     let main = main_variant(overlap, Layout::Doubled);
     let mut variants = vec![main, main_variant(overlap, Layout::Pulled)];
     if !quick {
-        if main.colour != ColourWay::Rectangle {
+        if main.switches.colour != ColourWay::Rectangle {
             variants.push(VertexVariant {
-                colour: ColourWay::Rectangle,
+                switches: Switches {
+                    colour: ColourWay::Rectangle,
+                    ..main.switches
+                },
                 ..main
             });
         }

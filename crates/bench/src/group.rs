@@ -8,17 +8,19 @@ use crate::{BenchCase, BenchError, BenchOptions, SceneGroup, Technique};
 use indicatif::ProgressBar;
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_conformance::{Verdict, boundary_band, compare, difference_rgb, verdict};
+use terrafill_conformance::{
+    Verdict, boundary_band, compare, difference_rgb, filled_only, verdict,
+};
 use terrafill_core::RegionMesh;
 use terrafill_frame::{
-    Backend as _, BackendError, Frame, FrameInput, FrameTimes, MemoryUse, PreparedScene,
-    TimedBackend as _, paint,
+    BackendError, ColourWay, Frame, FrameInput, FrameTimes, MemoryUse, PreparedScene,
+    VolumeBackend, paint,
 };
 use terrafill_gpu::{Baseline, CpuStopwatch, Gpu, SharedStage, Stage};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::{CaseKey, ErrorFigures, RunFolder, Sample, Status, median};
 use terrafill_scene::{PlanOptions, SurfaceMesh};
-use terrafill_vertex::{ColourWay, VertexBackend};
+use terrafill_vertex::VertexBackend;
 
 /// A case with what draws it and what the probe frame showed.
 pub(crate) struct RunningCase<'a> {
@@ -31,7 +33,7 @@ pub(crate) struct RunningCase<'a> {
 
 pub(crate) enum Drawer {
     Baseline(Baseline),
-    Vertex(Box<VertexBackend>, Rc<FrameInput>),
+    Volumes(Box<dyn VolumeBackend>, Rc<FrameInput>),
     /// Cannot be timed; the probe says why.
     None,
 }
@@ -157,15 +159,12 @@ impl<'a> GroupRun<'a> {
             },
             Technique::Vertex(variant) => {
                 let input = self.input_for(case)?;
-                let drawn = VertexBackend::new(&self.stage, variant).and_then(|mut backend| {
-                    let memory = backend.prepare(&input)?;
-                    let frame = backend.render(&input)?;
-                    Ok((backend, memory, frame))
-                });
+                let drawn = VertexBackend::new(&self.stage, variant)
+                    .and_then(|backend| draw_probe(Box::new(backend), &input));
                 match drawn {
                     Ok((mut backend, memory, frame)) => {
-                        let probe = self.judge(case, &mut backend, &input, memory, frame)?;
-                        (Drawer::Vertex(Box::new(backend), input), probe)
+                        let probe = self.judge(case, &mut *backend, &input, memory, frame)?;
+                        (Drawer::Volumes(backend, input), probe)
                     }
                     Err(error) => (Drawer::None, failed_probe(&error)),
                 }
@@ -195,7 +194,7 @@ impl<'a> GroupRun<'a> {
     fn judge(
         &self,
         case: &BenchCase,
-        backend: &mut VertexBackend,
+        backend: &mut dyn VolumeBackend,
         input: &FrameInput,
         memory: MemoryUse,
         frame: Frame,
@@ -209,7 +208,12 @@ impl<'a> GroupRun<'a> {
             plan_cpu_ms: plan_cpu_ms(input),
             ..Probe::default()
         };
-        match compare(&self.reference, &frame) {
+        let (reference, judged) = if backend.tells_regions_apart() {
+            (self.reference.clone(), frame.clone())
+        } else {
+            (filled_only(&self.reference), filled_only(&frame))
+        };
+        match compare(&reference, &judged) {
             Ok(figures) => {
                 let (status, reasons) = match verdict(&figures) {
                     Verdict::Pass => (Status::Ok, Vec::new()),
@@ -224,11 +228,10 @@ impl<'a> GroupRun<'a> {
                 probe.reason = error.to_string();
             }
         }
-        if backend.variant().colour == ColourWay::Rectangle {
+        if one_at_a_time(&case.technique) {
             probe.remark(ALTERNATING);
         }
-        let is_main =
-            backend.variant().name() == case.key.variant && !case.key.variant.contains('=');
+        let is_main = backend.variant_name() == case.key.variant && !case.key.variant.contains('=');
         let is_wrong = probe.status == Some(Status::Wrong) && !case.is_sweep;
         if is_main || is_wrong {
             self.write_pictures(case, backend, input, &frame, &mut probe)?;
@@ -240,7 +243,7 @@ impl<'a> GroupRun<'a> {
     fn write_pictures(
         &self,
         case: &BenchCase,
-        backend: &mut VertexBackend,
+        backend: &mut dyn VolumeBackend,
         input: &FrameInput,
         frame: &Frame,
         probe: &mut Probe,
@@ -286,6 +289,11 @@ impl<'a> GroupRun<'a> {
             stage.prepare(&self.input).map_err(device)?;
             let surface_gpu_ms = stage.draw_surface().map_err(device)?;
             drop(stage);
+            for case in running.iter_mut() {
+                if let Drawer::Volumes(backend, input) = &mut case.drawer {
+                    backend.draw_own_surface(input).map_err(device)?;
+                }
+            }
             let mut rows = Vec::new();
             for index in round_order(running.len(), round) {
                 let case = &mut running[index];
@@ -309,6 +317,29 @@ impl<'a> GroupRun<'a> {
             self.folder.append_samples(&rows)?;
         }
         Ok(())
+    }
+}
+
+/// Prepares a backend and draws its probe frame.
+type Drawn = (Box<dyn VolumeBackend>, MemoryUse, Frame);
+
+fn draw_probe(
+    mut backend: Box<dyn VolumeBackend>,
+    input: &FrameInput,
+) -> Result<Drawn, BackendError> {
+    let memory = backend.prepare(input)?;
+    let frame = backend.render(input)?;
+    Ok((backend, memory, frame))
+}
+
+/// Whether stencil and colour share a pass.
+fn one_at_a_time(technique: &Technique) -> bool {
+    match technique {
+        Technique::Baseline(_) => false,
+        Technique::Vertex(variant) => matches!(
+            variant.switches.colour,
+            ColourWay::Rectangle | ColourWay::Volume
+        ),
     }
 }
 
@@ -342,7 +373,7 @@ fn failed_probe(error: &BackendError) -> Probe {
 fn time(drawer: &mut Drawer) -> Option<Result<FrameTimes, BackendError>> {
     match drawer {
         Drawer::Baseline(baseline) => Some(baseline.time_frame()),
-        Drawer::Vertex(backend, input) => Some(backend.time_frame(input)),
+        Drawer::Volumes(backend, input) => Some(backend.time_frame(input)),
         Drawer::None => None,
     }
 }

@@ -7,16 +7,19 @@
 
 use std::sync::Arc;
 use terrafill_bench::open_scene;
-use terrafill_conformance::{compare, verdict};
+use terrafill_conformance::{compare, filled_only, verdict};
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh, parse_regions};
-use terrafill_frame::{Backend as _, Frame, FrameInput, PreparedScene, TimedBackend as _};
+use terrafill_frame::{
+    Backend as _, BottomCap, ColourWay, DepthRuleChoice, FacePasses, Frame, FrameInput,
+    PositionFormat, PreparedScene, StencilClear, Switches, TimedBackend as _,
+};
 use terrafill_gpu::{Gpu, GpuOptions, Stage, open_for_test};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::ErrorFigures;
 use terrafill_scene::{
     CameraPose, ImageSize, Overlap, PlanOptions, SurfaceMesh, View, data_dir_from_env,
 };
-use terrafill_vertex::{ColourWay, Layout, PositionFormat, VertexBackend, VertexVariant};
+use terrafill_vertex::{Layout, VertexBackend, VertexVariant};
 
 const SIZE: ImageSize = ImageSize {
     width: 384,
@@ -31,12 +34,19 @@ fn all_variants() -> Vec<VertexVariant> {
                 variants.push(VertexVariant {
                     layout,
                     positions,
-                    colour,
+                    switches: with_colour(colour),
                 });
             }
         }
     }
     variants
+}
+
+fn with_colour(colour: ColourWay) -> Switches {
+    Switches {
+        colour,
+        ..Switches::default()
+    }
 }
 
 /// Longitude, latitude, height, heading, pitch, in degrees and metres.
@@ -247,11 +257,12 @@ fn culling_changes_no_pixel() {
             PlanOptions {
                 frustum_culling: false,
                 horizon_culling: false,
+                too_small_culling: false,
             },
         );
         assert!(culled.plan.regions.len() < everything.plan.regions.len());
         let variant = VertexVariant {
-            colour: ColourWay::Rectangle,
+            switches: with_colour(ColourWay::Rectangle),
             ..VertexVariant::default()
         };
         let (a, b) = (
@@ -307,6 +318,107 @@ fn broken_volumes_are_noticed() {
     }
 }
 
+/// Every combination of switches that a scene of disjoint regions allows.
+fn all_switches() -> Vec<Switches> {
+    let mut all = Vec::new();
+    for colour in ColourWay::ALL {
+        for faces in [FacePasses::TwoSided, FacePasses::TwoPass] {
+            for depth_rule in [DepthRuleChoice::Fail, DepthRuleChoice::Automatic] {
+                for bottom_cap in [BottomCap::Always, BottomCap::WhereNeeded] {
+                    for flags in 0..8 {
+                        all.push(Switches {
+                            colour,
+                            faces,
+                            depth_rule,
+                            bottom_cap,
+                            scissor: flags & 1 != 0,
+                            cover_culls_faces: flags & 2 != 0,
+                            stencil_clear: if flags & 4 != 0 {
+                                StencilClear::ByColour
+                            } else {
+                                StencilClear::AtStart
+                            },
+                            depth_bounds: false,
+                        });
+                    }
+                }
+            }
+        }
+    }
+    all.retain(|switches| switches.check(Overlap::Disjoint).is_ok());
+    all
+}
+
+#[test]
+fn no_switch_changes_a_pixel() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let text = collection(&[
+        polygon("west", "[[0,0],[4,0],[6,10],[0,10],[0,0]]"),
+        polygon("east", "[[4,0],[10,0],[10,10],[6,10],[4,0]]"),
+        polygon("far", "[[12,2],[14,2],[14,4],[12,4],[12,2]]"),
+    ]);
+    // From above; close above a border; and inside the volumes, below their tops.
+    let poses = [
+        (7.0, 5.0, 3e6, 0.0, -90.0),
+        (4.9, 4.0, 2e4, 10.0, -30.0),
+        (4.95, 5.0, 400.0, 80.0, -5.0),
+    ];
+    for pose in poses {
+        let input = input(&text, Ellipsoid::WGS84, 180, pose);
+        let judged = ReferenceBackend::new().judge(&input).expect("judges").frame;
+        let first = draw(&gpu, &input, VertexVariant::default());
+        assert!(verdict(&figures(&judged, &first)).is_pass(), "{pose:?}");
+        let mask = filled_only(&first).ids;
+        let mut count = 0;
+        for layout in [Layout::Doubled, Layout::Pulled] {
+            for switches in all_switches() {
+                let variant = VertexVariant {
+                    layout,
+                    switches,
+                    ..VertexVariant::default()
+                };
+                let frame = draw(&gpu, &input, variant);
+                let name = variant.name();
+                assert_eq!(filled_only(&frame).ids, mask, "{pose:?} {name}");
+                if switches.colour.tells_regions_apart() {
+                    let found = figures(&judged, &frame);
+                    assert!(verdict(&found).is_pass(), "{pose:?} {name}: {found:?}");
+                }
+                count += 1;
+            }
+        }
+        assert!(count > 300, "{count}");
+    }
+}
+
+#[test]
+fn counting_in_front_is_wrong_from_inside_and_the_automatic_rule_knows() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let text = polygon("square", "[[0,0],[10,0],[10,10],[0,10],[0,0]]");
+    let input = input(&text, Ellipsoid::WGS84, 180, (5.0, 9.0, 300.0, 0.0, -5.0));
+    assert!(input.plan.regions[0].near_plane_meets_volume);
+    let judged = ReferenceBackend::new().judge(&input).expect("judges").frame;
+    let with_rule = |depth_rule| VertexVariant {
+        switches: Switches {
+            depth_rule,
+            ..Switches::default()
+        },
+        ..VertexVariant::default()
+    };
+    for (rule, is_right) in [
+        (DepthRuleChoice::Automatic, true),
+        (DepthRuleChoice::Fail, true),
+        (DepthRuleChoice::Pass, false),
+    ] {
+        let found = figures(&judged, &draw(&gpu, &input, with_rule(rule)));
+        assert_eq!(verdict(&found).is_pass(), is_right, "{rule:?}: {found:?}");
+    }
+}
+
 #[test]
 fn xor_is_wrong_where_regions_overlap_and_one_at_a_time_is_right() {
     let Some(gpu) = open_for_test(&GpuOptions::default()) else {
@@ -316,12 +428,11 @@ fn xor_is_wrong_where_regions_overlap_and_one_at_a_time_is_right() {
         polygon("under", "[[0,0],[10,0],[10,10],[0,10],[0,0]]"),
         polygon("over", "[[5,5],[15,5],[15,15],[5,15],[5,5]]"),
     ]);
-    let mut input = input(&text, Ellipsoid::WGS84, 180, (7.0, 7.0, 3e6, 0.0, -90.0));
-    input.scene.overlap = Overlap::Ordered;
+    let input = input(&text, Ellipsoid::WGS84, 180, (7.0, 7.0, 3e6, 0.0, -90.0));
     let judged = ReferenceBackend::new().judge(&input).expect("judges");
     for (colour, is_right) in [(ColourWay::Rectangle, true), (ColourWay::Xor, false)] {
         let variant = VertexVariant {
-            colour,
+            switches: with_colour(colour),
             ..VertexVariant::default()
         };
         let found = figures(&judged.frame, &draw(&gpu, &input, variant));

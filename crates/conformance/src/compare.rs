@@ -39,6 +39,15 @@ pub enum CompareError {
     },
 }
 
+/// The frame with all regions as one: what a fill in one colour can be compared with.
+#[must_use]
+pub fn filled_only(frame: &Frame) -> Frame {
+    Frame {
+        ids: frame.ids.iter().map(|&id| id.min(1)).collect(),
+        ..frame.clone()
+    }
+}
+
 /// How `frame` differs from `reference`.
 ///
 /// - The Hausdorff distance is between the boundary pixels of both pictures. Pieces of fewer than

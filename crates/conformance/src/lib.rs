@@ -12,7 +12,7 @@ mod distance;
 mod tolerance;
 
 pub use boundary::{boundary_band, boundary_pixels, checks_nothing};
-pub use compare::{CompareError, compare};
+pub use compare::{CompareError, compare, filled_only};
 pub use difference::difference_rgb;
 pub use tolerance::{
     BAND_RADIUS_PX, MAX_HAUSDORFF_PX, MAX_MISMATCHED_OUTSIDE_BAND_PX, MAX_NON_FINITE,

@@ -2,6 +2,7 @@
 //! What a backend promises, and how it fails.
 
 use crate::{Frame, FrameInput, FrameTimes, MemoryUse};
+use terrafill_scene::ImageSize;
 
 /// What a backend runs on and what it can do there.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -57,6 +58,9 @@ pub enum BackendError {
         /// Compiler's words.
         message: String,
     },
+    /// Switches that do not go together, or not with the scene.
+    #[error(transparent)]
+    Switch(#[from] crate::SwitchError),
     /// [`Backend::render`] was called before [`Backend::prepare`], or with another input.
     #[error("{backend} was not prepared for {scene}/{view}")]
     NotPrepared {
@@ -90,6 +94,42 @@ pub trait Backend {
     /// # Errors
     /// [`BackendError::NotPrepared`], or whatever the device reports.
     fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError>;
+}
+
+/// A picture read back.
+#[derive(Debug, Clone)]
+pub struct Picture {
+    /// Size of the others.
+    pub size: ImageSize,
+    /// Four bytes a pixel, row 0 at the top; alpha 0 where nothing was filled.
+    pub rgba: Vec<u8>,
+    /// Reversed depth, 0 where there is no surface.
+    pub depth: Vec<f32>,
+}
+
+/// A backend of the bench: it can be timed, shown, and names its switches.
+pub trait VolumeBackend: TimedBackend {
+    /// Layout or technique first, then the switches that differ from the default, `key=value`, in
+    /// alphabetical order: the `variant` of its rows.
+    fn variant_name(&self) -> String;
+
+    /// Whether the picture tells regions apart; otherwise only the filled area is comparable.
+    fn tells_regions_apart(&self) -> bool;
+
+    /// Draws the frame in the regions' own colours over the shaded surface.
+    ///
+    /// # Errors
+    /// As [`Backend::render`].
+    fn picture(&mut self, input: &FrameInput) -> Result<Picture, BackendError>;
+
+    /// Draws the surface into the backend's own targets, if it has any: once a round, untimed, so
+    /// that every timed fill finds the same surface. Backends that share a stage leave it to that.
+    ///
+    /// # Errors
+    /// As [`Backend::render`].
+    fn draw_own_surface(&mut self, _input: &FrameInput) -> Result<(), BackendError> {
+        Ok(())
+    }
 }
 
 /// A backend whose frames can be timed without reading anything back.

@@ -7,11 +7,26 @@
 //! never from the meshes.
 
 mod backend;
+mod batches;
+mod constants;
+mod fixed_point;
 mod frame;
 mod input;
 mod palette;
+mod program;
+mod switches;
 
-pub use backend::{Backend, BackendError, Capabilities, TimedBackend};
+pub use backend::{Backend, BackendError, Capabilities, Picture, TimedBackend, VolumeBackend};
+pub use batches::{RegionClasses, XOR_NUMBERS, XorBatches, overlap_depth};
+pub use constants::{RegionConstants, ViewConstants};
+pub use fixed_point::{EyeInUnits, FixedPoint, PositionFormat, eye_relative_m};
 pub use frame::{Counters, Frame, FrameTimes, MemoryUse, NO_REGION};
 pub use input::{FrameInput, PreparedScene};
-pub use palette::{paint, region_colour};
+pub use palette::{MAX_REGIONS, id_rgba, ids_of, paint, palette_rgba, region_colour};
+pub use program::{
+    CoverShape, DepthRule, FaceSet, FillCommand, FillPass, FillProgram, StencilOperation,
+    StencilRule, StencilTest,
+};
+pub use switches::{
+    BottomCap, ColourWay, DepthRuleChoice, FacePasses, StencilClear, SwitchError, Switches,
+};

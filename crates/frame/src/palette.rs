@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One colour per region, the same in every picture.
 
-use crate::{Frame, NO_REGION};
+use crate::{Frame, NO_REGION, Picture};
 
 /// Colour of region `index`: hues a golden angle apart, so that neighbours in the file differ, in
 /// three lightnesses.
@@ -26,6 +26,37 @@ pub fn region_colour(index: usize) -> [u8; 3] {
     };
     let base = lightness - chroma / 2.0;
     [r, g, b].map(|channel| ((channel + base) * 255.0).round().clamp(0.0, 255.0) as u8)
+}
+
+/// What a colour pass writes for region `index` in a picture for people.
+#[must_use]
+pub fn palette_rgba(index: usize) -> [f32; 4] {
+    let [r, g, b] = region_colour(index);
+    [r, g, b, 255].map(|channel| f32::from(channel) / 255.0)
+}
+
+/// What a colour pass writes for region `index` in a picture to be judged: its id in three
+/// channels, exact in 8-bit unorm.
+#[must_use]
+pub fn id_rgba(index: usize) -> [f32; 4] {
+    let [r, g, b, _] = (index as u64 + 1).to_le_bytes()[..4] else {
+        return [0.0; 4];
+    };
+    [r, g, b, 255].map(|channel| f32::from(channel) / 255.0)
+}
+
+/// Regions that [`id_rgba`] can tell apart.
+pub const MAX_REGIONS: usize = (1 << 24) - 1;
+
+/// Ids out of a picture drawn with [`id_rgba`]; alpha 0 is the surface or the sky.
+#[must_use]
+pub fn ids_of(picture: &Picture) -> Vec<u32> {
+    let id = |pixel: &[u8]| match pixel {
+        [_, _, _, 0] => NO_REGION,
+        [r, g, b, _] => u32::from_le_bytes([*r, *g, *b, 0]),
+        _ => NO_REGION,
+    };
+    picture.rgba.chunks_exact(4).map(id).collect()
 }
 
 /// A picture of a frame's ids, RGB, row 0 at the top: regions in their colours on a grey surface.

@@ -1,97 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Rust twins of the constants in `shaders/shared/`; tests hold the layouts together.
-
-use bytemuck::{Pod, Zeroable};
-use terrafill_frame::FrameInput;
-
-/// Twin of `ViewConstants` in `shared/view.wgsl`.
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-pub struct ViewConstants {
-    /// Columns of the rotation, each padded to 16 bytes.
-    pub view_from_ecef: [[f32; 4]; 3],
-    /// Eye, ECEF metres, rounded.
-    pub eye_ecef: [f32; 3],
-    /// Near plane, metres.
-    pub near_m: f32,
-    /// `(1, 1, a²/b²)`.
-    pub normal_scale: [f32; 3],
-    /// `1 / (tan(fov/2) · aspect)`.
-    pub clip_scale_x: f32,
-    /// `1 / tan(fov/2)`.
-    pub clip_scale_y: f32,
-    /// Uniform blocks are multiples of 16 bytes.
-    pub padding: [f32; 3],
-}
-
-impl ViewConstants {
-    /// Constants of a frame's camera and body.
-    #[must_use]
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "rounding to what the GPU reads is the purpose"
-    )]
-    pub fn new(input: &FrameInput) -> Self {
-        let camera = &input.camera;
-        let column = |i: usize| {
-            let c = camera.view_from_ecef.col(i).as_vec3();
-            [c.x, c.y, c.z, 0.0]
-        };
-        let body = &input.scene.body;
-        let flattening_squared = (body.equatorial_radius_m() / body.polar_radius_m()).powi(2);
-        let clip_scale_y = camera.tan_half_fov().recip();
-        Self {
-            view_from_ecef: [column(0), column(1), column(2)],
-            eye_ecef: camera.eye_ecef.as_vec3().to_array(),
-            near_m: camera.near_m as f32,
-            normal_scale: [1.0, 1.0, flattening_squared as f32],
-            clip_scale_x: (clip_scale_y / input.size.aspect()) as f32,
-            clip_scale_y: clip_scale_y as f32,
-            padding: [0.0; 3],
-        }
-    }
-}
-
-/// Twin of `RegionConstants` in `shared/region.wgsl`.
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-pub struct RegionConstants {
-    /// Eye from the region's origin, in units of `scale_m`.
-    pub eye: [i32; 3],
-    /// Bits dropped from stored positions.
-    pub shift: u32,
-    /// What is left of the eye below one unit of `scale_m`; for local f32 the whole eye, metres.
-    pub eye_remainder_m: [f32; 3],
-    /// `unit_m · 2^shift`.
-    pub scale_m: f32,
-    /// The region's origin, ECEF metres, rounded; only normals are made from it.
-    pub origin_ecef_m: [f32; 3],
-    /// Length of one step of a stored position, metres.
-    pub unit_m: f32,
-    /// Height of the top cap above the ellipsoid, metres.
-    pub top_m: f32,
-    /// Height of the bottom cap above the ellipsoid, metres.
-    pub bottom_m: f32,
-    /// First vertex of the region, in vertices.
-    pub first_vertex: u32,
-    /// First index of its triangles, in indices.
-    pub first_triangle_index: u32,
-    /// First entry of its loops, in indices.
-    pub first_loop_index: u32,
-    /// Cap triangles.
-    pub triangle_count: u32,
-    /// 16 or 32.
-    pub index_bits: u32,
-    /// To the next multiple of 16 bytes.
-    pub padding: u32,
-    /// What the colour pass writes.
-    pub colour: [f32; 4],
-}
+//! Holds the constants of `terrafill-frame` against what the shaders read.
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use std::mem::{offset_of, size_of};
+    use terrafill_frame::{RegionConstants, ViewConstants};
     use terrafill_shaders::struct_layout;
 
     /// Offsets by name of the Rust struct, to be found again in the shader's.

@@ -3,18 +3,6 @@
 
 use crate::Gpu;
 use terrafill_frame::BackendError;
-use terrafill_scene::ImageSize;
-
-/// Colour and depth of the targets.
-#[derive(Debug, Clone)]
-pub struct Picture {
-    /// Size.
-    pub size: ImageSize,
-    /// Red, green, blue, alpha, row 0 at the top.
-    pub rgba: Vec<u8>,
-    /// Reversed depth; 0 where the sky is.
-    pub depth: Vec<f32>,
-}
 
 /// Copies one aspect of a texture with 4-byte texels into tightly packed rows.
 pub(crate) fn read_texture(

@@ -6,11 +6,11 @@
 //! fills of the same view.
 
 use crate::readback::read_texture;
-use crate::{Gpu, PassTimer, Picture, TimedPass, ViewConstants};
+use crate::{Gpu, PassTimer, TimedPass};
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_frame::{BackendError, FrameInput};
+use terrafill_frame::{BackendError, FrameInput, Picture, ViewConstants};
 use terrafill_scene::ImageSize;
 
 /// Colour target: ids and colours are exact in it.

@@ -5,6 +5,7 @@
 mod camera;
 mod data;
 mod file;
+mod near_plane;
 mod plan;
 mod procedural;
 mod scene;

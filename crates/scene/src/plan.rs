@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The frame plan: what one frame of one scene needs and, by name and reason, what it leaves out.
 //!
-//! Both culls are exact: a region is left out only when no pixel can show it. Every test looks at
+//! All culls are exact: a region is left out only when no pixel can show it. Every test looks at
 //! the corners of a box that holds the region's whole closed volume, so it errs towards drawing.
 //!
 //! - *Frustum*: all corners outside one plane of the view frustum, which the box then is too.
+//! - *Too small*: the box's projection reaches the centre of no pixel.
 //! - *Horizon*: all corners in the shadow that the body casts from the eye. The shadow (the cone
 //!   of tangents behind the plane of the horizon circle) is convex, so it holds the whole box. The
 //!   body here is the largest ellipsoid inside the surface *as drawn*, not the true one. Under
 //!   z-fail this is exact only for whole closed volumes (a ray through the planet may enter by one
 //!   piece and leave by another); whole volumes are all that is planned here.
 
+use crate::near_plane::NearPlane;
 use crate::{Camera, ImageSize};
 use glam::DVec3;
 use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh, VolumeHeights};
@@ -27,6 +29,8 @@ pub struct PlanOptions {
     pub frustum_culling: bool,
     /// Leave out regions hidden by the body.
     pub horizon_culling: bool,
+    /// Leave out regions too small to reach the centre of any pixel.
+    pub too_small_culling: bool,
 }
 
 impl Default for PlanOptions {
@@ -34,6 +38,7 @@ impl Default for PlanOptions {
         Self {
             frustum_culling: true,
             horizon_culling: true,
+            too_small_culling: true,
         }
     }
 }
@@ -88,12 +93,17 @@ impl PixelRect {
 /// A region that is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlannedRegion {
-    /// Index into the scene's meshes.
+    /// Index into the scene's regions: whose colour and id it is.
+    pub region: usize,
+    /// Index into the scene's meshes: what is drawn for it.
     pub mesh: usize,
     /// Where this view puts the caps.
     pub heights: VolumeHeights,
     /// No pixel of the region lies outside.
     pub screen_rect: PixelRect,
+    /// The near plane, as far as the image shows it, may meet the region's volume: counting what
+    /// lies in front of the surface would then miss faces. False only where it certainly does not.
+    pub near_plane_meets_volume: bool,
 }
 
 /// Why a region is not drawn.
@@ -103,6 +113,13 @@ pub enum LeftOutReason {
     OutsideFrustum,
     /// Wholly hidden by the body.
     BeyondHorizon,
+    /// Reaches the centre of no pixel.
+    TooSmall,
+}
+
+impl LeftOutReason {
+    /// Every reason.
+    pub const ALL: [Self; 3] = [Self::OutsideFrustum, Self::BeyondHorizon, Self::TooSmall];
 }
 
 impl LeftOutReason {
@@ -112,6 +129,7 @@ impl LeftOutReason {
         match self {
             Self::OutsideFrustum => "outside-frustum",
             Self::BeyondHorizon => "beyond-horizon",
+            Self::TooSmall => "too-small",
         }
     }
 }
@@ -196,11 +214,13 @@ impl FramePlan {
     ) -> Self {
         let horizon = Horizon::new(body, camera.eye_ecef, terrain.lowest_m);
         let clearance_m = cap_clearance_m(body, camera, size);
+        let near_plane = NearPlane::new(camera, size);
         let mut plan = Self::default();
         for (mesh, region) in regions.iter().enumerate() {
             let region = region.grown(clearance_m);
             let corners = region.bounds.corners_ecef();
-            let screen_rect = screen_rect(camera, size, &corners);
+            let footprint = Footprint::new(camera, size, &corners);
+            let screen_rect = footprint.map_or(PixelRect::full(size), |f| f.rect(size));
             let off_screen = screen_rect.width() == 0
                 || screen_rect.height() == 0
                 || outside_frustum(camera, size, &corners);
@@ -208,15 +228,19 @@ impl FramePlan {
                 Some(LeftOutReason::OutsideFrustum)
             } else if options.horizon_culling && horizon.hides_all(&corners) {
                 Some(LeftOutReason::BeyondHorizon)
+            } else if options.too_small_culling && footprint.is_some_and(Footprint::is_too_small) {
+                Some(LeftOutReason::TooSmall)
             } else {
                 None
             };
             match reason {
                 Some(reason) => plan.left_out.push(LeftOutRegion { mesh, reason }),
                 None => plan.regions.push(PlannedRegion {
+                    region: mesh,
                     mesh,
                     heights: region.heights,
                     screen_rect,
+                    near_plane_meets_volume: near_plane.meets_box(&region.bounds),
                 }),
             }
         }
@@ -227,7 +251,7 @@ impl FramePlan {
     #[must_use]
     pub fn left_out_summary(&self, meshes: &[RegionMesh]) -> String {
         let mut phrases = Vec::new();
-        for reason in [LeftOutReason::OutsideFrustum, LeftOutReason::BeyondHorizon] {
+        for reason in LeftOutReason::ALL {
             let names: Vec<&str> = self
                 .left_out
                 .iter()
@@ -313,30 +337,53 @@ impl Horizon {
     }
 }
 
-/// Pixels that the box can touch, grown by one for rounding; the whole image when a corner is not
-/// in front of the near plane.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "clamped to the image before the cast"
-)]
-fn screen_rect(camera: &Camera, size: ImageSize, corners: &[DVec3; 8]) -> PixelRect {
-    let mut low = [f64::INFINITY; 2];
-    let mut high = [f64::NEG_INFINITY; 2];
-    for corner in corners {
-        let Some(pixel) = camera.project_px(size, *corner) else {
-            return PixelRect::full(size);
-        };
-        for axis in 0..2 {
-            low[axis] = low[axis].min(pixel[axis]);
-            high[axis] = high[axis].max(pixel[axis]);
+/// The part of the image that a box projects to, pixels.
+#[derive(Debug, Clone, Copy)]
+struct Footprint {
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+/// Vertices are snapped to a grid of at least 1/256 pixel before pixels are looked for, and their
+/// projection is rounded to `f32`; four such steps hold both.
+const SNAPPING_PX: f64 = 4.0 / 256.0;
+
+impl Footprint {
+    /// `None` when a corner is not in front of the near plane.
+    fn new(camera: &Camera, size: ImageSize, corners: &[DVec3; 8]) -> Option<Self> {
+        let mut low = [f64::INFINITY; 2];
+        let mut high = [f64::NEG_INFINITY; 2];
+        for corner in corners {
+            let pixel = camera.project_px(size, *corner)?;
+            for axis in 0..2 {
+                low[axis] = low[axis].min(pixel[axis]);
+                high[axis] = high[axis].max(pixel[axis]);
+            }
+        }
+        Some(Self { low, high })
+    }
+
+    /// Pixels that can be touched, grown by one for rounding.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to the image before the cast"
+    )]
+    fn rect(self, size: ImageSize) -> PixelRect {
+        let clamp = |value: f64, limit: u32| value.clamp(0.0, f64::from(limit)) as u32;
+        PixelRect {
+            left: clamp(self.low[0].floor() - 1.0, size.width),
+            top: clamp(self.low[1].floor() - 1.0, size.height),
+            right: clamp(self.high[0].ceil() + 1.0, size.width),
+            bottom: clamp(self.high[1].ceil() + 1.0, size.height),
         }
     }
-    let clamp = |value: f64, limit: u32| value.clamp(0.0, f64::from(limit)) as u32;
-    PixelRect {
-        left: clamp(low[0].floor() - 1.0, size.width),
-        top: clamp(low[1].floor() - 1.0, size.height),
-        right: clamp(high[0].ceil() + 1.0, size.width),
-        bottom: clamp(high[1].ceil() + 1.0, size.height),
+
+    /// Whether it lies between the centres of neighbouring columns or rows: no pixel is filled.
+    fn is_too_small(self) -> bool {
+        (0..2).any(|axis| {
+            let first = (self.low[axis] - SNAPPING_PX - 0.5).ceil();
+            first > self.high[axis] + SNAPPING_PX - 0.5
+        })
     }
 }

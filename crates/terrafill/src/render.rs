@@ -12,14 +12,13 @@ use std::sync::Arc;
 use terrafill_bench::open_scene;
 use terrafill_core::{MeshOptions, RegionMesh};
 use terrafill_frame::{
-    Backend as _, BackendError, Frame, FrameInput, MemoryUse, PreparedScene, paint,
+    Backend as _, BackendError, Frame, FrameInput, MemoryUse, PositionFormat, PreparedScene,
+    SwitchError, Switches, VolumeBackend as _, paint,
 };
 use terrafill_gpu::{Gpu, GpuOptions, Stage};
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{
-    ImageSize, Overlap, PlanOptions, Scene, SurfaceMesh, View, data_dir_from_env,
-};
-use terrafill_vertex::{ColourWay, Layout, PositionFormat, VertexBackend, VertexVariant};
+use terrafill_scene::{ImageSize, PlanOptions, Scene, SurfaceMesh, View, data_dir_from_env};
+use terrafill_vertex::{Layout, VertexBackend, VertexVariant};
 
 /// What one backend drew.
 struct Drawn {
@@ -70,10 +69,7 @@ fn switches(
     arguments: &RenderArguments,
 ) -> Result<(VertexVariant, MeshOptions), Failure> {
     let mut variant = VertexVariant {
-        colour: match scene.overlap {
-            Overlap::Disjoint => ColourWay::Xor,
-            Overlap::Ordered => ColourWay::Rectangle,
-        },
+        switches: Switches::for_overlap(scene.overlap),
         ..VertexVariant::default()
     };
     let mut mesh = scene.mesh;
@@ -90,24 +86,30 @@ fn switches(
             ("layout", "pulled") => variant.layout = Layout::Pulled,
             ("positions", "fixed") => variant.positions = PositionFormat::Fixed,
             ("positions", "local-f32") => variant.positions = PositionFormat::LocalF32,
-            ("colour", "xor") => variant.colour = ColourWay::Xor,
-            ("colour", "rectangle") => variant.colour = ColourWay::Rectangle,
             ("boundary-tolerance-m", value) => match value.parse() {
                 Ok(metres) if metres > 0.0 && f64::is_finite(metres) => {
                     mesh.boundary_tolerance_m = metres;
                 }
                 _ => return refuse("boundary-tolerance-m=METRES, a number above 0"),
             },
-            _ => {
-                return refuse(
-                    "layout=doubled|pulled, positions=fixed|local-f32, colour=xor|rectangle, \
-                     boundary-tolerance-m=METRES",
-                );
-            }
+            (key, value) => match variant.switches.set(key, value) {
+                Ok(true) => {}
+                Ok(false) => return refuse(ALLOWED_SWITCHES),
+                Err(error) => return refuse(&format!("{key}={}", error.allowed)),
+            },
         }
     }
+    let conflict = |error: SwitchError| Failure::bad_input(format!("--variant: {error}"));
+    variant.switches.check(scene.overlap).map_err(conflict)?;
     Ok((variant, mesh))
 }
+
+/// Switches of `render`, for a message.
+const ALLOWED_SWITCHES: &str = "layout=doubled|pulled, positions=fixed|local-f32, \
+    boundary-tolerance-m=METRES, bottom-cap=always|where-needed, \
+    colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes, \
+    cover-faces=both|culled, depth-rule=zfail|zpass|automatic, faces=two-sided|two-pass, \
+    scissor=covers|volumes, stencil-clear=at-start|by-colour";
 
 fn input(
     scene: &Scene,

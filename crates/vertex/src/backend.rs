@@ -1,55 +1,43 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The backend: buffers of a scene, constants of a view, and the passes of a frame.
 
+use crate::Layout;
 use crate::layout::{RegionSlice, SceneGeometry};
-use crate::pass::{Recorder, numbered};
-use crate::pipeline::{Part, Pipelines, StencilRule};
+use crate::pass::Recorder;
+use crate::pipeline::Pipelines;
 use crate::statistics::Statistics;
-use crate::{Layout, PositionFormat, XorBatches};
 use std::sync::Arc;
 use terrafill_core::RegionMesh;
 use terrafill_frame::{
-    Backend, BackendError, Capabilities, Counters, Frame, FrameInput, FrameTimes, MemoryUse,
-    NO_REGION, TimedBackend, region_colour,
+    Backend, BackendError, Capabilities, Counters, FillProgram, Frame, FrameInput, FrameTimes,
+    MAX_REGIONS, MemoryUse, Picture, PositionFormat, RegionConstants, Switches, TimedBackend,
+    VolumeBackend, id_rgba, ids_of, palette_rgba,
 };
-use terrafill_gpu::{CpuStopwatch, Picture, RegionConstants, SharedStage, Stage, TimedPass};
+use terrafill_gpu::{CpuStopwatch, SharedStage, Stage, TimedPass};
 use terrafill_scene::PlannedRegion;
 
-/// How many regions get their own colours; both are right to the pixel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum ColourWay {
-    /// All stencil work first, with a number per region, then each region's screen rectangle. For
-    /// disjoint regions.
-    #[default]
-    Xor,
-    /// One region at a time: count its volume, then cover its screen rectangle. Later regions
-    /// cover earlier ones.
-    Rectangle,
-}
-
-/// A variant: the switches of this backend.
+/// A variant: how geometry is stored, and the switches of the fill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct VertexVariant {
     /// Where duplicated vertices come from.
     pub layout: Layout,
     /// How positions are stored.
     pub positions: PositionFormat,
-    /// How regions get their colours.
-    pub colour: ColourWay,
+    /// What the fill does.
+    pub switches: Switches,
 }
 
 impl VertexVariant {
     /// Layout first, then what differs from the default, `key=value`, in alphabetical order.
     #[must_use]
     pub fn name(&self) -> String {
-        let mut name = self.layout.name().to_owned();
-        if self.colour == ColourWay::Rectangle {
-            name.push_str(",colour=rectangle");
-        }
+        let mut names = self.switches.names();
         if self.positions == PositionFormat::LocalF32 {
-            name.push_str(",positions=local-f32");
+            names.push("positions=local-f32".to_owned());
         }
-        name
+        names.sort_unstable();
+        names.insert(0, self.layout.name().to_owned());
+        names.join(",")
     }
 }
 
@@ -85,7 +73,7 @@ pub(crate) struct ViewBuffers {
     constants: wgpu::Buffer,
     constant_bytes: u64,
     pub(crate) bind_group: wgpu::BindGroup,
-    pub(crate) batches: XorBatches,
+    pub(crate) program: FillProgram,
 }
 
 /// What the colour pass writes for region `index`.
@@ -117,17 +105,6 @@ impl VertexBackend {
     #[must_use]
     pub fn variant(&self) -> VertexVariant {
         self.variant
-    }
-
-    /// Draws the frame in the regions' own colours over the shaded surface.
-    ///
-    /// # Errors
-    /// As [`Backend::render`].
-    pub fn picture(&mut self, input: &FrameInput) -> Result<Picture, BackendError> {
-        self.upload_view(input, palette_colour)?;
-        let picture = self.draw_and_read(input).map(|(picture, _)| picture);
-        self.upload_view(input, id_colour)?;
-        picture
     }
 
     fn draw_and_read(&mut self, input: &FrameInput) -> Result<(Picture, Counters), BackendError> {
@@ -226,6 +203,8 @@ impl VertexBackend {
         let Some(scene) = &self.scene else {
             return self.check_prepared(input);
         };
+        let switches = &self.variant.switches;
+        let program = FillProgram::new(&input.plan, switches, input.scene.overlap)?;
         let constants: Vec<RegionConstants> = input
             .plan
             .regions
@@ -263,7 +242,7 @@ impl VertexBackend {
             constants: buffer,
             constant_bytes: bytes.len() as u64,
             bind_group,
-            batches: XorBatches::new(&input.plan.regions),
+            program,
         });
         Ok(())
     }
@@ -301,20 +280,15 @@ impl VertexBackend {
             triangle_count: slice.triangle_count,
             index_bits: if slice.short_indices { 16 } else { 32 },
             padding: 0,
-            colour: colour_of(planned.mesh),
+            colour: colour_of(planned.region),
         }
     }
 
     /// Passes that a frame takes; each may have its own statistics query.
-    fn pass_count(&self) -> u32 {
-        let xor_passes = self
-            .view
+    fn pass_count(&self) -> usize {
+        self.view
             .as_ref()
-            .map_or(0, |view| view.batches.passes.len());
-        match self.variant.colour {
-            ColourWay::Xor => 2 * u32::try_from(xor_passes).unwrap_or(u32::MAX / 2),
-            ColourWay::Rectangle => 1,
-        }
+            .map_or(0, |view| view.program.passes.len())
     }
 
     fn ensure_pipelines(&mut self, input: &FrameInput) {
@@ -322,25 +296,12 @@ impl VertexBackend {
             return;
         };
         let gpu = Arc::clone(self.stage.borrow().gpu());
-        let mut ensure = |planned: usize, rule| {
-            let slice = &scene.regions[input.plan.regions[planned].mesh];
-            let short_indices = slice.short_indices;
-            self.pipelines.ensure(&gpu, Part::Caps, rule);
-            self.pipelines
-                .ensure(&gpu, Part::Walls { short_indices }, rule);
-        };
-        match self.variant.colour {
-            ColourWay::Rectangle => {
-                for planned in 0..input.plan.regions.len() {
-                    ensure(planned, StencilRule::Count);
-                }
-            }
-            ColourWay::Xor => {
-                for (number, regions) in view.batches.passes.iter().flat_map(numbered) {
-                    for &planned in regions {
-                        ensure(planned, StencilRule::Xor(number));
-                    }
-                }
+        for pass in &view.program.passes {
+            for command in &pass.commands {
+                let short = |planned: &usize| {
+                    scene.regions[input.plan.regions[*planned].mesh].short_indices
+                };
+                self.pipelines.ensure(&gpu, command, pass.has_colour, short);
             }
         }
     }
@@ -368,10 +329,7 @@ impl VertexBackend {
             statistics,
             counters: Counters::default(),
         };
-        match self.variant.colour {
-            ColourWay::Xor => recorder.xor(encoder),
-            ColourWay::Rectangle => recorder.rectangles(encoder),
-        }
+        recorder.fill(encoder);
         Ok(recorder.counters)
     }
 }
@@ -379,42 +337,17 @@ impl VertexBackend {
 /// One element of region constants, for a view that plans none.
 static EMPTY: [u8; size_of::<RegionConstants>()] = [0; size_of::<RegionConstants>()];
 
-/// The region's id in three channels, exact in 8-bit unorm.
-fn id_colour(index: usize) -> [f32; 4] {
-    let [r, g, b, _] = (index as u64 + 1).to_le_bytes()[..4] else {
-        return [0.0; 4];
-    };
-    [r, g, b, 255].map(|channel| f32::from(channel) / 255.0)
-}
-
-fn palette_colour(index: usize) -> [f32; 4] {
-    let [r, g, b] = region_colour(index);
-    [r, g, b, 255].map(|channel| f32::from(channel) / 255.0)
-}
-
-/// Ids out of a picture drawn with [`id_colour`]; alpha 0 is the surface or the sky.
-fn ids_of(picture: &Picture) -> Vec<u32> {
-    let id = |pixel: &[u8]| match pixel {
-        [_, _, _, 0] => NO_REGION,
-        [r, g, b, _] => u32::from_le_bytes([*r, *g, *b, 0]),
-        _ => NO_REGION,
-    };
-    picture.rgba.chunks_exact(4).map(id).collect()
-}
-
 impl Backend for VertexBackend {
     fn capabilities(&self) -> &Capabilities {
         &self.capabilities
     }
 
     fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, BackendError> {
-        // Ids are three bytes of colour.
-        let allowed = (1 << 24) - 1;
-        if input.scene.meshes.len() > allowed {
+        if input.scene.regions.len() > MAX_REGIONS {
             return Err(BackendError::OverCapacity {
                 what: "regions".to_owned(),
-                found: input.scene.meshes.len() as u64,
-                allowed: allowed as u64,
+                found: input.scene.regions.len() as u64,
+                allowed: MAX_REGIONS as u64,
             });
         }
         self.stage.borrow_mut().prepare(input)?;
@@ -430,7 +363,7 @@ impl Backend for VertexBackend {
                 .as_ref()
                 .map_or(0, |scene| scene.vertex_bytes + scene.index_bytes);
         }
-        self.upload_view(input, id_colour)?;
+        self.upload_view(input, id_rgba)?;
         self.ensure_pipelines(input);
         let (Some(scene), Some(view)) = (&self.scene, &self.view) else {
             return Ok(MemoryUse::default());
@@ -479,10 +412,14 @@ impl TimedBackend for VertexBackend {
             ..FrameTimes::default()
         };
         if let Some(timer) = stage.timer() {
-            match (self.variant.colour, self.pass_count()) {
+            match self.pass_count() {
                 // Nothing in view: no pass was recorded.
-                (ColourWay::Xor, 0) => {}
-                (ColourWay::Xor, passes) => {
+                0 => {}
+                1 => {
+                    let stamps = timer.read(gpu, TimedPass::Colour, TimedPass::Colour)?;
+                    times.fill_gpu_ms = stamps.pass_ms(TimedPass::Colour);
+                }
+                passes => {
                     let stamps = timer.read(gpu, TimedPass::Stencil, TimedPass::Colour)?;
                     times.fill_gpu_ms = stamps.span_ms(TimedPass::Stencil, TimedPass::Colour);
                     if passes == 2 {
@@ -490,12 +427,25 @@ impl TimedBackend for VertexBackend {
                         times.colour_gpu_ms = stamps.pass_ms(TimedPass::Colour);
                     }
                 }
-                (ColourWay::Rectangle, _) => {
-                    let stamps = timer.read(gpu, TimedPass::Colour, TimedPass::Colour)?;
-                    times.fill_gpu_ms = stamps.pass_ms(TimedPass::Colour);
-                }
             }
         }
         Ok(times)
+    }
+}
+
+impl VolumeBackend for VertexBackend {
+    fn variant_name(&self) -> String {
+        self.variant.name()
+    }
+
+    fn tells_regions_apart(&self) -> bool {
+        self.variant.switches.colour.tells_regions_apart()
+    }
+
+    fn picture(&mut self, input: &FrameInput) -> Result<Picture, BackendError> {
+        self.upload_view(input, palette_rgba)?;
+        let picture = self.draw_and_read(input).map(|(picture, _)| picture);
+        self.upload_view(input, id_rgba)?;
+        picture
     }
 }

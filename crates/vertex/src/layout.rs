@@ -3,9 +3,9 @@
 //!
 //! Indices are 16 bits where a region's vertices fit and 32 where they do not, region by region.
 
-use crate::{FixedPoint, PositionFormat};
 use glam::{DVec3, IVec3};
 use terrafill_core::RegionMesh;
+use terrafill_frame::{FixedPoint, PositionFormat};
 
 /// Where duplicated vertices come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
@@ -181,13 +181,21 @@ impl SceneGeometry {
     }
 
     fn push_caps(&mut self, layout: Layout, short: bool, mesh: &RegionMesh) {
-        for &[a, b, c] in &mesh.triangles {
-            let corners = match layout {
-                Layout::Doubled => &[2 * a, 2 * b, 2 * c, 2 * a + 1, 2 * c + 1, 2 * b + 1][..],
-                Layout::Pulled => &[a, b, c][..],
-            };
-            for &corner in corners {
-                self.push_index(short, corner);
+        // All of the top, then all of the bottom, so that the bottom may be left out of a draw.
+        for corner in mesh.triangles.as_flattened() {
+            self.push_index(
+                short,
+                match layout {
+                    Layout::Doubled => 2 * corner,
+                    Layout::Pulled => *corner,
+                },
+            );
+        }
+        if layout == Layout::Doubled {
+            for &[a, b, c] in &mesh.triangles {
+                for corner in [a, c, b] {
+                    self.push_index(short, 2 * corner + 1);
+                }
             }
         }
     }

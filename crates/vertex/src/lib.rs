@@ -7,14 +7,10 @@
 //! Heidmann (1991) and Carmack's depth-fail variant (2000); this backend is its vertex-shader form.
 
 mod backend;
-mod colour;
-mod fixed_point;
 mod layout;
 mod pass;
 mod pipeline;
 mod statistics;
 
-pub use backend::{ColourWay, VertexBackend, VertexVariant};
-pub use colour::{XOR_NUMBERS, XorBatches};
-pub use fixed_point::{EyeInUnits, FixedPoint, PositionFormat, eye_relative_m};
+pub use backend::{VertexBackend, VertexVariant};
 pub use layout::{Layout, LayoutBytes, layout_bytes, per_triangle_volume_bytes, shared_mesh_bytes};

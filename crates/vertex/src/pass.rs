@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The passes of a frame: volumes into the stencil, then colours over each region's rectangle.
+//! Records a fill program's passes on wgpu.
 //!
 //! Depth stays as the surface left it: it is attached read-only throughout.
 
 use crate::Layout;
 use crate::backend::{SceneBuffers, VertexBackend, ViewBuffers};
-use crate::layout::RegionSlice;
-use crate::pipeline::{Part, StencilRule};
+use crate::pipeline::{Part, PipelineKey, State, parts};
 use crate::statistics::Statistics;
-use terrafill_frame::{Counters, FrameInput};
+use terrafill_frame::{Counters, CoverShape, FillCommand, FillPass, FrameInput};
 use terrafill_gpu::{Stage, TimedPass};
+use terrafill_scene::PixelRect;
 
 /// Records the passes of one frame and counts what it records.
 pub(crate) struct Recorder<'a> {
@@ -24,76 +24,55 @@ pub(crate) struct Recorder<'a> {
 }
 
 impl Recorder<'_> {
-    /// Numbers first, colours afterwards.
-    pub(crate) fn xor(&mut self, encoder: &mut wgpu::CommandEncoder) {
-        let passes = &self.view.batches.passes;
-        let last = passes.len().saturating_sub(1);
-        for (index, classes) in passes.iter().enumerate() {
-            let depth_stencil = self.stage.depth_stencil_view();
+    /// All passes.
+    pub(crate) fn fill(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        let passes = &self.view.program.passes;
+        let (colour, depth_stencil) = (self.stage.colour_view(), self.stage.depth_stencil_view());
+        for (index, steps) in passes.iter().enumerate() {
+            let colour_target = steps.has_colour.then(|| kept_colour(&colour));
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("stencil"),
-                color_attachments: &[],
+                label: Some(if steps.has_colour {
+                    "colour"
+                } else {
+                    "stencil"
+                }),
+                color_attachments: if steps.has_colour {
+                    std::slice::from_ref(&colour_target)
+                } else {
+                    &[]
+                },
                 depth_stencil_attachment: Some(read_only_depth(
                     &depth_stencil,
-                    wgpu::LoadOp::Clear(0),
+                    if steps.clears_stencil {
+                        wgpu::LoadOp::Clear(0)
+                    } else {
+                        wgpu::LoadOp::Load
+                    },
                 )),
-                timestamp_writes: self.stamps(TimedPass::Stencil, index == 0),
+                timestamp_writes: self.stamps(index, passes.len()),
                 ..Default::default()
             });
-            let query = self.begin_statistics(&mut pass, 2 * index);
-            self.bind_frame(&mut pass);
-            for (number, regions) in numbered(classes) {
-                self.volumes(&mut pass, regions, StencilRule::Xor(number));
+            let query = self.begin_statistics(&mut pass, index);
+            pass.set_bind_group(0, &self.view.bind_group, &[]);
+            if self.backend.variant.layout == Layout::Doubled {
+                pass.set_vertex_buffer(0, self.scene.vertices.slice(..));
             }
-            end_statistics(&mut pass, query);
-            drop(pass);
-
-            let colour = self.stage.colour_view();
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("colour"),
-                color_attachments: &[Some(kept_colour(&colour))],
-                depth_stencil_attachment: Some(read_only_depth(&depth_stencil, wgpu::LoadOp::Load)),
-                timestamp_writes: self.stamps(TimedPass::Colour, index == last),
-                ..Default::default()
-            });
-            let query = self.begin_statistics(&mut pass, 2 * index + 1);
-            pass.set_pipeline(&self.backend.pipelines.cover);
-            self.bind_frame(&mut pass);
-            for (number, regions) in numbered(classes) {
-                pass.set_stencil_reference(u32::from(number));
-                for &planned in regions {
-                    self.cover(&mut pass, planned);
-                }
+            self.steps(&mut pass, steps);
+            if query.is_some() {
+                pass.end_pipeline_statistics_query();
             }
-            end_statistics(&mut pass, query);
         }
     }
 
-    /// One region after the other.
-    pub(crate) fn rectangles(&mut self, encoder: &mut wgpu::CommandEncoder) {
-        let (colour, depth_stencil) = (self.stage.colour_view(), self.stage.depth_stencil_view());
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("stencil and colour"),
-            color_attachments: &[Some(kept_colour(&colour))],
-            depth_stencil_attachment: Some(read_only_depth(&depth_stencil, wgpu::LoadOp::Clear(0))),
-            timestamp_writes: self.stamps(TimedPass::Colour, true),
-            ..Default::default()
-        });
-        let query = self.begin_statistics(&mut pass, 0);
-        self.bind_frame(&mut pass);
-        for planned in 0..self.input.plan.regions.len() {
-            let rect = self.input.plan.regions[planned].screen_rect;
-            pass.set_scissor_rect(rect.left, rect.top, rect.width(), rect.height());
-            self.volumes(&mut pass, &[planned], StencilRule::Count);
-            pass.set_pipeline(&self.backend.pipelines.cover);
-            self.cover(&mut pass, planned);
-        }
-        end_statistics(&mut pass, query);
-    }
-
-    fn stamps(&self, pass: TimedPass, wanted: bool) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
-        let timer = self.stage.timer().filter(|_| self.timed && wanted)?;
-        Some(timer.around(pass))
+    /// One pass is stamped as colour; of several, the first as stencil and the last as colour.
+    fn stamps(&self, index: usize, count: usize) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        let timer = self.stage.timer().filter(|_| self.timed)?;
+        let slot = match index {
+            _ if index + 1 == count => TimedPass::Colour,
+            0 => TimedPass::Stencil,
+            _ => return None,
+        };
+        Some(timer.around(slot))
     }
 
     fn begin_statistics(&self, pass: &mut wgpu::RenderPass<'_>, index: usize) -> Option<u32> {
@@ -103,42 +82,108 @@ impl Recorder<'_> {
         Some(index)
     }
 
-    fn bind_frame(&self, pass: &mut wgpu::RenderPass<'_>) {
-        pass.set_bind_group(0, &self.view.bind_group, &[]);
-        if self.backend.variant.layout == Layout::Doubled {
-            pass.set_vertex_buffer(0, self.scene.vertices.slice(..));
-        }
-    }
-
-    /// Caps of all `regions`, then walls of all, so that pipelines change seldom.
-    fn volumes(&mut self, pass: &mut wgpu::RenderPass<'_>, regions: &[usize], rule: StencilRule) {
-        for short_indices in [true, false] {
-            for part in [Part::Caps, Part::Walls { short_indices }] {
-                let mut is_bound = false;
-                for &planned in regions {
-                    let slice = self.scene.regions[self.input.plan.regions[planned].mesh];
-                    if slice.short_indices != short_indices {
-                        continue;
+    fn steps(&mut self, pass: &mut wgpu::RenderPass<'_>, steps: &FillPass) {
+        let full = PixelRect::full(self.input.size);
+        let mut scissor = full;
+        let mut cut = |pass: &mut wgpu::RenderPass<'_>, rect: PixelRect| {
+            if rect != scissor {
+                pass.set_scissor_rect(rect.left, rect.top, rect.width(), rect.height());
+                scissor = rect;
+            }
+        };
+        for command in &steps.commands {
+            match command {
+                FillCommand::Volumes {
+                    rule,
+                    without_bottom,
+                    scissor,
+                    regions,
+                } => {
+                    let state = State::Mark {
+                        rule: *rule,
+                        has_colour: steps.has_colour,
+                    };
+                    let rect_of = |planned: usize| {
+                        if *scissor {
+                            self.input.plan.regions[planned].screen_rect
+                        } else {
+                            full
+                        }
+                    };
+                    self.volumes(pass, regions, state, *without_bottom, |pass, planned| {
+                        cut(pass, rect_of(planned));
+                    });
+                }
+                FillCommand::Cover {
+                    test,
+                    shape: CoverShape::Volume { faces },
+                    regions,
+                } => {
+                    let state = State::Colour {
+                        test: *test,
+                        faces: *faces,
+                    };
+                    self.volumes(pass, regions, state, false, |pass, _| cut(pass, full));
+                }
+                FillCommand::Cover {
+                    test,
+                    shape,
+                    regions,
+                } => {
+                    if let Some(pipeline) = self.backend.pipelines.cover(*test) {
+                        pass.set_pipeline(pipeline);
                     }
-                    if !is_bound {
-                        self.bind_part(pass, part, rule, short_indices);
-                        is_bound = true;
+                    pass.set_stencil_reference(u32::from(test.reference));
+                    for &planned in regions {
+                        let rect = match shape {
+                            CoverShape::Rectangle => self.input.plan.regions[planned].screen_rect,
+                            _ => full,
+                        };
+                        cut(pass, rect);
+                        pass.draw(0..3, instance(planned));
+                        self.counters.draws += 1;
+                        self.counters.vertices += 3;
                     }
-                    self.draw_part(pass, part, planned, &slice);
                 }
             }
         }
     }
 
-    fn bind_part(
-        &self,
+    /// Caps of all `regions`, then walls of all, so that pipelines change seldom. `before` runs
+    /// before each region's draw.
+    fn volumes(
+        &mut self,
         pass: &mut wgpu::RenderPass<'_>,
-        part: Part,
-        rule: StencilRule,
-        short_indices: bool,
+        regions: &[usize],
+        state: State,
+        without_bottom: bool,
+        mut before: impl FnMut(&mut wgpu::RenderPass<'_>, usize),
     ) {
-        if let Some(pipeline) = self.backend.pipelines.volume(part, rule) {
+        for short_indices in [true, false] {
+            for part in parts(short_indices) {
+                let mut is_bound = false;
+                for &planned in regions {
+                    let mesh = self.input.plan.regions[planned].mesh;
+                    if self.scene.regions[mesh].short_indices != short_indices {
+                        continue;
+                    }
+                    if !is_bound {
+                        self.bind_part(pass, PipelineKey { part, state }, short_indices);
+                        is_bound = true;
+                    }
+                    before(pass, planned);
+                    self.draw_part(pass, part, planned, without_bottom);
+                }
+            }
+        }
+    }
+
+    fn bind_part(&self, pass: &mut wgpu::RenderPass<'_>, key: PipelineKey, short_indices: bool) {
+        if let Some(pipeline) = self.backend.pipelines.volume(key) {
             pass.set_pipeline(pipeline);
+        }
+        if let State::Colour { test, .. } = key.state {
+            pass.set_stencil_reference(u32::from(test.reference));
         }
         if let Some(pulled) = &self.scene.pulled {
             pass.set_bind_group(1, &pulled[usize::from(!short_indices)], &[]);
@@ -156,12 +201,14 @@ impl Recorder<'_> {
         pass: &mut wgpu::RenderPass<'_>,
         part: Part,
         planned: usize,
-        slice: &RegionSlice,
+        without_bottom: bool,
     ) {
+        let slice = &self.scene.regions[self.input.plan.regions[planned].mesh];
         let instance = instance(planned);
+        let caps = if without_bottom { 3 } else { 6 } * slice.triangle_count;
         let vertices = if self.scene.pulled.is_some() {
             let count = match part {
-                Part::Caps => 6 * slice.triangle_count,
+                Part::Caps => caps,
                 // Entry e needs entry e + 1; the last one is a separator.
                 Part::Walls { .. } => 6 * slice.loop_index_count.saturating_sub(1),
             };
@@ -169,7 +216,7 @@ impl Recorder<'_> {
             count
         } else {
             let (first, count) = match part {
-                Part::Caps => (slice.first_triangle_index, 6 * slice.triangle_count),
+                Part::Caps => (slice.first_triangle_index, caps),
                 Part::Walls { .. } => (slice.first_loop_index, slice.loop_index_count),
             };
             let base_vertex = i32::try_from(slice.first_vertex).unwrap_or(i32::MAX);
@@ -179,26 +226,12 @@ impl Recorder<'_> {
         self.counters.draws += 1;
         self.counters.vertices += u64::from(vertices);
     }
-
-    fn cover(&mut self, pass: &mut wgpu::RenderPass<'_>, planned: usize) {
-        let rect = self.input.plan.regions[planned].screen_rect;
-        pass.set_scissor_rect(rect.left, rect.top, rect.width(), rect.height());
-        pass.draw(0..3, instance(planned));
-        self.counters.draws += 1;
-        self.counters.vertices += 3;
-    }
 }
 
 /// The instance number is the index of the region's constants.
 fn instance(planned: usize) -> std::ops::Range<u32> {
     let first = u32::try_from(planned).unwrap_or(u32::MAX - 1);
     first..first + 1
-}
-
-fn end_statistics(pass: &mut wgpu::RenderPass<'_>, query: Option<u32>) {
-    if query.is_some() {
-        pass.end_pipeline_statistics_query();
-    }
 }
 
 fn read_only_depth(
@@ -225,9 +258,4 @@ fn kept_colour(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> 
             store: wgpu::StoreOp::Store,
         },
     }
-}
-
-/// A pass's classes with their numbers, from 1.
-pub(crate) fn numbered(pass: &Vec<Vec<usize>>) -> impl Iterator<Item = (u8, &Vec<usize>)> {
-    (1..=u8::MAX).zip(pass)
 }

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pipelines of the stencil and colour passes.
 
-use crate::{ColourWay, Layout, PositionFormat, VertexVariant};
+use crate::{Layout, VertexVariant};
 use std::collections::HashMap;
-use terrafill_frame::BackendError;
+use terrafill_frame::{
+    BackendError, CoverShape, DepthRule, FaceSet, FillCommand, PositionFormat, StencilOperation,
+    StencilRule, StencilTest,
+};
 use terrafill_gpu::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, Gpu};
 
 /// Which part of a volume a pipeline draws. Doubled walls are strips, and a strip's restart value
@@ -14,13 +17,24 @@ pub(crate) enum Part {
     Walls { short_indices: bool },
 }
 
-/// What a volume does to the stencil where it lies behind the surface.
+/// The parts of volumes whose indices have this width.
+pub(crate) fn parts(short_indices: bool) -> [Part; 2] {
+    [Part::Caps, Part::Walls { short_indices }]
+}
+
+/// What a volume is drawn for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum StencilRule {
-    /// Flip the bits of this number, both faces alike.
-    Xor(u8),
-    /// Back faces add one, front faces take one away, modulo 256.
-    Count,
+pub(crate) enum State {
+    /// Into the stencil, in a pass with or without a colour target.
+    Mark { rule: StencilRule, has_colour: bool },
+    /// Into the colour target where the stencil says so.
+    Colour { test: StencilTest, faces: FaceSet },
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct PipelineKey {
+    pub(crate) part: Part,
+    pub(crate) state: State,
 }
 
 /// Pipelines of one variant on one device, made when first asked for.
@@ -29,8 +43,10 @@ pub(crate) struct Pipelines {
     variant: VertexVariant,
     volume_shader: wgpu::ShaderModule,
     volume_layout: wgpu::PipelineLayout,
-    volumes: HashMap<(Part, StencilRule), wgpu::RenderPipeline>,
-    pub(crate) cover: wgpu::RenderPipeline,
+    volumes: HashMap<PipelineKey, wgpu::RenderPipeline>,
+    cover_shader: wgpu::ShaderModule,
+    cover_layout: wgpu::PipelineLayout,
+    covers: HashMap<StencilTest, wgpu::RenderPipeline>,
     pub(crate) frame_bindings: wgpu::BindGroupLayout,
     pub(crate) geometry_bindings: wgpu::BindGroupLayout,
 }
@@ -78,36 +94,84 @@ impl Pipelines {
             Layout::Doubled => "vertex/doubled.wgsl",
             Layout::Pulled => "vertex/pulled.wgsl",
         })?;
-        let cover = cover_pipeline(
-            gpu,
-            &pipeline_layout(&[Some(&frame_bindings)]),
-            variant.colour,
-        )?;
         Ok(Self {
             variant,
             volume_shader,
             volume_layout: pipeline_layout(groups),
             volumes: HashMap::new(),
-            cover,
+            cover_shader: gpu.shader("vertex/cover.wgsl")?,
+            cover_layout: pipeline_layout(&[Some(&frame_bindings)]),
+            covers: HashMap::new(),
             frame_bindings,
             geometry_bindings,
         })
     }
 
-    /// Makes the pipeline if it is not there yet.
-    pub(crate) fn ensure(&mut self, gpu: &Gpu, part: Part, rule: StencilRule) {
-        if !self.volumes.contains_key(&(part, rule)) {
-            let pipeline = self.volume_pipeline(gpu, part, rule);
-            self.volumes.insert((part, rule), pipeline);
+    /// Makes the pipelines of a step unless they are there. `short` tells which index width a
+    /// planned region has.
+    pub(crate) fn ensure(
+        &mut self,
+        gpu: &Gpu,
+        command: &FillCommand,
+        has_colour: bool,
+        short: impl Fn(&usize) -> bool,
+    ) {
+        let (state, regions) = match command {
+            FillCommand::Volumes { rule, regions, .. } => (
+                State::Mark {
+                    rule: *rule,
+                    has_colour,
+                },
+                regions,
+            ),
+            FillCommand::Cover {
+                test,
+                shape: CoverShape::Volume { faces },
+                regions,
+            } => (
+                State::Colour {
+                    test: *test,
+                    faces: *faces,
+                },
+                regions,
+            ),
+            FillCommand::Cover { test, .. } => {
+                if !self.covers.contains_key(test) {
+                    let pipeline = self.cover_pipeline(gpu, *test);
+                    self.covers.insert(*test, pipeline);
+                }
+                return;
+            }
+        };
+        for short_indices in [true, false] {
+            if !regions
+                .iter()
+                .any(|planned| short(planned) == short_indices)
+            {
+                continue;
+            }
+            for part in parts(short_indices) {
+                let key = PipelineKey { part, state };
+                if !self.volumes.contains_key(&key) {
+                    let pipeline = self.volume_pipeline(gpu, key);
+                    self.volumes.insert(key, pipeline);
+                }
+            }
         }
     }
 
     /// A pipeline that [`Pipelines::ensure`] made.
-    pub(crate) fn volume(&self, part: Part, rule: StencilRule) -> Option<&wgpu::RenderPipeline> {
-        self.volumes.get(&(part, rule))
+    pub(crate) fn volume(&self, key: PipelineKey) -> Option<&wgpu::RenderPipeline> {
+        self.volumes.get(&key)
     }
 
-    fn volume_pipeline(&self, gpu: &Gpu, part: Part, rule: StencilRule) -> wgpu::RenderPipeline {
+    /// As [`Pipelines::volume`].
+    pub(crate) fn cover(&self, test: StencilTest) -> Option<&wgpu::RenderPipeline> {
+        self.covers.get(&test)
+    }
+
+    fn volume_pipeline(&self, gpu: &Gpu, key: PipelineKey) -> wgpu::RenderPipeline {
+        let PipelineKey { part, state } = key;
         let attributes = wgpu::vertex_attr_array![0 => Sint32x3, 1 => Uint32];
         let doubled = [Some(wgpu::VertexBufferLayout {
             array_stride: 16,
@@ -115,10 +179,22 @@ impl Pipelines {
             attributes: &attributes,
         })];
         let is_doubled = self.variant.layout == Layout::Doubled;
-        let entry_point = match (is_doubled, part) {
-            (true, _) => "vertex_main",
-            (false, Part::Caps) => "caps_main",
-            (false, Part::Walls { .. }) => "walls_main",
+        let is_coloured = matches!(state, State::Colour { .. });
+        let entry_point = match (is_doubled, part, is_coloured) {
+            (true, _, false) => "vertex_main",
+            (false, Part::Caps, false) => "caps_main",
+            (false, Part::Walls { .. }, false) => "walls_main",
+            (true, _, true) => "coloured_main",
+            (false, Part::Caps, true) => "coloured_caps",
+            (false, Part::Walls { .. }, true) => "coloured_walls",
+        };
+        let faces = match state {
+            State::Mark { rule, .. } => rule.faces,
+            State::Colour { faces, .. } => faces,
+        };
+        let (has_target, fragment_entry, write_mask) = match state {
+            State::Mark { has_colour, .. } => (has_colour, "no_colour", wgpu::ColorWrites::empty()),
+            State::Colour { .. } => (true, "region_colour", wgpu::ColorWrites::ALL),
         };
         let strip_index_format = match (is_doubled, part) {
             (
@@ -157,19 +233,52 @@ impl Pipelines {
                         wgpu::PrimitiveTopology::TriangleList
                     },
                     strip_index_format,
+                    cull_mode: match faces {
+                        FaceSet::Both => None,
+                        FaceSet::Front => Some(wgpu::Face::Back),
+                        FaceSet::Back => Some(wgpu::Face::Front),
+                    },
                     ..Default::default()
                 },
-                depth_stencil: Some(depth_fail_state(rule)),
+                depth_stencil: Some(match state {
+                    State::Mark { rule, .. } => mark_state(rule),
+                    State::Colour { test, .. } => colour_state(test),
+                }),
                 multisample: Default::default(),
-                fragment: (rule == StencilRule::Count).then_some(wgpu::FragmentState {
+                fragment: has_target.then_some(wgpu::FragmentState {
                     module: &self.volume_shader,
-                    entry_point: Some("no_colour"),
+                    entry_point: Some(fragment_entry),
                     compilation_options: Default::default(),
                     targets: &[Some(wgpu::ColorTargetState {
                         format: COLOUR_FORMAT,
                         blend: None,
-                        write_mask: wgpu::ColorWrites::empty(),
+                        write_mask,
                     })],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+    }
+
+    fn cover_pipeline(&self, gpu: &Gpu, test: StencilTest) -> wgpu::RenderPipeline {
+        gpu.device
+            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some("cover"),
+                layout: Some(&self.cover_layout),
+                vertex: wgpu::VertexState {
+                    module: &self.cover_shader,
+                    entry_point: Some("vertex_main"),
+                    compilation_options: Default::default(),
+                    buffers: &[],
+                },
+                primitive: Default::default(),
+                depth_stencil: Some(colour_state(test)),
+                multisample: Default::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &self.cover_shader,
+                    entry_point: Some("fragment_main"),
+                    compilation_options: Default::default(),
+                    targets: &[Some(COLOUR_FORMAT.into())],
                 }),
                 multiview_mask: None,
                 cache: None,
@@ -177,26 +286,34 @@ impl Pipelines {
     }
 }
 
-/// Depth fail: only what lies behind the surface touches the stencil, so the eye may be inside a
-/// volume and the near plane may cut it (Carmack, 2000; Everitt and Kilgard, 2002).
-fn depth_fail_state(rule: StencilRule) -> wgpu::DepthStencilState {
-    let face = |operation| wgpu::StencilFaceState {
-        compare: wgpu::CompareFunction::Always,
-        fail_op: wgpu::StencilOperation::Keep,
-        depth_fail_op: operation,
-        pass_op: wgpu::StencilOperation::Keep,
+/// Counting behind the surface is right wherever the eye is and whatever the near plane cuts
+/// (Carmack, 2000; Everitt and Kilgard, 2002); counting in front of it (Heidmann, 1991) touches
+/// fewer fragments where the surface is close.
+fn mark_state(rule: StencilRule) -> wgpu::DepthStencilState {
+    let keep = wgpu::StencilOperation::Keep;
+    let face = |operation| match rule.depth {
+        DepthRule::Fail => wgpu::StencilFaceState {
+            compare: wgpu::CompareFunction::Always,
+            fail_op: keep,
+            depth_fail_op: operation,
+            pass_op: keep,
+        },
+        DepthRule::Pass => wgpu::StencilFaceState {
+            compare: wgpu::CompareFunction::Always,
+            fail_op: keep,
+            depth_fail_op: keep,
+            pass_op: operation,
+        },
     };
-    let (front, back, write_mask) = match rule {
-        StencilRule::Xor(number) => (
-            wgpu::StencilOperation::Invert,
-            wgpu::StencilOperation::Invert,
-            u32::from(number),
-        ),
-        StencilRule::Count => (
-            wgpu::StencilOperation::DecrementWrap,
-            wgpu::StencilOperation::IncrementWrap,
-            0xff,
-        ),
+    let (add, take) = (
+        wgpu::StencilOperation::IncrementWrap,
+        wgpu::StencilOperation::DecrementWrap,
+    );
+    let invert = wgpu::StencilOperation::Invert;
+    let (front, back, write_mask) = match (rule.operation, rule.depth) {
+        (StencilOperation::Invert { mask }, _) => (invert, invert, u32::from(mask)),
+        (StencilOperation::Count, DepthRule::Fail) => (take, add, 0xff),
+        (StencilOperation::Count, DepthRule::Pass) => (add, take, 0xff),
     };
     wgpu::DepthStencilState {
         format: DEPTH_STENCIL_FORMAT,
@@ -212,64 +329,32 @@ fn depth_fail_state(rule: StencilRule) -> wgpu::DepthStencilState {
     }
 }
 
-fn cover_pipeline(
-    gpu: &Gpu,
-    layout: &wgpu::PipelineLayout,
-    colour: ColourWay,
-) -> Result<wgpu::RenderPipeline, BackendError> {
-    let shader = gpu.shader("vertex/cover.wgsl")?;
-    // XOR: the number is the stencil reference, and the pass leaves the stencil alone. One at a
-    // time: anything but 0 is inside, and the cover clears it for the next region.
-    let (compare, pass_op, write_mask) = match colour {
-        ColourWay::Xor => (
-            wgpu::CompareFunction::Equal,
-            wgpu::StencilOperation::Keep,
-            0,
-        ),
-        ColourWay::Rectangle => (
-            wgpu::CompareFunction::NotEqual,
-            wgpu::StencilOperation::Zero,
-            0xff,
-        ),
-    };
+fn colour_state(test: StencilTest) -> wgpu::DepthStencilState {
+    let keep = wgpu::StencilOperation::Keep;
     let face = wgpu::StencilFaceState {
-        compare,
-        fail_op: wgpu::StencilOperation::Keep,
-        depth_fail_op: wgpu::StencilOperation::Keep,
-        pass_op,
+        compare: if test.is_equal {
+            wgpu::CompareFunction::Equal
+        } else {
+            wgpu::CompareFunction::NotEqual
+        },
+        fail_op: keep,
+        depth_fail_op: keep,
+        pass_op: if test.zeroes {
+            wgpu::StencilOperation::Zero
+        } else {
+            keep
+        },
     };
-    Ok(gpu
-        .device
-        .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("cover"),
-            layout: Some(layout),
-            vertex: wgpu::VertexState {
-                module: &shader,
-                entry_point: Some("vertex_main"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: Default::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: DEPTH_STENCIL_FORMAT,
-                depth_write_enabled: Some(false),
-                depth_compare: Some(wgpu::CompareFunction::Always),
-                stencil: wgpu::StencilState {
-                    front: face,
-                    back: face,
-                    read_mask: 0xff,
-                    write_mask,
-                },
-                bias: Default::default(),
-            }),
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &shader,
-                entry_point: Some("fragment_main"),
-                compilation_options: Default::default(),
-                targets: &[Some(COLOUR_FORMAT.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        }))
+    wgpu::DepthStencilState {
+        format: DEPTH_STENCIL_FORMAT,
+        depth_write_enabled: Some(false),
+        depth_compare: Some(wgpu::CompareFunction::Always),
+        stencil: wgpu::StencilState {
+            front: face,
+            back: face,
+            read_mask: u32::from(test.read_mask),
+            write_mask: if test.zeroes { 0xff } else { 0 },
+        },
+        bias: Default::default(),
+    }
 }

@@ -16,7 +16,8 @@ pub(crate) struct Statistics {
 const STATISTICS: usize = 4;
 
 impl Statistics {
-    pub(crate) fn new(gpu: &Gpu, passes: u32) -> Option<Self> {
+    pub(crate) fn new(gpu: &Gpu, passes: usize) -> Option<Self> {
+        let passes = u32::try_from(passes).ok()?;
         if !gpu.facts.pipeline_statistics || passes == 0 {
             return None;
         }

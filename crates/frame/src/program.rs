@@ -1,0 +1,617 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What a fill does, step by step, before any graphics API is chosen.
+//!
+//! Every volume backend walks through the same program, so a switch means the same for a vertex
+//! shader on wgpu and a geometry shader on ash, and two rows that differ in one switch differ in
+//! nothing else.
+
+use crate::batches::overlap_depth;
+use crate::batches::{RegionClasses, XorBatches};
+use crate::{
+    BackendError, BottomCap, ColourWay, DepthRuleChoice, FacePasses, StencilClear, Switches,
+};
+use terrafill_scene::{FramePlan, Overlap, PlannedRegion};
+
+/// Which fragments of a volume touch the stencil.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum DepthRule {
+    /// Those that fail the depth test: behind the surface.
+    Fail,
+    /// Those that pass it: in front.
+    Pass,
+}
+
+/// Faces of a closed volume, seen from the eye.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum FaceSet {
+    /// All.
+    Both,
+    /// Those that look at the eye.
+    Front,
+    /// Those that look away.
+    Back,
+}
+
+/// What a touching fragment does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum StencilOperation {
+    /// Flips the bits of `mask`, whichever way the face looks: a closed volume leaves them flipped
+    /// exactly inside.
+    Invert {
+        /// Bits that are flipped; the stencil's write mask.
+        mask: u8,
+    },
+    /// Adds or takes away one, modulo 256: with [`DepthRule::Fail`] back faces add and front faces
+    /// take away, with [`DepthRule::Pass`] the other way round.
+    Count,
+}
+
+/// State of a draw that marks the inside of volumes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct StencilRule {
+    /// Which fragments touch the stencil.
+    pub depth: DepthRule,
+    /// What they do.
+    pub operation: StencilOperation,
+    /// Faces that are drawn; the others are culled.
+    pub faces: FaceSet,
+}
+
+/// State of a draw that colours marked pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct StencilTest {
+    /// Passes where stencil and reference, both masked, are equal; otherwise where they differ.
+    pub is_equal: bool,
+    /// Compared with.
+    pub reference: u8,
+    /// Bits compared.
+    pub read_mask: u8,
+    /// A coloured pixel's stencil becomes 0.
+    pub zeroes: bool,
+}
+
+/// What brings the colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum CoverShape {
+    /// One triangle over the screen, cut to the region's rectangle.
+    Rectangle,
+    /// One triangle over the screen.
+    Screen,
+    /// The volume again, without depth test.
+    Volume {
+        /// Faces that are drawn.
+        faces: FaceSet,
+    },
+}
+
+/// One step. Regions are indices into [`FramePlan::regions`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum FillCommand {
+    /// Marks the inside of volumes. Their order changes nothing, so a backend may sort them by
+    /// pipeline.
+    Volumes {
+        /// State.
+        rule: StencilRule,
+        /// Leaves out bottom caps.
+        without_bottom: bool,
+        /// Cuts each volume to its region's rectangle.
+        scissor: bool,
+        /// What is drawn.
+        regions: Vec<usize>,
+    },
+    /// Colours marked pixels, region by region in this order, each in its own colour;
+    /// [`CoverShape::Screen`] draws once, in the first region's.
+    Cover {
+        /// State.
+        test: StencilTest,
+        /// What is drawn.
+        shape: CoverShape,
+        /// Whose colours.
+        regions: Vec<usize>,
+    },
+}
+
+/// Steps between two barriers of the targets.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FillPass {
+    /// The pass starts by setting the stencil to 0.
+    pub clears_stencil: bool,
+    /// The pass has a colour target; steps that only mark leave it alone.
+    pub has_colour: bool,
+    /// In order.
+    pub commands: Vec<FillCommand>,
+}
+
+/// A fill.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FillProgram {
+    /// In order. None when nothing is planned.
+    pub passes: Vec<FillPass>,
+}
+
+impl FillProgram {
+    /// The steps that fill `plan` with these switches.
+    ///
+    /// # Errors
+    /// [`BackendError::Switch`] when the switches do not go together or not with the scene;
+    /// [`BackendError::OverCapacity`] when more than 255 regions may lie over one pixel and are
+    /// counted together: a multiple of 256 would count as none.
+    pub fn new(
+        plan: &FramePlan,
+        switches: &Switches,
+        overlap: Overlap,
+    ) -> Result<Self, BackendError> {
+        switches.check(overlap)?;
+        let builder = Builder {
+            regions: &plan.regions,
+            switches,
+        };
+        let passes = match switches.colour {
+            _ if plan.regions.is_empty() => Vec::new(),
+            ColourWay::Xor => builder.xor(),
+            ColourWay::BitPlanes => builder.bit_planes(),
+            ColourWay::Rectangle | ColourWay::Volume => builder.one_at_a_time(),
+            ColourWay::OneColour | ColourWay::OneColourVolumes => {
+                if overlap == Overlap::Ordered {
+                    check_depth(&plan.regions)?;
+                }
+                builder.one_colour()
+            }
+        };
+        Ok(Self { passes })
+    }
+
+    /// All steps in order: what a backend needs pipelines for.
+    pub fn commands(&self) -> impl Iterator<Item = &FillCommand> {
+        self.passes.iter().flat_map(|pass| &pass.commands)
+    }
+}
+
+/// Regions that an 8-bit count can hold over one pixel.
+const COUNTABLE: usize = 255;
+
+fn check_depth(regions: &[PlannedRegion]) -> Result<(), BackendError> {
+    if regions.len() <= COUNTABLE {
+        return Ok(());
+    }
+    let found = overlap_depth(regions);
+    if found <= COUNTABLE {
+        return Ok(());
+    }
+    Err(BackendError::OverCapacity {
+        what: "regions over one pixel, counted together in 8 bits".to_owned(),
+        found: found as u64,
+        allowed: COUNTABLE as u64,
+    })
+}
+
+struct Builder<'a> {
+    regions: &'a [PlannedRegion],
+    switches: &'a Switches,
+}
+
+impl Builder<'_> {
+    fn all(&self) -> Vec<usize> {
+        (0..self.regions.len()).collect()
+    }
+
+    fn depth_rule(&self, planned: usize) -> DepthRule {
+        match self.switches.depth_rule {
+            DepthRuleChoice::Fail => DepthRule::Fail,
+            DepthRuleChoice::Pass => DepthRule::Pass,
+            DepthRuleChoice::Automatic if self.regions[planned].near_plane_meets_volume => {
+                DepthRule::Fail
+            }
+            DepthRuleChoice::Automatic => DepthRule::Pass,
+        }
+    }
+
+    /// Marks `regions`, split by depth rule and, with two passes, by face.
+    fn mark(&self, regions: &[usize], operation: StencilOperation) -> Vec<FillCommand> {
+        let faces: &[FaceSet] = match self.switches.faces {
+            FacePasses::TwoSided => &[FaceSet::Both],
+            FacePasses::TwoPass => &[FaceSet::Front, FaceSet::Back],
+        };
+        let mut commands = Vec::new();
+        for depth in [DepthRule::Fail, DepthRule::Pass] {
+            let of_rule: Vec<usize> = regions
+                .iter()
+                .copied()
+                .filter(|&planned| self.depth_rule(planned) == depth)
+                .collect();
+            if of_rule.is_empty() {
+                continue;
+            }
+            commands.extend(faces.iter().map(|&faces| FillCommand::Volumes {
+                rule: StencilRule {
+                    depth,
+                    operation,
+                    faces,
+                },
+                without_bottom: depth == DepthRule::Pass
+                    && self.switches.bottom_cap == BottomCap::WhereNeeded,
+                scissor: self.switches.scissor,
+                regions: of_rule.clone(),
+            }));
+        }
+        commands
+    }
+
+    /// Front faces suffice to cover a volume, except where the near plane cuts it; with an infinite
+    /// far plane no back face is ever clipped.
+    fn cover_faces(&self, planned: usize) -> FaceSet {
+        match (
+            self.switches.cover_culls_faces,
+            self.regions[planned].near_plane_meets_volume,
+        ) {
+            (false, _) => FaceSet::Both,
+            (true, false) => FaceSet::Front,
+            (true, true) => FaceSet::Back,
+        }
+    }
+
+    fn xor(&self) -> Vec<FillPass> {
+        let mut passes = Vec::new();
+        for classes in XorBatches::new(self.regions).passes {
+            let numbered = || (1..=u8::MAX).zip(&classes);
+            passes.push(FillPass {
+                clears_stencil: true,
+                has_colour: false,
+                commands: numbered()
+                    .flat_map(|(mask, regions)| {
+                        self.mark(regions, StencilOperation::Invert { mask })
+                    })
+                    .collect(),
+            });
+            passes.push(FillPass {
+                clears_stencil: false,
+                has_colour: true,
+                commands: numbered()
+                    .map(|(reference, regions)| FillCommand::Cover {
+                        test: StencilTest {
+                            is_equal: true,
+                            reference,
+                            read_mask: 0xff,
+                            zeroes: false,
+                        },
+                        shape: CoverShape::Rectangle,
+                        regions: regions.clone(),
+                    })
+                    .collect(),
+            });
+        }
+        passes
+    }
+
+    fn bit_planes(&self) -> Vec<FillPass> {
+        let mut passes = Vec::new();
+        for planes in RegionClasses::in_order(self.regions, 8) {
+            let bit = |plane: usize| 1_u8 << plane;
+            passes.push(FillPass {
+                clears_stencil: true,
+                has_colour: false,
+                commands: planes
+                    .iter()
+                    .enumerate()
+                    .flat_map(|(plane, regions)| {
+                        self.mark(regions, StencilOperation::Invert { mask: bit(plane) })
+                    })
+                    .collect(),
+            });
+            let mut in_order: Vec<(usize, usize)> = planes
+                .iter()
+                .enumerate()
+                .flat_map(|(plane, regions)| regions.iter().map(move |&region| (region, plane)))
+                .collect();
+            in_order.sort_unstable();
+            passes.push(FillPass {
+                clears_stencil: false,
+                has_colour: true,
+                commands: in_order
+                    .iter()
+                    .map(|&(region, plane)| FillCommand::Cover {
+                        test: StencilTest {
+                            is_equal: true,
+                            reference: bit(plane),
+                            read_mask: bit(plane),
+                            zeroes: false,
+                        },
+                        shape: CoverShape::Rectangle,
+                        regions: vec![region],
+                    })
+                    .collect(),
+            });
+        }
+        passes
+    }
+
+    fn one_at_a_time(&self) -> Vec<FillPass> {
+        let mut commands = Vec::new();
+        for planned in self.all() {
+            commands.extend(self.mark(&[planned], StencilOperation::Count));
+            commands.push(FillCommand::Cover {
+                test: MARKED,
+                shape: match self.switches.colour {
+                    ColourWay::Volume => CoverShape::Volume {
+                        faces: self.cover_faces(planned),
+                    },
+                    _ => CoverShape::Rectangle,
+                },
+                regions: vec![planned],
+            });
+        }
+        vec![FillPass {
+            clears_stencil: self.switches.stencil_clear == StencilClear::AtStart,
+            has_colour: true,
+            commands,
+        }]
+    }
+
+    fn one_colour(&self) -> Vec<FillPass> {
+        let zeroes = self.switches.stencil_clear == StencilClear::ByColour;
+        let test = StencilTest { zeroes, ..MARKED };
+        let covers = match self.switches.colour {
+            ColourWay::OneColourVolumes => [FaceSet::Both, FaceSet::Front, FaceSet::Back]
+                .into_iter()
+                .filter_map(|faces| {
+                    let regions: Vec<usize> = self
+                        .all()
+                        .into_iter()
+                        .filter(|&planned| self.cover_faces(planned) == faces)
+                        .collect();
+                    (!regions.is_empty()).then_some(FillCommand::Cover {
+                        test,
+                        shape: CoverShape::Volume { faces },
+                        regions,
+                    })
+                })
+                .collect(),
+            _ => vec![FillCommand::Cover {
+                test,
+                shape: CoverShape::Screen,
+                regions: vec![0],
+            }],
+        };
+        vec![
+            FillPass {
+                clears_stencil: !zeroes,
+                has_colour: false,
+                commands: self.mark(&self.all(), StencilOperation::Count),
+            },
+            FillPass {
+                clears_stencil: false,
+                has_colour: true,
+                commands: covers,
+            },
+        ]
+    }
+}
+
+/// Any count but 0, taken back to 0 for the next region.
+const MARKED: StencilTest = StencilTest {
+    is_equal: false,
+    reference: 0,
+    read_mask: 0xff,
+    zeroes: true,
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_core::VolumeHeights;
+    use terrafill_scene::PixelRect;
+
+    fn region(index: usize, left: u32, cut: bool) -> PlannedRegion {
+        PlannedRegion {
+            region: index,
+            mesh: index,
+            heights: VolumeHeights {
+                top_m: 1.0,
+                bottom_m: -1.0,
+            },
+            screen_rect: PixelRect {
+                left,
+                top: 0,
+                right: left + 10,
+                bottom: 10,
+            },
+            near_plane_meets_volume: cut,
+        }
+    }
+
+    fn plan(regions: Vec<PlannedRegion>) -> FramePlan {
+        FramePlan {
+            regions,
+            left_out: Vec::new(),
+        }
+    }
+
+    /// Three regions, the last two over each other, the middle one cut by the near plane.
+    fn three() -> FramePlan {
+        plan(vec![
+            region(0, 0, false),
+            region(1, 20, true),
+            region(2, 25, false),
+        ])
+    }
+
+    /// How often each region is marked by front and by back faces, and covered.
+    fn tally(program: &FillProgram, regions: usize) -> Vec<[usize; 3]> {
+        let mut tally = vec![[0; 3]; regions];
+        for command in program.commands() {
+            match command {
+                FillCommand::Volumes { rule, regions, .. } => {
+                    for &region in regions {
+                        tally[region][0] += usize::from(rule.faces != FaceSet::Back);
+                        tally[region][1] += usize::from(rule.faces != FaceSet::Front);
+                    }
+                }
+                FillCommand::Cover { regions, .. } => {
+                    for &region in regions {
+                        tally[region][2] += 1;
+                    }
+                }
+            }
+        }
+        tally
+    }
+
+    fn every_combination() -> Vec<Switches> {
+        let mut all = Vec::new();
+        for colour in ColourWay::ALL {
+            for faces in [FacePasses::TwoSided, FacePasses::TwoPass] {
+                for depth_rule in [
+                    DepthRuleChoice::Fail,
+                    DepthRuleChoice::Pass,
+                    DepthRuleChoice::Automatic,
+                ] {
+                    for bottom_cap in [BottomCap::Always, BottomCap::WhereNeeded] {
+                        for flags in 0..4 {
+                            all.push(Switches {
+                                colour,
+                                faces,
+                                depth_rule,
+                                bottom_cap,
+                                scissor: flags & 1 != 0,
+                                cover_culls_faces: flags & 2 != 0,
+                                ..Switches::default()
+                            });
+                        }
+                    }
+                }
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn whatever_the_switches_each_face_marks_once_and_each_region_is_covered_once() {
+        for switches in every_combination() {
+            let program =
+                FillProgram::new(&three(), &switches, Overlap::Disjoint).expect("allowed");
+            let tally = tally(&program, 3);
+            for (index, [front, back, covers]) in tally.into_iter().enumerate() {
+                assert_eq!((front, back), (1, 1), "{switches:?}");
+                let expected = usize::from(switches.colour != ColourWay::OneColour || index == 0);
+                assert_eq!(covers, expected, "{switches:?}");
+            }
+            assert!(program.passes[0].clears_stencil);
+        }
+    }
+
+    #[test]
+    fn the_depth_rule_is_chosen_per_region() {
+        let rules = |choice| {
+            let switches = Switches {
+                depth_rule: choice,
+                bottom_cap: BottomCap::WhereNeeded,
+                colour: ColourWay::OneColour,
+                ..Switches::default()
+            };
+            let program =
+                FillProgram::new(&three(), &switches, Overlap::Disjoint).expect("allowed");
+            let mut rules = Vec::new();
+            for command in program.commands() {
+                if let FillCommand::Volumes {
+                    rule,
+                    without_bottom,
+                    regions,
+                    ..
+                } = command
+                {
+                    // A bottom cap may be missing only where fragments in front count.
+                    assert_eq!(*without_bottom, rule.depth == DepthRule::Pass);
+                    rules.extend(regions.iter().map(|&region| (region, rule.depth)));
+                }
+            }
+            rules.sort_unstable();
+            rules
+        };
+        let [fail, pass] = [DepthRule::Fail, DepthRule::Pass];
+        assert_eq!(
+            rules(DepthRuleChoice::Automatic),
+            [(0, pass), (1, fail), (2, pass)]
+        );
+        assert_eq!(
+            rules(DepthRuleChoice::Pass),
+            [(0, pass), (1, pass), (2, pass)]
+        );
+    }
+
+    #[test]
+    fn a_cut_volume_is_covered_by_its_back_faces() {
+        let switches = Switches {
+            colour: ColourWay::Volume,
+            cover_culls_faces: true,
+            ..Switches::default()
+        };
+        let program = FillProgram::new(&three(), &switches, Overlap::Ordered).expect("allowed");
+        let shapes: Vec<CoverShape> = program
+            .commands()
+            .filter_map(|command| match command {
+                FillCommand::Cover { shape, .. } => Some(*shape),
+                FillCommand::Volumes { .. } => None,
+            })
+            .collect();
+        let by = |faces| CoverShape::Volume { faces };
+        assert_eq!(
+            shapes,
+            [by(FaceSet::Front), by(FaceSet::Back), by(FaceSet::Front)]
+        );
+    }
+
+    #[test]
+    fn later_regions_cover_earlier_ones_whatever_the_way() {
+        let many = plan((0..40).map(|i| region(i, 0, false)).collect());
+        for colour in [
+            ColourWay::Rectangle,
+            ColourWay::Volume,
+            ColourWay::BitPlanes,
+        ] {
+            let switches = Switches {
+                colour,
+                ..Switches::default()
+            };
+            let program = FillProgram::new(&many, &switches, Overlap::Ordered).expect("allowed");
+            let covers: Vec<usize> = program
+                .commands()
+                .filter_map(|command| match command {
+                    FillCommand::Cover { regions, .. } => Some(regions.clone()),
+                    FillCommand::Volumes { .. } => None,
+                })
+                .flatten()
+                .collect();
+            assert_eq!(covers, (0..40).collect::<Vec<_>>(), "{colour:?}");
+        }
+    }
+
+    #[test]
+    fn a_count_that_could_wrap_to_nothing_is_refused() {
+        let one_colour = Switches {
+            colour: ColourWay::OneColour,
+            ..Switches::default()
+        };
+        let nested = |count| plan((0..count).map(|i| region(i, 0, false)).collect());
+        let program = |count, overlap| FillProgram::new(&nested(count), &one_colour, overlap);
+        assert!(program(255, Overlap::Ordered).is_ok());
+        let error = program(256, Overlap::Ordered).expect_err("wraps");
+        assert!(
+            error.to_string().contains("found 256, allowed 255"),
+            "{error}"
+        );
+        // Side by side, or promised to be disjoint, any number is countable.
+        let apart = plan(
+            (0..600)
+                .map(|i| region(i as usize, 20 * i, false))
+                .collect(),
+        );
+        assert!(FillProgram::new(&apart, &one_colour, Overlap::Ordered).is_ok());
+        assert!(program(600, Overlap::Disjoint).is_ok());
+    }
+
+    #[test]
+    fn nothing_planned_is_nothing_to_do() {
+        let program = FillProgram::new(&plan(Vec::new()), &Switches::default(), Overlap::Disjoint);
+        assert_eq!(program.expect("allowed").passes, Vec::new());
+    }
+}

@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The switches of a fill that every volume technique has, each with its own row in the ladder.
+
+use terrafill_scene::Overlap;
+
+/// How regions get their colours. All but the one-colour ways tell regions apart, and are right to
+/// the pixel where [`Switches::check`] allows them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum ColourWay {
+    /// All stencil work first, with a number per region, then each region's screen rectangle. For
+    /// disjoint regions.
+    #[default]
+    Xor,
+    /// One region at a time: count its volume, then cover its screen rectangle. Later regions
+    /// cover earlier ones.
+    Rectangle,
+    /// One region at a time: count its volume, then cover by drawing the volume again.
+    Volume,
+    /// One stencil bit per region, as many at a time as there are bits, then their rectangles in
+    /// order. Later regions cover earlier ones.
+    BitPlanes,
+    /// All regions counted together, then one colour over the screen wherever the count is not 0:
+    /// the fill of the 2007 document. Regions are not told apart.
+    OneColour,
+    /// As [`ColourWay::OneColour`], the colour brought by drawing all volumes again.
+    OneColourVolumes,
+}
+
+impl ColourWay {
+    /// Every way.
+    pub const ALL: [Self; 6] = [
+        Self::Xor,
+        Self::Rectangle,
+        Self::Volume,
+        Self::BitPlanes,
+        Self::OneColour,
+        Self::OneColourVolumes,
+    ];
+
+    /// Name in variants and reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Xor => "xor",
+            Self::Rectangle => "rectangle",
+            Self::Volume => "volume",
+            Self::BitPlanes => "bit-planes",
+            Self::OneColour => "one-colour",
+            Self::OneColourVolumes => "one-colour-volumes",
+        }
+    }
+
+    /// Whether the picture tells regions apart; otherwise only the filled area is comparable.
+    #[must_use]
+    pub fn tells_regions_apart(self) -> bool {
+        !matches!(self, Self::OneColour | Self::OneColourVolumes)
+    }
+}
+
+/// Whether one draw handles both faces of a volume.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum FacePasses {
+    /// Two-sided stencil: one draw.
+    #[default]
+    TwoSided,
+    /// Front faces in one draw, back faces in another.
+    TwoPass,
+}
+
+/// Which fragments of a volume count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum DepthRuleChoice {
+    /// Those behind the surface (Carmack, 2000): right wherever the eye is.
+    #[default]
+    Fail,
+    /// Those in front of it (Heidmann, 1991): wrong for a region whose volume the near plane cuts.
+    Pass,
+    /// Per region: in front unless the near plane meets the region's volume.
+    Automatic,
+}
+
+/// When bottom caps are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum BottomCap {
+    /// Always.
+    #[default]
+    Always,
+    /// Only where fragments behind the surface count. The bottom lies below everything drawn, so
+    /// in front of the surface there is none of it.
+    WhereNeeded,
+}
+
+/// What takes the stencil back to 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum StencilClear {
+    /// A clear when the fill starts.
+    #[default]
+    AtStart,
+    /// The colour pass, pixel by pixel; the surface pass left 0.
+    ByColour,
+}
+
+/// Switches of a fill.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct Switches {
+    /// How regions get their colours.
+    pub colour: ColourWay,
+    /// Two-sided stencil or two draws.
+    pub faces: FacePasses,
+    /// Which fragments count.
+    pub depth_rule: DepthRuleChoice,
+    /// When bottom caps are drawn.
+    pub bottom_cap: BottomCap,
+    /// Volumes are cut to their region's screen rectangle as well, not only covers.
+    pub scissor: bool,
+    /// Covers by volume draw one kind of face only.
+    pub cover_culls_faces: bool,
+    /// What takes the stencil back to 0.
+    pub stencil_clear: StencilClear,
+    /// Fragments over surface outside the region's depth range are dropped before the stencil.
+    pub depth_bounds: bool,
+}
+
+/// Switches that do not go together, or not with the scene.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{switch}: found {found}, allowed: {allowed}")]
+pub struct SwitchError {
+    /// Which switch.
+    pub switch: &'static str,
+    /// Its value, and what it does not go with.
+    pub found: String,
+    /// What does.
+    pub allowed: String,
+}
+
+impl Switches {
+    /// What is right and usually cheapest for a scene of this kind.
+    #[must_use]
+    pub fn for_overlap(overlap: Overlap) -> Self {
+        Self {
+            colour: match overlap {
+                Overlap::Disjoint => ColourWay::Xor,
+                Overlap::Ordered => ColourWay::Rectangle,
+            },
+            ..Self::default()
+        }
+    }
+
+    /// `key=value` of every switch that differs from the default, in alphabetical order.
+    #[must_use]
+    pub fn names(&self) -> Vec<String> {
+        let default = Self::default();
+        let mut names = Vec::new();
+        if self.bottom_cap != default.bottom_cap {
+            names.push("bottom-cap=where-needed".to_owned());
+        }
+        if self.colour != default.colour {
+            names.push(format!("colour={}", self.colour.name()));
+        }
+        if self.cover_culls_faces {
+            names.push("cover-faces=culled".to_owned());
+        }
+        if self.depth_bounds {
+            names.push("depth-bounds=on".to_owned());
+        }
+        match self.depth_rule {
+            DepthRuleChoice::Fail => {}
+            DepthRuleChoice::Pass => names.push("depth-rule=zpass".to_owned()),
+            DepthRuleChoice::Automatic => names.push("depth-rule=automatic".to_owned()),
+        }
+        if self.faces != default.faces {
+            names.push("faces=two-pass".to_owned());
+        }
+        if self.scissor {
+            names.push("scissor=volumes".to_owned());
+        }
+        if self.stencil_clear != default.stencil_clear {
+            names.push("stencil-clear=by-colour".to_owned());
+        }
+        names
+    }
+
+    /// Sets the switch `key` to `value`; the inverse of [`Switches::names`], defaults included.
+    ///
+    /// # Errors
+    /// [`SwitchError`] when the value is none of the switch's; `Ok(false)` when there is no such
+    /// switch.
+    pub fn set(&mut self, key: &str, value: &str) -> Result<bool, SwitchError> {
+        match key {
+            "bottom-cap" => {
+                self.bottom_cap = pick(
+                    "bottom-cap",
+                    value,
+                    &[
+                        ("always", BottomCap::Always),
+                        ("where-needed", BottomCap::WhereNeeded),
+                    ],
+                )?;
+            }
+            "colour" => {
+                let ways = ColourWay::ALL.map(|way| (way.name(), way));
+                self.colour = pick("colour", value, &ways)?;
+            }
+            "cover-faces" => {
+                let choices = [("both", false), ("culled", true)];
+                self.cover_culls_faces = pick("cover-faces", value, &choices)?;
+            }
+            "depth-bounds" => {
+                self.depth_bounds = pick("depth-bounds", value, &[("off", false), ("on", true)])?;
+            }
+            "depth-rule" => {
+                self.depth_rule = pick(
+                    "depth-rule",
+                    value,
+                    &[
+                        ("zfail", DepthRuleChoice::Fail),
+                        ("zpass", DepthRuleChoice::Pass),
+                        ("automatic", DepthRuleChoice::Automatic),
+                    ],
+                )?;
+            }
+            "faces" => {
+                self.faces = pick(
+                    "faces",
+                    value,
+                    &[
+                        ("two-sided", FacePasses::TwoSided),
+                        ("two-pass", FacePasses::TwoPass),
+                    ],
+                )?;
+            }
+            "scissor" => {
+                self.scissor = pick("scissor", value, &[("covers", false), ("volumes", true)])?;
+            }
+            "stencil-clear" => {
+                self.stencil_clear = pick(
+                    "stencil-clear",
+                    value,
+                    &[
+                        ("at-start", StencilClear::AtStart),
+                        ("by-colour", StencilClear::ByColour),
+                    ],
+                )?;
+            }
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// Whether the switches go together and are right for a scene of this kind.
+    ///
+    /// # Errors
+    /// [`SwitchError`].
+    pub fn check(&self, overlap: Overlap) -> Result<(), SwitchError> {
+        if self.colour == ColourWay::Xor && overlap == Overlap::Ordered {
+            return Err(SwitchError {
+                switch: "colour",
+                found: "xor on a scene whose regions may overlap, where numbers mix".to_owned(),
+                allowed: "rectangle, volume, bit-planes, one-colour, one-colour-volumes".to_owned(),
+            });
+        }
+        let covers_clear = matches!(
+            self.colour,
+            ColourWay::OneColour | ColourWay::Rectangle | ColourWay::Volume
+        );
+        if self.stencil_clear == StencilClear::ByColour && !covers_clear {
+            return Err(SwitchError {
+                switch: "stencil-clear",
+                found: format!(
+                    "by-colour with colour={}, whose covers leave pixels that no region owns",
+                    self.colour.name()
+                ),
+                allowed: "at-start, or colour=one-colour, rectangle or volume".to_owned(),
+            });
+        }
+        Ok(())
+    }
+}
+
+fn pick<T: Copy>(
+    switch: &'static str,
+    value: &str,
+    choices: &[(&'static str, T)],
+) -> Result<T, SwitchError> {
+    let found = choices.iter().find(|(name, _)| *name == value);
+    found.map(|&(_, choice)| choice).ok_or_else(|| SwitchError {
+        switch,
+        found: value.to_owned(),
+        allowed: choices
+            .iter()
+            .map(|(name, _)| *name)
+            .collect::<Vec<_>>()
+            .join(", "),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every switch away from its default.
+    fn all_changed() -> Switches {
+        Switches {
+            colour: ColourWay::OneColour,
+            faces: FacePasses::TwoPass,
+            depth_rule: DepthRuleChoice::Automatic,
+            bottom_cap: BottomCap::WhereNeeded,
+            scissor: true,
+            cover_culls_faces: true,
+            stencil_clear: StencilClear::ByColour,
+            depth_bounds: true,
+        }
+    }
+
+    #[test]
+    fn what_is_named_can_be_set_again() {
+        assert_eq!(Switches::default().names(), Vec::<String>::new());
+        let changed = all_changed();
+        let names = changed.names();
+        assert_eq!(names.len(), 8);
+        assert!(names.is_sorted());
+        let mut read = Switches::default();
+        for name in &names {
+            let (key, value) = name.split_once('=').expect("key=value");
+            assert_eq!(read.set(key, value), Ok(true), "{name}");
+        }
+        assert_eq!(read, changed);
+    }
+
+    #[test]
+    fn unknown_keys_and_values_are_told_apart() {
+        let mut switches = Switches::default();
+        assert_eq!(switches.set("stensil", "on"), Ok(false));
+        let error = switches.set("faces", "three").expect_err("no such value");
+        assert_eq!(
+            error.to_string(),
+            "faces: found three, allowed: two-sided, two-pass"
+        );
+        assert_eq!(switches, Switches::default());
+    }
+
+    #[test]
+    fn what_does_not_go_together_is_refused() {
+        assert!(Switches::default().check(Overlap::Disjoint).is_ok());
+        assert!(Switches::default().check(Overlap::Ordered).is_err());
+        assert!(all_changed().check(Overlap::Ordered).is_ok());
+        let mixed = Switches {
+            stencil_clear: StencilClear::ByColour,
+            ..Switches::default()
+        };
+        assert!(mixed.check(Overlap::Disjoint).is_err());
+    }
+}
