@@ -219,7 +219,7 @@ impl RegionMesh {
     /// Whether the corners are on one line in longitude and latitude, exactly. On the body a sliver
     /// may be flat to the last bit, and a facet between two lines towards a pole is: the volume
     /// needs it to be closed.
-    fn is_degenerate(&self, triangle: [u32; 3]) -> bool {
+    pub(crate) fn is_degenerate(&self, triangle: [u32; 3]) -> bool {
         let [a, b, c] = triangle.map(|i| self.vertices_deg[i as usize]);
         if [a, b, c].iter().any(|corner| corner[1].abs() == 90.0) {
             return false;
@@ -232,7 +232,7 @@ impl RegionMesh {
 
     /// Distance between the middle of an edge that is straight in longitude and latitude and the
     /// plane through its ends and the normal there.
-    fn planar_bow_m(&self, body: &Ellipsoid, from: u32, to: u32) -> f64 {
+    pub(crate) fn planar_bow_m(&self, body: &Ellipsoid, from: u32, to: u32) -> f64 {
         let [start, end] = [from, to].map(|i| self.vertices_deg[i as usize]);
         if start[1].abs() == 90.0 || end[1].abs() == 90.0 {
             // Meshed towards some longitude at the pole, up to the widest edge away from its
@@ -289,7 +289,7 @@ impl RegionMesh {
         }
     }
 
-    fn boundary_length_m(&self) -> f64 {
+    pub(crate) fn boundary_length_m(&self) -> f64 {
         let length = |ring: &Vec<u32>| -> f64 {
             let next = ring.iter().cycle().skip(1);
             ring.iter()

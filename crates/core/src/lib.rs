@@ -16,6 +16,8 @@ mod mesh;
 mod outline;
 mod region;
 mod triangulate;
+mod volume;
+mod volume_invariants;
 
 pub use analytic::{AnalyticError, AnalyticRegion, GeodesicSector, SensorCone, SurfaceEllipse};
 pub use body::{Ellipsoid, Geodetic};
@@ -24,3 +26,7 @@ pub use geojson::{RegionFileError, RegionProblem, RegionProblemKind, parse_regio
 pub use invariants::InvariantViolation;
 pub use mesh::{Extent, MeshOptions, OrientedBox, RegionMesh, VolumeHeights};
 pub use region::{EdgeRule, Pole, Polygon, Region, Ring};
+pub use volume::{
+    ClosedSurface, OpenSurface, RegionVolume, VolumePart, VolumeTriangle, check_closed,
+};
+pub use volume_invariants::{RoundedVolume, VolumeFault, VolumeReport};
