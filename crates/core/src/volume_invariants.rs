@@ -248,7 +248,7 @@ pub enum VolumeFault {
         "the surface encloses {found_m3} m³; area times thickness is {least_m3} … {most_m3} m³"
     )]
     AreaTimesThickness {
-        /// By the divergence theorem.
+        /// By the divergence theorem, with ruled walls.
         found_m3: f64,
         /// For the largest radius of curvature, less what facets and edges may lose.
         least_m3: f64,
@@ -720,7 +720,9 @@ impl RegionVolume<'_> {
     ) -> Result<(), VolumeFault> {
         let center_ecef = self.center_ecef();
         let enclosed = enclosed_volume(&self.triangles, center_ecef);
-        let prisms = self.prism_volume(positions, report);
+        let mut prisms = self.prism_volume(positions);
+        let diagonals = self.diagonals_volume(positions, report);
+        prisms.add(diagonals.sum, diagonals.scale);
         let found_m3 = enclosed.sum;
         let allowed_m3 = PRODUCT_ROUNDING * (enclosed.scale + prisms.scale);
         let difference = (found_m3 - prisms.sum).abs();
@@ -736,6 +738,8 @@ impl RegionVolume<'_> {
         let least_m3 = least_m3 - allowed_m3;
         let most_m3 = most_m3 + allowed_m3;
         let middle = 0.5 * (least_m3 + most_m3);
+        // Which diagonal a wall has is no matter of area.
+        let found_m3 = found_m3 - diagonals.sum;
         report.share_of_allowed = ((found_m3 - middle) / (most_m3 - middle)).abs();
         // A volume below 0 is within these only where the area is a rounding.
         if !(least_m3..=most_m3).contains(&found_m3) {
@@ -748,19 +752,12 @@ impl RegionVolume<'_> {
         Ok(())
     }
 
-    /// Volume between the caps over each triangle of the mesh, with ruled walls, and what the walls'
-    /// diagonals add to it.
+    /// Volume between the caps over each triangle of the mesh, with ruled walls.
     ///
     /// Over one triangle, between corners b and t, `∫ ½ e₁(s) × e₂(s) · w ds` with the edges at the
     /// share s of the way up and w the mean of t − b: a quadratic in s, so Simpson's rule is exact.
-    /// A ruled wall lies half-way between its two diagonals, whose difference is the volume of the
-    /// tetrahedron of its corners.
-    fn prism_volume(&self, positions: &[Option<DVec3>], report: &mut VolumeReport) -> Terms {
-        let copies = |vertex: u32| {
-            let [top, bottom] = [2 * vertex, 2 * vertex + 1]
-                .map(|copy| positions[copy as usize].unwrap_or(DVec3::NAN));
-            [top, bottom]
-        };
+    fn prism_volume(&self, positions: &[Option<DVec3>]) -> Terms {
+        let copies = |vertex: u32| both_copies(positions, vertex);
         let mut terms = Terms::default();
         for corners in &self.mesh.triangles {
             let [[at, ab], [bt, bb], [ct, cb]] = corners.map(copies);
@@ -773,6 +770,16 @@ impl RegionVolume<'_> {
             let size = (bt - at).length() * (ct - at).length() * along.length();
             terms.add(sections.dot(along) / 12.0, size);
         }
+        terms
+    }
+
+    /// What the walls' diagonals add to the volume with ruled walls: such a wall lies half-way
+    /// between its two diagonals, whose difference is the volume of the tetrahedron of its corners.
+    /// A wall and the same wall seen from the other side have different diagonals, and both sides of
+    /// a sliver gain, or both lose.
+    fn diagonals_volume(&self, positions: &[Option<DVec3>], report: &mut VolumeReport) -> Terms {
+        let copies = |vertex: u32| both_copies(positions, vertex);
+        let mut terms = Terms::default();
         for [from, to] in ring_edges(self.mesh) {
             let ([top, bottom], [top_end, bottom_end]) = (copies(from), copies(to));
             let (across, up, diagonal) = (top_end - top, bottom - top, bottom_end - top);
@@ -880,6 +887,11 @@ impl RegionVolume<'_> {
         rounded.positions = positions.len();
         Ok(rounded)
     }
+}
+
+/// Top and bottom.
+fn both_copies(positions: &[Option<DVec3>], vertex: u32) -> [DVec3; 2] {
+    [2 * vertex, 2 * vertex + 1].map(|copy| positions[copy as usize].unwrap_or(DVec3::NAN))
 }
 
 /// A sum, and the sum of the sizes that its terms were rounded at.

@@ -8,8 +8,10 @@
 )]
 
 mod expectations;
+mod extruded;
 
 use expectations::{Case, Place, Refusal, Stage, accepted, all_cases};
+use extruded::check_extruded;
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
 use std::collections::BTreeSet;
@@ -91,6 +93,9 @@ fn faults(case: &Case, mesh: &RegionMesh) -> Vec<String> {
     let mut faults = Vec::new();
     if let Err(violation) = mesh.check_invariants(&case.body()) {
         faults.push(violation.to_string());
+    }
+    if let Err(fault) = check_extruded(mesh, &case.body()) {
+        faults.push(fault.to_string());
     }
     let error = area_error(case, mesh);
     if error.is_nan() || error > case.relative_tolerance {

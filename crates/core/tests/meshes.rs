@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Meshes of shapes whose area and boundary are known by arithmetic.
 
+mod extruded;
+
+use extruded::check_extruded;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use terrafill_core::{
     EdgeRule, Ellipsoid, Extent, InvariantViolation, MeshError, MeshOptions, Region, RegionMesh,
@@ -24,6 +27,7 @@ fn region(coordinates: &str) -> Region {
 fn mesh_on(body: &Ellipsoid, rule: EdgeRule, region: &Region) -> RegionMesh {
     let mesh = RegionMesh::build(region, body, rule, &MeshOptions::default()).expect("meshes");
     mesh.check_invariants(body).expect("sound");
+    check_extruded(&mesh, body).expect("a sound volume");
     mesh
 }
 
@@ -425,6 +429,7 @@ fn the_boundary_stays_within_its_tolerance() {
         };
         let mesh = RegionMesh::build(&region, &body, EdgeRule::Planar, &options).expect("meshes");
         mesh.check_invariants(&body).expect("sound");
+        check_extruded(&mesh, &body).expect("a sound volume");
         let mut worst = 0.0_f64;
         for ring in &mesh.boundary_loops {
             for (i, &from) in ring.iter().enumerate() {

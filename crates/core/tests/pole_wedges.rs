@@ -5,6 +5,9 @@
 //! pole ever faster. Areas are compared with quadrature on the unit sphere in the distance from the
 //! pole, which has no cancellation however close to it.
 
+mod extruded;
+
+use extruded::check_extruded;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use terrafill_core::{
@@ -96,6 +99,8 @@ fn a_wedge_keeps_its_area_whatever_the_tolerance() {
                 let name = wedge.name;
                 assert!(error < allowed, "{name} {pole_deg} {tolerance}: {error:e}");
                 assert_eq!(mesh.check_invariants(&body), Ok(()), "{name} {tolerance}");
+                let fault = check_extruded(&mesh, &body).err();
+                assert_eq!(fault, None, "{name} {tolerance}");
                 assert_eq!(mesh.boundary_loops.len(), 1, "{name}");
             }
         }
@@ -109,6 +114,8 @@ fn every_body_meshes_every_wedge_soundly() {
             let mesh = build(&body, 1e-5, &[wedge.ring(90.0)]);
             let result = mesh.check_invariants(&body);
             assert_eq!(result, Ok(()), "{} {}", wedge.name, body.name());
+            let fault = check_extruded(&mesh, &body).err();
+            assert_eq!(fault, None, "{} {}", wedge.name, body.name());
         }
     }
 }
@@ -213,5 +220,6 @@ proptest! {
         let mesh = RegionMesh::build(&region, &body, EdgeRule::Planar, &options);
         let mesh = mesh.map_err(|error| TestCaseError::fail(error.to_string()))?;
         prop_assert_eq!(mesh.check_invariants(&body), Ok(()));
+        prop_assert_eq!(check_extruded(&mesh, &body).err(), None);
     }
 }

@@ -2,6 +2,9 @@
 //! Random rings, tangled ones included: whatever meshes must be sound, and has to mesh once its
 //! crossings are vertices.
 
+mod extruded;
+
+use extruded::check_extruded;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use terrafill_core::{
@@ -102,10 +105,14 @@ proptest! {
         let Some(mut region) = region(centre, &rings, stretch) else { return Ok(()) };
         if let Ok(mesh) = RegionMesh::build(&region, &body, rule, &options) {
             prop_assert_eq!(mesh.check_invariants(&body), Ok(()));
+            prop_assert_eq!(check_extruded(&mesh, &body).err(), None);
         }
         region.split_at_crossings(rule);
         match RegionMesh::build(&region, &body, rule, &options) {
-            Ok(mesh) => prop_assert_eq!(mesh.check_invariants(&body), Ok(())),
+            Ok(mesh) => {
+                prop_assert_eq!(mesh.check_invariants(&body), Ok(()));
+                prop_assert_eq!(check_extruded(&mesh, &body).err(), None);
+            }
             // Clamped to a pole a ring can lose its width; arcs can join opposite points.
             Err(MeshError::NoArea { .. } | MeshError::OppositeEnds { .. }) => {}
             Err(error) => prop_assert!(false, "{}", error),

@@ -4,6 +4,9 @@
 
 #![allow(clippy::print_stdout, reason = "a skipped test says why")]
 
+mod extruded;
+
+use extruded::check_extruded;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use terrafill_core::{
@@ -43,6 +46,9 @@ fn meshes(regions: &[Region], rule: EdgeRule) -> Vec<RegionMesh> {
     for mesh in &meshes {
         if let Err(violation) = mesh.check_invariants(&body) {
             panic!("{} ({}): {violation}", mesh.region_index, mesh.name);
+        }
+        if let Err(fault) = check_extruded(mesh, &body) {
+            panic!("{} ({}): {fault}", mesh.region_index, mesh.name);
         }
     }
     meshes

@@ -7,6 +7,9 @@
     reason = "a skipped test says why; what rounding does is worth reading"
 )]
 
+mod extruded;
+
+use extruded::{check_extruded, heights};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -31,12 +34,6 @@ fn region(coordinates: &str) -> Region {
 
 fn mesh_on(body: &Ellipsoid, rule: EdgeRule, coordinates: &str) -> RegionMesh {
     RegionMesh::build(&region(coordinates), body, rule, &MeshOptions::default()).expect("meshes")
-}
-
-/// Terrain as on the Earth, from 12.8 km below to 9.6 km above, on a body of any size.
-fn heights(mesh: &RegionMesh, body: &Ellipsoid) -> VolumeHeights {
-    let radius_m = body.equatorial_radius_m();
-    mesh.volume_heights(-0.002 * radius_m, 0.0015 * radius_m)
 }
 
 // ---- real outlines ----------------------------------------------------------------------------
@@ -101,7 +98,7 @@ fn sum_of_file(name: &str, rule: EdgeRule) -> Option<Sum> {
         .par_iter()
         .map(|region| {
             let mesh = RegionMesh::build(region, &body, rule, &MeshOptions::default()).ok()?;
-            let report = mesh.check_volume_invariants(&body, heights(&mesh, &body));
+            let report = check_extruded(&mesh, &body);
             Some(report.unwrap_or_else(|fault| panic!("{name}, {rule:?}, {}: {fault}", mesh.name)))
         })
         .collect();
@@ -137,8 +134,7 @@ fn every_volume_of_the_countries_and_counties_is_sound() {
 
 #[track_caller]
 fn sound(mesh: &RegionMesh, body: &Ellipsoid) -> VolumeReport {
-    mesh.check_volume_invariants(body, heights(mesh, body))
-        .unwrap_or_else(|fault| panic!("{fault}"))
+    check_extruded(mesh, body).unwrap_or_else(|fault| panic!("{fault}"))
 }
 
 /// `V − E + F`.
@@ -538,25 +534,19 @@ fn a_ring_edge_that_triangles_cross_is_noticed() {
             for k in 0..ring.len() {
                 let mut mesh = sound.clone();
                 mesh.boundary_loops[i].remove(k);
-                let fault = mesh
-                    .check_volume_invariants(&body, heights(&mesh, &body))
-                    .expect_err("must be noticed");
+                let fault = check_extruded(&mesh, &body).expect_err("must be noticed");
                 let named = matches!(fault, VolumeFault::ConstraintMissing { .. });
                 assert!(named, "{shape}: {fault}");
             }
             // One that is not there at all leaves the caps open.
             let mut mesh = sound.clone();
             mesh.boundary_loops.remove(i);
-            let fault = mesh
-                .check_volume_invariants(&body, heights(&mesh, &body))
-                .expect_err("must be noticed");
+            let fault = check_extruded(&mesh, &body).expect_err("must be noticed");
             assert!(matches!(fault, VolumeFault::OpenEdge { .. }), "{fault}");
             // And the other way round it has the inside on its right.
             let mut mesh = sound.clone();
             mesh.boundary_loops[i].reverse();
-            let fault = mesh
-                .check_volume_invariants(&body, heights(&mesh, &body))
-                .expect_err("must be noticed");
+            let fault = check_extruded(&mesh, &body).expect_err("must be noticed");
             let named = matches!(fault, VolumeFault::ConstraintMissing { .. });
             assert!(named, "{shape}: {fault}");
         }
@@ -567,10 +557,7 @@ fn a_ring_edge_that_triangles_cross_is_noticed() {
 fn a_volume_turned_inside_out_or_of_another_size_is_noticed() {
     let body = Ellipsoid::WGS84;
     let sound = mesh_on(&body, EdgeRule::Planar, HOLE);
-    let fault_of = |mesh: &RegionMesh| {
-        mesh.check_volume_invariants(&body, heights(mesh, &body))
-            .expect_err("must be noticed")
-    };
+    let fault_of = |mesh: &RegionMesh| check_extruded(mesh, &body).expect_err("must be noticed");
     let mut mesh = sound.clone();
     for triangle in &mut mesh.triangles {
         triangle.swap(1, 2);

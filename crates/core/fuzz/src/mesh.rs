@@ -139,6 +139,7 @@ pub fn judge(
             }
             mesh.check_invariants(&case.body)
                 .map_err(|violation| violation.to_string())?;
+            judge_volume(mesh, case)?;
             judge_numbers(mesh, case)?;
             judge_area(region, case, mesh.area_m2, reached)?;
             if case.rule == EdgeRule::Planar
@@ -151,6 +152,15 @@ pub fn judge(
         }
         Err(error) => judge_refusal(region, case, error, reached),
     }
+}
+
+/// The closed solid between heights like the Earth's terrain, on a body of any size.
+fn judge_volume(mesh: &RegionMesh, case: &Case) -> Result<(), String> {
+    let radius_m = case.body.equatorial_radius_m();
+    let heights = mesh.volume_heights(-0.002 * radius_m, 0.0015 * radius_m);
+    mesh.check_volume_invariants(&case.body, heights)
+        .map(|_| ())
+        .map_err(|fault| fault.to_string())
 }
 
 fn count_shape(region: &Region, case: &Case, mesh: &RegionMesh, reached: &mut Reached) {
