@@ -5,7 +5,9 @@
 //! with the same latitude become one, all vertices at a pole become one, and what that makes
 //! degenerate vanishes. A boundary edge whose reverse then exists too was a cut, not a border.
 
-use crate::crossings::CrossingPlaces;
+use crate::crossings::{
+    CrossingPlaces, MOST_ROUNDS, find_crossings, planar_crossing, split_outline,
+};
 use crate::edge::{Degrees, EdgeSplitter, ROUNDING, ZoneArea, surface_point};
 use crate::mesh::sagitta_m;
 use crate::outline::{OppositeEnds, Outline, OutlineEdge};
@@ -210,6 +212,26 @@ impl RegionMesh {
         options: &MeshOptions,
     ) -> Result<Self, Vec<MeshError>> {
         options.check().map_err(|error| vec![error])?;
+        let build = |crossings| Self::build_once(region, body, rule, options, crossings);
+        build(Crossings::Refused).or_else(|errors| {
+            if rule != EdgeRule::Planar || !only_parts_cross(region, &errors) {
+                return Err(errors);
+            }
+            // What is only a rounding wide can come out of it turned over.
+            build(Crossings::MadeVertices)
+                .ok()
+                .filter(|mesh| mesh.check_invariants(body).is_ok())
+                .ok_or(errors)
+        })
+    }
+
+    fn build_once(
+        region: &Region,
+        body: &Ellipsoid,
+        rule: EdgeRule,
+        options: &MeshOptions,
+        crossings: Crossings,
+    ) -> Result<Self, Vec<MeshError>> {
         let no_area = || {
             vec![MeshError::NoArea {
                 feature: region.index,
@@ -222,7 +244,7 @@ impl RegionMesh {
             extent,
             boundary_deviation_m,
         } = loop {
-            let meshed = Meshed::new(region, body, rule, &options)?;
+            let meshed = Meshed::new(region, body, rule, &options, crossings)?;
             match narrowest_turned_over_m(body, &meshed.groups) {
                 // Its narrow places may be far narrower than their mean.
                 Some(width_m) if options.boundary_tolerance_m > 0.01 * width_m => {
@@ -237,7 +259,7 @@ impl RegionMesh {
             area_m2 += group_area_m2;
             stitcher.add(body, group);
         }
-        if stitcher.triangles.is_empty() || area_m2 < 0.0 {
+        if stitcher.triangles.is_empty() {
             return Err(no_area());
         }
         let Some(boundary_loops) = stitcher.boundary_loops() else {
@@ -270,7 +292,8 @@ impl RegionMesh {
                 .iter()
                 .map(|polygon| polygon.holes.len())
                 .sum(),
-            area_m2,
+            // Of what is narrower than rounding it may be a rounding below.
+            area_m2: area_m2.max(0.0),
             extent,
             boundary_deviation_m,
             cap_sagitta_m,
@@ -321,6 +344,15 @@ fn opposite_ends(region: &Region, opposite: Vec<OppositeEnds>) -> Vec<MeshError>
     opposite.into_iter().map(error).collect()
 }
 
+/// What becomes of places where parts of edges cross.
+#[derive(Clone, Copy)]
+enum Crossings {
+    /// As they should be: edges of a file cross at its vertices only.
+    Refused,
+    /// Where [`only_parts_cross`].
+    MadeVertices,
+}
+
 /// A region's groups, not yet put together.
 struct Meshed {
     /// With the area of each.
@@ -337,16 +369,70 @@ impl Meshed {
         body: &Ellipsoid,
         rule: EdgeRule,
         options: &MeshOptions,
+        crossings: Crossings,
     ) -> Result<Self, Vec<MeshError>> {
         let mut splitter = EdgeSplitter::new(body, rule, options);
         let outline = Outline::new(region, rule, &mut splitter)
             .map_err(|opposite| opposite_ends(region, opposite))?;
+        let groups = match crossings {
+            Crossings::Refused => outline.groups,
+            Crossings::MadeVertices => {
+                let groups = outline.groups.into_iter();
+                groups.map(without_crossings).collect()
+            }
+        };
+        let groups = triangulate_groups(region, body, rule, options, groups)?;
         Ok(Self {
-            groups: triangulate_groups(region, body, rule, options, outline.groups)?,
+            groups,
             extent: outline.extent,
             boundary_deviation_m: splitter.deviation_m,
         })
     }
+}
+
+/// Whether all that is wrong are crossings of parts of edges that do not cross as the file has them.
+///
+/// Where an edge is split or cut at the antimeridian is rounded, which bends it over a vertex that
+/// touches it or over another edge a rounding away.
+fn only_parts_cross(region: &Region, errors: &[MeshError]) -> bool {
+    errors.iter().all(|error| match error {
+        MeshError::SelfCrossing { first, second, .. } => {
+            let [first, second] = [first, second].map(|place| edge_at(region, *place));
+            first.zip(second).is_some_and(|(first, second)| {
+                !TURNS_APART_DEG.into_iter().any(|turns_deg| {
+                    let second = second.map(|[x, y]| [x + turns_deg, y]);
+                    planar_crossing(first, second).is_some()
+                })
+            })
+        }
+        _ => false,
+    })
+}
+
+/// Turns that two longitudes within ±540 can be apart, degrees.
+const TURNS_APART_DEG: [f64; 5] = [-720.0, -360.0, 0.0, 360.0, 720.0];
+
+fn edge_at(region: &Region, place: EdgePlace) -> Option<[Degrees; 2]> {
+    let ring = region
+        .polygons
+        .get(place.polygon)?
+        .rings()
+        .nth(place.ring)?;
+    let (start, end) = ring.edges_deg().nth(place.vertex)?;
+    Some([start, end])
+}
+
+/// Makes vertices of all crossings, as far as rounding lets that end.
+fn without_crossings(mut edges: Vec<OutlineEdge>) -> Vec<OutlineEdge> {
+    for _ in 0..MOST_ROUNDS {
+        let ends: Vec<[Degrees; 2]> = edges.iter().map(|edge| [edge.start, edge.end]).collect();
+        let (found, _) = find_crossings(EdgeRule::Planar, &ends, MOST_LISTED_CROSSINGS);
+        if found.is_empty() {
+            break;
+        }
+        edges = split_outline(&edges, &found);
+    }
+    edges
 }
 
 /// Mean width of the narrowest group that is turned over, metres; `None` where none is.

@@ -90,3 +90,25 @@ fn a_sliver_between_an_arc_and_its_chord_has_the_area_of_its_arcs() {
     let chords = RegionMesh::build(&region, &body, EdgeRule::Planar, &MeshOptions::default());
     assert!(chords.expect("meshes").area_m2 < 1e-6);
 }
+
+#[test]
+fn an_edge_bent_over_its_neighbour_by_its_splits_is_no_crossing() {
+    // Of a hole 10⁻⁴° wide repaired where it meets the shell: its edges cross nowhere, but where
+    // they are split is rounded, and so are the places where they are cut at the antimeridian.
+    let mut region = region(
+        "[[[[235.0,10.1],[160.0,35.1],[175.9335064701736,29.7888311771088]],\
+         [[160.0,5.1],[180.0,35.1],[160.00007904600352,5.10011856900528]]]]",
+    );
+    assert!(region.split_at_crossings(EdgeRule::Planar) > 0);
+    let body = Ellipsoid::SATURN_LIKE;
+    let options = MeshOptions {
+        boundary_tolerance_m: 788_906.275_193_956_9,
+        cap_step_deg: 4.166_666_666_666_667,
+    };
+    let mesh = RegionMesh::build(&region, &body, EdgeRule::Planar, &options).expect("meshes");
+    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    // Twin: edges that do cross are refused.
+    let bow_tie = self::region("[[[[160,5],[180,35],[160,33],[180,6]]]]");
+    let error = RegionMesh::build(&bow_tie, &body, EdgeRule::Planar, &options).err();
+    assert!(matches!(error, Some(MeshError::SelfCrossing { .. })));
+}
