@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Closed edges in the plane of longitude and latitude → triangles of what they enclose.
 //!
-//! Degrees. Constrained Delaunay by `spade` (incremental, exact predicates), inside and outside by
-//! the even-odd rule, then interior points so that no cap facet is much longer than
-//! the step asked for. Longitudes are scaled by the power of two nearest to the cosine of the
+//! Degrees. Constrained Delaunay (see `delaunay`), inside and outside by the even-odd rule, then
+//! interior points so that no cap facet is much longer than the step asked for. Longitudes are scaled by the power of two nearest to the cosine of the
 //! middle latitude: triangles come out well shaped on the body, and not one bit of a coordinate
 //! changes, so predicates remain exact for the numbers of the file.
+
+mod delaunay;
 
 use crate::crossings::{
     self, CrossingPlaces, crossing_places, find_crossings, great_ellipse_crossing, split_outline,
@@ -13,14 +14,7 @@ use crate::crossings::{
 use crate::edge::{Degrees, arc_rad};
 use crate::outline::OutlineEdge;
 use crate::{EdgeRule, MeshOptions};
-use spade::handles::{DirectedEdgeHandle, FixedVertexHandle};
-use spade::{
-    CdtEdge, ConstrainedDelaunayTriangulation, Intersection, LineIntersectionIterator, Point2,
-    PositionInTriangulation, Triangulation,
-};
-
-/// The data of an undirected edge says whether an odd number of the file's edges runs along it.
-type Cdt = ConstrainedDelaunayTriangulation<Point2<f64>, (), bool>;
+use delaunay::{Blocked, Delaunay, FRAME_CORNERS, Place};
 
 /// Interior edges longer than this many steps are halved.
 const LONGEST_INTERIOR_EDGE_STEPS: f64 = 1.5;
@@ -121,16 +115,28 @@ fn load_without_false_crossings(
     ))
 }
 
+impl From<Blocked> for TriangulateError {
+    fn from(blocked: Blocked) -> Self {
+        Self::Refused(
+            match blocked {
+                Blocked::Crossing => "an edge crosses another",
+                Blocked::Outside => "a point is outside its bounds",
+                Blocked::Endless => "an edge could not be put in",
+            }
+            .to_owned(),
+        )
+    }
+}
+
 struct Group {
-    cdt: Cdt,
+    /// Of longitudes times `scale`, and latitudes.
+    mesh: Delaunay,
     /// Power of two that longitudes are multiplied by.
     scale: f64,
-    /// Degrees, by index of the vertex in the triangulation.
+    /// Degrees, by index of the vertex in the triangulation, the frame's first.
     vertices: Vec<Degrees>,
     /// Indices of the outline's vertices in the order of the outline; some occur more than once.
     outline_order: Vec<u32>,
-    /// Edges that were made constraints, by their ends.
-    kept: Vec<[u32; 2]>,
     /// `[west, south, east, north]`.
     bounds: [f64; 4],
 }
@@ -143,86 +149,59 @@ impl Group {
         let scale = cosine.log2().round().clamp(-12.0, 0.0).exp2();
         let corners = Corners::new(edges);
         let count = corners.positions.len();
+        let [west, south, east, north] = bounds;
+        let mesh = Delaunay::new([west * scale, south, east * scale, north], count);
+        let mut vertices = Vec::with_capacity(FRAME_CORNERS + count);
+        vertices.resize(FRAME_CORNERS, [0.0; 2]);
         let mut group = Self {
-            cdt: Cdt::with_capacity(count, 3 * count, 2 * count),
+            mesh,
             scale,
-            vertices: Vec::with_capacity(count),
+            vertices,
             outline_order: vec![0; count],
-            kept: Vec::with_capacity(corners.ends.len()),
             bounds,
         };
         for (new_corners, new_edges) in corners.rounds() {
             for corner in new_corners {
-                let handle = group.insert(corners.positions[corner as usize])?;
-                group.outline_order[corner as usize] = index_u32(handle.index());
+                let vertex = group.insert(corners.positions[corner as usize])?;
+                group.outline_order[corner as usize] = vertex;
             }
             let ends = new_edges.map(|ends| ends.map(|i| group.outline_order[i as usize]));
-            for ends in odd_edges(ends) {
-                let [from, to] = ends.map(|i| FixedVertexHandle::from_index(i as usize));
-                if group.cdt.try_add_constraint(from, to).is_empty() {
-                    return Ok(None);
+            for [from, to] in odd_edges(ends) {
+                match group.mesh.constrain(from, to) {
+                    Ok(()) => {}
+                    Err(Blocked::Crossing) => return Ok(None),
+                    Err(blocked) => return Err(blocked.into()),
                 }
-                group.kept.push(ends);
             }
         }
-        group.mark_odd_edges();
         Ok(Some(group))
     }
 
-    /// Marks what an odd number of edges runs along. An edge that passes exactly through a vertex
-    /// has become several, and several edges may share one of those.
-    fn mark_odd_edges(&mut self) {
-        let mut marked = vec![false; self.cdt.num_undirected_edges()];
-        for ends in &self.kept {
-            let [from, to] = ends.map(|i| FixedVertexHandle::from_index(i as usize));
-            if let Some(edge) = self.cdt.get_edge_from_neighbors(from, to) {
-                marked[edge.as_undirected().fix().index()] ^= true;
-                continue;
-            }
-            for crossed in LineIntersectionIterator::new_from_handles(&self.cdt, from, to) {
-                if let Intersection::EdgeOverlap(edge) = crossed {
-                    marked[edge.as_undirected().fix().index()] ^= true;
-                }
-            }
-        }
-        let handles: Vec<_> = self.cdt.fixed_undirected_edges().collect();
-        for handle in handles {
-            *self.cdt.undirected_edge_data_mut(handle).data_mut() = marked[handle.index()];
-        }
-    }
-
-    /// By index of the face: whether an odd number of edges separates it from the outside.
+    /// By index of the triangle: whether an odd number of edges separates it from the outside.
     fn inside_faces(&self) -> Vec<bool> {
-        let mut inside: Vec<Option<bool>> = vec![None; self.cdt.num_all_faces()];
+        const UNKNOWN: u8 = 2;
+        let mut inside = vec![UNKNOWN; self.mesh.triangle_count()];
         let mut waiting = Vec::new();
-        inside[self.cdt.outer_face().index()] = Some(false);
-        for edge in self.cdt.convex_hull() {
-            // Hull edges have the outer face on one side; the other is where the walk starts.
-            for side in [edge, edge.rev()] {
-                let Some(face) = side.face().as_inner() else {
+        // Nothing of the outline is at the frame, so the triangles there are outside.
+        for (triangle, i) in self.mesh.edges() {
+            if self.mesh.neighbour(triangle, i).is_none() && inside[triangle as usize] == UNKNOWN {
+                inside[triangle as usize] = 0;
+                waiting.push(triangle);
+            }
+        }
+        while let Some(triangle) = waiting.pop() {
+            let here = inside[triangle as usize];
+            for i in 0..3 {
+                let Some(neighbour) = self.mesh.neighbour(triangle, i) else {
                     continue;
                 };
-                if inside[face.index()].is_none() {
-                    inside[face.index()] = Some(*side.as_undirected().data().data());
-                    waiting.push(face.fix());
+                if inside[neighbour as usize] == UNKNOWN {
+                    inside[neighbour as usize] = here ^ u8::from(self.mesh.is_odd(triangle, i));
+                    waiting.push(neighbour);
                 }
             }
         }
-        while let Some(face) = waiting.pop() {
-            let face = self.cdt.face(face);
-            let here = inside[face.index()] == Some(true);
-            for edge in face.adjacent_edges() {
-                let Some(neighbour) = edge.rev().face().as_inner() else {
-                    continue;
-                };
-                if inside[neighbour.index()].is_none() {
-                    let odd = *edge.as_undirected().data().data();
-                    inside[neighbour.index()] = Some(here ^ odd);
-                    waiting.push(neighbour.fix());
-                }
-            }
-        }
-        inside.into_iter().map(|side| side == Some(true)).collect()
+        inside.into_iter().map(|side| side == 1).collect()
     }
 
     /// Whether anything can be longer than the step; most islands are not.
@@ -231,21 +210,17 @@ impl Group {
         (east - west).hypot(north - south) > step_deg
     }
 
-    fn degrees(&self, point: Point2<f64>) -> Degrees {
-        [point.x / self.scale, point.y]
+    fn planar(&self, position: Degrees) -> [f64; 2] {
+        [position[0] * self.scale, position[1]]
     }
 
-    fn insert(&mut self, position: Degrees) -> Result<FixedVertexHandle, TriangulateError> {
+    fn insert(&mut self, position: Degrees) -> Result<u32, TriangulateError> {
         let position = position.map(without_underflow);
-        let point = Point2::new(position[0] * self.scale, position[1]);
-        let handle = self
-            .cdt
-            .insert(point)
-            .map_err(|error| TriangulateError::Refused(error.to_string()))?;
-        if handle.index() == self.vertices.len() {
+        let vertex = self.mesh.insert(self.planar(position))?;
+        if vertex as usize == self.vertices.len() {
             self.vertices.push(position);
         }
-        Ok(handle)
+        Ok(vertex)
     }
 
     /// Adds interior points until no interior edge is too long; whether there were any to add.
@@ -253,18 +228,19 @@ impl Group {
     /// Every edge that an insertion makes ends at the point inserted, so after the first look only
     /// the edges of new points are looked at.
     fn refine(&mut self, inside: &[bool], step_deg: f64) -> Result<bool, TriangulateError> {
-        let constraints_before = self.cdt.num_constraints();
-        let long: Vec<[FixedVertexHandle; 2]> = self
-            .cdt
-            .undirected_edges()
-            .map(|edge| edge.as_directed())
-            .filter(|edge| inside[edge.face().index()] && self.is_too_long(*edge, step_deg))
-            .map(|edge| [edge.from().fix(), edge.to().fix()])
+        let long: Vec<[u32; 2]> = self
+            .mesh
+            .edges()
+            .filter(|&(triangle, i)| {
+                inside[triangle as usize] && !self.mesh.is_constraint(triangle, i)
+            })
+            .map(|(triangle, i)| self.mesh.ends(triangle, i))
+            .filter(|ends| self.is_too_long(*ends, step_deg))
             .collect();
         let mut new = self.insert_lattice(inside, step_deg)?;
         let mut middles: Vec<Degrees> = long
             .into_iter()
-            .filter(|[from, to]| self.cdt.get_edge_from_neighbors(*from, *to).is_some())
+            .filter(|[from, to]| self.mesh.edge_between(*from, *to).is_ok())
             .map(|ends| self.middle(ends))
             .collect();
         let changed = !(new.is_empty() && middles.is_empty());
@@ -276,28 +252,27 @@ impl Group {
             new.clear();
             for middle in middles.drain(..) {
                 let before = self.vertices.len();
-                let handle = self.insert(middle)?;
-                if handle.index() == before {
-                    new.push(handle);
+                let vertex = self.insert(middle)?;
+                if vertex as usize == before {
+                    new.push(vertex);
                 }
             }
-        }
-        if self.cdt.num_constraints() != constraints_before {
-            // Where the inside is a rounding wide, a point came to lie on the outline, and the
-            // halves of the edge that it split have no marks.
-            self.mark_odd_edges();
         }
         Ok(changed)
     }
 
     /// Middles of the edges that are too long among those that end at one of these vertices.
-    fn middles_round(&self, new: &[FixedVertexHandle], step_deg: f64) -> Vec<Degrees> {
-        let mut long: Vec<[FixedVertexHandle; 2]> = Vec::new();
+    fn middles_round(&self, new: &[u32], step_deg: f64) -> Vec<Degrees> {
+        let mut long: Vec<[u32; 2]> = Vec::new();
         for vertex in new {
-            for edge in self.cdt.vertex(*vertex).out_edges() {
-                if self.is_too_long(edge, step_deg) {
-                    let [from, to] = [edge.from().fix(), edge.to().fix()];
-                    long.push([from.min(to), from.max(to)]);
+            for (triangle, i) in self.mesh.edges_at(*vertex) {
+                let [from, to] = self.mesh.ends(triangle, i);
+                let ends = [from.min(to), from.max(to)];
+                // A point that came to lie on the outline has edges to the frame.
+                let leaves = (ends[0] as usize) < FRAME_CORNERS;
+                let stays = self.mesh.is_constraint(triangle, i);
+                if !leaves && !stays && self.is_too_long(ends, step_deg) {
+                    long.push(ends);
                 }
             }
         }
@@ -306,8 +281,8 @@ impl Group {
         long.into_iter().map(|ends| self.middle(ends)).collect()
     }
 
-    fn middle(&self, ends: [FixedVertexHandle; 2]) -> Degrees {
-        let [a, b] = ends.map(|end| self.vertices[end.index()]);
+    fn middle(&self, ends: [u32; 2]) -> Degrees {
+        let [a, b] = ends.map(|end| self.vertices[end as usize]);
         [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
     }
 
@@ -316,7 +291,7 @@ impl Group {
         &mut self,
         inside: &[bool],
         step_deg: f64,
-    ) -> Result<Vec<FixedVertexHandle>, TriangulateError> {
+    ) -> Result<Vec<u32>, TriangulateError> {
         let [west, south, east, north] = self.bounds;
         let mut chosen = Vec::new();
         let mut row = (south / step_deg).ceil();
@@ -351,54 +326,44 @@ impl Group {
         clearance_deg: f64,
         inside: &[bool],
     ) -> bool {
-        let point = Point2::new(position[0] * self.scale, position[1]);
-        let PositionInTriangulation::OnFace(face) = self.cdt.locate(point) else {
+        let Place::Face(triangle) = self.mesh.locate(self.planar(position)) else {
             return false;
         };
-        if !inside[face.index()] {
+        if !inside[triangle as usize] {
             return false;
         }
-        let local = |point: Point2<f64>| {
-            let [longitude, latitude] = self.degrees(point);
-            Point2::new((longitude - position[0]) * cosine, latitude - position[1])
+        let local = |vertex: u32| {
+            let [longitude, latitude] = self.vertices[vertex as usize];
+            [(longitude - position[0]) * cosine, latitude - position[1]]
         };
-        let origin = Point2::new(0.0, 0.0);
-        self.cdt.face(face).adjacent_edges().iter().all(|edge| {
-            let [from, to] = edge.positions().map(local);
-            let near = if *edge.as_undirected().data().data() {
+        (0..3).all(|i| {
+            let [from, to] = self.mesh.ends(triangle, i).map(local);
+            let near = if self.mesh.is_odd(triangle, i) {
                 distance_to_segment(from, to)
             } else {
-                from.distance_2(origin).sqrt()
+                from[0].hypot(from[1])
             };
             near >= clearance_deg
         })
     }
 
-    /// Whether an edge that is not of the outline is longer than a facet's may be.
-    fn is_too_long(
-        &self,
-        edge: DirectedEdgeHandle<'_, Point2<f64>, (), CdtEdge<bool>, ()>,
-        step_deg: f64,
-    ) -> bool {
-        if edge.as_undirected().is_constraint_edge() {
-            return false;
-        }
+    /// Whether an edge is longer than that of a facet may be.
+    fn is_too_long(&self, ends: [u32; 2], step_deg: f64) -> bool {
         let longest_deg = LONGEST_INTERIOR_EDGE_STEPS * step_deg;
-        let [a, b] = edge.positions().map(|point| self.degrees(point));
+        let [a, b] = ends.map(|end| self.vertices[end as usize]);
         let (width, height) = ((b[0] - a[0]).abs(), b[1] - a[1]);
         width.hypot(height) > longest_deg
             && (width > WIDEST_INTERIOR_EDGE_DEG || arc_rad(a, b).to_degrees() > longest_deg)
     }
 
     fn extract(self, inside: &[bool]) -> Result<GroupMesh, TriangulateError> {
-        let mut triangles = Vec::with_capacity(self.cdt.num_inner_faces());
+        let count = inside.iter().filter(|inside| **inside).count();
+        let mut triangles = Vec::with_capacity(count);
         let mut used = vec![false; self.vertices.len()];
-        for face in self.cdt.inner_faces() {
-            if inside[face.index()] {
-                let corners = face.vertices().map(|vertex| index_u32(vertex.index()));
-                corners.iter().for_each(|&i| used[i as usize] = true);
-                triangles.push(corners);
-            }
+        for (triangle, _) in (0..).zip(inside).filter(|(_, inside)| **inside) {
+            let corners = self.mesh.corners(triangle);
+            corners.iter().for_each(|&i| used[i as usize] = true);
+            triangles.push(corners);
         }
         // In the order of the outline: what is done with neighbours stays close in memory.
         let mut new_index = vec![u32::MAX; self.vertices.len()];
@@ -415,18 +380,21 @@ impl Group {
             *corners = corners.map(|i| new_index[i as usize]);
         }
         let mut boundary = Vec::new();
-        for edge in self.cdt.undirected_edges() {
-            if !*edge.data().data() {
+        for (triangle, i) in self.mesh.edges() {
+            if !self.mesh.is_odd(triangle, i) {
                 continue;
             }
-            let directed = edge.as_directed();
-            let left = inside[directed.face().index()];
-            if left == inside[directed.rev().face().index()] {
+            let left = inside[triangle as usize];
+            let across = self.mesh.neighbour(triangle, i);
+            if across.is_none_or(|across| inside[across as usize] == left) {
                 let message = "an edge has the same side twice".to_owned();
                 return Err(TriangulateError::Refused(message));
             }
-            let directed = if left { directed } else { directed.rev() };
-            boundary.push([directed.from(), directed.to()].map(|end| new_index[end.index()]));
+            let [from, to] = self
+                .mesh
+                .ends(triangle, i)
+                .map(|end| new_index[end as usize]);
+            boundary.push(if left { [from, to] } else { [to, from] });
         }
         boundary.sort_unstable();
         Ok(GroupMesh {
@@ -456,9 +424,8 @@ fn bounds(edges: &[OutlineEdge]) -> [f64; 4] {
 /// flips proportional to the number of corners whatever the shape; the outline's order makes the
 /// next corner a neighbour of the last one, which is where the search for its place starts
 /// (Amenta, Choi & Rote 2003, "Incremental constructions con BRIO"). Loading all at once from the
-/// middle outwards, as spade's bulk loading does, takes the square of the number for a comb: a line
-/// of many corners is there long before the next one, and each corner of that takes its neighbours
-/// from all those before it. So do edges that are inserted last, where they cross many triangles.
+/// middle outwards takes the square of the number for a comb: a line of many corners is there long
+/// before the next one, and each corner of that takes its neighbours from all those before it. So do edges that are inserted last, where they cross many triangles.
 struct Corners {
     /// An outline's neighbours once, so a corner that several rings share occurs several times.
     positions: Vec<Degrees>,
@@ -563,11 +530,12 @@ pub(crate) fn index_u32(index: usize) -> u32 {
     index as u32
 }
 
-fn distance_to_segment(from: Point2<f64>, to: Point2<f64>) -> f64 {
-    let (dx, dy) = (to.x - from.x, to.y - from.y);
-    let along = -(from.x * dx + from.y * dy) / (dx * dx + dy * dy);
+/// Of the origin.
+fn distance_to_segment(from: [f64; 2], to: [f64; 2]) -> f64 {
+    let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+    let along = -(from[0] * dx + from[1] * dy) / (dx * dx + dy * dy);
     let along = along.clamp(0.0, 1.0);
-    (from.x + along * dx).hypot(from.y + along * dy)
+    (from[0] + along * dx).hypot(from[1] + along * dy)
 }
 
 #[cfg(test)]
