@@ -9,13 +9,14 @@
 // The macros of criterion make functions without documentation.
 #![allow(missing_docs, reason = "what criterion's macros expand to has none")]
 
-#[path = "../examples/shapes/mod.rs"]
-mod shapes;
+#[path = "../../scene/src/shape_family.rs"]
+#[allow(unreachable_pub, reason = "public in the crate that it is shared with")]
+mod shape_family;
 
 use criterion::measurement::{Measurement, ValueFormatter};
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use rustix::time::{ClockId, clock_gettime};
-use shapes::Shape;
+use shape_family::ShapeFamily;
 use std::hint::black_box;
 use std::path::PathBuf;
 use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, Region, RegionMesh, parse_regions};
@@ -156,7 +157,7 @@ fn real_files(criterion: &mut Criterion<CpuTime>) {
 
 fn made_up_shapes(criterion: &mut Criterion<CpuTime>) {
     let mut group = criterion.benchmark_group("shapes");
-    for shape in Shape::ALL {
+    for shape in ShapeFamily::ALL {
         for size in [10_000, 100_000] {
             let text = shape.geojson(size);
             stages(

@@ -9,10 +9,12 @@
 
 #![allow(clippy::print_stdout, reason = "printing is what an example is for")]
 
-mod shapes;
+#[path = "../../scene/src/shape_family.rs"]
+#[allow(unreachable_pub, reason = "public in the crate that it is shared with")]
+mod shape_family;
 
 use rustix::time::{ClockId, clock_gettime};
-use shapes::Shape;
+use shape_family::ShapeFamily;
 use std::process::{Command, ExitCode};
 use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh, parse_regions};
 
@@ -24,7 +26,7 @@ const ONE_RUN: &str = "--one";
 
 /// One row of the table.
 struct Row {
-    shape: Shape,
+    shape: ShapeFamily,
     vertices: u32,
     cpu_ms: f64,
     peak_bytes: Option<u64>,
@@ -62,7 +64,7 @@ fn main() -> ExitCode {
 fn table(out: Option<&str>, runs: usize) -> Result<bool, String> {
     let mut rows = Vec::new();
     println!("shape      vertices      cpu ms  ns/vertex   peak MB");
-    for shape in Shape::ALL {
+    for shape in ShapeFamily::ALL {
         for vertices in SIZES {
             let row = median_of_runs(shape, vertices, runs)?;
             let peak = row
@@ -82,7 +84,7 @@ fn table(out: Option<&str>, runs: usize) -> Result<bool, String> {
         std::fs::write(out, csv(&rows)).map_err(|error| format!("{out}: {error}"))?;
     }
     let mut within = true;
-    for shape in Shape::ALL {
+    for shape in ShapeFamily::ALL {
         let cpu_ms = |vertices: u32| {
             let row = rows
                 .iter()
@@ -114,7 +116,7 @@ fn csv(rows: &[Row]) -> String {
     text
 }
 
-fn median_of_runs(shape: Shape, vertices: u32, runs: usize) -> Result<Row, String> {
+fn median_of_runs(shape: ShapeFamily, vertices: u32, runs: usize) -> Result<Row, String> {
     let this = std::env::current_exe().map_err(|error| error.to_string())?;
     let mut cpu_ms = Vec::with_capacity(runs);
     let mut peak_bytes = Vec::with_capacity(runs);
@@ -144,7 +146,7 @@ fn median_of_runs(shape: Shape, vertices: u32, runs: usize) -> Result<Row, Strin
 
 /// Prints CPU time in milliseconds and the peak of memory in bytes.
 fn one_run(shape: &str, vertices: &str) -> Result<bool, String> {
-    let mut shapes = Shape::ALL.into_iter();
+    let mut shapes = ShapeFamily::ALL.into_iter();
     let shape = shapes.find(|known| known.name() == shape);
     let shape = shape.ok_or("no such shape")?;
     let vertices: u32 = vertices.parse().map_err(|_| "no number of vertices")?;

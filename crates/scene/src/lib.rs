@@ -9,6 +9,7 @@ mod near_plane;
 mod plan;
 mod procedural;
 mod scene;
+mod shape_family;
 mod shipped;
 mod surface;
 
@@ -21,5 +22,6 @@ pub use plan::{
 };
 pub use procedural::Islands;
 pub use scene::{Overlap, Scene, View};
+pub use shape_family::ShapeFamily;
 pub use shipped::shipped_scene_names;
 pub use surface::SurfaceMesh;

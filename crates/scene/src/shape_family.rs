@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Shapes of any number of vertices, as GeoJSON, and what reading and meshing one of them costs.
+//! Shapes of any number of vertices, as GeoJSON, to see how cost grows with size.
 //!
-//! Degrees. Families that are hard in different ways: points on one circle, long thin teeth, a coast
+//! Degrees. The same bytes for the same number on one machine; no seed is needed. Families that are hard in different ways: points on one circle, long thin teeth, a coast
 //! with detail at all sizes, very many holes, very many parts.
 
 use std::f64::consts::TAU;
@@ -9,9 +9,9 @@ use std::fmt::Write;
 
 /// A family of shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Shape {
-    /// Points on one circle: every triangulation of them is as good, and the exact predicates must say
-    /// so every time.
+pub enum ShapeFamily {
+    /// Points on one circle: every triangulation of them is as good, which only exact predicates
+    /// can tell.
     Circle,
     /// Teeth that hang from one side to the other.
     Comb,
@@ -23,9 +23,9 @@ pub(crate) enum Shape {
     Islands,
 }
 
-impl Shape {
+impl ShapeFamily {
     /// Every family.
-    pub(crate) const ALL: [Self; 5] = [
+    pub const ALL: [Self; 5] = [
         Self::Circle,
         Self::Comb,
         Self::Fractal,
@@ -34,7 +34,8 @@ impl Shape {
     ];
 
     /// Name in tables.
-    pub(crate) fn name(self) -> &'static str {
+    #[must_use]
+    pub fn name(self) -> &'static str {
         match self {
             Self::Circle => "circle",
             Self::Comb => "comb",
@@ -45,7 +46,8 @@ impl Shape {
     }
 
     /// GeoJSON of the shape with about `vertices` vertices.
-    pub(crate) fn geojson(self, vertices: u32) -> String {
+    #[must_use]
+    pub fn geojson(self, vertices: u32) -> String {
         match self {
             Self::Circle => polygon(&[circle([20.0, 0.0], 15.0, vertices)]),
             Self::Comb => polygon(&[comb(vertices)]),
@@ -68,6 +70,10 @@ impl Shape {
 
 type Vertex = [f64; 2];
 
+/// Half a tooth of the comb: short enough that edges are not split, and the vertices of the file are
+/// those of the mesh.
+const TOOTH_DEG: f64 = 0.2;
+
 fn circle(center: Vertex, radius: f64, vertices: u32) -> Vec<Vertex> {
     (0..vertices)
         .map(|k| TAU * f64::from(k) / f64::from(vertices))
@@ -86,15 +92,15 @@ fn comb(vertices: u32) -> Vec<Vertex> {
     let step = 30.0 / f64::from(lines);
     let line = |k: u32| {
         let (from, to) = if k.is_multiple_of(2) {
-            (-10.0, 10.0)
+            (-TOOTH_DEG, TOOTH_DEG)
         } else {
-            (10.0, -10.0)
+            (TOOTH_DEG, -TOOTH_DEG)
         };
         let longitude = f64::from(k) * step;
         [[longitude, from], [longitude, to]]
     };
     let mut ring: Vec<Vertex> = (0..lines).flat_map(line).collect();
-    ring.extend([[31.0, 11.0], [-1.0, 11.0]]);
+    ring.extend([[31.0, 1.0], [-1.0, 1.0]]);
     ring
 }
 
