@@ -8,6 +8,7 @@
 mod cases;
 mod environment;
 mod group;
+mod growth;
 mod images;
 mod options;
 mod runner;

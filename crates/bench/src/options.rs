@@ -119,6 +119,14 @@ pub enum BenchError {
         /// Scene and problem, one line per region.
         lines: String,
     },
+    /// A made-up shape cannot be meshed: a fault of this program.
+    #[error("growth, {shape}: {message}")]
+    Growth {
+        /// Its family.
+        shape: &'static str,
+        /// Why.
+        message: String,
+    },
     /// Two scenes of the run have one name, so their rows could not be told apart.
     #[error("scene {name:?} is given twice, allowed: once")]
     SceneTwice {

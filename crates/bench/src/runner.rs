@@ -2,6 +2,7 @@
 //! The run: `scenes → meshes → FrameInput → reference and backends → figures → samples → CSV`.
 
 use crate::group::GroupRun;
+use crate::growth;
 use crate::scenes::{SkippedScenes, plan_groups};
 use crate::{BenchCase, BenchError, BenchOptions, SceneGroup, Technique, environment};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -62,6 +63,9 @@ pub fn run(options: &BenchOptions) -> Result<BenchOutcome, BenchError> {
     } else {
         RunFolder::create(&options.out, &environment, &plan)?
     };
+    if measures_growth(options) {
+        growth::measure(&folder, options.quick)?;
+    }
     let missing = folder.missing()?;
     let progress = progress_bar(&plan, &missing);
     for group in &groups {
@@ -72,6 +76,12 @@ pub fn run(options: &BenchOptions) -> Result<BenchOutcome, BenchError> {
     }
     progress.finish_and_clear();
     Ok(outcome(&groups, &folder.summaries()?, skipped_scenes))
+}
+
+/// Growth is a figure of the whole program: runs over all scenes measure it, once over all shards.
+fn measures_growth(options: &BenchOptions) -> bool {
+    let is_first = options.shard.is_none_or(|shard| shard.index == 1);
+    options.scenes.is_empty() && is_first
 }
 
 /// Rows of a run are compared with one another, so the rest of it is measured in the same way. The

@@ -28,7 +28,9 @@ fn entry(line: &'static str) -> Option<(&'static str, String)> {
 mod tests {
     use super::*;
     use crate::page::{COLUMNS, PLOT_TERMS};
-    use terrafill_results::{CaseKey, RunEnvironment, RunFolder, RunPlan, Sample, Status, Summary};
+    use terrafill_results::{
+        CaseKey, GrowthRow, RunEnvironment, RunFolder, RunPlan, Sample, Status, Summary,
+    };
 
     fn csv_columns() -> Vec<String> {
         let folder = tempfile::tempdir().expect("a folder");
@@ -60,7 +62,14 @@ mod tests {
         .expect("a sample");
         run.append_summary(&Summary::new(key, Status::Ok))
             .expect("a summary");
-        ["samples.csv", "summary.csv"]
+        run.append_growth(&GrowthRow {
+            shape: "comb".to_owned(),
+            outline_vertices: 1_000,
+            repetition: 0,
+            mesh_cpu_ms: 1.0,
+        })
+        .expect("a mesh build");
+        ["samples.csv", "summary.csv", "growth.csv"]
             .iter()
             .flat_map(|file| {
                 let text = std::fs::read_to_string(folder.path().join(file)).expect("the file");
@@ -81,7 +90,8 @@ mod tests {
     #[test]
     fn every_csv_column_is_explained() {
         let columns = csv_columns();
-        assert!(columns.len() > 50, "both headers were read: {columns:?}");
+        assert!(columns.len() > 54, "all headers were read: {columns:?}");
+        assert!(columns.iter().any(|column| column == "mesh_cpu_ms"));
         assert_eq!(
             unexplained(columns.iter().map(String::as_str)),
             [""; 0],

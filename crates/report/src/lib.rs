@@ -8,6 +8,7 @@
 
 mod error;
 mod glossary;
+mod growth;
 mod number;
 mod page;
 mod picture;

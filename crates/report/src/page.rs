@@ -5,7 +5,7 @@ use crate::number::{bytes, count, significant, utc};
 use crate::picture::{Picture, embed};
 use crate::plot::{self, Palette};
 use crate::run_data::{Case, Outcome, RunData, SceneCases, ViewCases};
-use crate::{ReportError, glossary, published};
+use crate::{ReportError, glossary, growth, published};
 use askama::Template;
 
 /// A column of the case tables.
@@ -139,7 +139,7 @@ pub(crate) const COLUMNS: [Column; 15] = [
 
 /// Words of the plots that are no CSV columns.
 #[cfg(test)]
-pub(crate) const PLOT_TERMS: [&str; 12] = [
+pub(crate) const PLOT_TERMS: [&str; 14] = [
     "case",
     "bound",
     "floor",
@@ -147,6 +147,8 @@ pub(crate) const PLOT_TERMS: [&str; 12] = [
     "whisker",
     "curve",
     "knob",
+    "slope 1",
+    "growth ratio",
     "zero line",
     "upper edge",
     "Pareto front",
@@ -163,6 +165,7 @@ struct Page {
     notes: Vec<String>,
     environment: Vec<(&'static str, String)>,
     scenes: Vec<SceneSection>,
+    growth: GrowthSection,
     glossary: Vec<(&'static str, String)>,
     dark_rules: String,
 }
@@ -170,6 +173,20 @@ struct Page {
 struct Verdict {
     class: &'static str,
     sentences: Vec<String>,
+}
+
+/// How the cost of a mesh grows with its outline.
+struct GrowthSection {
+    plot: Option<String>,
+    bound: f64,
+    rows: Vec<GrowthTableRow>,
+}
+
+struct GrowthTableRow {
+    shape: String,
+    /// Medians at the two sizes of the ratio, then the ratio; with the reason where one is absent.
+    cells: Vec<String>,
+    is_above: bool,
 }
 
 struct SceneSection {
@@ -261,10 +278,33 @@ pub(crate) fn render(data: &RunData) -> Result<String, ReportError> {
         notes: data.notes.clone(),
         environment: environment(data),
         scenes,
+        growth: growth_section(data)?,
         glossary: glossary::entries(),
         dark_rules: plot::dark_rules(),
     };
     Ok(page.render()?)
+}
+
+fn growth_section(data: &RunData) -> Result<GrowthSection, ReportError> {
+    let rows = data.growth.iter().map(|curve| {
+        let times = [curve.near(growth::RATIO_FROM), curve.near(growth::RATIO_TO)];
+        let ratio = curve.ratio();
+        let mut cells: Vec<String> = times
+            .iter()
+            .map(|time| time.map_or("not measured".to_owned(), |ms| significant(ms.median)))
+            .collect();
+        cells.push(ratio.map_or("not measured".to_owned(), significant));
+        GrowthTableRow {
+            shape: curve.shape.clone(),
+            cells,
+            is_above: ratio.is_some_and(|ratio| ratio > growth::STEEPEST_RATIO),
+        }
+    });
+    Ok(GrowthSection {
+        plot: plot::growth(&data.growth)?,
+        bound: growth::STEEPEST_RATIO,
+        rows: rows.collect(),
+    })
 }
 
 fn names_of(data: &RunData, outcome: Outcome) -> Vec<String> {

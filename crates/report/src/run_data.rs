@@ -5,6 +5,7 @@
 //! against their error figures. What does not fit becomes a note in the report.
 
 use crate::ReportError;
+use crate::growth::{GrowthCurve, curves};
 use crate::statistic::agrees;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -125,6 +126,8 @@ pub(crate) struct RunData {
     pub(crate) cases: Vec<Case>,
     /// What does not fit together in the run's files.
     pub(crate) notes: Vec<String>,
+    /// Cost of a mesh by the size of its outline; empty where it was not measured.
+    pub(crate) growth: Vec<GrowthCurve>,
 }
 
 impl RunData {
@@ -165,6 +168,7 @@ impl RunData {
             plan,
             cases,
             notes,
+            growth: curves(&run.growth()?),
         })
     }
 

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use terrafill_report::{ReportError, ReportSummary, write_report};
 use terrafill_results::{
-    CaseKey, RunEnvironment, RunFolder, RunPlan, Sample, Status, Summary, spread,
+    CaseKey, GrowthRow, RunEnvironment, RunFolder, RunPlan, Sample, Status, Summary, spread,
 };
 
 const BOUND_MS: f64 = 10.0;
@@ -485,4 +485,57 @@ fn the_same_run_gives_the_same_report() {
     let (_, first) = report(folder.path());
     let (_, second) = report(folder.path());
     assert_eq!(first, second);
+}
+
+fn grow(run: &RunFolder, shape: &str, times: &[(u64, f64)]) {
+    for &(outline_vertices, ms) in times {
+        for (repetition, factor) in [0.95, 1.0, 1.1].into_iter().enumerate() {
+            run.append_growth(&GrowthRow {
+                shape: shape.to_owned(),
+                outline_vertices,
+                repetition: u32::try_from(repetition).expect("three"),
+                mesh_cpu_ms: factor * ms,
+            })
+            .expect("a row");
+        }
+    }
+}
+
+#[test]
+fn growth_is_drawn_and_held_against_its_bound() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = mixed_run(folder.path());
+    let sizes = [1_000, 10_000, 100_000, 1_000_000];
+    let timed = |ms: [f64; 4]| sizes.into_iter().zip(ms).collect::<Vec<_>>();
+    grow(&run, "comb", &timed([1.0, 10.0, 100.0, 1_110.0]));
+    grow(&run, "spiral", &timed([1.0, 10.0, 100.0, 1_300.0]));
+    grow(&run, "needle", &[(1_000, 1.0)]);
+    let (_, html) = report(folder.path());
+    let table = html.split("<table class=\"growth\">").nth(1);
+    let table = table.and_then(|rest| rest.split("</table>").next());
+    let table = table.expect("the table");
+    let row = |shape: &str| {
+        let of_shape = format!(">{shape}</th>");
+        let mut rows = table.split("<tr").filter(|row| row.contains(&of_shape));
+        rows.next().expect("a row").to_owned()
+    };
+    assert!(row("comb").contains("<td>11.1</td><td>12</td>") && !row("comb").contains("above"));
+    assert!(row("spiral").contains("<td>13.0</td><td>12</td>") && row("spiral").contains("above"));
+    assert!(row("needle").contains("not measured") && !row("needle").contains("above"));
+    let drawn = plot(&html, "time to mesh against vertices");
+    assert!(drawn.contains("slope 1") && drawn.contains("spiral"));
+    assert!(!html.contains("Not measured: this run's folder has no"));
+}
+
+#[test]
+fn a_run_without_growth_says_why_and_a_broken_row_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    mixed_run(folder.path());
+    let (_, html) = report(folder.path());
+    assert!(html.contains("<h2 id=\"growth\">") && !html.contains("<table class=\"growth\">"));
+    assert!(html.contains("Not measured: this run's folder has no <code>growth.csv</code>"));
+    let text = "shape,outline_vertices,repetition,mesh_cpu_ms\ncomb,many,0,1.0\n";
+    fs::write(folder.path().join("growth.csv"), text).expect("writable");
+    let error = write_report(folder.path()).expect_err("a word is no number");
+    assert!(error.to_string().contains("outline_vertices"), "{error}");
 }

@@ -231,6 +231,19 @@ impl Summary {
     }
 }
 
+/// One measured build of a mesh of a made-up shape: how its cost grows with its size.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GrowthRow {
+    /// Family of the shape.
+    pub shape: String,
+    /// Vertices of its outline.
+    pub outline_vertices: u64,
+    /// Counts the builds of this shape and size from 0.
+    pub repetition: u32,
+    /// CPU time of the process, milliseconds.
+    pub mesh_cpu_ms: f64,
+}
+
 /// Medians of the full-screen passes measured beside a case.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Baselines {

@@ -2,7 +2,7 @@
 //! A run's folder: appended row by row and flushed, so that killing a run loses at most the case in
 //! hand; read back leniently at its torn end, strictly everywhere else.
 
-use crate::{CaseKey, RunEnvironment, RunPlan, Sample, Summary};
+use crate::{CaseKey, GrowthRow, RunEnvironment, RunPlan, Sample, Summary};
 use serde::{Serialize, de::DeserializeOwned};
 use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};
@@ -132,6 +132,18 @@ impl RunFolder {
         Ok(keep_last(self.read_rows("summary.csv")?, Summary::key))
     }
 
+    /// Every mesh build that was measured for growth; empty where none was. When one stands twice, the
+    /// last one counts.
+    ///
+    /// # Errors
+    /// As [`RunFolder::samples`].
+    pub fn growth(&self) -> Result<Vec<GrowthRow>, RunError> {
+        let rows: Vec<GrowthRow> = self.read_rows("growth.csv")?;
+        Ok(keep_last(rows, |row| {
+            (row.shape.clone(), row.outline_vertices, row.repetition)
+        }))
+    }
+
     /// Planned cases without a summary row.
     ///
     /// # Errors
@@ -157,6 +169,7 @@ impl RunFolder {
             });
         }
         let (summaries, samples) = (run.summaries()?, run.samples()?);
+        run.rewrite("growth.csv", &run.growth()?)?;
         run.rewrite("summary.csv", &summaries)?;
         run.rewrite("samples.csv", &samples)?;
         Ok(run)
@@ -176,6 +189,14 @@ impl RunFolder {
     /// [`RunError::Io`].
     pub fn append_summary(&self, row: &Summary) -> Result<(), RunError> {
         self.append("summary.csv", std::slice::from_ref(row))
+    }
+
+    /// Appends a measured mesh build and flushes it to the disk.
+    ///
+    /// # Errors
+    /// [`RunError::Io`].
+    pub fn append_growth(&self, row: &GrowthRow) -> Result<(), RunError> {
+        self.append("growth.csv", std::slice::from_ref(row))
     }
 
     fn plan_path(&self) -> PathBuf {

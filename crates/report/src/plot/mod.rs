@@ -7,12 +7,14 @@
 mod bytes;
 mod canvas;
 mod error_time;
+mod growth;
 mod palette;
 mod ratio;
 mod scale;
 
 pub(crate) use bytes::geometry_bytes;
 pub(crate) use error_time::error_against_time;
+pub(crate) use growth::growth;
 pub(crate) use palette::{Palette, dark_rules};
 pub(crate) use ratio::time_over_bound;
 
