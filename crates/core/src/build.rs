@@ -5,21 +5,20 @@
 //! with the same latitude become one, all vertices at a pole become one, and what that makes
 //! degenerate vanishes. A boundary edge whose reverse then exists too was a cut, not a border.
 
-use crate::crossings::{
-    CrossingPlaces, MOST_ROUNDS, find_crossings, planar_crossing, split_outline,
-};
+use crate::crossings::{CrossingPlaces, MOST_ROUNDS, find_crossings, split_outline};
 use crate::edge::{Degrees, EdgeSplitter, ROUNDING, ZoneArea, surface_point};
+use crate::geojson::feature_label;
 use crate::mesh::sagitta_m;
-use crate::outline::{OppositeEnds, Outline, OutlineEdge};
+use crate::outline::{OppositeEnds, Outline, OutlineEdge, edges_cross};
 use crate::triangulate::{GroupMesh, TriangulateError, index_u32, triangulate};
-use crate::{EdgeRule, Ellipsoid, Extent, MeshOptions, Region, RegionMesh};
+use crate::{EdgeRule, Ellipsoid, Extent, MeshOptions, Region, RegionMesh, Ring};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt;
 
-/// A ring edge in its file; indices count from 0.
+/// A ring edge in its file; indices count from 0, repeated positions included.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct EdgePlace {
     /// Areal part of the feature.
@@ -47,8 +46,8 @@ impl fmt::Display for EdgePlace {
 pub enum MeshError {
     /// Two edges of a region cross other than at a common vertex.
     #[error(
-        "feature {feature} ({name}): the edge from {first} crosses the edge from {second} at \
-         longitude {longitude_deg:.7}, latitude {latitude_deg:.7}"
+        "{}: the edge from {first} crosses the edge from {second} at longitude \
+         {longitude_deg:.7}, latitude {latitude_deg:.7}", feature_label(*feature, name)
     )]
     SelfCrossing {
         /// Index in the file.
@@ -66,8 +65,8 @@ pub enum MeshError {
     },
     /// More crossings than are worth listing.
     #[error(
-        "feature {feature} ({name}): {}{more} more crossings",
-        if *counted_all { "" } else { "over " }
+        "{}: {}{more} more crossings",
+        feature_label(*feature, name), if *counted_all { "" } else { "over " }
     )]
     MoreCrossings {
         /// Index in the file.
@@ -81,8 +80,8 @@ pub enum MeshError {
     },
     /// An edge between opposite points: every plane through them holds the centre.
     #[error(
-        "feature {feature} ({name}): the great-ellipse edge from {place} joins the opposite points \
-         {start:?} and {end:?}; put a vertex between them"
+        "{}: the great-ellipse edge from {place} joins the opposite points {start:?} and {end:?}; \
+         put a vertex between them", feature_label(*feature, name)
     )]
     OppositeEnds {
         /// Index in the file.
@@ -97,7 +96,7 @@ pub enum MeshError {
         end: [f64; 2],
     },
     /// The rings cancel one another or have no width, if only by the rounding of their coordinates.
-    #[error("feature {feature} ({name}): the rings enclose no area")]
+    #[error("{}: the rings enclose no area", feature_label(*feature, name))]
     NoArea {
         /// Index in the file.
         feature: usize,
@@ -115,7 +114,7 @@ pub enum MeshError {
         allowed: &'static str,
     },
     /// A fault of this program, not of the file.
-    #[error("feature {feature} ({name}): triangulation failed: {message}")]
+    #[error("{}: triangulation failed: {message}", feature_label(*feature, name))]
     Triangulation {
         /// Index in the file.
         feature: usize,
@@ -337,7 +336,7 @@ fn opposite_ends(region: &Region, opposite: Vec<OppositeEnds>) -> Vec<MeshError>
     let error = |OppositeEnds { place, start, end }| MeshError::OppositeEnds {
         feature: region.index,
         name: region.name.clone(),
-        place,
+        place: in_file(region, place),
         start,
         end,
     };
@@ -374,6 +373,7 @@ impl Meshed {
         let mut splitter = EdgeSplitter::new(body, rule, options);
         let outline = Outline::new(region, rule, &mut splitter)
             .map_err(|opposite| opposite_ends(region, opposite))?;
+        let at_splits = outline.crossings_at_splits(rule, MOST_LISTED_CROSSINGS);
         let groups = match crossings {
             Crossings::Refused => outline.groups,
             Crossings::MadeVertices => {
@@ -381,7 +381,7 @@ impl Meshed {
                 groups.map(without_crossings).collect()
             }
         };
-        let groups = triangulate_groups(region, body, rule, options, groups)?;
+        let groups = triangulate_groups(region, body, rule, options, groups, at_splits)?;
         Ok(Self {
             groups,
             extent: outline.extent,
@@ -398,28 +398,31 @@ fn only_parts_cross(region: &Region, errors: &[MeshError]) -> bool {
     errors.iter().all(|error| match error {
         MeshError::SelfCrossing { first, second, .. } => {
             let [first, second] = [first, second].map(|place| edge_at(region, *place));
-            first.zip(second).is_some_and(|(first, second)| {
-                !TURNS_APART_DEG.into_iter().any(|turns_deg| {
-                    let second = second.map(|[x, y]| [x + turns_deg, y]);
-                    planar_crossing(first, second).is_some()
-                })
-            })
+            let crosses = |(first, second)| edges_cross(first, second);
+            first.zip(second).is_some_and(|edges| !crosses(edges))
         }
         _ => false,
     })
 }
 
-/// Turns that two longitudes within ±540 can be apart, degrees.
-const TURNS_APART_DEG: [f64; 5] = [-720.0, -360.0, 0.0, 360.0, 720.0];
-
 fn edge_at(region: &Region, place: EdgePlace) -> Option<[Degrees; 2]> {
-    let ring = region
-        .polygons
-        .get(place.polygon)?
-        .rings()
-        .nth(place.ring)?;
-    let (start, end) = ring.edges_deg().nth(place.vertex)?;
+    let ring = ring_at(region, place)?;
+    let mut edges = ring.edges_deg().enumerate();
+    let (_, (start, end)) = edges.find(|(i, _)| ring.file_vertex(*i) == place.vertex)?;
     Some([start, end])
+}
+
+fn ring_at(region: &Region, place: EdgePlace) -> Option<&Ring> {
+    region.polygons.get(place.polygon)?.rings().nth(place.ring)
+}
+
+/// Counted as the file counts.
+fn in_file(region: &Region, place: EdgePlace) -> EdgePlace {
+    let vertex = ring_at(region, place).map(|ring| ring.file_vertex(place.vertex));
+    EdgePlace {
+        vertex: vertex.unwrap_or(place.vertex),
+        ..place
+    }
 }
 
 /// Makes vertices of all crossings, as far as rounding lets that end.
@@ -462,13 +465,14 @@ fn narrowest_turned_over_m(body: &Ellipsoid, groups: &[(GroupMesh, f64)]) -> Opt
 /// Triangles and area of each group.
 ///
 /// # Errors
-/// The crossings of all groups, or a fault of this program.
+/// `crossings`, and those of all groups, or a fault of this program.
 fn triangulate_groups(
     region: &Region,
     body: &Ellipsoid,
     rule: EdgeRule,
     options: &MeshOptions,
     groups: Vec<Vec<OutlineEdge>>,
+    mut crossings: Vec<CrossingPlaces>,
 ) -> Result<Vec<(GroupMesh, f64)>, Vec<MeshError>> {
     let mesh_one = |edges: Vec<OutlineEdge>| {
         triangulate(edges, rule, options).map(|group| {
@@ -484,7 +488,6 @@ fn triangulate_groups(
             groups.into_iter().map(mesh_one).collect()
         };
     let mut meshed = Vec::with_capacity(results.len());
-    let mut crossings = Vec::new();
     let mut counted_all = true;
     for result in results {
         match result {
@@ -515,6 +518,7 @@ fn self_crossings(
     counted_all: bool,
 ) -> Vec<MeshError> {
     crossings.sort_by_key(|crossing| (crossing.first, crossing.second));
+    crossings.dedup_by_key(|crossing| (crossing.first, crossing.second));
     let more = crossings.len().saturating_sub(MOST_LISTED_CROSSINGS);
     crossings.truncate(MOST_LISTED_CROSSINGS);
     let (feature, name) = (region.index, &region.name);
@@ -523,8 +527,8 @@ fn self_crossings(
         .map(|crossing| MeshError::SelfCrossing {
             feature,
             name: name.clone(),
-            first: crossing.first,
-            second: crossing.second,
+            first: in_file(region, crossing.first),
+            second: in_file(region, crossing.second),
             longitude_deg: crossing.at[0],
             latitude_deg: crossing.at[1],
         })

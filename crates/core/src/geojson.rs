@@ -53,13 +53,25 @@ pub struct RegionProblem {
     pub kind: RegionProblemKind,
 }
 
+/// Number and name of a feature, the name left out where there is none.
+pub(crate) fn feature_label(feature: usize, name: &str) -> String {
+    let number = unnamed(feature);
+    if name.is_empty() || name == number {
+        number
+    } else {
+        format!("{number} ({name})")
+    }
+}
+
+fn unnamed(feature: usize) -> String {
+    format!("feature {feature}")
+}
+
 impl fmt::Display for RegionProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(feature) = self.feature {
-            write!(f, "feature {feature}")?;
-            if let Some(name) = &self.name {
-                write!(f, " ({name})")?;
-            }
+            let name = self.name.as_deref().unwrap_or_default();
+            f.write_str(&feature_label(feature, name))?;
             let parts = [
                 ("polygon", self.polygon),
                 ("ring", self.ring),
@@ -532,10 +544,12 @@ impl Reader {
             positions.pop();
         }
         let length = positions.len();
+        let mut file_vertices = without_repeated(&positions);
         positions.dedup();
         while positions.len() > 1 && positions.first() == positions.last() {
             positions.pop();
         }
+        file_vertices.truncate(positions.len());
         self.normalised.repeated_positions += length - positions.len();
 
         let turns = net_jumps(&positions);
@@ -552,7 +566,7 @@ impl Reader {
         let winding_deg = if turns == 0 {
             0.0
         } else {
-            unroll(&mut positions)
+            unroll(&mut positions, &mut file_vertices)
         };
         let mut found = distinct_up_to_three(&positions);
         if winding_deg != 0.0 && found < 3 {
@@ -564,7 +578,7 @@ impl Reader {
             self.problem(None, RegionProblemKind::TooFewVertices { found, required });
             return None;
         }
-        let ring = Ring::from_checked(positions, winding_deg);
+        let ring = Ring::from_checked(positions, winding_deg).with_file_vertices(file_vertices);
         self.normalised.long_edges += ring
             .edges_deg()
             .filter(|(start, end)| {
@@ -574,6 +588,17 @@ impl Reader {
             .count();
         Some(ring)
     }
+}
+
+/// Indices of the positions that differ from the next; none where all do.
+fn without_repeated(positions: &[[f64; 2]]) -> Vec<usize> {
+    if positions.windows(2).all(|pair| pair[0] != pair[1]) {
+        return Vec::new();
+    }
+    let last = positions.len() - 1;
+    (0..=last)
+        .filter(|&i| i == last || positions[i] != positions[i + 1])
+        .collect()
 }
 
 /// ±1 for an edge between two spellings, one turn apart, of a place that is not a pole; else 0.
@@ -619,16 +644,22 @@ fn net_jumps(positions: &[[f64; 2]]) -> isize {
 }
 
 /// Shifts what follows each jump by one turn, drops the position that this repeats, and returns how
-/// far from the start the ring ends.
-fn unroll(positions: &mut Vec<[f64; 2]>) -> f64 {
+/// far from the start the ring ends. The same positions are dropped from `file_vertices`.
+fn unroll(positions: &mut Vec<[f64; 2]>, file_vertices: &mut Vec<usize>) -> f64 {
     let mut offset = 0.0;
     let mut unrolled: Vec<[f64; 2]> = Vec::with_capacity(positions.len());
+    let mut kept: Vec<usize> = Vec::with_capacity(positions.len());
     let next = positions.iter().cycle().skip(1);
     let mut after_jump = false;
-    for (start, end) in positions.iter().zip(next) {
-        if !after_jump {
+    for (i, (start, end)) in positions.iter().zip(next).enumerate() {
+        let file_vertex = file_vertices.get(i).copied().unwrap_or(i);
+        if after_jump {
+            // The edge to come starts from the position that repeats the one before the jump.
+            kept.pop();
+        } else {
             unrolled.push([start[0] + offset, start[1]]);
         }
+        kept.push(file_vertex);
         let turns = jump(*start, *end);
         after_jump = turns != 0;
         offset -= 360.0 * turns as f64;
@@ -636,8 +667,10 @@ fn unroll(positions: &mut Vec<[f64; 2]>) -> f64 {
     if after_jump {
         // The closing edge was the jump: the first position repeats the last.
         unrolled.pop();
+        kept.pop();
     }
     *positions = unrolled;
+    *file_vertices = kept;
     offset
 }
 
@@ -725,7 +758,7 @@ impl RawObject {
         let from_id = self.id.as_ref().and_then(|id| id.0.clone());
         from_properties
             .or(from_id)
-            .unwrap_or_else(|| format!("feature {index}"))
+            .unwrap_or_else(|| unnamed(index))
     }
 }
 

@@ -10,6 +10,7 @@
 //! the chain on each side. A ring round a pole passes an odd number of times; it is closed by the
 //! whole parallel of that pole, which is one point of the body.
 
+use crate::crossings::{CrossingPlaces, crossing_places, find_crossings, planar_crossing};
 use crate::edge::{Degrees, EdgeSplitter, along_pole, great_circle_latitude};
 use crate::mesh::Extent;
 use crate::{EdgePlace, EdgeRule, Polygon, Region, Ring};
@@ -30,6 +31,15 @@ pub(crate) struct Outline {
     /// Parts whose bounding boxes do not touch: each is triangulated for itself.
     pub(crate) groups: Vec<Vec<OutlineEdge>>,
     pub(crate) extent: Extent,
+    splits: Splits,
+}
+
+/// What was split.
+#[derive(Default)]
+struct Splits {
+    /// Edges as they were, within ±180°.
+    whole: Vec<OutlineEdge>,
+    points: Vec<Degrees>,
 }
 
 /// The great ellipse between two opposite points is not determined.
@@ -103,6 +113,7 @@ impl Outline {
             parts: Vec::with_capacity(region.polygons.len()),
             longitudes: Vec::new(),
             crossings: Vec::new(),
+            splits: Splits::default(),
             opposite: Vec::new(),
         };
         for (index, polygon) in region.polygons.iter().enumerate() {
@@ -126,9 +137,57 @@ impl Outline {
                 east_deg,
                 north_deg: whole.0[3],
             },
+            splits: builder.splits,
         })
     }
+
+    /// Crossings of whole edges where one of them is split: its parts only touch the other there, as
+    /// in the middle of a bow-tie.
+    ///
+    /// Few edges are split, so the others are first asked whether a point that splits one lies in
+    /// their box.
+    pub(crate) fn crossings_at_splits(&self, rule: EdgeRule, most: usize) -> Vec<CrossingPlaces> {
+        let Splits { whole, points } = &self.splits;
+        if whole.is_empty() {
+            return Vec::new();
+        }
+        let mut points = points.clone();
+        points.sort_by(|a, b| a[1].total_cmp(&b[1]));
+        let mut split: Vec<EdgePlace> = whole.iter().map(|edge| edge.place).collect();
+        split.sort_unstable();
+        let holds_point = |edge: &&OutlineEdge| {
+            let [west, east] = in_order(edge.start[0], edge.end[0]);
+            let [south, north] = in_order(edge.start[1], edge.end[1]);
+            let first = points.partition_point(|point| point[1] < south);
+            points[first..]
+                .iter()
+                .take_while(|point| point[1] <= north)
+                .any(|point| (west..=east).contains(&point[0]))
+        };
+        let mut edges = whole.clone();
+        let others = self.groups.iter().flatten().filter(holds_point);
+        edges.extend(others.filter(|edge| split.binary_search(&edge.place).is_err()));
+        let ends: Vec<[Degrees; 2]> = edges.iter().map(|edge| [edge.start, edge.end]).collect();
+        let (found, _) = find_crossings(rule, &ends, most);
+        crossing_places(&edges, &found)
+    }
 }
+
+fn in_order(a: f64, b: f64) -> [f64; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// Whether two planar edges of the file cross between their ends, whichever turn each was written
+/// in.
+pub(crate) fn edges_cross(a: [Degrees; 2], b: [Degrees; 2]) -> bool {
+    TURNS_APART_DEG.into_iter().any(|turns_deg| {
+        let b = b.map(|[x, y]| [x + turns_deg, y]);
+        planar_crossing(a, b).is_some()
+    })
+}
+
+/// Turns that two longitudes within ±540 can be apart, degrees.
+const TURNS_APART_DEG: [f64; 5] = [-720.0, -360.0, 0.0, 360.0, 720.0];
 
 struct Builder<'a, 'b> {
     rule: EdgeRule,
@@ -138,6 +197,7 @@ struct Builder<'a, 'b> {
     longitudes: Vec<[f64; 2]>,
     /// Latitudes where rings pass from one side of the antimeridian to the other, and the part.
     crossings: Vec<(f64, usize)>,
+    splits: Splits,
     opposite: Vec<OppositeEnds>,
 }
 
@@ -216,8 +276,11 @@ impl Builder<'_, '_> {
         part.bounds.add(start);
         part.bounds.add(end);
         let Part { edges, bounds } = part;
+        let Splits { whole, points } = &mut self.splits;
+        let points_before = points.len();
         self.splitter.split(start, end, &mut |point| {
             bounds.add(point);
+            points.push(point);
             edges.push(OutlineEdge {
                 start: from,
                 end: point,
@@ -225,6 +288,9 @@ impl Builder<'_, '_> {
             });
             from = point;
         });
+        if points.len() > points_before {
+            whole.push(OutlineEdge { start, end, place });
+        }
         edges.push(OutlineEdge {
             start: from,
             end,
@@ -306,6 +372,9 @@ impl Builder<'_, '_> {
                 for side in [-180.0, 180.0] {
                     self.add_split(&mut joined, [side, south], [side, north], place);
                 }
+                // No edge of the file, and nothing goes beyond it.
+                let added = |edge: &OutlineEdge| edge.place == place && is_along_antimeridian(edge);
+                self.splits.whole.retain(|edge| !added(edge));
             }
         }
         self.parts.push(joined);

@@ -42,10 +42,19 @@ impl EdgeRule {
 /// two in the rectangle −180 … 180 × −10 … 10, are no such thing: they are edges along a parallel,
 /// and the ring is held as it was written. Of a ring that goes round, two vertices and its end are
 /// enough.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Ring {
     vertices_deg: Vec<[f64; 2]>,
     winding_deg: f64,
+    /// Position in the file of each vertex, ascending; empty where no position was dropped.
+    file_vertices: Vec<usize>,
+}
+
+/// Where in its file a ring's vertices stand is no part of what it is.
+impl PartialEq for Ring {
+    fn eq(&self, other: &Self) -> bool {
+        self.vertices_deg == other.vertices_deg && self.winding_deg == other.winding_deg
+    }
 }
 
 impl Ring {
@@ -54,7 +63,24 @@ impl Ring {
         Self {
             vertices_deg,
             winding_deg,
+            file_vertices: Vec::new(),
         }
+    }
+
+    /// With the position in the file of each vertex; none if none was dropped.
+    pub(crate) fn with_file_vertices(self, file_vertices: Vec<usize>) -> Self {
+        debug_assert!(file_vertices.is_empty() || file_vertices.len() == self.vertices_deg.len());
+        Self {
+            file_vertices,
+            ..self
+        }
+    }
+
+    /// Position in the file's ring, from 0, of a vertex: repeated ones are not among the vertices
+    /// here but count there. Of several at one place it is the last, which the edge starts from.
+    #[must_use]
+    pub fn file_vertex(&self, vertex: usize) -> usize {
+        self.file_vertices.get(vertex).copied().unwrap_or(vertex)
     }
 
     /// Vertices in file order.

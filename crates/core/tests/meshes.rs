@@ -349,8 +349,72 @@ fn a_bow_tie_is_refused_with_its_crossing() {
     assert_eq!(errors.len(), 2);
     assert_eq!(
         errors[0].to_string(),
-        "feature 0 (feature 0): the edge from polygon 0, ring 0, vertex 0 crosses the edge from \
+        "feature 0: the edge from polygon 0, ring 0, vertex 0 crosses the edge from \
          polygon 0, ring 0, vertex 2 at longitude 1.0000000, latitude 1.0000000"
+    );
+}
+
+#[test]
+fn edges_that_cross_where_both_are_split_are_refused() {
+    // Halved in their middles, the edges of these bow-ties only meet there.
+    for (ring, at) in [
+        ("[[[0,0],[10,10],[10,0],[0,10]]]", [5.0, 5.0]),
+        ("[[[-20,-8],[20,8],[20,-8],[-20,8]]]", [0.0, 0.0]),
+        // Halved on the other, which is a meridian.
+        ("[[[5,-1],[5,1.5],[10,10],[0,-10]]]", [5.0, 0.0]),
+    ] {
+        let options = MeshOptions::default();
+        for rule in RULES {
+            let bow_tie = region(ring);
+            let error = RegionMesh::build(&bow_tie, &Ellipsoid::WGS84, rule, &options);
+            let Err(MeshError::SelfCrossing {
+                first,
+                second,
+                longitude_deg,
+                latitude_deg,
+                ..
+            }) = error
+            else {
+                panic!("{ring} by {}", rule.name());
+            };
+            assert_eq!((first.vertex, second.vertex), (0, 2));
+            let slack_deg = if rule == EdgeRule::Planar { 1e-12 } else { 0.1 };
+            assert!((longitude_deg - at[0]).abs() < slack_deg);
+            assert!((latitude_deg - at[1]).abs() < slack_deg);
+            let mut repaired = region(ring);
+            assert!(repaired.split_at_crossings(rule) > 0);
+            mesh_on(&Ellipsoid::WGS84, rule, &repaired);
+        }
+    }
+    // Twin: parts that share an edge split it at the same places, and touch.
+    let neighbours = "[[[[0,0],[10,10],[10,0]]],[[[0,0],[10,10],[0,10]]]]";
+    for rule in RULES {
+        assert_eq!(mesh(rule, neighbours).boundary_loops.len(), 1);
+    }
+}
+
+#[test]
+fn a_crossing_is_placed_as_the_file_counts() {
+    let ring = "[[[0,0],[0,0],[2,2],[2,0],[0,3],[0,0]]]";
+    let options = MeshOptions::default();
+    let places = |ring| {
+        let error = RegionMesh::build(&region(ring), &Ellipsoid::WGS84, EdgeRule::Planar, &options);
+        match error {
+            Err(MeshError::SelfCrossing { first, second, .. }) => (first.vertex, second.vertex),
+            other => panic!("{:?}", other.map(|mesh| mesh.area_m2)),
+        }
+    };
+    assert_eq!(places(ring), (1, 3));
+    assert_eq!(
+        places("[[[0,0],[2,2],[2,0],[2,0],[2,0],[0,3],[0,0]]]"),
+        (0, 4)
+    );
+    // Twin: nothing repeated, nothing added.
+    assert_eq!(places("[[[0,0],[2,2],[2,0],[0,3],[0,0]]]"), (0, 2));
+    // Round a pole, where the closing edge is a jump.
+    assert_eq!(
+        places("[[[-180,60],[-180,60],[-90,60],[20,60],[20,70],[0,50],[180,60],[-180,60]]]"),
+        (2, 4)
     );
 }
 
@@ -364,7 +428,7 @@ fn what_cannot_be_meshed_is_refused() {
     let options = MeshOptions::default();
     assert_eq!(
         build("[[[0,0],[1,0],[2,0]]]", EdgeRule::Planar, &options),
-        "feature 0 (feature 0): the rings enclose no area"
+        "feature 0: the rings enclose no area"
     );
     assert_eq!(
         build(
@@ -372,7 +436,7 @@ fn what_cannot_be_meshed_is_refused() {
             EdgeRule::GreatEllipse,
             &options
         ),
-        "feature 0 (feature 0): the great-ellipse edge from polygon 0, ring 0, vertex 0 joins the \
+        "feature 0: the great-ellipse edge from polygon 0, ring 0, vertex 0 joins the \
          opposite points [0.0, 10.0] and [180.0, -10.0]; put a vertex between them"
     );
     let coarse = MeshOptions {

@@ -189,7 +189,7 @@ fn files_of_the_wrong_kind_are_refused() {
     );
     assert_eq!(
         refusal(br#"{"type":"LineString","coordinates":[[0,0],[1,1]]}"#),
-        "t.json: feature 0 (feature 0): no area: geometry is LineString; expected Polygon or \
+        "t.json: feature 0: no area: geometry is LineString; expected Polygon or \
          MultiPolygon"
     );
 }

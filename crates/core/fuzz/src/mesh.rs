@@ -362,7 +362,11 @@ fn judge_crossing(region: &Region, case: &Case, error: &MeshError) -> Result<(),
         let polygon = region.polygons.get(place.polygon);
         let edge = polygon
             .and_then(|polygon| polygon.rings().nth(place.ring))
-            .and_then(|ring| ring.edges_deg().nth(place.vertex));
+            .and_then(|ring| {
+                let mut edges = ring.edges_deg().enumerate();
+                edges.find(|(i, _)| ring.file_vertex(*i) == place.vertex)
+            })
+            .map(|(_, edge)| edge);
         let Some((start, end)) = edge else {
             return Err(format!("{error}: no such edge"));
         };
