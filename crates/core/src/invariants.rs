@@ -230,8 +230,9 @@ impl RegionMesh {
         !unrolled && robust::orient2d(coord(a), coord(b), coord(c)) == 0.0
     }
 
-    /// Distance between the middle of an edge that is straight in longitude and latitude and the
-    /// plane through its ends and the normal there.
+    /// Largest distance between an edge that is straight in longitude and latitude and the plane
+    /// through its ends and the normal in its middle. Over tens of degrees of latitude the bow is
+    /// deepest elsewhere than in the middle, so it is looked for at seven places.
     pub(crate) fn planar_bow_m(&self, body: &Ellipsoid, from: u32, to: u32) -> f64 {
         let [start, end] = [from, to].map(|i| self.vertices_deg[i as usize]);
         if start[1].abs() == 90.0 || end[1].abs() == 90.0 {
@@ -240,14 +241,18 @@ impl RegionMesh {
             let chord = self.vertices_ecef[to as usize] - self.vertices_ecef[from as usize];
             return 0.25 * WIDEST_INTERIOR_EDGE_DEG.to_radians() * chord.length();
         }
-        let middle = [
-            start[0] + 0.5 * short_step(start[0], end[0]),
-            0.5 * (start[1] + end[1]),
-        ];
+        let step = short_step(start[0], end[0]);
+        let point = |eighths: u32| {
+            let share = f64::from(eighths) / 8.0;
+            let latitude = start[1] + share * (end[1] - start[1]);
+            [start[0] + share * step, latitude]
+        };
         let a = self.vertices_ecef[from as usize];
         let chord = self.vertices_ecef[to as usize] - a;
-        let wall = chord.cross(normal(middle)).normalize_or_zero();
-        wall.dot(surface_point(body, middle) - a).abs()
+        let wall = chord.cross(normal(point(4))).normalize_or_zero();
+        (1..8)
+            .map(|eighths| wall.dot(surface_point(body, point(eighths)) - a).abs())
+            .fold(0.0, f64::max)
     }
 
     fn check_area(&self, body: &Ellipsoid) -> Result<(), InvariantViolation> {

@@ -226,6 +226,23 @@ fn hard_shapes_are_sound_on_every_body_between_any_heights() {
 }
 
 #[test]
+fn a_sliver_beside_an_edge_that_bows_unevenly_is_no_fault() {
+    // Found by fuzzing: over 45° of latitude an edge's bow is deepest away from its middle, and a
+    // vertex there turned its triangle over by more than the bow in the middle.
+    let body = Ellipsoid::SATURN_LIKE;
+    let coarse = MeshOptions {
+        boundary_tolerance_m: 2.7e10,
+        cap_step_deg: 14.0625,
+    };
+    let shape = "[[[[-49.75,-90],[-19.75,59],[-28.79134740587324,14.094641217499246]]],\
+                 [[[10.25,-90],[17.75,-31],[25.25,-90],[72.125,-31],[79.625,-90],[126.5,-31],\
+                 [134,-90],[203.375,-90]]]]";
+    let mesh = RegionMesh::build(&region(shape), &body, EdgeRule::Planar, &coarse).expect("meshes");
+    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    assert!(sound(&mesh, &body).turned_over > 0);
+}
+
+#[test]
 fn a_square_below_the_rounding_falls_together_and_stays_closed() {
     let body = Ellipsoid::WGS84;
     // 0.1 mm between caps 22 km apart: f32 steps are up to 1 mm there.

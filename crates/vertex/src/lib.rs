@@ -11,6 +11,8 @@ mod layout;
 mod pass;
 mod pipeline;
 mod statistics;
+#[cfg(test)]
+mod volume_invariants;
 
 pub use backend::{VertexBackend, VertexVariant};
 pub use layout::{Layout, LayoutBytes, layout_bytes, per_triangle_volume_bytes, shared_mesh_bytes};
