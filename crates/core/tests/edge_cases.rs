@@ -405,3 +405,50 @@ fn the_table_in_testing_md_lists_every_case_and_no_other() {
         assert!(near, "{}: {area:?} is not {}", case.name, case.area_m2);
     }
 }
+
+#[test]
+fn a_hole_may_lie_in_the_other_hemisphere_than_the_pole_its_shell_holds() {
+    // Six arcs round the axis, from 20° north to 10° south and back: mostly north, so they hold the
+    // north pole. South of the equator they still hold the hole.
+    let shell = "[[0,20],[60,-10],[120,20],[180,-10],[240,20],[300,-10]]";
+    let hole = "[[58,-4],[62,-4],[60,-2]]";
+    let outside = "[[58,-20],[62,-20],[60,-15]]";
+    for rule in [
+        terrafill_core::EdgeRule::GreatEllipse,
+        terrafill_core::EdgeRule::Planar,
+    ] {
+        let body = terrafill_core::Ellipsoid::WGS84;
+        // By jumps at ±180 where longitudes are read as they stand.
+        let area_m2 = |rings: &[&str]| {
+            let text = format!(
+                r#"{{"type":"Polygon","coordinates":[{}]}}"#,
+                rings.join(",")
+            );
+            let text = text.replace("[300,-10]]", "[300,-10],[360,20]]");
+            let regions = terrafill_core::parse_regions(text.as_bytes(), "hole").expect("valid");
+            let mesh = RegionMesh::build(&regions[0], &body, rule, &MeshOptions::default())
+                .expect("meshes");
+            assert_eq!(mesh.check_invariants(&body), Ok(()));
+            mesh.area_m2
+        };
+        let (whole, small) = (area_m2(&[shell]), area_m2(&[hole]));
+        // More than what is north of 20°, less than what is north of 10° south.
+        let north_of = |latitude_deg: f64| {
+            body.quadrangle_area_m2(
+                std::f64::consts::TAU,
+                latitude_deg.to_radians(),
+                std::f64::consts::FRAC_PI_2,
+            )
+        };
+        assert!((north_of(20.0)..north_of(-10.0)).contains(&whole));
+        let holed = area_m2(&[shell, hole]);
+        assert!(
+            ((whole - holed) / small - 1.0).abs() < 1e-6,
+            "{}",
+            rule.name()
+        );
+        // Twin: south of the shell's edge the same ring would add its area.
+        let added = area_m2(&[shell, outside]) - whole;
+        assert!((added / area_m2(&[outside]) - 1.0).abs() < 1e-6);
+    }
+}
