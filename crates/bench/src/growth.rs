@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! How the cost of a mesh grows with the vertices of its outline, family by family.
+//! How the cost of a mesh, from the text of its outline on, grows with its vertices.
 //!
 //! CPU time of the process, which is this thread's here: nothing else of the run is at work. Families
 //! and sizes take turns, so that whatever else the machine does falls on all of them alike.
 
 use crate::BenchError;
 use std::collections::BTreeSet;
-use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, Region, RegionMesh, parse_regions};
+use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh, parse_regions};
 use terrafill_gpu::CpuStopwatch;
 use terrafill_results::{GrowthRow, RunFolder};
 use terrafill_scene::ShapeFamily;
@@ -24,59 +24,55 @@ const REPETITIONS: u32 = 3;
 /// cannot be read or written.
 pub(crate) fn measure(folder: &RunFolder, quick: bool) -> Result<(), BenchError> {
     let sizes = &SIZES[..if quick { QUICK_SIZES } else { SIZES.len() }];
-    let done: BTreeSet<(String, u64, u32)> = folder
+    // A shape has about the vertices asked for, so rows are known by the nearest size.
+    let nearest = |vertices: u64| {
+        SIZES
+            .into_iter()
+            .min_by_key(|s| u64::from(*s).abs_diff(vertices))
+    };
+    let done: BTreeSet<(String, Option<u32>, u32)> = folder
         .growth()?
         .into_iter()
-        .map(|row| (row.shape, row.outline_vertices, row.repetition))
+        .map(|row| (row.shape, nearest(row.outline_vertices), row.repetition))
         .collect();
-    // Size by size, so that no more than one size's shapes are in memory.
-    for &size in sizes {
-        let regions = ShapeFamily::ALL.map(|family| outline(family, size));
-        for repetition in 0..REPETITIONS {
-            for (family, region) in ShapeFamily::ALL.iter().zip(&regions) {
-                let region = region
-                    .as_ref()
-                    .map_err(|what| growth_error(*family, what))?;
-                let vertices = region.vertex_count() as u64;
-                if done.contains(&(family.name().to_owned(), vertices, repetition)) {
-                    continue;
-                }
-                folder.append_growth(&GrowthRow {
-                    shape: family.name().to_owned(),
-                    outline_vertices: vertices,
-                    repetition,
-                    mesh_cpu_ms: build_cpu_ms(region)
-                        .map_err(|what| growth_error(*family, &what))?,
-                })?;
+    let shapes: Vec<(ShapeFamily, u32, String)> = sizes
+        .iter()
+        .flat_map(|size| ShapeFamily::ALL.map(|family| (family, *size, family.geojson(*size))))
+        .collect();
+    for repetition in 0..REPETITIONS {
+        for (family, asked, text) in &shapes {
+            if done.contains(&(family.name().to_owned(), Some(*asked), repetition)) {
+                continue;
             }
+            let measured = mesh_ready(text, family.name()).map_err(|message| BenchError::Growth {
+                shape: family.name(),
+                message,
+            });
+            let (vertices, cpu_ms) = measured?;
+            folder.append_growth(&GrowthRow {
+                shape: family.name().to_owned(),
+                outline_vertices: vertices,
+                repetition,
+                mesh_cpu_ms: cpu_ms,
+            })?;
         }
     }
     Ok(())
 }
 
-fn growth_error(family: ShapeFamily, what: &str) -> BenchError {
-    BenchError::Growth {
-        shape: family.name(),
-        message: what.to_owned(),
-    }
-}
-
-fn outline(family: ShapeFamily, size: u32) -> Result<Region, String> {
-    let text = family.geojson(size);
-    let regions = parse_regions(text.as_bytes(), family.name()).map_err(|e| e.to_string())?;
-    regions.into_iter().next().ok_or("no region".to_owned())
-}
-
-fn build_cpu_ms(region: &Region) -> Result<f64, String> {
-    let (body, options) = (Ellipsoid::WGS84, MeshOptions::default());
+/// Vertices of the outline and CPU time from its text to its mesh.
+fn mesh_ready(text: &str, name: &str) -> Result<(u64, f64), String> {
     let watch = CpuStopwatch::start();
+    let regions = parse_regions(text.as_bytes(), name).map_err(|error| error.to_string())?;
+    let region = regions.first().ok_or("no region")?;
+    let (body, options) = (Ellipsoid::WGS84, MeshOptions::default());
     let mesh = RegionMesh::build(region, &body, EdgeRule::Planar, &options);
     let cpu_ms = watch.cpu_ms();
     let mesh = mesh.map_err(|error| error.to_string())?;
     if mesh.boundary_edge_count() < region.vertex_count() {
         return Err("the mesh lost edges".to_owned());
     }
-    Ok(cpu_ms)
+    Ok((region.vertex_count() as u64, cpu_ms))
 }
 
 #[cfg(test)]

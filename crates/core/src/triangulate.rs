@@ -181,14 +181,10 @@ impl Group {
     fn inside_faces(&self) -> Vec<bool> {
         const UNKNOWN: u8 = 2;
         let mut inside = vec![UNKNOWN; self.mesh.triangle_count()];
-        let mut waiting = Vec::new();
         // Nothing of the outline is at the frame, so the triangles there are outside.
-        for (triangle, i) in self.mesh.edges() {
-            if self.mesh.neighbour(triangle, i).is_none() && inside[triangle as usize] == UNKNOWN {
-                inside[triangle as usize] = 0;
-                waiting.push(triangle);
-            }
-        }
+        let outside = self.mesh.at_frame();
+        inside[outside as usize] = 0;
+        let mut waiting = vec![outside];
         while let Some(triangle) = waiting.pop() {
             let here = inside[triangle as usize];
             for i in 0..3 {

@@ -123,6 +123,11 @@ impl Delaunay {
         }
     }
 
+    /// A triangle at a corner of the frame.
+    pub(crate) fn at_frame(&self) -> u32 {
+        self.at[0]
+    }
+
     pub(crate) fn triangle_count(&self) -> usize {
         self.triangles.len()
     }
