@@ -41,6 +41,10 @@ const STRAIGHT_ARC_RAD: f64 = 1e-9;
 /// of its coordinates' use in metres.
 const MOST_HALVINGS: u32 = 20;
 
+/// Halvings of an arc after which its area is taken as it is. An arc that passes a pole by 4e-8°
+/// turns from one meridian to the other within about as much longitude: some 30 halvings.
+const MOST_AREA_HALVINGS: u32 = 36;
+
 /// What is needed to judge edges, and the worst deviation seen so far.
 pub(crate) struct EdgeSplitter<'a> {
     body: &'a Ellipsoid,
@@ -361,7 +365,7 @@ impl ZoneArea {
             self.under_line(start, end)
         } else {
             let whole = self.under_arc_gauss(start, end);
-            self.under_arc(start, end, whole, 12)
+            self.under_arc(start, end, whole, MOST_AREA_HALVINGS)
         }
     }
 
@@ -401,7 +405,12 @@ impl ZoneArea {
         // The latitudes carry rounding of 1e-16 rad, and dZ/dφ is at most a².
         let rounding = 1e-15 * self.largest_slope * (end[0] - start[0]).abs().to_radians();
         let allowed = 1e-13 * (first.abs() + second.abs()) + rounding;
-        if halvings_left == 0 || (first + second - whole).abs() <= allowed {
+        // Beside a pole all nodes may lie behind the turn and agree on having missed it; then the
+        // middle is hardly nearer to one end's latitude than the other end.
+        let rise = (end[1] - start[1]).abs();
+        let lifted = (middle[1] - 0.5 * (start[1] + end[1])).abs();
+        let turns = rise > 1e-4 && lifted > 0.3 * rise;
+        if halvings_left == 0 || !turns && (first + second - whole).abs() <= allowed {
             return first + second;
         }
         self.under_arc(start, middle, first, halvings_left - 1)

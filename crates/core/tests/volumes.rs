@@ -243,6 +243,23 @@ fn a_sliver_beside_an_edge_that_bows_unevenly_is_no_fault() {
 }
 
 #[test]
+fn an_arc_that_passes_close_by_a_pole_has_its_area() {
+    // Found by fuzzing, by the volume alone: 3 mm wide at the pole, 90,000 km long. Quadrature
+    // missed the turn of the arc, 4e-8° from the pole, and with it a twentieth of the area.
+    let body = Ellipsoid::SATURN_LIKE;
+    let shape = "[[[-179.70703125116415,0],[-177.45841980096907,90],\
+                 [-175.00000000116438,89.99999995809057]]]";
+    let mesh = mesh_on(&body, EdgeRule::GreatEllipse, shape);
+    sound(&mesh, &body);
+    // d ∫ M N sin φ dφ from the equator to the pole, the arc passing it at d = 6.0025e-11 rad.
+    assert!(
+        (mesh.area_m2 / 2.340e5 - 1.0).abs() < 2e-3,
+        "{}",
+        mesh.area_m2
+    );
+}
+
+#[test]
 fn a_square_below_the_rounding_falls_together_and_stays_closed() {
     let body = Ellipsoid::WGS84;
     // 0.1 mm between caps 22 km apart: f32 steps are up to 1 mm there.
