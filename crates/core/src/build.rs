@@ -673,6 +673,7 @@ impl Stitcher {
 
     fn chain(&self, mut edges: Vec<[u32; 2]>) -> Option<Vec<Vec<u32>>> {
         edges.sort_unstable();
+        let angles = self.sort_by_angle(&mut edges);
         let mut first_from = vec![u32::MAX; self.vertices_deg.len()];
         for (i, edge) in edges.iter().enumerate().rev() {
             first_from[edge[0] as usize] = index_u32(i);
@@ -690,20 +691,18 @@ impl Stitcher {
                 let [from, to] = edges[at];
                 ring.push(from);
                 let first = first_from[to as usize] as usize;
-                let leaving = edges
-                    .get(first..)?
-                    .iter()
-                    .take_while(|edge| edge[0] == to)
-                    .count();
-                let choices = (first..first + leaving).filter(|&i| !used[i]);
-                at = match leaving {
-                    1 => first,
-                    _ => choices
-                        .min_by(|&i, &j| {
-                            let turn = |i: usize| self.clockwise_turn(from, to, edges[i][1]);
-                            turn(i).total_cmp(&turn(j))
-                        })
-                        .unwrap_or(start),
+                at = match edges.get(first..)? {
+                    [_, second, ..] if second[0] == to => {
+                        let leaving = edges[first..].partition_point(|edge| edge[0] == to);
+                        let leaving = first..first + leaving;
+                        let back = self.angle(to, from);
+                        let split = angles[leaving.clone()].partition_point(|angle| *angle <= back);
+                        let split = first + split;
+                        // The smallest clockwise turn from the way back.
+                        let mut clockwise = (first..split).rev().chain((split..leaving.end).rev());
+                        clockwise.find(|&i| !used[i]).unwrap_or(start)
+                    }
+                    _ => first,
                 };
             }
             loops.push(ring);
@@ -711,19 +710,30 @@ impl Stitcher {
         Some(loops)
     }
 
-    /// Angle from the direction back to `from`, clockwise seen from outside, to the direction to
-    /// `next`, both at `at`: the inside lies left of the way in, so the smallest such turn is the
-    /// other side of the same corner of the inside.
-    fn clockwise_turn(&self, from: u32, at: u32, next: u32) -> f64 {
-        let origin = self.vertices_ecef[at as usize];
+    /// Sorts edges that leave the same vertex by their angles there, so that a vertex where very many
+    /// meet does not take the square of their number; returns the angles, 0 where one edge leaves.
+    fn sort_by_angle(&self, edges: &mut [[u32; 2]]) -> Vec<f64> {
+        let mut angles = Vec::with_capacity(edges.len());
+        for leaving in edges.chunk_by_mut(|a, b| a[0] == b[0]) {
+            if let [_] = leaving {
+                angles.push(0.0);
+                continue;
+            }
+            leaving.sort_by(|[at, a], [_, b]| self.angle(*at, *a).total_cmp(&self.angle(*at, *b)));
+            angles.extend(leaving.iter().map(|[at, next]| self.angle(*at, *next)));
+        }
+        angles
+    }
+
+    /// Direction from one vertex to another, counter-clockwise seen from outside. The inside lies
+    /// left of the way in, so the smallest clockwise turn from the way back leads on along the other
+    /// side of the same corner of the inside.
+    fn angle(&self, at: u32, to: u32) -> f64 {
         let up = crate::edge::normal(self.vertices_deg[at as usize]);
         let x_axis = up.any_orthonormal_vector();
         let y_axis = up.cross(x_axis);
-        let angle = |vertex: u32| {
-            let direction = self.vertices_ecef[vertex as usize] - origin;
-            direction.dot(y_axis).atan2(direction.dot(x_axis))
-        };
-        (angle(from) - angle(next)).rem_euclid(std::f64::consts::TAU)
+        let direction = self.vertices_ecef[to as usize] - self.vertices_ecef[at as usize];
+        direction.dot(y_axis).atan2(direction.dot(x_axis))
     }
 }
 

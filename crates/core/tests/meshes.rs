@@ -649,3 +649,35 @@ fn broken_meshes_are_caught() {
         "{dangling}"
     );
 }
+
+#[test]
+fn very_many_rings_at_one_vertex_are_followed() {
+    // Triangles like petals round one vertex. Were the work the square of their number, this would run
+    // into the limit on the time of a test.
+    let petals = 50_000_u32;
+    let parts: Vec<String> = (0..petals)
+        .map(|k| {
+            let at = |k: f64| {
+                let angle = std::f64::consts::TAU * k / f64::from(petals);
+                format!("[{},{}]", 0.3 * angle.cos(), 0.3 * angle.sin())
+            };
+            let (from, to) = (at(f64::from(k)), at(f64::from(k) + 0.5));
+            format!("[[[0,0],{from},{to},[0,0]]]")
+        })
+        .collect();
+    let text = format!(
+        r#"{{"type":"MultiPolygon","coordinates":[{}]}}"#,
+        parts.join(",")
+    );
+    let regions = terrafill_core::parse_regions(text.as_bytes(), "petals").expect("valid");
+    let body = terrafill_core::Ellipsoid::WGS84;
+    let mesh = terrafill_core::RegionMesh::build(
+        &regions[0],
+        &body,
+        terrafill_core::EdgeRule::Planar,
+        &terrafill_core::MeshOptions::default(),
+    )
+    .expect("meshes");
+    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    assert_eq!(mesh.boundary_edge_count(), 3 * petals as usize);
+}
