@@ -75,7 +75,7 @@ fn draw_axes(canvas: &Canvas<'_>, x: &LogScale, y: &LogScale) -> Result<(), Repo
         Anchor::Middle,
     )?;
     canvas.upright_text(
-        "mesh, process CPU ms: median, 5–95 %",
+        "text to mesh, process CPU ms: median, 5–95 %",
         [LEFT_PX - 62.0, (TOP_PX + BOTTOM_PX) * 0.5],
     )
 }
@@ -95,7 +95,7 @@ fn draw_slope(
     let end = last.map(|point| point.0).fold(*vertices, f64::max);
     let to = [x.px(end), y.px(time.median * end / vertices)];
     canvas.dashes([x.px(*vertices), y.px(time.median)], to)?;
-    let below = [to[0] - 6.0, to[1] + 16.0];
+    let below = [to[0] - 6.0, to[1] + 34.0];
     canvas.text("slope 1", below, Anchor::Right)
 }
 
