@@ -14,11 +14,12 @@
 mod shape_family;
 
 use criterion::measurement::{Measurement, ValueFormatter};
-use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group};
 use rustix::time::{ClockId, clock_gettime};
 use shape_family::ShapeFamily;
 use std::hint::black_box;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, Region, RegionMesh, parse_regions};
 
 const FILES: [&str; 5] = [
@@ -148,7 +149,12 @@ fn real_files(criterion: &mut Criterion<CpuTime>) {
     let mut group = criterion.benchmark_group("files");
     for name in FILES {
         match std::fs::read(folder.join(name)) {
-            Ok(bytes) => stages(&mut group, name, &bytes),
+            Ok(bytes) => {
+                let peak = peak_bytes_of(&folder.join(name));
+                let peak = peak.map_or("not known".to_owned(), |bytes| bytes.to_string());
+                println!("{name}: peak bytes of reading and meshing: {peak}");
+                stages(&mut group, name, &bytes);
+            }
             Err(error) => println!("{name} skipped: {error}"),
         }
     }
@@ -175,4 +181,31 @@ criterion_group! {
     config = Criterion::default().with_measurement(CpuTime);
     targets = real_files, made_up_shapes
 }
-criterion_main!(benches);
+/// Names the file whose reading and meshing a process of this program is for.
+const PEAK_OF: &str = "TERRAFILL_PEAK_OF";
+
+/// Peak of memory of a process of its own that reads and meshes one file, where `/proc` tells.
+fn peak_bytes_of(file: &Path) -> Option<u64> {
+    let this = std::env::current_exe().ok()?;
+    let output = Command::new(this).env(PEAK_OF, file).output().ok()?;
+    String::from_utf8(output.stdout).ok()?.trim().parse().ok()
+}
+
+fn print_own_peak(file: &Path) {
+    let bytes = std::fs::read(file).expect("readable");
+    black_box(mesh(&read(&bytes, "peak"), EdgeRule::Planar));
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    let kibibytes = line.and_then(|line| line.split_whitespace().next()?.parse::<u64>().ok());
+    if let Some(kibibytes) = kibibytes {
+        println!("{}", kibibytes * 1024);
+    }
+}
+
+fn main() {
+    if let Some(file) = std::env::var_os(PEAK_OF) {
+        return print_own_peak(Path::new(&file));
+    }
+    benches();
+    Criterion::default().configure_from_args().final_summary();
+}
