@@ -21,17 +21,22 @@ macro_rules! shader_sources {
 }
 
 /// Files with entry points.
-const MODULES: [ShaderSource; 6] = shader_sources![
+const MODULES: [ShaderSource; 7] = shader_sources![
     "surface/surface.wgsl",
     "vertex/doubled.wgsl",
     "vertex/pulled.wgsl",
     "vertex/cover.wgsl",
+    "vertex/resolve.wgsl",
     "baseline/bound.wgsl",
     "baseline/floor.wgsl",
 ];
 
 /// Files that others import.
-const SHARED: [ShaderSource; 2] = shader_sources!["shared/view.wgsl", "shared/region.wgsl"];
+const SHARED: [ShaderSource; 3] = shader_sources![
+    "shared/view.wgsl",
+    "shared/region.wgsl",
+    "shared/volume.wgsl",
+];
 
 /// What can be wrong with a shader.
 #[derive(Debug, thiserror::Error)]
@@ -195,7 +200,7 @@ mod tests {
 
     #[test]
     fn every_module_validates() {
-        assert_eq!(check_all().expect("all shaders are valid"), 6);
+        assert_eq!(check_all().expect("all shaders are valid"), 7);
     }
 
     #[test]
