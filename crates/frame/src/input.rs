@@ -146,7 +146,7 @@ fn plan(
     size: ImageSize,
     options: PlanOptions,
 ) -> FramePlan {
-    FramePlan::new(
+    let mut plan = FramePlan::new(
         &scene.body,
         camera,
         size,
@@ -154,5 +154,7 @@ fn plan(
         &scene.bounds,
         &scene.levels,
         options,
-    )
+    );
+    plan.settle_near_plane(&scene.body, camera, size, &scene.meshes);
+    plan
 }
