@@ -426,4 +426,7 @@ pub struct RunPlan {
     pub frames: u32,
     /// Frames drawn and dropped before.
     pub warm_up: u32,
+    /// Those of `cases` that are drawn and compared, but not timed.
+    #[serde(default)]
+    pub drawn_only: Vec<CaseKey>,
 }
