@@ -127,24 +127,34 @@ impl<'a> SharedBoundaries<'a> {
     /// # Errors
     /// [`SimplifyError`].
     pub fn simplify(&self, tolerances_m: &[f64]) -> Result<Vec<SimplifiedRegions>, SimplifyError> {
-        let mut above = 0.0;
-        for (index, &found) in tolerances_m.iter().enumerate() {
-            if !(found > above && found.is_finite()) {
-                return Err(SimplifyError::Tolerance {
-                    index,
-                    found,
-                    above,
-                });
-            }
-            above = found;
-        }
+        self.simplify_by_share(tolerances_m, f64::INFINITY)
+    }
+
+    /// As [`SharedBoundaries::simplify`], without the levels that have more than `largest_share` of
+    /// the vertices of the one before.
+    ///
+    /// # Errors
+    /// [`SimplifyError`].
+    pub fn simplify_by_share(
+        &self,
+        tolerances_m: &[f64],
+        largest_share: f64,
+    ) -> Result<Vec<SimplifiedRegions>, SimplifyError> {
+        check_growing(tolerances_m)?;
         let mut thinning = Thinning::new(self);
-        Ok(tolerances_m
-            .iter()
-            .map(|&tolerance_m| {
-                thinning.run(tolerance_m);
-                self.level(tolerance_m, thinning.kept())
-            })
+        let mut fewest = thinning.vertex_count();
+        let mut levels: Vec<(f64, Vec<bool>)> = Vec::new();
+        for &tolerance_m in tolerances_m {
+            thinning.run(tolerance_m);
+            let count = thinning.vertex_count();
+            if f64::from(count) <= largest_share * f64::from(fewest) {
+                fewest = count;
+                levels.push((tolerance_m, thinning.kept()));
+            }
+        }
+        let levels = levels.into_par_iter();
+        Ok(levels
+            .map(|(tolerance_m, kept)| self.level(tolerance_m, kept))
             .collect())
     }
 
@@ -278,6 +288,21 @@ impl<'a> SharedBoundaries<'a> {
     }
 }
 
+fn check_growing(tolerances_m: &[f64]) -> Result<(), SimplifyError> {
+    let mut above = 0.0;
+    for (index, &found) in tolerances_m.iter().enumerate() {
+        if !(found > above && found.is_finite()) {
+            return Err(SimplifyError::Tolerance {
+                index,
+                found,
+                above,
+            });
+        }
+        above = found;
+    }
+    Ok(())
+}
+
 /// Whether a ring goes round the axis.
 fn goes_round(rule: EdgeRule, ring: &Ring) -> bool {
     let turn_deg: f64 = match rule {
@@ -393,6 +418,11 @@ impl<'a> Thinning<'a> {
                 .collect(),
             node_edges: shared.arcs.node_edges.clone(),
         }
+    }
+
+    /// Vertices of all rings; those of shared borders count for each.
+    fn vertex_count(&self) -> u32 {
+        self.ring_size.iter().sum()
     }
 
     /// Of each vertex, whether it is still there.

@@ -7,17 +7,17 @@
 
 use std::time::Instant;
 use terrafill_core::SharedBoundaries;
-use terrafill_scene::{LeveledMeshes, Scene, data_dir_from_env};
+use terrafill_scene::{LEVEL_GROWTH, LEVEL_VERTEX_SHARE, LeveledMeshes, Scene, data_dir_from_env};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     for name in std::env::args().skip(1) {
         let scene = Scene::shipped(&name, data_dir_from_env().as_deref())?;
         let base_m = scene.mesh.boundary_tolerance_m;
-        let tolerances: Vec<f64> = (0..6).map(|k| base_m * 4_f64.powi(k)).collect();
+        let tolerances: Vec<f64> = (0..11).map(|k| base_m * LEVEL_GROWTH.powi(k)).collect();
         let start = Instant::now();
         let shared = SharedBoundaries::new(&scene.regions, &scene.body, scene.edge_rule);
         let found_ms = start.elapsed().as_secs_f64() * 1e3;
-        let simplified = shared.simplify(&tolerances)?;
+        let simplified = shared.simplify_by_share(&tolerances, LEVEL_VERTEX_SHARE)?;
         let all_ms = start.elapsed().as_secs_f64() * 1e3;
         println!("{name}: shared borders found in {found_ms:.0} ms, simplified in {all_ms:.0} ms");
         for level in &simplified {

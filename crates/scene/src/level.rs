@@ -13,10 +13,16 @@ use terrafill_core::{
 /// Scenes of fewer vertices than this have one level unless they ask for more: below it a fill
 /// spends its time on pixels.
 pub const FEWEST_VERTICES_FOR_LEVELS: usize = 5_000;
-/// Growth of the deviation from one automatic level to the next.
-pub const LEVEL_GROWTH: f64 = 4.0;
-/// An automatic level must have at most this share of the vertices of the one before.
-pub const LEVEL_VERTEX_SHARE: f64 = 0.8;
+/// Growth of the deviation from one automatic level to the next. A view takes a level between half
+/// of what it may deviate and all of it; four times as large, between a quarter and all.
+pub const LEVEL_GROWTH: f64 = 2.0;
+/// An automatic level must have at most this share of the vertices of the one before, or it is left
+/// out: all levels together then hold at most 3⅓ times the vertices of level 0.
+pub const LEVEL_VERTEX_SHARE: f64 = 0.7;
+/// Share of a level's deviation that the chords of its meshes may add: as fine as those of level 0,
+/// they would split the few long edges again, and as coarse as the deviation itself, neighbours
+/// that come close without sharing a border would overlap.
+const CHORD_SHARE: f64 = 1.0 / 16.0;
 /// Deviation of the coarsest automatic level, share of the body's radius: 100 km on the Earth, four
 /// pixels of an image of 1,024 rows that holds all of it.
 const COARSEST_LEVEL_SHARE: f64 = 1.0 / 64.0;
@@ -24,8 +30,9 @@ const COARSEST_LEVEL_SHARE: f64 = 1.0 / 64.0;
 /// Which levels a scene has.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum LevelChoice {
-    /// Deviations from the boundary tolerance of the meshes on, four times as large each time, as
-    /// far as each has a fifth fewer vertices than the one before; none for scenes of few vertices.
+    /// Deviations from the boundary tolerance of the meshes on, [`LEVEL_GROWTH`] times as large each
+    /// time, without those that have more than [`LEVEL_VERTEX_SHARE`] of the vertices of the one
+    /// before; none for scenes of fewer than [`FEWEST_VERTICES_FOR_LEVELS`] vertices.
     #[default]
     Automatic,
     /// These deviations, metres, growing; none for level 0 alone.
@@ -81,63 +88,55 @@ impl LeveledMeshes {
         }
         let shared = SharedBoundaries::new(&scene.regions, body, rule);
         leveled.table.neighbours = shared.neighbours();
-        let simplified = match shared.simplify(&tolerances_m) {
+        let share = match scene.levels {
+            LevelChoice::Automatic => LEVEL_VERTEX_SHARE,
+            LevelChoice::Given(_) => f64::INFINITY,
+        };
+        let simplified = match shared.simplify_by_share(&tolerances_m, share) {
             Ok(simplified) => simplified,
             Err(error) => {
                 leveled.ended_by = Some(error.to_string());
                 return Ok(leveled);
             }
         };
-        let mut finer: &[Region] = &scene.regions;
         for level in &simplified {
-            let share = level.vertex_count() as f64 / vertex_count(finer) as f64;
-            if scene.levels == LevelChoice::Automatic && share > LEVEL_VERTEX_SHARE {
-                continue;
-            }
-            if let Err(errors) = leveled.add(scene, options, finer, level) {
+            if let Err(errors) = leveled.add(scene, options, level) {
                 let first = errors.first().map(ToString::to_string).unwrap_or_default();
                 leveled.ended_by = Some(format!("at {} m: {first}", level.tolerance_m));
                 break;
             }
-            finer = &level.regions;
         }
         Ok(leveled)
     }
 
-    /// Meshes one more level. A region that lost no vertex since the level before keeps its mesh.
+    /// Meshes one more level; an automatic one is left out where what is drawn would not be less.
     fn add(
         &mut self,
         scene: &Scene,
         options: &MeshOptions,
-        finer: &[Region],
         level: &SimplifiedRegions,
     ) -> Result<(), Vec<MeshError>> {
-        let mut meshes: Vec<usize> = match self.table.coarser.last() {
-            Some(finer) => finer.meshes.clone(),
-            None => (0..finer.len()).collect(),
+        let chords_m = level.tolerance_m * CHORD_SHARE;
+        let options = MeshOptions {
+            boundary_tolerance_m: options.boundary_tolerance_m.max(chords_m),
+            ..*options
         };
-        let changed: Vec<usize> = (0..finer.len())
-            .filter(|&region| level.regions[region].polygons != finer[region].polygons)
-            .collect();
-        let regions: Vec<Region> = changed
-            .iter()
-            .map(|&region| level.regions[region].clone())
-            .collect();
-        let built = RegionMesh::build_all(&regions, &scene.body, scene.edge_rule, options)?;
-        for (&region, mesh) in changed.iter().zip(built) {
-            meshes[region] = self.meshes.len();
-            self.meshes.push(mesh);
+        let built = RegionMesh::build_all(&level.regions, &scene.body, scene.edge_rule, &options)?;
+        let finer = &self.meshes[self.meshes.len() - built.len()..];
+        let share = boundary_edge_count(&built) as f64 / boundary_edge_count(finer) as f64;
+        if scene.levels == LevelChoice::Automatic && share > LEVEL_VERTEX_SHARE {
+            return Ok(());
         }
-        let deviation_m = meshes
-            .iter()
-            .zip(&level.reports)
-            .map(|(&mesh, report)| report.deviation_m + self.meshes[mesh].boundary_deviation_m)
-            .collect();
+        let first = self.meshes.len();
+        let deviations = built.iter().zip(&level.reports);
         self.table.coarser.push(Level {
             tolerance_m: level.tolerance_m,
-            meshes,
-            deviation_m,
+            meshes: (first..first + built.len()).collect(),
+            deviation_m: deviations
+                .map(|(mesh, report)| mesh.boundary_deviation_m + report.deviation_m)
+                .collect(),
         });
+        self.meshes.extend(built);
         Ok(())
     }
 }
@@ -161,6 +160,10 @@ impl LevelChoice {
             }
         }
     }
+}
+
+fn boundary_edge_count(meshes: &[RegionMesh]) -> usize {
+    meshes.iter().map(RegionMesh::boundary_edge_count).sum()
 }
 
 fn vertex_count(regions: &[Region]) -> usize {

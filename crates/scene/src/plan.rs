@@ -368,25 +368,34 @@ impl Planner<'_> {
         }
     }
 
-    /// What a pixel is worth where it is worth least: at the point of the region's box nearest to
-    /// the eye, seen in the place of its footprint farthest from the image's centre, metres.
+    /// What a pixel is worth where it is worth least, metres: a displacement of this length of
+    /// anything of the region moves its picture by no more than a pixel. 0 where the region's box
+    /// reaches the eye.
     ///
-    /// At a distance r and an angle off the viewing axis whose tangent is t, a displacement δ
-    /// across the ray moves its picture by up to `(1 + t²) δ / r` on an image plane at distance 1;
-    /// across the ray is where it shows most, so nothing is gained by looking at its direction.
+    /// At distance r, depth z along the viewing axis, and an angle off it with tangent t, a
+    /// displacement δ across the ray moves the picture on the image plane at distance 1 by up to
+    /// `(1 + t²) δ / r = √(1 + t²) δ / z`. Both forms are held against the box: its nearest point
+    /// or its nearest depth, and the corner of its footprint farthest from the image's centre.
+    /// Across the ray is where a displacement shows most, so nothing is gained from its direction.
     fn pixel_m(&self, bounds: &RegionBounds) -> f64 {
+        let (camera, size) = (self.camera, self.size);
         let grown = bounds.grown(self.clearance_m);
-        let distance_m = distance_to_box_m(&grown.bounds, self.camera.eye_ecef);
-        let footprint = Footprint::new(self.camera, self.size, &grown.bounds.corners_ecef());
-        let seen = footprint.map_or(PixelRect::full(self.size), |f| f.rect(self.size));
-        let tangent = self.camera.tan_half_fov();
+        let corners = grown.bounds.corners_ecef();
+        let depth = |corner: &DVec3| -(camera.view_from_ecef * (*corner - camera.eye_ecef)).z;
+        let depth_m = corners.iter().map(depth).fold(f64::INFINITY, f64::min);
+        let distance_m = distance_to_box_m(&grown.bounds, camera.eye_ecef);
+        let footprint = Footprint::new(camera, size, &corners);
+        let seen = footprint.map_or(PixelRect::full(size), |f| f.rect(size));
         let farthest = |low: u32, high: u32, count: u32| {
             let from_centre = |at: u32| (2.0 * f64::from(at) / f64::from(count) - 1.0).abs();
-            from_centre(low).max(from_centre(high))
+            camera.tan_half_fov() * from_centre(low).max(from_centre(high))
         };
-        let x = farthest(seen.left, seen.right, self.size.width) * tangent * self.size.aspect();
-        let y = farthest(seen.top, seen.bottom, self.size.height) * tangent;
-        self.camera.pixel_size_m(self.size, distance_m) / (1.0 + x * x + y * y)
+        let x = farthest(seen.left, seen.right, size.width) * size.aspect();
+        let y = farthest(seen.top, seen.bottom, size.height);
+        let stretch = 1.0 + x * x + y * y;
+        let by_distance = camera.pixel_size_m(size, distance_m) / stretch;
+        let by_depth = camera.pixel_size_m(size, depth_m.max(0.0)) / stretch.sqrt();
+        by_distance.max(by_depth)
     }
 }
 
