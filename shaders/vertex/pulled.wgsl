@@ -1,4 +1,4 @@
-// Stencil pass of `vertex/pulled`: no vertex is stored twice and no index list is stored for walls
+// Volumes of `vertex/pulled`: no vertex is stored twice and no index list is stored for walls
 // or bottom caps. One invocation works out from `vertex_index` which corner of which triangle it is
 // and fetches that vertex.
 //
@@ -9,6 +9,7 @@
 //        before and at a separator give triangles of zero area.
 #import shared/view.wgsl
 #import shared/region.wgsl
+#import shared/volume.wgsl
 
 // x, y, z of vertex i at 3i, 3i + 1, 3i + 2.
 @group(1) @binding(0) var<storage, read> positions: array<i32>;
@@ -82,16 +83,6 @@ fn walls_main(
     return extrude_wall(vertex_index, region_index);
 }
 
-// For passes that also hold a colour target: volumes leave it alone.
-@fragment
-fn no_colour() {}
-
-// Colour pass by volumes: the same positions, and the region's colour.
-struct Coloured {
-    @builtin(position) @invariant clip: vec4<f32>,
-    @location(0) @interpolate(flat) colour: vec4<f32>,
-};
-
 @vertex
 fn coloured_caps(
     @builtin(vertex_index) vertex_index: u32,
@@ -108,7 +99,18 @@ fn coloured_walls(
     return Coloured(extrude_wall(vertex_index, region_index), regions[region_index].colour);
 }
 
-@fragment
-fn region_colour(in: Coloured) -> @location(0) vec4<f32> {
-    return in.colour;
+@vertex
+fn numbered_caps(
+    @builtin(vertex_index) vertex_index: u32,
+    @builtin(instance_index) region_index: u32,
+) -> Numbered {
+    return numbered(extrude_cap(vertex_index, region_index), region_index);
+}
+
+@vertex
+fn numbered_walls(
+    @builtin(vertex_index) vertex_index: u32,
+    @builtin(instance_index) region_index: u32,
+) -> Numbered {
+    return numbered(extrude_wall(vertex_index, region_index), region_index);
 }

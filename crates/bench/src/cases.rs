@@ -1,21 +1,58 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Which cases a scene gives.
+//! Which cases a scene gives, and what each is measured for.
 
-use crate::BenchOptions;
+use crate::ladder::ladder;
+use crate::matrix::matrix_row;
+use crate::technique::BACKENDS;
+use crate::{BenchOptions, Setting, Technique};
 use std::sync::Arc;
+use terrafill_compute::{ComputeVariant, Expansion};
 use terrafill_frame::{ColourWay, PositionFormat, Switches};
 use terrafill_gpu::BaselineKind;
-use terrafill_results::CaseKey;
-use terrafill_scene::{Overlap, Scene, View};
+use terrafill_results::{CaseKey, LadderRung};
+use terrafill_scene::{PlanOptions, Scene, View};
 use terrafill_vertex::{Layout, VertexVariant};
 
-/// What draws a case.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Technique {
-    /// A full-screen pass.
-    Baseline(BaselineKind),
-    /// The vertex backend.
-    Vertex(VertexVariant),
+/// What a case is measured for; it may be several things at once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Roles {
+    /// A full-screen pass that techniques are held against.
+    pub baseline: bool,
+    /// A technique as it should be used, or one switch beside it.
+    pub main: bool,
+    /// A point of the sweep through the boundary tolerance: allowed to be wrong, since its error is
+    /// what the sweep is about.
+    pub sweep: bool,
+    /// A rung of a ladder.
+    pub ladder: bool,
+    /// A cell of the matrix.
+    pub matrix: bool,
+}
+
+impl Roles {
+    /// Names joined by `+`, as in the `role` column.
+    #[must_use]
+    pub fn name(self) -> String {
+        let names = [
+            (self.baseline, "baseline"),
+            (self.main, "main"),
+            (self.sweep, "sweep"),
+            (self.ladder, "ladder"),
+            (self.matrix, "matrix"),
+        ];
+        let held = names.into_iter().filter(|(held, _)| *held);
+        held.map(|(_, name)| name).collect::<Vec<_>>().join("+")
+    }
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            baseline: self.baseline || other.baseline,
+            main: self.main || other.main,
+            sweep: self.sweep || other.sweep,
+            ladder: self.ladder || other.ladder,
+            matrix: self.matrix || other.matrix,
+        }
+    }
 }
 
 /// One case: a row to be.
@@ -25,10 +62,14 @@ pub struct BenchCase {
     pub key: CaseKey,
     /// What draws it.
     pub technique: Technique,
+    /// How its frame is planned.
+    pub plan: PlanOptions,
     /// Boundary tolerance of its meshes, metres; `None` for baselines.
     pub boundary_tolerance_m: Option<f64>,
-    /// Part of a sweep: allowed to be wrong, since its error is what the sweep is about.
-    pub is_sweep: bool,
+    /// What it is for.
+    pub roles: Roles,
+    /// Timed frames; 0 for a case that is only drawn and compared.
+    pub frames: u32,
 }
 
 /// All cases of one scene and view: measured together, interleaved.
@@ -40,83 +81,209 @@ pub struct SceneGroup {
     pub view: View,
     /// Baselines first.
     pub cases: Vec<BenchCase>,
+    /// Ladders through `cases`.
+    pub ladder: Vec<LadderRung>,
 }
 
 /// The cases of `scene` seen by `view`.
 #[must_use]
 pub fn group_cases(scene: &Arc<Scene>, view: &View, options: &BenchOptions) -> SceneGroup {
-    let key = |backend: &str, variant: String| CaseKey {
-        scene: scene.name.clone(),
-        view: view.name.clone(),
-        backend: backend.to_owned(),
-        variant,
+    let mut group = Builder {
+        scene,
+        view,
+        cases: Vec::new(),
     };
-    let mut cases: Vec<BenchCase> = [BaselineKind::Bound, BaselineKind::Floor]
-        .map(|kind| BenchCase {
-            key: key(kind.name(), "full-screen".to_owned()),
-            technique: Technique::Baseline(kind),
-            boundary_tolerance_m: None,
-            is_sweep: false,
-        })
-        .into();
-    if options.backends.is_empty() || options.backends.iter().any(|name| name == "vertex") {
-        for variant in vertex_variants(scene.overlap, options.quick) {
-            cases.push(BenchCase {
-                key: key("vertex", variant.name()),
-                technique: Technique::Vertex(variant),
-                boundary_tolerance_m: Some(scene.mesh.boundary_tolerance_m),
-                is_sweep: false,
-            });
+    let frames = options.frame_count();
+    group.add_baselines(frames);
+    let backends = BACKENDS.iter().filter(|name| options.wants_backend(name));
+    let mut rungs = Vec::new();
+    for backend in backends.clone() {
+        for setting in main_settings(backend, scene, options.quick) {
+            group.add(
+                setting,
+                Roles {
+                    main: true,
+                    ..Roles::default()
+                },
+                frames,
+            );
         }
         if !options.quick {
-            for layout in [Layout::Doubled, Layout::Pulled] {
-                for &tolerance in &scene.sweep_boundary_tolerance_m {
-                    let variant = main_variant(scene.overlap, layout);
-                    let name = format!("{},boundary-tolerance-m={tolerance}", variant.name());
-                    cases.push(BenchCase {
-                        key: key("vertex", name),
-                        technique: Technique::Vertex(variant),
-                        boundary_tolerance_m: Some(tolerance),
-                        is_sweep: true,
-                    });
-                }
+            group.add_sweep(backend, frames);
+        }
+    }
+    for backend in backends
+        .clone()
+        .filter(|_| options.wants_ladder(&scene.name))
+    {
+        let role = Roles {
+            ladder: true,
+            ..Roles::default()
+        };
+        for (rung, number) in ladder(backend, scene.overlap).into_iter().zip(1..) {
+            let key = group.add(rung.setting, role, options.ladder_frame_count());
+            rungs.push(LadderRung {
+                ladder: (*backend).to_owned(),
+                rung: number,
+                step: rung.step.to_owned(),
+                change: rung.change.to_owned(),
+                scene: key.scene,
+                view: key.view,
+                backend: key.backend,
+                variant: key.variant,
+            });
+        }
+    }
+    for backend in backends.filter(|_| options.wants_matrix(&scene.name)) {
+        let role = Roles {
+            matrix: true,
+            ..Roles::default()
+        };
+        for base in layouts(backend, scene) {
+            for setting in matrix_row(base, scene.overlap) {
+                group.add(setting, role, 0);
             }
         }
     }
     SceneGroup {
         scene: Arc::clone(scene),
         view: view.clone(),
-        cases,
+        cases: group.cases,
+        ladder: rungs,
     }
 }
 
-/// The colouring that is right for the scene: XOR holds for disjoint regions only.
-fn main_variant(overlap: Overlap, layout: Layout) -> VertexVariant {
-    VertexVariant {
-        layout,
-        switches: Switches::for_overlap(overlap),
-        ..VertexVariant::default()
-    }
+struct Builder<'a> {
+    scene: &'a Scene,
+    view: &'a View,
+    cases: Vec<BenchCase>,
 }
 
-/// Both layouts as they should be used; beside them, one switch at a time, what is compared.
-fn vertex_variants(overlap: Overlap, quick: bool) -> Vec<VertexVariant> {
-    let main = main_variant(overlap, Layout::Doubled);
-    let mut variants = vec![main, main_variant(overlap, Layout::Pulled)];
-    if !quick {
-        if main.switches.colour != ColourWay::Rectangle {
-            variants.push(VertexVariant {
-                switches: Switches {
-                    colour: ColourWay::Rectangle,
-                    ..main.switches
+impl Builder<'_> {
+    fn add_baselines(&mut self, frames: u32) {
+        for kind in [BaselineKind::Bound, BaselineKind::Floor] {
+            let setting = Setting::new(Technique::Baseline(kind));
+            self.cases.push(BenchCase {
+                key: self.key(&setting, None),
+                technique: setting.technique,
+                plan: setting.plan,
+                boundary_tolerance_m: None,
+                roles: Roles {
+                    baseline: true,
+                    ..Roles::default()
                 },
-                ..main
+                frames,
             });
         }
-        variants.push(VertexVariant {
-            positions: PositionFormat::LocalF32,
-            ..main
-        });
     }
-    variants
+
+    fn key(&self, setting: &Setting, tolerance_m: Option<f64>) -> CaseKey {
+        let mut variant = setting.variant_name();
+        if let Some(tolerance) = tolerance_m {
+            variant.push_str(&format!(",boundary-tolerance-m={tolerance}"));
+        }
+        CaseKey {
+            scene: self.scene.name.clone(),
+            view: self.view.name.clone(),
+            backend: setting.technique.backend().to_owned(),
+            variant,
+        }
+    }
+
+    /// A case that exists already takes the role on, and the larger number of frames.
+    fn add(&mut self, setting: Setting, roles: Roles, frames: u32) -> CaseKey {
+        let key = self.key(&setting, None);
+        match self.cases.iter_mut().find(|case| case.key == key) {
+            Some(case) => {
+                case.roles = case.roles.and(roles);
+                case.frames = case.frames.max(frames);
+            }
+            None => self.cases.push(BenchCase {
+                key: key.clone(),
+                technique: setting.technique,
+                plan: setting.plan,
+                boundary_tolerance_m: Some(self.scene.mesh.boundary_tolerance_m),
+                roles,
+                frames,
+            }),
+        }
+        key
+    }
+
+    fn add_sweep(&mut self, backend: &str, frames: u32) {
+        for setting in sweep_settings(backend, self.scene) {
+            for &tolerance in &self.scene.sweep_boundary_tolerance_m {
+                self.cases.push(BenchCase {
+                    key: self.key(&setting, Some(tolerance)),
+                    technique: setting.technique,
+                    plan: setting.plan,
+                    boundary_tolerance_m: Some(tolerance),
+                    roles: Roles {
+                        sweep: true,
+                        ..Roles::default()
+                    },
+                    frames,
+                });
+            }
+        }
+    }
+}
+
+/// A vertex layout with the colouring that is right for the scene: XOR holds for disjoint regions
+/// only.
+fn vertex(layout: Layout, scene: &Scene) -> Setting {
+    Setting::new(Technique::Vertex(VertexVariant {
+        layout,
+        switches: Switches::for_overlap(scene.overlap),
+        ..VertexVariant::default()
+    }))
+}
+
+/// Every layout of a backend, as it should be used.
+fn layouts(backend: &str, scene: &Scene) -> Vec<Setting> {
+    match backend {
+        "vertex" => Layout::ALL.map(|layout| vertex(layout, scene)).into(),
+        "compute" => [Expansion::PerFrame, Expansion::Cached]
+            .map(|expansion| {
+                Setting::new(Technique::Compute(ComputeVariant {
+                    expansion,
+                    switches: Switches::for_overlap(scene.overlap),
+                    ..ComputeVariant::default()
+                }))
+            })
+            .into(),
+        _ => Vec::new(),
+    }
+}
+
+/// Layouts whose error is drawn against their time.
+fn sweep_settings(backend: &str, scene: &Scene) -> Vec<Setting> {
+    match backend {
+        "vertex" => [Layout::Doubled, Layout::Pulled]
+            .map(|layout| vertex(layout, scene))
+            .into(),
+        _ => Vec::new(),
+    }
+}
+
+/// Layouts as they should be used; beside them, one switch at a time, what is compared everywhere.
+fn main_settings(backend: &str, scene: &Scene, quick: bool) -> Vec<Setting> {
+    if backend != "vertex" {
+        return layouts(backend, scene);
+    }
+    let mut settings: Vec<Setting> = [Layout::Doubled, Layout::Pulled]
+        .map(|layout| vertex(layout, scene))
+        .into();
+    if !quick {
+        let main = vertex(Layout::Doubled, scene);
+        if Switches::for_overlap(scene.overlap).colour != ColourWay::Rectangle {
+            settings.push(main.with(|switches| switches.colour = ColourWay::Rectangle));
+        }
+        let mut local = main;
+        if let Technique::Vertex(variant) = &mut local.technique {
+            variant.positions = PositionFormat::LocalF32;
+        }
+        settings.push(local);
+    }
+    settings
 }

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One scene and view being measured: the reference judges, probes are compared, rounds are timed.
 
+use crate::fingerprint::fingerprint;
 use crate::images::{drop_alpha, file_stem, write_rgb};
-use crate::scenes::build_meshes;
+use crate::memory::LayoutOfScene;
+use crate::scenes::{build_meshes, mesh_error};
 use crate::summary::baselines;
-use crate::{BenchCase, BenchError, BenchOptions, SceneGroup, Technique};
+use crate::{BenchCase, BenchError, BenchOptions, SceneGroup, Setting, Technique};
 use indicatif::ProgressBar;
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_conformance::{
@@ -18,9 +22,8 @@ use terrafill_frame::{
 };
 use terrafill_gpu::{Baseline, CpuStopwatch, Gpu, SharedStage, Stage};
 use terrafill_reference::ReferenceBackend;
-use terrafill_results::{CaseKey, ErrorFigures, RunFolder, Sample, Status, median};
-use terrafill_scene::{PlanOptions, SurfaceMesh};
-use terrafill_vertex::VertexBackend;
+use terrafill_results::{Baselines, CaseKey, ErrorFigures, RunFolder, Sample, Status, median};
+use terrafill_scene::{LeveledMeshes, PlanOptions, SurfaceMesh};
 
 /// A case with what draws it and what the probe frame showed.
 pub(crate) struct RunningCase<'a> {
@@ -53,7 +56,17 @@ pub(crate) struct Probe {
     pub(crate) plan_cpu_ms: Option<f64>,
     pub(crate) image: String,
     pub(crate) difference_image: String,
+    pub(crate) mask_hash: String,
+    pub(crate) ids_hash: String,
 }
+
+/// Boundary tolerance, and how frames are planned.
+type InputKey = (Option<f64>, PlanOptions);
+
+/// An input and the median CPU time of planning it.
+type PlannedInput = (Rc<FrameInput>, Option<f64>);
+
+type Judgement = Result<ErrorFigures, String>;
 
 /// Why two cells of such a row are empty.
 const ALTERNATING: &str =
@@ -78,6 +91,13 @@ pub(crate) struct GroupRun<'a> {
     /// What the default mesh options give; views of other options share its surface.
     pub(crate) input: Rc<FrameInput>,
     pub(crate) reference: Frame,
+    /// The reference with all regions as one.
+    filled_reference: Frame,
+    /// Inputs of other mesh or plan options, with how long their plans take.
+    inputs: RefCell<Vec<(InputKey, PlannedInput)>>,
+    leveled: RefCell<Option<PreparedScene>>,
+    /// What was said of each picture: equal pictures get equal figures.
+    judgements: RefCell<BTreeMap<(String, u64), Judgement>>,
     pub(crate) disagreements: (u64, u64),
     pub(crate) reference_image: String,
 }
@@ -119,24 +139,41 @@ impl<'a> GroupRun<'a> {
             progress,
             stage,
             input: Rc::new(input),
+            inputs: RefCell::default(),
+            leveled: RefCell::default(),
+            judgements: RefCell::default(),
             disagreements: (judged.disagreement_px(), outside),
+            filled_reference: filled_only(&judged.frame),
             reference: judged.frame,
             reference_image,
         })
     }
 
-    pub(crate) fn run(&self) -> Result<(), BenchError> {
+    /// `missing`: cases without a row; those that are only drawn are drawn only if they are missing.
+    pub(crate) fn run(&self, missing: &[CaseKey]) -> Result<(), BenchError> {
         let done: Vec<Sample> = self.folder.samples()?;
         let mut running = Vec::new();
+        let mut layouts: Vec<(&str, String)> = Vec::new();
         for case in &self.group.cases {
+            if case.frames == 0 && !missing.contains(&case.key) {
+                continue;
+            }
             self.progress.set_message(format!("{}: probe", case.key));
+            let probed = self.probe(case)?;
+            self.record_memory(case, &probed.probe, &mut layouts)?;
+            if case.frames == 0 {
+                let row = self.summary(&probed, &[], Baselines::default());
+                self.folder.append_summary(&row)?;
+                self.progress.inc(1);
+                continue;
+            }
             let first_frame = done
                 .iter()
                 .filter(|sample| sample.key() == case.key)
                 .count();
             running.push(RunningCase {
                 first_frame: u32::try_from(first_frame).unwrap_or(u32::MAX),
-                ..self.probe(case)?
+                ..probed
             });
         }
         self.measure(&mut running)?;
@@ -150,6 +187,38 @@ impl<'a> GroupRun<'a> {
         Ok(())
     }
 
+    /// Bytes of each layout, from the first case that stores the scene so.
+    fn record_memory(
+        &self,
+        case: &BenchCase,
+        probe: &Probe,
+        layouts: &mut Vec<(&'a str, String)>,
+    ) -> Result<(), BenchError> {
+        let plain = !case.roles.sweep && case.plan == PlanOptions::default();
+        let of = (
+            case.technique.backend(),
+            Setting::new(case.technique).layout(),
+        );
+        if !plain || probe.memory.is_none() || layouts.contains(&of) {
+            return Ok(());
+        }
+        let mut is_drawn = vec![false; self.input.scene.meshes.len()];
+        for planned in &self.input.plan.regions {
+            is_drawn[planned.mesh] = true;
+        }
+        let rows = LayoutOfScene {
+            scene: &self.group.scene.name,
+            layout: of.1.clone(),
+            technique: &case.technique,
+            meshes: &self.input.scene.meshes,
+            is_drawn: &is_drawn,
+            allocated: probe.memory,
+        }
+        .rows();
+        layouts.push(of);
+        Ok(self.folder.append_memory(&rows)?)
+    }
+
     /// Prepares a case and draws its probe frame. What goes wrong becomes the case's status.
     fn probe(&self, case: &'a BenchCase) -> Result<RunningCase<'a>, BenchError> {
         let (drawer, probe) = match case.technique {
@@ -157,16 +226,23 @@ impl<'a> GroupRun<'a> {
                 Ok(baseline) => (Drawer::Baseline(baseline), Probe::default()),
                 Err(error) => (Drawer::None, failed_probe(&error)),
             },
-            Technique::Vertex(variant) => {
-                let input = self.input_for(case)?;
-                let drawn = VertexBackend::new(&self.stage, variant)
-                    .and_then(|backend| draw_probe(Box::new(backend), &input));
+            _ => {
+                let (input, plan_cpu_ms) = self.input_for(case)?;
+                let drawn = case
+                    .technique
+                    .open(&self.stage)
+                    .map(|backend| backend.and_then(|backend| draw_probe(backend, &input)));
                 match drawn {
-                    Ok((mut backend, memory, frame)) => {
+                    Some(Ok((mut backend, memory, frame))) => {
                         let probe = self.judge(case, &mut *backend, &input, memory, frame)?;
+                        let probe = Probe {
+                            plan_cpu_ms,
+                            ..probe
+                        };
                         (Drawer::Volumes(backend, input), probe)
                     }
-                    Err(error) => (Drawer::None, failed_probe(&error)),
+                    Some(Err(error)) => (Drawer::None, failed_probe(&error)),
+                    None => (Drawer::None, Probe::default()),
                 }
             }
         };
@@ -178,17 +254,45 @@ impl<'a> GroupRun<'a> {
         })
     }
 
-    fn input_for(&self, case: &BenchCase) -> Result<Rc<FrameInput>, BenchError> {
-        let scene = &self.group.scene;
-        match case.boundary_tolerance_m {
-            Some(tolerance) if case.is_sweep => {
-                let meshes = build_meshes(scene, tolerance)?;
-                let prepared = self.input.scene.with_meshes(meshes);
-                let input = self.input.remeshed(&prepared, PlanOptions::default());
-                Ok(Rc::new(input))
-            }
-            _ => Ok(Rc::clone(&self.input)),
+    fn input_for(&self, case: &BenchCase) -> Result<PlannedInput, BenchError> {
+        let tolerance = case.boundary_tolerance_m.filter(|_| case.roles.sweep);
+        let key: InputKey = (tolerance, case.plan);
+        let known = self.inputs.borrow();
+        if let Some((_, input)) = known.iter().find(|(known, _)| *known == key) {
+            return Ok(input.clone());
         }
+        drop(known);
+        let input = match tolerance {
+            Some(tolerance) => {
+                let meshes = build_meshes(&self.group.scene, tolerance)?;
+                let prepared = self.input.scene.with_meshes(meshes);
+                Rc::new(self.input.remeshed(&prepared, case.plan))
+            }
+            None if case.plan == PlanOptions::default() => Rc::clone(&self.input),
+            None if case.plan.boundary_lod_px.is_some() => {
+                Rc::new(self.input.remeshed(&self.leveled()?, case.plan))
+            }
+            None => Rc::new(self.input.remeshed(&self.input.scene, case.plan)),
+        };
+        let plan_cpu_ms = plan_cpu_ms(&input, case.plan);
+        let planned = (input, plan_cpu_ms);
+        self.inputs.borrow_mut().push((key, planned.clone()));
+        Ok(planned)
+    }
+
+    /// The scene with coarser levels of its boundaries.
+    fn leveled(&self) -> Result<PreparedScene, BenchError> {
+        let mut known = self.leveled.borrow_mut();
+        if let Some(scene) = &*known {
+            return Ok(scene.clone());
+        }
+        let scene = &self.group.scene;
+        let meshes = LeveledMeshes::build(scene, &scene.mesh)
+            .map_err(|errors| mesh_error(scene, &errors))?;
+        let surface = Arc::clone(&self.input.scene.surface);
+        Ok(known
+            .insert(PreparedScene::leveled(scene, meshes, surface))
+            .clone())
     }
 
     fn judge(
@@ -199,21 +303,21 @@ impl<'a> GroupRun<'a> {
         memory: MemoryUse,
         frame: Frame,
     ) -> Result<Probe, BenchError> {
+        let tells_apart = backend.tells_regions_apart();
         let mut probe = Probe {
             memory: Some(memory),
             regions_drawn: Some(input.plan.regions.len() as u64),
             regions_left_out: Some(input.plan.left_out.len() as u64),
             left_out: input.plan.left_out_summary(&input.scene.meshes),
             boundary_deviation_m: largest_deviation(&input.scene.meshes),
-            plan_cpu_ms: plan_cpu_ms(input),
+            mask_hash: fingerprint(frame.ids.iter().map(|&id| id.min(1))),
+            ids_hash: match tells_apart {
+                true => fingerprint(frame.ids.iter().copied()),
+                false => String::new(),
+            },
             ..Probe::default()
         };
-        let (reference, judged) = if backend.tells_regions_apart() {
-            (self.reference.clone(), frame.clone())
-        } else {
-            (filled_only(&self.reference), filled_only(&frame))
-        };
-        match compare(&reference, &judged) {
+        match self.figures(&probe, &frame) {
             Ok(figures) => {
                 let (status, reasons) = match verdict(&figures) {
                     Verdict::Pass => (Status::Ok, Vec::new()),
@@ -225,19 +329,41 @@ impl<'a> GroupRun<'a> {
             }
             Err(error) => {
                 probe.status = Some(Status::Failed);
-                probe.reason = error.to_string();
+                probe.reason = error;
             }
         }
-        if one_at_a_time(&case.technique) {
+        if case.frames > 0 && one_at_a_time(&case.technique) {
             probe.remark(ALTERNATING);
         }
-        let is_main = backend.variant_name() == case.key.variant && !case.key.variant.contains('=');
-        let is_wrong = probe.status == Some(Status::Wrong) && !case.is_sweep;
+        let is_main = case.roles.main && !case.key.variant.contains('=');
+        let is_wrong = probe.status == Some(Status::Wrong) && !case.roles.sweep;
         if is_main || is_wrong {
             self.write_pictures(case, backend, input, &frame, &mut probe)?;
         }
         probe.frame = Some(frame);
         Ok(probe)
+    }
+
+    /// How the frame differs from the reference; a fill in one colour is judged as a mask.
+    fn figures(&self, probe: &Probe, frame: &Frame) -> Judgement {
+        let as_mask = probe.ids_hash.is_empty();
+        let hash = if as_mask {
+            format!("mask {}", probe.mask_hash)
+        } else {
+            format!("ids {}", probe.ids_hash)
+        };
+        let key = (hash, frame.non_finite);
+        if let Some(known) = self.judgements.borrow().get(&key) {
+            return known.clone();
+        }
+        let figures = if as_mask {
+            compare(&self.filled_reference, &filled_only(frame))
+        } else {
+            compare(&self.reference, frame)
+        };
+        let judgement = figures.map_err(|error| error.to_string());
+        self.judgements.borrow_mut().insert(key, judgement.clone());
+        judgement
     }
 
     fn write_pictures(
@@ -266,20 +392,15 @@ impl<'a> GroupRun<'a> {
             view: self.group.view.name.clone(),
             source,
         };
-        let frames = self.options.frame_count();
-        let needs_frames = |case: &RunningCase<'_>| {
-            case.first_frame < frames && !matches!(case.drawer, Drawer::None)
+        let frames_left = |case: &RunningCase<'_>| match case.drawer {
+            Drawer::None => 0,
+            _ => case.case.frames.saturating_sub(case.first_frame),
         };
-        if !running.iter().any(needs_frames) {
+        let rounds = running.iter().map(frames_left).max().unwrap_or(0);
+        if rounds == 0 {
             return Ok(());
         }
         let warm_up = self.options.warm_up_count();
-        let rounds = frames
-            - running
-                .iter()
-                .map(|case| case.first_frame)
-                .min()
-                .unwrap_or(0);
         for round in 0..warm_up + rounds {
             self.progress.set_message(format!(
                 "{}/{}: frame {round}",
@@ -298,7 +419,7 @@ impl<'a> GroupRun<'a> {
             for index in round_order(running.len(), round) {
                 let case = &mut running[index];
                 let frame = (round.saturating_sub(warm_up)) + case.first_frame;
-                if frame >= frames {
+                if frame >= case.case.frames {
                     continue;
                 }
                 let times = match time(&mut case.drawer) {
@@ -334,13 +455,8 @@ fn draw_probe(
 
 /// Whether stencil and colour share a pass.
 fn one_at_a_time(technique: &Technique) -> bool {
-    match technique {
-        Technique::Baseline(_) => false,
-        Technique::Vertex(variant) => matches!(
-            variant.switches.colour,
-            ColourWay::Rectangle | ColourWay::Volume
-        ),
-    }
+    let colour = technique.switches().map(|switches| switches.colour);
+    matches!(colour, Some(ColourWay::Rectangle | ColourWay::Volume))
 }
 
 fn largest_deviation(meshes: &[RegionMesh]) -> Option<f64> {
@@ -349,20 +465,21 @@ fn largest_deviation(meshes: &[RegionMesh]) -> Option<f64> {
 }
 
 /// Median over a few plans of the same frame.
-fn plan_cpu_ms(input: &FrameInput) -> Option<f64> {
+fn plan_cpu_ms(input: &FrameInput, options: PlanOptions) -> Option<f64> {
     let plans = (0..9).map(|_| {
         let watch = CpuStopwatch::start();
-        std::hint::black_box(input.remeshed(&input.scene, PlanOptions::default()));
+        std::hint::black_box(input.remeshed(&input.scene, options));
         watch.cpu_ms()
     });
     median(&plans.collect::<Vec<_>>())
 }
 
-/// What the adapter lacks is skipped; everything else that breaks has failed.
+/// What the adapter lacks, and switches that do not go together, are skipped; everything else that
+/// breaks has failed.
 fn failed_probe(error: &BackendError) -> Probe {
     Probe {
         status: Some(match error {
-            BackendError::Unsupported { .. } => Status::Skipped,
+            BackendError::Unsupported { .. } | BackendError::Switch(_) => Status::Skipped,
             _ => Status::Failed,
         }),
         reason: error.to_string(),

@@ -4,19 +4,29 @@
 //! For each scene and view: the reference judges once; every case draws a probe frame that is
 //! compared with it; then all cases and the two baselines are timed in rounds, so that whatever
 //! else the machine does falls on all of them alike. Every sample is kept and flushed.
+//!
+//! Three things are asked beside: the *ladder*, from the un-optimised method to the full plan one
+//! switch at a time; the *matrix*, every backend, layout and switch on the same view, drawn once;
+//! and the bytes of every layout, by formula and as allocated.
 
 mod cases;
 mod environment;
+mod fingerprint;
 mod group;
 mod growth;
 mod images;
+mod ladder;
+mod matrix;
+mod memory;
 mod options;
 mod runner;
 mod scenes;
 mod summary;
+mod technique;
 
-pub use cases::{BenchCase, SceneGroup, Technique, group_cases};
+pub use cases::{BenchCase, Roles, SceneGroup, group_cases};
 pub use environment::environment;
-pub use options::{BenchError, BenchOptions, Shard};
+pub use options::{BenchError, BenchOptions, LADDER_SCENE, MATRIX_SCENES, Shard};
 pub use runner::{BenchOutcome, run};
 pub use scenes::open_scene;
+pub use technique::{BACKENDS, Setting, Technique};

@@ -51,13 +51,56 @@ pub struct BenchOptions {
     pub shard: Option<Shard>,
     /// Part of the adapter's name.
     pub adapter: Option<String>,
+    /// Scenes of which the ladder is measured; `None`: [`LADDER_SCENE`], or none when quick.
+    pub ladder: Option<Vec<String>>,
+    /// Scenes of which the matrix is drawn; `None`: [`MATRIX_SCENES`], or none when quick.
+    pub matrix: Option<Vec<String>>,
 }
+
+/// The scene whose ladder is measured unless others are asked for: it needs no data, and its coasts
+/// are fine enough for vertices to matter.
+pub const LADDER_SCENE: &str = "planet-134";
+
+/// Scenes of which the matrix is drawn unless others are asked for: islands, one region close by,
+/// and neighbours that share borders.
+pub const MATRIX_SCENES: [&str; 3] = ["planet-134", "california", "countries-110m"];
 
 impl BenchOptions {
     /// Timed frames per case.
     #[must_use]
     pub fn frame_count(&self) -> u32 {
         self.frames.unwrap_or(if self.quick { 8 } else { 30 })
+    }
+
+    /// Timed frames of a rung: enough for an interval of the ratio to the rung before, and few, since
+    /// the first rungs take seconds where the last take milliseconds.
+    #[must_use]
+    pub fn ladder_frame_count(&self) -> u32 {
+        self.frame_count().min(15)
+    }
+
+    /// Whether `backend` is asked for.
+    #[must_use]
+    pub fn wants_backend(&self, backend: &str) -> bool {
+        self.backends.is_empty() || self.backends.iter().any(|name| name == backend)
+    }
+
+    /// Whether the ladder of this scene is asked for.
+    #[must_use]
+    pub fn wants_ladder(&self, scene: &str) -> bool {
+        match &self.ladder {
+            Some(scenes) => scenes.iter().any(|name| name == scene),
+            None => !self.quick && scene == LADDER_SCENE,
+        }
+    }
+
+    /// Whether the matrix of this scene is asked for.
+    #[must_use]
+    pub fn wants_matrix(&self, scene: &str) -> bool {
+        match &self.matrix {
+            Some(scenes) => scenes.iter().any(|name| name == scene),
+            None => !self.quick && MATRIX_SCENES.contains(&scene),
+        }
     }
 
     /// Rounds drawn and dropped before.
@@ -76,6 +119,11 @@ impl BenchOptions {
         ];
         if !self.scenes.is_empty() {
             lines.push(format!("scenes={}", self.scenes.join("+")));
+        }
+        for (name, scenes) in [("ladder", &self.ladder), ("matrix", &self.matrix)] {
+            if let Some(scenes) = scenes {
+                lines.push(format!("{name}={}", scenes.join("+")));
+            }
         }
         if let Some(shard) = self.shard {
             lines.push(format!("shard={}/{}", shard.index, shard.count));
@@ -127,6 +175,9 @@ pub enum BenchError {
         /// Why.
         message: String,
     },
+    /// Several scenes are wrong.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Several(Vec<BenchError>),
     /// Two scenes of the run have one name, so their rows could not be told apart.
     #[error("scene {name:?} is given twice, allowed: once")]
     SceneTwice {

@@ -4,11 +4,13 @@
 use crate::group::GroupRun;
 use crate::growth;
 use crate::scenes::{SkippedScenes, plan_groups};
-use crate::{BenchCase, BenchError, BenchOptions, SceneGroup, Technique, environment};
+use crate::{BACKENDS, BenchCase, BenchError, BenchOptions, SceneGroup, environment};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::collections::BTreeMap;
 use terrafill_gpu::{Gpu, GpuOptions};
-use terrafill_results::{CaseKey, RunEnvironment, RunError, RunFolder, RunPlan, Status, Summary};
+use terrafill_results::{
+    CaseKey, LadderRung, RunEnvironment, RunError, RunFolder, RunPlan, Status, Summary,
+};
 
 /// What a run came to.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -34,10 +36,10 @@ pub struct BenchOutcome {
 /// before stays.
 pub fn run(options: &BenchOptions) -> Result<BenchOutcome, BenchError> {
     for backend in &options.backends {
-        if backend != "vertex" {
+        if !BACKENDS.contains(&backend.as_str()) {
             return Err(BenchError::UnknownBackend {
                 found: backend.clone(),
-                allowed: "vertex".to_owned(),
+                allowed: BACKENDS.join(", "),
             });
         }
     }
@@ -51,6 +53,11 @@ pub fn run(options: &BenchOptions) -> Result<BenchOutcome, BenchError> {
         cases: groups
             .iter()
             .flat_map(|group| group.cases.iter().map(|case| case.key.clone()))
+            .collect(),
+        drawn_only: groups
+            .iter()
+            .flat_map(|group| group.cases.iter().filter(|case| case.frames == 0))
+            .map(|case| case.key.clone())
             .collect(),
         skipped_scenes: skipped_scenes.clone(),
         frames: options.frame_count(),
@@ -66,12 +73,14 @@ pub fn run(options: &BenchOptions) -> Result<BenchOutcome, BenchError> {
     if measures_growth(options) {
         growth::measure(&folder, options.quick)?;
     }
+    let ladder: Vec<LadderRung> = groups.iter().flat_map(|g| g.ladder.clone()).collect();
+    folder.write_ladder(&ladder)?;
     let missing = folder.missing()?;
     let progress = progress_bar(&plan, &missing);
     for group in &groups {
         let is_done = group.cases.iter().all(|case| !missing.contains(&case.key));
         if !is_done {
-            GroupRun::new(&gpu, options, &folder, group, &progress)?.run()?;
+            GroupRun::new(&gpu, options, &folder, group, &progress)?.run(&missing)?;
         }
     }
     progress.finish_and_clear();
@@ -138,13 +147,13 @@ fn outcome(
         let Some(case) = cases.get(&summary.key()) else {
             continue;
         };
-        match (summary.status, case.technique) {
-            (_, Technique::Baseline(_)) => {}
-            (Status::Ok, _) => outcome.ok += 1,
-            (Status::Wrong, _) if case.is_sweep => outcome.wrong_in_sweep += 1,
-            (Status::Wrong, _) => outcome.wrong += 1,
-            (Status::Failed, _) => outcome.failed += 1,
-            (Status::Skipped, _) => outcome.skipped += 1,
+        match summary.status {
+            _ if case.roles.baseline => {}
+            Status::Ok => outcome.ok += 1,
+            Status::Wrong if case.roles.sweep => outcome.wrong_in_sweep += 1,
+            Status::Wrong => outcome.wrong += 1,
+            Status::Failed => outcome.failed += 1,
+            Status::Skipped => outcome.skipped += 1,
         }
     }
     outcome

@@ -4,13 +4,13 @@
 use crate::{BenchError, BenchOptions, SceneGroup, group_cases};
 use std::path::Path;
 use std::sync::Arc;
-use terrafill_core::{MeshOptions, RegionMesh};
+use terrafill_core::{MeshError, MeshOptions, RegionMesh};
 use terrafill_scene::{Scene, SceneError, shipped_scene_names};
 
 pub(crate) type SkippedScenes = Vec<(String, String)>;
 
 /// Scenes with missing data are skipped with that reason; wrong ones, and those whose regions cannot
-/// be meshed, stop the run before it starts.
+/// be meshed, stop the run before it starts; all of them are named.
 pub(crate) fn plan_groups(
     options: &BenchOptions,
 ) -> Result<(Vec<SceneGroup>, SkippedScenes), BenchError> {
@@ -22,28 +22,27 @@ pub(crate) fn plan_groups(
     } else {
         options.scenes.clone()
     };
-    let mut groups = Vec::new();
+    let mut groups: Vec<SceneGroup> = Vec::new();
     let mut skipped = Vec::new();
+    let mut errors = Vec::new();
     for name in &names {
-        match open_scene(name, options.data_dir.as_deref()) {
+        match checked_scene(name, options, &groups) {
             Ok(scene) => {
-                build_meshes(&scene, scene.mesh.boundary_tolerance_m)?;
-                if groups
-                    .iter()
-                    .any(|group: &SceneGroup| group.scene.name == scene.name)
-                {
-                    return Err(BenchError::SceneTwice { name: scene.name });
-                }
                 let scene = Arc::new(scene);
                 for view in &scene.views {
                     groups.push(group_cases(&scene, view, options));
                 }
             }
-            Err(error @ SceneError::DataMissing { .. }) => {
+            Err(BenchError::Scene(error @ SceneError::DataMissing { .. })) => {
                 skipped.push((name.clone(), error.to_string()));
             }
-            Err(error) => return Err(error.into()),
+            Err(error) => errors.push(error),
         }
+    }
+    match errors.len() {
+        0 => {}
+        1 => return Err(errors.remove(0)),
+        _ => return Err(BenchError::Several(errors)),
     }
     if let Some(shard) = options.shard {
         let mut index = 0;
@@ -53,6 +52,20 @@ pub(crate) fn plan_groups(
         });
     }
     Ok((groups, skipped))
+}
+
+/// A scene that can be measured beside those of `groups`.
+fn checked_scene(
+    name: &str,
+    options: &BenchOptions,
+    groups: &[SceneGroup],
+) -> Result<Scene, BenchError> {
+    let scene = open_scene(name, options.data_dir.as_deref())?;
+    build_meshes(&scene, scene.mesh.boundary_tolerance_m)?;
+    if groups.iter().any(|group| group.scene.name == scene.name) {
+        return Err(BenchError::SceneTwice { name: scene.name });
+    }
+    Ok(scene)
 }
 
 /// A scene by the name of a shipped one, or by the path of a scene file (with `/` or `.toml` in it).
@@ -79,12 +92,16 @@ pub(crate) fn build_meshes(
     let meshes = RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &options);
     match meshes {
         Ok(meshes) => Ok(meshes.into()),
-        Err(errors) => Err(BenchError::Mesh {
-            lines: errors
-                .iter()
-                .map(|error| format!("{}: {error}", scene.name))
-                .collect::<Vec<_>>()
-                .join("\n"),
-        }),
+        Err(errors) => Err(mesh_error(scene, &errors)),
+    }
+}
+
+/// One line per region that cannot be meshed.
+pub(crate) fn mesh_error(scene: &Scene, errors: &[MeshError]) -> BenchError {
+    let lines = errors
+        .iter()
+        .map(|error| format!("{}: {error}", scene.name));
+    BenchError::Mesh {
+        lines: lines.collect::<Vec<_>>().join("\n"),
     }
 }

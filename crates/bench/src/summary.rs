@@ -83,6 +83,12 @@ impl GroupRun<'_> {
             difference_image: probe.difference_image.clone(),
             reference_image: self.reference_image.clone(),
             plan_cpu_ms: probe.plan_cpu_ms,
+            role: case.roles.name(),
+            mask_hash: probe.mask_hash.clone(),
+            ids_hash: probe.ids_hash.clone(),
+            stencil_fragments: counters.and_then(|counters| counters.stencil_fragments),
+            buffer_creations: counters.map(|counters| counters.buffer_creations),
+            pipeline_creations: counters.map(|counters| counters.pipeline_creations),
         }
     }
 

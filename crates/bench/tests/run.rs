@@ -21,6 +21,8 @@ fn options(out: &Path) -> BenchOptions {
         },
         shard: None,
         adapter: None,
+        ladder: None,
+        matrix: None,
     }
 }
 
@@ -93,7 +95,7 @@ fn wrong_requests_are_refused_before_anything_is_written() {
     let mut wrong = options(&out);
     wrong.backends = vec!["metal".to_owned()];
     let error = run(&wrong).expect_err("no such backend");
-    assert_eq!(error.to_string(), "backend \"metal\", allowed: vertex");
+    assert_eq!(error.to_string(), "backend \"metal\", allowed: vertex, compute");
     let mut wrong = options(&out);
     wrong.scenes = vec!["atlantis".to_owned()];
     let error = run(&wrong).expect_err("no such scene");

@@ -66,6 +66,7 @@ fn input(geojson: &str, body: Ellipsoid, rows: u32, pose: Pose) -> FrameInput {
         overlap: Overlap::Disjoint,
         regions: regions.into(),
         meshes: Arc::new([]),
+        levels: Arc::default(),
         bounds: Arc::new([]),
         surface: Arc::new(SurfaceMesh::ellipsoid(&body, rows)),
     }
@@ -258,6 +259,7 @@ fn culling_changes_no_pixel() {
                 frustum_culling: false,
                 horizon_culling: false,
                 too_small_culling: false,
+                ..PlanOptions::default()
             },
         );
         assert!(culled.plan.regions.len() < everything.plan.regions.len());

@@ -105,7 +105,7 @@ impl RingPiece {
 }
 
 /// Pieces of a ring as they lie on the body, in order.
-fn pieces_as_compared(rule: EdgeRule, ring: &Ring) -> Vec<Piece> {
+pub(crate) fn pieces_as_compared(rule: EdgeRule, ring: &Ring) -> Vec<Piece> {
     match rule {
         EdgeRule::Planar => planar_pieces(ring),
         // Arcs are compared by their normals, for which all turns are one.

@@ -12,6 +12,7 @@ mod crossings;
 mod edge;
 mod geojson;
 mod invariants;
+mod level_of_detail;
 mod mesh;
 mod outline;
 mod region;
@@ -24,6 +25,7 @@ pub use body::{Ellipsoid, Geodetic};
 pub use build::{EdgePlace, MeshError};
 pub use geojson::{RegionFileError, RegionProblem, RegionProblemKind, parse_regions};
 pub use invariants::InvariantViolation;
+pub use level_of_detail::{SharedBoundaries, Simplification, SimplifiedRegions, SimplifyError};
 pub use mesh::{Extent, MeshOptions, OrientedBox, RegionMesh, VolumeHeights};
 pub use region::{EdgeRule, Pole, Polygon, Region, Ring};
 pub use volume::{

@@ -46,6 +46,16 @@ pub struct Counters {
     pub clipper_primitives_out: Option<u64>,
     /// Fragment shader invocations of the colour pass.
     pub fragment_shader_invocations: Option<u64>,
+    /// Fragments of volumes that the stencil pass rasterises, whether or not the depth test lets
+    /// them touch the stencil: counted in an extra frame that is never timed.
+    pub stencil_fragments: Option<u64>,
+    /// Buffers made for this frame's fill, by `prepare` or later; 0 in a steady state. What only
+    /// measuring needs (queries, read-back) and what all backends share (the surface) is left out.
+    pub buffer_creations: u64,
+    /// Pipelines made for this frame's fill, as above.
+    pub pipeline_creations: u64,
+    /// Writes of the CPU into buffers for this frame's fill, as above.
+    pub uploads: u64,
 }
 
 /// Bytes a backend holds for a frame, by purpose.

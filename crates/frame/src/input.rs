@@ -4,7 +4,7 @@
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Region, RegionMesh};
 use terrafill_scene::{
-    Camera, FramePlan, ImageSize, Overlap, PlanOptions, RegionBounds, Scene, SurfaceMesh,
+    Camera, FramePlan, ImageSize, LevelTable, LeveledMeshes, Overlap, PlanOptions, RegionBounds, Scene, SurfaceMesh,
     TerrainRange, View,
 };
 
@@ -22,8 +22,11 @@ pub struct PreparedScene {
     pub overlap: Overlap,
     /// As parsed: what the reference judges by.
     pub regions: Arc<[Region]>,
-    /// As meshed: what volume backends draw. Same order and length as `regions`.
+    /// As meshed: what volume backends draw. The first are `regions` in their order; what follows
+    /// are coarser levels of them, see `levels`.
     pub meshes: Arc<[RegionMesh]>,
+    /// Which of `meshes` is which region at which level.
+    pub levels: Arc<LevelTable>,
     /// Bounds of `meshes` over the surface, made once for all views.
     pub bounds: Arc<[RegionBounds]>,
     /// What lies under the fill.
@@ -42,16 +45,27 @@ impl PreparedScene {
             regions: Arc::clone(&scene.regions),
             bounds: bounds(&scene.body, &meshes, &surface),
             meshes,
+            levels: Arc::default(),
             surface,
         }
     }
 
-    /// The same scene with its regions meshed otherwise.
+    /// Joins a scene with the meshes of all its levels and its surface.
+    #[must_use]
+    pub fn leveled(scene: &Scene, leveled: LeveledMeshes, surface: Arc<SurfaceMesh>) -> Self {
+        Self {
+            levels: Arc::new(leveled.table),
+            ..Self::new(scene, leveled.meshes.into(), surface)
+        }
+    }
+
+    /// The same scene with its regions meshed otherwise, at one level.
     #[must_use]
     pub fn with_meshes(&self, meshes: Arc<[RegionMesh]>) -> Self {
         Self {
             bounds: bounds(&self.body, &meshes, &self.surface),
             meshes,
+            levels: Arc::default(),
             ..self.clone()
         }
     }
@@ -132,12 +146,15 @@ fn plan(
     size: ImageSize,
     options: PlanOptions,
 ) -> FramePlan {
-    FramePlan::new(
+    let mut plan = FramePlan::new(
         &scene.body,
         camera,
         size,
         scene.terrain(),
         &scene.bounds,
+        &scene.levels,
         options,
-    )
+    );
+    plan.settle_near_plane(&scene.body, camera, size, &scene.meshes);
+    plan
 }

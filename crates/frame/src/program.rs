@@ -109,6 +109,25 @@ pub enum FillCommand {
         /// Whose colours.
         regions: Vec<usize>,
     },
+    /// Adds to a 32-bit float target, cleared to 0 when the pass starts, each volume's number (its
+    /// place in the plan, plus 1) where a fragment counts: with [`DepthRule::Fail`] back faces add
+    /// and front faces take away, with [`DepthRule::Pass`] the other way round. What is left is the
+    /// number of the volume that the surface lies in. Their order changes nothing.
+    Accumulate {
+        /// Which fragments count.
+        depth: DepthRule,
+        /// Faces that are drawn; the others are culled.
+        faces: FaceSet,
+        /// Leaves out bottom caps.
+        without_bottom: bool,
+        /// Cuts each volume to its region's rectangle.
+        scissor: bool,
+        /// What is drawn.
+        regions: Vec<usize>,
+    },
+    /// Colours every pixel whose accumulated number is not 0 with that region's colour, by one
+    /// triangle over the screen.
+    Resolve,
 }
 
 /// Steps between two barriers of the targets.
@@ -120,6 +139,15 @@ pub struct FillPass {
     pub has_colour: bool,
     /// In order.
     pub commands: Vec<FillCommand>,
+}
+
+impl FillPass {
+    /// Whether the pass draws into the target of [`FillCommand::Accumulate`] and nothing else.
+    #[must_use]
+    pub fn accumulates(&self) -> bool {
+        let accumulates = |command| matches!(command, &FillCommand::Accumulate { .. });
+        self.commands.iter().any(accumulates)
+    }
 }
 
 /// A fill.
@@ -135,7 +163,8 @@ impl FillProgram {
     /// # Errors
     /// [`BackendError::Switch`] when the switches do not go together or not with the scene;
     /// [`BackendError::OverCapacity`] when more than 255 regions may lie over one pixel and are
-    /// counted together: a multiple of 256 would count as none.
+    /// counted together: a multiple of 256 would count as none; or when more regions are planned
+    /// than numbers can be accumulated exactly.
     pub fn new(
         plan: &FramePlan,
         switches: &Switches,
@@ -156,6 +185,10 @@ impl FillProgram {
                     check_depth(&plan.regions)?;
                 }
                 builder.one_colour()
+            }
+            ColourWay::IdAccumulation => {
+                check_numbers(plan.regions.len())?;
+                builder.id_accumulation()
             }
         };
         Ok(Self { passes })
@@ -185,6 +218,22 @@ fn check_depth(regions: &[PlannedRegion]) -> Result<(), BackendError> {
     })
 }
 
+/// Regions whose numbers a 32-bit float can accumulate: it holds integers to 2²⁴, and the sum of
+/// 1 … 4,095 is half of that, so every order of adding is exact as long as no ray is inside more
+/// than two sheets of every region at once.
+const ACCUMULABLE: usize = 4_095;
+
+fn check_numbers(regions: usize) -> Result<(), BackendError> {
+    if regions <= ACCUMULABLE {
+        return Ok(());
+    }
+    Err(BackendError::OverCapacity {
+        what: "regions in view whose numbers are accumulated in 32-bit floats".to_owned(),
+        found: regions as u64,
+        allowed: ACCUMULABLE as u64,
+    })
+}
+
 struct Builder<'a> {
     regions: &'a [PlannedRegion],
     switches: &'a Switches,
@@ -208,6 +257,26 @@ impl Builder<'_> {
 
     /// Marks `regions`, split by depth rule and, with two passes, by face.
     fn mark(&self, regions: &[usize], operation: StencilOperation) -> Vec<FillCommand> {
+        self.split(regions, |depth, faces, without_bottom, regions| {
+            FillCommand::Volumes {
+                rule: StencilRule {
+                    depth,
+                    operation,
+                    faces,
+                },
+                without_bottom,
+                scissor: self.switches.scissor,
+                regions,
+            }
+        })
+    }
+
+    /// One command for each depth rule that a region has and each set of faces.
+    fn split(
+        &self,
+        regions: &[usize],
+        command: impl Fn(DepthRule, FaceSet, bool, Vec<usize>) -> FillCommand,
+    ) -> Vec<FillCommand> {
         let faces: &[FaceSet] = match self.switches.faces {
             FacePasses::TwoSided => &[FaceSet::Both],
             FacePasses::TwoPass => &[FaceSet::Front, FaceSet::Back],
@@ -222,17 +291,10 @@ impl Builder<'_> {
             if of_rule.is_empty() {
                 continue;
             }
-            commands.extend(faces.iter().map(|&faces| FillCommand::Volumes {
-                rule: StencilRule {
-                    depth,
-                    operation,
-                    faces,
-                },
-                without_bottom: depth == DepthRule::Pass
-                    && self.switches.bottom_cap == BottomCap::WhereNeeded,
-                scissor: self.switches.scissor,
-                regions: of_rule.clone(),
-            }));
+            let without_bottom =
+                depth == DepthRule::Pass && self.switches.bottom_cap == BottomCap::WhereNeeded;
+            let each = |&faces| command(depth, faces, without_bottom, of_rule.clone());
+            commands.extend(faces.iter().map(each));
         }
         commands
     }
@@ -347,6 +409,29 @@ impl Builder<'_> {
         }]
     }
 
+    fn id_accumulation(&self) -> Vec<FillPass> {
+        vec![
+            FillPass {
+                clears_stencil: false,
+                has_colour: false,
+                commands: self.split(&self.all(), |depth, faces, without_bottom, regions| {
+                    FillCommand::Accumulate {
+                        depth,
+                        faces,
+                        without_bottom,
+                        scissor: self.switches.scissor,
+                        regions,
+                    }
+                }),
+            },
+            FillPass {
+                clears_stencil: false,
+                has_colour: true,
+                commands: vec![FillCommand::Resolve],
+            },
+        ]
+    }
+
     fn one_colour(&self) -> Vec<FillPass> {
         let zeroes = self.switches.stencil_clear == StencilClear::ByColour;
         let test = StencilTest { zeroes, ..MARKED };
@@ -422,7 +507,7 @@ mod tests {
     fn plan(regions: Vec<PlannedRegion>) -> FramePlan {
         FramePlan {
             regions,
-            left_out: Vec::new(),
+            ..FramePlan::default()
         }
     }
 
@@ -440,10 +525,20 @@ mod tests {
         let mut tally = vec![[0; 3]; regions];
         for command in program.commands() {
             match command {
-                FillCommand::Volumes { rule, regions, .. } => {
+                FillCommand::Volumes {
+                    rule: StencilRule { faces, .. },
+                    regions,
+                    ..
+                }
+                | FillCommand::Accumulate { faces, regions, .. } => {
                     for &region in regions {
-                        tally[region][0] += usize::from(rule.faces != FaceSet::Back);
-                        tally[region][1] += usize::from(rule.faces != FaceSet::Front);
+                        tally[region][0] += usize::from(*faces != FaceSet::Back);
+                        tally[region][1] += usize::from(*faces != FaceSet::Front);
+                    }
+                }
+                FillCommand::Resolve => {
+                    for region in &mut tally {
+                        region[2] += 1;
                     }
                 }
                 FillCommand::Cover { regions, .. } => {
@@ -495,7 +590,9 @@ mod tests {
                 let expected = usize::from(switches.colour != ColourWay::OneColour || index == 0);
                 assert_eq!(covers, expected, "{switches:?}");
             }
-            assert!(program.passes[0].clears_stencil);
+            let accumulates = switches.colour == ColourWay::IdAccumulation;
+            assert_eq!(program.passes[0].accumulates(), accumulates);
+            assert_eq!(program.passes[0].clears_stencil, !accumulates);
         }
     }
 
@@ -550,7 +647,7 @@ mod tests {
             .commands()
             .filter_map(|command| match command {
                 FillCommand::Cover { shape, .. } => Some(*shape),
-                FillCommand::Volumes { .. } => None,
+                _ => None,
             })
             .collect();
         let by = |faces| CoverShape::Volume { faces };
@@ -577,7 +674,7 @@ mod tests {
                 .commands()
                 .filter_map(|command| match command {
                     FillCommand::Cover { regions, .. } => Some(regions.clone()),
-                    FillCommand::Volumes { .. } => None,
+                    _ => None,
                 })
                 .flatten()
                 .collect();
@@ -607,6 +704,23 @@ mod tests {
         );
         assert!(FillProgram::new(&apart, &one_colour, Overlap::Ordered).is_ok());
         assert!(program(600, Overlap::Disjoint).is_ok());
+    }
+
+    #[test]
+    fn numbers_that_a_float_would_round_are_refused() {
+        let accumulate = Switches {
+            colour: ColourWay::IdAccumulation,
+            ..Switches::default()
+        };
+        let apart = |count| plan((0..count).map(|i| region(i, 0, false)).collect());
+        let program = |count| FillProgram::new(&apart(count), &accumulate, Overlap::Disjoint);
+        assert!(program(ACCUMULABLE).is_ok());
+        assert!(program(ACCUMULABLE + 1).is_err());
+        let sum: usize = (1..=ACCUMULABLE).sum();
+        assert!(2 * sum <= 1 << 24);
+        assert!(2 * (sum + ACCUMULABLE + 1) > 1 << 24);
+        let error = FillProgram::new(&apart(2), &accumulate, Overlap::Ordered);
+        assert!(error.is_err(), "two numbers over one pixel make a third");
     }
 
     #[test]

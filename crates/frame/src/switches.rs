@@ -24,17 +24,21 @@ pub enum ColourWay {
     OneColour,
     /// As [`ColourWay::OneColour`], the colour brought by drawing all volumes again.
     OneColourVolumes,
+    /// Every volume adds its number to a float target, then one pass over the screen looks up the
+    /// colours. No stencil. For disjoint regions.
+    IdAccumulation,
 }
 
 impl ColourWay {
     /// Every way.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Xor,
         Self::Rectangle,
         Self::Volume,
         Self::BitPlanes,
         Self::OneColour,
         Self::OneColourVolumes,
+        Self::IdAccumulation,
     ];
 
     /// Name in variants and reports.
@@ -47,6 +51,7 @@ impl ColourWay {
             Self::BitPlanes => "bit-planes",
             Self::OneColour => "one-colour",
             Self::OneColourVolumes => "one-colour-volumes",
+            Self::IdAccumulation => "id-accumulation",
         }
     }
 
@@ -252,10 +257,14 @@ impl Switches {
     /// # Errors
     /// [`SwitchError`].
     pub fn check(&self, overlap: Overlap) -> Result<(), SwitchError> {
-        if self.colour == ColourWay::Xor && overlap == Overlap::Ordered {
+        let mixes = matches!(self.colour, ColourWay::Xor | ColourWay::IdAccumulation);
+        if mixes && overlap == Overlap::Ordered {
             return Err(SwitchError {
                 switch: "colour",
-                found: "xor on a scene whose regions may overlap, where numbers mix".to_owned(),
+                found: format!(
+                    "{} on a scene whose regions may overlap, where numbers mix",
+                    self.colour.name()
+                ),
                 allowed: "rectangle, volume, bit-planes, one-colour, one-colour-volumes".to_owned(),
             });
         }

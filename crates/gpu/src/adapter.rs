@@ -2,6 +2,7 @@
 //! Choosing and opening a device.
 
 use crate::validation;
+use crate::work::WorkCounters;
 use std::sync::Arc;
 use terrafill_frame::BackendError;
 
@@ -49,6 +50,7 @@ pub struct Gpu {
     pub facts: DeviceFacts,
     /// Nanoseconds per timestamp tick.
     pub timestamp_period_ns: f32,
+    pub(crate) work: WorkCounters,
 }
 
 fn instance(validation: bool) -> wgpu::Instance {
@@ -146,7 +148,10 @@ impl Gpu {
         if !facts.lacks.is_empty() {
             return Err(unsupported(&facts.lacks.join(", "), &facts.name));
         }
-        let optional = wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::PIPELINE_STATISTICS_QUERY;
+        let optional = wgpu::Features::TIMESTAMP_QUERY
+            | wgpu::Features::PIPELINE_STATISTICS_QUERY
+            | wgpu::Features::FLOAT32_BLENDABLE
+            | wgpu::Features::INDIRECT_FIRST_INSTANCE;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("terrafill"),
             required_features: wgpu::Features::DEPTH32FLOAT_STENCIL8
@@ -162,6 +167,7 @@ impl Gpu {
             queue,
             facts,
             timestamp_period_ns,
+            work: WorkCounters::default(),
         }))
     }
 

@@ -11,6 +11,7 @@ mod readback;
 mod stage;
 mod timing;
 mod validation;
+mod work;
 
 pub use terrafill_shaders::source_hash as shader_source_hash;
 
@@ -21,3 +22,4 @@ pub use readback::read_buffer;
 pub use stage::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, SharedStage, Stage};
 pub use timing::{PassTimer, Stamps, TimedPass};
 pub use validation::{POSITIVE_CONTROL, ValidationMessage, make_deliberate_error, messages};
+pub use work::WorkDone;

@@ -74,7 +74,7 @@ impl Stage {
                 count: None,
             }],
         });
-        let view_constants = device.create_buffer(&wgpu::BufferDescriptor {
+        let view_constants = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some("view constants"),
             size: size_of::<ViewConstants>() as u64,
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
@@ -174,7 +174,6 @@ impl Stage {
         }
         let constants = ViewConstants::new(input);
         self.gpu
-            .queue
             .write_buffer(&self.view_constants, 0, bytemuck::bytes_of(&constants));
         let indices = input.scene.surface.triangles.as_flattened();
         self.prepared = Some(PreparedSurface {
@@ -220,7 +219,7 @@ impl Stage {
                 allowed,
             });
         }
-        let buffer = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        let buffer = self.gpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             // A buffer of 0 bytes is not allowed; an empty scene still draws its surface.
             size: size.max(wgpu::COPY_BUFFER_ALIGNMENT),
@@ -233,6 +232,7 @@ impl Stage {
             .slice(..bytes.len())
             .copy_from_slice(bytes);
         buffer.unmap();
+        self.gpu.count_upload(bytes.len() as u64);
         Ok(buffer)
     }
 
@@ -361,40 +361,38 @@ fn surface_pipeline(
             bind_group_layouts: &[Some(layout)],
             immediate_size: 0,
         });
-    Ok(gpu
-        .device
-        .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("surface"),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: &shader,
-                entry_point: Some("vertex_main"),
-                compilation_options: Default::default(),
-                buffers: &[Some(wgpu::VertexBufferLayout {
-                    array_stride: 12,
-                    step_mode: wgpu::VertexStepMode::Vertex,
-                    attributes: &wgpu::vertex_attr_array![0 => Float32x3],
-                })],
-            },
-            primitive: wgpu::PrimitiveState {
-                cull_mode: Some(wgpu::Face::Back),
-                ..Default::default()
-            },
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: DEPTH_STENCIL_FORMAT,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Greater),
-                stencil: Default::default(),
-                bias: Default::default(),
-            }),
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &shader,
-                entry_point: Some("fragment_main"),
-                compilation_options: Default::default(),
-                targets: &[Some(COLOUR_FORMAT.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        }))
+    Ok(gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("surface"),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &shader,
+            entry_point: Some("vertex_main"),
+            compilation_options: Default::default(),
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: 12,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+            })],
+        },
+        primitive: wgpu::PrimitiveState {
+            cull_mode: Some(wgpu::Face::Back),
+            ..Default::default()
+        },
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH_STENCIL_FORMAT,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(wgpu::CompareFunction::Greater),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &shader,
+            entry_point: Some("fragment_main"),
+            compilation_options: Default::default(),
+            targets: &[Some(COLOUR_FORMAT.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    }))
 }

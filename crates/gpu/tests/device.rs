@@ -25,6 +25,7 @@ fn globe_from(height_m: f64) -> FrameInput {
         overlap: Overlap::Disjoint,
         regions: Arc::new([]),
         meshes: Arc::new([]),
+        levels: Arc::default(),
         bounds: Arc::new([]),
         surface: Arc::new(SurfaceMesh::ellipsoid(&body, 180)),
     };

@@ -4,7 +4,8 @@
 //! A run is a folder: `samples.csv` (one row per timed frame), `summary.csv` (one row per case),
 //! `growth.csv` (one row per mesh built of a made-up shape; runs over all scenes only),
 //! `environment.json`, `plan.json` (the cases that the run set out to measure, so that a report can
-//! name what is missing) and `images/`. Column names are stable; new columns are added at the end.
+//! name what is missing), `ladder.csv` (which cases form a ladder), `memory.csv` (bytes by formula
+//! and as allocated) and `images/`. Column names are stable; new columns are added at the end.
 //! An absent value is an empty cell, and `reason` says why; it is never 0.
 
 mod row;
@@ -12,7 +13,8 @@ mod run;
 mod statistic;
 
 pub use row::{
-    Baselines, CaseKey, ErrorFigures, GrowthRow, RunEnvironment, RunPlan, Sample, Status, Summary,
+    Baselines, CaseKey, ErrorFigures, GrowthRow, LadderRung, MemoryRow, RunEnvironment, RunPlan,
+    Sample, Status, Summary,
 };
 pub use run::{RunError, RunFolder};
 pub use statistic::{Spread, median, quantile, spread};

@@ -171,6 +171,25 @@ pub struct Summary {
     /// CPU time of planning one frame (culling, heights, screen rectangles), milliseconds; not part
     /// of the fill's times, since an unchanged view is not planned again.
     pub plan_cpu_ms: Option<f64>,
+    /// What the case is measured for: `main`, `sweep`, `ladder`, `matrix`, `baseline`, joined by
+    /// `+`. A case of the matrix alone draws its probe frame and is not timed.
+    #[serde(default)]
+    pub role: String,
+    /// Hash of which pixels are filled: equal for equal masks.
+    #[serde(default)]
+    pub mask_hash: String,
+    /// Hash of which region each pixel shows; empty when the fill does not tell regions apart.
+    #[serde(default)]
+    pub ids_hash: String,
+    /// Fragments of volumes that met the depth and stencil tests of the stencil pass.
+    #[serde(default)]
+    pub stencil_fragments: Option<u64>,
+    /// Buffers made for the frame after `prepare`.
+    #[serde(default)]
+    pub buffer_creations: Option<u64>,
+    /// Pipelines made for the frame after `prepare`.
+    #[serde(default)]
+    pub pipeline_creations: Option<u64>,
 }
 
 impl Summary {
@@ -227,6 +246,12 @@ impl Summary {
             difference_image: String::new(),
             reference_image: String::new(),
             plan_cpu_ms: None,
+            role: String::new(),
+            mask_hash: String::new(),
+            ids_hash: String::new(),
+            stencil_fragments: None,
+            buffer_creations: None,
+            pipeline_creations: None,
         }
     }
 }
@@ -242,6 +267,89 @@ pub struct GrowthRow {
     pub repetition: u32,
     /// CPU time of the process, milliseconds.
     pub mesh_cpu_ms: f64,
+}
+
+/// One rung of a ladder: a case, and what it changes against the rung before.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LadderRung {
+    /// Name of the ladder: whose rungs follow one another.
+    pub ladder: String,
+    /// Counts the ladder's rungs from 1.
+    pub rung: u32,
+    /// What is changed, in one word: `memory`, `culling`, `strips` …
+    pub step: String,
+    /// What is changed, in a sentence.
+    pub change: String,
+    /// Scene of the case.
+    pub scene: String,
+    /// View of the case.
+    pub view: String,
+    /// Backend of the case.
+    pub backend: String,
+    /// Variant of the case.
+    pub variant: String,
+}
+
+impl LadderRung {
+    /// The case that measures the rung.
+    #[must_use]
+    pub fn key(&self) -> CaseKey {
+        CaseKey {
+            scene: self.scene.clone(),
+            view: self.view.clone(),
+            backend: self.backend.clone(),
+            variant: self.variant.clone(),
+        }
+    }
+}
+
+/// Bytes of a scene's geometry in one layout of one backend.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MemoryRow {
+    /// Scene.
+    pub scene: String,
+    /// Backend.
+    pub backend: String,
+    /// First part of the variants that store geometry so.
+    pub layout: String,
+    /// Regions: all of the scene, or as many as come of repeating them in turn.
+    pub regions: u64,
+    /// Vertices of their meshes.
+    pub mesh_vertices: u64,
+    /// Triangles of their meshes, one cap.
+    pub mesh_triangles: u64,
+    /// Edges of their boundaries.
+    pub boundary_edges: u64,
+    /// Loops of their boundaries.
+    pub boundary_loops: u64,
+    /// Bytes of positions and flags by the layout's formula.
+    pub formula_vertex_bytes: u64,
+    /// Bytes of indices by the layout's formula.
+    pub formula_index_bytes: u64,
+    /// Bytes of positions and flags as the backend allocated them; empty where nothing was.
+    pub allocated_vertex_bytes: Option<u64>,
+    /// Bytes of indices as allocated.
+    pub allocated_index_bytes: Option<u64>,
+    /// Bytes of the smallest region by formula.
+    pub region_bytes_smallest: u64,
+    /// Bytes of the median region by formula.
+    pub region_bytes_median: u64,
+    /// Bytes of the largest region by formula.
+    pub region_bytes_largest: u64,
+}
+
+impl MemoryRow {
+    /// Positions, flags and indices by formula.
+    #[must_use]
+    pub fn formula_bytes(&self) -> u64 {
+        self.formula_vertex_bytes + self.formula_index_bytes
+    }
+
+    /// The same as allocated.
+    #[must_use]
+    pub fn allocated_bytes(&self) -> Option<u64> {
+        Some(self.allocated_vertex_bytes? + self.allocated_index_bytes?)
+    }
 }
 
 /// Medians of the full-screen passes measured beside a case.
@@ -331,4 +439,7 @@ pub struct RunPlan {
     pub frames: u32,
     /// Frames drawn and dropped before.
     pub warm_up: u32,
+    /// Those of `cases` that are drawn and compared, but not timed.
+    #[serde(default)]
+    pub drawn_only: Vec<CaseKey>,
 }

@@ -2,7 +2,9 @@
 //! A run's folder: appended row by row and flushed, so that killing a run loses at most the case in
 //! hand; read back leniently at its torn end, strictly everywhere else.
 
-use crate::{CaseKey, GrowthRow, RunEnvironment, RunPlan, Sample, Summary};
+use crate::{
+    CaseKey, GrowthRow, LadderRung, MemoryRow, RunEnvironment, RunPlan, Sample, Summary,
+};
 use serde::{Serialize, de::DeserializeOwned};
 use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};
@@ -172,6 +174,7 @@ impl RunFolder {
         run.rewrite("growth.csv", &run.growth()?)?;
         run.rewrite("summary.csv", &summaries)?;
         run.rewrite("samples.csv", &samples)?;
+        run.rewrite("memory.csv", &run.memory()?)?;
         Ok(run)
     }
 
@@ -197,6 +200,48 @@ impl RunFolder {
     /// [`RunError::Io`].
     pub fn append_growth(&self, row: &GrowthRow) -> Result<(), RunError> {
         self.append("growth.csv", std::slice::from_ref(row))
+    }
+
+    /// Writes the ladders of the run, in place of older ones; nothing where there are none.
+    ///
+    /// # Errors
+    /// [`RunError::Io`].
+    pub fn write_ladder(&self, rungs: &[LadderRung]) -> Result<(), RunError> {
+        self.rewrite("ladder.csv", rungs)
+    }
+
+    /// The rungs of the run's ladders, in order.
+    ///
+    /// # Errors
+    /// As [`RunFolder::samples`].
+    pub fn ladder(&self) -> Result<Vec<LadderRung>, RunError> {
+        self.read_rows("ladder.csv")
+    }
+
+    /// Appends bytes of layouts and flushes them to the disk.
+    ///
+    /// # Errors
+    /// [`RunError::Io`].
+    pub fn append_memory(&self, rows: &[MemoryRow]) -> Result<(), RunError> {
+        if rows.is_empty() {
+            return Ok(());
+        }
+        self.append("memory.csv", rows)
+    }
+
+    /// Bytes of every layout; when a layout of a scene stands twice with as many regions, the last
+    /// one counts.
+    ///
+    /// # Errors
+    /// As [`RunFolder::samples`].
+    pub fn memory(&self) -> Result<Vec<MemoryRow>, RunError> {
+        Ok(keep_last(
+            self.read_rows("memory.csv")?,
+            |row: &MemoryRow| {
+                let of = (row.scene.clone(), row.backend.clone());
+                (of, row.layout.clone(), row.regions)
+            },
+        ))
     }
 
     fn plan_path(&self) -> PathBuf {

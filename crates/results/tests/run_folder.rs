@@ -5,7 +5,8 @@
 use std::fs;
 use std::path::Path;
 use terrafill_results::{
-    CaseKey, RunEnvironment, RunError, RunFolder, RunPlan, Sample, Status, Summary,
+    CaseKey, LadderRung, MemoryRow, RunEnvironment, RunError, RunFolder, RunPlan, Sample, Status,
+    Summary,
 };
 
 /// The stable part of `summary.csv`, word for word from the design's §6.
@@ -262,4 +263,77 @@ fn a_folder_without_a_run_is_an_error() {
     let folder = tempfile::tempdir().expect("a folder");
     let error = RunFolder::open(folder.path()).expect_err("nothing there");
     assert!(error.to_string().contains("plan.json"), "{error}");
+}
+
+#[test]
+fn ladders_and_bytes_are_kept_and_old_rows_without_new_columns_are_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = start(folder.path(), &["a"]);
+    assert_eq!(run.ladder().expect("none is no error"), []);
+    assert_eq!(run.memory().expect("none is no error"), []);
+    let rung = |number| LadderRung {
+        ladder: "vertex".to_owned(),
+        rung: number,
+        step: "culling".to_owned(),
+        change: "regions out of sight are left out".to_owned(),
+        scene: "planet-134".to_owned(),
+        view: "globe".to_owned(),
+        backend: "vertex".to_owned(),
+        variant: format!("rung-{number}"),
+    };
+    run.write_ladder(&[rung(1), rung(2)]).expect("writable");
+    run.write_ladder(&[rung(1), rung(2), rung(3)])
+        .expect("again");
+    assert_eq!(run.ladder().expect("rows").len(), 3, "replaced, not added");
+    assert_eq!(run.ladder().expect("rows")[0].key(), key("rung-1"));
+
+    let bytes = |layout: &str, regions, allocated| MemoryRow {
+        scene: "planet-134".to_owned(),
+        backend: "vertex".to_owned(),
+        layout: layout.to_owned(),
+        regions,
+        mesh_vertices: 10,
+        mesh_triangles: 8,
+        boundary_edges: 10,
+        boundary_loops: 1,
+        formula_vertex_bytes: 320,
+        formula_index_bytes: 142,
+        allocated_vertex_bytes: allocated,
+        allocated_index_bytes: allocated.map(|_| 142),
+        region_bytes_smallest: 462,
+        region_bytes_median: 462,
+        region_bytes_largest: 462,
+    };
+    run.append_memory(&[]).expect("nothing to do");
+    run.append_memory(&[
+        bytes("doubled", 134, Some(1)),
+        bytes("doubled", 5_000, None),
+    ])
+    .expect("writable");
+    run.append_memory(&[bytes("doubled", 134, Some(320))])
+        .expect("writable");
+    let rows = run.memory().expect("rows");
+    assert_eq!(rows.len(), 2, "a layout of as many regions stands once");
+    let of = |regions| rows.iter().find(|row| row.regions == regions).expect("it");
+    assert_eq!(of(134).allocated_bytes(), Some(462), "the last one counts");
+    assert_eq!(of(134).formula_bytes(), 462);
+    assert_eq!(of(5_000).allocated_bytes(), None, "absent, not 0");
+
+    run.append_summary(&summary("a", None)).expect("writable");
+    let path = folder.path().join("summary.csv");
+    let text = fs::read_to_string(&path).expect("rows");
+    let older: Vec<String> = text
+        .lines()
+        .map(|line| line.rsplitn(7, ',').last().unwrap_or_default().to_owned())
+        .collect();
+    assert!(older[0].ends_with(",plan_cpu_ms"), "{}", older[0]);
+    fs::write(&path, older.join("\n") + "\n").expect("writable");
+    assert_eq!(run.summaries().expect("readable"), [summary("a", None)]);
+    // Twin: a column that was always there may not be absent.
+    fs::write(
+        &path,
+        older.join("\n").replace("left_out", "let_out") + "\n",
+    )
+    .expect("writable");
+    assert!(run.summaries().is_err());
 }

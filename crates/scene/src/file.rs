@@ -9,7 +9,7 @@ use crate::data::{Verified, read_verified};
 use crate::procedural::Islands;
 use crate::scene::{Overlap, Scene, View};
 use crate::shipped;
-use crate::{CameraPose, RegionLoadError};
+use crate::{CameraPose, LevelChoice, RegionLoadError};
 use serde::Deserialize;
 use std::io;
 use std::ops::RangeInclusive;
@@ -144,6 +144,7 @@ impl Scene {
         let source = check.region_source(raw.regions)?;
         let surface_rows = check.surface_rows(&raw.surface)?;
         let mesh = check.mesh(&raw.mesh)?;
+        let levels = check.levels(raw.levels)?;
         let views = check.views(&raw.views)?;
         let sweep_boundary_tolerance_m = check.sweep(raw.vary.unwrap_or_default())?;
         // Last, so that a wrong scene is reported as wrong even where its data is missing.
@@ -161,6 +162,7 @@ impl Scene {
             regions: regions.into(),
             overlap,
             mesh,
+            levels,
             surface_rows,
             views,
             sweep_boundary_tolerance_m,
@@ -191,6 +193,7 @@ struct RawScene {
     surface: RawSurface,
     #[serde(default)]
     mesh: RawMesh,
+    levels: Option<RawLevels>,
     views: Vec<RawView>,
     vary: Option<RawVary>,
 }
@@ -230,6 +233,12 @@ struct RawSurface {
 struct RawMesh {
     boundary_tolerance_m: Option<f64>,
     cap_step_deg: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawLevels {
+    deviation_m: Vec<f64>,
 }
 
 #[derive(Deserialize)]
@@ -513,6 +522,22 @@ impl Check<'_> {
             )?,
             cap_step_deg,
         })
+    }
+
+    /// Automatic where the scene has no `[levels]`; an empty list means level 0 alone.
+    fn levels(&self, raw: Option<RawLevels>) -> Result<LevelChoice, SceneError> {
+        let Some(RawLevels { deviation_m }) = raw else {
+            return Ok(LevelChoice::Automatic);
+        };
+        let mut above = 0.0;
+        for (i, &value) in deviation_m.iter().enumerate() {
+            if !(value > above && value.is_finite()) {
+                let allowed = format!("greater than {above}");
+                return Err(self.refuse(format!("levels.deviation_m[{i}]"), value, allowed));
+            }
+            above = value;
+        }
+        Ok(LevelChoice::Given(deviation_m))
     }
 
     fn views(&self, raw: &[RawView]) -> Result<Vec<View>, SceneError> {

@@ -5,6 +5,7 @@
 mod camera;
 mod data;
 mod file;
+mod level;
 mod near_plane;
 mod plan;
 mod procedural;
@@ -16,6 +17,10 @@ mod surface;
 pub use camera::{Camera, CameraPose, ImageSize};
 pub use data::{DATA_DIR_VARIABLE, RegionLoadError, data_dir_from_env, load_regions};
 pub use file::SceneError;
+pub use level::{
+    FEWEST_VERTICES_FOR_LEVELS, LEVEL_GROWTH, LEVEL_VERTEX_SHARE, Level, LevelChoice, LevelTable,
+    LeveledMeshes,
+};
 pub use plan::{
     CAP_CLEARANCE_PX, FramePlan, LeftOutReason, LeftOutRegion, PixelRect, PlanOptions,
     PlannedRegion, RegionBounds, TerrainRange,

@@ -1,13 +1,20 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Where the near plane, as far as the image shows it, may meet a region's volume.
+//! Whether the near plane, as far as the image shows it, meets a region's volume.
 //!
 //! Counting the faces in front of the surface starts at the near plane, so it is right exactly where
 //! every pixel's ray starts outside the volume there: where the near rectangle and the volume are
 //! disjoint. What lies between eye and near plane is clipped, and matters to no count.
+//!
+//! Boxes come first: most regions are told apart by the axes of theirs. Where the box meets the near
+//! rectangle, the volume itself is asked: the rectangle, grown on all sides by what the GPU's
+//! rounding may move a face, is a box, too, in view space; a face meets it when something of the face
+//! is left after clipping by the box's six planes (Sutherland and Hodgman, 1974). When no face
+//! does, the rectangle lies wholly inside or wholly outside, and one of its points decides for all.
 
-use crate::{Camera, ImageSize};
+use crate::{Camera, FramePlan, ImageSize};
 use glam::DVec3;
-use terrafill_core::OrientedBox;
+use std::f64::consts::TAU;
+use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh, VolumeHeights};
 
 /// The rectangle of the near plane that the image shows.
 #[derive(Debug, Clone, Copy)]
@@ -17,14 +24,17 @@ pub(crate) struct NearPlane {
     margin_m: f64,
 }
 
-/// Rounding of a clip position against the near plane, as a share of the eye's distance to what is
-/// clipped; 2⁻²⁴ each for the position, its rotation and the comparison, and a margin of 16.
+/// What rounding moves a clip position against the near plane, as a share of the eye's distance to
+/// what is clipped; 2⁻²⁴ each for the position, its rotation and the comparison, and a margin.
 const CLIP_ROUNDING: f64 = 1.0 / (1 << 20) as f64;
+
+/// What storing moves a position, as a share of the region's extent: 2⁻²⁴ in `f32`, far less in fixed
+/// point, and a margin.
+const STORED_ROUNDING: f64 = 1.0 / (1 << 22) as f64;
 
 impl NearPlane {
     pub(crate) fn new(camera: &Camera, size: ImageSize) -> Self {
-        let half_y = camera.near_m * camera.tan_half_fov();
-        let half_x = half_y * size.aspect();
+        let [half_x, half_y] = half_size_m(camera, size);
         let ecef_from_view = camera.view_from_ecef.transpose();
         let corner = |x: f64, y: f64| {
             let view = DVec3::new(x * half_x, y * half_y, -camera.near_m);
@@ -50,8 +60,336 @@ impl NearPlane {
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
                     (low.min(at), high.max(at))
                 });
-            let half = bounds.half_extents_m[axis] + self.margin_m;
+            let half = bounds.half_extents_m[axis] + self.margin_m + rounding_m(bounds);
             low <= half && -half <= high
         })
+    }
+}
+
+/// What storing and projecting may move a volume that the near plane reaches, metres.
+fn rounding_m(bounds: &OrientedBox) -> f64 {
+    2.0 * bounds.half_extents_m.length() * (CLIP_ROUNDING + STORED_ROUNDING)
+}
+
+/// Half width and half height of the near rectangle, metres.
+fn half_size_m(camera: &Camera, size: ImageSize) -> [f64; 2] {
+    let half_y = camera.near_m * camera.tan_half_fov();
+    [half_y * size.aspect(), half_y]
+}
+
+impl FramePlan {
+    /// Asks the volumes themselves where only their boxes were known to meet the near rectangle.
+    ///
+    /// - `meshes`: what [`crate::PlannedRegion::mesh`] points into
+    /// - cost: O(triangles) for each planned region whose box the near rectangle meets, else none
+    pub fn settle_near_plane(
+        &mut self,
+        body: &Ellipsoid,
+        camera: &Camera,
+        size: ImageSize,
+        meshes: &[RegionMesh],
+    ) {
+        for planned in &mut self.regions {
+            if planned.near_plane_meets_volume {
+                let mesh = &meshes[planned.mesh];
+                let volume = ViewVolume::new(body, camera, mesh, planned.heights);
+                planned.near_plane_meets_volume = volume.meets_near_rectangle(camera, size);
+            }
+        }
+    }
+}
+
+/// A region's volume in view space: x right, y up, z towards the viewer, metres from the eye.
+struct ViewVolume<'a> {
+    mesh: &'a RegionMesh,
+    /// Top and bottom of every vertex.
+    corners: Vec<[DVec3; 2]>,
+    /// What storing may move a vertex.
+    stored_m: f64,
+}
+
+impl<'a> ViewVolume<'a> {
+    fn new(
+        body: &Ellipsoid,
+        camera: &Camera,
+        mesh: &'a RegionMesh,
+        heights: VolumeHeights,
+    ) -> Self {
+        let to_view = |ecef: DVec3| camera.view_from_ecef * (ecef - camera.eye_ecef);
+        let places = mesh.vertices_ecef.iter().zip(&mesh.vertices_deg);
+        let corners: Vec<[DVec3; 2]> = places
+            .map(|(&vertex, degrees)| {
+                let [longitude, latitude] = degrees.map(f64::to_radians);
+                let normal = body.geodetic_surface_normal(longitude, latitude);
+                [heights.top_m, heights.bottom_m].map(|height| to_view(vertex + normal * height))
+            })
+            .collect();
+        let (low, high) = corners.as_flattened().iter().fold(
+            (DVec3::INFINITY, DVec3::NEG_INFINITY),
+            |(low, high), corner| (low.min(*corner), high.max(*corner)),
+        );
+        let extent_m = (high - low).length() + heights.top_m.abs().max(heights.bottom_m.abs());
+        Self {
+            mesh,
+            corners,
+            stored_m: extent_m * STORED_ROUNDING,
+        }
+    }
+
+    /// Triangles of both caps and of the walls, wound counter-clockwise seen from outside.
+    fn faces(&self) -> impl Iterator<Item = [DVec3; 3]> {
+        let at = |vertex: u32| self.corners[vertex as usize];
+        let caps = self.mesh.triangles.iter().flat_map(move |&[a, b, c]| {
+            let ([at_a, under_a], [at_b, under_b], [at_c, under_c]) = (at(a), at(b), at(c));
+            [[at_a, at_b, at_c], [under_a, under_c, under_b]]
+        });
+        let walls = self.mesh.boundary_loops.iter().flat_map(move |ring| {
+            let ends = ring.iter().cycle().skip(1);
+            ring.iter().zip(ends).flat_map(move |(&start, &end)| {
+                let ([top_start, bottom_start], [top_end, bottom_end]) = (at(start), at(end));
+                [
+                    [top_start, bottom_start, top_end],
+                    [top_end, bottom_start, bottom_end],
+                ]
+            })
+        });
+        caps.chain(walls)
+    }
+
+    fn meets_near_rectangle(&self, camera: &Camera, size: ImageSize) -> bool {
+        let middle = DVec3::new(0.0, 0.0, -camera.near_m);
+        let [half_x, half_y] = half_size_m(camera, size);
+        let meets = |face: [DVec3; 3]| {
+            let reach_m = face.map(DVec3::length).into_iter().fold(0.0, f64::max);
+            let margin_m = (reach_m + camera.near_m) * CLIP_ROUNDING + self.stored_m;
+            let half = DVec3::new(half_x, half_y, 0.0) + DVec3::splat(margin_m);
+            meets_box(face.map(|corner| corner - middle), half)
+        };
+        self.faces().any(meets) || self.holds(middle)
+    }
+
+    /// Whether a point that lies on no face is inside.
+    fn holds(&self, point: DVec3) -> bool {
+        self.crossings(point)
+            .map_or_else(|| self.surrounds(point), |crossings| crossings % 2 == 1)
+    }
+
+    /// How many faces a ray from `point` along z crosses. Along the ray, every edge is a pair of
+    /// points of the plane; both faces at an edge see the same sign of the same number there, so
+    /// that no ray slips through between them or meets both. `None` when a face is met edge-on.
+    fn crossings(&self, point: DVec3) -> Option<usize> {
+        let mut crossings = 0;
+        for face in self.faces() {
+            let [a, b, c] = face.map(|corner| corner - point);
+            let side = is_left(a, b);
+            if side != is_left(b, c) || side != is_left(c, a) {
+                continue;
+            }
+            let normal = (b - a).cross(c - a);
+            if normal.z.abs() <= normal.length() * 1e-9 {
+                return None;
+            }
+            crossings += usize::from(normal.dot(a) / normal.z > 0.0);
+        }
+        Some(crossings)
+    }
+
+    /// The same by the solid angle of all faces, 4π or 0 (Van Oosterom and Strackee, 1983): slower,
+    /// and never at a loss.
+    fn surrounds(&self, point: DVec3) -> bool {
+        let angles = self.faces().map(|face| {
+            let [a, b, c] = face.map(|corner| corner - point);
+            let (la, lb, lc) = (a.length(), b.length(), c.length());
+            let spread = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+            2.0 * a.dot(b.cross(c)).atan2(spread)
+        });
+        angles.sum::<f64>().abs() > TAU
+    }
+}
+
+/// Whether the origin lies to the left of the line from `a` to `b`, seen along z. The reverse of
+/// `is_left(b, a)` whatever rounding does.
+fn is_left(a: DVec3, b: DVec3) -> bool {
+    let cross = |p: DVec3, q: DVec3| p.x * q.y - p.y * q.x >= 0.0;
+    if (a.x, a.y) < (b.x, b.y) {
+        cross(a, b)
+    } else {
+        !cross(b, a)
+    }
+}
+
+/// Whether a triangle and the box of these half sizes around the origin share a point.
+fn meets_box(face: [DVec3; 3], half: DVec3) -> bool {
+    let outside = |axis: usize, sign: f64| {
+        let beyond = |corner: &DVec3| sign * corner[axis] > half[axis];
+        face.iter().all(beyond)
+    };
+    if (0..3).any(|axis| outside(axis, 1.0) || outside(axis, -1.0)) {
+        return false;
+    }
+    let mut polygon = face.to_vec();
+    for axis in 0..3 {
+        for sign in [1.0, -1.0] {
+            polygon = clipped(&polygon, |corner| half[axis] - sign * corner[axis]);
+        }
+    }
+    !polygon.is_empty()
+}
+
+/// The part of a convex polygon where `distance` is not negative.
+fn clipped(polygon: &[DVec3], distance: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    let nexts = polygon.iter().cycle().skip(1);
+    for (&corner, &next) in polygon.iter().zip(nexts) {
+        let (here, there) = (distance(corner), distance(next));
+        if here >= 0.0 {
+            kept.push(corner);
+        }
+        if (here < 0.0) != (there < 0.0) {
+            kept.push(corner + (next - corner) * (here / (here - there)));
+        }
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::CameraPose;
+    use terrafill_core::{EdgeRule, Geodetic, MeshOptions, RegionMesh, parse_regions};
+
+    const SIZE: ImageSize = ImageSize {
+        width: 200,
+        height: 100,
+    };
+    const HEIGHTS: VolumeHeights = VolumeHeights {
+        top_m: 1000.0,
+        bottom_m: -1000.0,
+    };
+
+    /// An L about 200 km long: the box holds a quarter that the region does not.
+    fn l_shape() -> RegionMesh {
+        let text = r#"{"type":"Polygon","coordinates":
+            [[[0,0],[2,0],[2,1],[1,1],[1,2],[0,2],[0,0]]]}"#;
+        let regions = parse_regions(text.as_bytes(), "test").expect("valid");
+        let body = Ellipsoid::WGS84;
+        let mut meshes =
+            RegionMesh::build_all(&regions, &body, EdgeRule::Planar, &MeshOptions::default())
+                .expect("meshes");
+        meshes.remove(0)
+    }
+
+    fn camera(longitude: f64, latitude: f64, height_m: f64, near_m: f64) -> Camera {
+        let pose = CameraPose {
+            eye: Geodetic::from_degrees(longitude, latitude, height_m),
+            heading_rad: 0.3,
+            pitch_rad: -0.2,
+            fov_y_rad: 1.0,
+            near_m,
+        };
+        Camera::new(&Ellipsoid::WGS84, &pose)
+    }
+
+    fn meets(mesh: &RegionMesh, camera: &Camera) -> bool {
+        ViewVolume::new(&Ellipsoid::WGS84, camera, mesh, HEIGHTS).meets_near_rectangle(camera, SIZE)
+    }
+
+    #[test]
+    fn a_concave_corner_is_outside_although_its_box_is_not() {
+        let mesh = l_shape();
+        let bounds = mesh.oriented_box(&Ellipsoid::WGS84, HEIGHTS);
+        for (longitude, latitude, height_m, inside) in [
+            (0.5, 0.5, 0.0, true),
+            (1.5, 0.5, 500.0, true),
+            (0.5, 1.5, -900.0, true),
+            (1.5, 1.5, 0.0, false),
+            (1.5, 0.5, 1200.0, false),
+            // Facets of 2 degrees hang up to 1 km through between their corners.
+            (0.5, 0.5, -2500.0, false),
+            (-0.5, 0.5, 0.0, false),
+        ] {
+            let camera = camera(longitude, latitude, height_m, 1.0);
+            assert_eq!(
+                meets(&mesh, &camera),
+                inside,
+                "{longitude} {latitude} {height_m}"
+            );
+            // Twin: the box alone takes the missing quarter for a part of the volume.
+            if (longitude, latitude) == (1.5, 1.5) {
+                assert!(NearPlane::new(&camera, SIZE).meets_box(&bounds));
+            }
+        }
+    }
+
+    #[test]
+    fn a_near_plane_that_a_wall_or_a_cap_cuts_meets_although_its_middle_is_outside() {
+        let mesh = l_shape();
+        // 20 m beyond the western wall (1.8e-4 degrees), the near rectangle 100 m high and wide.
+        let beyond = camera(-0.000_18, 0.5, 0.0, 90.0);
+        let volume = ViewVolume::new(&Ellipsoid::WGS84, &beyond, &mesh, HEIGHTS);
+        assert!(!volume.holds(DVec3::new(0.0, 0.0, -beyond.near_m)) || meets(&mesh, &beyond));
+        assert!(meets(&mesh, &beyond));
+        assert!(!meets(&mesh, &camera(-0.000_18, 0.5, 0.0, 1.0)));
+        // 5 m above the top, at a corner of it.
+        assert!(meets(&mesh, &camera(0.0, 0.0, 1005.0, 90.0)));
+        assert!(!meets(&mesh, &camera(0.0, 0.0, 1005.0, 1.0)));
+    }
+
+    #[test]
+    fn both_inside_tests_agree_on_random_points() {
+        let mesh = l_shape();
+        let camera = camera(1.0, 1.0, 0.0, 1.0);
+        let volume = ViewVolume::new(&Ellipsoid::WGS84, &camera, &mesh, HEIGHTS);
+        let mut state = 7_u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let (mut inside, mut missing_face) = (0, 0);
+        for _ in 0..2_000 {
+            let geodetic = Geodetic::from_degrees(
+                random() * 2.4 - 0.2,
+                random() * 2.4 - 0.2,
+                random() * 3000.0 - 1500.0,
+            );
+            let ecef = Ellipsoid::WGS84.geodetic_to_ecef(geodetic);
+            let point = camera.view_from_ecef * (ecef - camera.eye_ecef);
+            let crossings = volume.crossings(point).expect("no face is met edge-on");
+            assert_eq!(crossings % 2 == 1, volume.surrounds(point), "{geodetic:?}");
+            inside += usize::from(crossings % 2 == 1);
+            // Twin: with a face missing, rays slip out.
+            let open = RegionMesh {
+                triangles: mesh.triangles[1..].to_vec(),
+                ..mesh.clone()
+            };
+            let open = ViewVolume {
+                mesh: &open,
+                corners: volume.corners.clone(),
+                stored_m: 0.0,
+            };
+            missing_face += usize::from(open.crossings(point) != Some(crossings));
+        }
+        assert!(inside > 400 && missing_face > 10, "{inside} {missing_face}");
+    }
+
+    #[test]
+    fn a_triangle_and_a_box_meet_when_they_share_a_point() {
+        let half = DVec3::new(2.0, 1.0, 0.1);
+        let face = |corners: [[f64; 3]; 3]| corners.map(DVec3::from);
+        for (corners, expected) in [
+            // Through the middle, far larger than the box.
+            ([[-9., -9., 0.], [9., -9., 0.], [0., 9., 0.]], true),
+            // Upright through the middle: no corner near the box.
+            ([[0., -9., -9.], [0., 9., -9.], [0., 0., 9.]], true),
+            // Beside a corner of the box, each axis alone not telling them apart.
+            ([[4., 0., 0.], [0., 4., 0.], [4., 4., 0.]], false),
+            ([[3., 0., 0.], [0., 3., 0.], [3., 3., 0.]], true),
+            // Above.
+            ([[-9., -9., 0.2], [9., -9., 0.2], [0., 9., 0.2]], false),
+        ] {
+            assert_eq!(meets_box(face(corners), half), expected, "{corners:?}");
+        }
     }
 }

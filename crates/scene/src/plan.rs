@@ -11,9 +11,12 @@
 //!   body here is the largest ellipsoid inside the surface *as drawn*, not the true one. Under
 //!   z-fail this is exact only for whole closed volumes (a ray through the planet may enter by one
 //!   piece and leave by another); whole volumes are all that is planned here.
+//!
+//! Boundary levels of detail are no cull: they move boundaries, by no more than the stated pixels.
 
+use crate::level::DrawnRegion;
 use crate::near_plane::NearPlane;
-use crate::{Camera, ImageSize};
+use crate::{Camera, ImageSize, LevelTable};
 use glam::DVec3;
 use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh, VolumeHeights};
 
@@ -23,7 +26,7 @@ use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh, VolumeHeights};
 pub const CAP_CLEARANCE_PX: f64 = 1.0 / 64.0;
 
 /// Which parts of planning are switched on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlanOptions {
     /// Leave out regions outside the view frustum.
     pub frustum_culling: bool,
@@ -31,6 +34,9 @@ pub struct PlanOptions {
     pub horizon_culling: bool,
     /// Leave out regions too small to reach the centre of any pixel.
     pub too_small_culling: bool,
+    /// Draw boundaries at the coarsest level that moves none of them by more than this many pixels;
+    /// `None` draws them as written.
+    pub boundary_lod_px: Option<f64>,
 }
 
 impl Default for PlanOptions {
@@ -39,6 +45,7 @@ impl Default for PlanOptions {
             frustum_culling: true,
             horizon_culling: true,
             too_small_culling: true,
+            boundary_lod_px: None,
         }
     }
 }
@@ -137,7 +144,7 @@ impl LeftOutReason {
 /// A region that is not drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LeftOutRegion {
-    /// Index into the scene's meshes.
+    /// Index into the scene's meshes; that of the region at level 0.
     pub mesh: usize,
     /// Why.
     pub reason: LeftOutReason,
@@ -150,6 +157,8 @@ pub struct FramePlan {
     pub regions: Vec<PlannedRegion>,
     /// In scene order.
     pub left_out: Vec<LeftOutRegion>,
+    /// [`PlanOptions::boundary_lod_px`] that the meshes were chosen by.
+    pub boundary_lod_px: Option<f64>,
 }
 
 /// A region's volume and a box around it before any view is known: what a plan looks at, so that
@@ -201,53 +210,89 @@ pub struct TerrainRange {
 impl FramePlan {
     /// Plans a frame.
     ///
-    /// - `regions`: bounds of every region of the scene
     /// - `terrain`: height range of the surface as drawn
+    /// - `meshes`: bounds of every mesh of the scene
+    /// - `levels`: which of them is which
     #[must_use]
     pub fn new(
         body: &Ellipsoid,
         camera: &Camera,
         size: ImageSize,
         terrain: TerrainRange,
-        regions: &[RegionBounds],
+        meshes: &[RegionBounds],
+        levels: &LevelTable,
         options: PlanOptions,
     ) -> Self {
-        let horizon = Horizon::new(body, camera.eye_ecef, terrain.lowest_m);
-        let clearance_m = cap_clearance_m(body, camera, size);
-        let near_plane = NearPlane::new(camera, size);
-        let mut plan = Self::default();
-        for (mesh, region) in regions.iter().enumerate() {
-            let region = region.grown(clearance_m);
-            let corners = region.bounds.corners_ecef();
-            let footprint = Footprint::new(camera, size, &corners);
-            let screen_rect = footprint.map_or(PixelRect::full(size), |f| f.rect(size));
-            let off_screen = screen_rect.width() == 0
-                || screen_rect.height() == 0
-                || outside_frustum(camera, size, &corners);
-            let reason = if options.frustum_culling && off_screen {
-                Some(LeftOutReason::OutsideFrustum)
-            } else if options.horizon_culling && horizon.hides_all(&corners) {
-                Some(LeftOutReason::BeyondHorizon)
-            } else if options.too_small_culling && footprint.is_some_and(Footprint::is_too_small) {
-                Some(LeftOutReason::TooSmall)
-            } else {
-                None
-            };
-            match reason {
-                Some(reason) => plan.left_out.push(LeftOutRegion { mesh, reason }),
-                None => plan.regions.push(PlannedRegion {
-                    region: mesh,
-                    mesh,
-                    heights: region.heights,
-                    screen_rect,
-                    near_plane_meets_volume: near_plane.meets_box(&region.bounds),
-                }),
-            }
+        let planner = Planner {
+            camera,
+            size,
+            horizon: Horizon::new(body, camera.eye_ecef, terrain.lowest_m),
+            clearance_m: cap_clearance_m(body, camera, size),
+            near_plane: NearPlane::new(camera, size),
+            options,
+        };
+        let mut plan = Self {
+            boundary_lod_px: options.boundary_lod_px,
+            ..Self::default()
+        };
+        let region_count = levels.region_count(meshes.len());
+        for (region, bounds) in meshes.iter().take(region_count).enumerate() {
+            plan.place(region, planner.examine(region, region, bounds));
         }
+        let Some(pixels) = options.boundary_lod_px else {
+            return plan;
+        };
+        let drawn: Vec<DrawnRegion> = plan
+            .regions
+            .iter()
+            .map(|planned| DrawnRegion {
+                region: planned.region,
+                pixel_m: planner.pixel_m(&meshes[planned.mesh]),
+            })
+            .collect();
+        let picked = levels.pick(&drawn, pixels);
+        for (planned, mesh) in std::mem::take(&mut plan.regions).into_iter().zip(picked) {
+            let region = planned.region;
+            let examined = if mesh == planned.mesh {
+                Ok(planned)
+            } else {
+                planner.examine(region, mesh, &meshes[mesh])
+            };
+            plan.place(region, examined);
+        }
+        plan.left_out.sort_by_key(|region| region.mesh);
         plan
     }
 
-    /// One phrase per reason with count and up to three names: the `left_out` column.
+    fn place(&mut self, region: usize, examined: Result<PlannedRegion, LeftOutReason>) {
+        match examined {
+            Ok(planned) => self.regions.push(planned),
+            Err(reason) => self.left_out.push(LeftOutRegion {
+                mesh: region,
+                reason,
+            }),
+        }
+    }
+
+    /// Boundary vertices of the drawn regions as written, and how many of them their levels leave
+    /// out.
+    fn boundary_left_out(&self, meshes: &[RegionMesh]) -> (usize, usize) {
+        let sum = |mesh_of: fn(&PlannedRegion) -> usize| -> usize {
+            let counts = self.regions.iter().map(|planned| {
+                let mesh = &meshes[mesh_of(planned)];
+                mesh.boundary_edge_count()
+            });
+            counts.sum()
+        };
+        let as_written = sum(|planned| planned.region);
+        (
+            as_written.saturating_sub(sum(|planned| planned.mesh)),
+            as_written,
+        )
+    }
+
+    /// One phrase per reason with count and up to three names, and one on boundary detail: the
+    /// `left_out` column.
     #[must_use]
     pub fn left_out_summary(&self, meshes: &[RegionMesh]) -> String {
         let mut phrases = Vec::new();
@@ -269,8 +314,97 @@ impl FramePlan {
                 reason.name()
             ));
         }
+        let (left_out, of) = self.boundary_left_out(meshes);
+        if let (Some(pixels), 1..) = (self.boundary_lod_px, left_out) {
+            phrases.push(format!(
+                "boundary detail below {pixels} px: {left_out} of {of} vertices"
+            ));
+        }
         phrases.join("; ")
     }
+}
+
+/// What a frame's regions are held against.
+struct Planner<'a> {
+    camera: &'a Camera,
+    size: ImageSize,
+    horizon: Horizon,
+    clearance_m: f64,
+    near_plane: NearPlane,
+    options: PlanOptions,
+}
+
+impl Planner<'_> {
+    /// # Errors
+    /// Why the region is left out when drawn by this mesh.
+    fn examine(
+        &self,
+        region: usize,
+        mesh: usize,
+        bounds: &RegionBounds,
+    ) -> Result<PlannedRegion, LeftOutReason> {
+        let (camera, size, options) = (self.camera, self.size, &self.options);
+        let grown = bounds.grown(self.clearance_m);
+        let corners = grown.bounds.corners_ecef();
+        let footprint = Footprint::new(camera, size, &corners);
+        let screen_rect = footprint.map_or(PixelRect::full(size), |f| f.rect(size));
+        let off_screen = screen_rect.width() == 0
+            || screen_rect.height() == 0
+            || outside_frustum(camera, size, &corners);
+        if options.frustum_culling && off_screen {
+            Err(LeftOutReason::OutsideFrustum)
+        } else if options.horizon_culling && self.horizon.hides_all(&corners) {
+            Err(LeftOutReason::BeyondHorizon)
+        } else if options.too_small_culling && footprint.is_some_and(Footprint::is_too_small) {
+            Err(LeftOutReason::TooSmall)
+        } else {
+            Ok(PlannedRegion {
+                region,
+                mesh,
+                heights: grown.heights,
+                screen_rect,
+                near_plane_meets_volume: self.near_plane.meets_box(&grown.bounds),
+            })
+        }
+    }
+
+    /// What a pixel is worth where it is worth least, metres: a displacement of this length of
+    /// anything of the region moves its picture by no more than a pixel. 0 where the region's box
+    /// reaches the eye.
+    ///
+    /// At distance r, depth z along the viewing axis, and an angle off it with tangent t, a
+    /// displacement δ across the ray moves the picture on the image plane at distance 1 by up to
+    /// `(1 + t²) δ / r = √(1 + t²) δ / z`. Both forms are held against the box: its nearest point
+    /// or its nearest depth, and the corner of its footprint farthest from the image's centre.
+    /// Across the ray is where a displacement shows most, so nothing is gained from its direction.
+    fn pixel_m(&self, bounds: &RegionBounds) -> f64 {
+        let (camera, size) = (self.camera, self.size);
+        let grown = bounds.grown(self.clearance_m);
+        let corners = grown.bounds.corners_ecef();
+        let depth = |corner: &DVec3| -(camera.view_from_ecef * (*corner - camera.eye_ecef)).z;
+        let depth_m = corners.iter().map(depth).fold(f64::INFINITY, f64::min);
+        let distance_m = distance_to_box_m(&grown.bounds, camera.eye_ecef);
+        let footprint = Footprint::new(camera, size, &corners);
+        let seen = footprint.map_or(PixelRect::full(size), |f| f.rect(size));
+        let farthest = |low: u32, high: u32, count: u32| {
+            let from_centre = |at: u32| (2.0 * f64::from(at) / f64::from(count) - 1.0).abs();
+            camera.tan_half_fov() * from_centre(low).max(from_centre(high))
+        };
+        let x = farthest(seen.left, seen.right, size.width) * size.aspect();
+        let y = farthest(seen.top, seen.bottom, size.height);
+        let stretch = 1.0 + x * x + y * y;
+        let by_distance = camera.pixel_size_m(size, distance_m) / stretch;
+        let by_depth = camera.pixel_size_m(size, depth_m.max(0.0)) / stretch.sqrt();
+        by_distance.max(by_depth)
+    }
+}
+
+/// Distance from a point to the nearest one of a box; 0 inside.
+fn distance_to_box_m(bounds: &OrientedBox, ecef: DVec3) -> f64 {
+    let local = bounds.axes.transpose() * (ecef - bounds.center_ecef);
+    (local.abs() - bounds.half_extents_m)
+        .max(DVec3::ZERO)
+        .length()
 }
 
 /// [`CAP_CLEARANCE_PX`] in metres at the farthest distance at which anything can be seen: nothing

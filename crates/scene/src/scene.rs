@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A scene: a body, its regions, the rule for their edges, the surface, the views, and what to vary.
 
-use crate::{Camera, CameraPose};
+use crate::{Camera, CameraPose, LevelChoice};
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, Region};
 
@@ -50,6 +50,8 @@ pub struct Scene {
     pub overlap: Overlap,
     /// How they are meshed unless a variant says otherwise.
     pub mesh: MeshOptions,
+    /// Coarser versions of their boundaries.
+    pub levels: LevelChoice,
     /// Rows of the surface grid from pole to pole.
     pub surface_rows: u32,
     /// Cameras.

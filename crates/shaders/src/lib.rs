@@ -21,17 +21,26 @@ macro_rules! shader_sources {
 }
 
 /// Files with entry points.
-const MODULES: [ShaderSource; 6] = shader_sources![
+const MODULES: [ShaderSource; 10] = shader_sources![
     "surface/surface.wgsl",
     "vertex/doubled.wgsl",
     "vertex/pulled.wgsl",
     "vertex/cover.wgsl",
+    "vertex/resolve.wgsl",
+    "compute/cull.wgsl",
+    "compute/expand.wgsl",
+    "compute/fill.wgsl",
     "baseline/bound.wgsl",
     "baseline/floor.wgsl",
 ];
 
 /// Files that others import.
-const SHARED: [ShaderSource; 2] = shader_sources!["shared/view.wgsl", "shared/region.wgsl"];
+const SHARED: [ShaderSource; 4] = shader_sources![
+    "shared/view.wgsl",
+    "shared/region.wgsl",
+    "shared/volume.wgsl",
+    "shared/draw.wgsl",
+];
 
 /// What can be wrong with a shader.
 #[derive(Debug, thiserror::Error)]
@@ -195,7 +204,7 @@ mod tests {
 
     #[test]
     fn every_module_validates() {
-        assert_eq!(check_all().expect("all shaders are valid"), 6);
+        assert_eq!(check_all().expect("all shaders are valid"), 10);
     }
 
     #[test]

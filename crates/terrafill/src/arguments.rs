@@ -78,7 +78,21 @@ pub(crate) struct BenchArguments {
     /// Part of the adapter's name
     #[arg(long)]
     pub(crate) adapter: Option<String>,
+    #[arg(long, value_name = "SCENE", help = LADDER_HELP)]
+    pub(crate) ladder: Vec<String>,
+    #[arg(long, value_name = "SCENE", help = MATRIX_HELP)]
+    pub(crate) matrix: Vec<String>,
 }
+
+const LADDER_HELP: &str = "\
+Scene to measure switch by switch, from the un-optimised
+method to the full plan; may be repeated [default:
+planet-134, with --quick none]";
+
+const MATRIX_HELP: &str = "\
+Scene to draw by every backend, layout and switch; may be
+repeated [default: planet-134, california, countries-110m,
+with --quick none]";
 
 #[derive(Debug, Args)]
 pub(crate) struct ReportArguments {

@@ -24,6 +24,8 @@ pub(crate) fn run(arguments: BenchArguments) -> Result<Outcome, Failure> {
         },
         shard: arguments.shard,
         adapter: arguments.adapter,
+        ladder: (!arguments.ladder.is_empty()).then_some(arguments.ladder),
+        matrix: (!arguments.matrix.is_empty()).then_some(arguments.matrix),
     };
     let outcome = terrafill_bench::run(&options).map_err(|error| match error {
         BenchError::NoDevice(_) | BenchError::Device { .. } => Failure::no_device(error),

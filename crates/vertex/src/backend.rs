@@ -1,45 +1,20 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The backend: buffers of a scene, constants of a view, and the passes of a frame.
 
-use crate::Layout;
 use crate::layout::{RegionSlice, SceneGeometry};
-use crate::pass::Recorder;
-use crate::pipeline::Pipelines;
+use crate::pass::{Recorder, counted};
+use crate::pipeline::{NUMBER_FORMAT, Pipelines, State};
 use crate::statistics::Statistics;
+use crate::{Layout, VertexVariant};
 use std::sync::Arc;
 use terrafill_core::RegionMesh;
 use terrafill_frame::{
-    Backend, BackendError, Capabilities, Counters, FillProgram, Frame, FrameInput, FrameTimes,
-    MAX_REGIONS, MemoryUse, Picture, PositionFormat, RegionConstants, Switches, TimedBackend,
+    Backend, BackendError, Capabilities, Counters, FillPass, FillProgram, Frame, FrameInput,
+    FrameTimes, MAX_REGIONS, MemoryUse, Picture, PositionFormat, RegionConstants, TimedBackend,
     VolumeBackend, id_rgba, ids_of, palette_rgba,
 };
-use terrafill_gpu::{CpuStopwatch, SharedStage, Stage, TimedPass};
-use terrafill_scene::PlannedRegion;
-
-/// A variant: how geometry is stored, and the switches of the fill.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub struct VertexVariant {
-    /// Where duplicated vertices come from.
-    pub layout: Layout,
-    /// How positions are stored.
-    pub positions: PositionFormat,
-    /// What the fill does.
-    pub switches: Switches,
-}
-
-impl VertexVariant {
-    /// Layout first, then what differs from the default, `key=value`, in alphabetical order.
-    #[must_use]
-    pub fn name(&self) -> String {
-        let mut names = self.switches.names();
-        if self.positions == PositionFormat::LocalF32 {
-            names.push("positions=local-f32".to_owned());
-        }
-        names.sort_unstable();
-        names.insert(0, self.layout.name().to_owned());
-        names.join(",")
-    }
-}
+use terrafill_gpu::{CpuStopwatch, Gpu, SharedStage, Stage, TimedPass, WorkDone};
+use terrafill_scene::{ImageSize, PlannedRegion};
 
 /// Shadow volumes extruded in the vertex shader.
 #[derive(Debug)]
@@ -50,6 +25,8 @@ pub struct VertexBackend {
     pub(crate) pipelines: Pipelines,
     scene: Option<SceneBuffers>,
     view: Option<ViewBuffers>,
+    /// Made and written for the fill since the last frame.
+    work: WorkDone,
 }
 
 /// Geometry of every region of a scene, in view or not.
@@ -58,6 +35,8 @@ pub(crate) struct SceneBuffers {
     source: Arc<[RegionMesh]>,
     pub(crate) regions: Vec<RegionSlice>,
     pub(crate) vertices: wgpu::Buffer,
+    /// Layout `separate`: the flags that all regions share.
+    pub(crate) flags: Option<wgpu::Buffer>,
     pub(crate) short_indices: wgpu::Buffer,
     pub(crate) long_indices: wgpu::Buffer,
     /// Layout `pulled`: the vertices with the short and with the long indices.
@@ -71,20 +50,51 @@ pub(crate) struct SceneBuffers {
 pub(crate) struct ViewBuffers {
     source: Arc<[[f32; 3]]>,
     constants: wgpu::Buffer,
-    constant_bytes: u64,
+    /// What `constants` holds.
+    written: Vec<u8>,
     pub(crate) bind_group: wgpu::BindGroup,
     pub(crate) program: FillProgram,
+    /// Where the program accumulates numbers, if it does.
+    pub(crate) numbers: Option<Numbers>,
 }
 
-/// What the colour pass writes for region `index`.
-type ColourOf = fn(usize) -> [f32; 4];
+/// The target of `colour=id-accumulation`.
+#[derive(Debug)]
+pub(crate) struct Numbers {
+    size: ImageSize,
+    pub(crate) view: wgpu::TextureView,
+    pub(crate) bind_group: wgpu::BindGroup,
+}
+
+/// What the colour pass writes for a region.
+#[derive(Debug, Clone, Copy)]
+enum Colours {
+    /// Its id.
+    Ids,
+    /// Its colour for people.
+    Palette { opacity: f32 },
+}
+
+impl Colours {
+    fn of(self, region: usize) -> [f32; 4] {
+        match self {
+            Self::Ids => id_rgba(region),
+            Self::Palette { opacity } => {
+                let [red, green, blue, alpha] = palette_rgba(region);
+                [red, green, blue, alpha * opacity]
+            }
+        }
+    }
+}
 
 impl VertexBackend {
     /// A backend on `stage`.
     ///
     /// # Errors
+    /// [`BackendError::Switch`] when the layout lacks what was chosen for it;
     /// [`BackendError::Shader`].
     pub fn new(stage: &SharedStage, variant: VertexVariant) -> Result<Self, BackendError> {
+        variant.check_layout()?;
         let gpu = Arc::clone(stage.borrow().gpu());
         Ok(Self {
             stage: SharedStage::clone(stage),
@@ -98,6 +108,7 @@ impl VertexBackend {
             pipelines: Pipelines::new(&gpu, variant)?,
             scene: None,
             view: None,
+            work: WorkDone::default(),
         })
     }
 
@@ -107,23 +118,77 @@ impl VertexBackend {
         self.variant
     }
 
-    fn draw_and_read(&mut self, input: &FrameInput) -> Result<(Picture, Counters), BackendError> {
+    fn gpu(&self) -> Arc<Gpu> {
+        Arc::clone(self.stage.borrow().gpu())
+    }
+
+    /// Draws the surface and the fill, and reads the targets back.
+    fn draw_and_read(
+        &mut self,
+        input: &FrameInput,
+        blends: bool,
+    ) -> Result<(Picture, Counters), BackendError> {
         self.check_prepared(input)?;
         let mut stage = self.stage.borrow_mut();
         stage.prepare(input)?;
         stage.draw_surface()?;
-        let statistics = Statistics::new(stage.gpu(), self.pass_count());
-        let mut encoder = stage
-            .gpu()
-            .device
-            .create_command_encoder(&Default::default());
-        let mut counters = self.record(&mut encoder, &stage, input, statistics.as_ref(), false)?;
-        stage.gpu().queue.submit([encoder.finish()]);
-        stage.gpu().wait()?;
+        let gpu = Arc::clone(stage.gpu());
+        let statistics = Statistics::new(&gpu, self.pass_count());
+        let before = gpu.work_done();
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let recording = Recording {
+            statistics: statistics.as_ref(),
+            blends,
+            ..Recording::default()
+        };
+        let mut counters = self.record(&mut encoder, &stage, input, recording)?;
+        gpu.queue.submit([encoder.finish()]);
+        gpu.wait()?;
+        self.work = self.work + (gpu.work_done() - before);
+        counters.buffer_creations = self.work.buffer_creations;
+        counters.pipeline_creations = self.work.pipeline_creations;
+        counters.uploads = self.work.uploads;
+        counters.upload_bytes = (gpu.work_done() - before).upload_bytes;
+        self.work = WorkDone::default();
         if let Some(statistics) = &statistics {
-            statistics.read_into(stage.gpu(), &mut counters)?;
+            statistics.read_into(&gpu, &mut counters)?;
         }
         Ok((stage.read()?, counters))
+    }
+
+    /// How many fragments the volumes of the stencil work have, by an extra pass that is never
+    /// timed; `None` where the device cannot count them.
+    fn count_fragments(&mut self, input: &FrameInput) -> Result<Option<u64>, BackendError> {
+        let gpu = self.gpu();
+        let (Some(scene), Some(view)) = (&self.scene, &self.view) else {
+            return Ok(None);
+        };
+        if view.program.passes.is_empty() {
+            return Ok(Some(0));
+        }
+        let Some(statistics) = Statistics::new(&gpu, 1) else {
+            return Ok(None);
+        };
+        let short =
+            |planned: &usize| scene.regions[input.plan.regions[*planned].mesh].short_indices;
+        for (faces, _, _, regions) in counted(&view.program) {
+            let state = State::Count { faces };
+            self.pipelines.ensure_volumes(&gpu, state, regions, short);
+        }
+        let stage = self.stage.borrow();
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let recording = Recording {
+            statistics: Some(&statistics),
+            ..Recording::default()
+        };
+        if let Some(mut recorder) = self.recorder(&stage, input, recording) {
+            recorder.count_fragments(&mut encoder);
+        }
+        gpu.queue.submit([encoder.finish()]);
+        gpu.wait()?;
+        let mut counted = Counters::default();
+        statistics.read_into(&gpu, &mut counted)?;
+        Ok(counted.fragment_shader_invocations)
     }
 
     fn check_prepared(&self, input: &FrameInput) -> Result<(), BackendError> {
@@ -146,15 +211,13 @@ impl VertexBackend {
     }
 
     fn upload_scene(&mut self, input: &FrameInput) -> Result<(), BackendError> {
-        let VertexVariant {
-            layout, positions, ..
-        } = self.variant;
-        let geometry = SceneGeometry::build(layout, positions, &input.scene.meshes);
+        let layout = self.variant.layout;
+        let geometry = SceneGeometry::build(&self.variant, &input.scene.meshes);
         let bytes = geometry.bytes();
         let stage = self.stage.borrow();
         let (vertex_usage, index_usage) = match layout {
-            Layout::Doubled => (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX),
             Layout::Pulled => (wgpu::BufferUsages::STORAGE, wgpu::BufferUsages::STORAGE),
+            _ => (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX),
         };
         let upload = |label, bytes, usage| stage.upload(label, bytes, usage);
         let vertices = upload(
@@ -162,6 +225,14 @@ impl VertexBackend {
             bytemuck::cast_slice(&geometry.vertices),
             vertex_usage,
         )?;
+        let flags = match layout {
+            Layout::Separate => Some(upload(
+                "shared flags",
+                geometry.flags.as_flattened(),
+                vertex_usage,
+            )?),
+            _ => None,
+        };
         let short = bytemuck::cast_slice(&geometry.short_indices);
         let short_indices = upload("16-bit indices", short, index_usage)?;
         let long = bytemuck::cast_slice(&geometry.long_indices);
@@ -190,6 +261,7 @@ impl VertexBackend {
             source: Arc::clone(&input.scene.meshes),
             regions: geometry.regions,
             vertices,
+            flags,
             short_indices,
             long_indices,
             pulled,
@@ -199,7 +271,8 @@ impl VertexBackend {
         Ok(())
     }
 
-    fn upload_view(&mut self, input: &FrameInput, colour_of: ColourOf) -> Result<(), BackendError> {
+    /// Brings program and constants up to date; nothing is made or written where they are already.
+    fn upload_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), BackendError> {
         let Some(scene) = &self.scene else {
             return self.check_prepared(input);
         };
@@ -209,42 +282,105 @@ impl VertexBackend {
             .plan
             .regions
             .iter()
-            .map(|planned| self.region_constants(input, scene, planned, colour_of))
+            .map(|planned| self.region_constants(input, scene, planned, colours))
             .collect();
-        let stage = self.stage.borrow();
-        let bytes: &[u8] = bytemuck::cast_slice(&constants);
-        let buffer = stage.upload(
-            "region constants",
+        let bytes: &[u8] = match bytemuck::cast_slice(&constants) {
             // A storage binding may not be empty.
-            if bytes.is_empty() { &EMPTY } else { bytes },
-            wgpu::BufferUsages::STORAGE,
-        )?;
-        let bind_group = stage
-            .gpu()
-            .device
-            .create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("view and regions"),
-                layout: &self.pipelines.frame_bindings,
-                entries: &[
-                    wgpu::BindGroupEntry {
-                        binding: 0,
-                        resource: stage.view_constants().as_entire_binding(),
-                    },
-                    wgpu::BindGroupEntry {
-                        binding: 1,
-                        resource: buffer.as_entire_binding(),
-                    },
-                ],
-            });
+            [] => &EMPTY,
+            bytes => bytes,
+        };
+        let numbers = self.numbers(input, &program);
+        let stage = self.stage.borrow();
+        let view = match self.view.take() {
+            Some(view) if view.written.len() == bytes.len() => {
+                if view.written != bytes {
+                    stage.gpu().write_buffer(&view.constants, 0, bytes);
+                }
+                ViewBuffers {
+                    source: Arc::clone(&input.surface_rte),
+                    written: bytes.to_vec(),
+                    program,
+                    numbers,
+                    ..view
+                }
+            }
+            _ => {
+                let usage = wgpu::BufferUsages::STORAGE;
+                let buffer = stage.upload("region constants", bytes, usage)?;
+                ViewBuffers {
+                    source: Arc::clone(&input.surface_rte),
+                    bind_group: self.frame_bind_group(&stage, &buffer),
+                    constants: buffer,
+                    written: bytes.to_vec(),
+                    program,
+                    numbers,
+                }
+            }
+        };
         drop(stage);
-        self.view = Some(ViewBuffers {
-            source: Arc::clone(&input.surface_rte),
-            constants: buffer,
-            constant_bytes: bytes.len() as u64,
-            bind_group,
-            program,
-        });
+        self.view = Some(view);
         Ok(())
+    }
+
+    fn frame_bind_group(&self, stage: &Stage, constants: &wgpu::Buffer) -> wgpu::BindGroup {
+        let device = &stage.gpu().device;
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("view and regions"),
+            layout: &self.pipelines.frame_bindings,
+            entries: &[
+                wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: stage.view_constants().as_entire_binding(),
+                },
+                wgpu::BindGroupEntry {
+                    binding: 1,
+                    resource: constants.as_entire_binding(),
+                },
+            ],
+        })
+    }
+
+    /// The accumulation target of `program`, the one there is if it fits; `None` when the program
+    /// accumulates nothing.
+    fn numbers(&mut self, input: &FrameInput, program: &FillProgram) -> Option<Numbers> {
+        let there = self.view.as_mut().and_then(|view| view.numbers.take());
+        if !program.passes.iter().any(FillPass::accumulates) {
+            return None;
+        }
+        if let Some(numbers) = there
+            && numbers.size == input.size
+        {
+            return Some(numbers);
+        }
+        let device = &self.gpu().device;
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("accumulated numbers"),
+            size: wgpu::Extent3d {
+                width: input.size.width,
+                height: input.size.height,
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: NUMBER_FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&Default::default());
+        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("accumulated numbers"),
+            layout: &self.pipelines.number_bindings,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::TextureView(&view),
+            }],
+        });
+        Some(Numbers {
+            size: input.size,
+            view,
+            bind_group,
+        })
     }
 
     #[allow(
@@ -256,7 +392,7 @@ impl VertexBackend {
         input: &FrameInput,
         scene: &SceneBuffers,
         planned: &PlannedRegion,
-        colour_of: ColourOf,
+        colours: Colours,
     ) -> RegionConstants {
         let slice = &scene.regions[planned.mesh];
         let fixed = slice.fixed;
@@ -280,7 +416,7 @@ impl VertexBackend {
             triangle_count: slice.triangle_count,
             index_bits: if slice.short_indices { 16 } else { 32 },
             padding: 0,
-            colour: colour_of(planned.region),
+            colour: colours.of(planned.region),
         }
     }
 
@@ -291,47 +427,87 @@ impl VertexBackend {
             .map_or(0, |view| view.program.passes.len())
     }
 
-    fn ensure_pipelines(&mut self, input: &FrameInput) {
+    fn ensure_pipelines(&mut self, input: &FrameInput, blends: bool) -> Result<(), BackendError> {
+        let gpu = self.gpu();
         let (Some(scene), Some(view)) = (&self.scene, &self.view) else {
-            return;
+            return self.check_prepared(input);
         };
-        let gpu = Arc::clone(self.stage.borrow().gpu());
         for pass in &view.program.passes {
             for command in &pass.commands {
                 let short = |planned: &usize| {
                     scene.regions[input.plan.regions[*planned].mesh].short_indices
                 };
-                self.pipelines.ensure(&gpu, command, pass.has_colour, short);
+                self.pipelines
+                    .ensure(&gpu, command, pass.has_colour, blends, short)?;
             }
         }
+        Ok(())
     }
 
-    /// Records the fill. With `timed`, GPU stamps surround it; with `statistics`, queries do.
-    fn record(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        stage: &Stage,
-        input: &FrameInput,
-        statistics: Option<&Statistics>,
-        timed: bool,
-    ) -> Result<Counters, BackendError> {
-        let (Some(scene), Some(view)) = (&self.scene, &self.view) else {
-            self.check_prepared(input)?;
-            return Ok(Counters::default());
-        };
-        let mut recorder = Recorder {
+    fn recorder<'a>(
+        &'a self,
+        stage: &'a Stage,
+        input: &'a FrameInput,
+        recording: Recording<'a>,
+    ) -> Option<Recorder<'a>> {
+        let (scene, view) = self.scene.as_ref().zip(self.view.as_ref())?;
+        Some(Recorder {
             backend: self,
             scene,
             view,
             stage,
             input,
-            timed,
-            statistics,
+            timed: recording.timed,
+            statistics: recording.statistics,
+            blends: recording.blends,
             counters: Counters::default(),
+        })
+    }
+
+    /// Records the fill.
+    fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        stage: &Stage,
+        input: &FrameInput,
+        recording: Recording<'_>,
+    ) -> Result<Counters, BackendError> {
+        let Some(mut recorder) = self.recorder(stage, input, recording) else {
+            self.check_prepared(input)?;
+            return Ok(Counters::default());
         };
         recorder.fill(encoder);
         Ok(recorder.counters)
     }
+
+    /// Brings geometry, constants and pipelines up to date, and gives the bytes handed over.
+    fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, BackendError> {
+        let gpu = self.gpu();
+        let before = gpu.work_done();
+        let is_uploaded = self
+            .scene
+            .as_ref()
+            .is_some_and(|scene| Arc::ptr_eq(&scene.source, &input.scene.meshes));
+        if !is_uploaded {
+            self.upload_scene(input)?;
+        }
+        self.upload_view(input, Colours::Ids)?;
+        self.ensure_pipelines(input, false)?;
+        let done = gpu.work_done() - before;
+        self.work = self.work + done;
+        Ok(done.upload_bytes)
+    }
+}
+
+/// How a fill is recorded.
+#[derive(Debug, Clone, Copy, Default)]
+struct Recording<'a> {
+    /// GPU stamps surround it.
+    timed: bool,
+    /// Queries surround its passes.
+    statistics: Option<&'a Statistics>,
+    /// Covers are blended over what lies under them.
+    blends: bool,
 }
 
 /// One element of region constants, for a view that plans none.
@@ -351,41 +527,29 @@ impl Backend for VertexBackend {
             });
         }
         self.stage.borrow_mut().prepare(input)?;
-        let is_uploaded = self
-            .scene
-            .as_ref()
-            .is_some_and(|scene| Arc::ptr_eq(&scene.source, &input.scene.meshes));
-        let mut upload_bytes = 0;
-        if !is_uploaded {
-            self.upload_scene(input)?;
-            upload_bytes += self
-                .scene
-                .as_ref()
-                .map_or(0, |scene| scene.vertex_bytes + scene.index_bytes);
-        }
-        self.upload_view(input, id_rgba)?;
-        self.ensure_pipelines(input);
+        let upload_bytes = self.bring_up_to_date(input)?;
         let (Some(scene), Some(view)) = (&self.scene, &self.view) else {
             return Ok(MemoryUse::default());
         };
-        upload_bytes += view.constant_bytes;
         let used = [
-            &scene.vertices,
-            &scene.short_indices,
-            &scene.long_indices,
-            &view.constants,
+            Some(&scene.vertices),
+            scene.flags.as_ref(),
+            Some(&scene.short_indices),
+            Some(&scene.long_indices),
+            Some(&view.constants),
         ];
         Ok(MemoryUse {
             vertex_bytes: scene.vertex_bytes,
             index_bytes: scene.index_bytes,
-            constant_bytes: view.constant_bytes,
-            buffers: used.len() as u64,
+            constant_bytes: (input.plan.regions.len() * size_of::<RegionConstants>()) as u64,
+            buffers: used.iter().flatten().count() as u64,
             upload_bytes,
         })
     }
 
     fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError> {
-        let (picture, counters) = self.draw_and_read(input)?;
+        let (picture, mut counters) = self.draw_and_read(input, false)?;
+        counters.stencil_fragments = self.count_fragments(input)?;
         Ok(Frame {
             size: input.size,
             ids: ids_of(&picture),
@@ -403,7 +567,11 @@ impl TimedBackend for VertexBackend {
         let gpu = stage.gpu();
         let watch = CpuStopwatch::start();
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        self.record(&mut encoder, &stage, input, None, true)?;
+        let recording = Recording {
+            timed: true,
+            ..Recording::default()
+        };
+        self.record(&mut encoder, &stage, input, recording)?;
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;
         let mut times = FrameTimes {
@@ -443,9 +611,15 @@ impl VolumeBackend for VertexBackend {
     }
 
     fn picture(&mut self, input: &FrameInput) -> Result<Picture, BackendError> {
-        self.upload_view(input, palette_rgba)?;
-        let picture = self.draw_and_read(input).map(|(picture, _)| picture);
-        self.upload_view(input, id_rgba)?;
+        self.variant.check(input.scene.overlap)?;
+        let blends = self.variant.opacity_percent < 100;
+        let opacity = f32::from(self.variant.opacity_percent) / 100.0;
+        self.upload_view(input, Colours::Palette { opacity })?;
+        self.ensure_pipelines(input, blends)?;
+        let picture = self
+            .draw_and_read(input, blends)
+            .map(|(picture, _)| picture);
+        self.upload_view(input, Colours::Ids)?;
         picture
     }
 }

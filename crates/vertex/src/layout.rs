@@ -3,31 +3,12 @@
 //!
 //! Indices are 16 bits where a region's vertices fit and 32 where they do not, region by region.
 
+use crate::{IndexOrder, Layout, VertexVariant, cache_ordered};
 use glam::{DVec3, IVec3};
+use std::borrow::Cow;
+use std::collections::HashSet;
 use terrafill_core::RegionMesh;
 use terrafill_frame::{FixedPoint, PositionFormat};
-
-/// Where duplicated vertices come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
-pub enum Layout {
-    /// Every vertex stored twice, 16 bytes each: position and a flag that sends the copy to the
-    /// bottom cap. Both caps and the walls are indexed; walls are strips.
-    #[default]
-    Doubled,
-    /// Every vertex stored once, 12 bytes; the shader works out the rest from `vertex_index`.
-    Pulled,
-}
-
-impl Layout {
-    /// Name in variants and reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Doubled => "doubled",
-            Self::Pulled => "pulled",
-        }
-    }
-}
 
 /// Bytes of one or more regions in one layout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -60,34 +41,64 @@ const MAX_SHORT_INDICES: usize = 0xffff;
 
 /// Whether a region's indices fit 16 bits.
 fn has_short_indices(layout: Layout, vertices: usize) -> bool {
-    match layout {
-        Layout::Doubled => 2 * vertices <= MAX_SHORT_INDICES,
-        Layout::Pulled => vertices <= MAX_SHORT_INDICES,
-    }
+    let copies = if layout.is_doubled() { 2 } else { 1 };
+    copies * vertices <= MAX_SHORT_INDICES
+}
+
+/// Bytes of a stored flag in layout `separate`. One would do, and was enough in 2007; WebGPU wants
+/// strides in multiples of four.
+pub const FLAG_BYTES: u64 = 4;
+
+/// Bytes that `mesh` takes in a layout with nothing else chosen: see [`variant_bytes`].
+#[must_use]
+pub fn layout_bytes(layout: Layout, mesh: &RegionMesh) -> LayoutBytes {
+    let variant = VertexVariant {
+        layout,
+        ..VertexVariant::default()
+    };
+    variant_bytes(&variant, mesh)
 }
 
 /// Bytes that `mesh` takes, by formula. With *v* vertices, *t* triangles, *e* boundary edges in *l*
 /// loops and *i* bytes an index:
 ///
-/// - `doubled`: 2·16·v + i·(6t + 2(e + l) + l), the strips closed and followed by a restart;
+/// - `doubled`: 2·16·v + i·(6t + 2(e + l) + l), the strips closed and followed by a restart; with
+///   walls as lists i·(6t + 6e); with vertices of 20 bytes 2·20·v;
+/// - `separate`: 2·12·v and indices as `doubled`, plus what all regions share
+///   ([`shared_flag_bytes`]);
+/// - `per-triangle`: 2·16·v + i·24t, two caps of 3 and three walls of 6 indices a triangle. Strips
+///   of 4 would be 18 without restarts ([`per_triangle_volume_bytes`], as the 2007 document counts
+///   them) and 21 with them;
 /// - `pulled`: 12·v + i·(3t + e + 2l), the loops closed and followed by a separator.
 #[must_use]
-pub fn layout_bytes(layout: Layout, mesh: &RegionMesh) -> LayoutBytes {
+pub fn variant_bytes(variant: &VertexVariant, mesh: &RegionMesh) -> LayoutBytes {
     let (vertices, triangles) = (mesh.vertices_ecef.len(), mesh.triangles.len());
     let (edges, loops) = (mesh.boundary_edge_count(), mesh.boundary_loops.len());
-    let index_size: usize = if has_short_indices(layout, vertices) {
-        2
-    } else {
-        4
-    };
-    let (vertex_bytes, indices) = match layout {
-        Layout::Doubled => (32 * vertices, 6 * triangles + 2 * (edges + loops) + loops),
-        Layout::Pulled => (12 * vertices, 3 * triangles + edges + 2 * loops),
+    let short = has_short_indices(variant.layout, vertices);
+    let index_size = if short { 2 } else { 4 };
+    let (copies, indices) = match variant.layout {
+        Layout::Doubled | Layout::Separate if variant.has_strips() => {
+            (2, 6 * triangles + 2 * (edges + loops) + loops)
+        }
+        Layout::Doubled | Layout::Separate => (2, 6 * triangles + 6 * edges),
+        Layout::PerTriangle => (2, 24 * triangles),
+        Layout::Pulled => (1, 3 * triangles + edges + 2 * loops),
     };
     LayoutBytes {
-        vertex_bytes: vertex_bytes as u64,
+        vertex_bytes: (copies * variant.vertex_words() * 4 * vertices) as u64,
         index_bytes: (indices * index_size) as u64,
     }
+}
+
+/// Bytes of the flags that all regions share in layout `separate`: two for each vertex of the
+/// largest; 0 in the others.
+#[must_use]
+pub fn shared_flag_bytes(layout: Layout, meshes: &[RegionMesh]) -> u64 {
+    if layout != Layout::Separate {
+        return 0;
+    }
+    let largest = meshes.iter().map(|mesh| mesh.vertices_ecef.len()).max();
+    2 * FLAG_BYTES * largest.unwrap_or(0) as u64
 }
 
 /// Bytes of a mesh whose vertices are shared by all its triangles: what a geometry shader reads.
@@ -127,8 +138,10 @@ pub(crate) struct RegionSlice {
 /// Contents of a scene's geometry buffers.
 #[derive(Debug, Default)]
 pub(crate) struct SceneGeometry {
-    /// 16-byte vertices when doubled, 12-byte ones when pulled, as words.
+    /// Vertices of [`VertexVariant::vertex_words`] words.
     pub(crate) vertices: Vec<i32>,
+    /// Layout `separate`: 0 and 255 in turn, each in [`FLAG_BYTES`].
+    pub(crate) flags: Vec<[u8; FLAG_BYTES as usize]>,
     pub(crate) short_indices: Vec<u16>,
     pub(crate) long_indices: Vec<u32>,
     pub(crate) regions: Vec<RegionSlice>,
@@ -136,10 +149,14 @@ pub(crate) struct SceneGeometry {
 
 impl SceneGeometry {
     /// Lays out every mesh.
-    pub(crate) fn build(layout: Layout, format: PositionFormat, meshes: &[RegionMesh]) -> Self {
+    pub(crate) fn build(variant: &VertexVariant, meshes: &[RegionMesh]) -> Self {
         let mut geometry = Self::default();
+        let flags = shared_flag_bytes(variant.layout, meshes) / FLAG_BYTES;
+        geometry.flags = (0..flags)
+            .map(|vertex| [if vertex % 2 == 0 { 0 } else { 255 }, 0, 0, 0])
+            .collect();
         for mesh in meshes {
-            geometry.push(layout, format, mesh);
+            geometry.push(variant, mesh);
         }
         geometry
     }
@@ -148,27 +165,28 @@ impl SceneGeometry {
         clippy::cast_possible_truncation,
         reason = "buffers are refused by the device long before 2^32 elements"
     )]
-    fn push(&mut self, layout: Layout, format: PositionFormat, mesh: &RegionMesh) {
+    fn push(&mut self, variant: &VertexVariant, mesh: &RegionMesh) {
         let fixed = FixedPoint::for_mesh(mesh);
-        let words_per_vertex = if layout == Layout::Doubled { 4 } else { 3 };
-        let first_vertex = (self.vertices.len() / words_per_vertex) as u32;
+        let first_vertex = (self.vertices.len() / variant.vertex_words()) as u32;
         for vertex in &mesh.vertices_ecef {
-            let stored = store(&fixed, format, *vertex).to_array();
-            match layout {
-                Layout::Doubled => {
-                    for flag in [0, 1] {
-                        self.vertices.extend(stored);
-                        self.vertices.push(flag);
-                    }
-                }
-                Layout::Pulled => self.vertices.extend(stored),
-            }
+            let stored = store(&fixed, variant.positions, *vertex).to_array();
+            self.push_vertex(variant, stored);
         }
+        let triangles = match variant.index_order {
+            IndexOrder::Mesh => Cow::Borrowed(mesh.triangles.as_slice()),
+            IndexOrder::Cache => cache_ordered(&mesh.triangles, mesh.vertices_ecef.len()),
+        };
+        let layout = variant.layout;
         let short_indices = has_short_indices(layout, mesh.vertices_ecef.len());
         let first_triangle_index = self.index_count(short_indices);
-        self.push_caps(layout, short_indices, mesh);
+        self.push_caps(layout, short_indices, &triangles);
         let first_loop_index = self.index_count(short_indices);
-        self.push_loops(layout, short_indices, mesh);
+        match layout {
+            Layout::Pulled => self.push_loops(short_indices, mesh),
+            Layout::PerTriangle => self.push_inner_walls(short_indices, mesh, &triangles),
+            _ if variant.has_strips() => self.push_strips(short_indices, mesh),
+            _ => self.push_wall_list(short_indices, mesh),
+        }
         self.regions.push(RegionSlice {
             fixed,
             first_vertex,
@@ -180,19 +198,32 @@ impl SceneGeometry {
         });
     }
 
-    fn push_caps(&mut self, layout: Layout, short: bool, mesh: &RegionMesh) {
-        // All of the top, then all of the bottom, so that the bottom may be left out of a draw.
-        for corner in mesh.triangles.as_flattened() {
-            self.push_index(
-                short,
-                match layout {
-                    Layout::Doubled => 2 * corner,
-                    Layout::Pulled => *corner,
-                },
-            );
+    fn push_vertex(&mut self, variant: &VertexVariant, position: [i32; 3]) {
+        let padding = variant.vertex_words().saturating_sub(4);
+        match variant.layout {
+            Layout::Doubled | Layout::PerTriangle => {
+                for flag in [0, 1] {
+                    self.vertices.extend(position);
+                    self.vertices.push(flag);
+                    self.vertices.extend(std::iter::repeat_n(0, padding));
+                }
+            }
+            Layout::Separate => {
+                self.vertices.extend(position);
+                self.vertices.extend(position);
+            }
+            Layout::Pulled => self.vertices.extend(position),
         }
-        if layout == Layout::Doubled {
-            for &[a, b, c] in &mesh.triangles {
+    }
+
+    fn push_caps(&mut self, layout: Layout, short: bool, triangles: &[[u32; 3]]) {
+        // All of the top, then all of the bottom, so that the bottom may be left out of a draw.
+        let copies = if layout.is_doubled() { 2 } else { 1 };
+        for corner in triangles.as_flattened() {
+            self.push_index(short, copies * corner);
+        }
+        if layout.is_doubled() {
+            for &[a, b, c] in triangles {
                 for corner in [a, c, b] {
                     self.push_index(short, 2 * corner + 1);
                 }
@@ -200,18 +231,75 @@ impl SceneGeometry {
         }
     }
 
-    fn push_loops(&mut self, layout: Layout, short: bool, mesh: &RegionMesh) {
+    fn push_loops(&mut self, short: bool, mesh: &RegionMesh) {
         for ring in &mesh.boundary_loops {
             for &vertex in ring.iter().chain(ring.first()) {
-                match layout {
-                    Layout::Doubled => {
-                        self.push_index(short, 2 * vertex);
-                        self.push_index(short, 2 * vertex + 1);
-                    }
-                    Layout::Pulled => self.push_index(short, vertex),
-                }
+                self.push_index(short, vertex);
             }
             self.push_index(short, u32::MAX);
+        }
+    }
+
+    fn push_strips(&mut self, short: bool, mesh: &RegionMesh) {
+        for ring in &mesh.boundary_loops {
+            for &vertex in ring.iter().chain(ring.first()) {
+                self.push_index(short, 2 * vertex);
+                self.push_index(short, 2 * vertex + 1);
+            }
+            self.push_index(short, u32::MAX);
+        }
+    }
+
+    fn push_wall_list(&mut self, short: bool, mesh: &RegionMesh) {
+        for [start, end] in boundary_edges(mesh) {
+            self.push_wall(short, start, end);
+        }
+    }
+
+    /// A wall along every edge of every triangle. Two triangles see an inner edge in opposite
+    /// directions, and must still split its wall along the same diagonal: else a sliver between the
+    /// two diagonals would lie in both volumes or in neither.
+    fn push_inner_walls(&mut self, short: bool, mesh: &RegionMesh, triangles: &[[u32; 3]]) {
+        let outer: HashSet<[u32; 2]> = boundary_edges(mesh).collect();
+        for &[a, b, c] in triangles {
+            for [start, end] in [[a, b], [b, c], [c, a]] {
+                if start < end || outer.contains(&[start, end]) {
+                    self.push_wall(short, start, end);
+                } else {
+                    self.push_wall_other_diagonal(short, start, end);
+                }
+            }
+        }
+    }
+
+    /// Two triangles as a strip of 2·start, 2·start + 1, 2·end, 2·end + 1 gives them.
+    fn push_wall(&mut self, short: bool, start: u32, end: u32) {
+        let [top_start, bottom_start, top_end, bottom_end] = wall_corners(start, end);
+        for index in [
+            top_start,
+            bottom_start,
+            top_end,
+            top_end,
+            bottom_start,
+            bottom_end,
+        ] {
+            self.push_index(short, index);
+        }
+    }
+
+    /// The same wall, wound alike, along the diagonal that [`SceneGeometry::push_wall`] takes from
+    /// `end` to `start`.
+    fn push_wall_other_diagonal(&mut self, short: bool, start: u32, end: u32) {
+        let [top_start, bottom_start, top_end, bottom_end] = wall_corners(start, end);
+        for index in [
+            top_end,
+            top_start,
+            bottom_end,
+            bottom_end,
+            top_start,
+            bottom_start,
+        ] {
+            self.push_index(short, index);
         }
     }
 
@@ -242,10 +330,22 @@ impl SceneGeometry {
     /// Bytes as built.
     pub(crate) fn bytes(&self) -> LayoutBytes {
         LayoutBytes {
-            vertex_bytes: self.vertices.len() as u64 * 4,
+            vertex_bytes: self.vertices.len() as u64 * 4 + self.flags.len() as u64 * FLAG_BYTES,
             index_bytes: self.short_indices.len() as u64 * 2 + self.long_indices.len() as u64 * 4,
         }
     }
+}
+
+fn wall_corners(start: u32, end: u32) -> [u32; 4] {
+    [2 * start, 2 * start + 1, 2 * end, 2 * end + 1]
+}
+
+/// Directed edges of the boundary loops.
+fn boundary_edges(mesh: &RegionMesh) -> impl Iterator<Item = [u32; 2]> {
+    mesh.boundary_loops.iter().flat_map(|ring| {
+        let ends = ring.iter().cycle().skip(1);
+        ring.iter().zip(ends).map(|(&start, &end)| [start, end])
+    })
 }
 
 #[allow(
@@ -265,6 +365,7 @@ fn store(fixed: &FixedPoint, format: PositionFormat, ecef: DVec3) -> IVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{VertexSize, Walls};
     use terrafill_core::{Ellipsoid, Extent, Geodetic};
 
     /// A fan of `count` boundary vertices around one interior vertex.
@@ -300,38 +401,109 @@ mod tests {
         }
     }
 
-    #[test]
-    fn the_formula_and_the_buffers_agree() {
-        for count in [3, 100, 32_765, 32_767, 40_000, 65_534, 65_600] {
-            let mesh = disc(count);
-            for layout in [Layout::Doubled, Layout::Pulled] {
-                for format in [PositionFormat::Fixed, PositionFormat::LocalF32] {
-                    let meshes = std::slice::from_ref(&mesh);
-                    let built = SceneGeometry::build(layout, format, meshes).bytes();
-                    assert_eq!(built, layout_bytes(layout, &mesh), "{layout:?} {count}");
+    /// Every way to store geometry.
+    fn every_storage() -> Vec<VertexVariant> {
+        let mut all = Vec::new();
+        for layout in Layout::ALL {
+            for positions in [PositionFormat::Fixed, PositionFormat::LocalF32] {
+                for walls in [Walls::Strip, Walls::List] {
+                    for index_order in [IndexOrder::Mesh, IndexOrder::Cache] {
+                        for vertex_size in [VertexSize::Bytes16, VertexSize::Bytes20] {
+                            all.push(VertexVariant {
+                                layout,
+                                positions,
+                                walls,
+                                index_order,
+                                vertex_size,
+                                ..VertexVariant::default()
+                            });
+                        }
+                    }
                 }
             }
         }
+        all.retain(|variant| variant.check_layout().is_ok());
+        all
+    }
+
+    #[test]
+    fn the_formula_and_the_buffers_agree() {
+        assert_eq!(every_storage().len(), 2 * 2 * (4 + 2 + 1 + 1));
+        for count in [3, 100, 32_765, 32_767, 40_000, 65_534, 65_600] {
+            let meshes = [disc(count), disc(7)];
+            for variant in every_storage() {
+                let built = SceneGeometry::build(&variant, &meshes).bytes();
+                let mut formula: LayoutBytes = meshes
+                    .iter()
+                    .map(|mesh| variant_bytes(&variant, mesh))
+                    .sum();
+                formula.vertex_bytes += shared_flag_bytes(variant.layout, &meshes);
+                assert_eq!(built, formula, "{} {count}", variant.name());
+            }
+        }
+    }
+
+    #[test]
+    fn every_edge_of_every_volume_is_used_once_each_way() {
+        let mesh = disc(9);
+        for variant in every_storage() {
+            if !variant.layout.is_doubled() || variant.has_strips() {
+                continue;
+            }
+            let meshes = std::slice::from_ref(&mesh);
+            let geometry = SceneGeometry::build(&variant, meshes);
+            let closed = is_closed(&geometry.short_indices);
+            assert!(closed, "{}", variant.name());
+            // Twin: without its last triangle it is open.
+            let open = &geometry.short_indices[..geometry.short_indices.len() - 3];
+            assert!(!is_closed(open));
+        }
+    }
+
+    fn is_closed(indices: &[u16]) -> bool {
+        let mut uses = std::collections::BTreeMap::new();
+        for corners in indices.chunks_exact(3) {
+            for k in 0..3 {
+                let (from, to) = (corners[k], corners[(k + 1) % 3]);
+                *uses.entry((from.min(to), from.max(to))).or_insert(0) +=
+                    if from < to { 1 } else { -1 };
+            }
+        }
+        uses.values().all(|&sum| sum == 0)
+    }
+
+    #[test]
+    fn inner_walls_of_neighbours_are_the_same_triangles_turned_over() {
+        let variant = VertexVariant {
+            layout: Layout::PerTriangle,
+            ..VertexVariant::default()
+        };
+        let mesh = disc(9);
+        let geometry = SceneGeometry::build(&variant, std::slice::from_ref(&mesh));
+        let walls = &geometry.short_indices[6 * mesh.triangles.len()..];
+        let mut seen = std::collections::BTreeMap::new();
+        for corners in walls.chunks_exact(3) {
+            let mut sorted = [corners[0], corners[1], corners[2]];
+            sorted.sort_unstable();
+            *seen.entry(sorted).or_insert(0) += 1;
+        }
+        // Nine inner edges seen twice, nine outer ones once, two triangles each.
+        let count = |times| seen.values().filter(|&&n| n == times).count();
+        assert_eq!((count(2), count(1)), (18, 18));
     }
 
     #[test]
     fn no_index_collides_with_the_restart_value() {
         for count in [32_766, 65_533, 65_534] {
             let mesh = disc(count);
-            for layout in [Layout::Doubled, Layout::Pulled] {
+            for variant in every_storage() {
                 let meshes = std::slice::from_ref(&mesh);
-                let geometry = SceneGeometry::build(layout, PositionFormat::Fixed, meshes);
-                let restarts = geometry
-                    .short_indices
-                    .iter()
-                    .filter(|&&i| i == 0xffff)
-                    .count();
-                let long = geometry
-                    .long_indices
-                    .iter()
-                    .filter(|&&i| i == u32::MAX)
-                    .count();
-                assert_eq!(restarts + long, 1, "{layout:?} {count}");
+                let geometry = SceneGeometry::build(&variant, meshes);
+                let short = geometry.short_indices.iter().filter(|&&i| i == 0xffff);
+                let long = geometry.long_indices.iter().filter(|&&i| i == u32::MAX);
+                let separates = variant.has_strips() || variant.layout == Layout::Pulled;
+                let expected = usize::from(separates);
+                assert_eq!(short.count() + long.count(), expected, "{}", variant.name());
             }
         }
     }
@@ -348,10 +520,29 @@ mod tests {
     #[test]
     fn a_doubled_vertex_is_stored_twice_and_flagged_once() {
         let meshes = [disc(3)];
-        let geometry = SceneGeometry::build(Layout::Doubled, PositionFormat::Fixed, &meshes);
-        for pair in geometry.vertices.chunks(8) {
-            assert_eq!(pair[..3], pair[4..7]);
-            assert_eq!((pair[3], pair[7]), (0, 1));
+        for vertex_size in [VertexSize::Bytes16, VertexSize::Bytes20] {
+            let variant = VertexVariant {
+                vertex_size,
+                ..VertexVariant::default()
+            };
+            let words = variant.vertex_words();
+            let geometry = SceneGeometry::build(&variant, &meshes);
+            for pair in geometry.vertices.chunks(2 * words) {
+                assert_eq!(pair[..3], pair[words..words + 3]);
+                assert_eq!((pair[3], pair[words + 3]), (0, 1));
+            }
         }
+        let separate = VertexVariant {
+            layout: Layout::Separate,
+            ..VertexVariant::default()
+        };
+        let geometry = SceneGeometry::build(&separate, &meshes);
+        for pair in geometry.vertices.chunks(6) {
+            assert_eq!(pair[..3], pair[3..]);
+        }
+        for pair in geometry.flags.chunks(2) {
+            assert_eq!(pair, [[0, 0, 0, 0], [255, 0, 0, 0]]);
+        }
+        assert_eq!(geometry.flags.len(), 8);
     }
 }

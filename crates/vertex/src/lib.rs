@@ -7,12 +7,19 @@
 //! Heidmann (1991) and Carmack's depth-fail variant (2000); this backend is its vertex-shader form.
 
 mod backend;
+mod cache_order;
 mod layout;
 mod pass;
 mod pipeline;
 mod statistics;
 #[cfg(test)]
 mod volume_invariants;
+mod variant;
 
-pub use backend::{VertexBackend, VertexVariant};
-pub use layout::{Layout, LayoutBytes, layout_bytes, per_triangle_volume_bytes, shared_mesh_bytes};
+pub use backend::VertexBackend;
+pub use cache_order::{CACHE_SIZE, acmr, cache_ordered};
+pub use layout::{
+    FLAG_BYTES, LayoutBytes, layout_bytes, per_triangle_volume_bytes, shared_flag_bytes,
+    shared_mesh_bytes, variant_bytes,
+};
+pub use variant::{IndexOrder, Layout, VertexSize, VertexVariant, Walls};

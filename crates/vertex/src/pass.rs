@@ -3,11 +3,12 @@
 //!
 //! Depth stays as the surface left it: it is attached read-only throughout.
 
-use crate::Layout;
 use crate::backend::{SceneBuffers, VertexBackend, ViewBuffers};
 use crate::pipeline::{Part, PipelineKey, State, parts};
 use crate::statistics::Statistics;
-use terrafill_frame::{Counters, CoverShape, FillCommand, FillPass, FrameInput};
+use terrafill_frame::{
+    Counters, CoverShape, FaceSet, FillCommand, FillPass, FillProgram, FrameInput,
+};
 use terrafill_gpu::{Stage, TimedPass};
 use terrafill_scene::PixelRect;
 
@@ -20,6 +21,8 @@ pub(crate) struct Recorder<'a> {
     pub(crate) input: &'a FrameInput,
     pub(crate) timed: bool,
     pub(crate) statistics: Option<&'a Statistics>,
+    /// Covers are blended over what lies under them.
+    pub(crate) blends: bool,
     pub(crate) counters: Counters,
 }
 
@@ -29,14 +32,17 @@ impl Recorder<'_> {
         let passes = &self.view.program.passes;
         let (colour, depth_stencil) = (self.stage.colour_view(), self.stage.depth_stencil_view());
         for (index, steps) in passes.iter().enumerate() {
-            let colour_target = steps.has_colour.then(|| kept_colour(&colour));
+            let colour_target = match &self.view.numbers {
+                Some(numbers) if steps.accumulates() => Some(cleared_numbers(&numbers.view)),
+                _ => steps.has_colour.then(|| kept_colour(&colour)),
+            };
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some(if steps.has_colour {
                     "colour"
                 } else {
                     "stencil"
                 }),
-                color_attachments: if steps.has_colour {
+                color_attachments: if colour_target.is_some() {
                     std::slice::from_ref(&colour_target)
                 } else {
                     &[]
@@ -53,14 +59,56 @@ impl Recorder<'_> {
                 ..Default::default()
             });
             let query = self.begin_statistics(&mut pass, index);
-            pass.set_bind_group(0, &self.view.bind_group, &[]);
-            if self.backend.variant.layout == Layout::Doubled {
-                pass.set_vertex_buffer(0, self.scene.vertices.slice(..));
-            }
+            self.bind_geometry(&mut pass);
             self.steps(&mut pass, steps);
             if query.is_some() {
                 pass.end_pipeline_statistics_query();
             }
+        }
+    }
+
+    /// The volumes that the stencil work draws, drawn into nothing, so that the query counts every
+    /// fragment of theirs and not only those that the depth test lets through.
+    pub(crate) fn count_fragments(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        let depth_stencil = self.stage.depth_stencil_view();
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("fragment count"),
+            color_attachments: &[],
+            depth_stencil_attachment: Some(read_only_depth(&depth_stencil, wgpu::LoadOp::Load)),
+            ..Default::default()
+        });
+        let query = self.begin_statistics(&mut pass, 0);
+        self.bind_geometry(&mut pass);
+        let full = PixelRect::full(self.input.size);
+        for (faces, without_bottom, scissor, regions) in counted(&self.view.program) {
+            let rect_of = |planned: usize| {
+                let rect = self.input.plan.regions[planned].screen_rect;
+                if scissor { rect } else { full }
+            };
+            let state = State::Count { faces };
+            self.volumes(
+                &mut pass,
+                regions,
+                state,
+                without_bottom,
+                |pass, planned| {
+                    let rect = rect_of(planned);
+                    pass.set_scissor_rect(rect.left, rect.top, rect.width(), rect.height());
+                },
+            );
+        }
+        if query.is_some() {
+            pass.end_pipeline_statistics_query();
+        }
+    }
+
+    fn bind_geometry(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_bind_group(0, &self.view.bind_group, &[]);
+        if self.scene.pulled.is_none() {
+            pass.set_vertex_buffer(0, self.scene.vertices.slice(..));
+        }
+        if let Some(flags) = &self.scene.flags {
+            pass.set_vertex_buffer(1, flags.slice(..));
         }
     }
 
@@ -114,6 +162,34 @@ impl Recorder<'_> {
                         cut(pass, rect_of(planned));
                     });
                 }
+                FillCommand::Accumulate {
+                    depth,
+                    faces,
+                    without_bottom,
+                    scissor,
+                    regions,
+                } => {
+                    let state = State::Add {
+                        depth: *depth,
+                        faces: *faces,
+                    };
+                    self.volumes(pass, regions, state, *without_bottom, |pass, planned| {
+                        let rect = self.input.plan.regions[planned].screen_rect;
+                        cut(pass, if *scissor { rect } else { full });
+                    });
+                }
+                FillCommand::Resolve => {
+                    if let Some(pipeline) = self.backend.pipelines.resolve() {
+                        pass.set_pipeline(pipeline);
+                    }
+                    if let Some(numbers) = &self.view.numbers {
+                        pass.set_bind_group(1, &numbers.bind_group, &[]);
+                    }
+                    cut(pass, full);
+                    pass.draw(0..3, 0..1);
+                    self.counters.draws += 1;
+                    self.counters.vertices += 3;
+                }
                 FillCommand::Cover {
                     test,
                     shape: CoverShape::Volume { faces },
@@ -122,6 +198,7 @@ impl Recorder<'_> {
                     let state = State::Colour {
                         test: *test,
                         faces: *faces,
+                        blends: self.blends,
                     };
                     self.volumes(pass, regions, state, false, |pass, _| cut(pass, full));
                 }
@@ -130,7 +207,7 @@ impl Recorder<'_> {
                     shape,
                     regions,
                 } => {
-                    if let Some(pipeline) = self.backend.pipelines.cover(*test) {
+                    if let Some(pipeline) = self.backend.pipelines.cover(*test, self.blends) {
                         pass.set_pipeline(pipeline);
                     }
                     pass.set_stencil_reference(u32::from(test.reference));
@@ -219,13 +296,44 @@ impl Recorder<'_> {
                 Part::Caps => (slice.first_triangle_index, caps),
                 Part::Walls { .. } => (slice.first_loop_index, slice.loop_index_count),
             };
-            let base_vertex = i32::try_from(slice.first_vertex).unwrap_or(i32::MAX);
+            let base_vertex = if self.scene.flags.is_some() {
+                // Every region starts at the first flag, so its positions must start there too.
+                let stride = 4 * self.backend.variant.vertex_words() as u64;
+                let first_byte = u64::from(slice.first_vertex) * stride;
+                pass.set_vertex_buffer(0, self.scene.vertices.slice(first_byte..));
+                0
+            } else {
+                i32::try_from(slice.first_vertex).unwrap_or(i32::MAX)
+            };
             pass.draw_indexed(first..first + count, base_vertex, instance);
             count
         };
         self.counters.draws += 1;
         self.counters.vertices += u64::from(vertices);
     }
+}
+
+/// Faces, whether the bottom is left out, whether volumes are cut to their rectangles, and which.
+pub(crate) type CountedVolumes<'a> = (FaceSet, bool, bool, &'a [usize]);
+
+/// The volumes of a program's stencil or accumulation work.
+pub(crate) fn counted(program: &FillProgram) -> impl Iterator<Item = CountedVolumes<'_>> {
+    program.commands().filter_map(|command| match command {
+        FillCommand::Volumes {
+            rule,
+            without_bottom,
+            scissor,
+            regions,
+        } => Some((rule.faces, *without_bottom, *scissor, regions.as_slice())),
+        FillCommand::Accumulate {
+            faces,
+            without_bottom,
+            scissor,
+            regions,
+            ..
+        } => Some((*faces, *without_bottom, *scissor, regions.as_slice())),
+        FillCommand::Cover { .. } | FillCommand::Resolve => None,
+    })
 }
 
 /// The instance number is the index of the region's constants.
@@ -255,6 +363,18 @@ fn kept_colour(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> 
         resolve_target: None,
         ops: wgpu::Operations {
             load: wgpu::LoadOp::Load,
+            store: wgpu::StoreOp::Store,
+        },
+    }
+}
+
+fn cleared_numbers(view: &wgpu::TextureView) -> wgpu::RenderPassColorAttachment<'_> {
+    wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations {
+            load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
             store: wgpu::StoreOp::Store,
         },
     }

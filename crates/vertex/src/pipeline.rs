@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Pipelines of the stencil and colour passes.
+//! Pipelines of the stencil, accumulation and colour passes.
 
-use crate::{Layout, VertexVariant};
+use crate::{FLAG_BYTES, Layout, VertexVariant};
 use std::collections::HashMap;
 use terrafill_frame::{
     BackendError, CoverShape, DepthRule, FaceSet, FillCommand, PositionFormat, StencilOperation,
@@ -9,7 +9,7 @@ use terrafill_frame::{
 };
 use terrafill_gpu::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, Gpu};
 
-/// Which part of a volume a pipeline draws. Doubled walls are strips, and a strip's restart value
+/// Which part of a volume a pipeline draws. Doubled walls may be strips, and a strip's restart value
 /// belongs to the pipeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Part {
@@ -28,8 +28,19 @@ pub(crate) enum State {
     /// Into the stencil, in a pass with or without a colour target.
     Mark { rule: StencilRule, has_colour: bool },
     /// Into the colour target where the stencil says so.
-    Colour { test: StencilTest, faces: FaceSet },
+    Colour {
+        test: StencilTest,
+        faces: FaceSet,
+        blends: bool,
+    },
+    /// Its number into the accumulation target.
+    Add { depth: DepthRule, faces: FaceSet },
+    /// Into nothing, whatever the depth, so that every fragment is counted.
+    Count { faces: FaceSet },
 }
+
+/// Format of the accumulation target: integers to 2²⁴ are exact in it.
+pub(crate) const NUMBER_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct PipelineKey {
@@ -46,7 +57,9 @@ pub(crate) struct Pipelines {
     volumes: HashMap<PipelineKey, wgpu::RenderPipeline>,
     cover_shader: wgpu::ShaderModule,
     cover_layout: wgpu::PipelineLayout,
-    covers: HashMap<StencilTest, wgpu::RenderPipeline>,
+    covers: HashMap<(StencilTest, bool), wgpu::RenderPipeline>,
+    resolve: Option<wgpu::RenderPipeline>,
+    pub(crate) number_bindings: wgpu::BindGroupLayout,
     pub(crate) frame_bindings: wgpu::BindGroupLayout,
     pub(crate) geometry_bindings: wgpu::BindGroupLayout,
 }
@@ -54,7 +67,7 @@ pub(crate) struct Pipelines {
 fn buffer_entry(binding: u32, ty: wgpu::BufferBindingType) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
-        visibility: wgpu::ShaderStages::VERTEX,
+        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
         ty: wgpu::BindingType::Buffer {
             ty,
             has_dynamic_offset: false,
@@ -80,9 +93,22 @@ impl Pipelines {
             entries: &[buffer_entry(0, storage), buffer_entry(1, storage)],
         });
         let groups: &[Option<&wgpu::BindGroupLayout>] = match variant.layout {
-            Layout::Doubled => &[Some(&frame_bindings)],
             Layout::Pulled => &[Some(&frame_bindings), Some(&geometry_bindings)],
+            _ => &[Some(&frame_bindings)],
         };
+        let number_bindings = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("accumulated numbers"),
+            entries: &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::FRAGMENT,
+                ty: wgpu::BindingType::Texture {
+                    sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                    view_dimension: wgpu::TextureViewDimension::D2,
+                    multisampled: false,
+                },
+                count: None,
+            }],
+        });
         let pipeline_layout = |groups: &[Option<&wgpu::BindGroupLayout>]| {
             device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                 label: Some("vertex"),
@@ -91,8 +117,8 @@ impl Pipelines {
             })
         };
         let volume_shader = gpu.shader(match variant.layout {
-            Layout::Doubled => "vertex/doubled.wgsl",
             Layout::Pulled => "vertex/pulled.wgsl",
+            _ => "vertex/doubled.wgsl",
         })?;
         Ok(Self {
             variant,
@@ -102,21 +128,38 @@ impl Pipelines {
             cover_shader: gpu.shader("vertex/cover.wgsl")?,
             cover_layout: pipeline_layout(&[Some(&frame_bindings)]),
             covers: HashMap::new(),
+            resolve: None,
+            number_bindings,
             frame_bindings,
             geometry_bindings,
         })
     }
 
     /// Makes the pipelines of a step unless they are there. `short` tells which index width a
-    /// planned region has.
+    /// planned region has; with `blends`, covers are blended over what lies under them.
+    ///
+    /// # Errors
+    /// [`BackendError::Unsupported`], [`BackendError::Shader`].
     pub(crate) fn ensure(
         &mut self,
         gpu: &Gpu,
         command: &FillCommand,
         has_colour: bool,
+        blends: bool,
         short: impl Fn(&usize) -> bool,
-    ) {
+    ) -> Result<(), BackendError> {
         let (state, regions) = match command {
+            FillCommand::Resolve => return self.ensure_resolve(gpu),
+            FillCommand::Accumulate {
+                depth,
+                faces,
+                regions,
+                ..
+            } => {
+                check_blendable(gpu)?;
+                let (depth, faces) = (*depth, *faces);
+                (State::Add { depth, faces }, regions)
+            }
             FillCommand::Volumes { rule, regions, .. } => (
                 State::Mark {
                     rule: *rule,
@@ -132,17 +175,30 @@ impl Pipelines {
                 State::Colour {
                     test: *test,
                     faces: *faces,
+                    blends,
                 },
                 regions,
             ),
             FillCommand::Cover { test, .. } => {
-                if !self.covers.contains_key(test) {
-                    let pipeline = self.cover_pipeline(gpu, *test);
-                    self.covers.insert(*test, pipeline);
+                if !self.covers.contains_key(&(*test, blends)) {
+                    let pipeline = self.cover_pipeline(gpu, *test, blends);
+                    self.covers.insert((*test, blends), pipeline);
                 }
-                return;
+                return Ok(());
             }
         };
+        self.ensure_volumes(gpu, state, regions, short);
+        Ok(())
+    }
+
+    /// Makes the pipelines that draw `regions` in one state unless they are there.
+    pub(crate) fn ensure_volumes(
+        &mut self,
+        gpu: &Gpu,
+        state: State,
+        regions: &[usize],
+        short: impl Fn(&usize) -> bool,
+    ) {
         for short_indices in [true, false] {
             if !regions
                 .iter()
@@ -166,124 +222,264 @@ impl Pipelines {
     }
 
     /// As [`Pipelines::volume`].
-    pub(crate) fn cover(&self, test: StencilTest) -> Option<&wgpu::RenderPipeline> {
-        self.covers.get(&test)
+    pub(crate) fn cover(&self, test: StencilTest, blends: bool) -> Option<&wgpu::RenderPipeline> {
+        self.covers.get(&(test, blends))
+    }
+
+    /// As [`Pipelines::volume`].
+    pub(crate) fn resolve(&self) -> Option<&wgpu::RenderPipeline> {
+        self.resolve.as_ref()
+    }
+
+    fn strip_format(&self, part: Part) -> Option<wgpu::IndexFormat> {
+        match part {
+            Part::Walls { short_indices } if self.variant.has_strips() => Some(if short_indices {
+                wgpu::IndexFormat::Uint16
+            } else {
+                wgpu::IndexFormat::Uint32
+            }),
+            _ => None,
+        }
     }
 
     fn volume_pipeline(&self, gpu: &Gpu, key: PipelineKey) -> wgpu::RenderPipeline {
         let PipelineKey { part, state } = key;
         let attributes = wgpu::vertex_attr_array![0 => Sint32x3, 1 => Uint32];
-        let doubled = [Some(wgpu::VertexBufferLayout {
-            array_stride: 16,
-            step_mode: wgpu::VertexStepMode::Vertex,
-            attributes: &attributes,
-        })];
-        let is_doubled = self.variant.layout == Layout::Doubled;
-        let is_coloured = matches!(state, State::Colour { .. });
-        let entry_point = match (is_doubled, part, is_coloured) {
-            (true, _, false) => "vertex_main",
-            (false, Part::Caps, false) => "caps_main",
-            (false, Part::Walls { .. }, false) => "walls_main",
-            (true, _, true) => "coloured_main",
-            (false, Part::Caps, true) => "coloured_caps",
-            (false, Part::Walls { .. }, true) => "coloured_walls",
+        let buffer = |stride: usize, attributes| {
+            Some(wgpu::VertexBufferLayout {
+                array_stride: stride as u64,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes,
+            })
         };
-        let faces = match state {
-            State::Mark { rule, .. } => rule.faces,
-            State::Colour { faces, .. } => faces,
+        let stride = 4 * self.variant.vertex_words();
+        let flags = wgpu::vertex_attr_array![1 => Uint32];
+        let buffers = match self.variant.layout {
+            Layout::Pulled => vec![],
+            Layout::Separate => vec![
+                buffer(stride, &attributes[..1]),
+                buffer(FLAG_BYTES as usize, &flags),
+            ],
+            Layout::Doubled | Layout::PerTriangle => vec![buffer(stride, &attributes)],
         };
-        let (has_target, fragment_entry, write_mask) = match state {
-            State::Mark { has_colour, .. } => (has_colour, "no_colour", wgpu::ColorWrites::empty()),
-            State::Colour { .. } => (true, "region_colour", wgpu::ColorWrites::ALL),
+        let strip_index_format = self.strip_format(part);
+        let (purpose, faces, fragment) = match state {
+            State::Mark { rule, has_colour } => {
+                let unwritten = target(COLOUR_FORMAT, None, wgpu::ColorWrites::empty());
+                let fragment = has_colour.then_some(("no_colour", Some(unwritten)));
+                (Purpose::Plain, rule.faces, fragment)
+            }
+            State::Colour { faces, blends, .. } => {
+                let blend = blends.then_some(wgpu::BlendState::ALPHA_BLENDING);
+                let written = target(COLOUR_FORMAT, blend, wgpu::ColorWrites::ALL);
+                (
+                    Purpose::Coloured,
+                    faces,
+                    Some(("region_colour", Some(written))),
+                )
+            }
+            State::Add { depth, faces } => {
+                let added = target(NUMBER_FORMAT, Some(ADDED), wgpu::ColorWrites::ALL);
+                let entry_point = match depth {
+                    DepthRule::Fail => "number_behind",
+                    DepthRule::Pass => "number_before",
+                };
+                (Purpose::Numbered, faces, Some((entry_point, Some(added))))
+            }
+            State::Count { faces } => (Purpose::Plain, faces, Some(("no_colour", None))),
         };
-        let strip_index_format = match (is_doubled, part) {
-            (
-                true,
-                Part::Walls {
-                    short_indices: true,
-                },
-            ) => Some(wgpu::IndexFormat::Uint16),
-            (
-                true,
-                Part::Walls {
-                    short_indices: false,
-                },
-            ) => Some(wgpu::IndexFormat::Uint32),
-            _ => None,
-        };
+        let entry_point = entry_point(self.variant.layout.is_doubled(), part, purpose);
         let local_f32 = self.variant.positions == PositionFormat::LocalF32;
         let constants = [("POSITIONS_ARE_LOCAL_F32", f64::from(u8::from(local_f32)))];
-        gpu.device
-            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some("volume"),
-                layout: Some(&self.volume_layout),
-                vertex: wgpu::VertexState {
-                    module: &self.volume_shader,
-                    entry_point: Some(entry_point),
-                    compilation_options: wgpu::PipelineCompilationOptions {
-                        constants: &constants,
-                        ..Default::default()
-                    },
-                    buffers: if is_doubled { &doubled } else { &[] },
-                },
-                primitive: wgpu::PrimitiveState {
-                    topology: if strip_index_format.is_some() {
-                        wgpu::PrimitiveTopology::TriangleStrip
-                    } else {
-                        wgpu::PrimitiveTopology::TriangleList
-                    },
-                    strip_index_format,
-                    cull_mode: match faces {
-                        FaceSet::Both => None,
-                        FaceSet::Front => Some(wgpu::Face::Back),
-                        FaceSet::Back => Some(wgpu::Face::Front),
-                    },
+        gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("volume"),
+            layout: Some(&self.volume_layout),
+            vertex: wgpu::VertexState {
+                module: &self.volume_shader,
+                entry_point: Some(entry_point),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants: &constants,
                     ..Default::default()
                 },
-                depth_stencil: Some(match state {
-                    State::Mark { rule, .. } => mark_state(rule),
-                    State::Colour { test, .. } => colour_state(test),
-                }),
-                multisample: Default::default(),
-                fragment: has_target.then_some(wgpu::FragmentState {
+                buffers: &buffers,
+            },
+            primitive: wgpu::PrimitiveState {
+                topology: if strip_index_format.is_some() {
+                    wgpu::PrimitiveTopology::TriangleStrip
+                } else {
+                    wgpu::PrimitiveTopology::TriangleList
+                },
+                strip_index_format,
+                cull_mode: match faces {
+                    FaceSet::Both => None,
+                    FaceSet::Front => Some(wgpu::Face::Back),
+                    FaceSet::Back => Some(wgpu::Face::Front),
+                },
+                ..Default::default()
+            },
+            depth_stencil: Some(match state {
+                State::Mark { rule, .. } => mark_state(rule),
+                State::Colour { test, .. } => colour_state(test),
+                State::Add { depth, .. } => add_state(depth),
+                State::Count { .. } => unchanged(wgpu::CompareFunction::Always),
+            }),
+            multisample: Default::default(),
+            fragment: fragment
+                .as_ref()
+                .map(|(entry_point, target)| wgpu::FragmentState {
                     module: &self.volume_shader,
-                    entry_point: Some(fragment_entry),
+                    entry_point: Some(entry_point),
                     compilation_options: Default::default(),
-                    targets: &[Some(wgpu::ColorTargetState {
-                        format: COLOUR_FORMAT,
-                        blend: None,
-                        write_mask,
-                    })],
+                    targets: if target.is_some() {
+                        std::slice::from_ref(target)
+                    } else {
+                        &[]
+                    },
                 }),
-                multiview_mask: None,
-                cache: None,
-            })
+            multiview_mask: None,
+            cache: None,
+        })
     }
 
-    fn cover_pipeline(&self, gpu: &Gpu, test: StencilTest) -> wgpu::RenderPipeline {
-        gpu.device
-            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some("cover"),
-                layout: Some(&self.cover_layout),
-                vertex: wgpu::VertexState {
-                    module: &self.cover_shader,
-                    entry_point: Some("vertex_main"),
-                    compilation_options: Default::default(),
-                    buffers: &[],
-                },
-                primitive: Default::default(),
-                depth_stencil: Some(colour_state(test)),
-                multisample: Default::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &self.cover_shader,
-                    entry_point: Some("fragment_main"),
-                    compilation_options: Default::default(),
-                    targets: &[Some(COLOUR_FORMAT.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
+    fn ensure_resolve(&mut self, gpu: &Gpu) -> Result<(), BackendError> {
+        if self.resolve.is_some() {
+            return Ok(());
+        }
+        let shader = gpu.shader("vertex/resolve.wgsl")?;
+        let groups = [Some(&self.frame_bindings), Some(&self.number_bindings)];
+        let layout = gpu
+            .device
+            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("resolve"),
+                bind_group_layouts: &groups,
+                immediate_size: 0,
+            });
+        let written = Some(target(COLOUR_FORMAT, None, wgpu::ColorWrites::ALL));
+        let always = unchanged(wgpu::CompareFunction::Always);
+        self.resolve = Some(full_screen(
+            gpu, "resolve", &layout, &shader, always, written,
+        ));
+        Ok(())
     }
+
+    fn cover_pipeline(&self, gpu: &Gpu, test: StencilTest, blends: bool) -> wgpu::RenderPipeline {
+        let blend = blends.then_some(wgpu::BlendState::ALPHA_BLENDING);
+        let written = Some(target(COLOUR_FORMAT, blend, wgpu::ColorWrites::ALL));
+        let (layout, shader) = (&self.cover_layout, &self.cover_shader);
+        full_screen(gpu, "cover", layout, shader, colour_state(test), written)
+    }
+}
+
+/// One triangle over the screen.
+fn full_screen(
+    gpu: &Gpu,
+    label: &str,
+    layout: &wgpu::PipelineLayout,
+    shader: &wgpu::ShaderModule,
+    depth_stencil: wgpu::DepthStencilState,
+    target: Option<wgpu::ColorTargetState>,
+) -> wgpu::RenderPipeline {
+    gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(label),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module: shader,
+            entry_point: Some("vertex_main"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: Default::default(),
+        depth_stencil: Some(depth_stencil),
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: shader,
+            entry_point: Some("fragment_main"),
+            compilation_options: Default::default(),
+            targets: &[target],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+/// What the vertex stage hands on.
+#[derive(Debug, Clone, Copy)]
+enum Purpose {
+    Plain,
+    Coloured,
+    Numbered,
+}
+
+fn entry_point(is_doubled: bool, part: Part, purpose: Purpose) -> &'static str {
+    match (is_doubled, part, purpose) {
+        (true, _, Purpose::Plain) => "vertex_main",
+        (true, _, Purpose::Coloured) => "coloured_main",
+        (true, _, Purpose::Numbered) => "numbered_main",
+        (false, Part::Caps, Purpose::Plain) => "caps_main",
+        (false, Part::Caps, Purpose::Coloured) => "coloured_caps",
+        (false, Part::Caps, Purpose::Numbered) => "numbered_caps",
+        (false, Part::Walls { .. }, Purpose::Plain) => "walls_main",
+        (false, Part::Walls { .. }, Purpose::Coloured) => "coloured_walls",
+        (false, Part::Walls { .. }, Purpose::Numbered) => "numbered_walls",
+    }
+}
+
+fn target(
+    format: wgpu::TextureFormat,
+    blend: Option<wgpu::BlendState>,
+    write_mask: wgpu::ColorWrites,
+) -> wgpu::ColorTargetState {
+    wgpu::ColorTargetState {
+        format,
+        blend,
+        write_mask,
+    }
+}
+
+/// Source and target added.
+const ADDED: wgpu::BlendState = {
+    let added = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    wgpu::BlendState {
+        color: added,
+        alpha: added,
+    }
+};
+
+fn check_blendable(gpu: &Gpu) -> Result<(), BackendError> {
+    let needed = wgpu::Features::FLOAT32_BLENDABLE;
+    if gpu.device.features().contains(needed) {
+        return Ok(());
+    }
+    Err(BackendError::Unsupported {
+        capability: "blending into 32-bit floats".to_owned(),
+        adapter: gpu.facts.name.clone(),
+    })
+}
+
+/// Depth and stencil tested but left as they are.
+fn unchanged(compare: wgpu::CompareFunction) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: DEPTH_STENCIL_FORMAT,
+        depth_write_enabled: Some(false),
+        depth_compare: Some(compare),
+        stencil: wgpu::StencilState {
+            write_mask: 0,
+            ..Default::default()
+        },
+        bias: Default::default(),
+    }
+}
+
+/// Fragments behind the surface are those that the reversed depth test, `Greater`, fails.
+fn add_state(depth: DepthRule) -> wgpu::DepthStencilState {
+    unchanged(match depth {
+        DepthRule::Fail => wgpu::CompareFunction::LessEqual,
+        DepthRule::Pass => wgpu::CompareFunction::Greater,
+    })
 }
 
 /// Counting behind the surface is right wherever the eye is and whatever the near plane cuts

@@ -30,6 +30,7 @@ impl Statistics {
             ty: wgpu::QueryType::PipelineStatistics(types),
             count: passes,
         });
+        // Made on the device itself, not counted as the fill's: only measuring needs it.
         let resolved = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("pipeline statistics"),
             size: u64::from(passes) * STATISTICS as u64 * 8,

@@ -41,6 +41,7 @@ fn input(body: Ellipsoid, pose: &CameraPose, size: u32, rows: u32) -> FrameInput
             overlap: Overlap::Ordered,
             regions: Arc::from([]),
             meshes: Arc::from([]),
+            levels: Arc::default(),
             bounds: Arc::from([]),
             surface: Arc::new(surface),
         },

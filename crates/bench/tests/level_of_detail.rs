@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Boundary levels of detail held against the reference, which draws every boundary as written: how
+//! many pixels a stated deviation really costs, where, and that borders stay closed.
+//!
+//! Without a Vulkan device these tests are skipped with the reason printed, unless
+//! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.
+
+use std::sync::Arc;
+use terrafill_conformance::{boundary_band, compare, verdict};
+use terrafill_frame::{Backend as _, Frame, FrameInput, NO_REGION, PreparedScene};
+use terrafill_gpu::{Gpu, GpuOptions, Stage, open_for_test};
+use terrafill_reference::ReferenceBackend;
+use terrafill_scene::{
+    ImageSize, LevelChoice, LeveledMeshes, PlanOptions, Scene, SurfaceMesh, View, data_dir_from_env,
+};
+use terrafill_vertex::{VertexBackend, VertexVariant};
+
+const SIZE: ImageSize = ImageSize {
+    width: 512,
+    height: 512,
+};
+
+/// A shipped scene with these levels; `None`, with the reason printed, where its data is not here.
+fn leveled(name: &str, levels: LevelChoice) -> Option<(Scene, PreparedScene)> {
+    let mut scene = match Scene::shipped(name, data_dir_from_env().as_deref()) {
+        Ok(scene) => scene,
+        Err(error) => {
+            eprintln!("skipped: {error}");
+            return None;
+        }
+    };
+    scene.levels = levels;
+    let meshes = LeveledMeshes::build(&scene, &scene.mesh).expect("meshes");
+    assert_eq!(meshes.ended_by, None, "{name}");
+    assert!(
+        meshes.meshes.len() > scene.regions.len(),
+        "{name}: one level"
+    );
+    let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
+    let prepared = PreparedScene::leveled(&scene, meshes, surface);
+    Some((scene, prepared))
+}
+
+fn options(pixels: Option<f64>) -> PlanOptions {
+    PlanOptions {
+        boundary_lod_px: pixels,
+        ..PlanOptions::default()
+    }
+}
+
+fn draw(gpu: &Arc<Gpu>, input: &FrameInput) -> Frame {
+    let stage = Stage::shared(gpu, input.size).expect("small targets");
+    let mut backend = VertexBackend::new(&stage, VertexVariant::default()).expect("valid shaders");
+    backend.prepare(input).expect("fits");
+    backend.render(input).expect("draws")
+}
+
+fn boundary_vertices(input: &FrameInput) -> usize {
+    let planned = input.plan.regions.iter();
+    planned
+        .map(|planned| input.scene.meshes[planned.mesh].boundary_edge_count())
+        .sum()
+}
+
+/// Pixels that nobody owns although they lie on a border: in `full` every pixel around them belongs
+/// to some region, and to more than one.
+fn unowned_on_borders(full: &Frame, frame: &Frame) -> usize {
+    let (width, height) = (full.size.width as usize, full.size.height as usize);
+    let on_border = |index: usize| {
+        let (column, row) = (index % width, index / width);
+        let mut ids = Vec::with_capacity(9);
+        for y in row.saturating_sub(1)..=(row + 1).min(height - 1) {
+            for x in column.saturating_sub(1)..=(column + 1).min(width - 1) {
+                ids.push(full.ids[y * width + x]);
+            }
+        }
+        !ids.contains(&NO_REGION) && ids.iter().any(|id| *id != ids[0])
+    };
+    (0..frame.ids.len())
+        .filter(|&index| frame.ids[index] == NO_REGION && on_border(index))
+        .count()
+}
+
+/// Of one view: asserts what must hold up to half a pixel, and prints what it costs.
+fn check_view(gpu: &Arc<Gpu>, scene: &PreparedScene, view: &View) -> (usize, usize) {
+    let full_input = FrameInput::new(scene, view, SIZE, options(None));
+    let reference = ReferenceBackend::new()
+        .judge(&full_input)
+        .expect("judges")
+        .frame;
+    let full = draw(gpu, &full_input);
+    let mut at_half = 0;
+    for pixels in [0.25, 0.5] {
+        let input = full_input.remeshed(scene, options(Some(pixels)));
+        let frame = draw(gpu, &input);
+        let figures = compare(&reference, &frame).expect("same size");
+        at_half = boundary_vertices(&input);
+        eprintln!(
+            "{}/{} at {pixels} px: {at_half} of {} boundary vertices, {} pixels wrong, {} outside \
+             the band; {}",
+            scene.name,
+            view.name,
+            boundary_vertices(&full_input),
+            figures.mismatched_px,
+            figures.mismatched_px_outside_band,
+            input.plan.left_out_summary(&scene.meshes),
+        );
+        assert_eq!(figures.mismatched_px_outside_band, 0, "{}", view.name);
+        assert!(verdict(&figures).is_pass(), "{}: {figures:?}", view.name);
+        assert_eq!(unowned_on_borders(&full, &frame), 0, "{}", view.name);
+    }
+    (at_half, boundary_vertices(&full_input))
+}
+
+#[test]
+fn half_a_pixel_is_seen_in_the_band_alone_and_borders_stay_closed() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let given = |deviation_m: &[f64]| LevelChoice::Given(deviation_m.into());
+    for (name, levels) in [
+        ("planet-134", LevelChoice::Automatic),
+        (
+            "countries-110m",
+            given(&[1_000.0, 4_000.0, 7_000.0, 16_000.0]),
+        ),
+        ("us-states", given(&[400.0, 1_600.0, 6_400.0, 25_600.0])),
+    ] {
+        let Some((scene, prepared)) = leveled(name, levels) else {
+            continue;
+        };
+        let mut fewest_share = 1.0_f64;
+        for view in &scene.views {
+            let (at_half, of) = check_view(&gpu, &prepared, view);
+            fewest_share = fewest_share.min(at_half as f64 / of as f64);
+        }
+        // Twin: were no level ever chosen, everything above would hold.
+        assert!(fewest_share < 0.95, "{name}: {fewest_share}");
+    }
+}
+
+#[test]
+fn boundaries_moved_too_far_are_noticed() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let (scene, prepared) =
+        leveled("planet-134", LevelChoice::Given(vec![2e5])).expect("ships with the project");
+    let view = &scene.views[0];
+    let input = FrameInput::new(&prepared, view, SIZE, options(Some(32.0)));
+    let reference = ReferenceBackend::new().judge(&input).expect("judges").frame;
+    let figures = compare(&reference, &draw(&gpu, &input)).expect("same size");
+    assert!(figures.mismatched_px_outside_band > 50, "{figures:?}");
+    assert!(!verdict(&figures).is_pass());
+}
+
+#[test]
+fn neighbours_at_different_levels_part_and_the_count_of_unowned_pixels_shows_it() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let levels = LevelChoice::Given(vec![25_600.0]);
+    let Some((scene, prepared)) = leveled("us-states", levels) else {
+        return;
+    };
+    let view = &scene.views[0];
+    let full_input = FrameInput::new(&prepared, view, SIZE, options(None));
+    let full = draw(&gpu, &full_input);
+    assert!(boundary_band(&full).iter().any(|&near| near));
+    assert_eq!(unowned_on_borders(&full, &full), 0);
+    let coarsest = prepared.levels.coarser.last().expect("has levels");
+    let mut parted = full_input.clone();
+    for planned in parted.plan.regions.iter_mut().step_by(2) {
+        planned.mesh = coarsest.meshes[planned.region];
+    }
+    assert!(unowned_on_borders(&full, &draw(&gpu, &parted)) > 0);
+    // All of them as coarse as that: wrong pixels, but none without an owner.
+    let mut together = full_input.clone();
+    for planned in &mut together.plan.regions {
+        planned.mesh = coarsest.meshes[planned.region];
+    }
+    let frame = draw(&gpu, &together);
+    assert_ne!(frame.ids, full.ids);
+    let unowned = unowned_on_borders(&full, &frame);
+    eprintln!("us-states all at the coarsest level: {unowned} pixels without an owner");
+}

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The switches of this backend.
+
+use terrafill_frame::{SwitchError, Switches};
+
+/// When volumes are made from meshes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
+pub enum Expansion {
+    /// Every frame, for the regions in the frame's plan: what a geometry shader does.
+    #[default]
+    PerFrame,
+    /// Once, for all regions of the scene.
+    Cached,
+}
+
+impl Expansion {
+    /// Name in variants and reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PerFrame => "per-frame",
+            Self::Cached => "cached",
+        }
+    }
+}
+
+/// What the device leaves out, on top of what the frame plan did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
+pub enum GpuCulling {
+    /// Nothing.
+    #[default]
+    Off,
+    /// Regions whose box lies outside the frustum or in the body's shadow.
+    Regions,
+    /// Those, and of the others the cap triangles and walls that lie outside the frustum. Not
+    /// those in the body's shadow: where fragments behind the surface count, a ray through the
+    /// body may enter a volume by one piece and leave it by another.
+    Triangles,
+}
+
+impl GpuCulling {
+    /// Name in variants and reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Regions => "regions",
+            Self::Triangles => "triangles",
+        }
+    }
+}
+
+/// A variant: when volumes are made, what the device leaves out, and the switches of the fill.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct ComputeVariant {
+    /// When volumes are made.
+    pub expansion: Expansion,
+    /// What the device leaves out.
+    pub culling: GpuCulling,
+    /// What the fill does.
+    pub switches: Switches,
+}
+
+impl ComputeVariant {
+    /// Expansion first, then what differs from the default, `key=value`, in alphabetical order.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let mut names = self.switches.names();
+        if self.culling != GpuCulling::default() {
+            names.push(format!("gpu-culling={}", self.culling.name()));
+        }
+        names.sort_unstable();
+        names.insert(0, self.expansion.name().to_owned());
+        names.join(",")
+    }
+
+    /// Whether expansion and culling go together.
+    ///
+    /// # Errors
+    /// [`SwitchError`]: volumes that are made once cannot leave out what one view does not show.
+    pub fn check(&self) -> Result<(), SwitchError> {
+        if self.expansion == Expansion::Cached && self.culling == GpuCulling::Triangles {
+            return Err(SwitchError {
+                switch: "gpu-culling",
+                found: "triangles with volumes that are cached for every view".to_owned(),
+                allowed: "off, regions, or triangles with per-frame".to_owned(),
+            });
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_frame::ColourWay;
+
+    #[test]
+    fn names_tell_variants_apart() {
+        let default = ComputeVariant::default();
+        assert_eq!(default.name(), "per-frame");
+        let cached = ComputeVariant {
+            expansion: Expansion::Cached,
+            ..default
+        };
+        assert_eq!(cached.name(), "cached");
+        let culled = ComputeVariant {
+            culling: GpuCulling::Triangles,
+            switches: Switches {
+                colour: ColourWay::Rectangle,
+                scissor: true,
+                ..Switches::default()
+            },
+            ..default
+        };
+        let name = "per-frame,colour=rectangle,gpu-culling=triangles,scissor=volumes";
+        assert_eq!(culled.name(), name);
+    }
+
+    #[test]
+    fn cached_volumes_know_no_view() {
+        for expansion in [Expansion::PerFrame, Expansion::Cached] {
+            for culling in [GpuCulling::Off, GpuCulling::Regions, GpuCulling::Triangles] {
+                let variant = ComputeVariant {
+                    expansion,
+                    culling,
+                    ..ComputeVariant::default()
+                };
+                let is_refused = expansion == Expansion::Cached && culling == GpuCulling::Triangles;
+                assert_eq!(variant.check().is_err(), is_refused, "{}", variant.name());
+            }
+        }
+    }
+}

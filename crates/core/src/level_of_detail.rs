@@ -1,0 +1,613 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Regions with fewer boundary vertices: all of a set together, so that neighbours that shared a
+//! border still share it, vertex by vertex.
+//!
+//! Degrees in and out, deviations in metres on the body. Rings are taken apart into arcs (see
+//! [`arcs`]), and vertices are taken out of arcs one at a time, always the one whose loss leaves
+//! the smallest deviation (the order of Visvalingam & Whyatt, 1993, "Line generalisation by
+//! repeated elimination of points", with a bound on distance in place of their area). Vertex `b`
+//! between `a` and `c` may go if
+//! - the edge `ac` deviates from everything it then stands for by no more than the tolerance, which
+//!   is bounded in [`deviation`], not estimated;
+//! - the triangle `abc` holds no other vertex, by exact predicates: no edge can then come to cross
+//!   another, and none jumps over an island (Saalfeld, 1999, "Topologically consistent line
+//!   simplification with the Douglas-Peucker algorithm");
+//! - every ring keeps at least three vertices and no edge comes to lie on another: islands smaller
+//!   than the tolerance stay, as triangles. Leaving them out is what culling is for.
+//!
+//! Regions that cross one another as they are written, and rounding at the antimeridian, escape the
+//! second condition, so afterwards all edges are searched for crossings all the same; edges that
+//! cross get back the vertex farthest from them until none does, or none that could be finer.
+
+mod arcs;
+mod deviation;
+mod grid;
+
+use crate::crossings::{find_crossings, pieces_as_compared};
+use crate::edge::Degrees;
+use crate::triangulate::index_u32;
+use crate::{EdgeRule, Ellipsoid, Polygon, Region, Ring};
+use arcs::{Arcs, Entry, RingVertices, in_order};
+use deviation::{Judge, LONGEST_EDGE_DEG};
+use glam::DVec3;
+use grid::VertexGrid;
+use rayon::prelude::*;
+use std::cmp::{Ordering, Reverse};
+use std::collections::{BinaryHeap, HashSet};
+
+/// Vertices that every ring keeps.
+const FEWEST_VERTICES: u32 = 3;
+
+/// Why regions cannot be simplified.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SimplifyError {
+    /// Tolerances must grow from one level to the next.
+    #[error("tolerance {index} is {found} m; allowed is above {above} m and finite")]
+    Tolerance {
+        /// Place in the list.
+        index: usize,
+        /// Its value.
+        found: f64,
+        /// The one before it, or 0.
+        above: f64,
+    },
+}
+
+/// What simplifying did to a region.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Simplification {
+    /// The simplified boundary is nowhere farther than this from the original, nor the other way
+    /// round, metres; at most the tolerance.
+    pub deviation_m: f64,
+    /// Vertices of the original rings.
+    pub vertices_before: usize,
+    /// Vertices of the simplified ones.
+    pub vertices_after: usize,
+}
+
+/// A set of regions at one level of detail.
+#[derive(Debug, Clone)]
+pub struct SimplifiedRegions {
+    /// Allowed deviation, metres.
+    pub tolerance_m: f64,
+    /// In the order of the originals; same rings, fewer vertices.
+    pub regions: Vec<Region>,
+    /// Of each region.
+    pub reports: Vec<Simplification>,
+    /// Vertices put back because edges crossed without them.
+    pub restored_vertices: usize,
+}
+
+impl SimplifiedRegions {
+    /// Vertices of all rings.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.reports
+            .iter()
+            .map(|report| report.vertices_after)
+            .sum()
+    }
+}
+
+/// The boundaries of a set of regions, each shared border once.
+#[derive(Debug)]
+pub struct SharedBoundaries<'a> {
+    regions: &'a [Region],
+    rule: EdgeRule,
+    judge: Judge,
+    arcs: Arcs<'a>,
+}
+
+impl<'a> SharedBoundaries<'a> {
+    /// Finds what the regions share.
+    ///
+    /// - cost: O(vertices)
+    #[must_use]
+    pub fn new(regions: &'a [Region], body: &Ellipsoid, rule: EdgeRule) -> Self {
+        Self {
+            regions,
+            rule,
+            judge: Judge::new(body, rule),
+            arcs: Arcs::new(regions, body, rule),
+        }
+    }
+
+    /// Every two regions that share a border or touch in a vertex, by index, the lower first.
+    #[must_use]
+    pub fn neighbours(&self) -> Vec<[usize; 2]> {
+        self.arcs.neighbours()
+    }
+
+    /// The regions at each tolerance. Vertices of a level are among those of the level before,
+    /// except where a crossing had to be undone.
+    ///
+    /// - `tolerances_m`: largest deviation of each level, growing
+    ///
+    /// # Errors
+    /// [`SimplifyError`].
+    pub fn simplify(&self, tolerances_m: &[f64]) -> Result<Vec<SimplifiedRegions>, SimplifyError> {
+        self.simplify_by_share(tolerances_m, f64::INFINITY)
+    }
+
+    /// As [`SharedBoundaries::simplify`], without the levels that have more than `largest_share` of
+    /// the vertices of the one before.
+    ///
+    /// # Errors
+    /// [`SimplifyError`].
+    pub fn simplify_by_share(
+        &self,
+        tolerances_m: &[f64],
+        largest_share: f64,
+    ) -> Result<Vec<SimplifiedRegions>, SimplifyError> {
+        check_growing(tolerances_m)?;
+        let mut thinning = Thinning::new(self);
+        let mut fewest = thinning.vertex_count();
+        let mut levels: Vec<(f64, Vec<bool>)> = Vec::new();
+        for &tolerance_m in tolerances_m {
+            thinning.run(tolerance_m);
+            let count = thinning.vertex_count();
+            if f64::from(count) <= largest_share * f64::from(fewest) {
+                fewest = count;
+                levels.push((tolerance_m, thinning.kept()));
+            }
+        }
+        let levels = levels.into_par_iter();
+        Ok(levels
+            .map(|(tolerance_m, kept)| self.level(tolerance_m, kept))
+            .collect())
+    }
+
+    /// - `kept`: of each vertex, whether it stays
+    fn level(&self, tolerance_m: f64, mut kept: Vec<bool>) -> SimplifiedRegions {
+        let mut restored_vertices = 0;
+        loop {
+            let regions = self.rebuild(&kept);
+            let restore = self.to_restore(&regions, &kept);
+            if restore.is_empty() {
+                let reports = self.reports(&regions, &kept);
+                return SimplifiedRegions {
+                    tolerance_m,
+                    regions,
+                    reports,
+                    restored_vertices,
+                };
+            }
+            for vertex in restore {
+                restored_vertices += usize::from(!kept[vertex as usize]);
+                kept[vertex as usize] = true;
+            }
+        }
+    }
+
+    /// The regions with the kept vertices only.
+    fn rebuild(&self, kept: &[bool]) -> Vec<Region> {
+        let mut rings = self.arcs.rings.iter();
+        let mut next = |original: &Ring| match rings.next() {
+            Some(ring) => thinned(ring, kept),
+            None => original.clone(),
+        };
+        let of_polygon = |polygon: &Polygon, next: &mut dyn FnMut(&Ring) -> Ring| Polygon {
+            shell: next(&polygon.shell),
+            holes: polygon.holes.iter().map(next).collect(),
+        };
+        self.regions
+            .iter()
+            .map(|region| Region {
+                index: region.index,
+                name: region.name.clone(),
+                polygons: region
+                    .polygons
+                    .iter()
+                    .map(|polygon| of_polygon(polygon, &mut next))
+                    .collect(),
+                warnings: region.warnings.clone(),
+            })
+            .collect()
+    }
+
+    /// Vertices that must come back: one of each edge that crosses another, and all of a ring whose
+    /// mean latitude would change sides, since that tells which pole a ring round the axis holds.
+    fn to_restore(&self, regions: &[Region], kept: &[bool]) -> Vec<u32> {
+        let mut restore = Vec::new();
+        let mut edges: Vec<[Degrees; 2]> = Vec::new();
+        // Ring, and which of its kept vertices the edge starts at.
+        let mut places: Vec<(usize, usize)> = Vec::new();
+        let simplified = regions.iter().flat_map(Region::rings);
+        for (index, (ring, original)) in simplified.zip(&self.arcs.rings).enumerate() {
+            let is_southern = |ring: &Ring| ring.mean_latitude_deg() < 0.0;
+            if is_southern(ring) != is_southern(original.ring) && goes_round(self.rule, ring) {
+                let lost = original.vertices.iter().copied();
+                restore.extend(lost.filter(|&vertex| !kept[vertex as usize]));
+            }
+            for piece in pieces_as_compared(self.rule, ring) {
+                edges.push([piece.start, piece.end]);
+                places.push((index, piece.vertex));
+            }
+        }
+        let (crossings, _) = find_crossings(self.rule, &edges, usize::MAX);
+        let mut crossing: Vec<(usize, usize)> = crossings
+            .iter()
+            .flat_map(|(pair, _)| pair.map(|edge| places[edge]))
+            .collect();
+        crossing.sort_unstable();
+        crossing.dedup();
+        for of_ring in crossing.chunk_by(|a, b| a.0 == b.0) {
+            let ring = &self.arcs.rings[of_ring[0].0];
+            let stays: Vec<usize> = (0..ring.vertices.len())
+                .filter(|&k| kept[ring.vertices[k] as usize])
+                .collect();
+            restore.extend(
+                of_ring
+                    .iter()
+                    .filter_map(|&(_, edge)| farthest_between(ring, &stays, edge)),
+            );
+        }
+        restore
+    }
+
+    fn reports(&self, regions: &[Region], kept: &[bool]) -> Vec<Simplification> {
+        let deviations: Vec<f64> = self
+            .arcs
+            .arcs
+            .par_iter()
+            .map(|arc| self.arc_deviation_m(&self.arcs.entries[arc.first..arc.past], kept))
+            .collect();
+        let mut reports: Vec<Simplification> = self
+            .regions
+            .iter()
+            .zip(regions)
+            .map(|(before, after)| Simplification {
+                deviation_m: 0.0,
+                vertices_before: before.vertex_count(),
+                vertices_after: after.vertex_count(),
+            })
+            .collect();
+        for (arc, deviation_m) in self.arcs.arcs.iter().zip(deviations) {
+            for &ring in &arc.rings {
+                let report = &mut reports[self.arcs.rings[ring as usize].region];
+                report.deviation_m = report.deviation_m.max(deviation_m);
+            }
+        }
+        reports
+    }
+
+    fn arc_deviation_m(&self, entries: &[Entry], kept: &[bool]) -> f64 {
+        let stays: Vec<usize> = (0..entries.len())
+            .filter(|&k| kept[entries[k].vertex as usize])
+            .collect();
+        stays
+            .windows(2)
+            .filter(|ends| ends[1] - ends[0] > 1)
+            .filter_map(|ends| {
+                let chain = &entries[ends[0]..=ends[1]];
+                self.judge
+                    .deviation_m(&self.arcs.vertices, chain, f64::INFINITY)
+            })
+            .fold(0.0, f64::max)
+    }
+}
+
+fn check_growing(tolerances_m: &[f64]) -> Result<(), SimplifyError> {
+    let mut above = 0.0;
+    for (index, &found) in tolerances_m.iter().enumerate() {
+        if !(found > above && found.is_finite()) {
+            return Err(SimplifyError::Tolerance {
+                index,
+                found,
+                above,
+            });
+        }
+        above = found;
+    }
+    Ok(())
+}
+
+/// Whether a ring goes round the axis.
+fn goes_round(rule: EdgeRule, ring: &Ring) -> bool {
+    let turn_deg: f64 = match rule {
+        EdgeRule::Planar => ring.winding_deg(),
+        // Every edge the shorter way.
+        EdgeRule::GreatEllipse => ring
+            .edges_deg()
+            .map(|(start, end)| {
+                let step = end[0] - start[0];
+                step - 360.0 * (step / 360.0).round()
+            })
+            .sum(),
+    };
+    turn_deg.abs() > 180.0
+}
+
+/// The ring with the kept vertices only.
+fn thinned(ring: &RingVertices<'_>, kept: &[bool]) -> Ring {
+    let stays = ring.vertices.iter().zip(ring.ring.vertices_deg());
+    let vertices = stays
+        .filter(|(vertex, _)| kept[**vertex as usize])
+        .map(|(_, position)| *position)
+        .collect();
+    Ring::from_checked(vertices, ring.ring.winding_deg())
+}
+
+/// Of the original vertices that edge `edge` of the simplified ring stands for, the one farthest
+/// from it, in degrees, which is near enough for a choice; none where it is an original edge.
+fn farthest_between(ring: &RingVertices<'_>, stays: &[usize], edge: usize) -> Option<u32> {
+    let count = ring.vertices.len();
+    let from = stays[edge];
+    let to = match stays.get(edge + 1) {
+        Some(&to) => to,
+        None => stays[0] + count,
+    };
+    let position = |k: usize| {
+        let [longitude, latitude] = ring.ring.vertices_deg()[k % count];
+        let turn = if k < count {
+            0.0
+        } else {
+            ring.ring.winding_deg()
+        };
+        DVec3::new(longitude + turn, latitude, 0.0)
+    };
+    let along = position(to) - position(from);
+    let distance = |k: usize| along.cross(position(k) - position(from)).length();
+    (from + 1..to)
+        .max_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+        .map(|k| ring.vertices[k % count])
+}
+
+/// A vertex that may go, by what its loss would cost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Candidate {
+    deviation_m: f64,
+    /// Decides between equals, so that the order of rings in their file does not.
+    position: Degrees,
+    entry: u32,
+    version: u32,
+}
+
+impl Eq for Candidate {}
+
+impl Ord for Candidate {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let key = |candidate: &Self| {
+            let [longitude, latitude] = candidate.position;
+            [candidate.deviation_m, longitude, latitude]
+        };
+        let by_key = key(self).into_iter().zip(key(other));
+        by_key
+            .map(|(a, b)| a.total_cmp(&b))
+            .find(|order| order.is_ne())
+            .unwrap_or_else(|| (self.entry, self.version).cmp(&(other.entry, other.version)))
+    }
+}
+
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// Arcs on their way down.
+struct Thinning<'a> {
+    shared: &'a SharedBoundaries<'a>,
+    /// Of each entry, the one before and after it that is still there.
+    before: Vec<u32>,
+    after: Vec<u32>,
+    /// Of each entry; grows when its neighbours change, and what was queued before is stale.
+    version: Vec<u32>,
+    is_there: Vec<bool>,
+    /// Vertices that each ring still has.
+    ring_size: Vec<u32>,
+    node_edges: HashSet<[u32; 2]>,
+}
+
+impl<'a> Thinning<'a> {
+    fn new(shared: &'a SharedBoundaries<'a>) -> Self {
+        let count = shared.arcs.entries.len();
+        Self {
+            shared,
+            // Never read at the ends of arcs.
+            before: (0..count).map(|k| index_u32(k.saturating_sub(1))).collect(),
+            after: (1..=count).map(index_u32).collect(),
+            version: vec![0; count],
+            is_there: vec![true; count],
+            ring_size: shared
+                .arcs
+                .rings
+                .iter()
+                .map(|ring| index_u32(ring.vertices.len()))
+                .collect(),
+            node_edges: shared.arcs.node_edges.clone(),
+        }
+    }
+
+    /// Vertices of all rings; those of shared borders count for each.
+    fn vertex_count(&self) -> u32 {
+        self.ring_size.iter().sum()
+    }
+
+    /// Of each vertex, whether it is still there.
+    fn kept(&self) -> Vec<bool> {
+        let mut kept = vec![true; self.shared.arcs.vertices.len()];
+        for (entry, is_there) in self.shared.arcs.entries.iter().zip(&self.is_there) {
+            kept[entry.vertex as usize] &= is_there;
+        }
+        kept
+    }
+
+    /// Takes out what the tolerance allows.
+    fn run(&mut self, tolerance_m: f64) {
+        let candidates: Vec<Reverse<Candidate>> = (0..self.is_there.len())
+            .into_par_iter()
+            .filter_map(|entry| self.candidate(entry, tolerance_m).map(Reverse))
+            .collect();
+        let mut queue: BinaryHeap<Reverse<Candidate>> = candidates.into();
+        let all = &self.shared.arcs.vertices;
+        let kept = self.kept();
+        let members: Vec<u32> = (0..all.len())
+            .filter(|&vertex| kept[vertex])
+            .map(index_u32)
+            .collect();
+        let grid = VertexGrid::new(all, &members);
+        let mut gone = vec![false; all.len()];
+        while let Some(Reverse(candidate)) = queue.pop() {
+            let entry = candidate.entry as usize;
+            let is_stale = candidate.version != self.version[entry] || !self.is_there[entry];
+            if is_stale || !self.may_go(entry, &grid, &gone) {
+                continue;
+            }
+            gone[self.shared.arcs.entries[entry].vertex as usize] = true;
+            for side in self.take_out(entry) {
+                self.version[side] += 1;
+                queue.extend(self.candidate(side, tolerance_m).map(Reverse));
+            }
+        }
+    }
+
+    fn candidate(&self, entry: usize, tolerance_m: f64) -> Option<Candidate> {
+        let Arcs {
+            entries, vertices, ..
+        } = &self.shared.arcs;
+        if entries[entry].is_end || !self.is_there[entry] {
+            return None;
+        }
+        let [from, to] = self.beside(entry);
+        let judge = &self.shared.judge;
+        let deviation_m = judge.deviation_m(vertices, &entries[from..=to], tolerance_m)?;
+        Some(Candidate {
+            deviation_m,
+            position: vertices[entries[entry].vertex as usize].position,
+            entry: index_u32(entry),
+            version: self.version[entry],
+        })
+    }
+
+    fn beside(&self, entry: usize) -> [usize; 2] {
+        [self.before[entry] as usize, self.after[entry] as usize]
+    }
+
+    fn may_go(&self, entry: usize, grid: &VertexGrid, gone: &[bool]) -> bool {
+        let Arcs { entries, arcs, .. } = &self.shared.arcs;
+        let [from, to] = self.beside(entry);
+        let (a, b, c) = (&entries[from], &entries[entry], &entries[to]);
+        let rings = &arcs[b.arc as usize].rings;
+        let leaves_enough = rings
+            .iter()
+            .all(|&ring| self.ring_size[ring as usize] > FEWEST_VERTICES);
+        leaves_enough
+            && !self.is_edge(from, to)
+            && !holds_vertex(&self.shared.arcs, self.shared.rule, [a, b, c], grid, gone)
+    }
+
+    /// Whether there is an edge already between the vertices of two entries of one arc, other than
+    /// over the entry between them.
+    fn is_edge(&self, from: usize, to: usize) -> bool {
+        let entries = &self.shared.arcs.entries;
+        let (a, c) = (&entries[from], &entries[to]);
+        match (a.is_end, c.is_end) {
+            (true, true) => {
+                a.vertex == c.vertex || self.node_edges.contains(&in_order([a.vertex, c.vertex]))
+            }
+            (true, false) => entries[self.after[to] as usize].vertex == a.vertex,
+            (false, true) => entries[self.before[from] as usize].vertex == c.vertex,
+            (false, false) => false,
+        }
+    }
+
+    /// Returns the entries whose candidates this changes.
+    fn take_out(&mut self, entry: usize) -> [usize; 2] {
+        let Arcs { entries, arcs, .. } = &self.shared.arcs;
+        let [from, to] = self.beside(entry);
+        self.is_there[entry] = false;
+        self.after[from] = index_u32(to);
+        self.before[to] = index_u32(from);
+        for &ring in &arcs[entries[entry].arc as usize].rings {
+            self.ring_size[ring as usize] -= 1;
+        }
+        if entries[from].is_end && entries[to].is_end {
+            let ends = [entries[from].vertex, entries[to].vertex];
+            self.node_edges.insert(in_order(ends));
+        }
+        [from, to]
+    }
+}
+
+/// Whether any vertex but its corners lies in the closed triangle, or the triangle is too wide to
+/// say.
+fn holds_vertex(
+    arcs: &Arcs<'_>,
+    rule: EdgeRule,
+    corners: [&Entry; 3],
+    grid: &VertexGrid,
+    gone: &[bool],
+) -> bool {
+    let at = corners.map(|entry| arcs.vertices[entry.vertex as usize]);
+    if at.iter().any(|vertex| vertex.position[1].abs() == 90.0) {
+        return true;
+    }
+    // Great ellipses have no turns: longitudes within half a turn of the first corner.
+    let turned = |k: usize| {
+        let [longitude, latitude] = at[k].position;
+        let turn = ((longitude - at[0].position[0]) / 360.0).round();
+        [longitude - 360.0 * turn, latitude]
+    };
+    let positions = match rule {
+        EdgeRule::Planar => corners.map(|entry| entry.position),
+        EdgeRule::GreatEllipse => [turned(0), turned(1), turned(2)],
+    };
+    let [mut low, mut high] = [positions[0]; 2];
+    for position in positions {
+        for axis in 0..2 {
+            low[axis] = low[axis].min(position[axis]);
+            high[axis] = high[axis].max(position[axis]);
+        }
+    }
+    let width_deg = high[0] - low[0];
+    if width_deg > LONGEST_EDGE_DEG {
+        return true;
+    }
+    if rule == EdgeRule::GreatEllipse {
+        // A great circle rises above the straight line by Δλ² sin φ cos φ / 8 at most to second
+        // order, half of Δλ²/8; twice that covers the rest up to 30°.
+        let bulge_deg = width_deg * width_deg.to_radians() / 8.0;
+        low[1] -= bulge_deg;
+        high[1] += bulge_deg;
+    }
+    let ids = corners.map(|entry| entry.vertex);
+    let normals = at.map(|vertex| vertex.normal);
+    grid.any_in_box(&arcs.vertices, low, high, &mut |vertex, position| {
+        let is_other = !gone[vertex as usize] && !ids.contains(&vertex);
+        is_other
+            && match rule {
+                EdgeRule::Planar => in_triangle(positions, position),
+                EdgeRule::GreatEllipse => {
+                    in_spherical_triangle(normals, arcs.vertices[vertex as usize].normal)
+                }
+            }
+    })
+}
+
+/// Whether a closed triangle, of either winding or none, holds a point. Exact.
+fn in_triangle([a, b, c]: [Degrees; 3], point: Degrees) -> bool {
+    let coord = |[x, y]: Degrees| robust::Coord { x, y };
+    let side = |from, to| robust::orient2d(coord(from), coord(to), coord(point));
+    same_side([side(a, b), side(b, c), side(c, a)])
+}
+
+/// The same of great circles. Sides that rounding could change count as met.
+fn in_spherical_triangle([a, b, c]: [DVec3; 3], point: DVec3) -> bool {
+    let side = |from: DVec3, to: DVec3| {
+        let (along, beside) = (to - from, point - from);
+        let volume = from.dot(along.cross(beside));
+        let uncertain = 8.0 * f64::EPSILON * (along.length() + beside.length());
+        if volume.abs() > uncertain {
+            volume
+        } else {
+            0.0
+        }
+    };
+    same_side([side(a, b), side(b, c), side(c, a)])
+}
+
+fn same_side(sides: [f64; 3]) -> bool {
+    sides.iter().all(|&side| side >= 0.0) || sides.iter().all(|&side| side <= 0.0)
+}

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Which vertices lie near a triangle: a grid of cells over longitude and latitude, degrees.
+
+use super::arcs::Vertex;
+use crate::edge::Degrees;
+
+/// Cells per side at most: 2²² cells are 16 MB.
+const MOST_CELLS_A_SIDE: f64 = 2048.0;
+
+/// Vertices by the cell they lie in.
+pub(super) struct VertexGrid {
+    low: Degrees,
+    cells_per_deg: [f64; 2],
+    columns: usize,
+    rows: usize,
+    /// Range of `vertices` that belongs to each cell, row by row.
+    first: Vec<u32>,
+    vertices: Vec<u32>,
+}
+
+impl VertexGrid {
+    /// About one cell per vertex.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between 1 and 2,048"
+    )]
+    pub(super) fn new(all: &[Vertex], members: &[u32]) -> Self {
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for &member in members {
+            let position = all[member as usize].position;
+            for axis in 0..2 {
+                low[axis] = low[axis].min(position[axis]);
+                high[axis] = high[axis].max(position[axis]);
+            }
+        }
+        let extent = [0, 1].map(|axis| (high[axis] - low[axis]).max(f64::MIN_POSITIVE));
+        let wanted = members.len().max(1) as f64;
+        let columns = (wanted * extent[0] / extent[1])
+            .sqrt()
+            .clamp(1.0, MOST_CELLS_A_SIDE)
+            .ceil();
+        let rows = (wanted / columns).clamp(1.0, MOST_CELLS_A_SIDE).ceil();
+        let mut grid = Self {
+            low,
+            cells_per_deg: [columns / extent[0], rows / extent[1]],
+            columns: columns as usize,
+            rows: rows as usize,
+            first: Vec::new(),
+            vertices: vec![0; members.len()],
+        };
+        let cells: Vec<usize> = members
+            .iter()
+            .map(|&member| {
+                let [longitude, latitude] = all[member as usize].position;
+                grid.row(latitude) * grid.columns + grid.column(longitude)
+            })
+            .collect();
+        let mut past = vec![0_u32; grid.columns * grid.rows + 1];
+        for &cell in &cells {
+            past[cell + 1] += 1;
+        }
+        for cell in 1..past.len() {
+            past[cell] += past[cell - 1];
+        }
+        grid.first.clone_from(&past);
+        for (&member, &cell) in members.iter().zip(&cells) {
+            grid.vertices[past[cell] as usize] = member;
+            past[cell] += 1;
+        }
+        grid
+    }
+
+    fn column(&self, longitude: f64) -> usize {
+        cell(
+            (longitude - self.low[0]) * self.cells_per_deg[0],
+            self.columns,
+        )
+    }
+
+    fn row(&self, latitude: f64) -> usize {
+        cell((latitude - self.low[1]) * self.cells_per_deg[1], self.rows)
+    }
+
+    /// Whether `holds` any vertex in the box from `low` to `high`, in whatever turn of longitude.
+    /// It is called with the vertex and its longitude in the box's turn.
+    pub(super) fn any_in_box(
+        &self,
+        all: &[Vertex],
+        low: Degrees,
+        high: Degrees,
+        holds: &mut impl FnMut(u32, Degrees) -> bool,
+    ) -> bool {
+        // Vertices have longitudes above −180 and up to 180.
+        let mut turn = ((low[0] - 180.0) / 360.0).ceil();
+        while 360.0 * turn - 180.0 < high[0] {
+            let shift = 360.0 * turn;
+            let columns = self.column(low[0] - shift)..=self.column(high[0] - shift);
+            for row in self.row(low[1])..=self.row(high[1]) {
+                let cells =
+                    row * self.columns + columns.start()..row * self.columns + columns.end() + 1;
+                let range = self.first[cells.start]..self.first[cells.end];
+                for &vertex in &self.vertices[range.start as usize..range.end as usize] {
+                    let [x, y] = all[vertex as usize].position;
+                    let x = x + shift;
+                    let in_box = low[0] <= x && x <= high[0] && low[1] <= y && y <= high[1];
+                    if in_box && holds(vertex, [x, y]) {
+                        return true;
+                    }
+                }
+            }
+            turn += 1.0;
+        }
+        false
+    }
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a negative or infinite number becomes the first or last cell, which is what is meant"
+)]
+fn cell(at: f64, count: usize) -> usize {
+    (at as usize).min(count - 1)
+}

@@ -1,0 +1,555 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Regions simplified together: borders stay shared, deviations keep their bound, nothing crosses.
+//!
+//! Deviations are measured here by points laid densely along both boundaries and compared in ECEF,
+//! which shares nothing with the bound in `core` but the body.
+
+use glam::DVec3;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::path::Path;
+use terrafill_core::{
+    EdgeRule, Ellipsoid, Geodetic, MeshOptions, Region, RegionMesh, Ring, SharedBoundaries,
+    SimplifiedRegions, SimplifyError, parse_regions,
+};
+
+const RULES: [EdgeRule; 2] = [EdgeRule::Planar, EdgeRule::GreatEllipse];
+
+fn parse(text: &str) -> Vec<Region> {
+    parse_regions(text.as_bytes(), "test").expect("valid")
+}
+
+fn collection(polygons: &[Vec<Vec<[f64; 2]>>]) -> String {
+    let features: Vec<String> = polygons
+        .iter()
+        .map(|rings| {
+            let rings: Vec<String> = rings
+                .iter()
+                .map(|ring| {
+                    let closed = ring.iter().chain(ring.first());
+                    let points: Vec<String> =
+                        closed.map(|[x, y]| format!("[{x:?},{y:?}]")).collect();
+                    format!("[{}]", points.join(","))
+                })
+                .collect();
+            format!(
+                r#"{{"type":"Feature","geometry":{{"type":"Polygon","coordinates":[{}]}}}}"#,
+                rings.join(",")
+            )
+        })
+        .collect();
+    format!(
+        r#"{{"type":"FeatureCollection","features":[{}]}}"#,
+        features.join(",")
+    )
+}
+
+/// Uniform in −½ … ½.
+fn random(state: &mut u64) -> f64 {
+    *state = state
+        .wrapping_mul(6_364_136_223_846_793_005)
+        .wrapping_add(1_442_695_040_888_963_407);
+    (*state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+}
+
+/// A fractal line from `a` to `b`, both included.
+fn fractal(a: [f64; 2], b: [f64; 2], halvings: u32, state: &mut u64) -> Vec<[f64; 2]> {
+    if halvings == 0 {
+        return vec![a, b];
+    }
+    let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+    let off = 0.35 * random(state);
+    let middle = [
+        0.5 * (a[0] + b[0]) - off * dy,
+        0.5 * (a[1] + b[1]) + off * dx,
+    ];
+    let mut line = fractal(a, middle, halvings - 1, state);
+    line.pop();
+    line.extend(fractal(middle, b, halvings - 1, state));
+    line
+}
+
+/// Tiles of `columns` × `rows` over a part of a planet, every border fractal and shared.
+fn tiles(west: f64, south: f64, step: f64, columns: usize, rows: usize) -> Vec<Region> {
+    let mut state = 11_u64;
+    let corners: Vec<Vec<[f64; 2]>> = (0..=rows)
+        .map(|row| {
+            (0..=columns)
+                .map(|column| {
+                    [
+                        west + step * (column as f64 + 0.2 * random(&mut state)),
+                        south + step * (row as f64 + 0.2 * random(&mut state)),
+                    ]
+                })
+                .collect()
+        })
+        .collect();
+    let across: Vec<Vec<Vec<[f64; 2]>>> = (0..=rows)
+        .map(|r| {
+            (0..columns)
+                .map(|c| fractal(corners[r][c], corners[r][c + 1], 6, &mut state))
+                .collect()
+        })
+        .collect();
+    let up: Vec<Vec<Vec<[f64; 2]>>> = (0..rows)
+        .map(|r| {
+            (0..=columns)
+                .map(|c| fractal(corners[r][c], corners[r + 1][c], 6, &mut state))
+                .collect()
+        })
+        .collect();
+    let mut polygons = Vec::new();
+    for r in 0..rows {
+        for c in 0..columns {
+            let mut ring = across[r][c].clone();
+            ring.pop();
+            ring.extend(&up[r][c + 1]);
+            ring.pop();
+            ring.extend(across[r + 1][c].iter().rev());
+            ring.pop();
+            ring.extend(up[r][c].iter().rev());
+            ring.pop();
+            polygons.push(vec![ring]);
+        }
+    }
+    let mut regions = parse(&collection(&polygons));
+    // Fractals that cross one another are repaired as a scene's regions are.
+    for region in &mut regions {
+        region.split_at_crossings(EdgeRule::Planar);
+    }
+    regions
+}
+
+fn data(file: &str) -> Option<Vec<Region>> {
+    let Some(folder) = std::env::var_os("TERRAFILL_DATA") else {
+        eprintln!("skipped: TERRAFILL_DATA is not set");
+        return None;
+    };
+    let path = Path::new(&folder).join("vectors").join(file);
+    let Ok(bytes) = std::fs::read(&path) else {
+        eprintln!("skipped: {} is not there", path.display());
+        return None;
+    };
+    let mut regions = parse_regions(&bytes, file).expect("valid");
+    for region in &mut regions {
+        region.split_at_crossings(EdgeRule::Planar);
+    }
+    Some(regions)
+}
+
+fn ecef(body: &Ellipsoid, [longitude, latitude]: [f64; 2]) -> DVec3 {
+    body.geodetic_to_ecef(Geodetic::from_degrees(longitude, latitude, 0.0))
+}
+
+/// Points along a ring no farther apart than `step_m`, ECEF.
+fn sampled(body: &Ellipsoid, rule: EdgeRule, ring: &Ring, step_m: f64) -> Vec<DVec3> {
+    let mut points = Vec::new();
+    for (start, end) in ring.edges_deg() {
+        let (from, to) = (ecef(body, start), ecef(body, end));
+        let widest = (end[0] - start[0]).hypot(end[1] - start[1]).to_radians();
+        let length_m = from.distance(to).max(match rule {
+            EdgeRule::Planar => widest * body.equatorial_radius_m(),
+            EdgeRule::GreatEllipse => 0.0,
+        });
+        let pieces = (length_m / step_m).ceil().clamp(1.0, 1e5);
+        let mut k = 0.0;
+        while k < pieces {
+            let share = k / pieces;
+            points.push(match rule {
+                EdgeRule::Planar => ecef(
+                    body,
+                    [0, 1].map(|axis| start[axis] + (end[axis] - start[axis]) * share),
+                ),
+                // The plane through the centre: any point of the chord, brought to the surface
+                // along the line from the centre.
+                EdgeRule::GreatEllipse => {
+                    let chord = from + (to - from) * share;
+                    chord / (chord / body.radii_m()).length()
+                }
+            });
+            k += 1.0;
+        }
+    }
+    points
+}
+
+/// Largest distance from a point of `from` to the nearest of `to`; `reach_m` is a guess of it.
+fn one_way_m(from: &[DVec3], to: &[DVec3], reach_m: f64) -> f64 {
+    let cell = |point: DVec3| (point / reach_m).floor().as_i64vec3().to_array();
+    let mut cells: HashMap<[i64; 3], Vec<DVec3>> = HashMap::new();
+    for &point in to {
+        cells.entry(cell(point)).or_default().push(point);
+    }
+    let mut worst = 0.0_f64;
+    for &point in from {
+        let [x, y, z] = cell(point);
+        let mut nearest = f64::INFINITY;
+        for k in 0..27 {
+            let near = [x + k % 3 - 1, y + k / 3 % 3 - 1, z + k / 9 - 1];
+            for other in cells.get(&near).into_iter().flatten() {
+                nearest = nearest.min(point.distance_squared(*other));
+            }
+        }
+        worst = worst.max(nearest);
+    }
+    worst.sqrt()
+}
+
+/// Asserts that both boundaries are as near to one another as is said; returns how near they are.
+fn assert_deviation(
+    body: &Ellipsoid,
+    rule: EdgeRule,
+    original: &Region,
+    simplified: &Region,
+    said_m: f64,
+) -> f64 {
+    let step_m = said_m / 5.0;
+    let mut worst = 0.0_f64;
+    for (a, b) in original.rings().zip(simplified.rings()) {
+        if a == b {
+            continue;
+        }
+        let (a, b) = (
+            sampled(body, rule, a, step_m),
+            sampled(body, rule, b, step_m),
+        );
+        let reach_m = said_m * 1.2;
+        worst = worst
+            .max(one_way_m(&a, &b, reach_m))
+            .max(one_way_m(&b, &a, reach_m));
+    }
+    // Half a step on either side is what sampling misses, and points outside a cell's reach count
+    // as infinitely far.
+    assert!(
+        worst <= said_m + step_m,
+        "{}: {worst} m, said {said_m} m",
+        original.name
+    );
+    worst
+}
+
+/// Edges by the bits of their ends, with the regions that have them; the lower end first.
+fn edges_of(regions: &[Region]) -> BTreeMap<[[u64; 2]; 2], BTreeSet<usize>> {
+    let bits = |position: [f64; 2]| position.map(f64::to_bits);
+    let mut edges: BTreeMap<[[u64; 2]; 2], BTreeSet<usize>> = BTreeMap::new();
+    for (index, region) in regions.iter().enumerate() {
+        for (start, end) in region.rings().flat_map(Ring::edges_deg) {
+            let mut ends = [bits(start), bits(end)];
+            ends.sort_unstable();
+            edges.entry(ends).or_default().insert(index);
+        }
+    }
+    edges
+}
+
+/// Length of the borders that each two regions share, degrees.
+fn shared_lengths(regions: &[Region]) -> BTreeMap<[usize; 2], usize> {
+    let mut shared = BTreeMap::new();
+    for owners in edges_of(regions).values() {
+        let owners: Vec<usize> = owners.iter().copied().collect();
+        if let [a, b] = owners[..] {
+            *shared.entry([a, b]).or_default() += 1;
+        }
+    }
+    shared
+}
+
+/// Ends of shared borders: vertices at which an edge with two owners meets one with another set.
+/// They and every pair of neighbours must survive, and every edge between two kept vertices of a
+/// border must have the owners it had.
+fn assert_borders_shared(original: &[Region], simplified: &[Region]) {
+    let (before, after) = (shared_lengths(original), shared_lengths(simplified));
+    let pairs = |lengths: &BTreeMap<[usize; 2], usize>| lengths.keys().copied().collect::<Vec<_>>();
+    assert_eq!(
+        pairs(&before),
+        pairs(&after),
+        "neighbours were lost or made"
+    );
+    // Vertices of shared edges, by neighbours: after simplifying, a shared border's vertices are
+    // on both sides, so an edge that only one side has must not have both ends inside the border.
+    let mut inside: BTreeMap<[u64; 2], BTreeSet<BTreeSet<usize>>> = BTreeMap::new();
+    for (ends, owners) in edges_of(original) {
+        for end in ends {
+            inside.entry(end).or_default().insert(owners.clone());
+        }
+    }
+    for (ends, owners) in edges_of(simplified) {
+        for end in ends {
+            let of_end = &inside[&end];
+            // A vertex in the middle of a border has edges of one set of owners only.
+            if of_end.len() == 1 {
+                assert!(of_end.contains(&owners), "a border is no longer shared");
+            }
+        }
+    }
+}
+
+fn mesh_all(body: &Ellipsoid, rule: EdgeRule, regions: &[Region]) -> Vec<RegionMesh> {
+    let options = MeshOptions {
+        boundary_tolerance_m: 1e-4 * body.equatorial_radius_m(),
+        cap_step_deg: 10.0,
+    };
+    let meshes = RegionMesh::build_all(regions, body, rule, &options).expect("no crossings");
+    for mesh in &meshes {
+        assert_eq!(mesh.check_invariants(body), Ok(()), "{}", mesh.name);
+    }
+    meshes
+}
+
+fn perimeter_m(body: &Ellipsoid, region: &Region) -> f64 {
+    let edges = region.rings().flat_map(Ring::edges_deg);
+    edges
+        .map(|(start, end)| {
+            let middle = [0, 1].map(|axis| 0.5 * (start[axis] + end[axis]));
+            let [a, b, c] = [start, middle, end].map(|at| ecef(body, at));
+            1.01 * (a.distance(b) + b.distance(c))
+        })
+        .sum()
+}
+
+/// Everything that must hold of a level.
+fn assert_level(
+    body: &Ellipsoid,
+    rule: EdgeRule,
+    original: &[Region],
+    areas_m2: &[f64],
+    level: &SimplifiedRegions,
+) {
+    assert_borders_shared(original, &level.regions);
+    let meshes = mesh_all(body, rule, &level.regions);
+    for (k, report) in level.reports.iter().enumerate() {
+        let (before, after) = (&original[k], &level.regions[k]);
+        assert!(report.deviation_m <= level.tolerance_m);
+        assert_eq!(report.vertices_before, before.vertex_count());
+        assert_eq!(report.vertices_after, after.vertex_count());
+        assert!(after.rings().all(|ring| ring.vertices_deg().len() >= 3));
+        let changed_m2 = (meshes[k].area_m2 - areas_m2[k]).abs();
+        let allowed_m2 = report.deviation_m * perimeter_m(body, before) + 1e-6 * areas_m2[k];
+        assert!(changed_m2 <= allowed_m2, "{}: {changed_m2}", before.name);
+        if report.deviation_m > 0.0 {
+            // Far below the tolerance it would take a million points to see anything.
+            let said_m = report.deviation_m.max(0.05 * level.tolerance_m);
+            assert_deviation(body, rule, before, after, said_m);
+        }
+    }
+}
+
+fn areas_m2(body: &Ellipsoid, rule: EdgeRule, regions: &[Region]) -> Vec<f64> {
+    let meshes = mesh_all(body, rule, regions);
+    meshes.iter().map(|mesh| mesh.area_m2).collect()
+}
+
+#[test]
+fn tiles_of_a_planet_keep_their_shared_borders_and_bounds() {
+    for (body, west, south) in [
+        (Ellipsoid::WGS84, -20.0, -12.0),
+        (Ellipsoid::WGS84, 165.0, 40.0),
+        (Ellipsoid::SATURN_LIKE, 10.0, 45.0),
+        (Ellipsoid::UNIT_SPHERE, 10.0, -50.0),
+    ] {
+        let original = tiles(west, south, 5.0, 6, 4);
+        let unit_m = body.equatorial_radius_m() / 6.4e6;
+        let tolerances = [5e3, 2e4, 6.4e4].map(|metres| metres * unit_m);
+        for rule in RULES {
+            let areas = areas_m2(&body, rule, &original);
+            let shared = SharedBoundaries::new(&original, &body, rule);
+            let levels = shared.simplify(&tolerances).expect("growing");
+            let mut fewest = original.iter().map(Region::vertex_count).sum::<usize>();
+            for level in &levels {
+                assert_level(&body, rule, &original, &areas, level);
+                assert!(level.vertex_count() < fewest);
+                fewest = level.vertex_count();
+            }
+            // Corners of tiles, and little more, are left of a tolerance of a seventh of a tile.
+            assert!(fewest < 24 * 8, "{fewest}");
+            assert_eq!(shared.neighbours().len(), 3 * 6 + 5 * 4 + 2 * 15);
+        }
+    }
+}
+
+#[test]
+fn real_countries_and_states_keep_their_shared_borders_and_bounds() {
+    let body = Ellipsoid::WGS84;
+    for file in [
+        "ne_110m_admin_0_countries.geojson",
+        "ne_110m_admin_1_us_states.geojson",
+        "us_states_10m.geojson",
+    ] {
+        let Some(original) = data(file) else {
+            continue;
+        };
+        let rule = EdgeRule::Planar;
+        let areas = areas_m2(&body, rule, &original);
+        assert!(shared_lengths(&original).len() > 50, "{file}: few borders");
+        let shared = SharedBoundaries::new(&original, &body, rule);
+        let levels = shared.simplify(&[4e3, 1.6e4, 6.4e4]).expect("growing");
+        for level in &levels {
+            assert_level(&body, rule, &original, &areas, level);
+        }
+    }
+}
+
+#[test]
+fn a_border_simplified_differently_on_each_side_is_noticed() {
+    let body = Ellipsoid::WGS84;
+    let original = tiles(0.0, 40.0, 5.0, 2, 1);
+    let rule = EdgeRule::Planar;
+    let together = SharedBoundaries::new(&original, &body, rule);
+    let level = together.simplify(&[8e3]).expect("growing").remove(0);
+    assert_borders_shared(&original, &level.regions);
+    // Each tile for itself: the border's ends are no nodes then, and it is thinned twice.
+    let apart: Vec<Region> = [(0, 8e3), (1, 2e3)]
+        .map(|(k, tolerance_m)| {
+            let alone = SharedBoundaries::new(&original[k..=k], &body, rule);
+            let level = alone.simplify(&[tolerance_m]).expect("positive");
+            level[0].regions[0].clone()
+        })
+        .into();
+    let noticed = std::panic::catch_unwind(|| assert_borders_shared(&original, &apart));
+    assert!(noticed.is_err(), "the two sides differ");
+}
+
+#[test]
+fn an_understated_deviation_is_noticed() {
+    let body = Ellipsoid::WGS84;
+    let original = tiles(0.0, 40.0, 5.0, 1, 1);
+    for rule in RULES {
+        let shared = SharedBoundaries::new(&original, &body, rule);
+        let level = shared.simplify(&[8e3]).expect("growing").remove(0);
+        let said_m = level.reports[0].deviation_m;
+        let found_m = assert_deviation(&body, rule, &original[0], &level.regions[0], said_m);
+        // The bound is tight.
+        assert!(found_m > 0.8 * said_m, "{found_m} of {said_m}");
+        let noticed = std::panic::catch_unwind(|| {
+            assert_deviation(&body, rule, &original[0], &level.regions[0], 0.6 * said_m)
+        });
+        assert!(noticed.is_err(), "{rule:?}");
+    }
+}
+
+#[test]
+fn an_island_in_a_bay_is_not_jumped_over() {
+    // A narrow bay in a square's southern side, with an island in it: a hole of nothing, so without
+    // the island the bay would close.
+    let land = vec![
+        [0.0, 0.0],
+        [4.9, 0.0],
+        [5.0, 0.2],
+        [5.1, 0.0],
+        [10.0, 0.0],
+        [10.0, 10.0],
+        [0.0, 10.0],
+    ];
+    let island = vec![[4.99, 0.05], [5.01, 0.05], [5.0, 0.1]];
+    let body = Ellipsoid::WGS84;
+    let is_kept = |polygons: &[Vec<Vec<[f64; 2]>>], rule| {
+        let regions = parse(&collection(polygons));
+        let shared = SharedBoundaries::new(&regions, &body, rule);
+        let level = shared.simplify(&[5e4]).expect("positive").remove(0);
+        let ring = &level.regions[0].polygons[0].shell;
+        ring.vertices_deg().contains(&[5.0, 0.2])
+    };
+    for rule in RULES {
+        assert!(is_kept(&[vec![land.clone()], vec![island.clone()]], rule));
+        // Twin: alone, the bay closes.
+        assert!(!is_kept(&[vec![land.clone()]], rule));
+    }
+}
+
+#[test]
+fn islands_below_the_tolerance_stay_as_triangles() {
+    let body = Ellipsoid::WGS84;
+    let circle: Vec<[f64; 2]> = (0..40)
+        .map(|k| {
+            let angle = f64::from(k) * std::f64::consts::TAU / 40.0;
+            [10.0 + 0.01 * angle.cos(), 20.0 + 0.01 * angle.sin()]
+        })
+        .collect();
+    let regions = parse(&collection(&[vec![circle]]));
+    for rule in RULES {
+        let shared = SharedBoundaries::new(&regions, &body, rule);
+        let levels = shared.simplify(&[1e5]).expect("positive");
+        assert_eq!(levels[0].vertex_count(), 3);
+        assert_eq!(mesh_all(&body, rule, &levels[0].regions).len(), 1);
+    }
+}
+
+#[test]
+fn order_and_direction_of_rings_change_nothing() {
+    let body = Ellipsoid::WGS84;
+    let original = tiles(0.0, -12.0, 5.0, 3, 3);
+    let mut polygons: Vec<Vec<Vec<[f64; 2]>>> = original
+        .iter()
+        .map(|region| {
+            let rings = region.rings();
+            rings.map(|ring| ring.vertices_deg().to_vec()).collect()
+        })
+        .collect();
+    polygons.reverse();
+    for ring in polygons.iter_mut().flatten() {
+        ring.reverse();
+        ring.rotate_left(17);
+    }
+    let reversed = parse(&collection(&polygons));
+    for rule in RULES {
+        let vertices = |regions: &[Region]| -> BTreeSet<[u64; 2]> {
+            let shared = SharedBoundaries::new(regions, &body, rule);
+            let level = shared.simplify(&[1e4]).expect("positive").remove(0);
+            let rings = level.regions.iter().flat_map(Region::rings);
+            rings
+                .flat_map(|ring| ring.vertices_deg().to_vec())
+                .map(|position| position.map(f64::to_bits))
+                .collect()
+        };
+        assert_eq!(vertices(&original), vertices(&reversed));
+    }
+}
+
+#[test]
+fn rings_round_a_pole_and_over_the_antimeridian_survive() {
+    let mut state = 3_u64;
+    let cap: Vec<[f64; 2]> = (0..=360)
+        .map(|k| [f64::from(k) - 180.0, 70.0 + 0.5 * random(&mut state)])
+        .collect();
+    let mut uncut = cap.clone();
+    uncut[360] = [180.0, uncut[0][1]];
+    let mut closed = uncut.clone();
+    closed.extend([[180.0, 90.0], [-180.0, 90.0]]);
+    let strip: Vec<[f64; 2]> = (0..200)
+        .map(|k| {
+            let angle = f64::from(k) * std::f64::consts::TAU / 200.0;
+            let radius = 5.0 + 0.4 * random(&mut state);
+            [180.0 + radius * angle.cos(), radius * angle.sin()]
+        })
+        .collect();
+    let body = Ellipsoid::WGS84;
+    for ring in [uncut, closed, strip] {
+        let original = parse(&collection(&[vec![ring]]));
+        for rule in RULES {
+            let areas = areas_m2(&body, rule, &original);
+            let shared = SharedBoundaries::new(&original, &body, rule);
+            let level = shared.simplify(&[2e4]).expect("positive").remove(0);
+            let share = level.vertex_count() as f64 / original[0].vertex_count() as f64;
+            assert!(share < 0.75, "{share}");
+            assert_level(&body, rule, &original, &areas, &level);
+        }
+    }
+}
+
+#[test]
+fn tolerances_that_do_not_grow_are_refused() {
+    let regions = tiles(0.0, 0.0, 5.0, 1, 1);
+    let shared = SharedBoundaries::new(&regions, &Ellipsoid::WGS84, EdgeRule::Planar);
+    for (tolerances, index) in [
+        (&[0.0][..], 0),
+        (&[10.0, 10.0], 1),
+        (&[10.0, f64::NAN], 1),
+        (&[f64::INFINITY], 0),
+    ] {
+        let refused = shared.simplify(tolerances).expect_err("refused");
+        let SimplifyError::Tolerance { index: found, .. } = refused else {
+            panic!("{refused}");
+        };
+        assert_eq!(found, index);
+    }
+    assert!(shared.simplify(&[]).expect("nothing to do").is_empty());
+}

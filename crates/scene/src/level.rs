@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Boundary levels of detail: a scene's regions meshed several times, each time with fewer boundary
+//! vertices and a larger deviation, and for each view the coarsest that cannot be told apart.
+//!
+//! Regions that share a border always take the same level, or their borders would part. Level 0 is
+//! every region as written; its meshes come first, in the order of the regions.
+
+use crate::Scene;
+use terrafill_core::{
+    Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, SharedBoundaries, SimplifiedRegions,
+};
+
+/// Scenes of fewer vertices than this have one level unless they ask for more: below it a fill
+/// spends its time on pixels.
+pub const FEWEST_VERTICES_FOR_LEVELS: usize = 5_000;
+/// Growth of the deviation from one automatic level to the next. A view takes a level between half
+/// of what it may deviate and all of it; four times as large, between a quarter and all.
+pub const LEVEL_GROWTH: f64 = 2.0;
+/// An automatic level must have at most this share of the vertices of the one before, or it is left
+/// out: all levels together then hold at most 3⅓ times the vertices of level 0.
+pub const LEVEL_VERTEX_SHARE: f64 = 0.7;
+/// Share of a level's deviation that the chords of its meshes may add: as fine as those of level 0,
+/// they would split the few long edges again, and as coarse as the deviation itself, neighbours
+/// that come close without sharing a border would overlap.
+const CHORD_SHARE: f64 = 1.0 / 16.0;
+/// Deviation of the coarsest automatic level, share of the body's radius: 100 km on the Earth, four
+/// pixels of an image of 1,024 rows that holds all of it.
+const COARSEST_LEVEL_SHARE: f64 = 1.0 / 64.0;
+
+/// Which levels a scene has.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum LevelChoice {
+    /// Deviations from the boundary tolerance of the meshes on, [`LEVEL_GROWTH`] times as large each
+    /// time, without those that have more than [`LEVEL_VERTEX_SHARE`] of the vertices of the one
+    /// before; none for scenes of fewer than [`FEWEST_VERTICES_FOR_LEVELS`] vertices.
+    #[default]
+    Automatic,
+    /// These deviations, metres, growing; none for level 0 alone.
+    Given(Vec<f64>),
+}
+
+/// A coarser level.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Level {
+    /// Deviation that simplifying was allowed, metres.
+    pub tolerance_m: f64,
+    /// Of each region, the index of its mesh.
+    pub meshes: Vec<usize>,
+    /// Of each region, how far its boundary as drawn is from the region's own, metres: what
+    /// simplifying moved it, and what the mesh's chords do beyond that.
+    pub deviation_m: Vec<f64>,
+}
+
+/// Which mesh is which region at which level.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LevelTable {
+    /// The levels beyond level 0, finest first.
+    pub coarser: Vec<Level>,
+    /// Regions that must have the same level, the lower index first.
+    pub neighbours: Vec<[usize; 2]>,
+}
+
+/// A scene's regions meshed at every level.
+#[derive(Debug, Clone, Default)]
+pub struct LeveledMeshes {
+    /// Level 0 in the order of the regions, then the others'.
+    pub meshes: Vec<RegionMesh>,
+    /// Which is which.
+    pub table: LevelTable,
+    /// Why there is no coarser level than the last, where that is not because none would help.
+    pub ended_by: Option<String>,
+}
+
+impl LeveledMeshes {
+    /// Meshes `scene` at its levels.
+    ///
+    /// # Errors
+    /// What keeps a region from being meshed as written.
+    pub fn build(scene: &Scene, options: &MeshOptions) -> Result<Self, Vec<MeshError>> {
+        let (body, rule) = (&scene.body, scene.edge_rule);
+        let mut leveled = Self {
+            meshes: RegionMesh::build_all(&scene.regions, body, rule, options)?,
+            ..Self::default()
+        };
+        let tolerances_m = scene.levels.tolerances_m(&scene.regions, body, options);
+        if tolerances_m.is_empty() {
+            return Ok(leveled);
+        }
+        let shared = SharedBoundaries::new(&scene.regions, body, rule);
+        leveled.table.neighbours = shared.neighbours();
+        let share = match scene.levels {
+            LevelChoice::Automatic => LEVEL_VERTEX_SHARE,
+            LevelChoice::Given(_) => f64::INFINITY,
+        };
+        let simplified = match shared.simplify_by_share(&tolerances_m, share) {
+            Ok(simplified) => simplified,
+            Err(error) => {
+                leveled.ended_by = Some(error.to_string());
+                return Ok(leveled);
+            }
+        };
+        for level in &simplified {
+            if let Err(errors) = leveled.add(scene, options, level) {
+                let first = errors.first().map(ToString::to_string).unwrap_or_default();
+                leveled.ended_by = Some(format!("at {} m: {first}", level.tolerance_m));
+                break;
+            }
+        }
+        Ok(leveled)
+    }
+
+    /// Meshes one more level; an automatic one is left out where what is drawn would not be less.
+    fn add(
+        &mut self,
+        scene: &Scene,
+        options: &MeshOptions,
+        level: &SimplifiedRegions,
+    ) -> Result<(), Vec<MeshError>> {
+        let chords_m = level.tolerance_m * CHORD_SHARE;
+        let options = MeshOptions {
+            boundary_tolerance_m: options.boundary_tolerance_m.max(chords_m),
+            ..*options
+        };
+        let built = RegionMesh::build_all(&level.regions, &scene.body, scene.edge_rule, &options)?;
+        let finer = &self.meshes[self.meshes.len() - built.len()..];
+        let share = boundary_edge_count(&built) as f64 / boundary_edge_count(finer) as f64;
+        if scene.levels == LevelChoice::Automatic && share > LEVEL_VERTEX_SHARE {
+            return Ok(());
+        }
+        let first = self.meshes.len();
+        let deviations = built.iter().zip(&level.reports);
+        self.table.coarser.push(Level {
+            tolerance_m: level.tolerance_m,
+            meshes: (first..first + built.len()).collect(),
+            deviation_m: deviations
+                .map(|(mesh, report)| mesh.boundary_deviation_m + report.deviation_m)
+                .collect(),
+        });
+        self.meshes.extend(built);
+        Ok(())
+    }
+}
+
+impl LevelChoice {
+    fn tolerances_m(
+        &self,
+        regions: &[Region],
+        body: &Ellipsoid,
+        options: &MeshOptions,
+    ) -> Vec<f64> {
+        match self {
+            Self::Given(tolerances_m) => tolerances_m.clone(),
+            Self::Automatic if vertex_count(regions) < FEWEST_VERTICES_FOR_LEVELS => Vec::new(),
+            Self::Automatic => {
+                let coarsest_m = body.equatorial_radius_m() * COARSEST_LEVEL_SHARE;
+                let first = Some(options.boundary_tolerance_m);
+                std::iter::successors(first, |tolerance_m| Some(tolerance_m * LEVEL_GROWTH))
+                    .take_while(|tolerance_m| *tolerance_m <= coarsest_m)
+                    .collect()
+            }
+        }
+    }
+}
+
+fn boundary_edge_count(meshes: &[RegionMesh]) -> usize {
+    meshes.iter().map(RegionMesh::boundary_edge_count).sum()
+}
+
+fn vertex_count(regions: &[Region]) -> usize {
+    regions.iter().map(Region::vertex_count).sum()
+}
+
+/// A region that a view draws, and what a pixel is worth there.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct DrawnRegion {
+    pub(crate) region: usize,
+    /// Nothing of the region that moves by this much on the body moves by more than a pixel on the
+    /// screen, metres; 0 where the eye may be in the region's volume.
+    pub(crate) pixel_m: f64,
+}
+
+impl LevelTable {
+    /// - `meshes`: how many there are of all levels
+    pub(crate) fn region_count(&self, meshes: usize) -> usize {
+        let coarser = self.coarser.first();
+        coarser.map_or(meshes, |level| level.meshes.len())
+    }
+
+    /// Of each drawn region, the mesh of the coarsest level whose deviation stays within `pixels`
+    /// on the screen for it and for everything it is connected to by borders that are drawn too.
+    pub(crate) fn pick(&self, drawn: &[DrawnRegion], pixels: f64) -> Vec<usize> {
+        let groups = self.groups(drawn);
+        let mut meshes: Vec<usize> = drawn.iter().map(|drawn| drawn.region).collect();
+        let mut is_open = vec![true; drawn.len()];
+        for level in self.coarser.iter().rev() {
+            let mut fits = is_open.clone();
+            for (drawn, &group) in drawn.iter().zip(&groups) {
+                let deviation_m = level.deviation_m[drawn.region];
+                fits[group] &= deviation_m <= pixels * drawn.pixel_m;
+            }
+            for (k, (drawn, &group)) in drawn.iter().zip(&groups).enumerate() {
+                if fits[group] {
+                    meshes[k] = level.meshes[drawn.region];
+                }
+            }
+            for (group, fits) in fits.into_iter().enumerate() {
+                is_open[group] &= !fits;
+            }
+        }
+        meshes
+    }
+
+    /// Of each drawn region, the first of those it is connected to.
+    fn groups(&self, drawn: &[DrawnRegion]) -> Vec<usize> {
+        let mut parent: Vec<usize> = (0..drawn.len()).collect();
+        let place = |region: usize| drawn.binary_search_by_key(&region, |drawn| drawn.region);
+        for [a, b] in &self.neighbours {
+            if let (Ok(a), Ok(b)) = (place(*a), place(*b)) {
+                let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+                parent[a.max(b)] = a.min(b);
+            }
+        }
+        (0..drawn.len()).map(|k| root(&mut parent, k)).collect()
+    }
+}
+
+/// Root of a tree in a forest of parents, whose paths it halves on the way.
+fn root(parent: &mut [usize], mut at: usize) -> usize {
+    while parent[at] != at {
+        parent[at] = parent[parent[at]];
+        at = parent[at];
+    }
+    at
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two coarser levels of four regions, of which 0 – 1 – 2 are a chain and 3 is alone.
+    fn table() -> LevelTable {
+        let level = |first: usize, deviation_m: f64| Level {
+            tolerance_m: deviation_m,
+            meshes: (first..first + 4).collect(),
+            deviation_m: vec![deviation_m; 4],
+        };
+        LevelTable {
+            coarser: vec![level(4, 10.0), level(8, 40.0)],
+            neighbours: vec![[0, 1], [1, 2]],
+        }
+    }
+
+    fn drawn(regions: &[(usize, f64)]) -> Vec<DrawnRegion> {
+        let of = |&(region, pixel_m)| DrawnRegion { region, pixel_m };
+        regions.iter().map(of).collect()
+    }
+
+    #[test]
+    fn neighbours_take_the_level_of_the_nearest_of_them() {
+        let near_0 = drawn(&[(0, 20.0), (1, 100.0), (2, 100.0), (3, 100.0)]);
+        assert_eq!(table().pick(&near_0, 0.5), [4, 5, 6, 11]);
+        assert_eq!(table().pick(&near_0, 0.4), [0, 1, 2, 11]);
+        // Twin: without their borders each goes its own way.
+        let apart = LevelTable {
+            neighbours: Vec::new(),
+            ..table()
+        };
+        assert_eq!(apart.pick(&near_0, 0.5), [4, 9, 10, 11]);
+    }
+
+    #[test]
+    fn only_borders_that_are_drawn_connect() {
+        let without_1 = drawn(&[(0, 0.0), (2, 100.0)]);
+        assert_eq!(table().pick(&without_1, 1.0), [0, 10]);
+    }
+
+    #[test]
+    fn a_level_that_one_of_them_cannot_take_is_taken_by_none() {
+        let mut table = table();
+        table.coarser[1].deviation_m[2] = 60.0;
+        let all = drawn(&[(0, 100.0), (1, 100.0), (2, 100.0)]);
+        assert_eq!(table.pick(&all, 0.5), [4, 5, 6]);
+    }
+}

@@ -1,0 +1,37 @@
+// What a volume's fragments write, whatever layout its vertices came from.
+
+// For passes that also hold a colour target, and for counting fragments: nothing.
+@fragment
+fn no_colour() {}
+
+// Colour pass by volumes: the region's colour.
+struct Coloured {
+    @builtin(position) @invariant clip: vec4<f32>,
+    @location(0) @interpolate(flat) colour: vec4<f32>,
+};
+
+@fragment
+fn region_colour(in: Coloured) -> @location(0) vec4<f32> {
+    return in.colour;
+}
+
+// Accumulation pass: the volume's number, added or taken away by blending. Behind the surface back
+// faces add and front faces take away; in front of it, the other way round.
+struct Numbered {
+    @builtin(position) @invariant clip: vec4<f32>,
+    @location(0) @interpolate(flat) number: f32,
+};
+
+fn numbered(clip: vec4<f32>, region_index: u32) -> Numbered {
+    return Numbered(clip, f32(region_index + 1u));
+}
+
+@fragment
+fn number_behind(in: Numbered, @builtin(front_facing) is_front: bool) -> @location(0) f32 {
+    return select(in.number, -in.number, is_front);
+}
+
+@fragment
+fn number_before(in: Numbered, @builtin(front_facing) is_front: bool) -> @location(0) f32 {
+    return select(-in.number, in.number, is_front);
+}
