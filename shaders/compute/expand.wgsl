@@ -125,7 +125,7 @@ fn expand_drawn(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let index = work_index(workgroup, workgroups);
-    if has_work(index, lane) && draws[2u * work[index].region].instance_count != 0u {
+    if has_work(index, lane) && states[work[index].region] != LEFT_OUT {
         expand(index, lane);
     }
 }
@@ -167,10 +167,14 @@ fn expand_visible(
         return;
     }
     let region = work[index].region;
-    let whole = 2u * region;
-    if draws[whole].instance_count == 0u {
+    let state = states[region];
+    if state == WHOLE {
+        expand(index, lane);
+    }
+    if state != PIECES {
         return;
     }
+    let whole = 2u * region;
     if (work[index].kind & WALLS) != 0u {
         let ends = edge_ends(index, lane);
         let planes = corner_planes(ends.x, region) & corner_planes(ends.x + 1u, region)

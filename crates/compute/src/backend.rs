@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The backend: buffers of a scene, constants of a view, and the passes of a frame.
 
-use crate::culling::{CullRegion, DrawArguments, Horizon};
+use crate::culling::{CullRegion, DrawArguments, Horizon, LEFT_OUT};
 use crate::expansion::{Capacity, ExpansionPlan, OutputSlice};
 use crate::layout::{MeshSlice, SceneGeometry};
-use crate::pass::Recorder;
-use crate::pipeline::{NUMBER_FORMAT, Pipelines};
+use crate::pass::{Recorder, counted};
+use crate::pipeline::{NUMBER_FORMAT, Pipelines, State};
 use crate::statistics::Statistics;
 use crate::{ComputeBytes, ComputeVariant, Expansion, GpuCulling};
 use std::sync::Arc;
@@ -63,18 +63,14 @@ pub(crate) struct Expanded {
 pub(crate) struct Culling {
     pub(crate) draws: wgpu::Buffer,
     pub(crate) bind_group: wgpu::BindGroup,
+    states: wgpu::Buffer,
     /// Of the plan's regions, in its order.
     meshes: Vec<usize>,
     bytes: u64,
 }
 
-impl Culling {
-    fn read(&self, gpu: &Gpu) -> Result<Vec<DrawArguments>, BackendError> {
-        Ok(bytemuck::pod_collect_to_vec(&read_buffer(
-            gpu,
-            &self.draws,
-        )?))
-    }
+fn read_vec<T: bytemuck::Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<T>, BackendError> {
+    Ok(bytemuck::pod_collect_to_vec(&read_buffer(gpu, buffer)?))
 }
 
 /// Constants of the regions of a view, what is made for it, and the order to draw in.
@@ -270,15 +266,41 @@ impl ComputeBackend {
         Ok((stage.read()?, counters))
     }
 
+    /// How many fragments the volumes of the stencil work have, by an extra pass that is never
+    /// timed; `None` where the device cannot count them.
+    fn count_fragments(&mut self, input: &FrameInput) -> Result<Option<u64>, BackendError> {
+        let gpu = Arc::clone(self.stage.borrow().gpu());
+        let Some(view) = &self.view else {
+            return Ok(None);
+        };
+        if view.program.passes.is_empty() {
+            return Ok(Some(0));
+        }
+        let Some(statistics) = Statistics::new(&gpu, 1) else {
+            return Ok(None);
+        };
+        for (faces, ..) in counted(&view.program) {
+            self.pipelines.ensure_volumes(&gpu, State::Count { faces });
+        }
+        let stage = self.stage.borrow();
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        if let Some(mut recorder) = self.recorder(&stage, input, Some(&statistics), false) {
+            recorder.count_fragments(&mut encoder);
+        }
+        gpu.queue.submit([encoder.finish()]);
+        gpu.wait()?;
+        let mut counted = Counters::default();
+        statistics.read_into(&gpu, &mut counted)?;
+        Ok(counted.fragment_shader_invocations)
+    }
+
     /// Vertices of draws whose size only the device knows.
     fn drawn_by_device(&self, gpu: &Gpu, draws: &[usize]) -> Result<u64, BackendError> {
         let Some(culling) = self.culling() else {
             return Ok(0);
         };
-        let arguments = culling.read(gpu)?;
-        let vertices = |&draw: &usize| {
-            u64::from(arguments[draw].index_count) * u64::from(arguments[draw].instance_count)
-        };
+        let arguments: Vec<DrawArguments> = read_vec(gpu, &culling.draws)?;
+        let vertices = |&draw: &usize| u64::from(arguments[draw].index_count);
         Ok(draws.iter().map(vertices).sum())
     }
 
@@ -295,13 +317,11 @@ impl ComputeBackend {
         let Some(culling) = self.culling() else {
             return Ok(Vec::new());
         };
-        let arguments = culling.read(self.stage.borrow().gpu())?;
-        // Two draws a region: with and without its bottom.
-        let is_left_out = |region: usize| arguments[2 * region].instance_count == 0;
-        let planned = culling.meshes.iter().enumerate();
+        let states: Vec<u32> = read_vec(self.stage.borrow().gpu(), &culling.states)?;
+        let planned = culling.meshes.iter().zip(states);
         Ok(planned
-            .filter(|&(region, _)| is_left_out(region))
-            .map(|(_, &mesh)| mesh)
+            .filter(|&(_, state)| state == LEFT_OUT)
+            .map(|(&mesh, _)| mesh)
             .collect())
     }
 
@@ -492,12 +512,21 @@ impl ComputeBackend {
                 | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
+        let state_bytes = 4 * planned.len().max(1) as u64;
+        let states = gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("region states"),
+            size: state_bytes,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
         let layout = &self.pipelines.bindings.culling;
+        let buffers = [&draws, &regions, &horizon, &states];
         Ok(Culling {
-            bind_group: bind(gpu, "culling", layout, &[&draws, &regions, &horizon]),
+            bind_group: bind(gpu, "culling", layout, &buffers),
             draws,
+            states,
             meshes: planned.iter().map(|planned| planned.mesh).collect(),
-            bytes: draw_bytes + region_bytes + horizon_bytes,
+            bytes: draw_bytes + region_bytes + horizon_bytes + state_bytes,
         })
     }
 
@@ -531,23 +560,32 @@ impl ComputeBackend {
         statistics: Option<&Statistics>,
         timed: bool,
     ) -> Result<(Counters, Vec<usize>), BackendError> {
-        let (Some(scene), Some(view)) = (&self.scene, &self.view) else {
+        let Some(mut recorder) = self.recorder(stage, input, statistics, timed) else {
             self.check_prepared(input)?;
             return Ok(Default::default());
         };
-        let mut recorder = Recorder {
+        recorder.frame(encoder);
+        Ok((recorder.counters, recorder.indirect_draws))
+    }
+
+    fn recorder<'a>(
+        &'a self,
+        stage: &'a Stage,
+        input: &'a FrameInput,
+        statistics: Option<&'a Statistics>,
+        timed: bool,
+    ) -> Option<Recorder<'a>> {
+        Some(Recorder {
             backend: self,
-            scene,
-            view,
+            scene: self.scene.as_ref()?,
+            view: self.view.as_ref()?,
             stage,
             input,
             timed,
             statistics,
             counters: Counters::default(),
             indirect_draws: Vec::new(),
-        };
-        recorder.frame(encoder);
-        Ok((recorder.counters, recorder.indirect_draws))
+        })
     }
 
     /// Uploads what is not there yet, and gives how many bytes that took.
@@ -652,14 +690,15 @@ impl Backend for ComputeBackend {
             constant_bytes: view.constant_bytes
                 + expanded.map_or(0, |expanded| expanded.work_bytes)
                 + self.culling().map_or(0, |culling| culling.bytes),
-            // Culling: draws, boxes, horizon.
-            buffers: (held.len() + lists + self.culling().map_or(0, |_| 3)) as u64,
+            // Culling: draws, boxes, horizon, states.
+            buffers: (held.len() + lists + self.culling().map_or(0, |_| 4)) as u64,
             upload_bytes,
         })
     }
 
     fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError> {
-        let (picture, counters) = self.draw_and_read(input)?;
+        let (picture, mut counters) = self.draw_and_read(input)?;
+        counters.stencil_fragments = self.count_fragments(input)?;
         Ok(Frame {
             size: input.size,
             ids: ids_of(&picture),

@@ -95,6 +95,9 @@ pub(crate) struct DrawArguments {
     pub(crate) first_instance: u32,
 }
 
+/// State of a region that is not drawn. Twin of `LEFT_OUT` in `shared/draw.wgsl`.
+pub(crate) const LEFT_OUT: u32 = 0;
+
 /// Bytes from one draw's arguments to the next.
 pub(crate) const DRAW_ARGUMENTS_BYTES: u64 = size_of::<DrawArguments>() as u64;
 

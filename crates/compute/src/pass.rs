@@ -8,7 +8,9 @@ use crate::culling::DRAW_ARGUMENTS_BYTES;
 use crate::expansion::{OutputSlice, WORKGROUP_SIZE};
 use crate::pipeline::State;
 use crate::statistics::Statistics;
-use terrafill_frame::{Counters, CoverShape, FillCommand, FillPass, FrameInput};
+use terrafill_frame::{
+    Counters, CoverShape, FaceSet, FillCommand, FillPass, FillProgram, FrameInput,
+};
 use terrafill_gpu::{Stage, TimedPass};
 use terrafill_scene::PixelRect;
 
@@ -105,15 +107,50 @@ impl Recorder<'_> {
                 ..Default::default()
             });
             let query = self.begin_statistics(&mut pass, index);
-            pass.set_bind_group(0, &self.view.bind_group, &[]);
-            pass.set_bind_group(1, &self.scene.bind_group, &[]);
-            if let Some(expanded) = self.expanded() {
-                pass.set_index_buffer(expanded.slice(..), wgpu::IndexFormat::Uint32);
-            }
+            self.bind_geometry(&mut pass);
             self.steps(&mut pass, steps);
             if query.is_some() {
                 pass.end_pipeline_statistics_query();
             }
+        }
+    }
+
+    /// The volumes that the stencil work draws, drawn into nothing, so that the query counts every
+    /// fragment of theirs and not only those that the depth test lets through. They are there: the
+    /// frame before has made them.
+    pub(crate) fn count_fragments(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        let (colour, depth_stencil) = (self.stage.colour_view(), self.stage.depth_stencil_view());
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("fragment count"),
+            color_attachments: &[Some(kept_colour(&colour))],
+            depth_stencil_attachment: Some(read_only_depth(&depth_stencil, wgpu::LoadOp::Load)),
+            ..Default::default()
+        });
+        let query = self.begin_statistics(&mut pass, 0);
+        self.bind_geometry(&mut pass);
+        let full = PixelRect::full(self.input.size);
+        for (faces, without_bottom, scissor, regions) in counted(&self.view.program) {
+            self.bind_volumes(&mut pass, State::Count { faces });
+            for &planned in regions {
+                let rect = if scissor {
+                    self.input.plan.regions[planned].screen_rect
+                } else {
+                    full
+                };
+                pass.set_scissor_rect(rect.left, rect.top, rect.width(), rect.height());
+                self.draw_volume(&mut pass, planned, without_bottom);
+            }
+        }
+        if query.is_some() {
+            pass.end_pipeline_statistics_query();
+        }
+    }
+
+    fn bind_geometry(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_bind_group(0, &self.view.bind_group, &[]);
+        pass.set_bind_group(1, &self.scene.bind_group, &[]);
+        if let Some(expanded) = self.expanded() {
+            pass.set_index_buffer(expanded.slice(..), wgpu::IndexFormat::Uint32);
         }
     }
 
@@ -287,6 +324,29 @@ impl Recorder<'_> {
         pass.draw_indexed(first..end, 0, instance(planned));
         self.counters.vertices += u64::from(end - first);
     }
+}
+
+/// What the stencil work of a program draws: faces, whether without bottom caps, whether cut to
+/// rectangles, and which regions.
+pub(crate) fn counted(
+    program: &FillProgram,
+) -> impl Iterator<Item = (FaceSet, bool, bool, &[usize])> {
+    program.commands().filter_map(|command| match command {
+        FillCommand::Volumes {
+            rule,
+            without_bottom,
+            scissor,
+            regions,
+        } => Some((rule.faces, *without_bottom, *scissor, regions.as_slice())),
+        FillCommand::Accumulate {
+            faces,
+            without_bottom,
+            scissor,
+            regions,
+            ..
+        } => Some((*faces, *without_bottom, *scissor, regions.as_slice())),
+        FillCommand::Cover { .. } | FillCommand::Resolve => None,
+    })
 }
 
 /// The instance number is the index of the region's constants.

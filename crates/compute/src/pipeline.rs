@@ -14,6 +14,8 @@ use terrafill_gpu::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, Gpu};
 pub(crate) enum State {
     /// Into the stencil, in a pass with or without a colour target.
     Mark { rule: StencilRule, has_colour: bool },
+    /// Into nothing, to count fragments.
+    Count { faces: FaceSet },
     /// Into the target of numbers.
     Number { depth: DepthRule, faces: FaceSet },
     /// Into the colour target where the stencil says so.
@@ -84,7 +86,7 @@ impl Bindings {
             frame: group("view and regions", all, &[uniform, READ]),
             geometry: group("meshes", compute | vertex, &[READ, READ]),
             expansion: group("expansion", compute, &[READ, WRITTEN]),
-            culling: group("culling", compute, &[WRITTEN, READ, uniform]),
+            culling: group("culling", compute, &[WRITTEN, READ, uniform, WRITTEN]),
         }
     }
 }
@@ -153,14 +155,14 @@ fn cull_pipeline(
     culling: GpuCulling,
 ) -> Result<wgpu::ComputePipeline, BackendError> {
     let groups = [Some(&bindings.frame), None, None, Some(&bindings.culling)];
-    let begins_empty = culling == GpuCulling::Triangles;
+    let tests_pieces = culling == GpuCulling::Triangles;
     let descriptor = wgpu::ComputePipelineDescriptor {
         label: Some("cull"),
         layout: Some(&layout(&gpu.device, &groups)),
         module: &gpu.shader("compute/cull.wgsl")?,
         entry_point: Some("cull_main"),
         compilation_options: wgpu::PipelineCompilationOptions {
-            constants: &[("BEGINS_EMPTY", f64::from(u8::from(begins_empty)))],
+            constants: &[("TESTS_PIECES", f64::from(u8::from(tests_pieces)))],
             ..Default::default()
         },
         cache: None,
@@ -234,11 +236,16 @@ impl Pipelines {
                 return Ok(());
             }
         };
+        self.ensure_volumes(gpu, state);
+        Ok(())
+    }
+
+    /// Makes the pipeline that draws volumes so unless it is there.
+    pub(crate) fn ensure_volumes(&mut self, gpu: &Gpu, state: State) {
         if !self.volumes.contains_key(&state) {
             let pipeline = self.volume_pipeline(gpu, state);
             self.volumes.insert(state, pipeline);
         }
-        Ok(())
     }
 
     /// A pipeline that [`Pipelines::ensure`] made.
@@ -259,6 +266,7 @@ impl Pipelines {
     fn volume_pipeline(&self, gpu: &Gpu, state: State) -> wgpu::RenderPipeline {
         let (vertex_entry, fragment_entry) = match state {
             State::Mark { .. } => ("vertex_main", "no_colour"),
+            State::Count { .. } => ("vertex_main", "counted"),
             State::Number { depth, .. } => match depth {
                 DepthRule::Fail => ("numbered_main", "number_behind"),
                 DepthRule::Pass => ("numbered_main", "number_before"),
@@ -277,6 +285,10 @@ impl Pipelines {
                     has_colour.then_some(unwritten),
                     mark_state(rule),
                 )
+            }
+            State::Count { faces } => {
+                let always = without_stencil(wgpu::CompareFunction::Always);
+                (faces, Some(unwritten()), always)
             }
             State::Number { depth, faces } => (faces, Some(added()), number_state(depth)),
             State::Colour { test, faces } => {
@@ -376,6 +388,15 @@ fn check_blending(gpu: &Gpu) -> Result<(), BackendError> {
         capability: "blending into 32-bit float targets".to_owned(),
         adapter: gpu.facts.name.clone(),
     })
+}
+
+/// The colour target, left alone.
+fn unwritten() -> wgpu::ColorTargetState {
+    wgpu::ColorTargetState {
+        format: COLOUR_FORMAT,
+        blend: None,
+        write_mask: wgpu::ColorWrites::empty(),
+    }
 }
 
 /// What a fragment writes is added to what is there.
