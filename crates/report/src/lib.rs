@@ -7,7 +7,12 @@
 //! what is missing; what was not measured is a dash with its reason, never a 0.
 
 mod error;
+mod exponent;
 mod glossary;
+mod interval;
+mod ladder;
+mod matrix;
+mod memory;
 mod number;
 mod page;
 mod picture;
