@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Files with entry points. Written down, so that a list that shrinks by accident fails.
-const EXPECTED_MODULES: usize = 10;
+const EXPECTED_MODULES: usize = 11;
 /// Files that others import.
 const EXPECTED_SHARED: usize = 4;
 

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The techniques: what is drawn, and by which shaders.
+
+use terrafill_vulkan::{
+    Fragments, GeometryStage, PipelineDescriptor, Topology, VertexFormat, VertexStage, VolumeState,
+};
+
+/// How volumes come about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
+pub enum Technique {
+    /// In the vertex shader: every vertex stored twice, 16 bytes each; walls are strips. The same
+    /// bytes and the same shader as `vertex/doubled`.
+    VsControl,
+    /// In the geometry shader, one draw: triangles, then boundary edges as degenerate triangles
+    /// (a, b, b). Each input makes two triangles.
+    #[default]
+    GsDegenerate,
+    /// In geometry shaders, two draws: triangles and lines.
+    GsLine,
+    /// In the geometry shader, one draw: triangles with their neighbours. Each makes 2 to 8
+    /// triangles.
+    GsAdjacency,
+    /// In the geometry shader, one draw: each triangle makes a closed volume of 8 triangles, those
+    /// inside a region as well.
+    GsPerTriangle,
+}
+
+/// What one draw of a region holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Part {
+    Caps,
+    Walls,
+    /// Both.
+    Whole,
+}
+
+impl Technique {
+    /// Every technique.
+    pub const ALL: [Self; 5] = [
+        Self::VsControl,
+        Self::GsDegenerate,
+        Self::GsLine,
+        Self::GsAdjacency,
+        Self::GsPerTriangle,
+    ];
+
+    /// Name in variants and reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::VsControl => "vs-control",
+            Self::GsDegenerate => "gs-degenerate",
+            Self::GsLine => "gs-line",
+            Self::GsAdjacency => "gs-adjacency",
+            Self::GsPerTriangle => "gs-per-triangle",
+        }
+    }
+
+    /// Whether it needs geometry shaders.
+    #[must_use]
+    pub fn needs_geometry_shader(self) -> bool {
+        self != Self::VsControl
+    }
+
+    pub(crate) fn parts(self) -> &'static [Part] {
+        match self {
+            Self::VsControl | Self::GsLine => &[Part::Caps, Part::Walls],
+            Self::GsDegenerate | Self::GsAdjacency | Self::GsPerTriangle => &[Part::Whole],
+        }
+    }
+
+    fn topology(self, part: Part) -> Topology {
+        match (self, part) {
+            (Self::VsControl, Part::Walls) => Topology::Strips,
+            (Self::GsLine, Part::Walls) => Topology::Lines,
+            (Self::GsAdjacency, _) => Topology::TrianglesWithAdjacency,
+            _ => Topology::Triangles,
+        }
+    }
+
+    fn geometry_path(self, part: Part) -> Option<&'static str> {
+        match (self, part) {
+            (Self::VsControl, _) => None,
+            (Self::GsDegenerate, _) => Some("native/degenerate.geom"),
+            (Self::GsLine, Part::Walls) => Some("native/walls.geom"),
+            (Self::GsLine, _) => Some("native/caps.geom"),
+            (Self::GsAdjacency, _) => Some("native/adjacency.geom"),
+            (Self::GsPerTriangle, _) => Some("native/per_triangle.geom"),
+        }
+    }
+
+    /// The pipeline that draws `part` of volumes.
+    pub(crate) fn volume_pipeline(
+        self,
+        part: Part,
+        state: VolumeState,
+        without_bottom: bool,
+        depth_bounds: bool,
+    ) -> PipelineDescriptor {
+        let is_coloured = matches!(state, VolumeState::Colour { .. });
+        let path = match self {
+            Self::VsControl => "vertex/doubled.wgsl",
+            _ => "native/volume.wgsl",
+        };
+        PipelineDescriptor {
+            vertex: VertexStage {
+                path,
+                entry_point: if is_coloured {
+                    "coloured_main"
+                } else {
+                    "vertex_main"
+                },
+            },
+            geometry: self.geometry_path(part).map(|path| GeometryStage {
+                path,
+                is_coloured,
+                // Walls have none anyway; one pipeline does for both.
+                draws_bottom: !without_bottom || part == Part::Walls,
+            }),
+            fragments: match state {
+                VolumeState::Colour { .. } => Fragments::Shader {
+                    path,
+                    entry_point: "region_colour",
+                },
+                // As in wgpu, where a pass with a target wants a shader for it.
+                VolumeState::Mark {
+                    has_colour: true, ..
+                } => Fragments::Shader {
+                    path,
+                    entry_point: "no_colour",
+                },
+                _ => Fragments::None,
+            },
+            format: match self {
+                Self::VsControl => VertexFormat::FixedAndFlag,
+                _ => VertexFormat::Fixed,
+            },
+            topology: self.topology(part),
+            state,
+            depth_bounds: depth_bounds && matches!(state, VolumeState::Mark { .. }),
+        }
+    }
+}
+
+/// The pipeline of a triangle over the screen.
+pub(crate) fn cover_pipeline(state: VolumeState) -> PipelineDescriptor {
+    PipelineDescriptor {
+        vertex: VertexStage {
+            path: "vertex/cover.wgsl",
+            entry_point: "vertex_main",
+        },
+        geometry: None,
+        fragments: Fragments::Shader {
+            path: "vertex/cover.wgsl",
+            entry_point: "fragment_main",
+        },
+        format: VertexFormat::Number,
+        topology: Topology::Triangles,
+        state,
+        depth_bounds: false,
+    }
+}
