@@ -95,7 +95,10 @@ fn wrong_requests_are_refused_before_anything_is_written() {
     let mut wrong = options(&out);
     wrong.backends = vec!["metal".to_owned()];
     let error = run(&wrong).expect_err("no such backend");
-    assert_eq!(error.to_string(), "backend \"metal\", allowed: vertex, compute");
+    assert_eq!(
+        error.to_string(),
+        "backend \"metal\", allowed: vertex, compute, native"
+    );
     let mut wrong = options(&out);
     wrong.scenes = vec!["atlantis".to_owned()];
     let error = run(&wrong).expect_err("no such scene");
