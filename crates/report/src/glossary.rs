@@ -28,7 +28,9 @@ fn entry(line: &'static str) -> Option<(&'static str, String)> {
 mod tests {
     use super::*;
     use crate::page::{COLUMNS, PLOT_TERMS};
-    use terrafill_results::{CaseKey, RunEnvironment, RunFolder, RunPlan, Sample, Status, Summary};
+    use terrafill_results::{
+        CaseKey, LadderRung, MemoryRow, RunEnvironment, RunFolder, RunPlan, Sample, Status, Summary,
+    };
 
     fn csv_columns() -> Vec<String> {
         let folder = tempfile::tempdir().expect("a folder");
@@ -60,7 +62,36 @@ mod tests {
         .expect("a sample");
         run.append_summary(&Summary::new(key, Status::Ok))
             .expect("a summary");
-        ["samples.csv", "summary.csv"]
+        run.write_ladder(&[LadderRung {
+            ladder: "l".to_owned(),
+            rung: 1,
+            step: "s".to_owned(),
+            change: "c".to_owned(),
+            scene: "s".to_owned(),
+            view: "v".to_owned(),
+            backend: "b".to_owned(),
+            variant: "x".to_owned(),
+        }])
+        .expect("a rung");
+        run.append_memory(&[MemoryRow {
+            scene: "s".to_owned(),
+            backend: "b".to_owned(),
+            layout: "l".to_owned(),
+            regions: 1,
+            mesh_vertices: 1,
+            mesh_triangles: 1,
+            boundary_edges: 1,
+            boundary_loops: 1,
+            formula_vertex_bytes: 1,
+            formula_index_bytes: 1,
+            allocated_vertex_bytes: None,
+            allocated_index_bytes: None,
+            region_bytes_smallest: 1,
+            region_bytes_median: 1,
+            region_bytes_largest: 1,
+        }])
+        .expect("bytes");
+        ["samples.csv", "summary.csv", "ladder.csv", "memory.csv"]
             .iter()
             .flat_map(|file| {
                 let text = std::fs::read_to_string(folder.path().join(file)).expect("the file");
@@ -81,7 +112,7 @@ mod tests {
     #[test]
     fn every_csv_column_is_explained() {
         let columns = csv_columns();
-        assert!(columns.len() > 50, "both headers were read: {columns:?}");
+        assert!(columns.len() > 80, "all headers were read: {columns:?}");
         assert_eq!(
             unexplained(columns.iter().map(String::as_str)),
             [""; 0],
@@ -91,7 +122,11 @@ mod tests {
 
     #[test]
     fn every_term_of_the_report_is_explained() {
+        let of_ladder = crate::ladder::COLUMNS.iter().map(|(term, _)| *term);
         let terms = COLUMNS.iter().map(|column| column.term).chain(PLOT_TERMS);
+        let terms = terms
+            .chain(of_ladder)
+            .chain(["standing", "matrix", "exponent"]);
         assert_eq!(unexplained(terms), [""; 0]);
     }
 

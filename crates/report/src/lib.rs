@@ -15,6 +15,7 @@ mod matrix;
 mod memory;
 mod number;
 mod page;
+mod pairs;
 mod picture;
 mod plot;
 mod published;

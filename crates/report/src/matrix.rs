@@ -113,6 +113,12 @@ fn table(scene: &str, cells: &[&Case]) -> MatrixTable {
         views,
         switches,
     };
+    // The layouts of a backend together, in the order of the backends.
+    let mut backends: Vec<&str> = Vec::new();
+    for (backend, _) in &layouts {
+        push_new(&mut backends, *backend);
+    }
+    layouts.sort_by_key(|(backend, _)| backends.iter().position(|known| known == backend));
     for (backend, layout) in layouts {
         let row_cells = table
             .switches

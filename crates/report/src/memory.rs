@@ -194,16 +194,20 @@ pub(crate) fn curves(data: &RunData, scene: &str) -> Vec<Curve> {
         let at = |total: u64| [row.regions as f64, total as f64];
         let point = at(row.formula_bytes());
         let allocated = row.allocated_bytes().map(at);
-        match curves.iter_mut().find(|curve| curve.name == name) {
-            Some(curve) => {
-                curve.points.push(point);
-                curve.allocated = curve.allocated.or(allocated);
-            }
-            None => curves.push(Curve {
+        let known = curves.iter().position(|curve| curve.name == name);
+        let index = known.unwrap_or_else(|| {
+            curves.push(Curve {
                 name,
-                points: vec![point],
-                allocated,
-            }),
+                points: Vec::new(),
+                allocated: None,
+            });
+            curves.len() - 1
+        });
+        // The scene itself is a point beside the curve: what is made every frame is made for the
+        // regions in view only.
+        match allocated {
+            Some(allocated) => curves[index].allocated = Some(allocated),
+            None => curves[index].points.push(point),
         }
     }
     for curve in &mut curves {

@@ -6,6 +6,7 @@ use crate::ladder::{self, LadderTable};
 use crate::matrix::{self, MatrixTable};
 use crate::memory::{self, MemoryChapter};
 use crate::number::{bytes, count, significant, utc};
+use crate::pairs::{self, PairRow};
 use crate::picture::{Picture, embed};
 use crate::plot::{self, Palette};
 use crate::run_data::{Case, Outcome, RunData, SceneCases, ViewCases};
@@ -168,6 +169,8 @@ struct Page {
     environment: Vec<(&'static str, String)>,
     ladders: Vec<LadderTable>,
     ladder_source: &'static str,
+    pairs: Vec<PairRow>,
+    pair_headings: Vec<&'static str>,
     matrices: Vec<MatrixTable>,
     memory: Option<MemorySection>,
     growth: Option<GrowthTable>,
@@ -278,6 +281,8 @@ pub(crate) fn render(data: &RunData) -> Result<String, ReportError> {
         environment: environment(data),
         ladders: ladders(data)?,
         ladder_source: ladder::SOURCE,
+        pairs: pairs::rows(data),
+        pair_headings: pairs::PAIRS.map(|pair| pair.heading).into(),
         matrices: matrix::tables(data),
         memory: memory_section(data)?,
         growth: exponent::table(data),
