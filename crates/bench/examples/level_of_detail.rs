@@ -65,7 +65,8 @@ fn measure(
         let input = full.remeshed(scene, options);
         let mut backend = VertexBackend::new(&stage, VertexVariant::default())?;
         let memory = backend.prepare(&input)?;
-        let figures = compare(&reference, &backend.render(&input)?)?;
+        let frame = backend.render(&input)?;
+        let figures = compare(&reference, &frame)?;
         let vertices: usize = input
             .plan
             .regions

@@ -145,7 +145,7 @@ fn boundaries_moved_too_far_are_noticed() {
         return;
     };
     let (scene, prepared) =
-        leveled("planet-134", LevelChoice::Given(vec![2e5])).expect("ships with the project");
+        leveled("planet-134", LevelChoice::Given(vec![6e4])).expect("ships with the project");
     let view = &scene.views[0];
     let input = FrameInput::new(&prepared, view, SIZE, options(Some(32.0)));
     let reference = ReferenceBackend::new().judge(&input).expect("judges").frame;

@@ -12,8 +12,10 @@
 //! - the triangle `abc` holds no other vertex, by exact predicates: no edge can then come to cross
 //!   another, and none jumps over an island (Saalfeld, 1999, "Topologically consistent line
 //!   simplification with the Douglas-Peucker algorithm");
-//! - every ring keeps at least three vertices and no edge comes to lie on another: islands smaller
-//!   than the tolerance stay, as triangles. Leaving them out is what culling is for.
+//! - every ring keeps at least three vertices and no edge comes to lie on another.
+//!
+//! Rings of less than sixteen tolerances in size stay as they are: leaving out what is too small to
+//! be seen is what culling is for, and moving it makes it seen.
 //!
 //! Regions that cross one another as they are written, and rounding at the antimeridian, escape the
 //! second condition, so afterwards all edges are searched for crossings all the same; edges that
@@ -465,9 +467,14 @@ impl<'a> Thinning<'a> {
 
     fn candidate(&self, entry: usize, tolerance_m: f64) -> Option<Candidate> {
         let Arcs {
-            entries, vertices, ..
+            entries,
+            vertices,
+            arcs,
+            ..
         } = &self.shared.arcs;
-        if entries[entry].is_end || !self.is_there[entry] {
+        let arc = &arcs[entries[entry].arc as usize];
+        let is_small = tolerance_m > arc.largest_tolerance_m;
+        if entries[entry].is_end || !self.is_there[entry] || is_small {
             return None;
         }
         let [from, to] = self.beside(entry);
