@@ -20,7 +20,8 @@ struct CullRegion {
     // Top cap and walls.
     upper_count: u32,
     half_edge_2_m: vec3<f32>,
-    padding: u32,
+    // Added to each index: where the region's corners begin, if they lie in a buffer.
+    base_vertex: i32,
 };
 
 // The shadow, in the space where a body wholly below the surface is the unit sphere.
@@ -90,7 +91,7 @@ fn write_draw(draw: u32, region: u32, first_index: u32, count: u32, state: u32) 
     atomicStore(&draws[draw].index_count, select(0u, count, state == WHOLE));
     draws[draw].instance_count = 1u;
     atomicStore(&draws[draw].first_index, first_index);
-    draws[draw].base_vertex = 0;
+    draws[draw].base_vertex = cull_regions[region].base_vertex;
     draws[draw].first_instance = region;
 }
 

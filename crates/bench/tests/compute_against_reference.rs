@@ -9,7 +9,8 @@
 use std::sync::Arc;
 use terrafill_bench::open_scene;
 use terrafill_compute::{
-    Capacity, ComputeBackend, ComputeVariant, Expansion, GpuCulling, compute_bytes,
+    Capacity, ComputeBackend, ComputeVariant, Expansion, GpuCulling, Transform, compute_bytes,
+    placed_bytes,
 };
 use terrafill_conformance::{compare, filled_only, verdict};
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh, parse_regions};
@@ -29,20 +30,23 @@ const SIZE: ImageSize = ImageSize {
     height: 384,
 };
 
-/// Every expansion with every culling that goes with it.
+/// Every expansion with every culling that goes with it, and either transform.
 fn all_variants() -> Vec<ComputeVariant> {
     let mut variants = Vec::new();
-    for expansion in [Expansion::PerFrame, Expansion::Cached] {
-        for culling in [GpuCulling::Off, GpuCulling::Regions, GpuCulling::Triangles] {
-            variants.push(ComputeVariant {
-                expansion,
-                culling,
-                ..ComputeVariant::default()
-            });
+    for transform in [Transform::VertexStage, Transform::ComputeStage] {
+        for expansion in [Expansion::PerFrame, Expansion::Cached] {
+            for culling in [GpuCulling::Off, GpuCulling::Regions, GpuCulling::Triangles] {
+                variants.push(ComputeVariant {
+                    expansion,
+                    culling,
+                    transform,
+                    ..ComputeVariant::default()
+                });
+            }
         }
     }
     variants.retain(|variant| variant.check().is_ok());
-    assert_eq!(variants.len(), 5);
+    assert_eq!(variants.len(), 10);
     variants
 }
 
@@ -576,9 +580,12 @@ fn bytes_are_those_of_the_formula() {
     };
     let pose = (7.0, 5.0, 3e6, 0.0, -90.0);
     let input = input(&three_regions(), Ellipsoid::WGS84, 180, pose);
-    let formula: terrafill_compute::ComputeBytes =
-        input.scene.meshes.iter().map(compute_bytes).sum();
     for variant in all_variants() {
+        let mut formula: terrafill_compute::ComputeBytes =
+            input.scene.meshes.iter().map(compute_bytes).sum();
+        if variant.transform == Transform::ComputeStage {
+            formula.output_vertex_bytes = input.scene.meshes.iter().map(placed_bytes).sum();
+        }
         let mut backend = backend(&gpu, SIZE, variant);
         let memory = backend.prepare(&input).expect("fits");
         assert_eq!(backend.bytes(), formula, "{}", variant.name());

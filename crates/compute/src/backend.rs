@@ -2,12 +2,12 @@
 //! The backend: buffers of a scene, constants of a view, and the passes of a frame.
 
 use crate::culling::{CullRegion, DrawArguments, Horizon, LEFT_OUT};
-use crate::expansion::{Capacity, ExpansionPlan, OutputSlice};
+use crate::expansion::{Capacity, ExpansionPlan, OutputSlice, PlacingPlan};
 use crate::layout::{MeshSlice, SceneGeometry};
 use crate::pass::{Recorder, counted};
 use crate::pipeline::{NUMBER_FORMAT, Pipelines, State};
 use crate::statistics::Statistics;
-use crate::{ComputeBytes, ComputeVariant, Expansion, GpuCulling};
+use crate::{ComputeBytes, ComputeVariant, Expansion, GpuCulling, Transform};
 use std::sync::Arc;
 use terrafill_core::RegionMesh;
 use terrafill_frame::{
@@ -58,6 +58,19 @@ pub(crate) struct Expanded {
     work_bytes: u64,
 }
 
+/// Corners in clip space, and what it takes to put them there.
+#[derive(Debug)]
+pub(crate) struct Placed {
+    pub(crate) corners: wgpu::Buffer,
+    /// Of the plan's regions, in its order.
+    first_corners: Vec<u32>,
+    work: wgpu::Buffer,
+    pub(crate) bind_group: wgpu::BindGroup,
+    pub(crate) dispatch_size: [u32; 2],
+    output_bytes: u64,
+    work_bytes: u64,
+}
+
 /// What the device decides draws by, and the draws.
 #[derive(Debug)]
 pub(crate) struct Culling {
@@ -84,6 +97,8 @@ pub(crate) struct ViewBuffers {
     /// [`Expansion::PerFrame`]: volumes in the plan, by their place in it.
     pub(crate) expanded: Option<Expanded>,
     pub(crate) culling: Option<Culling>,
+    /// [`Transform::ComputeStage`]: corners of the regions in the plan.
+    pub(crate) placed: Option<Placed>,
     /// Where volumes add their numbers, if the program does so.
     pub(crate) numbers: Option<Numbers>,
 }
@@ -127,7 +142,12 @@ impl Numbers {
 impl ViewBuffers {
     /// Whether a frame has a compute pass.
     pub(crate) fn computes(&self) -> bool {
-        self.expanded.is_some() || self.culling.is_some()
+        self.expanded.is_some() || self.culling.is_some() || self.placed.is_some()
+    }
+
+    /// What is added to the indices of a planned region.
+    pub(crate) fn base_vertex(&self, planned: usize) -> i32 {
+        base_vertex(self.placed.as_ref(), planned)
     }
 
     /// Places of the planned regions' volumes, where they are made every frame.
@@ -136,6 +156,11 @@ impl ViewBuffers {
             .as_ref()
             .map_or(&[], |expanded| &expanded.outputs)
     }
+}
+
+fn base_vertex(placed: Option<&Placed>, planned: usize) -> i32 {
+    let first = placed.map_or(0, |placed| placed.first_corners[planned]);
+    i32::try_from(first).unwrap_or(i32::MAX)
 }
 
 /// What the colour pass writes for region `index`.
@@ -230,6 +255,7 @@ impl ComputeBackend {
         let scene = self.scene.as_ref();
         ComputeBytes {
             output_index_bytes: self.expanded().map_or(0, |e| e.output_bytes),
+            output_vertex_bytes: self.placed().map_or(0, |placed| placed.output_bytes),
             ..scene.map_or(ComputeBytes::default(), |scene| scene.bytes)
         }
     }
@@ -237,6 +263,10 @@ impl ComputeBackend {
     fn expanded(&self) -> Option<&Expanded> {
         let of_view = self.view.as_ref().and_then(|view| view.expanded.as_ref());
         of_view.or(self.scene.as_ref()?.expanded.as_ref())
+    }
+
+    fn placed(&self) -> Option<&Placed> {
+        self.view.as_ref()?.placed.as_ref()
     }
 
     fn draw_and_read(&mut self, input: &FrameInput) -> Result<(Picture, Counters), BackendError> {
@@ -409,6 +439,37 @@ impl ComputeBackend {
         })
     }
 
+    /// Room for the corners of the regions in the plan.
+    fn make_placed(&self, stage: &Stage, input: &FrameInput) -> Result<Placed, BackendError> {
+        let planned = input.plan.regions.iter();
+        let plan = PlacingPlan::new(planned.map(|planned| &input.scene.meshes[planned.mesh]))?;
+        let (output_bytes, work_bytes) = (plan.output_bytes(), size_of_val(&*plan.work) as u64);
+        self.capacity
+            .check_bytes("corners in clip space", output_bytes)?;
+        self.capacity.check_bytes("placing work", work_bytes)?;
+        let dispatch_size = self.capacity.dispatch_size(plan.work.len())?;
+        let gpu = stage.gpu();
+        let corners = gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("corners in clip space"),
+            // As above; 16 bytes are one corner.
+            size: output_bytes.max(16),
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX,
+            mapped_at_creation: false,
+        });
+        let work = storage_bytes(&plan.work);
+        let work = stage.upload("placing work", &work, wgpu::BufferUsages::STORAGE)?;
+        let layout = &self.pipelines.bindings.expansion;
+        Ok(Placed {
+            bind_group: bind(gpu, "placing", layout, &[&work, &corners]),
+            corners,
+            first_corners: plan.first_corners,
+            work,
+            dispatch_size,
+            output_bytes,
+            work_bytes,
+        })
+    }
+
     fn expand_once(&self, gpu: &Gpu, meshes: &wgpu::BindGroup, expanded: &Expanded) {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&Default::default());
@@ -438,9 +499,25 @@ impl ComputeBackend {
                 Some(self.make_room(&stage, &plan)?)
             }
         };
+        let placed = match self.variant.transform {
+            Transform::VertexStage => None,
+            Transform::ComputeStage => Some(self.make_placed(&stage, input)?),
+        };
         let culling = match self.variant.culling {
             GpuCulling::Off => None,
-            _ => Some(self.upload_culling(&stage, input, scene, expanded.as_ref())?),
+            _ => {
+                let base_vertex = |planned| base_vertex(placed.as_ref(), planned);
+                let output = |index: usize, mesh: usize| match (&scene.expanded, &expanded) {
+                    (Some(cached), _) => Some(cached.outputs[mesh]),
+                    (None, expanded) => expanded.as_ref().map(|e| e.outputs[index]),
+                };
+                let region = |(index, planned): (usize, &PlannedRegion)| {
+                    let output = output(index, planned.mesh)?;
+                    Some(CullRegion::new(input, planned, output, base_vertex(index)))
+                };
+                let regions = planned.iter().enumerate().filter_map(region).collect();
+                Some(self.upload_culling(&stage, input, regions)?)
+            }
         };
         let constants: Vec<RegionConstants> = planned
             .iter()
@@ -469,6 +546,7 @@ impl ComputeBackend {
             program,
             expanded,
             culling,
+            placed,
             numbers,
         });
         Ok(())
@@ -478,21 +556,9 @@ impl ComputeBackend {
         &self,
         stage: &Stage,
         input: &FrameInput,
-        scene: &SceneBuffers,
-        expanded: Option<&Expanded>,
+        regions: Vec<CullRegion>,
     ) -> Result<Culling, BackendError> {
         let planned = &input.plan.regions;
-        let output = |index: usize, planned: &PlannedRegion| match (&scene.expanded, expanded) {
-            (Some(cached), _) => Some(cached.outputs[planned.mesh]),
-            (None, expanded) => expanded.map(|expanded| expanded.outputs[index]),
-        };
-        let regions: Vec<CullRegion> = planned
-            .iter()
-            .enumerate()
-            .filter_map(|(index, planned)| {
-                Some(CullRegion::new(input, planned, output(index, planned)?))
-            })
-            .collect();
         let draw_bytes = 2 * (size_of::<DrawArguments>() * planned.len().max(1)) as u64;
         let region_bytes = size_of_val(&*regions) as u64;
         self.capacity.check_bytes("draw arguments", draw_bytes)?;
@@ -683,12 +749,14 @@ impl Backend for ComputeBackend {
         };
         let (bytes, expanded) = (self.bytes(), self.expanded());
         let held = [&scene.positions, &scene.indices, &view.constants];
-        let lists = expanded.map_or(0, |e| [&e.indices, &e.work].len());
+        let lists = expanded.map_or(0, |e| [&e.indices, &e.work].len())
+            + self.placed().map_or(0, |p| [&p.corners, &p.work].len());
         Ok(MemoryUse {
-            vertex_bytes: bytes.input_vertex_bytes,
+            vertex_bytes: bytes.input_vertex_bytes + bytes.output_vertex_bytes,
             index_bytes: bytes.input_index_bytes + bytes.output_index_bytes,
             constant_bytes: view.constant_bytes
                 + expanded.map_or(0, |expanded| expanded.work_bytes)
+                + self.placed().map_or(0, |placed| placed.work_bytes)
                 + self.culling().map_or(0, |culling| culling.bytes),
             // Culling: draws, boxes, horizon, states.
             buffers: (held.len() + lists + self.culling().map_or(0, |_| 4)) as u64,

@@ -58,6 +58,13 @@ impl Recorder<'_> {
             timestamp_writes: stamps,
         });
         pass.set_bind_group(0, &self.view.bind_group, &[]);
+        if let (Some(placed), Some(pipeline)) = (&self.view.placed, &self.backend.pipelines.place) {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(1, &self.scene.bind_group, &[]);
+            pass.set_bind_group(2, &placed.bind_group, &[]);
+            let [columns, rows] = placed.dispatch_size;
+            pass.dispatch_workgroups(columns, rows, 1);
+        }
         if let (Some(culling), Some(pipeline)) = (&self.view.culling, &self.backend.pipelines.cull)
         {
             pass.set_pipeline(pipeline);
@@ -149,6 +156,9 @@ impl Recorder<'_> {
     fn bind_geometry(&self, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_bind_group(0, &self.view.bind_group, &[]);
         pass.set_bind_group(1, &self.scene.bind_group, &[]);
+        if let Some(placed) = &self.view.placed {
+            pass.set_vertex_buffer(0, placed.corners.slice(..));
+        }
         if let Some(expanded) = self.expanded() {
             pass.set_index_buffer(expanded.slice(..), wgpu::IndexFormat::Uint32);
         }
@@ -321,7 +331,11 @@ impl Recorder<'_> {
         } else {
             output.first_index
         };
-        pass.draw_indexed(first..end, 0, instance(planned));
+        pass.draw_indexed(
+            first..end,
+            self.view.base_vertex(planned),
+            instance(planned),
+        );
         self.counters.vertices += u64::from(end - first);
     }
 }

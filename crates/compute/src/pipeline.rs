@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pipelines of the compute, stencil and colour passes.
 
-use crate::{ComputeVariant, Expansion, GpuCulling};
+use crate::{ComputeVariant, Expansion, GpuCulling, Transform};
 use std::collections::HashMap;
 use terrafill_frame::{
     BackendError, CoverShape, DepthRule, FaceSet, FillCommand, StencilOperation, StencilRule,
@@ -97,6 +97,8 @@ pub(crate) struct Pipelines {
     pub(crate) bindings: Bindings,
     pub(crate) expand: wgpu::ComputePipeline,
     pub(crate) cull: Option<wgpu::ComputePipeline>,
+    pub(crate) place: Option<wgpu::ComputePipeline>,
+    transform: Transform,
     volume_shader: wgpu::ShaderModule,
     volume_layout: wgpu::PipelineLayout,
     volumes: HashMap<State, wgpu::RenderPipeline>,
@@ -149,6 +151,23 @@ fn expand_pipeline(
     Ok(gpu.create_compute_pipeline(&descriptor))
 }
 
+fn place_pipeline(gpu: &Gpu, bindings: &Bindings) -> Result<wgpu::ComputePipeline, BackendError> {
+    let groups = [
+        Some(&bindings.frame),
+        Some(&bindings.geometry),
+        Some(&bindings.expansion),
+    ];
+    let descriptor = wgpu::ComputePipelineDescriptor {
+        label: Some("place"),
+        layout: Some(&layout(&gpu.device, &groups)),
+        module: &gpu.shader("compute/expand.wgsl")?,
+        entry_point: Some("place_corners"),
+        compilation_options: Default::default(),
+        cache: None,
+    };
+    Ok(gpu.create_compute_pipeline(&descriptor))
+}
+
 fn cull_pipeline(
     gpu: &Gpu,
     bindings: &Bindings,
@@ -178,7 +197,13 @@ impl Pipelines {
             GpuCulling::Off => None,
             culling => Some(cull_pipeline(gpu, &bindings, culling)?),
         };
+        let place = match variant.transform {
+            Transform::VertexStage => None,
+            Transform::ComputeStage => Some(place_pipeline(gpu, &bindings)?),
+        };
         Ok(Self {
+            place,
+            transform: variant.transform,
             expand: expand_pipeline(gpu, &bindings, variant)?,
             cull,
             volume_shader: gpu.shader("compute/fill.wgsl")?,
@@ -264,15 +289,29 @@ impl Pipelines {
     }
 
     fn volume_pipeline(&self, gpu: &Gpu, state: State) -> wgpu::RenderPipeline {
-        let (vertex_entry, fragment_entry) = match state {
-            State::Mark { .. } => ("vertex_main", "no_colour"),
-            State::Count { .. } => ("vertex_main", "counted"),
+        let fragment_entry = match state {
+            State::Mark { .. } => "no_colour",
+            State::Count { .. } => "counted",
             State::Number { depth, .. } => match depth {
-                DepthRule::Fail => ("numbered_main", "number_behind"),
-                DepthRule::Pass => ("numbered_main", "number_before"),
+                DepthRule::Fail => "number_behind",
+                DepthRule::Pass => "number_before",
             },
-            State::Colour { .. } => ("coloured_main", "region_colour"),
+            State::Colour { .. } => "region_colour",
         };
+        let is_placed = self.transform == Transform::ComputeStage;
+        let vertex_entry = match (state, is_placed) {
+            (State::Mark { .. } | State::Count { .. }, false) => "vertex_main",
+            (State::Mark { .. } | State::Count { .. }, true) => "placed_main",
+            (State::Number { .. }, false) => "numbered_main",
+            (State::Number { .. }, true) => "placed_numbered",
+            (State::Colour { .. }, false) => "coloured_main",
+            (State::Colour { .. }, true) => "placed_coloured",
+        };
+        let corner = [Some(wgpu::VertexBufferLayout {
+            array_stride: 16,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &wgpu::vertex_attr_array![0 => Float32x4],
+        })];
         let (faces, target, depth_stencil) = match state {
             State::Mark { rule, has_colour } => {
                 let unwritten = wgpu::ColorTargetState {
@@ -302,7 +341,7 @@ impl Pipelines {
                 module: &self.volume_shader,
                 entry_point: Some(vertex_entry),
                 compilation_options: Default::default(),
-                buffers: &[],
+                buffers: if is_placed { &corner } else { &[] },
             },
             primitive: wgpu::PrimitiveState {
                 cull_mode: match faces {
