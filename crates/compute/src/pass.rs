@@ -3,7 +3,7 @@
 //!
 //! Depth stays as the surface left it: it is attached read-only throughout.
 
-use crate::backend::{ComputeBackend, SceneBuffers, ViewBuffers};
+use crate::backend::{ComputeBackend, Expanded, SceneBuffers, ViewBuffers};
 use crate::culling::DRAW_ARGUMENTS_BYTES;
 use crate::expansion::{OutputSlice, WORKGROUP_SIZE};
 use crate::pipeline::State;
@@ -57,25 +57,26 @@ impl Recorder<'_> {
             label: Some("expansion"),
             timestamp_writes: stamps,
         });
+        let pipelines = &self.backend.pipelines;
         pass.set_bind_group(0, &self.view.bind_group, &[]);
-        if let (Some(placed), Some(pipeline)) = (&self.view.placed, &self.backend.pipelines.place) {
+        pass.set_bind_group(1, &self.scene.bind_group, &[]);
+        if let (Some(placed), Some(pipeline)) = (&self.view.placed, &pipelines.place) {
             pass.set_pipeline(pipeline);
-            pass.set_bind_group(1, &self.scene.bind_group, &[]);
             pass.set_bind_group(2, &placed.bind_group, &[]);
             let [columns, rows] = placed.dispatch_size;
             pass.dispatch_workgroups(columns, rows, 1);
         }
-        if let (Some(culling), Some(pipeline)) = (&self.view.culling, &self.backend.pipelines.cull)
-        {
+        if let Some(expanded) = self.expanded() {
+            pass.set_bind_group(2, &expanded.bind_group, &[]);
+        }
+        if let (Some(culling), Some(pipeline)) = (&self.view.culling, &pipelines.cull) {
             pass.set_pipeline(pipeline);
             pass.set_bind_group(3, &culling.bind_group, &[]);
             let regions = self.input.plan.regions.len().div_ceil(WORKGROUP_SIZE);
             pass.dispatch_workgroups(u32::try_from(regions).unwrap_or(u32::MAX), 1, 1);
         }
         if let Some(expanded) = &self.view.expanded {
-            pass.set_pipeline(&self.backend.pipelines.expand);
-            pass.set_bind_group(1, &self.scene.bind_group, &[]);
-            pass.set_bind_group(2, &expanded.bind_group, &[]);
+            pass.set_pipeline(&pipelines.expand);
             let [columns, rows] = expanded.dispatch_size;
             pass.dispatch_workgroups(columns, rows, 1);
         }
@@ -160,14 +161,13 @@ impl Recorder<'_> {
             pass.set_vertex_buffer(0, placed.corners.slice(..));
         }
         if let Some(expanded) = self.expanded() {
-            pass.set_index_buffer(expanded.slice(..), wgpu::IndexFormat::Uint32);
+            pass.set_index_buffer(expanded.indices.slice(..), wgpu::IndexFormat::Uint32);
         }
     }
 
     /// The list of volumes, whoever made it.
-    fn expanded(&self) -> Option<&wgpu::Buffer> {
-        let own = self.view.expanded.as_ref().or(self.scene.expanded.as_ref());
-        own.map(|expanded| &expanded.indices)
+    fn expanded(&self) -> Option<&Expanded> {
+        self.view.expanded.as_ref().or(self.scene.expanded.as_ref())
     }
 
     fn output(&self, planned: usize) -> OutputSlice {

@@ -133,12 +133,11 @@ fn expand_pipeline(
     } = bindings;
     let all = [Some(frame), Some(geometry), Some(expansion), Some(culling)];
     let (entry_point, groups) = match (variant.expansion, variant.culling) {
-        (Expansion::Cached, _) | (_, GpuCulling::Off) => (
-            "expand_all",
-            &[None, Some(geometry), Some(expansion)] as &[_],
-        ),
-        (_, GpuCulling::Regions) => ("expand_drawn", &all as &[_]),
-        (_, GpuCulling::Triangles) => ("expand_visible", &all as &[_]),
+        // No view is known yet.
+        (Expansion::Cached, _) => ("expand_all", &[None, all[1], all[2]] as &[_]),
+        (Expansion::PerFrame, GpuCulling::Off) => ("expand_all", &all[..3]),
+        (Expansion::PerFrame, GpuCulling::Regions) => ("expand_drawn", &all[..]),
+        (Expansion::PerFrame, GpuCulling::Triangles) => ("expand_visible", &all[..]),
     };
     let descriptor = wgpu::ComputePipelineDescriptor {
         label: Some("expand"),
@@ -173,7 +172,15 @@ fn cull_pipeline(
     bindings: &Bindings,
     culling: GpuCulling,
 ) -> Result<wgpu::ComputePipeline, BackendError> {
-    let groups = [Some(&bindings.frame), None, None, Some(&bindings.culling)];
+    // Two groups more than it reads: pipelines of one pass whose layouts differ before a group
+    // disturb that group (Vulkan 1.3, "Pipeline Layout Compatibility"), and wgpu does not bind it
+    // again where a layout has a gap.
+    let groups = [
+        Some(&bindings.frame),
+        Some(&bindings.geometry),
+        Some(&bindings.expansion),
+        Some(&bindings.culling),
+    ];
     let tests_pieces = culling == GpuCulling::Triangles;
     let descriptor = wgpu::ComputePipelineDescriptor {
         label: Some("cull"),

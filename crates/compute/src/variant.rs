@@ -50,7 +50,10 @@ impl GpuCulling {
     }
 }
 
-/// Which stage puts corners where they are seen.
+/// Which stage puts corners where they are seen. On lavapipe the compute stage takes 6 to 10 % off
+/// a globe made every frame (its workgroups run on all cores, vertex shaders on one) and adds up to
+/// 7 % close up, where the dispatch costs more than the few corners; numbers take a third less room
+/// than corners with numbers and hold for every view, so they are the default.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
 pub enum Transform {
     /// The vertex shader, corner by corner as draws ask for them: what is expanded are numbers
