@@ -85,7 +85,9 @@ pub(crate) struct LadderTable {
     pub(crate) ladder: String,
     pub(crate) headings: Vec<(&'static str, String)>,
     pub(crate) rows: Vec<RungRow>,
-    /// Sentences below the table.
+    /// First and last right rung over bound, total gain, and the step that gave most.
+    pub(crate) overview: [String; 4],
+    /// What is said above the table.
     pub(crate) sentences: Vec<String>,
     /// Rungs without a result, and gaps in the numbering, by name.
     pub(crate) missing: Vec<String>,
@@ -124,8 +126,8 @@ impl RungData<'_> {
 
 /// Columns of the table after step and status: term of the glossary, and heading.
 pub(crate) const COLUMNS: [(&str, &str); 8] = [
-    ("time over bound", "÷\u{a0}bound, median [5–95\u{a0}%]"),
-    ("gain", "gain over the rung before [95\u{a0}% interval]"),
+    ("time over bound", "÷\u{a0}bound [5–95\u{a0}%]"),
+    ("gain", "gain over the rung before [95\u{a0}%]"),
     ("geometry_bytes", "geometry bytes"),
     ("draws", "draws"),
     ("vertices", "vertices"),
@@ -161,7 +163,8 @@ pub(crate) fn tables(data: &RunData) -> Vec<LadderTable> {
                     .map(|(term, heading)| (*heading, glossary::meaning(term).unwrap_or_default()))
                     .collect(),
                 rows: rungs.iter().map(rung_row).collect(),
-                sentences: sentences(data, view, &rungs),
+                overview: overview(data, &rungs),
+                sentences: sentences(view, &rungs),
                 missing: missing(&rungs),
                 plot: None,
             }
@@ -270,25 +273,44 @@ fn finding_of(rung: &RungData<'_>) -> Option<(&'static str, &'static str, String
     ))
 }
 
-/// Total gain, what gave most, and what the view says of fill rate.
-fn sentences(data: &RunData, view: &str, rungs: &[RungData<'_>]) -> Vec<String> {
-    let mut sentences = Vec::new();
+/// Gain from the first right rung to the last.
+fn total(data: &RunData, rungs: &[RungData<'_>]) -> Option<Interval> {
     let right: Vec<&RungData<'_>> = rungs.iter().filter(|rung| rung.counts()).collect();
-    if let (Some(first), Some(last)) = (right.first(), right.last())
-        && let Some(total) = gain_of(data, &first.rung.key(), &last.rung.key())
-    {
-        sentences.push(format!(
-            "First rung ÷ last: {}, from “{}” to “{}”.",
-            interval_text(total),
-            first.rung.step,
-            last.rung.step
-        ));
-    }
+    gain_of(data, &right.first()?.rung.key(), &right.last()?.rung.key())
+}
+
+/// Steps by what they gave, most first.
+fn by_gain<'a>(rungs: &'a [RungData<'_>]) -> Vec<(&'a str, Interval)> {
     let mut gains: Vec<(&str, Interval)> = rungs
         .iter()
         .filter_map(|rung| Some((rung.rung.step.as_str(), rung.gain?)))
         .collect();
     gains.sort_by(|a, b| b.1.middle.total_cmp(&a.1.middle));
+    gains
+}
+
+/// A ladder in four cells.
+fn overview(data: &RunData, rungs: &[RungData<'_>]) -> [String; 4] {
+    let absent = || "–".to_owned();
+    let right = || rungs.iter().filter(|rung| rung.counts());
+    let over_bound = |rung: Option<&RungData<'_>>| {
+        rung.and_then(|rung| crate::plot::ratio(rung.case?))
+            .map_or_else(absent, |spread| significant(spread.median))
+    };
+    [
+        over_bound(right().next()),
+        over_bound(right().last()),
+        total(data, rungs).map_or_else(absent, interval_text),
+        by_gain(rungs).first().map_or_else(absent, |(step, gain)| {
+            format!("{step}: {}", interval_text(*gain))
+        }),
+    ]
+}
+
+/// What gave most, where the ladder ends, and what the view says of fill rate.
+fn sentences(view: &str, rungs: &[RungData<'_>]) -> Vec<String> {
+    let mut sentences = Vec::new();
+    let gains = by_gain(rungs);
     if let Some((step, most)) = gains.first() {
         sentences.push(format!(
             "“{step}” gave most: {}{}.",
@@ -298,6 +320,15 @@ fn sentences(data: &RunData, view: &str, rungs: &[RungData<'_>]) -> Vec<String> 
                     format!(", not clearly more than “{second}”"),
                 _ => String::new(),
             }
+        ));
+    }
+    let last_right = rungs.iter().rev().find(|rung| rung.counts());
+    if let (Some(right), Some(last)) = (last_right, rungs.last())
+        && right.rung.rung != last.rung.rung
+    {
+        sentences.push(format!(
+            "The last rung that is right is {}, “{}”.",
+            right.rung.rung, right.rung.step
         ));
     }
     if view == FILL_RATE_VIEW
