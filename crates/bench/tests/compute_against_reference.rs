@@ -490,6 +490,28 @@ fn culling_pieces_leaves_out_more_than_culling_regions() {
     assert!(pieces > 0);
 }
 
+/// Twin of the above: boxes on the far side of the body take their regions with them.
+#[test]
+fn culling_by_wrong_boxes_is_noticed() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let pose = (7.0, 5.0, 3e6, 0.0, -90.0);
+    let mut input = input(&three_regions(), Ellipsoid::WGS84, 180, pose);
+    let right = draw(&gpu, &input, ComputeVariant::default());
+    let mut bounds = input.scene.bounds.to_vec();
+    for region in &mut bounds {
+        region.bounds.center_ecef = -region.bounds.center_ecef;
+    }
+    input.scene.bounds = bounds.into();
+    for variant in all_variants() {
+        let frame = draw(&gpu, &input, variant);
+        let is_blind = variant.culling == GpuCulling::Off;
+        assert_eq!(frame.ids == right.ids, is_blind, "{}", variant.name());
+        assert_eq!(frame.filled_px() == 0, !is_blind, "{}", variant.name());
+    }
+}
+
 /// A frame drawn within `capacity`.
 fn draw_within(
     gpu: &Arc<Gpu>,
