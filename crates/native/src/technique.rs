@@ -15,7 +15,11 @@ pub enum Technique {
     /// (a, b, b). Each input makes two triangles.
     #[default]
     GsDegenerate,
-    /// In geometry shaders, two draws: triangles and lines.
+    /// As [`Technique::GsDegenerate`], but where it can a triangle of boundary vertices stands for
+    /// two edges in a row, a → b → c: written (b, c, a), with the smallest number not first, while
+    /// triangles of the mesh are turned to begin with theirs. Half the indices of the boundary.
+    GsTwoEdges,
+    /// In geometry shaders, two draws: triangles, and line strips along the boundary.
     GsLine,
     /// In the geometry shader, one draw: triangles with their neighbours. Each makes 2 to 8
     /// triangles.
@@ -36,9 +40,10 @@ pub(crate) enum Part {
 
 impl Technique {
     /// Every technique.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::VsControl,
         Self::GsDegenerate,
+        Self::GsTwoEdges,
         Self::GsLine,
         Self::GsAdjacency,
         Self::GsPerTriangle,
@@ -50,6 +55,7 @@ impl Technique {
         match self {
             Self::VsControl => "vs-control",
             Self::GsDegenerate => "gs-degenerate",
+            Self::GsTwoEdges => "gs-two-edges",
             Self::GsLine => "gs-line",
             Self::GsAdjacency => "gs-adjacency",
             Self::GsPerTriangle => "gs-per-triangle",
@@ -65,14 +71,16 @@ impl Technique {
     pub(crate) fn parts(self) -> &'static [Part] {
         match self {
             Self::VsControl | Self::GsLine => &[Part::Caps, Part::Walls],
-            Self::GsDegenerate | Self::GsAdjacency | Self::GsPerTriangle => &[Part::Whole],
+            Self::GsDegenerate | Self::GsTwoEdges | Self::GsAdjacency | Self::GsPerTriangle => {
+                &[Part::Whole]
+            }
         }
     }
 
     fn topology(self, part: Part) -> Topology {
         match (self, part) {
             (Self::VsControl, Part::Walls) => Topology::Strips,
-            (Self::GsLine, Part::Walls) => Topology::Lines,
+            (Self::GsLine, Part::Walls) => Topology::LineStrips,
             (Self::GsAdjacency, _) => Topology::TrianglesWithAdjacency,
             _ => Topology::Triangles,
         }
@@ -82,6 +90,7 @@ impl Technique {
         match (self, part) {
             (Self::VsControl, _) => None,
             (Self::GsDegenerate, _) => Some("native/degenerate.geom"),
+            (Self::GsTwoEdges, _) => Some("native/two_edges.geom"),
             (Self::GsLine, Part::Walls) => Some("native/walls.geom"),
             (Self::GsLine, _) => Some("native/caps.geom"),
             (Self::GsAdjacency, _) => Some("native/adjacency.geom"),

@@ -95,8 +95,14 @@ macro_rules! geometry_shaders {
     };
 }
 
-const GEOMETRY_SHADERS: &[GeometryShader] =
-    geometry_shaders!["degenerate", "caps", "walls", "adjacency", "per_triangle"];
+const GEOMETRY_SHADERS: &[GeometryShader] = geometry_shaders![
+    "degenerate",
+    "two_edges",
+    "caps",
+    "walls",
+    "adjacency",
+    "per_triangle",
+];
 
 /// GLSL that geometry shaders include.
 const GEOMETRY_SHARED: &[&str] = &["native/volume.glsl"];
@@ -198,7 +204,7 @@ mod tests {
 
     #[test]
     fn geometry_shaders_are_spirv_and_come_in_two_kinds() {
-        assert_eq!(geometry_shaders().len(), 5);
+        assert_eq!(geometry_shaders().len(), 6);
         for shader in geometry_shaders() {
             let plain = geometry_spirv(shader.source, false).expect("SPIR-V");
             let coloured = geometry_spirv(shader.source, true).expect("SPIR-V");

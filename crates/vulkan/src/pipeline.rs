@@ -69,10 +69,10 @@ pub enum VertexFormat {
 pub enum Topology {
     /// Three each.
     Triangles,
-    /// Strips that the largest index ends.
+    /// Strips of triangles that the largest index ends.
     Strips,
-    /// Two each.
-    Lines,
+    /// Strips of lines that the largest index ends.
+    LineStrips,
     /// Six each: corners, and between them those of the neighbours.
     TrianglesWithAdjacency,
 }
@@ -320,10 +320,13 @@ fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, Ba
         .topology(match descriptor.topology {
             Topology::Triangles => vk::PrimitiveTopology::TRIANGLE_LIST,
             Topology::Strips => vk::PrimitiveTopology::TRIANGLE_STRIP,
-            Topology::Lines => vk::PrimitiveTopology::LINE_LIST,
+            Topology::LineStrips => vk::PrimitiveTopology::LINE_STRIP,
             Topology::TrianglesWithAdjacency => vk::PrimitiveTopology::TRIANGLE_LIST_WITH_ADJACENCY,
         })
-        .primitive_restart_enable(descriptor.topology == Topology::Strips);
+        .primitive_restart_enable(matches!(
+            descriptor.topology,
+            Topology::Strips | Topology::LineStrips
+        ));
     let viewport = vk::PipelineViewportStateCreateInfo::default()
         .viewport_count(1)
         .scissor_count(1);
