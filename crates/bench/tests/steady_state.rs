@@ -13,7 +13,9 @@ use terrafill_frame::{
 };
 use terrafill_gpu::{GpuOptions, Stage, WorkDone, open_for_test};
 use terrafill_scene::{ImageSize, Overlap};
-use terrafill_vertex::{Layout, VertexBackend, VertexVariant};
+use terrafill_vertex::{
+    Layout, LayoutBytes, VertexBackend, VertexVariant, shared_flag_bytes, variant_bytes,
+};
 
 fn two_squares() -> PreparedScene {
     let text = collection(&[
@@ -70,6 +72,65 @@ fn the_second_unchanged_frame_makes_and_uploads_nothing() {
             assert_eq!(gpu.work_done() - before, WorkDone::default(), "{name}");
         }
     }
+}
+
+#[test]
+fn bytes_by_formula_are_the_bytes_handed_to_the_device() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let scene = two_squares();
+    let input = seen_from(&scene, 2e6);
+    let stage = Stage::shared(&gpu, SIZE).expect("small targets");
+    stage.borrow_mut().prepare(&input).expect("fits");
+    let mut totals = Vec::new();
+    for name in [
+        "doubled",
+        "doubled,walls=list",
+        "doubled,vertex-bytes=20",
+        "doubled,index-order=cache",
+        "separate",
+        "separate,walls=list",
+        "per-triangle",
+        "pulled",
+    ] {
+        let mut variant = VertexVariant::default();
+        let (layout, switches) = name.split_once(',').unwrap_or((name, ""));
+        assert_eq!(variant.set("layout", layout), Ok(true));
+        if let Some((key, value)) = switches.split_once('=') {
+            assert_eq!(variant.set(key, value), Ok(true));
+        }
+        let meshes = &scene.meshes;
+        let regions: LayoutBytes = meshes
+            .iter()
+            .map(|mesh| variant_bytes(&variant, mesh))
+            .sum();
+        let formula = regions.total() + shared_flag_bytes(variant.layout, meshes);
+        let before = gpu.work_done();
+        let mut backend = VertexBackend::new(&stage, variant).expect("valid shaders");
+        let memory = backend.prepare(&input).expect("fits");
+        let done = gpu.work_done() - before;
+        assert_eq!(memory.geometry_bytes(), formula, "{name}");
+        assert_eq!(done.upload_bytes, formula + memory.constant_bytes, "{name}");
+        assert_eq!(done.buffer_creations, memory.buffers, "{name}");
+        totals.push(formula);
+    }
+    let [
+        doubled,
+        list,
+        padded,
+        ordered,
+        separate,
+        _,
+        per_triangle,
+        pulled,
+    ] = totals[..]
+    else {
+        panic!("eight layouts");
+    };
+    assert_eq!(doubled, ordered);
+    assert!(pulled < separate && separate < doubled && doubled < list);
+    assert!(list < per_triangle && doubled < padded);
 }
 
 #[test]
