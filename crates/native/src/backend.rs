@@ -10,8 +10,8 @@ use std::sync::Arc;
 use terrafill_core::RegionMesh;
 use terrafill_frame::{
     Backend, BackendError, Capabilities, Counters, FillProgram, Frame, FrameInput, FrameTimes,
-    MAX_REGIONS, MemoryUse, Picture, RegionConstants, Switches, TimedBackend, VolumeBackend,
-    id_rgba, ids_of, palette_rgba,
+    MAX_REGIONS, MemoryUse, Picture, RegionConstants, SwitchError, Switches, TimedBackend,
+    VolumeBackend, id_rgba, ids_of, palette_rgba,
 };
 use terrafill_scene::PlannedRegion;
 use terrafill_vulkan::{
@@ -35,6 +35,29 @@ impl NativeVariant {
         let mut names = self.switches.names();
         names.insert(0, self.technique.name().to_owned());
         names.join(",")
+    }
+
+    /// Every key of its own that [`NativeVariant::set`] takes, with its values.
+    pub const KEYS: &str = "technique=vs-control|gs-degenerate|gs-two-edges|gs-line|gs-adjacency|\
+        gs-per-triangle, depth-bounds=off|on";
+
+    /// Sets the switch `key` to `value`; with `technique=` the inverse of [`NativeVariant::name`].
+    ///
+    /// # Errors
+    /// [`SwitchError`] when the value is none of the switch's; `Ok(false)` when there is no such
+    /// switch.
+    pub fn set(&mut self, key: &str, value: &str) -> Result<bool, SwitchError> {
+        if key != "technique" {
+            return self.switches.set(key, value);
+        }
+        let all = Technique::ALL;
+        let found = all.into_iter().find(|technique| technique.name() == value);
+        self.technique = found.ok_or_else(|| SwitchError {
+            switch: "technique",
+            found: value.to_owned(),
+            allowed: all.map(Technique::name).join(", "),
+        })?;
+        Ok(true)
     }
 }
 
@@ -484,5 +507,43 @@ impl VolumeBackend for NativeBackend {
         let mut stage = self.stage.borrow_mut();
         stage.prepare(input)?;
         stage.draw_surface().map(|_| ())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_named_can_be_set_again() {
+        for technique in Technique::ALL {
+            let variant = NativeVariant {
+                technique,
+                switches: Switches {
+                    depth_bounds: true,
+                    scissor: true,
+                    ..Switches::default()
+                },
+            };
+            let name = variant.name();
+            let mut parts = name.split(',');
+            let mut read = NativeVariant::default();
+            let first = parts.next().expect("a technique");
+            assert_eq!(read.set("technique", first), Ok(true));
+            for part in parts {
+                let (key, value) = part.split_once('=').expect("key=value");
+                assert_eq!(read.set(key, value), Ok(true), "{name}");
+            }
+            assert_eq!(read, variant);
+            assert!(NativeVariant::KEYS.contains(technique.name()));
+        }
+        let mut variant = NativeVariant::default();
+        let error = variant.set("technique", "gs").expect_err("no such one");
+        assert!(
+            error.to_string().contains("gs-degenerate, gs-two-edges"),
+            "{error}"
+        );
+        assert_eq!(variant.set("techniques", "gs-line"), Ok(false));
+        assert_eq!(variant, NativeVariant::default());
     }
 }
