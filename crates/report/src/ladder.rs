@@ -299,7 +299,7 @@ fn overview(data: &RunData, rungs: &[RungData<'_>]) -> [String; 4] {
     };
     [
         over_bound(right().next()),
-        over_bound(right().last()),
+        over_bound(right().next_back()),
         total(data, rungs).map_or_else(absent, interval_text),
         by_gain(rungs).first().map_or_else(absent, |(step, gain)| {
             format!("{step}: {}", interval_text(*gain))

@@ -25,7 +25,8 @@ pub(crate) struct MatrixTable {
     /// Reasons of skipped cells, with how many they are.
     pub(crate) skipped: Vec<(String, usize)>,
     pub(crate) equal: usize,
-    pub(crate) total: usize,
+    /// Cells that are not skipped.
+    pub(crate) asked: usize,
 }
 
 /// One layout of one backend.
@@ -109,7 +110,7 @@ fn table(scene: &str, cells: &[&Case]) -> MatrixTable {
         red: Vec::new(),
         skipped: Vec::new(),
         equal: 0,
-        total: cells.len(),
+        asked: 0,
         views,
         switches,
     };
@@ -147,6 +148,9 @@ fn table(scene: &str, cells: &[&Case]) -> MatrixTable {
 
 impl MatrixTable {
     fn count(&mut self, case: &Case, finding: &Finding) {
+        if !matches!(finding, Finding::Skipped(_)) {
+            self.asked += 1;
+        }
         match finding {
             Finding::Equal => self.equal += 1,
             Finding::Red(what) => self.red.push(format!("{}: {what}", case.key)),
@@ -213,7 +217,11 @@ fn ids_hash(case: &Case) -> Option<&str> {
 
 fn examine(case: &Case, cells: &[&Case]) -> Finding {
     match case.outcome {
-        Outcome::Skipped => return Finding::Skipped(case.reason().to_owned()),
+        // What follows the first remark is about the view.
+        Outcome::Skipped => {
+            let reason = case.reason().split("; ").next();
+            return Finding::Skipped(reason.unwrap_or_default().to_owned());
+        }
         Outcome::Wrong | Outcome::Failed | Outcome::Missing => {
             return Finding::Red(format!("{}: {}", case.outcome.name(), case.reason()));
         }
@@ -277,7 +285,7 @@ mod tests {
             case("doubled,colour=one-colour", "m", ""),
         ];
         let table = of(&cases);
-        assert_eq!((table.equal, table.total, table.red.len()), (4, 4, 0));
+        assert_eq!((table.equal, table.asked, table.red.len()), (4, 4, 0));
         assert_eq!(table.rows.len(), 2);
         assert_eq!(table.rows[1].cells[1], [], "not in the run");
         // Twins: another mask, another picture of regions under the same mask.
@@ -329,10 +337,10 @@ mod tests {
         cases[1] = case("pulled", "m", "i");
         cases[1].outcome = Outcome::Skipped;
         if let Some(row) = &mut cases[1].summary {
-            row.reason = "the adapter lacks it".to_owned();
+            row.reason = "the adapter lacks it; a remark on the view".to_owned();
         }
         let table = of(&cases);
         assert_eq!(table.skipped, [("the adapter lacks it".to_owned(), 1)]);
-        assert_eq!((table.equal, table.red.len()), (1, 0));
+        assert_eq!((table.equal, table.asked, table.red.len()), (1, 1, 0));
     }
 }

@@ -19,8 +19,8 @@ pub(crate) const RATIO_2007: f64 = 0.40;
 /// How far from [`RATIO_2007`] is still “about”.
 const ABOUT: f64 = 0.05;
 
-/// Backend whose layouts a geometry shader reads.
-const GEOMETRY_SHADER: &str = "native";
+/// Backend and beginning of the layouts that a geometry shader reads.
+const GEOMETRY_SHADER: (&str, &str) = ("native", "gs-");
 
 /// The table of one scene.
 pub(crate) struct MemoryTable {
@@ -63,11 +63,13 @@ pub(crate) fn chapter(data: &RunData) -> Option<MemoryChapter> {
     let tables: Vec<MemoryTable> = scenes
         .into_iter()
         .map(|scene| {
-            let own: Vec<&MemoryRow> = rows
+            let mut own: Vec<&MemoryRow> = rows
                 .iter()
                 .copied()
                 .filter(|row| row.scene == scene)
                 .collect();
+            let backends: Vec<&str> = own.iter().map(|row| row.backend.as_str()).collect();
+            own.sort_by_key(|row| backends.iter().position(|backend| *backend == row.backend));
             table(scene, &own, &mut red)
         })
         .collect();
@@ -145,7 +147,7 @@ fn disagreement(row: &MemoryRow) -> Option<String> {
 /// Each geometry-shader layout beside “about 40 %”.
 fn standings(rows: &[&MemoryRow], base: Option<u64>) -> Vec<(String, &'static str, &'static str)> {
     rows.iter()
-        .filter(|row| row.backend == GEOMETRY_SHADER)
+        .filter(|row| row.backend == GEOMETRY_SHADER.0 && row.layout.starts_with(GEOMETRY_SHADER.1))
         .filter_map(|row| {
             let ratio = ratio(row, base)?;
             let standing = about(ratio);
@@ -289,6 +291,10 @@ mod tests {
         assert_eq!(judge(450), "holds");
         assert_eq!(judge(460), "does not hold");
         assert_eq!(judge(340), "does not hold");
+        // A control of the same backend that needs none is no geometry shader.
+        let control = row("native", "vs-control", 1_000, 0);
+        let table_of_control = table("s", &[&base, &control], &mut Vec::new());
+        assert_eq!(table_of_control.standings.len(), 0);
         // Without the layout it is divided by, nothing is said.
         let native = row("native", "gs-line", 410, 0);
         assert_eq!(table("s", &[&native], &mut Vec::new()).standings.len(), 0);
