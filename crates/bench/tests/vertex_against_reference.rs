@@ -523,3 +523,16 @@ fn a_frame_needs_preparing_and_an_unchanged_one_uploads_no_geometry() {
     };
     assert_eq!(without_making, again);
 }
+
+#[test]
+fn what_wgpu_cannot_do_is_refused_and_not_left_out_in_silence() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let stage = Stage::shared(&gpu, SIZE).expect("small targets");
+    let mut variant = VertexVariant::default();
+    assert!(VertexBackend::new(&stage, variant).is_ok());
+    variant.switches.depth_bounds = true;
+    let error = VertexBackend::new(&stage, variant).expect_err("no such test");
+    assert_eq!(error.to_string(), "wgpu lacks a depth-bounds test");
+}
