@@ -12,9 +12,13 @@ out gl_PerVertex {
 // x, y, w of the bottom and the vertex's number.
 layout(location = 0) in vec4 bottom_and_number[];
 
-#ifdef COLOURED
-layout(location = 1) in vec4 colour_in[];
-layout(location = 0) flat out vec4 colour;
+// What every vertex of a region carries and every fragment gets: its colour, or its number.
+#if defined(COLOURED)
+layout(location = 1) in vec4 carried[];
+layout(location = 0) flat out vec4 handed_on;
+#elif defined(NUMBERED)
+layout(location = 1) in float carried[];
+layout(location = 0) flat out float handed_on;
 #endif
 
 // Where only what lies in front of the surface counts, no bottom is ever seen.
@@ -25,8 +29,8 @@ float number(int corner) {
 }
 
 void emit(int corner, vec4 clip) {
-#ifdef COLOURED
-    colour = colour_in[corner];
+#if defined(COLOURED) || defined(NUMBERED)
+    handed_on = carried[corner];
 #endif
     gl_Position = clip;
     EmitVertex();

@@ -5,6 +5,7 @@
 // where positions could agree by rounding.
 #import shared/view.wgsl
 #import shared/region.wgsl
+#import shared/volume.wgsl
 
 struct Extruded {
     @builtin(position) @invariant top: vec4<f32>,
@@ -12,10 +13,16 @@ struct Extruded {
     @location(0) bottom_and_number: vec4<f32>,
 };
 
-struct Coloured {
+struct ColouredCorner {
     @builtin(position) @invariant top: vec4<f32>,
     @location(0) bottom_and_number: vec4<f32>,
     @location(1) @interpolate(flat) colour: vec4<f32>,
+};
+
+struct NumberedCorner {
+    @builtin(position) @invariant top: vec4<f32>,
+    @location(0) bottom_and_number: vec4<f32>,
+    @location(1) @interpolate(flat) region_number: f32,
 };
 
 fn extrude(position: vec3<i32>, vertex_index: u32, region_index: u32) -> Extruded {
@@ -40,17 +47,18 @@ fn coloured_main(
     @location(0) position: vec3<i32>,
     @builtin(vertex_index) vertex_index: u32,
     @builtin(instance_index) region_index: u32,
-) -> Coloured {
-    let extruded = extrude(position, vertex_index, region_index);
-    let colour = regions[region_index].colour;
-    return Coloured(extruded.top, extruded.bottom_and_number, colour);
+) -> ColouredCorner {
+    let corner = extrude(position, vertex_index, region_index);
+    return ColouredCorner(corner.top, corner.bottom_and_number, regions[region_index].colour);
 }
 
-// For passes that also hold a colour target: volumes leave it alone.
-@fragment
-fn no_colour() {}
-
-@fragment
-fn region_colour(@location(0) @interpolate(flat) colour: vec4<f32>) -> @location(0) vec4<f32> {
-    return colour;
+// For the accumulation of numbers.
+@vertex
+fn numbered_main(
+    @location(0) position: vec3<i32>,
+    @builtin(vertex_index) vertex_index: u32,
+    @builtin(instance_index) region_index: u32,
+) -> NumberedCorner {
+    let corner = extrude(position, vertex_index, region_index);
+    return NumberedCorner(corner.top, corner.bottom_and_number, f32(region_index + 1u));
 }

@@ -10,7 +10,7 @@
 use anyhow::{Context as _, Result, bail};
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use terrafill_shaders::{GeometryShader, geometry_shaders};
+use terrafill_shaders::{GeometryShader, HandsOn, geometry_shaders};
 
 /// Geometry shaders. Written down, so that a list that shrinks by accident fails.
 const EXPECTED: usize = 6;
@@ -86,8 +86,8 @@ pub(crate) fn compile(folder: &Path) -> Result<String> {
         bail!("{} is not installed", TOOLS.compiler);
     };
     let mut count = 0;
-    for (source, spirv, is_coloured) in outputs(geometry_shaders()) {
-        let bytes = compile_one(folder, TOOLS.compiler, source, is_coloured)?;
+    for (source, spirv, hands_on) in outputs(geometry_shaders()) {
+        let bytes = compile_one(folder, TOOLS.compiler, source, hands_on)?;
         let path = folder.join(spirv);
         std::fs::write(&path, bytes).with_context(|| path.display().to_string())?;
         count += 1;
@@ -97,13 +97,14 @@ pub(crate) fn compile(folder: &Path) -> Result<String> {
     Ok(format!("{count} SPIR-V files written by {found}"))
 }
 
-/// Source, SPIR-V and whether `COLOURED` is defined.
-fn outputs(shaders: &[GeometryShader]) -> impl Iterator<Item = (&'static str, &'static str, bool)> {
+/// Source, SPIR-V and what the shader hands on.
+fn outputs(
+    shaders: &[GeometryShader],
+) -> impl Iterator<Item = (&'static str, &'static str, HandsOn)> {
     shaders.iter().flat_map(|shader| {
-        [
-            (shader.source, shader.spirv, false),
-            (shader.source, shader.coloured_spirv, true),
-        ]
+        shader
+            .spirv
+            .map(|(hands_on, spirv)| (shader.source, spirv, hands_on))
     })
 }
 
@@ -113,8 +114,8 @@ fn compare(
     shaders: &[GeometryShader],
     bytes_must_agree: bool,
 ) -> Result<()> {
-    for (source, spirv, is_coloured) in outputs(shaders) {
-        let again = compile_one(folder, compiler, source, is_coloured)?;
+    for (source, spirv, hands_on) in outputs(shaders) {
+        let again = compile_one(folder, compiler, source, hands_on)?;
         let path = folder.join(spirv);
         let there = std::fs::read(&path).with_context(|| path.display().to_string())?;
         if bytes_must_agree && there != again {
@@ -129,12 +130,12 @@ fn compare(
     Ok(())
 }
 
-fn compile_one(folder: &Path, compiler: &str, source: &str, is_coloured: bool) -> Result<Vec<u8>> {
+fn compile_one(folder: &Path, compiler: &str, source: &str, hands_on: HandsOn) -> Result<Vec<u8>> {
     let output = Scratch::new()?;
     let mut command = Command::new(compiler);
     command.args(["--target-env", TARGET, "-S", "geom"]);
-    if is_coloured {
-        command.arg("-DCOLOURED");
+    if let Some(define) = hands_on.define() {
+        command.arg(format!("-D{define}"));
     }
     run(command.arg("-o").arg(&output.0).arg(folder.join(source)))?;
     std::fs::read(&output.0).with_context(|| output.0.display().to_string())
@@ -235,8 +236,8 @@ mod tests {
 
     /// Whatever version of the compiler is here.
     fn compile_all(folder: &Path) {
-        for (source, spirv, is_coloured) in outputs(geometry_shaders()) {
-            let bytes = compile_one(folder, TOOLS.compiler, source, is_coloured).expect("compiles");
+        for (source, spirv, hands_on) in outputs(geometry_shaders()) {
+            let bytes = compile_one(folder, TOOLS.compiler, source, hands_on).expect("compiles");
             std::fs::write(folder.join(spirv), bytes).expect("writable");
         }
     }

@@ -132,7 +132,7 @@ fn differing(a: &Frame, b: &Frame) -> usize {
     a.ids.iter().zip(&b.ids).filter(|(a, b)| a != b).count()
 }
 
-/// Ways of colouring with depth rules, those that the backend has pipelines for.
+/// Every way of colouring with every depth rule that is right everywhere.
 fn ways_and_rules() -> Vec<Switches> {
     let mut all = Vec::new();
     for colour in ColourWay::ALL {
@@ -144,7 +144,6 @@ fn ways_and_rules() -> Vec<Switches> {
             });
         }
     }
-    all.retain(|switches| switches.colour != ColourWay::IdAccumulation);
     all
 }
 
@@ -325,6 +324,10 @@ fn some_switches() -> Vec<Switches> {
         colour: ColourWay::Rectangle,
         ..base
     };
+    let accumulated = Switches {
+        colour: ColourWay::IdAccumulation,
+        ..base
+    };
     let by_volume = Switches {
         colour: ColourWay::Volume,
         ..base
@@ -342,6 +345,16 @@ fn some_switches() -> Vec<Switches> {
         Switches {
             scissor: true,
             ..base
+        },
+        Switches {
+            faces: FacePasses::TwoPass,
+            scissor: true,
+            ..accumulated
+        },
+        Switches {
+            bottom_cap: BottomCap::WhereNeeded,
+            depth_rule: DepthRuleChoice::Automatic,
+            ..accumulated
         },
         where_needed,
         Switches {

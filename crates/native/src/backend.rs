@@ -292,7 +292,10 @@ impl NativeBackend {
         };
         let gpu = self.gpu();
         let program = FillProgram::new(&input.plan, &self.variant.switches, input.scene.overlap)?;
-        let passes = steps_of(&program, &gpu.facts.name)?;
+        let passes = steps_of(&program);
+        if passes.iter().any(|pass| pass.accumulates) {
+            self.stage.borrow_mut().ensure_numbers()?;
+        }
         let constants: Vec<RegionConstants> = input
             .plan
             .regions

@@ -4,9 +4,7 @@
 use crate::backend::{NativeVariant, Pipelines, SceneBuffers, ViewBuffers};
 use crate::depth_range;
 use crate::technique::{Part, Technique, cover_pipeline};
-use terrafill_frame::{
-    BackendError, Counters, CoverShape, FaceSet, FillCommand, FillProgram, FrameInput,
-};
+use terrafill_frame::{Counters, CoverShape, FaceSet, FillCommand, FillProgram, FrameInput};
 use terrafill_scene::PixelRect;
 use terrafill_vulkan::{
     BindGroup, DrawState, FillRecorder, Geometry, IndexWidth, PassRecorder, Pipeline,
@@ -34,39 +32,36 @@ pub(crate) enum Step {
 pub(crate) struct Steps {
     pub(crate) clears_stencil: bool,
     pub(crate) has_colour: bool,
+    pub(crate) accumulates: bool,
     pub(crate) steps: Vec<Step>,
 }
 
 /// A program's passes.
-///
-/// # Errors
-/// [`BackendError::Unsupported`] for commands that this backend has no pipelines for.
-pub(crate) fn steps_of(program: &FillProgram, adapter: &str) -> Result<Vec<Steps>, BackendError> {
+pub(crate) fn steps_of(program: &FillProgram) -> Vec<Steps> {
     program
         .passes
         .iter()
-        .map(|pass| {
-            Ok(Steps {
-                clears_stencil: pass.clears_stencil,
-                has_colour: pass.has_colour,
-                steps: pass
-                    .commands
-                    .iter()
-                    .map(|command| step_of(command, pass.has_colour, adapter))
-                    .collect::<Result<_, BackendError>>()?,
-            })
+        .map(|pass| Steps {
+            clears_stencil: pass.clears_stencil,
+            has_colour: pass.has_colour,
+            accumulates: pass.accumulates(),
+            steps: pass
+                .commands
+                .iter()
+                .map(|command| step_of(command, pass.has_colour))
+                .collect(),
         })
         .collect()
 }
 
-fn step_of(command: &FillCommand, has_colour: bool, adapter: &str) -> Result<Step, BackendError> {
+fn step_of(command: &FillCommand, has_colour: bool) -> Step {
     match command {
         FillCommand::Volumes {
             rule,
             without_bottom,
             scissor,
             regions,
-        } => Ok(Step::Volumes {
+        } => Step::Volumes {
             state: VolumeState::Mark {
                 rule: *rule,
                 has_colour,
@@ -74,12 +69,12 @@ fn step_of(command: &FillCommand, has_colour: bool, adapter: &str) -> Result<Ste
             without_bottom: *without_bottom,
             scissor: *scissor,
             regions: regions.clone(),
-        }),
+        },
         FillCommand::Cover {
             test,
             shape: CoverShape::Volume { faces },
             regions,
-        } => Ok(Step::Volumes {
+        } => Step::Volumes {
             state: VolumeState::Colour {
                 test: *test,
                 faces: *faces,
@@ -87,23 +82,39 @@ fn step_of(command: &FillCommand, has_colour: bool, adapter: &str) -> Result<Ste
             without_bottom: false,
             scissor: false,
             regions: regions.clone(),
-        }),
+        },
         FillCommand::Cover {
             test,
             shape,
             regions,
-        } => Ok(Step::Cover {
+        } => Step::Cover {
             pipeline: cover_pipeline(VolumeState::Colour {
                 test: *test,
                 faces: FaceSet::Both,
             }),
             cuts_to_regions: *shape == CoverShape::Rectangle,
             regions: regions.clone(),
-        }),
-        _ => Err(BackendError::Unsupported {
-            capability: "colour=id-accumulation in the native backend".to_owned(),
-            adapter: adapter.to_owned(),
-        }),
+        },
+        FillCommand::Accumulate {
+            depth,
+            faces,
+            without_bottom,
+            scissor,
+            regions,
+        } => Step::Volumes {
+            state: VolumeState::Accumulate {
+                depth: *depth,
+                faces: *faces,
+            },
+            without_bottom: *without_bottom,
+            scissor: *scissor,
+            regions: regions.clone(),
+        },
+        FillCommand::Resolve => Step::Cover {
+            pipeline: cover_pipeline(VolumeState::Resolve),
+            cuts_to_regions: false,
+            regions: vec![0],
+        },
     }
 }
 
@@ -138,11 +149,18 @@ impl<'a> Drawing<'a> {
     /// All passes.
     pub(crate) fn fill(&self, recorder: &mut FillRecorder<'a>, counters: &mut Counters) {
         for pass in &self.view.passes {
-            recorder.pass(pass.clears_stencil, pass.has_colour, |recorder| {
+            let mut steps = |recorder: &mut PassRecorder<'a, '_>| {
                 for step in &pass.steps {
                     self.step(recorder, step, counters);
                 }
-            });
+            };
+            if pass.accumulates {
+                recorder.accumulate(|recorder| steps(recorder));
+            } else {
+                recorder.pass(pass.clears_stencil, pass.has_colour, |recorder| {
+                    steps(recorder)
+                });
+            }
         }
     }
 
@@ -265,7 +283,7 @@ impl<'a> Drawing<'a> {
 /// The same volumes, drawn to be counted; `None` for steps that do not mark.
 pub(crate) fn counting(step: &Step) -> Option<Step> {
     let Step::Volumes {
-        state: VolumeState::Mark { rule, .. },
+        state,
         without_bottom,
         scissor,
         regions,
@@ -273,8 +291,13 @@ pub(crate) fn counting(step: &Step) -> Option<Step> {
     else {
         return None;
     };
+    let faces = match state {
+        VolumeState::Mark { rule, .. } => rule.faces,
+        VolumeState::Accumulate { faces, .. } => *faces,
+        _ => return None,
+    };
     Some(Step::Volumes {
-        state: VolumeState::Count { faces: rule.faces },
+        state: VolumeState::Count { faces },
         without_bottom: *without_bottom,
         scissor: *scissor,
         regions: regions.clone(),

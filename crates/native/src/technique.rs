@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The techniques: what is drawn, and by which shaders.
 
+use terrafill_frame::DepthRule;
 use terrafill_vulkan::{
-    Fragments, GeometryStage, PipelineDescriptor, Topology, VertexFormat, VertexStage, VolumeState,
+    Fragments, GeometryStage, HandsOn, PipelineDescriptor, Topology, VertexFormat, VertexStage,
+    VolumeState,
 };
 
 /// How volumes come about.
@@ -106,23 +108,20 @@ impl Technique {
         without_bottom: bool,
         depth_bounds: bool,
     ) -> PipelineDescriptor {
-        let is_coloured = matches!(state, VolumeState::Colour { .. });
+        let (entry_point, hands_on) = match state {
+            VolumeState::Colour { .. } => ("coloured_main", HandsOn::Colour),
+            VolumeState::Accumulate { .. } => ("numbered_main", HandsOn::Number),
+            _ => ("vertex_main", HandsOn::Nothing),
+        };
         let path = match self {
             Self::VsControl => "vertex/doubled.wgsl",
             _ => "native/volume.wgsl",
         };
         PipelineDescriptor {
-            vertex: VertexStage {
-                path,
-                entry_point: if is_coloured {
-                    "coloured_main"
-                } else {
-                    "vertex_main"
-                },
-            },
+            vertex: VertexStage { path, entry_point },
             geometry: self.geometry_path(part).map(|path| GeometryStage {
                 path,
-                is_coloured,
+                hands_on,
                 // Walls have none anyway; one pipeline does for both.
                 draws_bottom: !without_bottom || part == Part::Walls,
             }),
@@ -130,6 +129,13 @@ impl Technique {
                 VolumeState::Colour { .. } => Fragments::Shader {
                     path,
                     entry_point: "region_colour",
+                },
+                VolumeState::Accumulate { depth, .. } => Fragments::Shader {
+                    path,
+                    entry_point: match depth {
+                        DepthRule::Fail => "number_behind",
+                        DepthRule::Pass => "number_before",
+                    },
                 },
                 // As in wgpu, where a pass with a target wants a shader for it.
                 VolumeState::Mark {
@@ -146,21 +152,29 @@ impl Technique {
             },
             topology: self.topology(part),
             state,
-            depth_bounds: depth_bounds && matches!(state, VolumeState::Mark { .. }),
+            depth_bounds: depth_bounds
+                && matches!(
+                    state,
+                    VolumeState::Mark { .. } | VolumeState::Accumulate { .. }
+                ),
         }
     }
 }
 
-/// The pipeline of a triangle over the screen.
+/// The pipeline of a triangle over the screen: a cover, or the lookup of accumulated numbers.
 pub(crate) fn cover_pipeline(state: VolumeState) -> PipelineDescriptor {
+    let path = match state {
+        VolumeState::Resolve => "vertex/resolve.wgsl",
+        _ => "vertex/cover.wgsl",
+    };
     PipelineDescriptor {
         vertex: VertexStage {
-            path: "vertex/cover.wgsl",
+            path,
             entry_point: "vertex_main",
         },
         geometry: None,
         fragments: Fragments::Shader {
-            path: "vertex/cover.wgsl",
+            path,
             entry_point: "fragment_main",
         },
         format: VertexFormat::Number,

@@ -7,7 +7,8 @@
 mod spirv;
 
 pub use spirv::{
-    GeometryShader, SpirvStage, geometry_shaders, geometry_spirv, glsl_paths, wgsl_to_spirv,
+    GeometryShader, HandsOn, SpirvStage, geometry_shaders, geometry_spirv, glsl_paths,
+    wgsl_to_spirv,
 };
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};

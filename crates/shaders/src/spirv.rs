@@ -73,24 +73,48 @@ pub fn wgsl_to_spirv(
 pub struct GeometryShader {
     /// GLSL, relative to `shaders/`.
     pub source: &'static str,
-    /// SPIR-V for passes that only mark, relative to `shaders/`.
-    pub spirv: &'static str,
-    /// SPIR-V of the same source with `COLOURED` defined, for covers by volume.
-    pub coloured_spirv: &'static str,
-    bytes: &'static [u8],
-    coloured_bytes: &'static [u8],
+    /// SPIR-V by what fragments get, relative to `shaders/`.
+    pub spirv: [(HandsOn, &'static str); 3],
+    bytes: [&'static [u8]; 3],
+}
+
+/// What a geometry shader hands on to fragments besides the position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum HandsOn {
+    /// Nothing: for passes that only mark.
+    Nothing,
+    /// The region's colour: for covers by volume.
+    Colour,
+    /// The region's number: for the accumulation of numbers.
+    Number,
+}
+
+impl HandsOn {
+    /// What is defined when the GLSL is compiled.
+    #[must_use]
+    pub fn define(self) -> Option<&'static str> {
+        match self {
+            Self::Nothing => None,
+            Self::Colour => Some("COLOURED"),
+            Self::Number => Some("NUMBERED"),
+        }
+    }
 }
 
 macro_rules! geometry_shaders {
     ($($name:literal),* $(,)?) => {
         &[$(GeometryShader {
             source: concat!("native/", $name, ".geom"),
-            spirv: concat!("native/", $name, ".spv"),
-            coloured_spirv: concat!("native/", $name, ".coloured.spv"),
-            bytes: include_bytes!(concat!("../../../shaders/native/", $name, ".spv")),
-            coloured_bytes: include_bytes!(
-                concat!("../../../shaders/native/", $name, ".coloured.spv")
-            ),
+            spirv: [
+                (HandsOn::Nothing, concat!("native/", $name, ".spv")),
+                (HandsOn::Colour, concat!("native/", $name, ".coloured.spv")),
+                (HandsOn::Number, concat!("native/", $name, ".numbered.spv")),
+            ],
+            bytes: [
+                include_bytes!(concat!("../../../shaders/native/", $name, ".spv")),
+                include_bytes!(concat!("../../../shaders/native/", $name, ".coloured.spv")),
+                include_bytes!(concat!("../../../shaders/native/", $name, ".numbered.spv")),
+            ],
         }),*]
     };
 }
@@ -123,8 +147,7 @@ pub fn glsl_paths() -> impl Iterator<Item = &'static str> {
 pub(crate) fn geometry_bytes() -> impl Iterator<Item = u8> {
     GEOMETRY_SHADERS.iter().flat_map(|shader| {
         let path = shader.source.bytes();
-        let bytes = shader.bytes.iter().chain(shader.coloured_bytes).copied();
-        path.chain(bytes)
+        path.chain(shader.bytes.iter().copied().flatten().copied())
     })
 }
 
@@ -132,19 +155,14 @@ pub(crate) fn geometry_bytes() -> impl Iterator<Item = u8> {
 ///
 /// # Errors
 /// [`ShaderError::Unknown`], or [`ShaderError::Invalid`] when the file is no SPIR-V.
-pub fn geometry_spirv(path: &str, is_coloured: bool) -> Result<Vec<u32>, ShaderError> {
+pub fn geometry_spirv(path: &str, hands_on: HandsOn) -> Result<Vec<u32>, ShaderError> {
     let shader = GEOMETRY_SHADERS
         .iter()
         .find(|shader| shader.source == path)
         .ok_or_else(|| ShaderError::Unknown(path.to_owned()))?;
-    words(
-        path,
-        if is_coloured {
-            shader.coloured_bytes
-        } else {
-            shader.bytes
-        },
-    )
+    let kinds = shader.spirv.iter().zip(shader.bytes);
+    let found = kinds.into_iter().find(|((kind, _), _)| *kind == hands_on);
+    words(path, found.map_or(&[], |(_, bytes)| bytes))
 }
 
 /// First word of every SPIR-V module.
@@ -203,14 +221,16 @@ mod tests {
     }
 
     #[test]
-    fn geometry_shaders_are_spirv_and_come_in_two_kinds() {
+    fn geometry_shaders_are_spirv_and_come_in_three_kinds() {
         assert_eq!(geometry_shaders().len(), 6);
         for shader in geometry_shaders() {
-            let plain = geometry_spirv(shader.source, false).expect("SPIR-V");
-            let coloured = geometry_spirv(shader.source, true).expect("SPIR-V");
+            let [plain, coloured, numbered] = shader
+                .spirv
+                .map(|(kind, _)| geometry_spirv(shader.source, kind).expect("SPIR-V"));
             assert_ne!(plain, coloured, "{}", shader.source);
+            assert_ne!(coloured, numbered, "{}", shader.source);
         }
-        assert!(geometry_spirv("native/nothing.geom", false).is_err());
+        assert!(geometry_spirv("native/nothing.geom", HandsOn::Nothing).is_err());
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! needed: viewports of negative height, SPIR-V 1.3.
 
 use crate::failure::failure;
-use crate::fixtures::{DEPTH_STENCIL_FORMAT, Fixtures};
+use crate::fixtures::{DEPTH_STENCIL_FORMAT, Fixtures, NUMBER_FORMAT};
 use crate::pipeline::ShaderModules;
 use crate::validation;
 use ash::{ext, vk};
@@ -39,6 +39,8 @@ pub struct Features {
     pub depth_clamp: bool,
     /// Timestamps on the graphics queue.
     pub timestamps: bool,
+    /// Blending into `R32_SFLOAT`.
+    pub blends_float: bool,
 }
 
 /// What a device is, for reports.
@@ -279,6 +281,10 @@ impl Adapter {
         // SAFETY: as above.
         let format =
             unsafe { instance.get_physical_device_format_properties(raw, DEPTH_STENCIL_FORMAT) };
+        // SAFETY: as above.
+        let numbers = unsafe { instance.get_physical_device_format_properties(raw, NUMBER_FORMAT) };
+        let blends_and_reads =
+            vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND | vk::FormatFeatureFlags::SAMPLED_IMAGE;
         let attachable = format
             .optimal_tiling_features
             .contains(vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT);
@@ -319,6 +325,7 @@ impl Adapter {
                     occlusion_query_precise: is(features.occlusion_query_precise),
                     depth_bounds: is(features.depth_bounds),
                     depth_clamp: is(features.depth_clamp),
+                    blends_float: numbers.optimal_tiling_features.contains(blends_and_reads),
                     timestamps: family.is_some_and(|(_, family)| family.timestamp_valid_bits > 0),
                 },
                 lacks,

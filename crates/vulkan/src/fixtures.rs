@@ -14,6 +14,9 @@ pub(crate) const COLOUR_FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
 /// Reversed depth needs float: on a 24-bit depth buffer it gains nothing.
 pub(crate) const DEPTH_STENCIL_FORMAT: vk::Format = vk::Format::D32_SFLOAT_S8_UINT;
 
+/// Target of accumulated numbers.
+pub(crate) const NUMBER_FORMAT: vk::Format = vk::Format::R32_SFLOAT;
+
 /// Depth after the surface pass.
 pub(crate) const DEPTH_READ_ONLY: vk::ImageLayout =
     vk::ImageLayout::DEPTH_READ_ONLY_STENCIL_ATTACHMENT_OPTIMAL;
@@ -25,8 +28,12 @@ pub(crate) struct Fixtures {
     pub(crate) surface: vk::RenderPass,
     /// By [`fill_index`].
     fills: [vk::RenderPass; 4],
-    /// Binding 0: view constants; 1: region constants.
+    /// Clears the numbers and leaves them to be read.
+    pub(crate) numbers: vk::RenderPass,
+    /// Set 0: binding 0 is view constants, 1 region constants.
     pub(crate) set_layout: vk::DescriptorSetLayout,
+    /// Set 1: binding 0 is the image of accumulated numbers.
+    pub(crate) number_set_layout: vk::DescriptorSetLayout,
     pub(crate) pipeline_layout: vk::PipelineLayout,
 }
 
@@ -40,7 +47,9 @@ impl Fixtures {
         let mut fixtures = Self {
             surface: vk::RenderPass::null(),
             fills: [vk::RenderPass::null(); 4],
+            numbers: vk::RenderPass::null(),
             set_layout: vk::DescriptorSetLayout::null(),
+            number_set_layout: vk::DescriptorSetLayout::null(),
             pipeline_layout: vk::PipelineLayout::null(),
         };
         match fixtures.fill_in(device) {
@@ -54,6 +63,7 @@ impl Fixtures {
 
     fn fill_in(&mut self, device: &ash::Device) -> Result<(), vk::Result> {
         self.surface = surface_pass(device)?;
+        self.numbers = number_pass(device)?;
         for clears in [false, true] {
             for has_colour in [false, true] {
                 self.fills[fill_index(clears, has_colour)] = fill_pass(device, clears, has_colour)?;
@@ -75,14 +85,21 @@ impl Fixtures {
             entry(
                 1,
                 vk::DescriptorType::STORAGE_BUFFER,
-                vk::ShaderStageFlags::VERTEX,
+                vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT,
             ),
         ];
+        let number_bindings = [entry(
+            0,
+            vk::DescriptorType::SAMPLED_IMAGE,
+            vk::ShaderStageFlags::FRAGMENT,
+        )];
+        let number_info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&number_bindings);
         let set_info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
         // SAFETY: the structures live through the calls.
         unsafe {
             self.set_layout = device.create_descriptor_set_layout(&set_info, None)?;
-            let sets = [self.set_layout];
+            self.number_set_layout = device.create_descriptor_set_layout(&number_info, None)?;
+            let sets = [self.set_layout, self.number_set_layout];
             let layout_info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets);
             self.pipeline_layout = device.create_pipeline_layout(&layout_info, None)?;
         }
@@ -97,7 +114,9 @@ impl Fixtures {
         // SAFETY: called once, when nothing uses them any more; null handles are ignored.
         unsafe {
             device.destroy_pipeline_layout(self.pipeline_layout, None);
+            device.destroy_descriptor_set_layout(self.number_set_layout, None);
             device.destroy_descriptor_set_layout(self.set_layout, None);
+            device.destroy_render_pass(self.numbers, None);
             for pass in self.fills {
                 device.destroy_render_pass(pass, None);
             }
@@ -145,6 +164,15 @@ fn surface_pass(device: &ash::Device) -> Result<vk::RenderPass, vk::Result> {
     )
 }
 
+fn number_pass(device: &ash::Device) -> Result<vk::RenderPass, vk::Result> {
+    let numbers = colour_attachment()
+        .format(NUMBER_FORMAT)
+        .load_op(vk::AttachmentLoadOp::CLEAR)
+        .initial_layout(vk::ImageLayout::UNDEFINED)
+        .final_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
+    render_pass(device, &[numbers, depth_attachment()], DEPTH_READ_ONLY)
+}
+
 fn fill_pass(
     device: &ash::Device,
     clears_stencil: bool,
@@ -163,7 +191,7 @@ fn fill_pass(
 }
 
 /// One subpass over the attachments, the last of which is depth and stencil, after all that drew
-/// into them before.
+/// into them before; shaders of later passes may read what it leaves.
 fn render_pass(
     device: &ash::Device,
     attachments: &[vk::AttachmentDescription],
@@ -187,7 +215,7 @@ fn render_pass(
         | vk::PipelineStageFlags::LATE_FRAGMENT_TESTS;
     let writes =
         vk::AccessFlags::COLOR_ATTACHMENT_WRITE | vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_WRITE;
-    let dependencies = [vk::SubpassDependency::default()
+    let before = vk::SubpassDependency::default()
         .src_subpass(vk::SUBPASS_EXTERNAL)
         .dst_subpass(0)
         .src_stage_mask(stages | vk::PipelineStageFlags::TRANSFER)
@@ -197,11 +225,24 @@ fn render_pass(
             writes
                 | vk::AccessFlags::COLOR_ATTACHMENT_READ
                 | vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_READ,
-        )];
+        );
+    let after = vk::SubpassDependency::default()
+        .src_subpass(0)
+        .dst_subpass(vk::SUBPASS_EXTERNAL)
+        .src_stage_mask(vk::PipelineStageFlags::COLOR_ATTACHMENT_OUTPUT)
+        .src_access_mask(vk::AccessFlags::COLOR_ATTACHMENT_WRITE)
+        .dst_stage_mask(vk::PipelineStageFlags::FRAGMENT_SHADER)
+        .dst_access_mask(vk::AccessFlags::SHADER_READ);
+    // Passes of fills must agree in their dependencies to be compatible; only numbers are read.
+    let is_read = attachments
+        .iter()
+        .any(|attachment| attachment.final_layout == vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
+    let dependencies = [before, after];
+    let dependencies = &dependencies[..1 + usize::from(is_read)];
     let info = vk::RenderPassCreateInfo::default()
         .attachments(attachments)
         .subpasses(&subpasses)
-        .dependencies(&dependencies);
+        .dependencies(dependencies);
     // SAFETY: the structures live through the call.
     unsafe { device.create_render_pass(&info, None) }
 }

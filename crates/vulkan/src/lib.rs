@@ -33,6 +33,8 @@ mod validation;
 pub use adapter::{DeviceFacts, Features, Gpu, GpuOptions, Made, list_adapters, open_for_test};
 pub use bindings::BindGroup;
 pub use clock::CpuStopwatch;
+pub use terrafill_shaders::HandsOn;
+
 pub use memory::{Buffer, BufferUse};
 pub use pass::{DrawState, FillRecorder, Geometry, IndexWidth, PassRecorder};
 pub use pipeline::{

@@ -4,6 +4,7 @@
 //! A draw names everything that it uses. What is bound already is not bound again; what does not
 //! fit is not recorded, and the fill fails with the reason of the first such draw.
 
+use crate::pipeline::PassTarget;
 use crate::queries::{Queries, QueryKind};
 use crate::stage::Targets;
 use crate::{BindGroup, Buffer, BufferUse, Gpu, Pipeline};
@@ -63,6 +64,8 @@ pub struct FillRecorder<'a> {
     counted: Option<(vk::QueryPool, vk::QueryControlFlags, u32)>,
     /// Stamps: start, end of the first pass, end of all.
     stamps: Option<vk::QueryPool>,
+    /// Numbers were accumulated in this fill.
+    has_numbers: bool,
     passes: u32,
     refused: Option<BackendError>,
 }
@@ -70,7 +73,7 @@ pub struct FillRecorder<'a> {
 /// Records the draws of one pass.
 pub struct PassRecorder<'a, 'r> {
     fill: &'r mut FillRecorder<'a>,
-    has_colour: bool,
+    target: PassTarget,
     bound: Bound,
     bounds_set: bool,
 }
@@ -104,6 +107,7 @@ impl<'a> FillRecorder<'a> {
                 (queries.raw, flags, queries.count)
             }),
             stamps: stamps.map(|queries| queries.raw),
+            has_numbers: false,
             passes: 0,
             refused: None,
         }
@@ -153,6 +157,43 @@ impl<'a> FillRecorder<'a> {
         has_colour: bool,
         record: impl FnOnce(&mut PassRecorder<'a, '_>),
     ) {
+        let target = if has_colour {
+            PassTarget::Colour
+        } else {
+            PassTarget::Stencil
+        };
+        let render_pass = self.gpu.fixtures.fill(clears_stencil, has_colour);
+        let framebuffer = self.targets.framebuffer(has_colour);
+        self.run(target, render_pass, framebuffer, record);
+    }
+
+    /// One pass over the accumulated numbers, which it clears, depth read-only; the stage must have
+    /// been asked for them.
+    pub fn accumulate(&mut self, record: impl FnOnce(&mut PassRecorder<'a, '_>)) {
+        let Some(numbers) = self.targets.numbers() else {
+            self.refused.get_or_insert(BackendError::Unsupported {
+                capability: "drawing: numbers that the stage was not asked for".to_owned(),
+                adapter: self.gpu.facts.name.clone(),
+            });
+            return;
+        };
+        let render_pass = self.gpu.fixtures.numbers;
+        self.run(
+            PassTarget::Numbers,
+            render_pass,
+            numbers.framebuffer,
+            record,
+        );
+        self.has_numbers = true;
+    }
+
+    fn run(
+        &mut self,
+        target: PassTarget,
+        render_pass: vk::RenderPass,
+        framebuffer: vk::Framebuffer,
+        record: impl FnOnce(&mut PassRecorder<'a, '_>),
+    ) {
         let device = &self.gpu.device;
         let query = self.counted.filter(|(_, _, count)| self.passes < *count);
         let clears = [
@@ -162,11 +203,11 @@ impl<'a> FillRecorder<'a> {
             },
         ];
         let begin = vk::RenderPassBeginInfo::default()
-            .render_pass(self.gpu.fixtures.fill(clears_stencil, has_colour))
-            .framebuffer(self.targets.framebuffer(has_colour))
+            .render_pass(render_pass)
+            .framebuffer(framebuffer)
             .render_area(self.targets.area())
             // By attachment number: depth and stencil come last.
-            .clear_values(&clears[usize::from(!has_colour)..]);
+            .clear_values(&clears[usize::from(target == PassTarget::Stencil)..]);
         // SAFETY: recording is under way (the stage begins it), framebuffer and pass are
         // compatible, and no pass is open: passes are closed below.
         unsafe {
@@ -178,7 +219,7 @@ impl<'a> FillRecorder<'a> {
         }
         let mut pass = PassRecorder {
             fill: self,
-            has_colour,
+            target,
             bound: Bound::default(),
             bounds_set: false,
         };
@@ -320,10 +361,26 @@ impl<'a> PassRecorder<'a, '_> {
     fn bind_pipeline(&mut self, pipeline: &Pipeline) -> bool {
         let fits = pipeline.is_on(self.fill.gpu)
             && !pipeline.is_surface()
-            && pipeline.has_colour() == self.has_colour;
+            && pipeline.target() == self.target
+            && (self.fill.has_numbers || !pipeline.reads_numbers());
         if !fits {
             self.refuse("a pipeline of another device or made for another kind of pass");
             return false;
+        }
+        if let (true, Some(numbers)) = (pipeline.reads_numbers(), self.fill.targets.numbers()) {
+            let gpu = self.fill.gpu;
+            // SAFETY: of the layout that every pipeline has; a pass of this fill has left the image
+            // to be read.
+            unsafe {
+                gpu.device.cmd_bind_descriptor_sets(
+                    self.fill.commands,
+                    vk::PipelineBindPoint::GRAPHICS,
+                    gpu.fixtures.pipeline_layout,
+                    1,
+                    &[numbers.set],
+                    &[],
+                );
+            }
         }
         let device = &self.fill.gpu.device;
         let point = vk::PipelineBindPoint::GRAPHICS;

@@ -15,7 +15,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use terrafill_frame::{
     BackendError, DepthRule, FaceSet, StencilOperation, StencilRule, StencilTest,
 };
-use terrafill_shaders::{SpirvStage, geometry_spirv, wgsl_to_spirv};
+use terrafill_shaders::{HandsOn, SpirvStage, geometry_spirv, wgsl_to_spirv};
 
 /// A vertex shader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -31,8 +31,8 @@ pub struct VertexStage {
 pub struct GeometryStage {
     /// GLSL, relative to `shaders/`.
     pub path: &'static str,
-    /// Hands the region's colour on.
-    pub is_coloured: bool,
+    /// What it hands on besides the position.
+    pub hands_on: HandsOn,
     /// Makes bottom caps.
     pub draws_bottom: bool,
 }
@@ -101,14 +101,36 @@ pub enum VolumeState {
         /// Faces drawn.
         faces: FaceSet,
     },
+    /// Adds to the accumulated numbers.
+    Accumulate {
+        /// Which fragments count.
+        depth: DepthRule,
+        /// Faces drawn.
+        faces: FaceSet,
+    },
+    /// Into the colour target, by a shader that reads the accumulated numbers.
+    Resolve,
+}
+
+/// What a pass draws into.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum PassTarget {
+    Stencil,
+    Colour,
+    Numbers,
 }
 
 impl VolumeState {
-    fn has_colour(self) -> bool {
+    pub(crate) fn target(self) -> PassTarget {
         match self {
-            Self::Mark { has_colour, .. } => has_colour,
-            Self::Count { .. } => false,
-            Self::Surface | Self::Colour { .. } => true,
+            Self::Mark {
+                has_colour: false, ..
+            }
+            | Self::Count { .. } => PassTarget::Stencil,
+            Self::Mark { .. } | Self::Surface | Self::Colour { .. } | Self::Resolve => {
+                PassTarget::Colour
+            }
+            Self::Accumulate { .. } => PassTarget::Numbers,
         }
     }
 
@@ -116,7 +138,10 @@ impl VolumeState {
         match self {
             Self::Surface => FaceSet::Front,
             Self::Mark { rule, .. } => rule.faces,
-            Self::Count { faces } | Self::Colour { faces, .. } => faces,
+            Self::Count { faces } | Self::Colour { faces, .. } | Self::Accumulate { faces, .. } => {
+                faces
+            }
+            Self::Resolve => FaceSet::Both,
         }
     }
 }
@@ -152,7 +177,7 @@ pub struct Pipeline {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum ModuleKey {
     Vertex(VertexStage),
-    Geometry(&'static str, bool),
+    Geometry(&'static str, HandsOn),
     Fragment(&'static str, &'static str),
 }
 
@@ -171,7 +196,7 @@ impl ShaderModules {
                 path,
                 wgsl_to_spirv(path, SpirvStage::Vertex, entry_point, &[]),
             ),
-            ModuleKey::Geometry(path, is_coloured) => (path, geometry_spirv(path, is_coloured)),
+            ModuleKey::Geometry(path, hands_on) => (path, geometry_spirv(path, hands_on)),
             ModuleKey::Fragment(path, entry_point) => (
                 path,
                 wgsl_to_spirv(path, SpirvStage::Fragment, entry_point, &[]),
@@ -226,6 +251,10 @@ impl Pipeline {
         if descriptor.depth_bounds && !gpu.facts.features.depth_bounds {
             return Err(lacks("depthBounds"));
         }
+        let accumulates = descriptor.state.target() == PassTarget::Numbers;
+        if accumulates && !gpu.facts.features.blends_float {
+            return Err(lacks("blending into R32_SFLOAT"));
+        }
         let raw = create(gpu, &descriptor)?;
         gpu.counts.pipelines.fetch_add(1, Ordering::Relaxed);
         Ok(Self {
@@ -239,8 +268,12 @@ impl Pipeline {
         Arc::ptr_eq(&self.gpu, gpu)
     }
 
-    pub(crate) fn has_colour(&self) -> bool {
-        self.descriptor.state.has_colour()
+    pub(crate) fn target(&self) -> PassTarget {
+        self.descriptor.state.target()
+    }
+
+    pub(crate) fn reads_numbers(&self) -> bool {
+        self.descriptor.state == VolumeState::Resolve
     }
 
     pub(crate) fn is_surface(&self) -> bool {
@@ -295,7 +328,7 @@ fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, Ba
         &vertex_name,
     )];
     if let Some(geometry) = &descriptor.geometry {
-        let key = ModuleKey::Geometry(geometry.path, geometry.is_coloured);
+        let key = ModuleKey::Geometry(geometry.path, geometry.hands_on);
         let module = modules.get(device, key)?;
         stages.push(
             stage(vk::ShaderStageFlags::GEOMETRY, module, &main_name)
@@ -346,10 +379,16 @@ fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, Ba
         depth_stencil(descriptor.state).depth_bounds_test_enable(descriptor.depth_bounds);
     let write_mask = match descriptor.state {
         VolumeState::Mark { .. } | VolumeState::Count { .. } => vk::ColorComponentFlags::empty(),
-        VolumeState::Surface | VolumeState::Colour { .. } => vk::ColorComponentFlags::RGBA,
+        _ => vk::ColorComponentFlags::RGBA,
     };
-    let blends = [vk::PipelineColorBlendAttachmentState::default().color_write_mask(write_mask)];
-    let has_colour = descriptor.state.has_colour();
+    let target = descriptor.state.target();
+    let blends = [vk::PipelineColorBlendAttachmentState::default()
+        .color_write_mask(write_mask)
+        .blend_enable(target == PassTarget::Numbers)
+        .src_color_blend_factor(vk::BlendFactor::ONE)
+        .dst_color_blend_factor(vk::BlendFactor::ONE)
+        .color_blend_op(vk::BlendOp::ADD)];
+    let has_colour = target != PassTarget::Stencil;
     let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(if has_colour {
         &blends
     } else {
@@ -387,7 +426,8 @@ fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, Ba
 fn render_pass(fixtures: &Fixtures, state: VolumeState) -> vk::RenderPass {
     match state {
         VolumeState::Surface => fixtures.surface,
-        _ => fixtures.fill(false, state.has_colour()),
+        VolumeState::Accumulate { .. } => fixtures.numbers,
+        _ => fixtures.fill(false, state.target() == PassTarget::Colour),
     }
 }
 
@@ -442,7 +482,14 @@ fn depth_stencil(state: VolumeState) -> vk::PipelineDepthStencilStateCreateInfo<
                 .front(mark_face(rule.depth, front, mask))
                 .back(mark_face(rule.depth, back, mask))
         }
-        VolumeState::Count { .. } => base,
+        VolumeState::Count { .. } | VolumeState::Resolve => base,
+        VolumeState::Accumulate { depth, .. } => {
+            base.depth_test_enable(true).depth_compare_op(match depth {
+                // The complement of `Greater`.
+                DepthRule::Fail => vk::CompareOp::LESS_OR_EQUAL,
+                DepthRule::Pass => vk::CompareOp::GREATER,
+            })
+        }
         VolumeState::Colour { test, .. } => {
             let face = vk::StencilOpState {
                 fail_op: vk::StencilOp::KEEP,

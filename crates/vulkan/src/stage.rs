@@ -6,7 +6,7 @@
 //! same view.
 
 use crate::failure::failure;
-use crate::fixtures::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT};
+use crate::fixtures::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, NUMBER_FORMAT};
 use crate::memory::Image;
 use crate::queries::{Queries, QueryKind, span_ms};
 use crate::readback::read_targets;
@@ -57,6 +57,97 @@ pub(crate) struct Targets {
     depth_stencil: Image,
     /// Depth and stencil only, and with colour.
     framebuffers: [vk::Framebuffer; 2],
+    numbers: Option<Numbers>,
+}
+
+/// Target of accumulated numbers, and how shaders read it.
+#[derive(Debug)]
+pub(crate) struct Numbers {
+    gpu: Arc<Gpu>,
+    _image: Image,
+    pub(crate) framebuffer: vk::Framebuffer,
+    pool: vk::DescriptorPool,
+    pub(crate) set: vk::DescriptorSet,
+}
+
+impl Numbers {
+    fn new(targets: &Targets) -> Result<Self, BackendError> {
+        let gpu = &targets.gpu;
+        let image = Image::new(
+            gpu,
+            "accumulated numbers",
+            targets.extent,
+            NUMBER_FORMAT,
+            vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED,
+            vk::ImageAspectFlags::COLOR,
+        )?;
+        let view = image.view;
+        let mut numbers = Self {
+            gpu: Arc::clone(gpu),
+            _image: image,
+            framebuffer: vk::Framebuffer::null(),
+            pool: vk::DescriptorPool::null(),
+            set: vk::DescriptorSet::null(),
+        };
+        let views = [view, targets.depth_stencil.view];
+        let framebuffer_info = vk::FramebufferCreateInfo::default()
+            .render_pass(gpu.fixtures.numbers)
+            .attachments(&views)
+            .width(targets.extent.width)
+            .height(targets.extent.height)
+            .layers(1);
+        let sizes = [vk::DescriptorPoolSize {
+            ty: vk::DescriptorType::SAMPLED_IMAGE,
+            descriptor_count: 1,
+        }];
+        let pool_info = vk::DescriptorPoolCreateInfo::default()
+            .max_sets(1)
+            .pool_sizes(&sizes);
+        let layouts = [gpu.fixtures.number_set_layout];
+        let broken = |error| failure(error, "accumulated numbers", 0);
+        // SAFETY: the views are of the pass's formats and of this size; the pool has room for one
+        // set of this layout, which then points at an image that lives as long as the set.
+        unsafe {
+            numbers.framebuffer = gpu
+                .device
+                .create_framebuffer(&framebuffer_info, None)
+                .map_err(broken)?;
+            numbers.pool = gpu
+                .device
+                .create_descriptor_pool(&pool_info, None)
+                .map_err(broken)?;
+            let set_info = vk::DescriptorSetAllocateInfo::default()
+                .descriptor_pool(numbers.pool)
+                .set_layouts(&layouts);
+            let sets = gpu
+                .device
+                .allocate_descriptor_sets(&set_info)
+                .map_err(broken)?;
+            numbers.set = sets.first().copied().unwrap_or_default();
+            let images = [vk::DescriptorImageInfo {
+                sampler: vk::Sampler::null(),
+                image_view: view,
+                image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
+            }];
+            let write = vk::WriteDescriptorSet::default()
+                .dst_set(numbers.set)
+                .dst_binding(0)
+                .descriptor_type(vk::DescriptorType::SAMPLED_IMAGE)
+                .image_info(&images);
+            gpu.device.update_descriptor_sets(&[write], &[]);
+        }
+        Ok(numbers)
+    }
+}
+
+impl Drop for Numbers {
+    fn drop(&mut self) {
+        // SAFETY: every submission that used them has been waited for; null is ignored.
+        unsafe {
+            self.gpu.device.destroy_framebuffer(self.framebuffer, None);
+            self.gpu.device.destroy_descriptor_pool(self.pool, None);
+        }
+    }
 }
 
 impl Targets {
@@ -85,6 +176,7 @@ impl Targets {
                 vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL,
             )?,
             framebuffers: [vk::Framebuffer::null(); 2],
+            numbers: None,
         };
         let views = [targets.colour.view, targets.depth_stencil.view];
         for has_colour in [false, true] {
@@ -104,6 +196,10 @@ impl Targets {
 
     pub(crate) fn framebuffer(&self, has_colour: bool) -> vk::Framebuffer {
         self.framebuffers[usize::from(has_colour)]
+    }
+
+    pub(crate) fn numbers(&self) -> Option<&Numbers> {
+        self.numbers.as_ref()
     }
 
     pub(crate) fn area(&self) -> vk::Rect2D {
@@ -248,6 +344,24 @@ impl Stage {
     #[must_use]
     pub fn view_constants(&self) -> Option<&Arc<Buffer>> {
         self.prepared.as_ref().map(|prepared| &prepared.constants)
+    }
+
+    /// Makes the target of accumulated numbers, unless it is there.
+    ///
+    /// # Errors
+    /// [`BackendError::Unsupported`] when the device cannot blend into it,
+    /// [`BackendError::OutOfMemory`].
+    pub fn ensure_numbers(&mut self) -> Result<(), BackendError> {
+        if !self.gpu.facts.features.blends_float {
+            return Err(BackendError::Unsupported {
+                capability: "blending into R32_SFLOAT".to_owned(),
+                adapter: self.gpu.facts.name.clone(),
+            });
+        }
+        if self.targets.numbers.is_none() {
+            self.targets.numbers = Some(Numbers::new(&self.targets)?);
+        }
+        Ok(())
     }
 
     /// Uploads the view and its surface, unless they are there already.

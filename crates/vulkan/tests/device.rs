@@ -359,6 +359,26 @@ fn a_draw_that_does_not_fit_is_refused_and_nothing_is_drawn() {
         });
     });
     assert!(without_vertices.is_err());
+    let numbers = stage.fill(1, Measured::Nothing, |recorder| recorder.accumulate(|_| {}));
+    let error = numbers.expect_err("the stage was not asked for numbers");
+    assert!(error.to_string().contains("numbers"), "{error}");
+    let resolve = PipelineDescriptor {
+        vertex: VertexStage {
+            path: "vertex/resolve.wgsl",
+            entry_point: "vertex_main",
+        },
+        fragments: Fragments::Shader {
+            path: "vertex/resolve.wgsl",
+            entry_point: "fragment_main",
+        },
+        state: VolumeState::Resolve,
+        ..cover_descriptor(EVERYWHERE)
+    };
+    let resolve = Pipeline::new(&gpu, resolve).expect("valid");
+    let unwritten = stage.fill(1, Measured::Nothing, |recorder| {
+        recorder.pass(false, true, |pass| pass.draw(&state(&resolve, None), 3, 0));
+    });
+    assert!(unwritten.is_err(), "numbers that no pass has written");
     let bounds = stage.fill(1, Measured::Nothing, |recorder| {
         recorder.pass(true, false, |pass| pass.depth_bounds(0.5, 0.25));
     });
