@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The ladder: from the un-optimised method to the full plan, one switch at a time.
 //!
-//! The order is that of Cozzi (2007): one volume for each region, culling, back faces, buffer layout, strips, cache
-//! order, vertex size, then depth-pass counting and the bottom cap; then what came later. The two
-//! last of his stand the other way round here: below the surface every cap counts, so a bottom cap
-//! can be left out only where fragments in front of the surface count.
+//! The order is that of Cozzi (2007): one volume for each region, culling, back faces, buffer layout,
+//! strips, cache order, vertex size, then depth-pass counting and the bottom cap; then what came
+//! later. His last two stand the other way round here: behind the surface every cap counts, so a
+//! bottom cap can be left out only where fragments in front of the surface count.
 //!
 //! All rungs before the last two fill every region in one colour, as his did.
 
@@ -269,8 +269,13 @@ fn native_ladder(overlap: Overlap) -> Vec<Rung> {
         )
         .culling()
         .native(
+            "two-edges",
+            "two boundary edges in each index triangle instead of one",
+            Native::GsTwoEdges,
+        )
+        .native(
             "lines",
-            "boundary edges as lines in a draw of their own instead of degenerate triangles",
+            "boundary edges as line strips in a draw of their own instead of among the triangles",
             Native::GsLine,
         )
         .rest_of_the_way(overlap)

@@ -3,8 +3,10 @@
 
 use std::path::Path;
 use terrafill_bench::{BACKENDS, BenchError, BenchOptions, run};
+use terrafill_native::Technique;
 use terrafill_results::{CaseKey, RunFolder, Status, Summary};
 use terrafill_scene::ImageSize;
+use terrafill_vertex::Layout;
 
 fn options(out: &Path) -> BenchOptions {
     BenchOptions {
@@ -214,7 +216,8 @@ fn ladder_matrix_and_bytes_of_every_backend() {
         .iter()
         .filter(|row| row.allocated_bytes().is_some())
         .collect();
-    assert_eq!(held.len(), 4 + 2 + 5, "every layout of every backend");
+    let layouts = Layout::ALL.len() + 2 + Technique::ALL.len();
+    assert_eq!(held.len(), layouts, "every layout of every backend");
     for row in held {
         let name = format!("{}/{}", row.backend, row.layout);
         assert_eq!(
