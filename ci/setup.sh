@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
 #
 # Makes this machine able to build terrafill and to run it: a C compiler, a Vulkan driver, and for
-# tests the validation layer and cargo-nextest. Installs only what is missing, and touches no driver
-# where a Vulkan device works already. Says nothing when there is nothing to do, except, in the last
-# line, which device was found.
+# tests the validation layer, the tools that check geometry shaders, and cargo-nextest. Installs
+# only what is missing, and touches no driver where a Vulkan device works already. Says nothing when
+# there is nothing to do, except, in the last line, which device was found.
 #
 # usage: ci/setup.sh [--for bench|test]
 # shellcheck disable=SC2016 # apt expands $(SITE), not the shell
@@ -149,6 +149,15 @@ if [ "$purpose" = test ]; then
     if ! has_manifest explicit_layer.d 'VkLayer_khronos_validation*.json'; then
         require_apt "the Vulkan validation layer" "VK_LAYER_KHRONOS_validation"
         apt_install vulkan-validationlayers
+    fi
+    # Wanted, not needed: what they check is checked in, and check-shaders names what is missing.
+    if ! command -v glslangValidator >/dev/null || ! command -v spirv-val >/dev/null; then
+        case "$distribution" in
+            debian\ * | ubuntu\ *)
+                apt_install glslang-tools spirv-tools || note "without glslang-tools, spirv-tools"
+                ;;
+            *) note "no glslangValidator or no spirv-val: geometry shaders are not compiled again" ;;
+        esac
     fi
     if ! cargo nextest --version >/dev/null 2>&1; then
         note "building cargo-nextest, which runs each test in a process of its own with a time limit"

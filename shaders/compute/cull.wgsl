@@ -20,7 +20,8 @@ struct CullRegion {
     // Top cap and walls.
     upper_count: u32,
     half_edge_2_m: vec3<f32>,
-    padding: u32,
+    // Added to each index: where the region's corners begin, if they lie in a buffer.
+    base_vertex: i32,
 };
 
 // The shadow, in the space where a body wholly below the surface is the unit sphere.
@@ -36,8 +37,8 @@ struct Horizon {
 @group(3) @binding(1) var<storage, read> cull_regions: array<CullRegion>;
 @group(3) @binding(2) var<uniform> horizon: Horizon;
 
-// True: draws begin empty, since pieces are appended to them. False: they are the whole volumes.
-override BEGINS_EMPTY: bool = false;
+// Whether pieces of regions that the frustum cuts are tested; otherwise those are drawn whole.
+override TESTS_PIECES: bool = false;
 
 const MARGIN: f32 = 1e-5;
 
@@ -63,8 +64,9 @@ fn is_hidden(corner_m: vec3<f32>) -> bool {
         && along * along - tangent_squared * length_squared > MARGIN * largest_squared;
 }
 
-fn is_drawn(region: u32) -> bool {
-    var planes = 31u;
+fn state_of(region: u32) -> u32 {
+    var all_outside = 31u;
+    var any_outside = 0u;
     var all_hidden = true;
     for (var i = 0u; i < 8u; i++) {
         let side = vec3<f32>(vec3<u32>(i, i >> 1u, i >> 2u) & vec3<u32>(1u)) * 2.0 - 1.0;
@@ -72,17 +74,24 @@ fn is_drawn(region: u32) -> bool {
             + side.x * cull_regions[region].half_edge_0_m
             + side.y * cull_regions[region].half_edge_1_m
             + side.z * cull_regions[region].half_edge_2_m;
-        planes &= outside_planes(corner_m);
+        let planes = outside_planes(corner_m);
+        all_outside &= planes;
+        any_outside |= planes;
         all_hidden = all_hidden && is_hidden(corner_m);
     }
-    return planes == 0u && !all_hidden;
+    if all_outside != 0u || all_hidden {
+        return LEFT_OUT;
+    }
+    // Inside all planes no piece can be outside one.
+    return select(WHOLE, PIECES, TESTS_PIECES && any_outside != 0u);
 }
 
-fn write_draw(draw: u32, region: u32, first_index: u32, count: u32, is_region_drawn: bool) {
-    atomicStore(&draws[draw].index_count, select(0u, count, is_region_drawn && !BEGINS_EMPTY));
-    draws[draw].instance_count = select(0u, 1u, is_region_drawn);
+// A region left out has nothing to draw; to one drawn by pieces they are appended.
+fn write_draw(draw: u32, region: u32, first_index: u32, count: u32, state: u32) {
+    atomicStore(&draws[draw].index_count, select(0u, count, state == WHOLE));
+    draws[draw].instance_count = 1u;
     atomicStore(&draws[draw].first_index, first_index);
-    draws[draw].base_vertex = 0;
+    draws[draw].base_vertex = cull_regions[region].base_vertex;
     draws[draw].first_instance = region;
 }
 
@@ -92,12 +101,14 @@ fn cull_main(@builtin(global_invocation_id) invocation: vec3<u32>) {
     if region >= arrayLength(&cull_regions) {
         return;
     }
-    let kept = is_drawn(region);
+    let state = state_of(region);
+    states[region] = state;
     let first_index = cull_regions[region].first_index;
     let upper_first = first_index + cull_regions[region].bottom_count;
     let upper_count = cull_regions[region].upper_count;
     let whole_count = cull_regions[region].bottom_count + upper_count;
-    let whole_first = select(first_index, upper_first, BEGINS_EMPTY);
-    write_draw(2u * region, region, whole_first, whole_count, kept);
-    write_draw(2u * region + 1u, region, upper_first, upper_count, kept);
+    // What is appended to the bottom grows down from where it ends.
+    let whole_first = select(first_index, upper_first, state == PIECES);
+    write_draw(2u * region, region, whole_first, whole_count, state);
+    write_draw(2u * region + 1u, region, upper_first, upper_count, state);
 }

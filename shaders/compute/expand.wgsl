@@ -1,5 +1,5 @@
 // Makes volumes from meshes: one invocation turns one cap triangle into a top and a bottom one, or
-// one boundary edge into two wall triangles. 64 invocations a workgroup: the widest subgroup there
+// one boundary edge into two wall triangles, or one vertex into two corners in clip space. 64 invocations a workgroup: the widest subgroup there
 // is, and small enough that short boundaries waste little.
 //
 // A corner is written as 2·vertex on top, 2·vertex + 1 at the bottom. A region's indices lie
@@ -36,6 +36,8 @@ const SHORT_INDICES: u32 = 2u;
 @group(1) @binding(1) var<storage, read> indices: array<u32>;
 @group(2) @binding(0) var<storage, read> work: array<WorkGroup>;
 @group(2) @binding(1) var<storage, read_write> expanded: array<u32>;
+// In its place where corners are written: in clip space.
+@group(2) @binding(1) var<storage, read_write> placed: array<vec4<f32>>;
 
 fn fetch_index(element: u32, kind: u32) -> u32 {
     if (kind & SHORT_INDICES) == 0u {
@@ -125,7 +127,7 @@ fn expand_drawn(
     @builtin(local_invocation_index) lane: u32,
 ) {
     let index = work_index(workgroup, workgroups);
-    if has_work(index, lane) && draws[2u * work[index].region].instance_count != 0u {
+    if has_work(index, lane) && states[work[index].region] != LEFT_OUT {
         expand(index, lane);
     }
 }
@@ -139,6 +141,24 @@ fn clip_position(corner: u32, region_index: u32) -> vec4<f32> {
         (corner & 1u) != 0u,
     );
     return clip_from_eye_relative(eye_relative_m(position, region_index, height_m));
+}
+
+// Both corners of one vertex. `first_input` of the work is a vertex here.
+@compute @workgroup_size(64)
+fn place_corners(
+    @builtin(workgroup_id) workgroup: vec3<u32>,
+    @builtin(num_workgroups) workgroups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let index = work_index(workgroup, workgroups);
+    if !has_work(index, lane) {
+        return;
+    }
+    let region = work[index].region;
+    let top = 2u * (work[index].first_input + lane);
+    let at = work[index].first_output + 2u * lane;
+    placed[at] = clip_position(top, region);
+    placed[at + 1u] = clip_position(top + 1u, region);
 }
 
 // Bits of the planes of the view frustum that a point lies outside of: right, left, up, down, near.
@@ -167,10 +187,14 @@ fn expand_visible(
         return;
     }
     let region = work[index].region;
-    let whole = 2u * region;
-    if draws[whole].instance_count == 0u {
+    let state = states[region];
+    if state == WHOLE {
+        expand(index, lane);
+    }
+    if state != PIECES {
         return;
     }
+    let whole = 2u * region;
     if (work[index].kind & WALLS) != 0u {
         let ends = edge_ends(index, lane);
         let planes = corner_planes(ends.x, region) & corner_planes(ends.x + 1u, region)

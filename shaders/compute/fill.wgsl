@@ -41,3 +41,25 @@ fn numbered_main(
 ) -> Numbered {
     return numbered(extrude(corner, region_index), region_index);
 }
+
+// The same for corners that the compute pass has put into clip space.
+@vertex
+fn placed_main(@location(0) clip: vec4<f32>) -> @invariant @builtin(position) vec4<f32> {
+    return clip;
+}
+
+@vertex
+fn placed_coloured(
+    @location(0) clip: vec4<f32>,
+    @builtin(instance_index) region_index: u32,
+) -> Coloured {
+    return Coloured(clip, regions[region_index].colour);
+}
+
+@vertex
+fn placed_numbered(
+    @location(0) clip: vec4<f32>,
+    @builtin(instance_index) region_index: u32,
+) -> Numbered {
+    return numbered(clip, region_index);
+}

@@ -1,8 +1,15 @@
 // What a volume's fragments write, whatever layout its vertices came from.
 
-// For passes that also hold a colour target, and for counting fragments: nothing.
+// For passes that also hold a colour target: nothing.
 @fragment
 fn no_colour() {}
+
+// For counting fragments, with a target whose write mask is empty: drivers need not run, nor count, a
+// shader that does nothing (llvmpipe does neither).
+@fragment
+fn counted() -> @location(0) vec4<f32> {
+    return vec4<f32>(1.0);
+}
 
 // Colour pass by volumes: the region's colour.
 struct Coloured {

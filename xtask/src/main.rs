@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Checks of the repository that need more than cargo, and the blessing of goldens.
+//! Checks of the repository that need more than cargo, the blessing of goldens, and shaders compiled
+//! beforehand.
 //!
 //! Every check prints what it looked at and how much of it there was, since a check that found
 //! nothing to check has not passed.
 
 mod dependencies;
+mod geometry;
 mod goldens;
 mod shaders;
 mod validation_log;
@@ -18,9 +20,10 @@ usage: cargo xtask COMMAND
 
   check-deps                   no crate depends on one that the architecture forbids
   check-shaders                shaders on disk, embedded and documented are the same, and valid
+  compile-shaders              write the SPIR-V of the geometry shaders anew
   check-validation-log FILE    the Vulkan layer was at work and reported nothing unexpected
   check-goldens                every golden is there, is used and is what the code gives
-  bless NAME                   write the golden NAME anew; the only command that writes";
+  bless NAME                   write the golden NAME anew; the only command that writes goldens";
 
 #[allow(
     clippy::print_stdout,
@@ -32,6 +35,7 @@ fn main() -> ExitCode {
     let outcome = match words[..] {
         ["check-deps"] => check_deps(),
         ["check-shaders"] => shaders::check(&root().join("shaders")),
+        ["compile-shaders"] => geometry::compile(&root().join("shaders")),
         ["check-validation-log", file] => validation_log::check(Path::new(file)),
         ["check-goldens"] => goldens_now().and_then(|all| goldens::check(&goldens_dir(), &all)),
         ["bless", name] => goldens_now().and_then(|all| goldens::bless(&goldens_dir(), &all, name)),

@@ -10,15 +10,19 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Files with entry points. Written down, so that a list that shrinks by accident fails.
-const EXPECTED_MODULES: usize = 10;
+const EXPECTED_MODULES: usize = 11;
 /// Files that others import.
 const EXPECTED_SHARED: usize = 4;
+
+/// Endings of shader sources.
+const SOURCES: [&str; 3] = ["wgsl", "glsl", "geom"];
 
 /// Checks the folder `shaders/`.
 pub(crate) fn check(folder: &Path) -> Result<String> {
     let readme = folder.join("README.md");
     let readme = std::fs::read_to_string(&readme).with_context(|| readme.display().to_string())?;
     let embedded = terrafill_shaders::embedded_paths()
+        .chain(terrafill_shaders::glsl_paths())
         .map(str::to_owned)
         .collect();
     same_set(&embedded, "embedded", &on_disk(folder)?, "on disk")?;
@@ -29,10 +33,12 @@ pub(crate) fn check(folder: &Path) -> Result<String> {
         "in shaders/README.md",
     )?;
     let valid = terrafill_shaders::check_all()?;
-    counts_are_expected(valid, embedded.len())?;
+    let wgsl = terrafill_shaders::embedded_paths().count();
+    counts_are_expected(valid, wgsl)?;
+    let geometry = crate::geometry::check(folder)?;
     Ok(format!(
-        "{valid} shaders valid, {} imported by them",
-        embedded.len() - valid
+        "{valid} shaders valid, {} imported by them; {geometry}",
+        wgsl - valid
     ))
 }
 
@@ -56,9 +62,9 @@ fn on_disk(folder: &Path) -> Result<BTreeSet<String>> {
     while let Some(next) = folders.pop() {
         for entry in std::fs::read_dir(&next).with_context(|| next.display().to_string())? {
             let path = entry?.path();
-            let is_source = path
-                .extension()
-                .is_some_and(|extension| extension == "wgsl" || extension == "glsl");
+            let is_source = SOURCES
+                .iter()
+                .any(|source| path.extension().is_some_and(|e| e == *source));
             if path.is_dir() {
                 folders.push(path);
             } else if is_source {
@@ -75,7 +81,10 @@ fn documented(readme: &str) -> BTreeSet<String> {
     readme
         .lines()
         .filter_map(|line| line.strip_prefix("| ")?.split(" |").next())
-        .filter(|cell| cell.ends_with(".wgsl") || cell.ends_with(".glsl"))
+        .filter(|cell| {
+            let extension = cell.rsplit_once('.').map(|(_, extension)| extension);
+            extension.is_some_and(|extension| SOURCES.contains(&extension))
+        })
         .map(str::to_owned)
         .collect()
 }

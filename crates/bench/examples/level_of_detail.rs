@@ -9,6 +9,7 @@
 
 use std::sync::Arc;
 use terrafill_conformance::compare;
+use terrafill_core::RegionMesh;
 use terrafill_frame::{Backend as _, FrameInput, PreparedScene, TimedBackend as _};
 use terrafill_gpu::{Baseline, BaselineKind, Gpu, GpuOptions, Stage};
 use terrafill_reference::ReferenceBackend;
@@ -16,7 +17,7 @@ use terrafill_results::median;
 use terrafill_scene::{
     ImageSize, LeveledMeshes, PlanOptions, Scene, SurfaceMesh, data_dir_from_env,
 };
-use terrafill_vertex::{VertexBackend, VertexVariant};
+use terrafill_vertex::{VertexBackend, VertexVariant, layout_bytes};
 
 const SIZE: ImageSize = ImageSize {
     width: 1024,
@@ -39,11 +40,21 @@ fn main() -> anyhow::Result<()> {
             .map_err(|errors| anyhow::anyhow!("{name}: {errors:?}"))?;
         let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
         let prepared = PreparedScene::leveled(&scene, leveled, surface);
+        let as_written = geometry_bytes(&prepared.meshes[..scene.regions.len()]);
+        let all = geometry_bytes(&prepared.meshes);
+        println!("{name}: {as_written} bytes as written, {all} with all levels");
         for view in &scene.views {
             measure(&gpu, &prepared, view, rounds)?;
         }
     }
     Ok(())
+}
+
+/// Of the layout that is measured.
+fn geometry_bytes(meshes: &[RegionMesh]) -> u64 {
+    let layout = VertexVariant::default().layout;
+    let bytes = meshes.iter().map(|mesh| layout_bytes(layout, mesh).total());
+    bytes.sum()
 }
 
 fn measure(
@@ -65,7 +76,8 @@ fn measure(
         let input = full.remeshed(scene, options);
         let mut backend = VertexBackend::new(&stage, VertexVariant::default())?;
         let memory = backend.prepare(&input)?;
-        let figures = compare(&reference, &backend.render(&input)?)?;
+        let frame = backend.render(&input)?;
+        let figures = compare(&reference, &frame)?;
         let vertices: usize = input
             .plan
             .regions

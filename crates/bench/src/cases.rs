@@ -9,6 +9,7 @@ use std::sync::Arc;
 use terrafill_compute::{ComputeVariant, Expansion};
 use terrafill_frame::{ColourWay, PositionFormat, Switches};
 use terrafill_gpu::BaselineKind;
+use terrafill_native::{NativeVariant, Technique as Native};
 use terrafill_results::{CaseKey, LadderRung};
 use terrafill_scene::{PlanOptions, Scene, View};
 use terrafill_vertex::{Layout, VertexVariant};
@@ -239,6 +240,14 @@ fn vertex(layout: Layout, scene: &Scene) -> Setting {
     }))
 }
 
+/// A native technique with the colouring that is right for the scene.
+fn native(technique: Native, scene: &Scene) -> Setting {
+    Setting::new(Technique::Native(NativeVariant {
+        technique,
+        switches: Switches::for_overlap(scene.overlap),
+    }))
+}
+
 /// Every layout of a backend, as it should be used.
 fn layouts(backend: &str, scene: &Scene) -> Vec<Setting> {
     match backend {
@@ -252,6 +261,7 @@ fn layouts(backend: &str, scene: &Scene) -> Vec<Setting> {
                 }))
             })
             .into(),
+        "native" => Native::ALL.map(|technique| native(technique, scene)).into(),
         _ => Vec::new(),
     }
 }
@@ -268,8 +278,13 @@ fn sweep_settings(backend: &str, scene: &Scene) -> Vec<Setting> {
 
 /// Layouts as they should be used; beside them, one switch at a time, what is compared everywhere.
 fn main_settings(backend: &str, scene: &Scene, quick: bool) -> Vec<Setting> {
-    if backend != "vertex" {
-        return layouts(backend, scene);
+    match backend {
+        "vertex" => {}
+        "native" => {
+            let techniques = [Native::VsControl, Native::GsDegenerate, Native::GsLine];
+            return techniques.map(|technique| native(technique, scene)).into();
+        }
+        _ => return layouts(backend, scene),
     }
     let mut settings: Vec<Setting> = [Layout::Doubled, Layout::Pulled]
         .map(|layout| vertex(layout, scene))

@@ -42,7 +42,7 @@ pub fn environment(device: &DeviceFacts, options: &BenchOptions) -> RunEnvironme
         driver: device.driver.clone(),
         driver_info: device.driver_info.clone(),
         mesa_version: mesa_version(&device.driver_info),
-        api: "Vulkan through wgpu 30.0.1".to_owned(),
+        api: "Vulkan through wgpu 30.0.1; backend native through ash 0.38.0".to_owned(),
         width: options.size.width,
         height: options.size.height,
         shader_hash: format!("{:016x}", terrafill_gpu::shader_source_hash()),

@@ -6,6 +6,7 @@ use crate::images::{drop_alpha, file_stem, write_rgb};
 use crate::memory::LayoutOfScene;
 use crate::scenes::{build_meshes, mesh_error};
 use crate::summary::baselines;
+use crate::technique::{SharedNativeGpu, Stages};
 use crate::{BenchCase, BenchError, BenchOptions, SceneGroup, Setting, Technique};
 use indicatif::ProgressBar;
 use std::cell::RefCell;
@@ -13,14 +14,14 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_conformance::{
-    Verdict, boundary_band, compare, difference_rgb, filled_only, verdict,
+    Verdict, boundary_band, compare, difference_rgb, filled_only, verdict_of_moved,
 };
 use terrafill_core::RegionMesh;
 use terrafill_frame::{
     BackendError, ColourWay, Frame, FrameInput, FrameTimes, MemoryUse, PreparedScene,
     VolumeBackend, paint,
 };
-use terrafill_gpu::{Baseline, CpuStopwatch, Gpu, SharedStage, Stage};
+use terrafill_gpu::{Baseline, CpuStopwatch, Gpu, Stage};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::{Baselines, CaseKey, ErrorFigures, RunFolder, Sample, Status, median};
 use terrafill_scene::{LeveledMeshes, PlanOptions, SurfaceMesh};
@@ -87,7 +88,7 @@ pub(crate) struct GroupRun<'a> {
     pub(crate) folder: &'a RunFolder,
     pub(crate) group: &'a SceneGroup,
     pub(crate) progress: &'a ProgressBar,
-    pub(crate) stage: SharedStage,
+    pub(crate) stages: Stages,
     /// What the default mesh options give; views of other options share its surface.
     pub(crate) input: Rc<FrameInput>,
     pub(crate) reference: Frame,
@@ -105,6 +106,7 @@ pub(crate) struct GroupRun<'a> {
 impl<'a> GroupRun<'a> {
     pub(crate) fn new(
         gpu: &Arc<Gpu>,
+        native_gpu: SharedNativeGpu,
         options: &'a BenchOptions,
         folder: &'a RunFolder,
         group: &'a SceneGroup,
@@ -137,7 +139,7 @@ impl<'a> GroupRun<'a> {
             folder,
             group,
             progress,
-            stage,
+            stages: Stages::new(stage, native_gpu, options.size),
             input: Rc::new(input),
             inputs: RefCell::default(),
             leveled: RefCell::default(),
@@ -222,7 +224,7 @@ impl<'a> GroupRun<'a> {
     /// Prepares a case and draws its probe frame. What goes wrong becomes the case's status.
     fn probe(&self, case: &'a BenchCase) -> Result<RunningCase<'a>, BenchError> {
         let (drawer, probe) = match case.technique {
-            Technique::Baseline(kind) => match Baseline::new(kind, &self.stage) {
+            Technique::Baseline(kind) => match Baseline::new(kind, &self.stages.wgpu) {
                 Ok(baseline) => (Drawer::Baseline(baseline), Probe::default()),
                 Err(error) => (Drawer::None, failed_probe(&error)),
             },
@@ -230,7 +232,7 @@ impl<'a> GroupRun<'a> {
                 let (input, plan_cpu_ms) = self.input_for(case)?;
                 let drawn = case
                     .technique
-                    .open(&self.stage)
+                    .open(&self.stages)
                     .map(|backend| backend.and_then(|backend| draw_probe(backend, &input)));
                 match drawn {
                     Some(Ok((mut backend, memory, frame))) => {
@@ -319,7 +321,8 @@ impl<'a> GroupRun<'a> {
         };
         match self.figures(&probe, &frame) {
             Ok(figures) => {
-                let (status, reasons) = match verdict(&figures) {
+                let moved_px = case.plan.boundary_lod_px.unwrap_or(0.0);
+                let (status, reasons) = match verdict_of_moved(&figures, moved_px) {
                     Verdict::Pass => (Status::Ok, Vec::new()),
                     Verdict::Fail(reasons) => (Status::Wrong, reasons),
                 };
@@ -406,13 +409,19 @@ impl<'a> GroupRun<'a> {
                 "{}/{}: frame {round}",
                 self.group.scene.name, self.group.view.name
             ));
-            let mut stage = self.stage.borrow_mut();
+            let mut stage = self.stages.wgpu.borrow_mut();
             stage.prepare(&self.input).map_err(device)?;
             let surface_gpu_ms = stage.draw_surface().map_err(device)?;
             drop(stage);
+            // Those that do not share that stage share another by the name of their backend.
+            let mut drawn: Vec<&str> = Vec::new();
             for case in running.iter_mut() {
-                if let Drawer::Volumes(backend, input) = &mut case.drawer {
+                let name = case.case.technique.backend();
+                if let Drawer::Volumes(backend, input) = &mut case.drawer
+                    && !drawn.contains(&name)
+                {
                     backend.draw_own_surface(input).map_err(device)?;
+                    drawn.push(name);
                 }
             }
             let mut rows = Vec::new();

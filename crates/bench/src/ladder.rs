@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The ladder: from the un-optimised method to the full plan, one switch at a time.
 //!
-//! The order is that of Cozzi (2007): memory, culling, back faces, buffer layout, strips, cache
-//! order, vertex size, then depth-pass counting and the bottom cap; then what came later. The two
-//! last of his stand the other way round here: below the surface every cap counts, so a bottom cap
-//! can be left out only where fragments in front of the surface count.
+//! The order is that of Cozzi (2007): one volume for each region, culling, back faces, buffer layout,
+//! strips, cache order, vertex size, then depth-pass counting and the bottom cap; then what came
+//! later. His last two stand the other way round here: behind the surface every cap counts, so a
+//! bottom cap can be left out only where fragments in front of the surface count.
 //!
 //! All rungs before the last two fill every region in one colour, as his did.
 
@@ -12,6 +12,7 @@ use crate::matrix::LOD_PX;
 use crate::technique::{Setting, Technique};
 use terrafill_compute::{ComputeVariant, Expansion};
 use terrafill_frame::{BottomCap, ColourWay, DepthRuleChoice, FacePasses, Switches};
+use terrafill_native::{NativeVariant, Technique as Native};
 use terrafill_scene::{Overlap, PlanOptions};
 use terrafill_vertex::{IndexOrder, Layout, VertexSize, VertexVariant, Walls};
 
@@ -31,6 +32,7 @@ pub(crate) fn ladder(backend: &str, overlap: Overlap) -> Vec<Rung> {
     match backend {
         "vertex" => vertex_ladder(overlap),
         "compute" => compute_ladder(overlap),
+        "native" => native_ladder(overlap),
         _ => Vec::new(),
     }
 }
@@ -106,6 +108,14 @@ impl Climb {
         self.step(step, change, |setting| {
             if let Technique::Vertex(variant) = &mut setting.technique {
                 set(variant);
+            }
+        })
+    }
+
+    fn native(&mut self, step: &'static str, change: &'static str, technique: Native) -> &mut Self {
+        self.step(step, change, |setting| {
+            if let Technique::Native(variant) = &mut setting.technique {
+                variant.technique = technique;
             }
         })
     }
@@ -192,7 +202,7 @@ fn vertex_ladder(overlap: Overlap) -> Vec<Rung> {
     );
     climb
         .vertex(
-            "memory",
+            "one-volume",
             "one volume for each region: caps, and walls along the boundary only",
             |variant| {
                 variant.layout = Layout::Separate;
@@ -232,13 +242,49 @@ fn compute_ladder(overlap: Overlap) -> Vec<Rung> {
          count, nothing culled, colour by drawing the volumes again",
     );
     climb
-        .step("memory", "volumes are made once and kept", |setting| {
+        .step("kept", "volumes are made once and kept", |setting| {
             if let Technique::Compute(variant) = &mut setting.technique {
                 variant.expansion = Expansion::Cached;
             }
         })
         .culling()
         .rest_of_the_way(overlap);
+    climb.rungs
+}
+
+fn native_ladder(overlap: Overlap) -> Vec<Rung> {
+    let mut climb = Climb::from(
+        Technique::Native(NativeVariant {
+            technique: Native::GsPerTriangle,
+            ..NativeVariant::default()
+        }),
+        "the geometry shader makes a closed volume of every triangle; two passes, fragments \
+         behind the surface count, nothing culled, colour by drawing the volumes again",
+    );
+    climb
+        .native(
+            "one-volume",
+            "one volume for each region: two caps of each triangle, a wall of each boundary edge",
+            Native::GsDegenerate,
+        )
+        .culling()
+        .native(
+            "two-edges",
+            "two boundary edges in each index triangle instead of one",
+            Native::GsTwoEdges,
+        )
+        .native(
+            "lines",
+            "boundary edges as line strips in a draw of their own instead of among the triangles",
+            Native::GsLine,
+        )
+        .rest_of_the_way(overlap)
+        // Last, since where the device has none the rungs after it would have no result either.
+        .switch(
+            "depth-bounds",
+            "fragments over surface outside the region's depth range are dropped",
+            |switches| switches.depth_bounds = true,
+        );
     climb.rungs
 }
 
@@ -277,7 +323,7 @@ mod tests {
                     // triangles are lists always, flags of their own have no vertex size, and which
                     // faces are drawn as covers has no meaning where none are.
                     let allowed = match pair[1].step {
-                        "memory" | "buffer-layout" | "screen-cover" => 3,
+                        "one-volume" | "buffer-layout" | "screen-cover" => 3,
                         _ => 2,
                     };
                     let found = differences(&pair[0], &pair[1]);

@@ -19,7 +19,7 @@ pub(crate) const LOD_PX: f64 = 0.5;
 /// Switches that only this technique has, one at a time.
 fn own_switches(base: Setting) -> Vec<Setting> {
     match base.technique {
-        Technique::Baseline(_) => Vec::new(),
+        Technique::Baseline(_) | Technique::Native(_) => Vec::new(),
         Technique::Vertex(variant) => [
             VertexVariant {
                 walls: Walls::List,

@@ -76,7 +76,7 @@ impl BenchOptions {
     /// the first rungs take seconds where the last take milliseconds.
     #[must_use]
     pub fn ladder_frame_count(&self) -> u32 {
-        self.frame_count().min(15)
+        self.frame_count().min(11)
     }
 
     /// Whether `backend` is asked for.

@@ -4,9 +4,11 @@
 use crate::group::GroupRun;
 use crate::growth;
 use crate::scenes::{SkippedScenes, plan_groups};
+use crate::technique::NativeGpu;
 use crate::{BACKENDS, BenchCase, BenchError, BenchOptions, SceneGroup, environment};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::collections::BTreeMap;
+use std::rc::Rc;
 use terrafill_gpu::{Gpu, GpuOptions};
 use terrafill_results::{
     CaseKey, LadderRung, RunEnvironment, RunError, RunFolder, RunPlan, Status, Summary,
@@ -76,11 +78,20 @@ pub fn run(options: &BenchOptions) -> Result<BenchOutcome, BenchError> {
     let ladder: Vec<LadderRung> = groups.iter().flat_map(|g| g.ladder.clone()).collect();
     folder.write_ladder(&ladder)?;
     let missing = folder.missing()?;
+    let native_gpu = NativeGpu::new(options.adapter.clone());
     let progress = progress_bar(&plan, &missing);
     for group in &groups {
         let is_done = group.cases.iter().all(|case| !missing.contains(&case.key));
         if !is_done {
-            GroupRun::new(&gpu, options, &folder, group, &progress)?.run(&missing)?;
+            GroupRun::new(
+                &gpu,
+                Rc::clone(&native_gpu),
+                options,
+                &folder,
+                group,
+                &progress,
+            )?
+            .run(&missing)?;
         }
     }
     progress.finish_and_clear();

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What draws a case, and the one place where it is made.
 
+use std::cell::OnceCell;
+use std::rc::Rc;
+use std::sync::Arc;
 use terrafill_compute::{ComputeBackend, ComputeVariant, Expansion, compute_bytes};
 use terrafill_core::RegionMesh;
 use terrafill_frame::{BackendError, Switches, VolumeBackend};
 use terrafill_gpu::{BaselineKind, SharedStage};
-use terrafill_scene::{Overlap, PlanOptions};
+use terrafill_native::{NativeBackend, NativeVariant, native_bytes};
+use terrafill_scene::{ImageSize, Overlap, PlanOptions};
 use terrafill_vertex::{VertexBackend, VertexVariant, shared_flag_bytes, variant_bytes};
 
 /// What draws a case.
@@ -17,11 +21,80 @@ pub enum Technique {
     Vertex(VertexVariant),
     /// The geometry shader emulated in compute.
     Compute(ComputeVariant),
+    /// Geometry shaders, and the vertex shader as their control, on Vulkan itself.
+    Native(NativeVariant),
 }
 
 /// Backends that `--backend` knows, in the order in which they are measured. The first is the one
 /// whose pictures the others' are laid beside.
-pub const BACKENDS: [&str; 2] = ["vertex", "compute"];
+pub const BACKENDS: [&str; 3] = ["vertex", "compute", "native"];
+
+/// Where techniques draw: the stage that all wgpu backends share, and one on Vulkan itself, which is
+/// made when it is first asked for.
+#[derive(Debug)]
+pub(crate) struct Stages {
+    pub(crate) wgpu: SharedStage,
+    native_gpu: SharedNativeGpu,
+    native: OnceCell<Result<terrafill_vulkan::SharedStage, String>>,
+    size: ImageSize,
+}
+
+/// A device of Vulkan itself for all scenes of a run, opened when it is first asked for; or why there
+/// is none.
+pub(crate) type SharedNativeGpu = Rc<NativeGpu>;
+
+/// See [`SharedNativeGpu`].
+#[derive(Debug)]
+pub(crate) struct NativeGpu {
+    adapter: Option<String>,
+    gpu: OnceCell<Result<Arc<terrafill_vulkan::Gpu>, String>>,
+}
+
+impl NativeGpu {
+    /// - `adapter`: part of the adapter's name
+    pub(crate) fn new(adapter: Option<String>) -> SharedNativeGpu {
+        Rc::new(Self {
+            adapter,
+            gpu: OnceCell::new(),
+        })
+    }
+
+    fn open(&self) -> Result<&Arc<terrafill_vulkan::Gpu>, &String> {
+        let open = || {
+            terrafill_vulkan::Gpu::open(&terrafill_vulkan::GpuOptions {
+                adapter: self.adapter.clone(),
+                ..terrafill_vulkan::GpuOptions::default()
+            })
+            .map_err(|error| error.to_string())
+        };
+        self.gpu.get_or_init(open).as_ref()
+    }
+}
+
+impl Stages {
+    pub(crate) fn new(wgpu: SharedStage, native_gpu: SharedNativeGpu, size: ImageSize) -> Self {
+        Self {
+            wgpu,
+            native_gpu,
+            native: OnceCell::new(),
+            size,
+        }
+    }
+
+    fn native(&self) -> Result<&terrafill_vulkan::SharedStage, BackendError> {
+        let make = || {
+            let gpu = self.native_gpu.open().map_err(Clone::clone)?;
+            terrafill_vulkan::Stage::shared(gpu, self.size).map_err(|error| error.to_string())
+        };
+        self.native
+            .get_or_init(make)
+            .as_ref()
+            .map_err(|why| BackendError::Unsupported {
+                capability: format!("a device for the native backend: {why}"),
+                adapter: "this machine".to_owned(),
+            })
+    }
+}
 
 /// Bytes of geometry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -53,6 +126,7 @@ impl Technique {
             Self::Baseline(kind) => kind.name(),
             Self::Vertex(_) => "vertex",
             Self::Compute(_) => "compute",
+            Self::Native(_) => "native",
         }
     }
 
@@ -63,6 +137,7 @@ impl Technique {
             Self::Baseline(_) => "full-screen".to_owned(),
             Self::Vertex(variant) => variant.name(),
             Self::Compute(variant) => variant.name(),
+            Self::Native(variant) => variant.name(),
         }
     }
 
@@ -73,6 +148,7 @@ impl Technique {
             Self::Baseline(_) => None,
             Self::Vertex(variant) => Some(&variant.switches),
             Self::Compute(variant) => Some(&variant.switches),
+            Self::Native(variant) => Some(&variant.switches),
         }
     }
 
@@ -82,6 +158,7 @@ impl Technique {
             Self::Baseline(_) => None,
             Self::Vertex(variant) => Some(&mut variant.switches),
             Self::Compute(variant) => Some(&mut variant.switches),
+            Self::Native(variant) => Some(&mut variant.switches),
         }
     }
 
@@ -91,15 +168,34 @@ impl Technique {
     /// [`BackendError::Unsupported`] when the device lacks something, else whatever it reports.
     pub(crate) fn open(
         &self,
-        stage: &SharedStage,
+        stages: &Stages,
     ) -> Option<Result<Box<dyn VolumeBackend>, BackendError>> {
         fn boxed<B: VolumeBackend + 'static>(backend: B) -> Box<dyn VolumeBackend> {
             Box::new(backend)
         }
+        // wgpu has no depth-bounds test, whatever the device has; silence would look like one that
+        // changes nothing.
+        let is_native = matches!(self, Self::Native(_));
+        if !is_native
+            && self
+                .switches()
+                .is_some_and(|switches| switches.depth_bounds)
+        {
+            return Some(Err(BackendError::Unsupported {
+                capability: "a depth-bounds test".to_owned(),
+                adapter: "wgpu".to_owned(),
+            }));
+        }
+        let stage = &stages.wgpu;
         match self {
             Self::Baseline(_) => None,
             Self::Vertex(variant) => Some(VertexBackend::new(stage, *variant).map(boxed)),
             Self::Compute(variant) => Some(ComputeBackend::new(stage, *variant).map(boxed)),
+            Self::Native(variant) => Some(
+                stages
+                    .native()
+                    .and_then(|stage| NativeBackend::new(stage, *variant).map(boxed)),
+            ),
         }
     }
 
@@ -127,13 +223,20 @@ impl Technique {
                     index_bytes: bytes.input_index_bytes + output,
                 })
             }
+            Self::Native(variant) => {
+                let bytes = native_bytes(variant.technique, mesh);
+                Some(GeometryBytes {
+                    vertex_bytes: bytes.vertex_bytes,
+                    index_bytes: bytes.index_bytes,
+                })
+            }
         }
     }
 
     /// Bytes that all regions share, by the layout's formula.
     pub(crate) fn shared_formula(&self, meshes: &[RegionMesh]) -> GeometryBytes {
         match self {
-            Self::Baseline(_) | Self::Compute(_) => GeometryBytes::default(),
+            Self::Baseline(_) | Self::Compute(_) | Self::Native(_) => GeometryBytes::default(),
             Self::Vertex(variant) => GeometryBytes {
                 vertex_bytes: shared_flag_bytes(variant.layout, meshes),
                 index_bytes: 0,
@@ -149,6 +252,7 @@ impl Technique {
             Self::Compute(variant) => {
                 variant.check().is_ok() && variant.switches.check(overlap).is_ok()
             }
+            Self::Native(variant) => variant.switches.check(overlap).is_ok(),
         }
     }
 }

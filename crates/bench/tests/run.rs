@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! A whole small run: started, killed, resumed.
+//! Whole small runs: started, killed, resumed; with ladder, matrix and bytes.
 
 use std::path::Path;
-use terrafill_bench::{BenchError, BenchOptions, run};
-use terrafill_results::{RunFolder, Status};
+use terrafill_bench::{BACKENDS, BenchError, BenchOptions, run};
+use terrafill_native::Technique;
+use terrafill_results::{CaseKey, RunFolder, Status, Summary};
 use terrafill_scene::ImageSize;
+use terrafill_vertex::Layout;
 
 fn options(out: &Path) -> BenchOptions {
     BenchOptions {
@@ -50,25 +52,25 @@ fn a_run_is_measured_killed_and_resumed_without_measuring_twice() {
         return;
     }
     let outcome = result.expect("runs");
-    assert_eq!((outcome.ok, outcome.wrong, outcome.failed), (6, 0, 0));
+    assert_eq!((outcome.ok, outcome.wrong, outcome.failed), (21, 0, 0));
     let whole = RunFolder::open(&out).expect("a run");
     let (summaries, samples) = (
         whole.summaries().expect("rows"),
         whole.samples().expect("rows"),
     );
-    // Three views of two baselines and two layouts, three frames each.
-    assert_eq!((summaries.len(), samples.len()), (12, 36));
+    // Three views of two baselines and seven techniques, three frames each.
+    assert_eq!((summaries.len(), samples.len()), (27, 81));
     assert!(summaries.iter().all(|row| row.status == Status::Ok));
     assert!(summaries.iter().all(|row| row.samples == 3));
 
     // As a kill would leave it: one view summed up, the second half measured, a torn last row.
     let path = out.join("samples.csv");
     let text = std::fs::read_to_string(&path).expect("readable");
-    let kept: Vec<&str> = text.lines().take(1 + 12 + 6).collect();
+    let kept: Vec<&str> = text.lines().take(1 + 27 + 12).collect();
     std::fs::write(&path, kept.join("\n") + "\ncalifornia,top-d").expect("writable");
     let path = out.join("summary.csv");
     let text = std::fs::read_to_string(&path).expect("readable");
-    let kept: Vec<&str> = text.lines().take(1 + 4).collect();
+    let kept: Vec<&str> = text.lines().take(1 + 9).collect();
     std::fs::write(&path, kept.join("\n") + "\n").expect("writable");
 
     let again = run(&options(&out)).expect_err("the folder holds a run");
@@ -76,15 +78,15 @@ fn a_run_is_measured_killed_and_resumed_without_measuring_twice() {
     let mut resumed = options(&out);
     resumed.resume = true;
     let outcome = run(&resumed).expect("resumes");
-    assert_eq!(outcome.ok, 6);
+    assert_eq!(outcome.ok, 21);
     let run_again = RunFolder::open(&out).expect("a run");
     let after = run_again.samples().expect("rows");
-    assert_eq!(after.len(), 36);
-    assert_eq!(after[..18], samples[..18], "what was measured stays");
+    assert_eq!(after.len(), 81);
+    assert_eq!(after[..39], samples[..39], "what was measured stays");
     let mut keys: Vec<_> = after.iter().map(|row| (row.key(), row.frame)).collect();
     keys.sort();
     keys.dedup();
-    assert_eq!(keys.len(), 36, "no frame of a case stands twice");
+    assert_eq!(keys.len(), 81, "no frame of a case stands twice");
     assert!(run_again.missing().expect("a plan").is_empty());
 }
 
@@ -95,10 +97,148 @@ fn wrong_requests_are_refused_before_anything_is_written() {
     let mut wrong = options(&out);
     wrong.backends = vec!["metal".to_owned()];
     let error = run(&wrong).expect_err("no such backend");
-    assert_eq!(error.to_string(), "backend \"metal\", allowed: vertex, compute");
+    assert_eq!(
+        error.to_string(),
+        "backend \"metal\", allowed: vertex, compute, native"
+    );
     let mut wrong = options(&out);
-    wrong.scenes = vec!["atlantis".to_owned()];
-    let error = run(&wrong).expect_err("no such scene");
-    assert!(error.to_string().contains("atlantis"), "{error}");
+    wrong.scenes = ["atlantis", "california", "lemuria"]
+        .map(str::to_owned)
+        .into();
+    let error = run(&wrong).expect_err("no such scenes").to_string();
+    let lines: Vec<&str> = error.lines().collect();
+    assert_eq!(lines.len(), 2, "every wrong scene is named: {error}");
+    assert!(
+        lines[0].contains("atlantis") && lines[1].contains("lemuria"),
+        "{error}"
+    );
     assert!(!out.exists(), "nothing was written");
+}
+
+/// California from above, at a size at which every case is quick.
+const SMALL_SCENE: &str = r#"
+name = "small"
+description = "California from above"
+body = "wgs84"
+edges = "planar"
+overlap = "disjoint"
+
+[regions]
+embedded = "california.geojson"
+
+[surface]
+kind = "ellipsoid"
+rows = 60
+
+[mesh]
+boundary_tolerance_m = 500
+cap_step_deg = 3
+
+[[views]]
+name = "globe"
+longitude_deg = -119.5
+latitude_deg = 37.2
+height_m = 1_500_000
+heading_deg = 0
+pitch_deg = -90
+"#;
+
+#[test]
+fn ladder_matrix_and_bytes_of_every_backend() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = folder.path().join("small.toml");
+    std::fs::write(&scene, SMALL_SCENE).expect("writable");
+    let out = folder.path().join("run");
+    let mut asked = options(&out);
+    asked.scenes = vec![scene.to_string_lossy().into_owned()];
+    asked.ladder = Some(vec!["small".to_owned()]);
+    asked.matrix = Some(vec!["small".to_owned()]);
+    let result = run(&asked);
+    if !has_device(&result) {
+        return;
+    }
+    let outcome = result.expect("runs");
+    assert_eq!((outcome.wrong, outcome.failed), (0, 0));
+    let folder = RunFolder::open(&out).expect("a run");
+    let rows = folder.summaries().expect("rows");
+    let row = |key: &CaseKey| rows.iter().find(|row| row.key() == *key);
+
+    let ladder = folder.ladder().expect("rungs");
+    for backend in BACKENDS {
+        let own: Vec<_> = ladder
+            .iter()
+            .filter(|rung| rung.ladder == backend)
+            .collect();
+        assert!(own.len() >= 13, "{backend}: {}", own.len());
+        for (rung, number) in own.iter().zip(1..) {
+            assert_eq!(rung.rung, number, "{backend}");
+            let row = row(&rung.key()).expect("each rung has its row");
+            assert!(row.role.contains("ladder"), "{}", row.role);
+            // A device may lack depth bounds; everything else is timed.
+            let is_timed = row.status == Status::Ok && row.samples == 3;
+            let lacks = row.status == Status::Skipped && row.reason.contains("depth");
+            assert!(
+                is_timed || (lacks && rung.step == "depth-bounds"),
+                "{row:?}"
+            );
+        }
+    }
+
+    let cells: Vec<_> = rows
+        .iter()
+        .filter(|row| row.role.contains("matrix"))
+        .collect();
+    assert!(cells.len() > 150, "{}", cells.len());
+    let asks_the_same = |row: &&&Summary| {
+        let other = ["boundary-lod-px=", "positions="];
+        row.status == Status::Ok && !other.iter().any(|key| row.variant.contains(key))
+    };
+    let same: Vec<_> = cells.iter().filter(asks_the_same).collect();
+    assert!(same.len() > 120, "{}", same.len());
+    for cell in &same {
+        assert_eq!(cell.mask_hash, same[0].mask_hash, "{}", cell.key());
+        assert!(cell.ids_hash.is_empty() || cell.ids_hash == same[0].ids_hash);
+    }
+    let drawn_only = cells.iter().filter(|row| row.role == "matrix");
+    assert!(drawn_only.clone().count() > 100);
+    assert!(drawn_only.clone().all(|row| row.samples == 0));
+    for cell in cells.iter().filter(|row| row.status == Status::Skipped) {
+        assert!(
+            cell.reason.contains("lacks"),
+            "{}: {}",
+            cell.key(),
+            cell.reason
+        );
+    }
+
+    let memory = folder.memory().expect("bytes");
+    let held: Vec<_> = memory
+        .iter()
+        .filter(|row| row.allocated_bytes().is_some())
+        .collect();
+    let layouts = Layout::ALL.len() + 2 + Technique::ALL.len();
+    assert_eq!(held.len(), layouts, "every layout of every backend");
+    for row in held {
+        let name = format!("{}/{}", row.backend, row.layout);
+        assert_eq!(
+            Some(row.formula_vertex_bytes),
+            row.allocated_vertex_bytes,
+            "{name}"
+        );
+        assert_eq!(
+            Some(row.formula_index_bytes),
+            row.allocated_index_bytes,
+            "{name}"
+        );
+    }
+    assert!(memory.iter().any(|row| row.regions == 5_000));
+
+    // Going on with a whole run draws nothing again.
+    let before = std::fs::read(out.join("summary.csv")).expect("rows");
+    asked.resume = true;
+    run(&asked).expect("nothing to do");
+    assert_eq!(
+        std::fs::read(out.join("summary.csv")).expect("rows"),
+        before
+    );
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The backend: buffers of a scene, constants of a view, and the passes of a frame.
 
-use crate::culling::{CullRegion, DrawArguments, Horizon};
-use crate::expansion::{Capacity, ExpansionPlan, OutputSlice};
+use crate::culling::{CullRegion, DrawArguments, Horizon, LEFT_OUT};
+use crate::expansion::{Capacity, ExpansionPlan, OutputSlice, PlacingPlan};
 use crate::layout::{MeshSlice, SceneGeometry};
-use crate::pass::Recorder;
-use crate::pipeline::{NUMBER_FORMAT, Pipelines};
+use crate::pass::{Recorder, counted};
+use crate::pipeline::{NUMBER_FORMAT, Pipelines, State};
 use crate::statistics::Statistics;
-use crate::{ComputeBytes, ComputeVariant, Expansion, GpuCulling};
+use crate::{ComputeBytes, ComputeVariant, Expansion, GpuCulling, Transform};
 use std::sync::Arc;
 use terrafill_core::RegionMesh;
 use terrafill_frame::{
@@ -58,23 +58,32 @@ pub(crate) struct Expanded {
     work_bytes: u64,
 }
 
+/// Corners in clip space, and what it takes to put them there.
+#[derive(Debug)]
+pub(crate) struct Placed {
+    pub(crate) corners: wgpu::Buffer,
+    /// Of the plan's regions, in its order.
+    first_corners: Vec<u32>,
+    work: wgpu::Buffer,
+    pub(crate) bind_group: wgpu::BindGroup,
+    pub(crate) dispatch_size: [u32; 2],
+    output_bytes: u64,
+    work_bytes: u64,
+}
+
 /// What the device decides draws by, and the draws.
 #[derive(Debug)]
 pub(crate) struct Culling {
     pub(crate) draws: wgpu::Buffer,
     pub(crate) bind_group: wgpu::BindGroup,
+    states: wgpu::Buffer,
     /// Of the plan's regions, in its order.
     meshes: Vec<usize>,
     bytes: u64,
 }
 
-impl Culling {
-    fn read(&self, gpu: &Gpu) -> Result<Vec<DrawArguments>, BackendError> {
-        Ok(bytemuck::pod_collect_to_vec(&read_buffer(
-            gpu,
-            &self.draws,
-        )?))
-    }
+fn read_vec<T: bytemuck::Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<T>, BackendError> {
+    Ok(bytemuck::pod_collect_to_vec(&read_buffer(gpu, buffer)?))
 }
 
 /// Constants of the regions of a view, what is made for it, and the order to draw in.
@@ -88,6 +97,8 @@ pub(crate) struct ViewBuffers {
     /// [`Expansion::PerFrame`]: volumes in the plan, by their place in it.
     pub(crate) expanded: Option<Expanded>,
     pub(crate) culling: Option<Culling>,
+    /// [`Transform::ComputeStage`]: corners of the regions in the plan.
+    pub(crate) placed: Option<Placed>,
     /// Where volumes add their numbers, if the program does so.
     pub(crate) numbers: Option<Numbers>,
 }
@@ -131,7 +142,12 @@ impl Numbers {
 impl ViewBuffers {
     /// Whether a frame has a compute pass.
     pub(crate) fn computes(&self) -> bool {
-        self.expanded.is_some() || self.culling.is_some()
+        self.expanded.is_some() || self.culling.is_some() || self.placed.is_some()
+    }
+
+    /// What is added to the indices of a planned region.
+    pub(crate) fn base_vertex(&self, planned: usize) -> i32 {
+        base_vertex(self.placed.as_ref(), planned)
     }
 
     /// Places of the planned regions' volumes, where they are made every frame.
@@ -140,6 +156,11 @@ impl ViewBuffers {
             .as_ref()
             .map_or(&[], |expanded| &expanded.outputs)
     }
+}
+
+fn base_vertex(placed: Option<&Placed>, planned: usize) -> i32 {
+    let first = placed.map_or(0, |placed| placed.first_corners[planned]);
+    i32::try_from(first).unwrap_or(i32::MAX)
 }
 
 /// What the colour pass writes for region `index`.
@@ -234,6 +255,7 @@ impl ComputeBackend {
         let scene = self.scene.as_ref();
         ComputeBytes {
             output_index_bytes: self.expanded().map_or(0, |e| e.output_bytes),
+            output_vertex_bytes: self.placed().map_or(0, |placed| placed.output_bytes),
             ..scene.map_or(ComputeBytes::default(), |scene| scene.bytes)
         }
     }
@@ -241,6 +263,10 @@ impl ComputeBackend {
     fn expanded(&self) -> Option<&Expanded> {
         let of_view = self.view.as_ref().and_then(|view| view.expanded.as_ref());
         of_view.or(self.scene.as_ref()?.expanded.as_ref())
+    }
+
+    fn placed(&self) -> Option<&Placed> {
+        self.view.as_ref()?.placed.as_ref()
     }
 
     fn draw_and_read(&mut self, input: &FrameInput) -> Result<(Picture, Counters), BackendError> {
@@ -270,15 +296,41 @@ impl ComputeBackend {
         Ok((stage.read()?, counters))
     }
 
+    /// How many fragments the volumes of the stencil work have, by an extra pass that is never
+    /// timed; `None` where the device cannot count them.
+    fn count_fragments(&mut self, input: &FrameInput) -> Result<Option<u64>, BackendError> {
+        let gpu = Arc::clone(self.stage.borrow().gpu());
+        let Some(view) = &self.view else {
+            return Ok(None);
+        };
+        if view.program.passes.is_empty() {
+            return Ok(Some(0));
+        }
+        let Some(statistics) = Statistics::new(&gpu, 1) else {
+            return Ok(None);
+        };
+        for (faces, ..) in counted(&view.program) {
+            self.pipelines.ensure_volumes(&gpu, State::Count { faces });
+        }
+        let stage = self.stage.borrow();
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        if let Some(mut recorder) = self.recorder(&stage, input, Some(&statistics), false) {
+            recorder.count_fragments(&mut encoder);
+        }
+        gpu.queue.submit([encoder.finish()]);
+        gpu.wait()?;
+        let mut counted = Counters::default();
+        statistics.read_into(&gpu, &mut counted)?;
+        Ok(counted.fragment_shader_invocations)
+    }
+
     /// Vertices of draws whose size only the device knows.
     fn drawn_by_device(&self, gpu: &Gpu, draws: &[usize]) -> Result<u64, BackendError> {
         let Some(culling) = self.culling() else {
             return Ok(0);
         };
-        let arguments = culling.read(gpu)?;
-        let vertices = |&draw: &usize| {
-            u64::from(arguments[draw].index_count) * u64::from(arguments[draw].instance_count)
-        };
+        let arguments: Vec<DrawArguments> = read_vec(gpu, &culling.draws)?;
+        let vertices = |&draw: &usize| u64::from(arguments[draw].index_count);
         Ok(draws.iter().map(vertices).sum())
     }
 
@@ -295,13 +347,11 @@ impl ComputeBackend {
         let Some(culling) = self.culling() else {
             return Ok(Vec::new());
         };
-        let arguments = culling.read(self.stage.borrow().gpu())?;
-        // Two draws a region: with and without its bottom.
-        let is_left_out = |region: usize| arguments[2 * region].instance_count == 0;
-        let planned = culling.meshes.iter().enumerate();
+        let states: Vec<u32> = read_vec(self.stage.borrow().gpu(), &culling.states)?;
+        let planned = culling.meshes.iter().zip(states);
         Ok(planned
-            .filter(|&(region, _)| is_left_out(region))
-            .map(|(_, &mesh)| mesh)
+            .filter(|&(_, state)| state == LEFT_OUT)
+            .map(|(&mesh, _)| mesh)
             .collect())
     }
 
@@ -389,6 +439,37 @@ impl ComputeBackend {
         })
     }
 
+    /// Room for the corners of the regions in the plan.
+    fn make_placed(&self, stage: &Stage, input: &FrameInput) -> Result<Placed, BackendError> {
+        let planned = input.plan.regions.iter();
+        let plan = PlacingPlan::new(planned.map(|planned| &input.scene.meshes[planned.mesh]))?;
+        let (output_bytes, work_bytes) = (plan.output_bytes(), size_of_val(&*plan.work) as u64);
+        self.capacity
+            .check_bytes("corners in clip space", output_bytes)?;
+        self.capacity.check_bytes("placing work", work_bytes)?;
+        let dispatch_size = self.capacity.dispatch_size(plan.work.len())?;
+        let gpu = stage.gpu();
+        let corners = gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("corners in clip space"),
+            // As above; 16 bytes are one corner.
+            size: output_bytes.max(16),
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::VERTEX,
+            mapped_at_creation: false,
+        });
+        let work = storage_bytes(&plan.work);
+        let work = stage.upload("placing work", &work, wgpu::BufferUsages::STORAGE)?;
+        let layout = &self.pipelines.bindings.expansion;
+        Ok(Placed {
+            bind_group: bind(gpu, "placing", layout, &[&work, &corners]),
+            corners,
+            first_corners: plan.first_corners,
+            work,
+            dispatch_size,
+            output_bytes,
+            work_bytes,
+        })
+    }
+
     fn expand_once(&self, gpu: &Gpu, meshes: &wgpu::BindGroup, expanded: &Expanded) {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&Default::default());
@@ -418,9 +499,25 @@ impl ComputeBackend {
                 Some(self.make_room(&stage, &plan)?)
             }
         };
+        let placed = match self.variant.transform {
+            Transform::VertexStage => None,
+            Transform::ComputeStage => Some(self.make_placed(&stage, input)?),
+        };
         let culling = match self.variant.culling {
             GpuCulling::Off => None,
-            _ => Some(self.upload_culling(&stage, input, scene, expanded.as_ref())?),
+            _ => {
+                let base_vertex = |planned| base_vertex(placed.as_ref(), planned);
+                let output = |index: usize, mesh: usize| match (&scene.expanded, &expanded) {
+                    (Some(cached), _) => Some(cached.outputs[mesh]),
+                    (None, expanded) => expanded.as_ref().map(|e| e.outputs[index]),
+                };
+                let region = |(index, planned): (usize, &PlannedRegion)| {
+                    let output = output(index, planned.mesh)?;
+                    Some(CullRegion::new(input, planned, output, base_vertex(index)))
+                };
+                let regions = planned.iter().enumerate().filter_map(region).collect();
+                Some(self.upload_culling(&stage, input, regions)?)
+            }
         };
         let constants: Vec<RegionConstants> = planned
             .iter()
@@ -449,6 +546,7 @@ impl ComputeBackend {
             program,
             expanded,
             culling,
+            placed,
             numbers,
         });
         Ok(())
@@ -458,21 +556,9 @@ impl ComputeBackend {
         &self,
         stage: &Stage,
         input: &FrameInput,
-        scene: &SceneBuffers,
-        expanded: Option<&Expanded>,
+        regions: Vec<CullRegion>,
     ) -> Result<Culling, BackendError> {
         let planned = &input.plan.regions;
-        let output = |index: usize, planned: &PlannedRegion| match (&scene.expanded, expanded) {
-            (Some(cached), _) => Some(cached.outputs[planned.mesh]),
-            (None, expanded) => expanded.map(|expanded| expanded.outputs[index]),
-        };
-        let regions: Vec<CullRegion> = planned
-            .iter()
-            .enumerate()
-            .filter_map(|(index, planned)| {
-                Some(CullRegion::new(input, planned, output(index, planned)?))
-            })
-            .collect();
         let draw_bytes = 2 * (size_of::<DrawArguments>() * planned.len().max(1)) as u64;
         let region_bytes = size_of_val(&*regions) as u64;
         self.capacity.check_bytes("draw arguments", draw_bytes)?;
@@ -492,12 +578,21 @@ impl ComputeBackend {
                 | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         });
+        let state_bytes = 4 * planned.len().max(1) as u64;
+        let states = gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("region states"),
+            size: state_bytes,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
         let layout = &self.pipelines.bindings.culling;
+        let buffers = [&draws, &regions, &horizon, &states];
         Ok(Culling {
-            bind_group: bind(gpu, "culling", layout, &[&draws, &regions, &horizon]),
+            bind_group: bind(gpu, "culling", layout, &buffers),
             draws,
+            states,
             meshes: planned.iter().map(|planned| planned.mesh).collect(),
-            bytes: draw_bytes + region_bytes + horizon_bytes,
+            bytes: draw_bytes + region_bytes + horizon_bytes + state_bytes,
         })
     }
 
@@ -531,23 +626,32 @@ impl ComputeBackend {
         statistics: Option<&Statistics>,
         timed: bool,
     ) -> Result<(Counters, Vec<usize>), BackendError> {
-        let (Some(scene), Some(view)) = (&self.scene, &self.view) else {
+        let Some(mut recorder) = self.recorder(stage, input, statistics, timed) else {
             self.check_prepared(input)?;
             return Ok(Default::default());
         };
-        let mut recorder = Recorder {
+        recorder.frame(encoder);
+        Ok((recorder.counters, recorder.indirect_draws))
+    }
+
+    fn recorder<'a>(
+        &'a self,
+        stage: &'a Stage,
+        input: &'a FrameInput,
+        statistics: Option<&'a Statistics>,
+        timed: bool,
+    ) -> Option<Recorder<'a>> {
+        Some(Recorder {
             backend: self,
-            scene,
-            view,
+            scene: self.scene.as_ref()?,
+            view: self.view.as_ref()?,
             stage,
             input,
             timed,
             statistics,
             counters: Counters::default(),
             indirect_draws: Vec::new(),
-        };
-        recorder.frame(encoder);
-        Ok((recorder.counters, recorder.indirect_draws))
+        })
     }
 
     /// Uploads what is not there yet, and gives how many bytes that took.
@@ -645,21 +749,24 @@ impl Backend for ComputeBackend {
         };
         let (bytes, expanded) = (self.bytes(), self.expanded());
         let held = [&scene.positions, &scene.indices, &view.constants];
-        let lists = expanded.map_or(0, |e| [&e.indices, &e.work].len());
+        let lists = expanded.map_or(0, |e| [&e.indices, &e.work].len())
+            + self.placed().map_or(0, |p| [&p.corners, &p.work].len());
         Ok(MemoryUse {
-            vertex_bytes: bytes.input_vertex_bytes,
+            vertex_bytes: bytes.input_vertex_bytes + bytes.output_vertex_bytes,
             index_bytes: bytes.input_index_bytes + bytes.output_index_bytes,
             constant_bytes: view.constant_bytes
                 + expanded.map_or(0, |expanded| expanded.work_bytes)
+                + self.placed().map_or(0, |placed| placed.work_bytes)
                 + self.culling().map_or(0, |culling| culling.bytes),
-            // Culling: draws, boxes, horizon.
-            buffers: (held.len() + lists + self.culling().map_or(0, |_| 3)) as u64,
+            // Culling: draws, boxes, horizon, states.
+            buffers: (held.len() + lists + self.culling().map_or(0, |_| 4)) as u64,
             upload_bytes,
         })
     }
 
     fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError> {
-        let (picture, counters) = self.draw_and_read(input)?;
+        let (picture, mut counters) = self.draw_and_read(input)?;
+        counters.stencil_fragments = self.count_fragments(input)?;
         Ok(Frame {
             size: input.size,
             ids: ids_of(&picture),

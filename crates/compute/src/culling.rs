@@ -21,12 +21,17 @@ pub(crate) struct CullRegion {
     half_edge_1_m: [f32; 3],
     upper_count: u32,
     half_edge_2_m: [f32; 3],
-    padding: u32,
+    base_vertex: i32,
 }
 
 impl CullRegion {
-    /// The box that holds a planned region's volume.
-    pub(crate) fn new(input: &FrameInput, planned: &PlannedRegion, output: OutputSlice) -> Self {
+    /// The box that holds a planned region's volume, and where its indices and corners begin.
+    pub(crate) fn new(
+        input: &FrameInput,
+        planned: &PlannedRegion,
+        output: OutputSlice,
+        base_vertex: i32,
+    ) -> Self {
         let region = &input.scene.bounds[planned.mesh];
         // Every vertex of this view's volume is at most this far from one of the bounded volume.
         let grown_m = (planned.heights.top_m - region.heights.top_m)
@@ -43,7 +48,7 @@ impl CullRegion {
             half_edge_1_m: f32s(axes.y_axis * half.y),
             upper_count: output.upper_count,
             half_edge_2_m: f32s(axes.z_axis * half.z),
-            padding: 0,
+            base_vertex,
         }
     }
 }
@@ -95,6 +100,9 @@ pub(crate) struct DrawArguments {
     pub(crate) first_instance: u32,
 }
 
+/// State of a region that is not drawn. Twin of `LEFT_OUT` in `shared/draw.wgsl`.
+pub(crate) const LEFT_OUT: u32 = 0;
+
 /// Bytes from one draw's arguments to the next.
 pub(crate) const DRAW_ARGUMENTS_BYTES: u64 = size_of::<DrawArguments>() as u64;
 
@@ -125,7 +133,7 @@ mod tests {
     #[test]
     fn constants_lie_as_the_shaders_read_them() {
         let region = layout_of!(CullRegion: center_m, first_index, half_edge_0_m, bottom_count,
-            half_edge_1_m, upper_count, half_edge_2_m, padding);
+            half_edge_1_m, upper_count, half_edge_2_m, base_vertex);
         assert_eq!(region, shader("compute/cull.wgsl", "CullRegion"));
         let horizon = layout_of!(Horizon: eye, tangent_squared, scale, padding);
         assert_eq!(horizon, shader("compute/cull.wgsl", "Horizon"));
@@ -140,7 +148,7 @@ mod tests {
     #[test]
     fn a_moved_field_is_noticed() {
         let swapped = layout_of!(CullRegion: first_index, center_m, half_edge_0_m, bottom_count,
-            half_edge_1_m, upper_count, half_edge_2_m, padding);
+            half_edge_1_m, upper_count, half_edge_2_m, base_vertex);
         assert_ne!(swapped, shader("compute/cull.wgsl", "CullRegion"));
     }
 }

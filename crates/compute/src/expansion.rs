@@ -163,6 +163,55 @@ impl ExpansionPlan {
     }
 }
 
+/// How corners are put into clip space.
+#[derive(Debug, Default)]
+pub(crate) struct PlacingPlan {
+    pub(crate) work: Vec<WorkGroup>,
+    /// First corner of each mesh, in the order in which they were given.
+    pub(crate) first_corners: Vec<u32>,
+    corner_count: u64,
+}
+
+impl PlacingPlan {
+    /// Lays the corners of `meshes` one after the other.
+    ///
+    /// # Errors
+    /// [`BackendError::OverCapacity`] when a draw could not begin at one of them: it says so in 31
+    /// bits.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "the sum is checked against 2^31 before any part of it is cast"
+    )]
+    pub(crate) fn new<'a>(
+        meshes: impl Iterator<Item = &'a RegionMesh>,
+    ) -> Result<Self, BackendError> {
+        let mut plan = Self::default();
+        for (region, mesh) in meshes.enumerate() {
+            let end = plan.corner_count + 2 * mesh.vertices_ecef.len() as u64;
+            check("corners in clip space", end, i32::MAX as u64)?;
+            let (first_corner, vertices) = (plan.corner_count as u32, mesh.vertices_ecef.len());
+            for first in (0..vertices as u32).step_by(WORKGROUP_SIZE) {
+                plan.work.push(WorkGroup {
+                    region: region as u32,
+                    first_input: first,
+                    first_output: first_corner + 2 * first,
+                    first_bottom_output: 0,
+                    count: (vertices as u32 - first).min(WORKGROUP_SIZE as u32),
+                    kind: 0,
+                });
+            }
+            plan.first_corners.push(first_corner);
+            plan.corner_count = end;
+        }
+        Ok(plan)
+    }
+
+    /// Bytes of the corners.
+    pub(crate) fn output_bytes(&self) -> u64 {
+        16 * self.corner_count
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -227,6 +276,23 @@ mod tests {
             let upper = output.first_index + output.bottom_count;
             assert!(group.first_bottom_output < upper && group.first_output >= upper);
         }
+    }
+
+    #[test]
+    fn every_corner_is_placed_once() {
+        let meshes = [disc(3), disc(63), disc(64), disc(1000)];
+        let plan = PlacingPlan::new(meshes.iter()).expect("fits");
+        let mut placed = vec![0; usize::try_from(plan.corner_count).expect("small")];
+        for group in &plan.work {
+            let first = group.first_output as usize;
+            for place in &mut placed[first..first + 2 * group.count as usize] {
+                *place += 1;
+            }
+        }
+        assert!(placed.iter().all(|&count| count == 1));
+        let bytes: u64 = meshes.iter().map(crate::placed_bytes).sum();
+        assert_eq!(plan.output_bytes(), bytes);
+        assert_eq!(plan.first_corners, [0, 8, 8 + 128, 8 + 128 + 130]);
     }
 
     #[test]

@@ -16,6 +16,8 @@ pub struct ComputeBytes {
     pub input_index_bytes: u64,
     /// Caps and walls, written by the device.
     pub output_index_bytes: u64,
+    /// Corners in clip space, written by the device; 0 where the vertex shader puts them there.
+    pub output_vertex_bytes: u64,
 }
 
 impl ComputeBytes {
@@ -28,7 +30,7 @@ impl ComputeBytes {
     /// All of it.
     #[must_use]
     pub fn total(self) -> u64 {
-        self.input() + self.output_index_bytes
+        self.input() + self.output_index_bytes + self.output_vertex_bytes
     }
 }
 
@@ -38,6 +40,7 @@ impl std::iter::Sum for ComputeBytes {
             input_vertex_bytes: sum.input_vertex_bytes + part.input_vertex_bytes,
             input_index_bytes: sum.input_index_bytes + part.input_index_bytes,
             output_index_bytes: sum.output_index_bytes + part.output_index_bytes,
+            output_vertex_bytes: sum.output_vertex_bytes + part.output_vertex_bytes,
         })
     }
 }
@@ -62,7 +65,14 @@ pub fn compute_bytes(mesh: &RegionMesh) -> ComputeBytes {
         input_vertex_bytes: 12 * vertices as u64,
         input_index_bytes: 4 * words as u64,
         output_index_bytes: 24 * (triangles + edges) as u64,
+        output_vertex_bytes: 0,
     }
+}
+
+/// Bytes of the corners of `mesh` in clip space: two a vertex, of four floats.
+#[must_use]
+pub fn placed_bytes(mesh: &RegionMesh) -> u64 {
+    32 * mesh.vertices_ecef.len() as u64
 }
 
 /// Where one region lies in the scene's buffers.
@@ -149,6 +159,7 @@ impl SceneGeometry {
             input_vertex_bytes: self.positions.len() as u64 * 4,
             input_index_bytes: self.indices.len() as u64 * 4,
             output_index_bytes: self.meshes.iter().map(|m| 4 * m.output_indices()).sum(),
+            output_vertex_bytes: 0,
         }
     }
 }

@@ -19,5 +19,5 @@ mod variant;
 
 pub use backend::ComputeBackend;
 pub use expansion::Capacity;
-pub use layout::{ComputeBytes, compute_bytes};
-pub use variant::{ComputeVariant, Expansion, GpuCulling};
+pub use layout::{ComputeBytes, compute_bytes, placed_bytes};
+pub use variant::{ComputeVariant, Expansion, GpuCulling, Transform};

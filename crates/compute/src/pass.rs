@@ -3,12 +3,14 @@
 //!
 //! Depth stays as the surface left it: it is attached read-only throughout.
 
-use crate::backend::{ComputeBackend, SceneBuffers, ViewBuffers};
+use crate::backend::{ComputeBackend, Expanded, SceneBuffers, ViewBuffers};
 use crate::culling::DRAW_ARGUMENTS_BYTES;
 use crate::expansion::{OutputSlice, WORKGROUP_SIZE};
 use crate::pipeline::State;
 use crate::statistics::Statistics;
-use terrafill_frame::{Counters, CoverShape, FillCommand, FillPass, FrameInput};
+use terrafill_frame::{
+    Counters, CoverShape, FaceSet, FillCommand, FillPass, FillProgram, FrameInput,
+};
 use terrafill_gpu::{Stage, TimedPass};
 use terrafill_scene::PixelRect;
 
@@ -55,18 +57,26 @@ impl Recorder<'_> {
             label: Some("expansion"),
             timestamp_writes: stamps,
         });
+        let pipelines = &self.backend.pipelines;
         pass.set_bind_group(0, &self.view.bind_group, &[]);
-        if let (Some(culling), Some(pipeline)) = (&self.view.culling, &self.backend.pipelines.cull)
-        {
+        pass.set_bind_group(1, &self.scene.bind_group, &[]);
+        if let (Some(placed), Some(pipeline)) = (&self.view.placed, &pipelines.place) {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(2, &placed.bind_group, &[]);
+            let [columns, rows] = placed.dispatch_size;
+            pass.dispatch_workgroups(columns, rows, 1);
+        }
+        if let Some(expanded) = self.expanded() {
+            pass.set_bind_group(2, &expanded.bind_group, &[]);
+        }
+        if let (Some(culling), Some(pipeline)) = (&self.view.culling, &pipelines.cull) {
             pass.set_pipeline(pipeline);
             pass.set_bind_group(3, &culling.bind_group, &[]);
             let regions = self.input.plan.regions.len().div_ceil(WORKGROUP_SIZE);
             pass.dispatch_workgroups(u32::try_from(regions).unwrap_or(u32::MAX), 1, 1);
         }
         if let Some(expanded) = &self.view.expanded {
-            pass.set_pipeline(&self.backend.pipelines.expand);
-            pass.set_bind_group(1, &self.scene.bind_group, &[]);
-            pass.set_bind_group(2, &expanded.bind_group, &[]);
+            pass.set_pipeline(&pipelines.expand);
             let [columns, rows] = expanded.dispatch_size;
             pass.dispatch_workgroups(columns, rows, 1);
         }
@@ -105,11 +115,7 @@ impl Recorder<'_> {
                 ..Default::default()
             });
             let query = self.begin_statistics(&mut pass, index);
-            pass.set_bind_group(0, &self.view.bind_group, &[]);
-            pass.set_bind_group(1, &self.scene.bind_group, &[]);
-            if let Some(expanded) = self.expanded() {
-                pass.set_index_buffer(expanded.slice(..), wgpu::IndexFormat::Uint32);
-            }
+            self.bind_geometry(&mut pass);
             self.steps(&mut pass, steps);
             if query.is_some() {
                 pass.end_pipeline_statistics_query();
@@ -117,10 +123,51 @@ impl Recorder<'_> {
         }
     }
 
+    /// The volumes that the stencil work draws, drawn into nothing, so that the query counts every
+    /// fragment of theirs and not only those that the depth test lets through. They are there: the
+    /// frame before has made them.
+    pub(crate) fn count_fragments(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        let (colour, depth_stencil) = (self.stage.colour_view(), self.stage.depth_stencil_view());
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("fragment count"),
+            color_attachments: &[Some(kept_colour(&colour))],
+            depth_stencil_attachment: Some(read_only_depth(&depth_stencil, wgpu::LoadOp::Load)),
+            ..Default::default()
+        });
+        let query = self.begin_statistics(&mut pass, 0);
+        self.bind_geometry(&mut pass);
+        let full = PixelRect::full(self.input.size);
+        for (faces, without_bottom, scissor, regions) in counted(&self.view.program) {
+            self.bind_volumes(&mut pass, State::Count { faces });
+            for &planned in regions {
+                let rect = if scissor {
+                    self.input.plan.regions[planned].screen_rect
+                } else {
+                    full
+                };
+                pass.set_scissor_rect(rect.left, rect.top, rect.width(), rect.height());
+                self.draw_volume(&mut pass, planned, without_bottom);
+            }
+        }
+        if query.is_some() {
+            pass.end_pipeline_statistics_query();
+        }
+    }
+
+    fn bind_geometry(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_bind_group(0, &self.view.bind_group, &[]);
+        pass.set_bind_group(1, &self.scene.bind_group, &[]);
+        if let Some(placed) = &self.view.placed {
+            pass.set_vertex_buffer(0, placed.corners.slice(..));
+        }
+        if let Some(expanded) = self.expanded() {
+            pass.set_index_buffer(expanded.indices.slice(..), wgpu::IndexFormat::Uint32);
+        }
+    }
+
     /// The list of volumes, whoever made it.
-    fn expanded(&self) -> Option<&wgpu::Buffer> {
-        let own = self.view.expanded.as_ref().or(self.scene.expanded.as_ref());
-        own.map(|expanded| &expanded.indices)
+    fn expanded(&self) -> Option<&Expanded> {
+        self.view.expanded.as_ref().or(self.scene.expanded.as_ref())
     }
 
     fn output(&self, planned: usize) -> OutputSlice {
@@ -284,9 +331,36 @@ impl Recorder<'_> {
         } else {
             output.first_index
         };
-        pass.draw_indexed(first..end, 0, instance(planned));
+        pass.draw_indexed(
+            first..end,
+            self.view.base_vertex(planned),
+            instance(planned),
+        );
         self.counters.vertices += u64::from(end - first);
     }
+}
+
+/// What the stencil work of a program draws: faces, whether without bottom caps, whether cut to
+/// rectangles, and which regions.
+pub(crate) fn counted(
+    program: &FillProgram,
+) -> impl Iterator<Item = (FaceSet, bool, bool, &[usize])> {
+    program.commands().filter_map(|command| match command {
+        FillCommand::Volumes {
+            rule,
+            without_bottom,
+            scissor,
+            regions,
+        } => Some((rule.faces, *without_bottom, *scissor, regions.as_slice())),
+        FillCommand::Accumulate {
+            faces,
+            without_bottom,
+            scissor,
+            regions,
+            ..
+        } => Some((*faces, *without_bottom, *scissor, regions.as_slice())),
+        FillCommand::Cover { .. } | FillCommand::Resolve => None,
+    })
 }
 
 /// The instance number is the index of the region's constants.

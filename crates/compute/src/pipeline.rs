@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pipelines of the compute, stencil and colour passes.
 
-use crate::{ComputeVariant, Expansion, GpuCulling};
+use crate::{ComputeVariant, Expansion, GpuCulling, Transform};
 use std::collections::HashMap;
 use terrafill_frame::{
     BackendError, CoverShape, DepthRule, FaceSet, FillCommand, StencilOperation, StencilRule,
@@ -14,6 +14,8 @@ use terrafill_gpu::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, Gpu};
 pub(crate) enum State {
     /// Into the stencil, in a pass with or without a colour target.
     Mark { rule: StencilRule, has_colour: bool },
+    /// Into nothing, to count fragments.
+    Count { faces: FaceSet },
     /// Into the target of numbers.
     Number { depth: DepthRule, faces: FaceSet },
     /// Into the colour target where the stencil says so.
@@ -84,7 +86,7 @@ impl Bindings {
             frame: group("view and regions", all, &[uniform, READ]),
             geometry: group("meshes", compute | vertex, &[READ, READ]),
             expansion: group("expansion", compute, &[READ, WRITTEN]),
-            culling: group("culling", compute, &[WRITTEN, READ, uniform]),
+            culling: group("culling", compute, &[WRITTEN, READ, uniform, WRITTEN]),
         }
     }
 }
@@ -95,6 +97,8 @@ pub(crate) struct Pipelines {
     pub(crate) bindings: Bindings,
     pub(crate) expand: wgpu::ComputePipeline,
     pub(crate) cull: Option<wgpu::ComputePipeline>,
+    pub(crate) place: Option<wgpu::ComputePipeline>,
+    transform: Transform,
     volume_shader: wgpu::ShaderModule,
     volume_layout: wgpu::PipelineLayout,
     volumes: HashMap<State, wgpu::RenderPipeline>,
@@ -129,12 +133,11 @@ fn expand_pipeline(
     } = bindings;
     let all = [Some(frame), Some(geometry), Some(expansion), Some(culling)];
     let (entry_point, groups) = match (variant.expansion, variant.culling) {
-        (Expansion::Cached, _) | (_, GpuCulling::Off) => (
-            "expand_all",
-            &[None, Some(geometry), Some(expansion)] as &[_],
-        ),
-        (_, GpuCulling::Regions) => ("expand_drawn", &all as &[_]),
-        (_, GpuCulling::Triangles) => ("expand_visible", &all as &[_]),
+        // No view is known yet.
+        (Expansion::Cached, _) => ("expand_all", &[None, all[1], all[2]] as &[_]),
+        (Expansion::PerFrame, GpuCulling::Off) => ("expand_all", &all[..3]),
+        (Expansion::PerFrame, GpuCulling::Regions) => ("expand_drawn", &all[..]),
+        (Expansion::PerFrame, GpuCulling::Triangles) => ("expand_visible", &all[..]),
     };
     let descriptor = wgpu::ComputePipelineDescriptor {
         label: Some("expand"),
@@ -147,20 +150,45 @@ fn expand_pipeline(
     Ok(gpu.create_compute_pipeline(&descriptor))
 }
 
+fn place_pipeline(gpu: &Gpu, bindings: &Bindings) -> Result<wgpu::ComputePipeline, BackendError> {
+    let groups = [
+        Some(&bindings.frame),
+        Some(&bindings.geometry),
+        Some(&bindings.expansion),
+    ];
+    let descriptor = wgpu::ComputePipelineDescriptor {
+        label: Some("place"),
+        layout: Some(&layout(&gpu.device, &groups)),
+        module: &gpu.shader("compute/expand.wgsl")?,
+        entry_point: Some("place_corners"),
+        compilation_options: Default::default(),
+        cache: None,
+    };
+    Ok(gpu.create_compute_pipeline(&descriptor))
+}
+
 fn cull_pipeline(
     gpu: &Gpu,
     bindings: &Bindings,
     culling: GpuCulling,
 ) -> Result<wgpu::ComputePipeline, BackendError> {
-    let groups = [Some(&bindings.frame), None, None, Some(&bindings.culling)];
-    let begins_empty = culling == GpuCulling::Triangles;
+    // Two groups more than it reads: pipelines of one pass whose layouts differ before a group
+    // disturb that group (Vulkan 1.3, "Pipeline Layout Compatibility"), and wgpu does not bind it
+    // again where a layout has a gap.
+    let groups = [
+        Some(&bindings.frame),
+        Some(&bindings.geometry),
+        Some(&bindings.expansion),
+        Some(&bindings.culling),
+    ];
+    let tests_pieces = culling == GpuCulling::Triangles;
     let descriptor = wgpu::ComputePipelineDescriptor {
         label: Some("cull"),
         layout: Some(&layout(&gpu.device, &groups)),
         module: &gpu.shader("compute/cull.wgsl")?,
         entry_point: Some("cull_main"),
         compilation_options: wgpu::PipelineCompilationOptions {
-            constants: &[("BEGINS_EMPTY", f64::from(u8::from(begins_empty)))],
+            constants: &[("TESTS_PIECES", f64::from(u8::from(tests_pieces)))],
             ..Default::default()
         },
         cache: None,
@@ -176,7 +204,13 @@ impl Pipelines {
             GpuCulling::Off => None,
             culling => Some(cull_pipeline(gpu, &bindings, culling)?),
         };
+        let place = match variant.transform {
+            Transform::VertexStage => None,
+            Transform::ComputeStage => Some(place_pipeline(gpu, &bindings)?),
+        };
         Ok(Self {
+            place,
+            transform: variant.transform,
             expand: expand_pipeline(gpu, &bindings, variant)?,
             cull,
             volume_shader: gpu.shader("compute/fill.wgsl")?,
@@ -234,11 +268,16 @@ impl Pipelines {
                 return Ok(());
             }
         };
+        self.ensure_volumes(gpu, state);
+        Ok(())
+    }
+
+    /// Makes the pipeline that draws volumes so unless it is there.
+    pub(crate) fn ensure_volumes(&mut self, gpu: &Gpu, state: State) {
         if !self.volumes.contains_key(&state) {
             let pipeline = self.volume_pipeline(gpu, state);
             self.volumes.insert(state, pipeline);
         }
-        Ok(())
     }
 
     /// A pipeline that [`Pipelines::ensure`] made.
@@ -257,14 +296,29 @@ impl Pipelines {
     }
 
     fn volume_pipeline(&self, gpu: &Gpu, state: State) -> wgpu::RenderPipeline {
-        let (vertex_entry, fragment_entry) = match state {
-            State::Mark { .. } => ("vertex_main", "no_colour"),
+        let fragment_entry = match state {
+            State::Mark { .. } => "no_colour",
+            State::Count { .. } => "counted",
             State::Number { depth, .. } => match depth {
-                DepthRule::Fail => ("numbered_main", "number_behind"),
-                DepthRule::Pass => ("numbered_main", "number_before"),
+                DepthRule::Fail => "number_behind",
+                DepthRule::Pass => "number_before",
             },
-            State::Colour { .. } => ("coloured_main", "region_colour"),
+            State::Colour { .. } => "region_colour",
         };
+        let is_placed = self.transform == Transform::ComputeStage;
+        let vertex_entry = match (state, is_placed) {
+            (State::Mark { .. } | State::Count { .. }, false) => "vertex_main",
+            (State::Mark { .. } | State::Count { .. }, true) => "placed_main",
+            (State::Number { .. }, false) => "numbered_main",
+            (State::Number { .. }, true) => "placed_numbered",
+            (State::Colour { .. }, false) => "coloured_main",
+            (State::Colour { .. }, true) => "placed_coloured",
+        };
+        let corner = [Some(wgpu::VertexBufferLayout {
+            array_stride: 16,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &wgpu::vertex_attr_array![0 => Float32x4],
+        })];
         let (faces, target, depth_stencil) = match state {
             State::Mark { rule, has_colour } => {
                 let unwritten = wgpu::ColorTargetState {
@@ -278,6 +332,10 @@ impl Pipelines {
                     mark_state(rule),
                 )
             }
+            State::Count { faces } => {
+                let always = without_stencil(wgpu::CompareFunction::Always);
+                (faces, Some(unwritten()), always)
+            }
             State::Number { depth, faces } => (faces, Some(added()), number_state(depth)),
             State::Colour { test, faces } => {
                 (faces, Some(COLOUR_FORMAT.into()), colour_state(test))
@@ -290,7 +348,7 @@ impl Pipelines {
                 module: &self.volume_shader,
                 entry_point: Some(vertex_entry),
                 compilation_options: Default::default(),
-                buffers: &[],
+                buffers: if is_placed { &corner } else { &[] },
             },
             primitive: wgpu::PrimitiveState {
                 cull_mode: match faces {
@@ -376,6 +434,15 @@ fn check_blending(gpu: &Gpu) -> Result<(), BackendError> {
         capability: "blending into 32-bit float targets".to_owned(),
         adapter: gpu.facts.name.clone(),
     })
+}
+
+/// The colour target, left alone.
+fn unwritten() -> wgpu::ColorTargetState {
+    wgpu::ColorTargetState {
+        format: COLOUR_FORMAT,
+        blend: None,
+        write_mask: wgpu::ColorWrites::empty(),
+    }
 }
 
 /// What a fragment writes is added to what is there.

@@ -16,5 +16,5 @@ pub use compare::{CompareError, compare, filled_only};
 pub use difference::difference_rgb;
 pub use tolerance::{
     BAND_RADIUS_PX, MAX_HAUSDORFF_PX, MAX_MISMATCHED_OUTSIDE_BAND_PX, MAX_NON_FINITE,
-    SMALLEST_PIECE_PX, Verdict, verdict,
+    SMALLEST_PIECE_PX, Verdict, verdict, verdict_of_moved,
 };

@@ -12,8 +12,10 @@
 //! - the triangle `abc` holds no other vertex, by exact predicates: no edge can then come to cross
 //!   another, and none jumps over an island (Saalfeld, 1999, "Topologically consistent line
 //!   simplification with the Douglas-Peucker algorithm");
-//! - every ring keeps at least three vertices and no edge comes to lie on another: islands smaller
-//!   than the tolerance stay, as triangles. Leaving them out is what culling is for.
+//! - every ring keeps at least three vertices and no edge comes to lie on another.
+//!
+//! Rings of less than sixteen tolerances in size stay as they are: leaving out what is too small to
+//! be seen is what culling is for, and moving it makes it seen.
 //!
 //! Regions that cross one another as they are written, and rounding at the antimeridian, escape the
 //! second condition, so afterwards all edges are searched for crossings all the same; edges that
@@ -465,9 +467,14 @@ impl<'a> Thinning<'a> {
 
     fn candidate(&self, entry: usize, tolerance_m: f64) -> Option<Candidate> {
         let Arcs {
-            entries, vertices, ..
+            entries,
+            vertices,
+            arcs,
+            ..
         } = &self.shared.arcs;
-        if entries[entry].is_end || !self.is_there[entry] {
+        let arc = &arcs[entries[entry].arc as usize];
+        let is_small = tolerance_m > arc.largest_tolerance_m;
+        if entries[entry].is_end || !self.is_there[entry] || is_small {
             return None;
         }
         let [from, to] = self.beside(entry);
@@ -610,4 +617,126 @@ fn in_spherical_triangle([a, b, c]: [DVec3; 3], point: DVec3) -> bool {
 
 fn same_side(sides: [f64; 3]) -> bool {
     sides.iter().all(|&side| side >= 0.0) || sides.iter().all(|&side| side <= 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parse_regions;
+
+    const RULES: [EdgeRule; 2] = [EdgeRule::Planar, EdgeRule::GreatEllipse];
+
+    fn regions(rings: &[&str]) -> Vec<Region> {
+        let features: Vec<String> = rings
+            .iter()
+            .map(|ring| {
+                let geometry = format!(r#"{{"type":"Polygon","coordinates":[[{ring}]]}}"#);
+                format!(r#"{{"type":"Feature","geometry":{geometry}}}"#)
+            })
+            .collect();
+        let joined = features.join(",");
+        let text = format!(r#"{{"type":"FeatureCollection","features":[{joined}]}}"#);
+        parse_regions(text.as_bytes(), "test").expect("valid")
+    }
+
+    fn crossing_count(rule: EdgeRule, regions: &[Region]) -> usize {
+        let edges: Vec<[Degrees; 2]> = regions
+            .iter()
+            .flat_map(Region::rings)
+            .flat_map(|ring| pieces_as_compared(rule, ring))
+            .map(|piece| [piece.start, piece.end])
+            .collect();
+        find_crossings(rule, &edges, usize::MAX).0.len()
+    }
+
+    /// A square whose southern side goes deep round a second one that stands in its way.
+    fn interlocked() -> Vec<Region> {
+        regions(&[
+            "[0,0],[4,0],[4,4],[6,4],[6,0],[10,0],[10,10],[0,10],[0,0]",
+            "[4.5,-2],[5.5,-2],[5.5,3],[4.5,3],[4.5,-2]",
+        ])
+    }
+
+    /// All vertices but those at these positions.
+    fn kept_without(shared: &SharedBoundaries<'_>, without: &[Degrees]) -> Vec<bool> {
+        let vertices = shared.arcs.vertices.iter();
+        vertices
+            .map(|vertex| !without.contains(&vertex.position))
+            .collect()
+    }
+
+    #[test]
+    fn edges_that_came_to_cross_get_vertices_back_until_none_does() {
+        let original = interlocked();
+        for rule in RULES {
+            let shared = SharedBoundaries::new(&original, &Ellipsoid::WGS84, rule);
+            let kept = kept_without(&shared, &[[4.0, 4.0], [6.0, 4.0]]);
+            assert!(crossing_count(rule, &shared.rebuild(&kept)) > 0);
+            let level = shared.level(1e6, kept);
+            assert_eq!(crossing_count(rule, &level.regions), 0);
+            assert_eq!(level.restored_vertices, 2);
+            assert_eq!(level.regions[0].polygons, original[0].polygons);
+        }
+    }
+
+    #[test]
+    fn what_crosses_nothing_gets_nothing_back() {
+        let original = interlocked();
+        for rule in RULES {
+            let shared = SharedBoundaries::new(&original, &Ellipsoid::WGS84, rule);
+            let kept = kept_without(&shared, &[[0.0, 10.0]]);
+            let level = shared.level(1e6, kept);
+            assert_eq!((level.restored_vertices, level.vertex_count()), (0, 11));
+        }
+    }
+
+    #[test]
+    fn regions_that_cross_as_written_are_left_as_they_are() {
+        let original = regions(&[
+            "[0,0],[6,0],[6,6],[0,6],[0,0]",
+            "[3,3],[9,3],[9,9],[3,9],[3,3]",
+        ]);
+        for rule in RULES {
+            let shared = SharedBoundaries::new(&original, &Ellipsoid::WGS84, rule);
+            let level = shared.level(1.0, kept_without(&shared, &[]));
+            assert_eq!(crossing_count(rule, &level.regions), 2);
+            assert_eq!(level.vertex_count(), 8);
+        }
+    }
+
+    #[test]
+    fn a_ring_round_the_axis_never_changes_its_pole() {
+        // Its mean latitude is north by one vertex.
+        let original = regions(&["[-180,-1],[-90,-1],[0,-1],[45,9],[90,-1],[180,-1]"]);
+        let rule = EdgeRule::Planar;
+        let shared = SharedBoundaries::new(&original, &Ellipsoid::WGS84, rule);
+        let ring = &original[0].polygons[0].shell;
+        assert!(goes_round(rule, ring) && ring.mean_latitude_deg() > 0.0);
+        let level = shared.level(1e7, kept_without(&shared, &[[45.0, 9.0]]));
+        assert_eq!(level.restored_vertices, 1);
+        // Twin: one that does not go round may.
+        let other = regions(&["[0,-1],[45,9],[90,-1],[60,-2],[0,-1]"]);
+        let shared = SharedBoundaries::new(&other, &Ellipsoid::WGS84, rule);
+        let level = shared.level(1e7, kept_without(&shared, &[[45.0, 9.0]]));
+        assert_eq!(level.restored_vertices, 0);
+    }
+
+    #[test]
+    fn closed_triangles_hold_their_rims_and_nothing_beyond() {
+        let corners = [[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]];
+        let reversed = [corners[2], corners[1], corners[0]];
+        for triangle in [corners, reversed] {
+            for inside in [[1.0, 1.0], [2.0, 2.0], [2.0, 0.0], [0.0, 0.0]] {
+                assert!(in_triangle(triangle, inside));
+            }
+            for outside in [[2.0, 2.0 + 4e-16 * 4.0], [-1e-300, 1.0], [3.0, 3.0]] {
+                assert!(!in_triangle(triangle, outside));
+            }
+            let on_sphere = |at: Degrees| crate::edge::normal(at);
+            let triangle = triangle.map(on_sphere);
+            assert!(in_spherical_triangle(triangle, on_sphere([1.0, 1.0])));
+            assert!(in_spherical_triangle(triangle, on_sphere([2.0, 0.0])));
+            assert!(!in_spherical_triangle(triangle, on_sphere([2.1, 2.1])));
+        }
+    }
 }

@@ -327,7 +327,7 @@ fn assert_level(
         assert!(changed_m2 <= allowed_m2, "{}: {changed_m2}", before.name);
         if report.deviation_m > 0.0 {
             // Far below the tolerance it would take a million points to see anything.
-            let said_m = report.deviation_m.max(0.05 * level.tolerance_m);
+            let said_m = report.deviation_m.max(0.2 * level.tolerance_m);
             assert_deviation(body, rule, before, after, said_m);
         }
     }
@@ -348,7 +348,7 @@ fn tiles_of_a_planet_keep_their_shared_borders_and_bounds() {
     ] {
         let original = tiles(west, south, 5.0, 6, 4);
         let unit_m = body.equatorial_radius_m() / 6.4e6;
-        let tolerances = [5e3, 2e4, 6.4e4].map(|metres| metres * unit_m);
+        let tolerances = [5e3, 1.2e4, 3e4].map(|metres| metres * unit_m);
         for rule in RULES {
             let areas = areas_m2(&body, rule, &original);
             let shared = SharedBoundaries::new(&original, &body, rule);
@@ -359,8 +359,8 @@ fn tiles_of_a_planet_keep_their_shared_borders_and_bounds() {
                 assert!(level.vertex_count() < fewest);
                 fewest = level.vertex_count();
             }
-            // Corners of tiles, and little more, are left of a tolerance of a seventh of a tile.
-            assert!(fewest < 24 * 8, "{fewest}");
+            // Corners of tiles and a few vertices between them.
+            assert!(fewest < 24 * 16, "{fewest}");
             assert_eq!(shared.neighbours().len(), 3 * 6 + 5 * 4 + 2 * 15);
         }
     }
@@ -381,7 +381,7 @@ fn real_countries_and_states_keep_their_shared_borders_and_bounds() {
         let areas = areas_m2(&body, rule, &original);
         assert!(shared_lengths(&original).len() > 50, "{file}: few borders");
         let shared = SharedBoundaries::new(&original, &body, rule);
-        let levels = shared.simplify(&[4e3, 1.6e4, 6.4e4]).expect("growing");
+        let levels = shared.simplify(&[1e4, 3e4]).expect("growing");
         for level in &levels {
             assert_level(&body, rule, &original, &areas, level);
         }
@@ -456,20 +456,32 @@ fn an_island_in_a_bay_is_not_jumped_over() {
 }
 
 #[test]
-fn islands_below_the_tolerance_stay_as_triangles() {
+fn small_islands_stay_as_they_are_and_larger_ones_keep_three_vertices() {
     let body = Ellipsoid::WGS84;
     let circle: Vec<[f64; 2]> = (0..40)
         .map(|k| {
             let angle = f64::from(k) * std::f64::consts::TAU / 40.0;
-            [10.0 + 0.01 * angle.cos(), 20.0 + 0.01 * angle.sin()]
+            [10.0 + 0.1 * angle.cos(), 20.0 + 0.1 * angle.sin()]
         })
         .collect();
-    let regions = parse(&collection(&[vec![circle]]));
+    // Flat enough that a tolerance of a sixteenth of its length takes all it can.
+    let needle: Vec<[f64; 2]> = circle
+        .iter()
+        .map(|[x, y]| [10.0 * (x - 10.0), 0.05 * (y - 20.0)])
+        .collect();
+    let regions = parse(&collection(&[vec![circle], vec![needle]]));
     for rule in RULES {
         let shared = SharedBoundaries::new(&regions, &body, rule);
-        let levels = shared.simplify(&[1e5]).expect("positive");
-        assert_eq!(levels[0].vertex_count(), 3);
-        assert_eq!(mesh_all(&body, rule, &levels[0].regions).len(), 1);
+        let vertices = |tolerance_m| {
+            let level = shared.simplify(&[tolerance_m]).expect("positive").remove(0);
+            mesh_all(&body, rule, &level.regions);
+            [0, 1].map(|region| level.reports[region].vertices_after)
+        };
+        // The box around the circle measures 31 km.
+        assert_eq!(vertices(2_500.0)[0], 40);
+        assert!(vertices(1_500.0)[0] < 15);
+        assert_eq!(vertices(10_000.0), [40, 3]);
+        assert_eq!(vertices(1e6), [40, 40]);
     }
 }
 

@@ -40,6 +40,8 @@ pub struct Counters {
     pub upload_bytes: u64,
     /// Pipeline statistics of the stencil pass, where the device counts them.
     pub vertex_shader_invocations: Option<u64>,
+    /// Primitives that geometry shaders made, where there are such shaders.
+    pub geometry_shader_primitives: Option<u64>,
     /// Primitives that reached clipping.
     pub clipper_invocations: Option<u64>,
     /// Primitives that left it.

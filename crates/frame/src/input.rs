@@ -4,8 +4,8 @@
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Region, RegionMesh};
 use terrafill_scene::{
-    Camera, FramePlan, ImageSize, LevelTable, LeveledMeshes, Overlap, PlanOptions, RegionBounds, Scene, SurfaceMesh,
-    TerrainRange, View,
+    Camera, FramePlan, ImageSize, LevelTable, LeveledMeshes, Overlap, PlanOptions, RegionBounds,
+    Scene, SurfaceMesh, TerrainRange, View,
 };
 
 /// A scene made ready to draw: regions meshed, surface tessellated. One per scene and mesh

@@ -135,6 +135,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         cases,
         frames: FRAMES,
         warm_up: 5,
+        ..RunPlan::default()
     };
     let run = RunFolder::create(&folder, &environment(), &plan)?;
     let mut noise = Noise(1);

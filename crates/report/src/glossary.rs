@@ -29,7 +29,8 @@ mod tests {
     use super::*;
     use crate::page::{COLUMNS, PLOT_TERMS};
     use terrafill_results::{
-        CaseKey, GrowthRow, RunEnvironment, RunFolder, RunPlan, Sample, Status, Summary,
+        CaseKey, GrowthRow, LadderRung, MemoryRow, RunEnvironment, RunFolder, RunPlan, Sample,
+        Status, Summary,
     };
 
     fn csv_columns() -> Vec<String> {
@@ -69,14 +70,49 @@ mod tests {
             mesh_cpu_ms: 1.0,
         })
         .expect("a mesh build");
-        ["samples.csv", "summary.csv", "growth.csv"]
-            .iter()
-            .flat_map(|file| {
-                let text = std::fs::read_to_string(folder.path().join(file)).expect("the file");
-                let header = text.lines().next().expect("a header").to_owned();
-                header.split(',').map(str::to_owned).collect::<Vec<_>>()
-            })
-            .collect()
+        run.write_ladder(&[LadderRung {
+            ladder: "l".to_owned(),
+            rung: 1,
+            step: "s".to_owned(),
+            change: "c".to_owned(),
+            scene: "s".to_owned(),
+            view: "v".to_owned(),
+            backend: "b".to_owned(),
+            variant: "x".to_owned(),
+        }])
+        .expect("a rung");
+        run.append_memory(&[MemoryRow {
+            scene: "s".to_owned(),
+            backend: "b".to_owned(),
+            layout: "l".to_owned(),
+            regions: 1,
+            mesh_vertices: 1,
+            mesh_triangles: 1,
+            boundary_edges: 1,
+            boundary_loops: 1,
+            formula_vertex_bytes: 1,
+            formula_index_bytes: 1,
+            allocated_vertex_bytes: None,
+            allocated_index_bytes: None,
+            region_bytes_smallest: 1,
+            region_bytes_median: 1,
+            region_bytes_largest: 1,
+        }])
+        .expect("bytes");
+        [
+            "samples.csv",
+            "summary.csv",
+            "ladder.csv",
+            "memory.csv",
+            "growth.csv",
+        ]
+        .iter()
+        .flat_map(|file| {
+            let text = std::fs::read_to_string(folder.path().join(file)).expect("the file");
+            let header = text.lines().next().expect("a header").to_owned();
+            header.split(',').map(str::to_owned).collect::<Vec<_>>()
+        })
+        .collect()
     }
 
     fn unexplained<'a>(terms: impl IntoIterator<Item = &'a str>) -> Vec<String> {
@@ -90,7 +126,7 @@ mod tests {
     #[test]
     fn every_csv_column_is_explained() {
         let columns = csv_columns();
-        assert!(columns.len() > 54, "all headers were read: {columns:?}");
+        assert!(columns.len() > 80, "all headers were read: {columns:?}");
         assert!(columns.iter().any(|column| column == "mesh_cpu_ms"));
         assert_eq!(
             unexplained(columns.iter().map(String::as_str)),
@@ -101,7 +137,11 @@ mod tests {
 
     #[test]
     fn every_term_of_the_report_is_explained() {
+        let of_ladder = crate::ladder::COLUMNS.iter().map(|(term, _)| *term);
         let terms = COLUMNS.iter().map(|column| column.term).chain(PLOT_TERMS);
+        let terms = terms
+            .chain(of_ladder)
+            .chain(["standing", "matrix", "exponent"]);
         assert_eq!(unexplained(terms), [""; 0]);
     }
 

@@ -7,10 +7,16 @@
 //! what is missing; what was not measured is a dash with its reason, never a 0.
 
 mod error;
+mod exponent;
 mod glossary;
 mod growth;
+mod interval;
+mod ladder;
+mod matrix;
+mod memory;
 mod number;
 mod page;
+mod pairs;
 mod picture;
 mod plot;
 mod published;

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The report as a page: everything worded and formatted here, laid out by `templates/report.html`.
 
+use crate::exponent::{self, GrowthTable};
+use crate::ladder::{self, LadderTable};
+use crate::matrix::{self, MatrixTable};
+use crate::memory::{self, MemoryChapter};
 use crate::number::{bytes, count, significant, utc};
+use crate::pairs::{self, PairRow};
 use crate::picture::{Picture, embed};
 use crate::plot::{self, Palette};
 use crate::run_data::{Case, Outcome, RunData, SceneCases, ViewCases};
@@ -164,10 +169,24 @@ struct Page {
     skipped_scenes: Vec<(String, String)>,
     notes: Vec<String>,
     environment: Vec<(&'static str, String)>,
+    ladders: Vec<LadderTable>,
+    ladder_source: &'static str,
+    pairs: Vec<PairRow>,
+    pair_headings: Vec<&'static str>,
+    matrices: Vec<MatrixTable>,
+    memory: Option<MemorySection>,
+    exponent: Option<GrowthTable>,
     scenes: Vec<SceneSection>,
     growth: GrowthSection,
     glossary: Vec<(&'static str, String)>,
     dark_rules: String,
+}
+
+/// The memory chapter with its plots.
+struct MemorySection {
+    chapter: MemoryChapter,
+    published: String,
+    plots: Vec<(String, String)>,
 }
 
 struct Verdict {
@@ -277,6 +296,13 @@ pub(crate) fn render(data: &RunData) -> Result<String, ReportError> {
         skipped_scenes: data.plan.skipped_scenes.clone(),
         notes: data.notes.clone(),
         environment: environment(data),
+        ladders: ladders(data)?,
+        ladder_source: ladder::SOURCE,
+        pairs: pairs::rows(data),
+        pair_headings: pairs::PAIRS.map(|pair| pair.heading).into(),
+        matrices: matrix::tables(data),
+        memory: memory_section(data)?,
+        exponent: exponent::table(data),
         scenes,
         growth: growth_section(data)?,
         glossary: glossary::entries(),
@@ -305,6 +331,37 @@ fn growth_section(data: &RunData) -> Result<GrowthSection, ReportError> {
         bound: growth::STEEPEST_RATIO,
         rows: rows.collect(),
     })
+}
+
+fn ladders(data: &RunData) -> Result<Vec<LadderTable>, ReportError> {
+    let mut tables = ladder::tables(data);
+    for table in &mut tables {
+        let rungs = ladder::rungs(data, &table.scene, &table.view, &table.ladder);
+        table.plot = plot::ladder_steps(&table.title, &rungs)?;
+    }
+    Ok(tables)
+}
+
+fn memory_section(data: &RunData) -> Result<Option<MemorySection>, ReportError> {
+    let Some(chapter) = memory::chapter(data) else {
+        return Ok(None);
+    };
+    let mut plots = Vec::new();
+    for table in &chapter.tables {
+        let curves = memory::curves(data, &table.scene);
+        if let Some(svg) = plot::bytes_over_regions(&table.scene, &curves)? {
+            let most = memory::range_text(&curves);
+            plots.push((
+                format!("{}: its regions repeated in turn, to {most}.", table.scene),
+                svg,
+            ));
+        }
+    }
+    Ok(Some(MemorySection {
+        published: memory::published(),
+        chapter,
+        plots,
+    }))
 }
 
 fn names_of(data: &RunData, outcome: Outcome) -> Vec<String> {
@@ -588,7 +645,7 @@ fn table_row(case: &Case, footnotes: &mut Vec<String>) -> Row {
 }
 
 /// A name in the pieces between which a line may break: after commas and slashes.
-fn breakable(name: &str) -> Vec<String> {
+pub(crate) fn breakable(name: &str) -> Vec<String> {
     name.split_inclusive([',', '/'])
         .map(str::to_owned)
         .collect()

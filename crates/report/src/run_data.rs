@@ -6,11 +6,13 @@
 
 use crate::ReportError;
 use crate::growth::{GrowthCurve, curves};
+use crate::interval::Frames;
 use crate::statistic::agrees;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use terrafill_results::{
-    CaseKey, RunEnvironment, RunFolder, RunPlan, Sample, Spread, Status, Summary, spread,
+    CaseKey, LadderRung, MemoryRow, RunEnvironment, RunFolder, RunPlan, Sample, Spread, Status,
+    Summary, spread,
 };
 
 /// Backend names of the full-screen passes that techniques are held against.
@@ -128,6 +130,12 @@ pub(crate) struct RunData {
     pub(crate) notes: Vec<String>,
     /// Cost of a mesh by the size of its outline; empty where it was not measured.
     pub(crate) growth: Vec<GrowthCurve>,
+    /// Usable times of each case by frame, CPU clock, milliseconds.
+    pub(crate) frames: BTreeMap<CaseKey, Frames>,
+    /// Rungs of every ladder, in order.
+    pub(crate) ladder: Vec<LadderRung>,
+    /// Bytes of layouts.
+    pub(crate) memory: Vec<MemoryRow>,
 }
 
 impl RunData {
@@ -145,7 +153,12 @@ impl RunData {
             .map(|row| (row.key(), row))
             .collect();
         let mut times: BTreeMap<CaseKey, Vec<f64>> = BTreeMap::new();
+        let mut frames: BTreeMap<CaseKey, Frames> = BTreeMap::new();
         for sample in run.samples()? {
+            if sample.fill_cpu_ms.is_finite() && sample.fill_cpu_ms > 0.0 {
+                let of_case = frames.entry(Sample::key(&sample)).or_default();
+                of_case.insert(sample.frame, sample.fill_cpu_ms);
+            }
             times
                 .entry(Sample::key(&sample))
                 .or_default()
@@ -169,6 +182,9 @@ impl RunData {
             cases,
             notes,
             growth: curves(&run.growth()?),
+            frames,
+            ladder: run.ladder()?,
+            memory: run.memory()?,
         })
     }
 
@@ -188,10 +204,30 @@ impl RunData {
             .count()
     }
 
-    /// Scenes in order of appearance, each with its views, each with its cases.
+    /// The case with this name.
+    pub(crate) fn case(&self, key: &CaseKey) -> Option<&Case> {
+        self.cases.iter().find(|case| case.key == *key)
+    }
+
+    /// Whether a case has its place in the tables and plots of its scene: all but those that are
+    /// only a rung of a ladder or a cell of the matrix, which have chapters of their own.
+    fn is_listed(&self, case: &Case) -> bool {
+        match &case.summary {
+            Some(row) => row
+                .role
+                .split('+')
+                .any(|role| !["ladder", "matrix"].contains(&role)),
+            None => {
+                let is_rung = self.ladder.iter().any(|rung| rung.key() == case.key);
+                !is_rung && !self.plan.drawn_only.contains(&case.key)
+            }
+        }
+    }
+
+    /// Scenes in order of appearance, each with its views, each with its listed cases.
     pub(crate) fn scenes(&self) -> Vec<SceneCases<'_>> {
         let mut scenes: Vec<SceneCases<'_>> = Vec::new();
-        for case in &self.cases {
+        for case in self.cases.iter().filter(|case| self.is_listed(case)) {
             let scene = find_or_push(
                 &mut scenes,
                 |s| s.name == case.key.scene,
@@ -220,7 +256,8 @@ impl RunData {
 
     /// Every curve name of the run, sorted: a curve's place here is its colour in every plot.
     pub(crate) fn series(&self) -> Vec<String> {
-        let techniques = self.cases.iter().filter(|case| !case.is_baseline());
+        let listed = self.cases.iter().filter(|case| self.is_listed(case));
+        let techniques = listed.filter(|case| !case.is_baseline());
         let mut series: Vec<String> = techniques.map(Case::series).collect();
         series.sort_unstable();
         series.dedup();

@@ -86,7 +86,7 @@ pub(crate) fn agrees(summary: f64, samples: f64) -> bool {
 }
 
 /// The generator of Steele, Lea and Flood (2014), "Fast splittable pseudorandom number generators".
-struct SplitMix64(u64);
+pub(crate) struct SplitMix64(pub(crate) u64);
 
 impl SplitMix64 {
     fn next(&mut self) -> u64 {
@@ -102,12 +102,12 @@ impl SplitMix64 {
         clippy::cast_possible_truncation,
         reason = "the high half of the product is below `limit`"
     )]
-    fn below(&mut self, limit: usize) -> usize {
+    pub(crate) fn below(&mut self, limit: usize) -> usize {
         ((u128::from(self.next()) * limit as u128) >> 64) as usize
     }
 
     /// Infinite for no samples, so that a case without times is never on a front.
-    fn resampled_median(&mut self, times: &[f64]) -> f64 {
+    pub(crate) fn resampled_median(&mut self, times: &[f64]) -> f64 {
         let resample: Vec<f64> = times
             .iter()
             .map(|_| times[self.below(times.len())])

@@ -2,9 +2,7 @@
 //! A run's folder: appended row by row and flushed, so that killing a run loses at most the case in
 //! hand; read back leniently at its torn end, strictly everywhere else.
 
-use crate::{
-    CaseKey, GrowthRow, LadderRung, MemoryRow, RunEnvironment, RunPlan, Sample, Summary,
-};
+use crate::{CaseKey, GrowthRow, LadderRung, MemoryRow, RunEnvironment, RunPlan, Sample, Summary};
 use serde::{Serialize, de::DeserializeOwned};
 use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};

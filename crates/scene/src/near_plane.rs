@@ -104,6 +104,8 @@ struct ViewVolume<'a> {
     mesh: &'a RegionMesh,
     /// Top and bottom of every vertex.
     corners: Vec<[DVec3; 2]>,
+    /// No corner is farther from the eye.
+    reach_m: f64,
     /// What storing may move a vertex.
     stored_m: f64,
 }
@@ -116,11 +118,13 @@ impl<'a> ViewVolume<'a> {
         heights: VolumeHeights,
     ) -> Self {
         let to_view = |ecef: DVec3| camera.view_from_ecef * (ecef - camera.eye_ecef);
-        let places = mesh.vertices_ecef.iter().zip(&mesh.vertices_deg);
+        // On the ellipsoid (x/a², y/a², z/b²) is parallel to the geodetic normal.
+        let radii = body.radii_m();
+        let normal_scale = (radii * radii).recip();
+        let places = mesh.vertices_ecef.iter();
         let corners: Vec<[DVec3; 2]> = places
-            .map(|(&vertex, degrees)| {
-                let [longitude, latitude] = degrees.map(f64::to_radians);
-                let normal = body.geodetic_surface_normal(longitude, latitude);
+            .map(|&vertex| {
+                let normal = (vertex * normal_scale).normalize();
                 [heights.top_m, heights.bottom_m].map(|height| to_view(vertex + normal * height))
             })
             .collect();
@@ -128,10 +132,12 @@ impl<'a> ViewVolume<'a> {
             (DVec3::INFINITY, DVec3::NEG_INFINITY),
             |(low, high), corner| (low.min(*corner), high.max(*corner)),
         );
+        let reach_m = low.abs().max(high.abs()).length();
         let extent_m = (high - low).length() + heights.top_m.abs().max(heights.bottom_m.abs());
         Self {
             mesh,
             corners,
+            reach_m,
             stored_m: extent_m * STORED_ROUNDING,
         }
     }
@@ -159,16 +165,24 @@ impl<'a> ViewVolume<'a> {
     fn meets_near_rectangle(&self, camera: &Camera, size: ImageSize) -> bool {
         let middle = DVec3::new(0.0, 0.0, -camera.near_m);
         let [half_x, half_y] = half_size_m(camera, size);
-        let meets = |face: [DVec3; 3]| {
-            let reach_m = face.map(DVec3::length).into_iter().fold(0.0, f64::max);
+        let grown_by = |reach_m: f64| {
             let margin_m = (reach_m + camera.near_m) * CLIP_ROUNDING + self.stored_m;
-            let half = DVec3::new(half_x, half_y, 0.0) + DVec3::splat(margin_m);
-            meets_box(face.map(|corner| corner - middle), half)
+            DVec3::new(half_x, half_y, 0.0) + DVec3::splat(margin_m)
         };
-        self.faces().any(meets) || self.holds(middle)
+        let farthest = grown_by(self.reach_m);
+        let meets = |face: [DVec3; 3]| {
+            let around = face.map(|corner| corner - middle);
+            if is_beside(&around, farthest) {
+                return false;
+            }
+            let reach_m = face.map(DVec3::length).into_iter().fold(0.0, f64::max);
+            meets_box(around, grown_by(reach_m))
+        };
+        // From within, as is usual where the two meet, the first answer is enough.
+        self.holds(middle) || self.faces().any(meets)
     }
 
-    /// Whether a point that lies on no face is inside.
+    /// Whether a point is inside; one on a face may be called either.
     fn holds(&self, point: DVec3) -> bool {
         self.crossings(point)
             .map_or_else(|| self.surrounds(point), |crossings| crossings % 2 == 1)
@@ -218,13 +232,15 @@ fn is_left(a: DVec3, b: DVec3) -> bool {
     }
 }
 
+/// Whether one side of the box of these half sizes around the origin parts it from a triangle.
+fn is_beside([a, b, c]: &[DVec3; 3], half: DVec3) -> bool {
+    let (low, high) = (a.min(*b).min(*c), a.max(*b).max(*c));
+    low.cmpgt(half).any() || high.cmplt(-half).any()
+}
+
 /// Whether a triangle and the box of these half sizes around the origin share a point.
 fn meets_box(face: [DVec3; 3], half: DVec3) -> bool {
-    let outside = |axis: usize, sign: f64| {
-        let beyond = |corner: &DVec3| sign * corner[axis] > half[axis];
-        face.iter().all(beyond)
-    };
-    if (0..3).any(|axis| outside(axis, 1.0) || outside(axis, -1.0)) {
+    if is_beside(&face, half) {
         return false;
     }
     let mut polygon = face.to_vec();
@@ -324,12 +340,12 @@ mod tests {
     #[test]
     fn a_near_plane_that_a_wall_or_a_cap_cuts_meets_although_its_middle_is_outside() {
         let mesh = l_shape();
-        // 20 m beyond the western wall (1.8e-4 degrees), the near rectangle 100 m high and wide.
-        let beyond = camera(-0.000_18, 0.5, 0.0, 90.0);
+        // 40 m beyond the western wall (3.6e-4 degrees), the near rectangle almost 200 m wide.
+        let beyond = camera(-0.000_36, 0.5, 0.0, 90.0);
         let volume = ViewVolume::new(&Ellipsoid::WGS84, &beyond, &mesh, HEIGHTS);
-        assert!(!volume.holds(DVec3::new(0.0, 0.0, -beyond.near_m)) || meets(&mesh, &beyond));
+        assert!(!volume.holds(DVec3::new(0.0, 0.0, -beyond.near_m)));
         assert!(meets(&mesh, &beyond));
-        assert!(!meets(&mesh, &camera(-0.000_18, 0.5, 0.0, 1.0)));
+        assert!(!meets(&mesh, &camera(-0.000_36, 0.5, 0.0, 1.0)));
         // 5 m above the top, at a corner of it.
         assert!(meets(&mesh, &camera(0.0, 0.0, 1005.0, 90.0)));
         assert!(!meets(&mesh, &camera(0.0, 0.0, 1005.0, 1.0)));
@@ -367,7 +383,7 @@ mod tests {
             let open = ViewVolume {
                 mesh: &open,
                 corners: volume.corners.clone(),
-                stored_m: 0.0,
+                ..volume
             };
             missing_face += usize::from(open.crossings(point) != Some(crossings));
         }

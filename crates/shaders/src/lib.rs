@@ -4,7 +4,14 @@
 //! Struct layouts that Rust mirrors are read back from the compiled shader with [`struct_layout`],
 //! so that a test can hold them against `offset_of!`.
 
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+mod spirv;
+
+pub use spirv::{
+    GeometryShader, HandsOn, SpirvStage, geometry_shaders, geometry_spirv, glsl_paths,
+    wgsl_to_spirv,
+};
+
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
 /// A shader file, path relative to `shaders/`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,12 +28,13 @@ macro_rules! shader_sources {
 }
 
 /// Files with entry points.
-const MODULES: [ShaderSource; 10] = shader_sources![
+const MODULES: [ShaderSource; 11] = shader_sources![
     "surface/surface.wgsl",
     "vertex/doubled.wgsl",
     "vertex/pulled.wgsl",
     "vertex/cover.wgsl",
     "vertex/resolve.wgsl",
+    "native/volume.wgsl",
     "compute/cull.wgsl",
     "compute/expand.wgsl",
     "compute/fill.wgsl",
@@ -123,16 +131,23 @@ fn compose_text(path: &str, text: &str) -> Result<String, ShaderError> {
 /// # Errors
 /// [`ShaderError::Invalid`] with naga's message and place.
 pub fn validate(path: &str, composed: &str) -> Result<naga::Module, ShaderError> {
+    parse_and_validate(path, composed).map(|(module, _)| module)
+}
+
+fn parse_and_validate(
+    path: &str,
+    composed: &str,
+) -> Result<(naga::Module, ModuleInfo), ShaderError> {
     let invalid = |message: String| ShaderError::Invalid {
         path: path.to_owned(),
         message,
     };
     let module = naga::front::wgsl::parse_str(composed)
         .map_err(|error| invalid(error.emit_to_string_with_path(composed, path)))?;
-    Validator::new(ValidationFlags::all(), Capabilities::empty())
+    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
         .validate(&module)
         .map_err(|error| invalid(error.emit_to_string_with_path(composed, path)))?;
-    Ok(module)
+    Ok((module, info))
 }
 
 /// Validates every module and returns how many there are, so that a caller can refuse an empty set.
@@ -186,13 +201,14 @@ pub fn struct_layout(path: &str, name: &str) -> Result<StructLayout, ShaderError
     })
 }
 
-/// FNV-1a over every embedded file's path and text: changes when any shader does.
+/// FNV-1a over every embedded file's path and text or SPIR-V: changes when any shader does.
 #[must_use]
 pub fn source_hash() -> u64 {
     let bytes = MODULES
         .iter()
         .chain(&SHARED)
-        .flat_map(|source| source.path.bytes().chain(source.text.bytes()));
+        .flat_map(|source| source.path.bytes().chain(source.text.bytes()))
+        .chain(spirv::geometry_bytes());
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
     })
@@ -204,7 +220,7 @@ mod tests {
 
     #[test]
     fn every_module_validates() {
-        assert_eq!(check_all().expect("all shaders are valid"), 10);
+        assert_eq!(check_all().expect("all shaders are valid"), 11);
     }
 
     #[test]
@@ -235,17 +251,19 @@ mod tests {
                 let path = entry.expect("readable").path();
                 if path.is_dir() {
                     folders.push(path);
-                } else if path
-                    .extension()
-                    .is_some_and(|extension| extension == "wgsl")
-                {
+                } else if path.extension().is_some_and(|extension| {
+                    ["wgsl", "glsl", "geom"].iter().any(|e| extension == *e)
+                }) {
                     let relative = path.strip_prefix(&root).expect("below the root");
                     found.push(relative.to_string_lossy().into_owned());
                 }
             }
         }
         found.sort();
-        let mut embedded: Vec<_> = embedded_paths().map(str::to_owned).collect();
+        let mut embedded: Vec<_> = embedded_paths()
+            .chain(glsl_paths())
+            .map(str::to_owned)
+            .collect();
         embedded.sort();
         assert_eq!(found, embedded);
         let table = std::fs::read_to_string(root.join("README.md")).expect("readable");

@@ -10,15 +10,17 @@ use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::Arc;
 use terrafill_bench::open_scene;
-use terrafill_core::{MeshOptions, RegionMesh};
+use terrafill_core::{MeshError, MeshOptions, RegionMesh};
 use terrafill_frame::{
-    Backend as _, BackendError, Frame, FrameInput, MemoryUse, PositionFormat, PreparedScene,
-    SwitchError, Switches, VolumeBackend as _, paint,
+    Backend as _, BackendError, Frame, FrameInput, MemoryUse, PreparedScene, SwitchError, Switches,
+    VolumeBackend as _, paint,
 };
 use terrafill_gpu::{Gpu, GpuOptions, Stage};
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{ImageSize, PlanOptions, Scene, SurfaceMesh, View, data_dir_from_env};
-use terrafill_vertex::{Layout, VertexBackend, VertexVariant};
+use terrafill_scene::{
+    ImageSize, LeveledMeshes, PlanOptions, Scene, SurfaceMesh, View, data_dir_from_env,
+};
+use terrafill_vertex::{CACHE_SIZE, IndexOrder, VertexBackend, VertexVariant, acmr, cache_ordered};
 
 /// What one backend drew.
 struct Drawn {
@@ -26,6 +28,8 @@ struct Drawn {
     frame: Frame,
     memory: Option<MemoryUse>,
     variant: String,
+    /// Transformed vertices per triangle of the caps, through a cache of [`CACHE_SIZE`].
+    cap_acmr: Option<f64>,
 }
 
 pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
@@ -35,11 +39,11 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
     let data = arguments.data.clone().or_else(data_dir_from_env);
     let scene = open_scene(&arguments.scene, data.as_deref()).map_err(Failure::bad_input)?;
     let view = find_view(&scene, &arguments.view)?;
-    let (variant, mesh) = switches(&scene, arguments)?;
-    let input = input(&scene, view, &mesh, arguments)?;
+    let wanted = wanted(&scene, arguments)?;
+    let input = input(&scene, view, &wanted, arguments)?;
     let drawn = match arguments.backend {
         RenderBackend::Reference => draw_reference(&input)?,
-        RenderBackend::Vertex => draw_vertex(&input, variant, arguments)?,
+        RenderBackend::Vertex => draw_vertex(&input, wanted.variant, arguments)?,
     };
     let colour = ExtendedColorType::Rgb8;
     let mut files = vec![(out, png(&drawn.rgb, input.size, colour)?)];
@@ -64,79 +68,114 @@ fn find_view<'a>(scene: &'a Scene, name: &str) -> Result<&'a View, Failure> {
     })
 }
 
-fn switches(
-    scene: &Scene,
-    arguments: &RenderArguments,
-) -> Result<(VertexVariant, MeshOptions), Failure> {
-    let mut variant = VertexVariant {
-        switches: Switches::for_overlap(scene.overlap),
-        ..VertexVariant::default()
+/// What `--variant` asks for.
+struct Wanted {
+    variant: VertexVariant,
+    mesh: MeshOptions,
+    plan: PlanOptions,
+}
+
+fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure> {
+    let mut wanted = Wanted {
+        variant: VertexVariant {
+            switches: Switches::for_overlap(scene.overlap),
+            ..VertexVariant::default()
+        },
+        mesh: scene.mesh,
+        plan: PlanOptions::default(),
     };
-    let mut mesh = scene.mesh;
     for switch in &arguments.variant {
         let refuse = |allowed: &str| {
             let message = format!("--variant: found {switch:?}, allowed: {allowed}");
-            Err(Failure::bad_input(message))
+            Failure::bad_input(message)
         };
         if arguments.backend == RenderBackend::Reference {
-            return refuse("none with --backend reference, which has one way only");
+            let why = "none with --backend reference, which has one way only";
+            return Err(refuse(why));
         }
-        match switch.split_once('=').unwrap_or((switch, "")) {
-            ("layout", "doubled") => variant.layout = Layout::Doubled,
-            ("layout", "pulled") => variant.layout = Layout::Pulled,
-            ("positions", "fixed") => variant.positions = PositionFormat::Fixed,
-            ("positions", "local-f32") => variant.positions = PositionFormat::LocalF32,
-            ("boundary-tolerance-m", value) => match value.parse() {
-                Ok(metres) if metres > 0.0 && f64::is_finite(metres) => {
-                    mesh.boundary_tolerance_m = metres;
-                }
-                _ => return refuse("boundary-tolerance-m=METRES, a number above 0"),
-            },
-            (key, value) => match variant.switches.set(key, value) {
-                Ok(true) => {}
-                Ok(false) => return refuse(ALLOWED_SWITCHES),
-                Err(error) => return refuse(&format!("{key}={}", error.allowed)),
-            },
+        let (key, value) = switch.split_once('=').unwrap_or((switch, ""));
+        if wanted.set_input(key, value).map_err(refuse)? {
+            continue;
+        }
+        match wanted.variant.set(key, value) {
+            Ok(true) => {}
+            Ok(false) => return Err(refuse(&allowed_switches())),
+            Err(error) => return Err(refuse(&format!("{key}={}", error.allowed))),
         }
     }
     let conflict = |error: SwitchError| Failure::bad_input(format!("--variant: {error}"));
-    variant.switches.check(scene.overlap).map_err(conflict)?;
-    Ok((variant, mesh))
+    wanted.variant.check(scene.overlap).map_err(conflict)?;
+    Ok(wanted)
+}
+
+impl Wanted {
+    /// Sets a switch of what goes into every backend; `Ok(false)` when there is no such switch, and
+    /// what is allowed when the value is none of the switch's.
+    fn set_input(&mut self, key: &str, value: &str) -> Result<bool, &'static str> {
+        let above_zero = || value.parse().ok().filter(|&v| v > 0.0 && f64::is_finite(v));
+        let plan = &mut self.plan;
+        match key {
+            "boundary-tolerance-m" => {
+                let allowed = "boundary-tolerance-m=METRES, a number above 0";
+                self.mesh.boundary_tolerance_m = above_zero().ok_or(allowed)?;
+            }
+            "boundary-lod-px" => {
+                let allowed = "boundary-lod-px=PIXELS, a number above 0";
+                plan.boundary_lod_px = Some(above_zero().ok_or(allowed)?);
+            }
+            "frustum-culling" => plan.frustum_culling = on_or_off(value)?,
+            "horizon-culling" => plan.horizon_culling = on_or_off(value)?,
+            "too-small-culling" => plan.too_small_culling = on_or_off(value)?,
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+}
+
+fn on_or_off(value: &str) -> Result<bool, &'static str> {
+    match value {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err("on, off"),
+    }
 }
 
 /// Switches of `render`, for a message.
-const ALLOWED_SWITCHES: &str = "layout=doubled|pulled, positions=fixed|local-f32, \
-    boundary-tolerance-m=METRES, bottom-cap=always|where-needed, \
-    colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes, \
-    cover-faces=both|culled, depth-rule=zfail|zpass|automatic, faces=two-sided|two-pass, \
-    scissor=covers|volumes, stencil-clear=at-start|by-colour";
+fn allowed_switches() -> String {
+    format!(
+        "{}, boundary-tolerance-m=METRES, boundary-lod-px=PIXELS, frustum-culling=on|off, \
+         horizon-culling=on|off, too-small-culling=on|off",
+        VertexVariant::KEYS
+    )
+}
 
 fn input(
     scene: &Scene,
     view: &View,
-    mesh: &MeshOptions,
+    wanted: &Wanted,
     arguments: &RenderArguments,
 ) -> Result<FrameInput, Failure> {
-    let meshes = RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, mesh)
-        .map_err(|errors| {
-            let lines: Vec<String> = errors
-                .iter()
-                .map(|error| format!("{}: {error}", arguments.scene))
-                .collect();
-            Failure::bad_input(lines.join("\n"))
-        })?;
+    let refused = |errors: Vec<MeshError>| {
+        let lines: Vec<String> = errors
+            .iter()
+            .map(|error| format!("{}: {error}", arguments.scene))
+            .collect();
+        Failure::bad_input(lines.join("\n"))
+    };
     let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
-    let prepared = PreparedScene::new(scene, meshes.into(), surface);
+    let prepared = if wanted.plan.boundary_lod_px.is_some() {
+        let leveled = LeveledMeshes::build(scene, &wanted.mesh).map_err(refused)?;
+        PreparedScene::leveled(scene, leveled, surface)
+    } else {
+        let (body, rule) = (&scene.body, scene.edge_rule);
+        let meshes = RegionMesh::build_all(&scene.regions, body, rule, &wanted.mesh);
+        PreparedScene::new(scene, meshes.map_err(refused)?.into(), surface)
+    };
     let size = ImageSize {
         width: arguments.size.0,
         height: arguments.size.1,
     };
-    Ok(FrameInput::new(
-        &prepared,
-        view,
-        size,
-        PlanOptions::default(),
-    ))
+    Ok(FrameInput::new(&prepared, view, size, wanted.plan))
 }
 
 fn draw_reference(input: &FrameInput) -> Result<Drawn, Failure> {
@@ -148,6 +187,7 @@ fn draw_reference(input: &FrameInput) -> Result<Drawn, Failure> {
         frame,
         memory: None,
         variant: String::new(),
+        cap_acmr: None,
     })
 }
 
@@ -173,12 +213,31 @@ fn draw_vertex(
             frame,
             memory: Some(memory),
             variant: variant.name(),
+            cap_acmr: cap_acmr(input, variant.index_order),
         })
     };
     draw().map_err(|error| match error {
         BackendError::Unsupported { .. } | BackendError::DeviceLost(_) => Failure::no_device(error),
         _ => Failure::bad_input(error),
     })
+}
+
+/// Over all triangles of the regions drawn.
+fn cap_acmr(input: &FrameInput, order: IndexOrder) -> Option<f64> {
+    let (mut misses, mut triangles) = (0.0, 0.0);
+    for planned in &input.plan.regions {
+        let mesh = &input.scene.meshes[planned.mesh];
+        let ratio = match order {
+            IndexOrder::Mesh => acmr(&mesh.triangles, CACHE_SIZE),
+            IndexOrder::Cache => {
+                let ordered = cache_ordered(&mesh.triangles, mesh.vertices_ecef.len());
+                acmr(&ordered, CACHE_SIZE)
+            }
+        };
+        misses += ratio.unwrap_or(0.0) * mesh.triangles.len() as f64;
+        triangles += mesh.triangles.len() as f64;
+    }
+    (triangles > 0.0).then(|| misses / triangles)
 }
 
 fn statistics(arguments: &RenderArguments, input: &FrameInput, drawn: &Drawn) -> serde_json::Value {
@@ -200,6 +259,10 @@ fn statistics(arguments: &RenderArguments, input: &FrameInput, drawn: &Drawn) ->
             "clipper_invocations": counters.clipper_invocations,
             "clipper_primitives_out": counters.clipper_primitives_out,
             "fragment_shader_invocations": counters.fragment_shader_invocations,
+            "stencil_fragments": counters.stencil_fragments,
+            "buffer_creations": counters.buffer_creations,
+            "pipeline_creations": counters.pipeline_creations,
+            "uploads": counters.uploads,
         })
     });
     let memory = drawn.memory.map(|memory| {
@@ -225,6 +288,7 @@ fn statistics(arguments: &RenderArguments, input: &FrameInput, drawn: &Drawn) ->
         "non_finite": drawn.frame.non_finite,
         "counters": counters,
         "memory": memory,
+        "cap_acmr": drawn.cap_acmr,
         "regions_drawn": input.plan.regions.len(),
         "left_out": left_out,
     })

@@ -92,10 +92,16 @@ impl VertexBackend {
     ///
     /// # Errors
     /// [`BackendError::Switch`] when the layout lacks what was chosen for it;
-    /// [`BackendError::Shader`].
+    /// [`BackendError::Unsupported`] for what wgpu has no way to ask for; [`BackendError::Shader`].
     pub fn new(stage: &SharedStage, variant: VertexVariant) -> Result<Self, BackendError> {
         variant.check_layout()?;
         let gpu = Arc::clone(stage.borrow().gpu());
+        if variant.switches.depth_bounds {
+            return Err(BackendError::Unsupported {
+                capability: "a depth-bounds test".to_owned(),
+                adapter: "wgpu".to_owned(),
+            });
+        }
         Ok(Self {
             stage: SharedStage::clone(stage),
             variant,

@@ -47,7 +47,7 @@ fn has_short_indices(layout: Layout, vertices: usize) -> bool {
 
 /// Bytes of a stored flag in layout `separate`. One would do, and was enough in 2007; WebGPU wants
 /// strides in multiples of four.
-pub const FLAG_BYTES: u64 = 4;
+pub const FLAG_BYTES: usize = 4;
 
 /// Bytes that `mesh` takes in a layout with nothing else chosen: see [`variant_bytes`].
 #[must_use]
@@ -98,7 +98,7 @@ pub fn shared_flag_bytes(layout: Layout, meshes: &[RegionMesh]) -> u64 {
         return 0;
     }
     let largest = meshes.iter().map(|mesh| mesh.vertices_ecef.len()).max();
-    2 * FLAG_BYTES * largest.unwrap_or(0) as u64
+    (2 * FLAG_BYTES * largest.unwrap_or(0)) as u64
 }
 
 /// Bytes of a mesh whose vertices are shared by all its triangles: what a geometry shader reads.
@@ -141,7 +141,7 @@ pub(crate) struct SceneGeometry {
     /// Vertices of [`VertexVariant::vertex_words`] words.
     pub(crate) vertices: Vec<i32>,
     /// Layout `separate`: 0 and 255 in turn, each in [`FLAG_BYTES`].
-    pub(crate) flags: Vec<[u8; FLAG_BYTES as usize]>,
+    pub(crate) flags: Vec<[u8; FLAG_BYTES]>,
     pub(crate) short_indices: Vec<u16>,
     pub(crate) long_indices: Vec<u32>,
     pub(crate) regions: Vec<RegionSlice>,
@@ -151,7 +151,7 @@ impl SceneGeometry {
     /// Lays out every mesh.
     pub(crate) fn build(variant: &VertexVariant, meshes: &[RegionMesh]) -> Self {
         let mut geometry = Self::default();
-        let flags = shared_flag_bytes(variant.layout, meshes) / FLAG_BYTES;
+        let flags = shared_flag_bytes(variant.layout, meshes) / FLAG_BYTES as u64;
         geometry.flags = (0..flags)
             .map(|vertex| [if vertex % 2 == 0 { 0 } else { 255 }, 0, 0, 0])
             .collect();
@@ -257,8 +257,11 @@ impl SceneGeometry {
     }
 
     /// A wall along every edge of every triangle. Two triangles see an inner edge in opposite
-    /// directions, and must still split its wall along the same diagonal: else a sliver between the
-    /// two diagonals would lie in both volumes or in neither.
+    /// directions, and both walls must cancel each other to the pixel, so the second one is the
+    /// first one's triangles turned over: the same diagonal, else a sliver would lie in both volumes
+    /// or in neither; and the last two corners swapped, since a rasteriser that brings all triangles
+    /// into one winding must keep the first, provoking, corner where it is, and then computes the
+    /// same depths to the bit.
     fn push_inner_walls(&mut self, short: bool, mesh: &RegionMesh, triangles: &[[u32; 3]]) {
         let outer: HashSet<[u32; 2]> = boundary_edges(mesh).collect();
         for &[a, b, c] in triangles {
@@ -266,40 +269,19 @@ impl SceneGeometry {
                 if start < end || outer.contains(&[start, end]) {
                     self.push_wall(short, start, end);
                 } else {
-                    self.push_wall_other_diagonal(short, start, end);
+                    for [first, second, third] in wall_triangles(end, start) {
+                        for index in [first, third, second] {
+                            self.push_index(short, index);
+                        }
+                    }
                 }
             }
         }
     }
 
-    /// Two triangles as a strip of 2·start, 2·start + 1, 2·end, 2·end + 1 gives them.
     fn push_wall(&mut self, short: bool, start: u32, end: u32) {
-        let [top_start, bottom_start, top_end, bottom_end] = wall_corners(start, end);
-        for index in [
-            top_start,
-            bottom_start,
-            top_end,
-            top_end,
-            bottom_start,
-            bottom_end,
-        ] {
-            self.push_index(short, index);
-        }
-    }
-
-    /// The same wall, wound alike, along the diagonal that [`SceneGeometry::push_wall`] takes from
-    /// `end` to `start`.
-    fn push_wall_other_diagonal(&mut self, short: bool, start: u32, end: u32) {
-        let [top_start, bottom_start, top_end, bottom_end] = wall_corners(start, end);
-        for index in [
-            top_end,
-            top_start,
-            bottom_end,
-            bottom_end,
-            top_start,
-            bottom_start,
-        ] {
-            self.push_index(short, index);
+        for index in wall_triangles(start, end).as_flattened() {
+            self.push_index(short, *index);
         }
     }
 
@@ -330,14 +312,18 @@ impl SceneGeometry {
     /// Bytes as built.
     pub(crate) fn bytes(&self) -> LayoutBytes {
         LayoutBytes {
-            vertex_bytes: self.vertices.len() as u64 * 4 + self.flags.len() as u64 * FLAG_BYTES,
+            vertex_bytes: (self.vertices.len() * 4 + self.flags.len() * FLAG_BYTES) as u64,
             index_bytes: self.short_indices.len() as u64 * 2 + self.long_indices.len() as u64 * 4,
         }
     }
 }
 
-fn wall_corners(start: u32, end: u32) -> [u32; 4] {
-    [2 * start, 2 * start + 1, 2 * end, 2 * end + 1]
+/// The two triangles that a strip of 2·start, 2·start + 1, 2·end, 2·end + 1 has.
+fn wall_triangles(start: u32, end: u32) -> [[u32; 3]; 2] {
+    [
+        [2 * start, 2 * start + 1, 2 * end],
+        [2 * end, 2 * start + 1, 2 * end + 1],
+    ]
 }
 
 /// Directed edges of the boundary loops.
@@ -429,9 +415,13 @@ mod tests {
     #[test]
     fn the_formula_and_the_buffers_agree() {
         assert_eq!(every_storage().len(), 2 * 2 * (4 + 2 + 1 + 1));
-        for count in [3, 100, 32_765, 32_767, 40_000, 65_534, 65_600] {
+        for count in [3, 100, 32_765, 32_767, 65_534, 65_600] {
             let meshes = [disc(count), disc(7)];
             for variant in every_storage() {
+                // The order of indices changes no count, and its search is slow on large discs.
+                if count > 100 && variant.index_order == IndexOrder::Cache {
+                    continue;
+                }
                 let built = SceneGeometry::build(&variant, &meshes).bytes();
                 let mut formula: LayoutBytes = meshes
                     .iter()
@@ -496,7 +486,8 @@ mod tests {
     fn no_index_collides_with_the_restart_value() {
         for count in [32_766, 65_533, 65_534] {
             let mesh = disc(count);
-            for variant in every_storage() {
+            let in_mesh_order = |v: &VertexVariant| v.index_order == IndexOrder::Mesh;
+            for variant in every_storage().into_iter().filter(in_mesh_order) {
                 let meshes = std::slice::from_ref(&mesh);
                 let geometry = SceneGeometry::build(&variant, meshes);
                 let short = geometry.short_indices.iter().filter(|&&i| i == 0xffff);

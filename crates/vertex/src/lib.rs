@@ -4,7 +4,8 @@
 //! A region's mesh is extruded along the geodetic normal into a closed solid: two caps and the walls
 //! along its boundary. Drawn into the stencil with depth-fail counting, the solid marks the surface
 //! pixels inside it, and a screen-space pass colours them. The technique is Cozzi's (2007), after
-//! Heidmann (1991) and Carmack's depth-fail variant (2000); this backend is its vertex-shader form.
+//! Heidmann (1991) and Carmack's depth-fail variant (2000); this backend is its vertex-shader form,
+//! in the layouts that the document compared and one that duplicates no vertex.
 
 mod backend;
 mod cache_order;
@@ -12,9 +13,9 @@ mod layout;
 mod pass;
 mod pipeline;
 mod statistics;
+mod variant;
 #[cfg(test)]
 mod volume_invariants;
-mod variant;
 
 pub use backend::VertexBackend;
 pub use cache_order::{CACHE_SIZE, acmr, cache_ordered};

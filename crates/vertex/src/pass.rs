@@ -70,10 +70,10 @@ impl Recorder<'_> {
     /// The volumes that the stencil work draws, drawn into nothing, so that the query counts every
     /// fragment of theirs and not only those that the depth test lets through.
     pub(crate) fn count_fragments(&mut self, encoder: &mut wgpu::CommandEncoder) {
-        let depth_stencil = self.stage.depth_stencil_view();
+        let (colour, depth_stencil) = (self.stage.colour_view(), self.stage.depth_stencil_view());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("fragment count"),
-            color_attachments: &[],
+            color_attachments: &[Some(kept_colour(&colour))],
             depth_stencil_attachment: Some(read_only_depth(&depth_stencil, wgpu::LoadOp::Load)),
             ..Default::default()
         });

@@ -256,27 +256,20 @@ impl Pipelines {
         let flags = wgpu::vertex_attr_array![1 => Uint32];
         let buffers = match self.variant.layout {
             Layout::Pulled => vec![],
-            Layout::Separate => vec![
-                buffer(stride, &attributes[..1]),
-                buffer(FLAG_BYTES as usize, &flags),
-            ],
+            Layout::Separate => vec![buffer(stride, &attributes[..1]), buffer(FLAG_BYTES, &flags)],
             Layout::Doubled | Layout::PerTriangle => vec![buffer(stride, &attributes)],
         };
         let strip_index_format = self.strip_format(part);
         let (purpose, faces, fragment) = match state {
             State::Mark { rule, has_colour } => {
                 let unwritten = target(COLOUR_FORMAT, None, wgpu::ColorWrites::empty());
-                let fragment = has_colour.then_some(("no_colour", Some(unwritten)));
+                let fragment = has_colour.then_some(("no_colour", unwritten));
                 (Purpose::Plain, rule.faces, fragment)
             }
             State::Colour { faces, blends, .. } => {
                 let blend = blends.then_some(wgpu::BlendState::ALPHA_BLENDING);
                 let written = target(COLOUR_FORMAT, blend, wgpu::ColorWrites::ALL);
-                (
-                    Purpose::Coloured,
-                    faces,
-                    Some(("region_colour", Some(written))),
-                )
+                (Purpose::Coloured, faces, Some(("region_colour", written)))
             }
             State::Add { depth, faces } => {
                 let added = target(NUMBER_FORMAT, Some(ADDED), wgpu::ColorWrites::ALL);
@@ -284,10 +277,14 @@ impl Pipelines {
                     DepthRule::Fail => "number_behind",
                     DepthRule::Pass => "number_before",
                 };
-                (Purpose::Numbered, faces, Some((entry_point, Some(added))))
+                (Purpose::Numbered, faces, Some((entry_point, added)))
             }
-            State::Count { faces } => (Purpose::Plain, faces, Some(("no_colour", None))),
+            State::Count { faces } => {
+                let unwritten = target(COLOUR_FORMAT, None, wgpu::ColorWrites::empty());
+                (Purpose::Plain, faces, Some(("counted", unwritten)))
+            }
         };
+        let targets = [fragment.as_ref().map(|(_, target)| target.clone())];
         let entry_point = entry_point(self.variant.layout.is_doubled(), part, purpose);
         let local_f32 = self.variant.positions == PositionFormat::LocalF32;
         let constants = [("POSITIONS_ARE_LOCAL_F32", f64::from(u8::from(local_f32)))];
@@ -326,15 +323,11 @@ impl Pipelines {
             multisample: Default::default(),
             fragment: fragment
                 .as_ref()
-                .map(|(entry_point, target)| wgpu::FragmentState {
+                .map(|(entry_point, _)| wgpu::FragmentState {
                     module: &self.volume_shader,
                     entry_point: Some(entry_point),
                     compilation_options: Default::default(),
-                    targets: if target.is_some() {
-                        std::slice::from_ref(target)
-                    } else {
-                        &[]
-                    },
+                    targets: &targets,
                 }),
             multiview_mask: None,
             cache: None,

@@ -13,8 +13,8 @@
     reason = "a skipped test says why; what falls together is worth reading"
 )]
 
-use crate::Layout;
 use crate::layout::{RegionSlice, SceneGeometry};
+use crate::{Layout, VertexVariant};
 use glam::{DVec3, IVec3, Vec3};
 use std::path::PathBuf;
 use terrafill_core::{
@@ -25,6 +25,16 @@ use terrafill_frame::PositionFormat;
 
 const LAYOUTS: [Layout; 2] = [Layout::Doubled, Layout::Pulled];
 const FORMATS: [PositionFormat; 2] = [PositionFormat::Fixed, PositionFormat::LocalF32];
+
+/// The buffers of a variant with everything else as by default.
+fn built(layout: Layout, positions: PositionFormat, meshes: &[RegionMesh]) -> SceneGeometry {
+    let variant = VertexVariant {
+        layout,
+        positions,
+        ..VertexVariant::default()
+    };
+    SceneGeometry::build(&variant, meshes)
+}
 
 /// What the vertex stage knows of a corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -58,6 +68,7 @@ impl Reader<'_> {
         match layout {
             Layout::Doubled => self.doubled(),
             Layout::Pulled => self.pulled(),
+            Layout::Separate | Layout::PerTriangle => Err("not read here".to_owned()),
         }
     }
 
@@ -260,7 +271,7 @@ fn is_somewhere([a, b, c]: &[Corner; 3]) -> bool {
 fn triangle_count(layout: Layout, mesh: &RegionMesh) -> usize {
     let drawn = 2 * (mesh.triangle_count() + mesh.boundary_edge_count());
     match layout {
-        Layout::Doubled => drawn,
+        Layout::Doubled | Layout::Separate | Layout::PerTriangle => drawn,
         Layout::Pulled => drawn + 2 * (2 * mesh.boundary_loops.len()).saturating_sub(1),
     }
 }
@@ -294,7 +305,7 @@ impl Scene {
     }
 
     fn check(&self, layout: Layout, format: PositionFormat) -> Result<Count, String> {
-        let geometry = SceneGeometry::build(layout, format, &self.meshes);
+        let geometry = built(layout, format, &self.meshes);
         self.check_built(&geometry, layout, format)
     }
 
@@ -384,7 +395,7 @@ impl Scene {
 
     /// Closed after the shader's arithmetic, seen from eyes over the first vertex of each region.
     fn check_from_eyes(&self, layout: Layout, format: PositionFormat) -> Result<Count, String> {
-        let geometry = SceneGeometry::build(layout, format, &self.meshes);
+        let geometry = built(layout, format, &self.meshes);
         let mut count = Count::default();
         for (slice, mesh) in geometry.regions.iter().zip(&self.meshes) {
             let reader = Reader {
@@ -508,7 +519,7 @@ fn every_layout_and_format_of_the_countries_is_closed() {
                     .unwrap_or_else(|what| panic!("{name}, {rule:?}: {what}"));
                 println!("{name}, {rule:?}, {layout:?}, {format:?}: {count:?}");
             }
-            let geometry = SceneGeometry::build(layout, PositionFormat::Fixed, &scene.meshes);
+            let geometry = built(layout, PositionFormat::Fixed, &scene.meshes);
             for slice in &geometry.regions {
                 widths[usize::from(slice.short_indices)] += 1;
             }
@@ -538,10 +549,10 @@ fn each_noticed(
 ) {
     let scene = pair();
     for format in FORMATS {
-        let places = count(&SceneGeometry::build(layout, format, &scene.meshes));
+        let places = count(&built(layout, format, &scene.meshes));
         assert!(places > 50, "{places} places");
         for place in 0..places {
-            let mut geometry = SceneGeometry::build(layout, format, &scene.meshes);
+            let mut geometry = built(layout, format, &scene.meshes);
             if !change(&mut geometry, place) {
                 continue;
             }
@@ -618,7 +629,7 @@ fn offsets_of_another_region_are_noticed() {
             |slice| slice.fixed.unit_m *= 2.0,
         ];
         for (i, mutant) in mutants.iter().enumerate() {
-            let mut geometry = SceneGeometry::build(layout, PositionFormat::Fixed, &scene.meshes);
+            let mut geometry = built(layout, PositionFormat::Fixed, &scene.meshes);
             mutant(&mut geometry.regions[1]);
             let found = scene.check_built(&geometry, layout, PositionFormat::Fixed);
             assert!(found.is_err(), "{layout:?}, {i}");

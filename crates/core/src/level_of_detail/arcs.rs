@@ -21,6 +21,11 @@ const WIDE_EDGE_DEG: f64 = 90.0;
 const WIDE_ARC_COSINE: f64 = 0.5;
 /// Longitudes closer to ±180 than this are that meridian, degrees: as for the outlines of meshes.
 const ANTIMERIDIAN_SNAP_DEG: f64 = 1e-11;
+/// A ring of fewer tolerances in size than this stays as it is. A lake or island of less than a
+/// pixel that moved at all could appear where there was nothing to be seen, or the other way round,
+/// far from any boundary that a comparison could put it down to; and a level is drawn, by its
+/// tolerance of at most half a pixel and at least an eighth, where this many are two pixels or more.
+const SMALLEST_SIZE: f64 = 16.0;
 const NONE: u32 = u32::MAX;
 
 /// A place that rings have a vertex at.
@@ -52,6 +57,8 @@ pub(super) struct BorderArc {
     pub(super) past: usize,
     /// Rings that pass it, once for each time they do.
     pub(super) rings: Vec<u32>,
+    /// Largest tolerance for which it may change, metres.
+    pub(super) largest_tolerance_m: f64,
 }
 
 /// A ring by its vertices.
@@ -112,6 +119,7 @@ impl<'a> Arcs<'a> {
         for (index, ring) in rings.iter().enumerate() {
             let count = ring.vertices.len();
             let is_node = |k: usize| self.vertices[ring.vertices[k % count] as usize].is_node;
+            let size_m = self.size_m(body, ring);
             let Some(start) = (0..count).find(|&k| is_node(k)) else {
                 continue;
             };
@@ -133,11 +141,13 @@ impl<'a> Arcs<'a> {
                             first: self.entries.len(),
                             past: self.entries.len() + entries.len(),
                             rings: Vec::new(),
+                            largest_tolerance_m: f64::INFINITY,
                         });
                         self.entries.extend(entries);
                     }
-                    let arc = arc_of_vertex[inside] as usize;
-                    self.arcs[arc].rings.push(index_u32(index));
+                    let arc = &mut self.arcs[arc_of_vertex[inside] as usize];
+                    arc.rings.push(index_u32(index));
+                    arc.largest_tolerance_m = arc.largest_tolerance_m.min(size_m / SMALLEST_SIZE);
                 } else {
                     let ends = [from, to].map(|k| ring.vertices[k % count]);
                     self.node_edges.insert(in_order(ends));
@@ -146,6 +156,17 @@ impl<'a> Arcs<'a> {
             }
         }
         self.rings = rings;
+    }
+
+    /// Diagonal of a box around the ring's normals, in metres where the body is most curved.
+    fn size_m(&self, body: &Ellipsoid, ring: &RingVertices<'_>) -> f64 {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for &vertex in &ring.vertices {
+            let normal = self.vertices[vertex as usize].normal;
+            low = low.min(normal);
+            high = high.max(normal);
+        }
+        (high - low).length() * body.smallest_curvature_radius_m()
     }
 
     /// Every two regions that have a vertex in common, the lower index first. Borders that are

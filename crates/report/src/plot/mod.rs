@@ -8,15 +8,19 @@ mod bytes;
 mod canvas;
 mod error_time;
 mod growth;
+mod memory;
 mod palette;
 mod ratio;
 mod scale;
+mod steps;
 
 pub(crate) use bytes::geometry_bytes;
 pub(crate) use error_time::error_against_time;
 pub(crate) use growth::growth;
+pub(crate) use memory::bytes_over_regions;
 pub(crate) use palette::{Palette, dark_rules};
-pub(crate) use ratio::time_over_bound;
+pub(crate) use ratio::{ratio, time_over_bound};
+pub(crate) use steps::ladder_steps;
 
 use crate::number;
 use crate::run_data::Case;

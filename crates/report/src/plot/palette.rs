@@ -26,6 +26,11 @@ const HUES: [[RGBColor; 2]; 8] = [
     [RGBColor(0x5E, 0x5E, 0x5E), RGBColor(0xAE, 0xAE, 0xAE)],
 ];
 
+/// A hue by its place, for plots of one series.
+pub(crate) fn hue(index: usize) -> RGBColor {
+    HUES[index % HUES.len()][0]
+}
+
 /// Shape of a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Marker {

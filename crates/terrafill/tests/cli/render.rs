@@ -61,7 +61,7 @@ fn keys(value: &Value) -> BTreeSet<&str> {
     object.keys().map(String::as_str).collect()
 }
 
-const STATISTICS_KEYS: [&str; 12] = [
+const STATISTICS_KEYS: [&str; 13] = [
     "scene",
     "view",
     "backend",
@@ -74,6 +74,7 @@ const STATISTICS_KEYS: [&str; 12] = [
     "memory",
     "regions_drawn",
     "left_out",
+    "cap_acmr",
 ];
 
 #[test]
@@ -136,7 +137,7 @@ fn every_switch_of_the_vertex_backend_draws_what_the_reference_does() {
     let outputs = ["--ids", "ids.png", "--stats", "s.json"];
     render(&desk, &[&["--backend", "reference"][..], &outputs].concat());
     let expected = ids(&desk);
-    let switches: [(&[&str], &str); 9] = [
+    let switches: [(&[&str], &str); 20] = [
         (&[], "doubled"),
         (&["layout=doubled"], "doubled"),
         (&["layout=pulled"], "pulled"),
@@ -149,6 +150,26 @@ fn every_switch_of_the_vertex_backend_draws_what_the_reference_does() {
             &["layout=pulled", "colour=rectangle", "positions=local-f32"],
             "pulled,colour=rectangle,positions=local-f32",
         ),
+        (&["layout=separate"], "separate"),
+        (&["layout=per-triangle"], "per-triangle"),
+        (&["walls=list"], "doubled,walls=list"),
+        (&["index-order=cache"], "doubled,index-order=cache"),
+        (&["vertex-bytes=20"], "doubled,vertex-bytes=20"),
+        (
+            &["opacity=60", "colour=volume"],
+            "doubled,colour=volume,opacity=60",
+        ),
+        (
+            &["colour=id-accumulation"],
+            "doubled,colour=id-accumulation",
+        ),
+        (
+            &["depth-rule=automatic", "bottom-cap=where-needed"],
+            "doubled,bottom-cap=where-needed,depth-rule=automatic",
+        ),
+        (&["frustum-culling=off", "horizon-culling=off"], "doubled"),
+        (&["too-small-culling=off"], "doubled"),
+        (&["boundary-lod-px=0.5"], "doubled"),
     ];
     for (values, name) in switches {
         let mut more = vec!["--backend", "vertex"];
@@ -189,6 +210,10 @@ fn statistics_hold_counters_bytes_and_what_was_left_out() {
             "clipper_invocations",
             "clipper_primitives_out",
             "fragment_shader_invocations",
+            "stencil_fragments",
+            "buffer_creations",
+            "pipeline_creations",
+            "uploads",
         ])
     );
     assert_eq!(
@@ -208,6 +233,11 @@ fn statistics_hold_counters_bytes_and_what_was_left_out() {
         number(&memory["vertex_bytes"]) + number(&memory["index_bytes"])
     );
     assert!(number(&statistics["counters"]["draws"]) > 0);
+    // Each filled pixel lies under a top and over a bottom.
+    let filled = number(&statistics["filled_px"]);
+    assert!(number(&statistics["counters"]["stencil_fragments"]) >= 2 * filled);
+    let acmr = statistics["cap_acmr"].as_f64().expect("a ratio");
+    assert!((0.5..=3.0).contains(&acmr), "{acmr}");
     assert_eq!(statistics["regions_drawn"], 2);
     let left_out = statistics["left_out"].as_array().expect("a list");
     assert_eq!(left_out.len(), 1);
@@ -227,22 +257,43 @@ fn wrong_switches_are_refused_and_nothing_is_written() {
     let desk = Desk::new();
     write_squares(&desk);
     let before = desk.names();
-    for wrong in [
-        "layout=tripled",
-        "layout",
-        "layout=",
-        "colour=",
-        "positions=f64",
-        "colour=red",
-        "Layout=pulled",
-        "speed=fast",
-        "",
+    // Unknown keys are answered with all keys, unknown values with the values of their key.
+    let keys = "layout=doubled|separate|per-triangle|pulled, positions=fixed|local-f32";
+    for (wrong, allowed) in [
+        ("layout=tripled", "layout=doubled, separate"),
+        ("layout", "layout=doubled, separate"),
+        ("layout=", "layout=doubled, separate"),
+        ("colour=", "colour=xor, rectangle"),
+        ("colour=red", "colour=xor, rectangle"),
+        ("positions=f64", "positions=fixed, local-f32"),
+        ("walls=fan", "walls=strip, list"),
+        ("index-order=random", "index-order=mesh, cache"),
+        ("vertex-bytes=12", "vertex-bytes=16, 20"),
+        ("opacity=0", "opacity=whole percent, 1 to 100"),
+        ("frustum-culling=maybe", "on, off"),
+        ("Layout=pulled", keys),
+        ("speed=fast", keys),
+        ("", keys),
     ] {
         let more = ["--ids", "ids.png", "--variant", wrong];
         desk.run(&[&SCENE[..], &more].concat())
-            .refused(&[&[&format!(
-                "--variant: found {wrong:?}, allowed: layout=doubled|pulled"
-            )]]);
+            .refused(&[&[&format!("--variant: found {wrong:?}, allowed: {allowed}")]]);
+    }
+    // What is right alone and wrong together is refused with what it does not go with.
+    for (together, message) in [
+        (["layout=pulled", "walls=list"], "walls: found list with"),
+        (
+            ["layout=separate", "vertex-bytes=20"],
+            "vertex-bytes: found 20",
+        ),
+        (
+            ["colour=xor", "opacity=50"],
+            "opacity: found 50 with colour=xor",
+        ),
+    ] {
+        let more = ["--variant", together[0], "--variant", together[1]];
+        desk.run(&[&SCENE[..], &more].concat())
+            .refused(&[&["--variant", message]]);
     }
     for wrong in ["0", "-1", "wide", "NaN", "inf", ""] {
         let wrong = format!("boundary-tolerance-m={wrong}");

@@ -1,0 +1,552 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The backend: buffers of a scene, constants of a view, and the passes of a frame.
+
+use crate::Technique;
+use crate::layout::{RegionSlice, SceneGeometry};
+use crate::pass::{Drawing, Step, Steps, counting, steps_of, volume_pipelines};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::sync::Arc;
+use terrafill_core::RegionMesh;
+use terrafill_frame::{
+    Backend, BackendError, Capabilities, Counters, FillProgram, Frame, FrameInput, FrameTimes,
+    MAX_REGIONS, MemoryUse, Picture, RegionConstants, SwitchError, Switches, TimedBackend,
+    VolumeBackend, id_rgba, ids_of, palette_rgba,
+};
+use terrafill_scene::PlannedRegion;
+use terrafill_vulkan::{
+    BindGroup, Buffer, BufferUse, CpuStopwatch, FillReport, Gpu, Made, Measured, Pipeline,
+    PipelineDescriptor, SharedStage,
+};
+
+/// A variant: how volumes come about, and the switches of the fill.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct NativeVariant {
+    /// How volumes come about.
+    pub technique: Technique,
+    /// What the fill does.
+    pub switches: Switches,
+}
+
+impl NativeVariant {
+    /// Technique first, then what differs from the default, `key=value`, in alphabetical order.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let mut names = self.switches.names();
+        names.insert(0, self.technique.name().to_owned());
+        names.join(",")
+    }
+
+    /// Every key of its own that [`NativeVariant::set`] takes, with its values.
+    pub const KEYS: &str = "technique=vs-control|gs-degenerate|gs-two-edges|gs-line|gs-adjacency|\
+        gs-per-triangle, depth-bounds=off|on";
+
+    /// Sets the switch `key` to `value`; with `technique=` the inverse of [`NativeVariant::name`].
+    ///
+    /// # Errors
+    /// [`SwitchError`] when the value is none of the switch's; `Ok(false)` when there is no such
+    /// switch.
+    pub fn set(&mut self, key: &str, value: &str) -> Result<bool, SwitchError> {
+        if key != "technique" {
+            return self.switches.set(key, value);
+        }
+        let all = Technique::ALL;
+        let found = all.into_iter().find(|technique| technique.name() == value);
+        self.technique = found.ok_or_else(|| SwitchError {
+            switch: "technique",
+            found: value.to_owned(),
+            allowed: all.map(Technique::name).join(", "),
+        })?;
+        Ok(true)
+    }
+}
+
+/// Pipelines of one backend, made when first asked for.
+pub(crate) type Pipelines = HashMap<PipelineDescriptor, Pipeline>;
+
+/// Shadow volumes extruded in geometry shaders, or by `vs-control` in the vertex shader.
+#[derive(Debug)]
+pub struct NativeBackend {
+    stage: SharedStage,
+    variant: NativeVariant,
+    capabilities: Capabilities,
+    pipelines: Pipelines,
+    scene: Option<SceneBuffers>,
+    view: Option<ViewBuffers>,
+    /// What was made for the frame that comes next.
+    made: Made,
+}
+
+/// Geometry of every mesh of a scene, in view or not.
+#[derive(Debug)]
+pub(crate) struct SceneBuffers {
+    source: Arc<[RegionMesh]>,
+    pub(crate) regions: Vec<RegionSlice>,
+    pub(crate) vertices: Buffer,
+    pub(crate) short_indices: Buffer,
+    pub(crate) long_indices: Buffer,
+    vertex_bytes: u64,
+    index_bytes: u64,
+}
+
+/// Constants of the regions of a view, and the order to draw them in.
+#[derive(Debug)]
+pub(crate) struct ViewBuffers {
+    source: Arc<[[f32; 3]]>,
+    view_constants: Arc<Buffer>,
+    constants: Arc<Buffer>,
+    /// What lies in `constants`.
+    written: Vec<u8>,
+    pub(crate) bindings: BindGroup,
+    pub(crate) passes: Vec<Steps>,
+}
+
+/// What the colour pass writes for region `index`.
+type ColourOf = fn(usize) -> [f32; 4];
+
+/// Vertices whose numbers a 32-bit float tells apart: geometry shaders know corners by number.
+const MAX_VERTICES: usize = 1 << 24;
+
+/// One element of region constants, for a view that plans none.
+static EMPTY: [u8; size_of::<RegionConstants>()] = [0; size_of::<RegionConstants>()];
+
+impl NativeBackend {
+    /// A backend on `stage`.
+    ///
+    /// # Errors
+    /// [`BackendError::Unsupported`] when the device lacks `geometryShader` or `depthBounds` and
+    /// the variant needs it.
+    pub fn new(stage: &SharedStage, variant: NativeVariant) -> Result<Self, BackendError> {
+        let gpu = Arc::clone(stage.borrow().gpu());
+        let features = gpu.facts.features;
+        let lacks = |capability: &str| BackendError::Unsupported {
+            capability: capability.to_owned(),
+            adapter: gpu.facts.name.clone(),
+        };
+        if variant.technique.needs_geometry_shader() && !features.geometry_shader {
+            return Err(lacks("geometryShader"));
+        }
+        if variant.switches.depth_bounds && !features.depth_bounds {
+            return Err(lacks("depthBounds"));
+        }
+        Ok(Self {
+            stage: SharedStage::clone(stage),
+            variant,
+            capabilities: Capabilities {
+                backend: "native",
+                adapter: format!("{} ({})", gpu.facts.name, gpu.facts.driver_info),
+                gpu_timestamps: features.timestamps,
+                pipeline_statistics: features.pipeline_statistics,
+            },
+            pipelines: Pipelines::new(),
+            scene: None,
+            view: None,
+            made: Made::default(),
+        })
+    }
+
+    /// Technique and switches.
+    #[must_use]
+    pub fn variant(&self) -> NativeVariant {
+        self.variant
+    }
+
+    fn gpu(&self) -> Arc<Gpu> {
+        Arc::clone(self.stage.borrow().gpu())
+    }
+
+    fn draw_and_read(&mut self, input: &FrameInput) -> Result<(Picture, Counters), BackendError> {
+        self.check_prepared(input)?;
+        let gpu = self.gpu();
+        self.stage.borrow_mut().prepare(input)?;
+        self.stage.borrow_mut().draw_surface()?;
+        let before = gpu.made();
+        let (report, mut counters) = self.draw(input, Measured::Statistics)?;
+        let drawing = gpu.made() - before;
+        let made = std::mem::take(&mut self.made) + drawing;
+        counters.buffer_creations = made.buffers;
+        counters.pipeline_creations = made.pipelines;
+        counters.uploads = made.uploads;
+        counters.upload_bytes = drawing.upload_bytes;
+        if let Some(statistics) = report.statistics {
+            counters.vertex_shader_invocations = Some(statistics.vertex_shader_invocations);
+            counters.geometry_shader_primitives = statistics.geometry_shader_primitives;
+            counters.clipper_invocations = Some(statistics.clipper_invocations);
+            counters.clipper_primitives_out = Some(statistics.clipper_primitives_out);
+            counters.fragment_shader_invocations = Some(statistics.fragment_shader_invocations);
+        }
+        let picture = self.stage.borrow().read()?;
+        Ok((picture, counters))
+    }
+
+    /// Draws the fill over the surface that the stage holds.
+    fn draw(
+        &self,
+        input: &FrameInput,
+        measured: Measured,
+    ) -> Result<(FillReport, Counters), BackendError> {
+        let mut counters = Counters::default();
+        let stage = self.stage.borrow();
+        let Some(drawing) = self.drawing(input) else {
+            return Ok((FillReport::default(), counters));
+        };
+        let passes = drawing.view.passes.len();
+        let report = stage.fill(passes, measured, |recorder| {
+            drawing.fill(recorder, &mut counters);
+        })?;
+        Ok((report, counters))
+    }
+
+    fn drawing<'a>(&'a self, input: &'a FrameInput) -> Option<Drawing<'a>> {
+        Some(Drawing {
+            variant: self.variant,
+            pipelines: &self.pipelines,
+            scene: self.scene.as_ref()?,
+            view: self.view.as_ref()?,
+            input,
+        })
+    }
+
+    /// Fragments of all volumes that mark, drawn once more without any test.
+    fn count_fragments(&mut self, input: &FrameInput) -> Result<Option<u64>, BackendError> {
+        let steps = self.view.iter().flat_map(|view| &view.passes);
+        let steps: Vec<Step> = steps
+            .flat_map(|pass| &pass.steps)
+            .filter_map(counting)
+            .collect();
+        if steps.is_empty() {
+            return Ok(Some(0));
+        }
+        self.ensure_pipelines(&steps)?;
+        let stage = self.stage.borrow();
+        let Some(drawing) = self.drawing(input) else {
+            return Ok(None);
+        };
+        let report = stage.fill(1, Measured::Samples, |recorder| {
+            drawing.count_fragments(recorder);
+        })?;
+        Ok(report.samples)
+    }
+
+    fn check_prepared(&self, input: &FrameInput) -> Result<(), BackendError> {
+        let is_same_view = self
+            .view
+            .as_ref()
+            .is_some_and(|view| Arc::ptr_eq(&view.source, &input.surface_rte));
+        let is_same_scene = self
+            .scene
+            .as_ref()
+            .is_some_and(|scene| Arc::ptr_eq(&scene.source, &input.scene.meshes));
+        if is_same_view && is_same_scene {
+            return Ok(());
+        }
+        Err(BackendError::NotPrepared {
+            backend: "native",
+            scene: input.scene.name.clone(),
+            view: input.view.clone(),
+        })
+    }
+
+    fn upload_scene(&mut self, input: &FrameInput) -> Result<(), BackendError> {
+        let technique = self.variant.technique;
+        let geometry = SceneGeometry::build(technique, &input.scene.meshes);
+        let vertices = geometry.vertex_count(technique);
+        if technique.needs_geometry_shader() && vertices > MAX_VERTICES {
+            return Err(BackendError::OverCapacity {
+                what: "vertices that geometry shaders tell apart".to_owned(),
+                found: vertices as u64,
+                allowed: MAX_VERTICES as u64,
+            });
+        }
+        let bytes = geometry.bytes();
+        let gpu = self.gpu();
+        let upload = |label, bytes, use_for| Buffer::upload(&gpu, label, bytes, use_for);
+        self.scene = Some(SceneBuffers {
+            source: Arc::clone(&input.scene.meshes),
+            vertices: upload(
+                "volume vertices",
+                bytemuck::cast_slice(&geometry.vertices),
+                BufferUse::Vertex,
+            )?,
+            short_indices: upload(
+                "16-bit indices",
+                bytemuck::cast_slice(&geometry.short_indices),
+                BufferUse::Index,
+            )?,
+            long_indices: upload(
+                "32-bit indices",
+                bytemuck::cast_slice(&geometry.long_indices),
+                BufferUse::Index,
+            )?,
+            regions: geometry.regions,
+            vertex_bytes: bytes.vertex_bytes,
+            index_bytes: bytes.index_bytes,
+        });
+        Ok(())
+    }
+
+    /// Brings program and constants up to date; nothing is made or written where they are already.
+    fn upload_view(&mut self, input: &FrameInput, colour_of: ColourOf) -> Result<(), BackendError> {
+        let Some(scene) = &self.scene else {
+            return self.check_prepared(input);
+        };
+        let gpu = self.gpu();
+        let program = FillProgram::new(&input.plan, &self.variant.switches, input.scene.overlap)?;
+        let passes = steps_of(&program);
+        if passes.iter().any(|pass| pass.accumulates) {
+            self.stage.borrow_mut().ensure_numbers()?;
+        }
+        let constants: Vec<RegionConstants> = input
+            .plan
+            .regions
+            .iter()
+            .map(|planned| region_constants(input, scene, planned, colour_of))
+            .collect();
+        let bytes: &[u8] = match bytemuck::cast_slice(&constants) {
+            // A storage binding may not be empty.
+            [] => &EMPTY,
+            bytes => bytes,
+        };
+        let stage = self.stage.borrow();
+        let Some(view_constants) = stage.view_constants().map(Arc::clone) else {
+            drop(stage);
+            return self.check_prepared(input);
+        };
+        drop(stage);
+        let constants = match &self.view {
+            Some(view) if view.written.len() == bytes.len() => {
+                if view.written != bytes {
+                    view.constants.rewrite(bytes)?;
+                }
+                Arc::clone(&view.constants)
+            }
+            _ => {
+                let label = "region constants";
+                Arc::new(Buffer::upload(&gpu, label, bytes, BufferUse::Storage)?)
+            }
+        };
+        let bindings = match self.view.take() {
+            Some(view)
+                if Arc::ptr_eq(&view.constants, &constants)
+                    && Arc::ptr_eq(&view.view_constants, &view_constants) =>
+            {
+                view.bindings
+            }
+            _ => BindGroup::new(&gpu, &view_constants, Some(&constants))?,
+        };
+        self.view = Some(ViewBuffers {
+            source: Arc::clone(&input.surface_rte),
+            view_constants,
+            constants,
+            written: bytes.to_vec(),
+            bindings,
+            passes,
+        });
+        Ok(())
+    }
+
+    fn ensure_program_pipelines(&mut self) -> Result<(), BackendError> {
+        let steps: Vec<Step> = self
+            .view
+            .iter()
+            .flat_map(|view| &view.passes)
+            .flat_map(|pass| pass.steps.iter().cloned())
+            .collect();
+        self.ensure_pipelines(&steps)
+    }
+
+    fn ensure_pipelines(&mut self, steps: &[Step]) -> Result<(), BackendError> {
+        let gpu = self.gpu();
+        for step in steps {
+            let wanted: Vec<PipelineDescriptor> = match step {
+                Step::Volumes {
+                    state,
+                    without_bottom,
+                    ..
+                } => volume_pipelines(self.variant, *state, *without_bottom)
+                    .map(|(_, pipeline)| pipeline)
+                    .collect(),
+                Step::Cover { pipeline, .. } => vec![*pipeline],
+            };
+            for descriptor in wanted {
+                if let Entry::Vacant(place) = self.pipelines.entry(descriptor) {
+                    place.insert(Pipeline::new(&gpu, descriptor)?);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings geometry, constants and pipelines up to date, and gives the bytes handed over.
+    fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, BackendError> {
+        let gpu = self.gpu();
+        let before = gpu.made();
+        let is_uploaded = self
+            .scene
+            .as_ref()
+            .is_some_and(|scene| Arc::ptr_eq(&scene.source, &input.scene.meshes));
+        if !is_uploaded {
+            self.upload_scene(input)?;
+        }
+        self.upload_view(input, id_rgba)?;
+        self.ensure_program_pipelines()?;
+        let made = gpu.made() - before;
+        self.made = self.made + made;
+        Ok(made.upload_bytes)
+    }
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "rounding to what the GPU reads is the purpose"
+)]
+fn region_constants(
+    input: &FrameInput,
+    scene: &SceneBuffers,
+    planned: &PlannedRegion,
+    colour_of: ColourOf,
+) -> RegionConstants {
+    let slice = &scene.regions[planned.mesh];
+    let fixed = slice.fixed;
+    let eye = fixed.eye(input.camera.eye_ecef);
+    RegionConstants {
+        eye: eye.eye.to_array(),
+        shift: eye.shift,
+        eye_remainder_m: eye.remainder_m.as_vec3().to_array(),
+        scale_m: (fixed.unit_m * f64::from(eye.shift).exp2()) as f32,
+        origin_ecef_m: fixed.origin_ecef.as_vec3().to_array(),
+        unit_m: fixed.unit_m as f32,
+        top_m: planned.heights.top_m as f32,
+        bottom_m: planned.heights.bottom_m as f32,
+        first_vertex: slice.first_vertex,
+        first_triangle_index: slice.first_index,
+        first_loop_index: slice.first_wall_index,
+        triangle_count: 0,
+        index_bits: if slice.short_indices { 16 } else { 32 },
+        padding: 0,
+        colour: colour_of(planned.region),
+    }
+}
+
+impl Backend for NativeBackend {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, BackendError> {
+        if input.scene.regions.len() > MAX_REGIONS {
+            return Err(BackendError::OverCapacity {
+                what: "regions".to_owned(),
+                found: input.scene.regions.len() as u64,
+                allowed: MAX_REGIONS as u64,
+            });
+        }
+        self.stage.borrow_mut().prepare(input)?;
+        let upload_bytes = self.bring_up_to_date(input)?;
+        let (Some(scene), Some(view)) = (&self.scene, &self.view) else {
+            return Ok(MemoryUse::default());
+        };
+        let used = [
+            &scene.vertices,
+            &scene.short_indices,
+            &scene.long_indices,
+            &view.constants,
+        ];
+        Ok(MemoryUse {
+            vertex_bytes: scene.vertex_bytes,
+            index_bytes: scene.index_bytes,
+            constant_bytes: (input.plan.regions.len() * size_of::<RegionConstants>()) as u64,
+            buffers: used.len() as u64,
+            upload_bytes,
+        })
+    }
+
+    fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError> {
+        let (picture, mut counters) = self.draw_and_read(input)?;
+        counters.stencil_fragments = self.count_fragments(input)?;
+        Ok(Frame {
+            size: input.size,
+            ids: ids_of(&picture),
+            surface: picture.depth.iter().map(|&depth| depth > 0.0).collect(),
+            non_finite: picture.depth.iter().filter(|d| !d.is_finite()).count() as u64,
+            counters: Some(counters),
+        })
+    }
+}
+
+impl TimedBackend for NativeBackend {
+    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, BackendError> {
+        self.check_prepared(input)?;
+        let watch = CpuStopwatch::start();
+        let (report, _) = self.draw(input, Measured::Times)?;
+        Ok(FrameTimes {
+            surface_gpu_ms: None,
+            stencil_gpu_ms: report.times.stencil_ms,
+            colour_gpu_ms: report.times.colour_ms,
+            fill_gpu_ms: report.times.fill_ms,
+            fill_cpu_ms: watch.cpu_ms(),
+            fill_wall_ms: watch.wall_ms(),
+        })
+    }
+}
+
+impl VolumeBackend for NativeBackend {
+    fn variant_name(&self) -> String {
+        self.variant.name()
+    }
+
+    fn tells_regions_apart(&self) -> bool {
+        self.variant.switches.colour.tells_regions_apart()
+    }
+
+    fn picture(&mut self, input: &FrameInput) -> Result<Picture, BackendError> {
+        self.upload_view(input, palette_rgba)?;
+        let picture = self.draw_and_read(input).map(|(picture, _)| picture);
+        self.upload_view(input, id_rgba)?;
+        picture
+    }
+
+    fn draw_own_surface(&mut self, input: &FrameInput) -> Result<(), BackendError> {
+        let mut stage = self.stage.borrow_mut();
+        stage.prepare(input)?;
+        stage.draw_surface().map(|_| ())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_named_can_be_set_again() {
+        for technique in Technique::ALL {
+            let variant = NativeVariant {
+                technique,
+                switches: Switches {
+                    depth_bounds: true,
+                    scissor: true,
+                    ..Switches::default()
+                },
+            };
+            let name = variant.name();
+            let mut parts = name.split(',');
+            let mut read = NativeVariant::default();
+            let first = parts.next().expect("a technique");
+            assert_eq!(read.set("technique", first), Ok(true));
+            for part in parts {
+                let (key, value) = part.split_once('=').expect("key=value");
+                assert_eq!(read.set(key, value), Ok(true), "{name}");
+            }
+            assert_eq!(read, variant);
+            assert!(NativeVariant::KEYS.contains(technique.name()));
+        }
+        let mut variant = NativeVariant::default();
+        let error = variant.set("technique", "gs").expect_err("no such one");
+        assert!(
+            error.to_string().contains("gs-degenerate, gs-two-edges"),
+            "{error}"
+        );
+        assert_eq!(variant.set("techniques", "gs-line"), Ok(false));
+        assert_eq!(variant, NativeVariant::default());
+    }
+}

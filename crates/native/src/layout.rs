@@ -1,0 +1,478 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! How meshes lie in GPU buffers, and what that costs in bytes, by formula and as built.
+//!
+//! Indices are 16 bits where a region's vertices fit and 32 where they do not, region by region.
+
+use crate::Technique;
+use std::collections::{HashMap, HashSet};
+use terrafill_core::RegionMesh;
+use terrafill_frame::FixedPoint;
+
+/// Bytes of one or more regions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct NativeBytes {
+    /// Positions and flags.
+    pub vertex_bytes: u64,
+    /// Indices.
+    pub index_bytes: u64,
+}
+
+impl NativeBytes {
+    /// Both.
+    #[must_use]
+    pub fn total(self) -> u64 {
+        self.vertex_bytes + self.index_bytes
+    }
+}
+
+impl std::iter::Sum for NativeBytes {
+    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
+        parts.fold(Self::default(), |sum, part| Self {
+            vertex_bytes: sum.vertex_bytes + part.vertex_bytes,
+            index_bytes: sum.index_bytes + part.index_bytes,
+        })
+    }
+}
+
+/// Whether a region's indices fit 16 bits. Strips end with 0xffff, so that it is no vertex.
+fn has_short_indices(technique: Technique, vertices: usize) -> bool {
+    match technique {
+        Technique::VsControl => 2 * vertices <= 0xffff,
+        Technique::GsLine => vertices <= 0xffff,
+        _ => vertices <= 0x1_0000,
+    }
+}
+
+/// Bytes that `mesh` takes, by formula. With *v* vertices, *t* triangles, *e* boundary edges in *l*
+/// loops and *i* bytes an index:
+///
+/// - `vs-control`: 2·16·v + i·(6t + 2(e + l) + l), as `vertex/doubled`;
+/// - `gs-degenerate`: 12·v + i·(3t + 3e);
+/// - `gs-two-edges`: 12·v + i·(3t + 3p), *p* the pairs and what is left over of each loop: from
+///   ½e, where every loop pairs up, to e;
+/// - `gs-line`: 12·v + i·(3t + e + 2l), the strips closed and followed by a restart;
+/// - `gs-adjacency`: 12·v + i·6t;
+/// - `gs-per-triangle`: 12·v + i·3t.
+#[must_use]
+pub fn native_bytes(technique: Technique, mesh: &RegionMesh) -> NativeBytes {
+    let (vertices, triangles) = (mesh.vertex_count(), mesh.triangle_count());
+    let (edges, loops) = (mesh.boundary_edge_count(), mesh.boundary_loops.len());
+    let index_size = if has_short_indices(technique, vertices) {
+        2
+    } else {
+        4
+    };
+    let vertex_size = if technique == Technique::VsControl {
+        32
+    } else {
+        12
+    };
+    let indices = match technique {
+        Technique::VsControl => 6 * triangles + 2 * (edges + loops) + loops,
+        Technique::GsDegenerate => 3 * triangles + 3 * edges,
+        Technique::GsTwoEdges => 3 * triangles + 3 * edges_in_pairs(mesh).count(),
+        Technique::GsLine => 3 * triangles + edges + 2 * loops,
+        Technique::GsAdjacency => 6 * triangles,
+        Technique::GsPerTriangle => 3 * triangles,
+    };
+    NativeBytes {
+        vertex_bytes: (vertex_size * vertices) as u64,
+        index_bytes: (index_size * indices) as u64,
+    }
+}
+
+/// Where one region lies in the scene's buffers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RegionSlice {
+    pub(crate) fixed: FixedPoint,
+    /// In stored vertices: two per mesh vertex with `vs-control`.
+    pub(crate) first_vertex: u32,
+    pub(crate) short_indices: bool,
+    /// In indices of the region's width: caps, or all there is.
+    pub(crate) first_index: u32,
+    pub(crate) index_count: u32,
+    /// Walls, where they are drawn on their own.
+    pub(crate) first_wall_index: u32,
+    pub(crate) wall_index_count: u32,
+}
+
+/// Contents of a scene's geometry buffers.
+#[derive(Debug, Default)]
+pub(crate) struct SceneGeometry {
+    /// 16-byte vertices with `vs-control`, else 12-byte ones, as words.
+    pub(crate) vertices: Vec<i32>,
+    pub(crate) short_indices: Vec<u16>,
+    pub(crate) long_indices: Vec<u32>,
+    pub(crate) regions: Vec<RegionSlice>,
+}
+
+impl SceneGeometry {
+    /// Lays out every mesh.
+    pub(crate) fn build(technique: Technique, meshes: &[RegionMesh]) -> Self {
+        let mut geometry = Self::default();
+        for mesh in meshes {
+            geometry.push(technique, mesh);
+        }
+        geometry
+    }
+
+    /// Stored vertices.
+    pub(crate) fn vertex_count(&self, technique: Technique) -> usize {
+        self.vertices.len() / words_per_vertex(technique)
+    }
+
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "buffers are refused by the device long before 2^32 elements"
+    )]
+    fn push(&mut self, technique: Technique, mesh: &RegionMesh) {
+        let fixed = FixedPoint::for_mesh(mesh);
+        let first_vertex = self.vertex_count(technique) as u32;
+        for vertex in &mesh.vertices_ecef {
+            let stored = fixed.quantize(*vertex).to_array();
+            if technique == Technique::VsControl {
+                for flag in [0, 1] {
+                    self.vertices.extend(stored);
+                    self.vertices.push(flag);
+                }
+            } else {
+                self.vertices.extend(stored);
+            }
+        }
+        let short = has_short_indices(technique, mesh.vertex_count());
+        let first_index = self.index_count(short);
+        match technique {
+            Technique::VsControl => self.push_doubled_caps(short, mesh),
+            Technique::GsAdjacency => {
+                for index in with_neighbours(mesh) {
+                    self.push_index(short, index);
+                }
+            }
+            Technique::GsTwoEdges => {
+                let caps = mesh
+                    .triangles
+                    .iter()
+                    .map(|&corners| smallest_first(corners));
+                for corner in caps.chain(edges_in_pairs(mesh)).flatten() {
+                    self.push_index(short, corner);
+                }
+            }
+            Technique::GsDegenerate => {
+                let walls = boundary_edges(mesh).map(|[a, b]| [a, b, b]);
+                for corner in mesh.triangles.iter().copied().chain(walls).flatten() {
+                    self.push_index(short, corner);
+                }
+            }
+            Technique::GsLine | Technique::GsPerTriangle => {
+                for &corner in mesh.triangles.as_flattened() {
+                    self.push_index(short, corner);
+                }
+            }
+        }
+        let first_wall_index = self.index_count(short);
+        match technique {
+            Technique::VsControl => self.push_wall_strips(short, mesh),
+            Technique::GsLine => {
+                for ring in &mesh.boundary_loops {
+                    for &vertex in ring.iter().chain(ring.first()) {
+                        self.push_index(short, vertex);
+                    }
+                    self.push_index(short, u32::MAX);
+                }
+            }
+            _ => {}
+        }
+        self.regions.push(RegionSlice {
+            fixed,
+            first_vertex,
+            short_indices: short,
+            first_index,
+            index_count: first_wall_index - first_index,
+            first_wall_index,
+            wall_index_count: self.index_count(short) - first_wall_index,
+        });
+    }
+
+    /// All of the top, then all of the bottom, so that the bottom may be left out of a draw.
+    fn push_doubled_caps(&mut self, short: bool, mesh: &RegionMesh) {
+        for corner in mesh.triangles.as_flattened() {
+            self.push_index(short, 2 * corner);
+        }
+        for &[a, b, c] in &mesh.triangles {
+            for corner in [a, c, b] {
+                self.push_index(short, 2 * corner + 1);
+            }
+        }
+    }
+
+    fn push_wall_strips(&mut self, short: bool, mesh: &RegionMesh) {
+        for ring in &mesh.boundary_loops {
+            for &vertex in ring.iter().chain(ring.first()) {
+                self.push_index(short, 2 * vertex);
+                self.push_index(short, 2 * vertex + 1);
+            }
+            self.push_index(short, u32::MAX);
+        }
+    }
+
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "short indices are below 2^16 by choice of width, or the restart value"
+    )]
+    fn push_index(&mut self, short: bool, index: u32) {
+        if short {
+            self.short_indices.push(index as u16);
+        } else {
+            self.long_indices.push(index);
+        }
+    }
+
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "buffers are refused by the device long before 2^32 elements"
+    )]
+    fn index_count(&self, short: bool) -> u32 {
+        if short {
+            self.short_indices.len() as u32
+        } else {
+            self.long_indices.len() as u32
+        }
+    }
+
+    /// Bytes as built.
+    pub(crate) fn bytes(&self) -> NativeBytes {
+        NativeBytes {
+            vertex_bytes: self.vertices.len() as u64 * 4,
+            index_bytes: self.short_indices.len() as u64 * 2 + self.long_indices.len() as u64 * 4,
+        }
+    }
+}
+
+fn words_per_vertex(technique: Technique) -> usize {
+    if technique == Technique::VsControl {
+        4
+    } else {
+        3
+    }
+}
+
+/// Edges of the boundary, inside on the left.
+fn boundary_edges(mesh: &RegionMesh) -> impl Iterator<Item = [u32; 2]> {
+    mesh.boundary_loops.iter().flat_map(|ring| {
+        let ends = ring.iter().skip(1).chain(ring.first());
+        ring.iter().zip(ends).map(|(&a, &b)| [a, b])
+    })
+}
+
+/// The same triangle, beginning with its smallest number.
+fn smallest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
+    if a <= b && a <= c {
+        [a, b, c]
+    } else if b <= c {
+        [b, c, a]
+    } else {
+        [c, a, b]
+    }
+}
+
+/// Edges of the boundary: a → b → c as (b, c, a), or a → b as (a, b, b) where a pair would begin with
+/// its smallest number like a triangle, or go back to where it came from, and where no second edge
+/// is left.
+fn edges_in_pairs(mesh: &RegionMesh) -> impl Iterator<Item = [u32; 3]> {
+    mesh.boundary_loops.iter().flat_map(|ring| {
+        let at = |place: usize| ring[place % ring.len()];
+        let mut inputs = Vec::new();
+        let mut place = 0;
+        while place < ring.len() {
+            let [a, b, c] = [at(place), at(place + 1), at(place + 2)];
+            let is_pair = place + 1 < ring.len() && a != c && b > a.min(c);
+            if is_pair {
+                inputs.push([b, c, a]);
+                place += 2;
+            } else {
+                inputs.push([a, b, b]);
+                place += 1;
+            }
+        }
+        inputs
+    })
+}
+
+/// Corners of each triangle, and after each the neighbour's corner across the side that follows.
+/// Where a wall stands on the side there is the triangle's own opposite corner, which no neighbour
+/// across it has.
+fn with_neighbours(mesh: &RegionMesh) -> Vec<u32> {
+    let mut opposite_of = HashMap::new();
+    for &[a, b, c] in &mesh.triangles {
+        for [from, to, opposite] in [[a, b, c], [b, c, a], [c, a, b]] {
+            opposite_of.insert([from, to], opposite);
+        }
+    }
+    let walls: HashSet<[u32; 2]> = boundary_edges(mesh).collect();
+    let across = |from: u32, to: u32, opposite: u32| {
+        if walls.contains(&[from, to]) {
+            return opposite;
+        }
+        // A side with neither wall nor neighbour is no mesh's; an end of the side says "no wall".
+        opposite_of.get(&[to, from]).copied().unwrap_or(from)
+    };
+    mesh.triangles
+        .iter()
+        .flat_map(|&[a, b, c]| [a, across(a, b, c), b, across(b, c, a), c, across(c, a, b)])
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+    use terrafill_core::{Ellipsoid, Extent, Geodetic};
+
+    /// A ring of `count` vertices on each of two circles, and the triangles between them: a disc
+    /// with a hole, every vertex on the boundary.
+    fn annulus(count: u32) -> RegionMesh {
+        let body = Ellipsoid::WGS84;
+        let place = |i: u32, radius: f64| {
+            let angle = f64::from(i) / f64::from(count) * std::f64::consts::TAU;
+            [10.0 + radius * angle.cos(), 50.0 + radius * angle.sin()]
+        };
+        let vertices_deg: Vec<_> = (0..count)
+            .map(|i| place(i, 1.0))
+            .chain((0..count).map(|i| place(i, 0.5)))
+            .collect();
+        let next = |i: u32| (i + 1) % count;
+        RegionMesh {
+            region_index: 0,
+            name: "annulus".to_owned(),
+            vertices_ecef: vertices_deg
+                .iter()
+                .map(|d| body.geodetic_to_ecef(Geodetic::from_degrees(d[0], d[1], 0.0)))
+                .collect(),
+            vertices_deg,
+            triangles: (0..count)
+                .flat_map(|i| {
+                    [
+                        [i, next(i), count + i],
+                        [next(i), count + next(i), count + i],
+                    ]
+                })
+                .collect(),
+            boundary_loops: vec![
+                (0..count).collect(),
+                (0..count).rev().map(|i| count + i).collect(),
+            ],
+            holes: 1,
+            area_m2: 1.0,
+            extent: Extent {
+                west_deg: 9.0,
+                south_deg: 49.0,
+                east_deg: 11.0,
+                north_deg: 51.0,
+            },
+            boundary_deviation_m: 0.0,
+            cap_sagitta_m: 1000.0,
+            warnings: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn the_formula_and_the_buffers_agree() {
+        // Around the limits of 16 bits as well: 2·count vertices, and twice that when doubled.
+        for count in [3, 4, 101, 16_383, 16_384, 32_767, 32_768, 32_769] {
+            let mesh = annulus(count);
+            for technique in Technique::ALL {
+                let meshes = std::slice::from_ref(&mesh);
+                let built = SceneGeometry::build(technique, meshes).bytes();
+                let name = technique.name();
+                assert_eq!(built, native_bytes(technique, &mesh), "{name} {count}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_restart_is_no_vertex() {
+        for count in [16_383, 16_384, 32_767, 32_768] {
+            let mesh = annulus(count);
+            for technique in [Technique::VsControl, Technique::GsLine] {
+                let geometry = SceneGeometry::build(technique, std::slice::from_ref(&mesh));
+                let short = geometry.short_indices.iter().filter(|&&i| i == u16::MAX);
+                let long = geometry.long_indices.iter().filter(|&&i| i == u32::MAX);
+                let found = short.count() + long.count();
+                assert_eq!(found, 2, "{} {count}", technique.name());
+            }
+        }
+    }
+
+    /// What `two_edges.geom` makes of an input: triangles, and edges.
+    fn decode([x, y, z]: [u32; 3]) -> (Option<[u32; 3]>, Vec<[u32; 2]>) {
+        if y == z {
+            (None, vec![[x, y]])
+        } else if x > y || x > z {
+            (None, vec![[z, x], [x, y]])
+        } else {
+            (Some([x, y, z]), Vec::new())
+        }
+    }
+
+    #[test]
+    fn two_edges_in_a_row_are_told_from_triangles_whatever_the_numbers() {
+        for count in [3, 4, 5, 10, 11] {
+            let mut mesh = annulus(count);
+            for turn in 0..count as usize {
+                for ring in &mut mesh.boundary_loops {
+                    ring.rotate_left(turn);
+                }
+                let inputs: Vec<[u32; 3]> = edges_in_pairs(&mesh).collect();
+                let found: Vec<[u32; 2]> = inputs.iter().flat_map(|&i| decode(i).1).collect();
+                assert!(inputs.iter().all(|&input| decode(input).0.is_none()));
+                let edges: Vec<[u32; 2]> = boundary_edges(&mesh).collect();
+                assert_eq!(found, edges, "each once, in order");
+                // An odd edge of each ring, and one more where the smallest number is in the way.
+                assert!(inputs.len() <= count as usize + 4, "{}", inputs.len());
+            }
+            for &triangle in &mesh.triangles {
+                let turned = smallest_first(triangle);
+                let (kept, edges) = decode(turned);
+                assert_eq!((kept, edges.len()), (Some(turned), 0));
+                let sides = |[a, b, c]: [u32; 3]| BTreeSet::from([[a, b], [b, c], [c, a]]);
+                assert_eq!(sides(turned), sides(triangle), "winding kept");
+            }
+        }
+        // Twin: a pair that begins with its smallest number would pass for a triangle.
+        assert!(decode([1, 2, 3]).0.is_some());
+    }
+
+    #[test]
+    fn walls_stand_where_no_neighbour_is_and_nowhere_else() {
+        let walls_of = |mesh: &RegionMesh| {
+            let indices = with_neighbours(mesh);
+            let mut walls = BTreeSet::new();
+            for input in indices.chunks_exact(6) {
+                for (from, across, to, opposite) in [(0, 1, 2, 4), (2, 3, 4, 0), (4, 5, 0, 2)] {
+                    if input[across] == input[opposite] {
+                        walls.insert([input[from], input[to]]);
+                    }
+                }
+            }
+            walls
+        };
+        let mut mesh = annulus(9);
+        assert_eq!(walls_of(&mesh), boundary_edges(&mesh).collect());
+        // A cut that is no boundary, such as the antimeridian's, gets no wall.
+        let without = mesh.triangles.remove(0);
+        assert_eq!(walls_of(&mesh).len(), 17);
+        mesh.triangles.push(without);
+        mesh.boundary_loops.pop();
+        assert_eq!(walls_of(&mesh).len(), 9);
+    }
+
+    #[test]
+    fn a_doubled_vertex_is_stored_twice_and_flagged_once() {
+        let meshes = [annulus(3)];
+        let geometry = SceneGeometry::build(Technique::VsControl, &meshes);
+        for pair in geometry.vertices.chunks(8) {
+            assert_eq!(pair[..3], pair[4..7]);
+            assert_eq!((pair[3], pair[7]), (0, 1));
+        }
+    }
+}

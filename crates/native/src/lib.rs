@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Shadow volumes extruded in geometry shaders, on Vulkan itself.
+//!
+//! A region's mesh is stored once, 12 bytes a vertex; the geometry shader makes caps and walls of it.
+//! Which of its inputs stand for walls is what the techniques differ in. `vs-control` is the
+//! vertex-shader algorithm from the same WGSL as the wgpu backend's, so that "geometry shader
+//! against vertex shader" is read on one API, and "Vulkan against wgpu" on one algorithm. The
+//! comparison is Cozzi's (2007), whose geometry shaders ran on the first hardware that had any.
+
+mod backend;
+mod depth_bounds;
+mod layout;
+mod pass;
+mod technique;
+
+pub use backend::{NativeBackend, NativeVariant};
+pub use depth_bounds::{DepthRange, depth_range};
+pub use layout::{NativeBytes, native_bytes};
+pub use technique::Technique;

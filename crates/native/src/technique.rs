@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The techniques: what is drawn, and by which shaders.
+
+use terrafill_frame::DepthRule;
+use terrafill_vulkan::{
+    Fragments, GeometryStage, HandsOn, PipelineDescriptor, Topology, VertexFormat, VertexStage,
+    VolumeState,
+};
+
+/// How volumes come about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
+pub enum Technique {
+    /// In the vertex shader: every vertex stored twice, 16 bytes each; walls are strips. The same
+    /// bytes and the same shader as `vertex/doubled`.
+    VsControl,
+    /// In the geometry shader, one draw: triangles, then boundary edges as degenerate triangles
+    /// (a, b, b). Each input makes two triangles.
+    #[default]
+    GsDegenerate,
+    /// As [`Technique::GsDegenerate`], but where it can a triangle of boundary vertices stands for
+    /// two edges in a row, a → b → c: written (b, c, a), with the smallest number not first, while
+    /// triangles of the mesh are turned to begin with theirs. Half the indices of the boundary.
+    GsTwoEdges,
+    /// In geometry shaders, two draws: triangles, and line strips along the boundary.
+    GsLine,
+    /// In the geometry shader, one draw: triangles with their neighbours. Each makes 2 to 8
+    /// triangles.
+    GsAdjacency,
+    /// In the geometry shader, one draw: each triangle makes a closed volume of 8 triangles, those
+    /// inside a region as well.
+    GsPerTriangle,
+}
+
+/// What one draw of a region holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Part {
+    Caps,
+    Walls,
+    /// Both.
+    Whole,
+}
+
+impl Technique {
+    /// Every technique.
+    pub const ALL: [Self; 6] = [
+        Self::VsControl,
+        Self::GsDegenerate,
+        Self::GsTwoEdges,
+        Self::GsLine,
+        Self::GsAdjacency,
+        Self::GsPerTriangle,
+    ];
+
+    /// Name in variants and reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::VsControl => "vs-control",
+            Self::GsDegenerate => "gs-degenerate",
+            Self::GsTwoEdges => "gs-two-edges",
+            Self::GsLine => "gs-line",
+            Self::GsAdjacency => "gs-adjacency",
+            Self::GsPerTriangle => "gs-per-triangle",
+        }
+    }
+
+    /// Whether it needs geometry shaders.
+    #[must_use]
+    pub fn needs_geometry_shader(self) -> bool {
+        self != Self::VsControl
+    }
+
+    pub(crate) fn parts(self) -> &'static [Part] {
+        match self {
+            Self::VsControl | Self::GsLine => &[Part::Caps, Part::Walls],
+            Self::GsDegenerate | Self::GsTwoEdges | Self::GsAdjacency | Self::GsPerTriangle => {
+                &[Part::Whole]
+            }
+        }
+    }
+
+    fn topology(self, part: Part) -> Topology {
+        match (self, part) {
+            (Self::VsControl, Part::Walls) => Topology::Strips,
+            (Self::GsLine, Part::Walls) => Topology::LineStrips,
+            (Self::GsAdjacency, _) => Topology::TrianglesWithAdjacency,
+            _ => Topology::Triangles,
+        }
+    }
+
+    fn geometry_path(self, part: Part) -> Option<&'static str> {
+        match (self, part) {
+            (Self::VsControl, _) => None,
+            (Self::GsDegenerate, _) => Some("native/degenerate.geom"),
+            (Self::GsTwoEdges, _) => Some("native/two_edges.geom"),
+            (Self::GsLine, Part::Walls) => Some("native/walls.geom"),
+            (Self::GsLine, _) => Some("native/caps.geom"),
+            (Self::GsAdjacency, _) => Some("native/adjacency.geom"),
+            (Self::GsPerTriangle, _) => Some("native/per_triangle.geom"),
+        }
+    }
+
+    /// The pipeline that draws `part` of volumes.
+    pub(crate) fn volume_pipeline(
+        self,
+        part: Part,
+        state: VolumeState,
+        without_bottom: bool,
+        depth_bounds: bool,
+    ) -> PipelineDescriptor {
+        let (entry_point, hands_on) = match state {
+            VolumeState::Colour { .. } => ("coloured_main", HandsOn::Colour),
+            VolumeState::Accumulate { .. } => ("numbered_main", HandsOn::Number),
+            _ => ("vertex_main", HandsOn::Nothing),
+        };
+        let path = match self {
+            Self::VsControl => "vertex/doubled.wgsl",
+            _ => "native/volume.wgsl",
+        };
+        PipelineDescriptor {
+            vertex: VertexStage { path, entry_point },
+            geometry: self.geometry_path(part).map(|path| GeometryStage {
+                path,
+                hands_on,
+                // Walls have none anyway; one pipeline does for both.
+                draws_bottom: !without_bottom || part == Part::Walls,
+            }),
+            fragments: match state {
+                VolumeState::Colour { .. } => Fragments::Shader {
+                    path,
+                    entry_point: "region_colour",
+                },
+                VolumeState::Accumulate { depth, .. } => Fragments::Shader {
+                    path,
+                    entry_point: match depth {
+                        DepthRule::Fail => "number_behind",
+                        DepthRule::Pass => "number_before",
+                    },
+                },
+                // As in wgpu, where a pass with a target wants a shader for it.
+                VolumeState::Mark {
+                    has_colour: true, ..
+                } => Fragments::Shader {
+                    path,
+                    entry_point: "no_colour",
+                },
+                _ => Fragments::None,
+            },
+            format: match self {
+                Self::VsControl => VertexFormat::FixedAndFlag,
+                _ => VertexFormat::Fixed,
+            },
+            topology: self.topology(part),
+            state,
+            depth_bounds: depth_bounds
+                && matches!(
+                    state,
+                    VolumeState::Mark { .. } | VolumeState::Accumulate { .. }
+                ),
+        }
+    }
+}
+
+/// The pipeline of a triangle over the screen: a cover, or the lookup of accumulated numbers.
+pub(crate) fn cover_pipeline(state: VolumeState) -> PipelineDescriptor {
+    let path = match state {
+        VolumeState::Resolve => "vertex/resolve.wgsl",
+        _ => "vertex/cover.wgsl",
+    };
+    PipelineDescriptor {
+        vertex: VertexStage {
+            path,
+            entry_point: "vertex_main",
+        },
+        geometry: None,
+        fragments: Fragments::Shader {
+            path,
+            entry_point: "fragment_main",
+        },
+        format: VertexFormat::Number,
+        topology: Topology::Triangles,
+        state,
+        depth_bounds: false,
+    }
+}

@@ -1,0 +1,406 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The chapters on the ladder, the matrix, memory and growth, read as a reader would. Each has a twin
+//! in which something is wrong and must be seen.
+
+use std::fs;
+use std::path::Path;
+use terrafill_report::write_report;
+use terrafill_results::{
+    CaseKey, LadderRung, MemoryRow, RunEnvironment, RunFolder, RunPlan, Sample, Status, Summary,
+    median,
+};
+
+const BOUND_MS: f64 = 10.0;
+
+/// How a round differs from the others: shared by all cases, as on a busy machine.
+const ROUNDS: [f64; 8] = [1.0, 3.0, 0.9, 1.1, 2.0, 1.05, 1.3, 0.95];
+
+fn key(scene: &str, view: &str, backend: &str, variant: &str) -> CaseKey {
+    CaseKey {
+        scene: scene.to_owned(),
+        view: view.to_owned(),
+        backend: backend.to_owned(),
+        variant: variant.to_owned(),
+    }
+}
+
+fn start(folder: &Path, cases: &[CaseKey], drawn_only: &[CaseKey]) -> RunFolder {
+    let plan = RunPlan {
+        cases: cases.to_vec(),
+        drawn_only: drawn_only.to_vec(),
+        frames: 8,
+        warm_up: 1,
+        ..RunPlan::default()
+    };
+    RunFolder::create(folder, &RunEnvironment::default(), &plan).expect("an empty folder")
+}
+
+/// A right row whose frames take `ms` times the round's factor.
+fn timed(run: &RunFolder, key: &CaseKey, role: &str, ms: f64) -> Summary {
+    let times = ROUNDS.map(|round| round * ms);
+    let samples: Vec<Sample> = (0..)
+        .zip(times)
+        .map(|(frame, time)| Sample {
+            scene: key.scene.clone(),
+            view: key.view.clone(),
+            backend: key.backend.clone(),
+            variant: key.variant.clone(),
+            frame,
+            surface_gpu_ms: None,
+            stencil_gpu_ms: None,
+            colour_gpu_ms: None,
+            fill_gpu_ms: None,
+            fill_cpu_ms: time,
+            fill_wall_ms: time,
+        })
+        .collect();
+    run.append_samples(&samples).expect("samples");
+    Summary {
+        fill_cpu_ms: median(&times),
+        bound_cpu_ms: Some(BOUND_MS),
+        samples: 8,
+        ..drawn(key, role, "m", "i")
+    }
+}
+
+/// A right row that is not timed.
+fn drawn(key: &CaseKey, role: &str, mask: &str, ids: &str) -> Summary {
+    Summary {
+        role: role.to_owned(),
+        mask_hash: mask.to_owned(),
+        ids_hash: ids.to_owned(),
+        mismatched_px: Some(2),
+        mismatched_px_outside_band: Some(0),
+        vertices: Some(1_000),
+        draws: Some(7),
+        ..Summary::new(key.clone(), Status::Ok)
+    }
+}
+
+fn report(run: &RunFolder) -> String {
+    let summary = write_report(run.path()).expect("a report");
+    fs::read_to_string(summary.path).expect("the report")
+}
+
+fn section<'a>(html: &'a str, id: &str) -> &'a str {
+    let start = html
+        .find(&format!("<h2 id=\"{id}\">"))
+        .expect("the chapter");
+    &html[start..start + html[start..].find("</section>").expect("its end")]
+}
+
+fn rung(number: u32, step: &str, key: &CaseKey) -> LadderRung {
+    LadderRung {
+        ladder: key.backend.clone(),
+        rung: number,
+        step: step.to_owned(),
+        change: format!("{step} is switched"),
+        scene: key.scene.clone(),
+        view: key.view.clone(),
+        backend: key.backend.clone(),
+        variant: key.variant.clone(),
+    }
+}
+
+/// A ladder whose rungs take these times; the first is `start`.
+fn ladder(folder: &Path, view: &str, rungs: &[(&str, f64)]) -> RunFolder {
+    let keys: Vec<CaseKey> = rungs
+        .iter()
+        .map(|(step, _)| key("planet-134", view, "vertex", step))
+        .collect();
+    let run = start(folder, &keys, &[]);
+    let named: Vec<LadderRung> = (1..)
+        .zip(rungs.iter().zip(&keys))
+        .map(|(number, ((step, _), key))| rung(number, step, key))
+        .collect();
+    run.write_ladder(&named).expect("writable");
+    for ((_, ms), key) in rungs.iter().zip(&keys) {
+        let row = timed(&run, key, "ladder", *ms);
+        run.append_summary(&row).expect("a row");
+    }
+    run
+}
+
+#[test]
+fn gains_are_those_of_the_rounds_and_findings_follow_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let steps = [
+        ("start", 200.0),
+        ("back-faces", 100.0),
+        ("strips", 99.0),
+        ("z-pass", 100.0),
+    ];
+    let html = report(&ladder(folder.path(), "globe", &steps));
+    let chapter = section(&html, "ladder");
+    // Rounds differ threefold; the ratio within a round does not.
+    assert!(chapter.contains("<td>2.00 × [2.00–2.00]</td>"), "{chapter}");
+    let overview = "<td>21.5</td><td>10.8</td><td>2.00 × [2.00–2.00]</td>\
+                    <td>back-faces: 2.00 × [2.00–2.00]</td>";
+    assert!(chapter.contains(overview), "{chapter}");
+    assert!(chapter.contains("“back-faces” gave most: 2.00 ×"));
+    let standing = |html: &str, sentence: &str| {
+        let chapter = section(html, "ladder");
+        let at = chapter.find(sentence).expect("the finding") + sentence.len();
+        let rest = &chapter[at..];
+        let end = rest.find("</b>").expect("its standing");
+        rest[rest.find('>').expect("a tag") + 1..end].to_owned()
+    };
+    let back_faces = "Culling back faces in the colour pass was kept as a gain.";
+    let strips = "Strips instead of lists made no difference.";
+    let z_pass = "Counting fragments in front of the surface was faster than behind it.";
+    assert_eq!(standing(&html, back_faces), "holds");
+    assert_eq!(standing(&html, strips), "holds");
+    assert_eq!(standing(&html, z_pass), "does not hold");
+    // Twin: other times, other answers; nothing is written down beforehand.
+    let folder = tempfile::tempdir().expect("a folder");
+    let steps = [
+        ("start", 100.0),
+        ("back-faces", 100.0),
+        ("strips", 50.0),
+        ("z-pass", 20.0),
+    ];
+    let html = report(&ladder(folder.path(), "globe", &steps));
+    assert_eq!(standing(&html, back_faces), "does not hold");
+    assert_eq!(standing(&html, strips), "does not hold");
+    assert_eq!(standing(&html, z_pass), "holds");
+    assert!(section(&html, "ladder").contains("“z-pass” gave most: 2.50 ×"));
+}
+
+#[test]
+fn a_wrong_rung_has_no_gain_and_the_next_is_held_against_the_last_right_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let steps = [("start", 100.0), ("back-faces", 80.0), ("strips", 50.0)];
+    let run = ladder(folder.path(), "globe", &steps);
+    let mut wrong = drawn(
+        &key("planet-134", "globe", "vertex", "back-faces"),
+        "ladder",
+        "x",
+        "x",
+    );
+    wrong.status = Status::Wrong;
+    wrong.samples = 8;
+    run.append_summary(&wrong).expect("the last row counts");
+    let html = report(&run);
+    let chapter = section(&html, "ladder");
+    assert!(chapter.contains("<td>2.00 × [2.00–2.00]</td>"), "100 ÷ 50");
+    assert!(!chapter.contains("1.25 ×") && !chapter.contains("1.60 ×"));
+    assert!(chapter.contains("<b class=\"cannot-tell\">cannot tell</b>"));
+}
+
+#[test]
+fn a_missing_rung_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = ladder(folder.path(), "globe", &[("start", 9.0), ("culling", 5.0)]);
+    assert!(!section(&report(&run), "ladder").contains("Rungs without a result"));
+    // One that was planned and not measured.
+    let path = folder.path().join("summary.csv");
+    let text = fs::read_to_string(&path).expect("rows");
+    let kept: Vec<&str> = text.lines().take(2).collect();
+    fs::write(&path, kept.join("\n") + "\n").expect("writable");
+    let html = report(&run);
+    let named = "Rungs without a result: rung 2, “culling”: planet-134/globe/vertex/culling.";
+    assert!(section(&html, "ladder").contains(named));
+    // One that nobody planned.
+    let first = rung(1, "start", &key("planet-134", "globe", "vertex", "start"));
+    let third = rung(
+        3,
+        "culling",
+        &key("planet-134", "globe", "vertex", "culling"),
+    );
+    run.write_ladder(&[first, third]).expect("writable");
+    let html = report(&run);
+    assert!(section(&html, "ladder").contains("rung 2 (the ladder goes on with 3, “culling”)"));
+}
+
+#[test]
+fn fill_rate_is_the_limit_when_fewer_vertices_do_not_help() {
+    let sentence = |after_ms: f64, after_vertices: u64| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let steps = [("start", 100.0), ("boundary-lod", after_ms)];
+        let run = ladder(folder.path(), "horizon", &steps);
+        let lod = key("planet-134", "horizon", "vertex", "boundary-lod");
+        let mut row = drawn(&lod, "ladder", "m", "i");
+        row.vertices = Some(after_vertices);
+        row.samples = 8;
+        row.bound_cpu_ms = Some(BOUND_MS);
+        run.append_summary(&row).expect("the last row counts");
+        let html = report(&run);
+        let chapter = section(&html, "ladder").to_owned();
+        let at = chapter.find("fill rate is the limit").expect("the finding");
+        chapter[at..at + 160].to_owned()
+    };
+    assert!(sentence(95.0, 250).contains("Today: holds"));
+    assert!(sentence(25.0, 250).contains("Today: does not hold"));
+    assert!(sentence(95.0, 990).contains("Today: cannot tell"));
+}
+
+/// A run of matrix cells with these hashes of mask and regions.
+fn matrix(folder: &Path, cells: &[(&str, &str, &str)]) -> RunFolder {
+    let keys: Vec<CaseKey> = cells
+        .iter()
+        .map(|(variant, _, _)| key("california", "globe", "vertex", variant))
+        .collect();
+    let run = start(folder, &keys, &keys);
+    for (key, (_, mask, ids)) in keys.iter().zip(cells) {
+        run.append_summary(&drawn(key, "matrix", mask, ids))
+            .expect("a row");
+    }
+    run
+}
+
+#[test]
+fn a_cell_of_another_mask_is_red_and_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cells = [
+        ("doubled", "m", "i"),
+        ("pulled", "m", "i"),
+        ("pulled,colour=one-colour", "m", ""),
+        ("pulled,boundary-lod-px=0.5", "other", "other"),
+    ];
+    let html = report(&matrix(folder.path(), &cells));
+    let chapter = section(&html, "matrix");
+    assert!(
+        chapter.contains("4 of 4 cells right and equal"),
+        "{chapter}"
+    );
+    assert!(!chapter.contains("✗</span>"));
+    // They are no rows of their scene's tables.
+    assert!(!html.contains("<table class=\"cases\">"));
+    // Twin.
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut cells = cells;
+    cells[2] = ("pulled,colour=one-colour", "another", "");
+    let html = report(&matrix(folder.path(), &cells));
+    let chapter = section(&html, "matrix");
+    assert!(chapter.contains("3 of 4 cells right and equal"));
+    assert!(chapter.contains(
+        "<li>california/globe/vertex/pulled,colour=one-colour: its mask differs from that of \
+         vertex/doubled</li>"
+    ));
+    assert_eq!(chapter.matches("✗</span>").count(), 1);
+}
+
+#[test]
+fn a_cell_that_was_never_drawn_is_red_and_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = matrix(
+        folder.path(),
+        &[("doubled", "m", "i"), ("pulled", "m", "i")],
+    );
+    let path = folder.path().join("summary.csv");
+    let text = fs::read_to_string(&path).expect("rows");
+    let kept: Vec<&str> = text.lines().take(2).collect();
+    fs::write(&path, kept.join("\n") + "\n").expect("writable");
+    let html = report(&run);
+    let chapter = section(&html, "matrix");
+    assert!(chapter.contains("1 of 2 cells right and equal"));
+    assert!(chapter.contains("<li>california/globe/vertex/pulled: missing:"));
+}
+
+fn bytes(layout: &str, backend: &str, formula: u64, allocated: Option<u64>) -> MemoryRow {
+    MemoryRow {
+        scene: "california".to_owned(),
+        backend: backend.to_owned(),
+        layout: layout.to_owned(),
+        regions: if allocated.is_some() { 1 } else { 5_000 },
+        mesh_vertices: 109,
+        mesh_triangles: 107,
+        boundary_edges: 109,
+        boundary_loops: 1,
+        formula_vertex_bytes: formula,
+        formula_index_bytes: 100,
+        allocated_vertex_bytes: allocated,
+        allocated_index_bytes: allocated.map(|_| 100),
+        region_bytes_smallest: formula + 100,
+        region_bytes_median: formula + 100,
+        region_bytes_largest: formula + 100,
+    }
+}
+
+#[test]
+fn bytes_by_formula_and_as_allocated_stand_side_by_side_and_one_byte_is_red() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = start(folder.path(), &[], &[]);
+    run.append_memory(&[
+        bytes("doubled", "vertex", 900, Some(900)),
+        bytes("doubled", "vertex", 4_500_000, None),
+        bytes("gs-line", "native", 310, Some(310)),
+    ])
+    .expect("writable");
+    let html = report(&run);
+    let chapter = section(&html, "memory");
+    assert!(chapter.contains("31\u{202f}986") && chapter.contains("90\u{202f}540"));
+    assert!(chapter.contains("<td>0.410 ×</td>"), "{chapter}");
+    assert!(chapter.contains("native/gs-line: 0.410 × <b class=\"holds\">holds</b>"));
+    assert!(chapter.contains("bytes over regions"), "the plot");
+    assert!(!chapter.contains("differ:"));
+    // Twin.
+    run.append_memory(&[bytes("gs-line", "native", 310, Some(311))])
+        .expect("the last row counts");
+    let html = report(&run);
+    assert!(section(&html, "memory").contains(
+        "<li>california/native/gs-line: positions and flags: 310 bytes by formula, 311 \
+         allocated</li>"
+    ));
+}
+
+#[test]
+fn growth_with_vertices_is_an_exponent_with_its_interval() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let few = key("countries-110m", "globe", "vertex", "doubled");
+    let many = key("countries-50m", "globe", "vertex", "doubled");
+    let run = start(folder.path(), &[few.clone(), many.clone()], &[]);
+    for (key, ms, vertices) in [(&few, 10.0, 1_000), (&many, 80.0, 8_000)] {
+        let mut row = timed(&run, key, "main", ms);
+        row.vertices = Some(vertices);
+        run.append_summary(&row).expect("a row");
+    }
+    let html = report(&run);
+    assert!(
+        section(&html, "growth").contains("<td>1.00 ["),
+        "time as vertices"
+    );
+    // Twin: with one of the two wrong, nothing is said.
+    let mut wrong = drawn(&many, "main", "m", "i");
+    wrong.status = Status::Wrong;
+    wrong.samples = 8;
+    run.append_summary(&wrong).expect("the last row counts");
+    assert!(!report(&run).contains("<h2 id=\"growth\">"));
+}
+
+#[test]
+fn pairs_are_ratios_within_rounds() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let control = key("planet-134", "globe", "native", "vs-control");
+    let shader = key("planet-134", "globe", "native", "gs-line");
+    let run = start(folder.path(), &[control.clone(), shader.clone()], &[]);
+    for (key, ms) in [(&control, 10.0), (&shader, 11.0)] {
+        let row = timed(&run, key, "main", ms);
+        run.append_summary(&row).expect("a row");
+    }
+    let html = report(&run);
+    let chapter = section(&html, "pairs");
+    assert!(chapter.contains("<td>1.10 × [1.10–1.10]</td>"), "{chapter}");
+    assert_eq!(
+        chapter.matches("<td>–</td>").count(),
+        3,
+        "not measured, not 0"
+    );
+}
+
+#[test]
+fn a_run_without_them_has_none_of_these_chapters() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let case = key("california", "globe", "vertex", "doubled");
+    let run = start(folder.path(), std::slice::from_ref(&case), &[]);
+    let row = timed(&run, &case, "", 10.0);
+    run.append_summary(&row).expect("a row");
+    let html = report(&run);
+    for id in ["ladder", "pairs", "matrix", "memory", "growth"] {
+        assert!(!html.contains(&format!("<h2 id=\"{id}\">")), "{id}");
+    }
+    assert!(
+        html.contains("<table class=\"cases\">"),
+        "a row of no role is listed"
+    );
+}

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Levels of a scene, and that a plan's choice keeps its word on the screen: boundaries as written
+//! and as drawn are projected and held against each other, pixel by pixel.
+
+use glam::DVec3;
+use terrafill_core::{Geodetic, RegionMesh};
+use terrafill_scene::{
+    Camera, FEWEST_VERTICES_FOR_LEVELS, FramePlan, ImageSize, LEVEL_VERTEX_SHARE, LevelChoice,
+    LeveledMeshes, PlanOptions, PlannedRegion, RegionBounds, Scene, TerrainRange,
+};
+
+const SIZE: ImageSize = ImageSize {
+    width: 1024,
+    height: 1024,
+};
+const TERRAIN: TerrainRange = TerrainRange {
+    lowest_m: -500.0,
+    highest_m: 0.0,
+};
+
+struct Prepared {
+    scene: Scene,
+    leveled: LeveledMeshes,
+    bounds: Vec<RegionBounds>,
+}
+
+impl Prepared {
+    fn new(name: &str) -> Self {
+        let scene = Scene::shipped(name, None).expect("needs no data");
+        let leveled = LeveledMeshes::build(&scene, &scene.mesh).expect("meshes");
+        let bounds = leveled
+            .meshes
+            .iter()
+            .map(|mesh| RegionBounds::new(&scene.body, mesh, TERRAIN))
+            .collect();
+        Self {
+            scene,
+            leveled,
+            bounds,
+        }
+    }
+
+    fn plan(&self, camera: &Camera, pixels: Option<f64>) -> FramePlan {
+        FramePlan::new(
+            &self.scene.body,
+            camera,
+            SIZE,
+            TERRAIN,
+            &self.bounds,
+            &self.leveled.table,
+            PlanOptions {
+                boundary_lod_px: pixels,
+                ..PlanOptions::default()
+            },
+        )
+    }
+
+    fn camera(&self, view: &str) -> Camera {
+        let view = self.scene.views.iter().find(|found| found.name == view);
+        view.expect("such a view").camera(&self.scene.body)
+    }
+
+    /// Largest distance, pixels, of a boundary as written from that of the mesh drawn for it, over
+    /// all that is in the image.
+    fn largest_shift_px(&self, camera: &Camera, plan: &FramePlan) -> f64 {
+        let mut worst = 0.0_f64;
+        for planned in &plan.regions {
+            if planned.mesh == planned.region {
+                continue;
+            }
+            let drawn = self.segments_px(camera, &self.leveled.meshes[planned.mesh]);
+            let region = &self.scene.regions[planned.region];
+            for (start, end) in region.rings().flat_map(|ring| ring.edges_deg()) {
+                for share in [0.0, 0.25, 0.5, 0.75] {
+                    let at = [0, 1].map(|axis| start[axis] + (end[axis] - start[axis]) * share);
+                    let Some(pixel) = self.pixel(camera, at) else {
+                        continue;
+                    };
+                    let nearest = drawn
+                        .iter()
+                        .map(|segment| distance_px(pixel, *segment))
+                        .fold(f64::INFINITY, f64::min);
+                    worst = worst.max(nearest);
+                }
+            }
+        }
+        worst
+    }
+
+    /// Where a place is in the image, if it is.
+    fn pixel(&self, camera: &Camera, [longitude, latitude]: [f64; 2]) -> Option<[f64; 2]> {
+        let body = &self.scene.body;
+        let ecef = body.geodetic_to_ecef(Geodetic::from_degrees(longitude, latitude, 0.0));
+        let pixel = camera.project_px(SIZE, ecef)?;
+        let is_inside = |at: f64, count: u32| (0.0..=f64::from(count)).contains(&at);
+        (is_inside(pixel[0], SIZE.width) && is_inside(pixel[1], SIZE.height)).then_some(pixel)
+    }
+
+    fn segments_px(&self, camera: &Camera, mesh: &RegionMesh) -> Vec<[[f64; 2]; 2]> {
+        let pixel = |vertex: u32| -> Option<[f64; 2]> {
+            let ecef: DVec3 = mesh.vertices_ecef[vertex as usize];
+            camera.project_px(SIZE, ecef)
+        };
+        let mut segments = Vec::new();
+        for ring in &mesh.boundary_loops {
+            for (from, to) in ring.iter().zip(ring.iter().cycle().skip(1)) {
+                if let (Some(from), Some(to)) = (pixel(*from), pixel(*to)) {
+                    segments.push([from, to]);
+                }
+            }
+        }
+        segments
+    }
+}
+
+fn distance_px(point: [f64; 2], [from, to]: [[f64; 2]; 2]) -> f64 {
+    let along = [to[0] - from[0], to[1] - from[1]];
+    let beside = [point[0] - from[0], point[1] - from[1]];
+    let squared = along[0] * along[0] + along[1] * along[1];
+    let share = if squared > 0.0 {
+        ((beside[0] * along[0] + beside[1] * along[1]) / squared).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    (beside[0] - share * along[0]).hypot(beside[1] - share * along[1])
+}
+
+#[test]
+fn automatic_levels_each_have_fewer_vertices_and_a_known_deviation() {
+    let prepared = Prepared::new("planet-134");
+    let Prepared { scene, leveled, .. } = &prepared;
+    let count = scene.regions.len();
+    assert_eq!(leveled.ended_by, None);
+    assert!(leveled.table.coarser.len() >= 4);
+    assert_eq!(
+        leveled.meshes.len(),
+        count * (1 + leveled.table.coarser.len())
+    );
+    let edges = |meshes: &mut dyn Iterator<Item = usize>| -> usize {
+        meshes
+            .map(|mesh| leveled.meshes[mesh].boundary_edge_count())
+            .sum()
+    };
+    let mut finer = edges(&mut (0..count));
+    for level in &leveled.table.coarser {
+        let here = edges(&mut level.meshes.iter().copied());
+        assert!(here as f64 <= LEVEL_VERTEX_SHARE * finer as f64);
+        finer = here;
+        for (region, (&mesh, deviation_m)) in
+            level.meshes.iter().zip(&level.deviation_m).enumerate()
+        {
+            assert_eq!(
+                leveled.meshes[mesh].region_index,
+                scene.regions[region].index
+            );
+            let chords_m = scene
+                .mesh
+                .boundary_tolerance_m
+                .max(level.tolerance_m / 16.0);
+            assert!(*deviation_m > 0.0 && *deviation_m <= level.tolerance_m + chords_m);
+        }
+    }
+}
+
+#[test]
+fn few_vertices_or_an_empty_list_leave_one_level() {
+    let mut scene = Scene::shipped("california", None).expect("needs no data");
+    assert!(scene.regions[0].vertex_count() < FEWEST_VERTICES_FOR_LEVELS);
+    let meshes = |scene: &Scene| {
+        let leveled = LeveledMeshes::build(scene, &scene.mesh).expect("meshes");
+        (leveled.meshes.len(), leveled.table.coarser.len())
+    };
+    assert_eq!(meshes(&scene), (1, 0));
+    scene.levels = LevelChoice::Given(vec![1e3, 1e4]);
+    assert_eq!(meshes(&scene), (3, 2));
+    scene.levels = LevelChoice::Given(Vec::new());
+    assert_eq!(meshes(&scene), (1, 0));
+}
+
+#[test]
+fn what_is_drawn_stays_within_the_stated_pixels() {
+    let prepared = Prepared::new("planet-134");
+    for view in ["globe", "top-down", "horizon"] {
+        let camera = prepared.camera(view);
+        let mut simplified = 0;
+        for pixels in [0.5, 1.0, 4.0] {
+            let plan = prepared.plan(&camera, Some(pixels));
+            simplified += plan
+                .regions
+                .iter()
+                .filter(|planned| planned.mesh != planned.region)
+                .count();
+            let shift_px = prepared.largest_shift_px(&camera, &plan);
+            assert!(shift_px <= pixels, "{view}: {shift_px} of {pixels}");
+            if view == "globe" {
+                // The bound is of use, and a bound half as large would be broken: the twin.
+                assert!(shift_px > 0.5 * pixels / 2.0, "{shift_px} of {pixels}");
+            }
+        }
+        assert!(simplified > 0, "{view}");
+    }
+}
+
+#[test]
+fn a_wrong_choice_is_noticed_on_the_screen() {
+    let prepared = Prepared::new("planet-134");
+    let camera = prepared.camera("globe");
+    let mut plan = prepared.plan(&camera, Some(0.5));
+    assert!(prepared.largest_shift_px(&camera, &plan) <= 0.5);
+    let coarser = &prepared.leveled.table.coarser;
+    let coarsest = &coarser[coarser.len() - 1];
+    plan.regions[0].mesh = coarsest.meshes[plan.regions[0].region];
+    assert!(prepared.largest_shift_px(&camera, &plan) > 0.5);
+}
+
+#[test]
+fn off_draws_every_region_as_written_and_says_nothing() {
+    let prepared = Prepared::new("planet-134");
+    let camera = prepared.camera("globe");
+    let off = prepared.plan(&camera, None);
+    assert!(
+        off.regions
+            .iter()
+            .all(|planned| planned.mesh == planned.region)
+    );
+    let meshes = &prepared.leveled.meshes;
+    assert!(!off.left_out_summary(meshes).contains("boundary detail"));
+    let on = prepared.plan(&camera, Some(0.5));
+    let edges = |plan: &FramePlan, mesh_of: fn(&PlannedRegion) -> usize| {
+        let planned = plan.regions.iter();
+        planned
+            .map(|planned| meshes[mesh_of(planned)].boundary_edge_count())
+            .sum::<usize>()
+    };
+    let (before, after) = (edges(&on, |p| p.region), edges(&on, |p| p.mesh));
+    assert!(after < before / 2);
+    let phrase = format!(
+        "boundary detail below 0.5 px: {} of {before} vertices",
+        before - after
+    );
+    assert!(on.left_out_summary(meshes).ends_with(&phrase));
+}
+
+#[test]
+fn a_region_around_the_eye_is_drawn_as_written() {
+    let prepared = Prepared::new("planet-134");
+    let camera = prepared.camera("horizon");
+    let plan = prepared.plan(&camera, Some(1000.0));
+    let (inside, outside): (Vec<PlannedRegion>, Vec<PlannedRegion>) =
+        plan.regions.iter().copied().partition(|planned| {
+            let bounds = &prepared.bounds[planned.region].bounds;
+            let local = bounds.axes.transpose() * (camera.eye_ecef - bounds.center_ecef);
+            local.abs().cmple(bounds.half_extents_m).all()
+        });
+    assert!(!inside.is_empty() && !outside.is_empty());
+    assert!(inside.iter().all(|planned| planned.mesh == planned.region));
+    assert!(outside.iter().all(|planned| planned.mesh != planned.region));
+}

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The same ground as `terrafill-gpu`, on Vulkan itself: the device, the targets and the surface
+//! pass that fills them, pipelines with geometry shaders, queries, clocks and read-back.
+//!
+//! All `unsafe` of the project's own drawing is here, behind an interface that cannot be misused:
+//!
+//! - a submission borrows all it uses and is waited for before it returns, so nothing is destroyed
+//!   under the device;
+//! - every draw names its pipeline, bindings and buffers, and is refused where they do not fit;
+//! - shaders come from `terrafill-shaders` only, which validates them;
+//! - the device is opened with `robustBufferAccess`, so an index past its buffer reads a defined
+//!   value.
+
+#![allow(
+    unsafe_code,
+    reason = "Vulkan is an unsafe interface; this crate is what makes it a safe one"
+)]
+#![deny(unsafe_op_in_unsafe_fn, clippy::undocumented_unsafe_blocks)]
+
+mod adapter;
+mod bindings;
+mod clock;
+mod failure;
+mod fixtures;
+mod memory;
+mod pass;
+mod pipeline;
+mod queries;
+mod readback;
+mod stage;
+mod validation;
+
+pub use adapter::{DeviceFacts, Features, Gpu, GpuOptions, Made, list_adapters, open_for_test};
+pub use bindings::BindGroup;
+pub use clock::CpuStopwatch;
+pub use terrafill_shaders::HandsOn;
+
+pub use memory::{Buffer, BufferUse};
+pub use pass::{DrawState, FillRecorder, Geometry, IndexWidth, PassRecorder};
+pub use pipeline::{
+    Fragments, GeometryStage, Pipeline, PipelineDescriptor, Topology, VertexFormat, VertexStage,
+    VolumeState,
+};
+pub use queries::{FillTimes, PassStatistics};
+pub use stage::{FillReport, Measured, SharedStage, Stage};
+pub use validation::{POSITIVE_CONTROL, ValidationMessage, make_deliberate_error, messages};

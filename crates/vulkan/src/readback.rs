@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Reading the targets back to the CPU, rows tightly packed.
+
+use crate::fixtures::DEPTH_READ_ONLY;
+use crate::stage::Targets;
+use crate::{Buffer, Gpu};
+use ash::vk;
+use std::sync::Arc;
+use terrafill_frame::BackendError;
+
+const DEPTH_AND_STENCIL: vk::ImageAspectFlags = vk::ImageAspectFlags::from_raw(
+    vk::ImageAspectFlags::DEPTH.as_raw() | vk::ImageAspectFlags::STENCIL.as_raw(),
+);
+
+/// Colour and depth of targets that a pass has left in their layouts, four bytes a pixel each.
+pub(crate) fn read_targets(
+    gpu: &Arc<Gpu>,
+    targets: &Targets,
+) -> Result<(Vec<u8>, Vec<u8>), BackendError> {
+    let extent = targets.area().extent;
+    let size = u64::from(extent.width) * u64::from(extent.height) * 4;
+    let colour = Buffer::for_reading(gpu, "colour read-back", size)?;
+    let depth = Buffer::for_reading(gpu, "depth read-back", size)?;
+    let images = [
+        (
+            targets.colour(),
+            vk::ImageAspectFlags::COLOR,
+            vk::ImageAspectFlags::COLOR,
+            vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
+            &colour,
+        ),
+        (
+            targets.depth_stencil(),
+            DEPTH_AND_STENCIL,
+            vk::ImageAspectFlags::DEPTH,
+            DEPTH_READ_ONLY,
+            &depth,
+        ),
+    ];
+    // SAFETY: images and buffers live until the submission is done; the layouts are those that
+    // passes leave, and are put back.
+    unsafe {
+        gpu.submit(|device, commands| {
+            for (image, aspects, copied, layout, buffer) in images {
+                let region = vk::BufferImageCopy::default()
+                    .image_subresource(
+                        vk::ImageSubresourceLayers::default()
+                            .aspect_mask(copied)
+                            .layer_count(1),
+                    )
+                    .image_extent(extent.into());
+                let source = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+                change_layout(device, commands, image, aspects, layout, source);
+                device.cmd_copy_image_to_buffer(commands, image, source, buffer.raw, &[region]);
+                change_layout(device, commands, image, aspects, source, layout);
+            }
+            let for_host = [vk::MemoryBarrier::default()
+                .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
+                .dst_access_mask(vk::AccessFlags::HOST_READ)];
+            device.cmd_pipeline_barrier(
+                commands,
+                vk::PipelineStageFlags::TRANSFER,
+                vk::PipelineStageFlags::HOST,
+                vk::DependencyFlags::empty(),
+                &for_host,
+                &[],
+                &[],
+            );
+        })?;
+    }
+    Ok((colour.read()?, depth.read()?))
+}
+
+/// # Safety
+/// The image lives until the submission is done and is in layout `from`.
+unsafe fn change_layout(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    image: vk::Image,
+    aspects: vk::ImageAspectFlags,
+    from: vk::ImageLayout,
+    to: vk::ImageLayout,
+) {
+    let barrier = vk::ImageMemoryBarrier::default()
+        .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
+        .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE)
+        .old_layout(from)
+        .new_layout(to)
+        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .image(image)
+        .subresource_range(
+            vk::ImageSubresourceRange::default()
+                .aspect_mask(aspects)
+                .level_count(1)
+                .layer_count(1),
+        );
+    // SAFETY: as promised; everything waits for everything, since read-back is never timed.
+    unsafe {
+        device.cmd_pipeline_barrier(
+            commands,
+            vk::PipelineStageFlags::ALL_COMMANDS,
+            vk::PipelineStageFlags::ALL_COMMANDS,
+            vk::DependencyFlags::empty(),
+            &[],
+            &[],
+            &[barrier],
+        );
+    }
+}

@@ -1,0 +1,444 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Tests that need a Vulkan device. Without one they are skipped with the reason printed, unless
+//! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.
+
+use std::sync::Arc;
+use terrafill_core::{Ellipsoid, Geodetic};
+use terrafill_frame::{
+    BackendError, DepthRule, FaceSet, FrameInput, PreparedScene, RegionConstants, StencilOperation,
+    StencilRule, StencilTest,
+};
+use terrafill_scene::{CameraPose, ImageSize, Overlap, PixelRect, PlanOptions, SurfaceMesh, View};
+use terrafill_vulkan::{
+    BindGroup, Buffer, BufferUse, DrawState, Fragments, Geometry, Gpu, GpuOptions, IndexWidth,
+    Measured, POSITIVE_CONTROL, Pipeline, PipelineDescriptor, Stage, Topology, VertexFormat,
+    VertexStage, VolumeState, list_adapters, make_deliberate_error, messages, open_for_test,
+};
+
+const SIZE: ImageSize = ImageSize {
+    width: 101,
+    height: 67,
+};
+
+fn globe_from(height_m: f64) -> FrameInput {
+    let body = Ellipsoid::WGS84;
+    let scene = PreparedScene {
+        name: "bare".to_owned(),
+        body,
+        edge_rule: Default::default(),
+        overlap: Overlap::Disjoint,
+        regions: Arc::new([]),
+        meshes: Arc::new([]),
+        levels: Arc::default(),
+        bounds: Arc::new([]),
+        surface: Arc::new(SurfaceMesh::ellipsoid(&body, 180)),
+    };
+    let view = View {
+        name: "globe".to_owned(),
+        pose: CameraPose {
+            eye: Geodetic::from_degrees(15.0, 20.0, height_m),
+            heading_rad: 0.0,
+            pitch_rad: -std::f64::consts::FRAC_PI_2,
+            fov_y_rad: 60_f64.to_radians(),
+            near_m: 1000.0,
+        },
+        note: None,
+    };
+    FrameInput::new(&scene, &view, SIZE, PlanOptions::default())
+}
+
+/// A stage with the globe drawn on it.
+fn drawn(gpu: &Arc<Gpu>) -> Stage {
+    let mut stage = Stage::new(gpu, SIZE).expect("small targets");
+    stage.prepare(&globe_from(8e6)).expect("fits");
+    stage.draw_surface().expect("draws");
+    stage
+}
+
+#[test]
+fn a_deliberate_error_is_reported_when_validation_is_on() {
+    let options = GpuOptions {
+        validation: true,
+        ..GpuOptions::default()
+    };
+    let Some(gpu) = open_for_test(&options) else {
+        return;
+    };
+    let count = || {
+        messages()
+            .iter()
+            .filter(|m| m.id == POSITIVE_CONTROL)
+            .count()
+    };
+    assert_eq!(count(), 0);
+    make_deliberate_error(&gpu);
+    assert!(
+        count() > 0,
+        "the validation layer is not at work: {:?}",
+        messages()
+    );
+}
+
+#[test]
+fn an_adapter_is_opened_by_part_of_its_name_and_an_unknown_one_refused() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let all = list_adapters().expect("there is a loader");
+    assert_eq!(all.first(), Some(&gpu.facts), "the first is the default");
+    let part = gpu.facts.name.to_uppercase();
+    let by_name = GpuOptions {
+        adapter: Some(part),
+        ..GpuOptions::default()
+    };
+    assert_eq!(Gpu::open(&by_name).expect("the same").facts, gpu.facts);
+    let unknown = GpuOptions {
+        adapter: Some("no such adapter".to_owned()),
+        ..GpuOptions::default()
+    };
+    let error = Gpu::open(&unknown).expect_err("unknown");
+    assert!(error.to_string().contains(&gpu.facts.name), "{error}");
+}
+
+#[test]
+fn the_surface_has_the_depth_of_the_ellipsoid() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let mut stage = Stage::new(&gpu, SIZE).expect("small targets");
+    assert!(stage.read().is_err(), "nothing is drawn yet");
+    assert!(stage.draw_surface().is_err(), "nothing is prepared yet");
+    stage.prepare(&globe_from(8e6)).expect("fits");
+    let time = stage.draw_surface().expect("draws");
+    assert_eq!(time.is_some(), gpu.facts.features.timestamps);
+    let picture = stage.read().expect("reads");
+    let at = |column: usize, row: usize| picture.depth[row * SIZE.width as usize + column];
+    // Reversed depth is near / distance; facets of 1° hang up to 488 m below the ellipsoid.
+    let distance = 1000.0 / f64::from(at(50, 33));
+    assert!((7.99999e6..8.0005e6).contains(&distance), "{distance}");
+    assert_eq!(at(0, 0), 0.0, "the sky keeps the cleared depth");
+    let alphas = picture.rgba.chunks_exact(4).map(|pixel| pixel[3]);
+    assert!(alphas.into_iter().all(|alpha| alpha == 0));
+}
+
+#[test]
+fn a_stage_refuses_an_input_of_another_size_and_a_size_no_device_has() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let small = ImageSize {
+        width: 10,
+        height: 10,
+    };
+    let mut stage = Stage::new(&gpu, small).expect("small targets");
+    let error = stage.prepare(&globe_from(8e6)).expect_err("another size");
+    assert!(error.to_string().contains("image size differs"), "{error}");
+    for (width, height) in [(1 << 20, 10), (0, 1)] {
+        let error = Stage::new(&gpu, ImageSize { width, height }).expect_err("no such size");
+        let size = format!("{width} × {height} pixels");
+        assert!(error.to_string().contains(&size), "{error}");
+    }
+}
+
+#[test]
+fn buffers_have_the_size_asked_for_and_give_their_memory_back() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let (made, allocated) = (gpu.made(), gpu.allocated_bytes());
+    let upload = |bytes: &[u8]| Buffer::upload(&gpu, "test", bytes, BufferUse::Vertex);
+    let buffers = [upload(&[]), upload(&[1, 2, 3]), upload(&[7; 1001])].map(|b| b.expect("fits"));
+    assert_eq!(buffers.each_ref().map(Buffer::size), [4, 4, 1001]);
+    let sum: u64 = buffers.iter().map(Buffer::allocated_bytes).sum();
+    assert_eq!(gpu.allocated_bytes() - allocated, sum);
+    let now = gpu.made() - made;
+    assert_eq!((now.buffers, now.uploads, now.upload_bytes), (3, 2, 1004));
+    let too_much = buffers[2].rewrite(&[0; 1004]).expect_err("larger");
+    assert!(too_much.to_string().contains("found 1004, allowed 1001"));
+    assert!(buffers[2].rewrite(&[0; 3]).is_err(), "no whole word");
+    buffers[2].rewrite(&[0; 1000]).expect("fits");
+    drop(buffers);
+    assert_eq!(gpu.allocated_bytes(), allocated);
+}
+
+/// Everything a cover of the whole screen needs.
+struct Cover {
+    pipeline: Pipeline,
+    bindings: BindGroup,
+}
+
+const EVERYWHERE: StencilTest = StencilTest {
+    is_equal: true,
+    reference: 0,
+    read_mask: 0xff,
+    zeroes: false,
+};
+
+fn cover_descriptor(test: StencilTest) -> PipelineDescriptor {
+    PipelineDescriptor {
+        vertex: VertexStage {
+            path: "vertex/cover.wgsl",
+            entry_point: "vertex_main",
+        },
+        geometry: None,
+        fragments: Fragments::Shader {
+            path: "vertex/cover.wgsl",
+            entry_point: "fragment_main",
+        },
+        format: VertexFormat::Number,
+        topology: Topology::Triangles,
+        state: VolumeState::Colour {
+            test,
+            faces: FaceSet::Both,
+        },
+        depth_bounds: false,
+    }
+}
+
+fn cover(gpu: &Arc<Gpu>, stage: &Stage) -> Cover {
+    let mut constants: RegionConstants = bytemuck::Zeroable::zeroed();
+    constants.colour = [1.0, 0.0, 0.0, 1.0];
+    let bytes = bytemuck::bytes_of(&constants);
+    let regions = Buffer::upload(gpu, "regions", bytes, BufferUse::Storage).expect("fits");
+    let view = stage.view_constants().expect("prepared");
+    Cover {
+        pipeline: Pipeline::new(gpu, cover_descriptor(EVERYWHERE)).expect("valid"),
+        bindings: BindGroup::new(gpu, view, Some(&Arc::new(regions))).expect("fits"),
+    }
+}
+
+#[test]
+fn a_cover_stays_inside_its_scissor_and_is_counted() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let stage = drawn(&gpu);
+    let cover = cover(&gpu, &stage);
+    let state = DrawState {
+        pipeline: &cover.pipeline,
+        bindings: &cover.bindings,
+        geometry: None,
+    };
+    // Reaches past the image, which is 101 × 67.
+    let rect = PixelRect {
+        left: 90,
+        top: 60,
+        right: 200,
+        bottom: 100,
+    };
+    for measured in [
+        Measured::Nothing,
+        Measured::Times,
+        Measured::Statistics,
+        Measured::Samples,
+    ] {
+        let report = stage
+            .fill(1, measured, |recorder| {
+                recorder.pass(true, true, |pass| {
+                    pass.scissor(rect);
+                    pass.draw(&state, 3, 0);
+                });
+            })
+            .expect("draws");
+        let features = gpu.facts.features;
+        let is_timed = measured == Measured::Times && features.timestamps;
+        assert_eq!(report.times.fill_ms.is_some(), is_timed, "{measured:?}");
+        assert_eq!(report.times.colour_ms, None, "one pass alone");
+        let counts = measured == Measured::Statistics && features.pipeline_statistics;
+        assert_eq!(report.statistics.is_some(), counts);
+        if let Some(statistics) = report.statistics {
+            assert_eq!(statistics.vertex_shader_invocations, 3);
+            assert!(statistics.fragment_shader_invocations >= 77);
+        }
+        let samples = (measured == Measured::Samples).then_some(11 * 7);
+        assert_eq!(report.samples, samples);
+    }
+    let picture = stage.read().expect("reads");
+    let red = picture
+        .rgba
+        .chunks_exact(4)
+        .enumerate()
+        .filter(|(_, pixel)| *pixel == [255, 0, 0, 255]);
+    let inside = |index: usize| {
+        let (column, row) = (index % SIZE.width as usize, index / SIZE.width as usize);
+        column >= 90 && row >= 60
+    };
+    let indices: Vec<usize> = red.map(|(index, _)| index).collect();
+    assert_eq!(indices.len(), 11 * 7);
+    assert!(indices.into_iter().all(inside), "row 0 is at the top");
+    assert!(
+        picture.depth.iter().any(|&depth| depth > 0.0),
+        "depth survives"
+    );
+}
+
+#[test]
+fn a_draw_that_does_not_fit_is_refused_and_nothing_is_drawn() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let stage = drawn(&gpu);
+    let before = stage.read().expect("reads").rgba;
+    let cover = cover(&gpu, &stage);
+    let mark = StencilRule {
+        depth: DepthRule::Fail,
+        operation: StencilOperation::Count,
+        faces: FaceSet::Both,
+    };
+    let volumes = PipelineDescriptor {
+        vertex: VertexStage {
+            path: "vertex/doubled.wgsl",
+            entry_point: "vertex_main",
+        },
+        fragments: Fragments::None,
+        format: VertexFormat::FixedAndFlag,
+        state: VolumeState::Mark {
+            rule: mark,
+            has_colour: false,
+        },
+        ..cover_descriptor(EVERYWHERE)
+    };
+    let volumes = Pipeline::new(&gpu, volumes).expect("valid");
+    let buffer = |use_for| Buffer::upload(&gpu, "test", &[0; 64], use_for).expect("fits");
+    let (vertices, indices) = (buffer(BufferUse::Vertex), buffer(BufferUse::Index));
+    let state = |pipeline, geometry| DrawState {
+        pipeline,
+        bindings: &cover.bindings,
+        geometry,
+    };
+    let geometry = |vertices, indices| {
+        Some(Geometry {
+            vertices,
+            indices,
+            width: IndexWidth::Short,
+        })
+    };
+    let right = state(&volumes, geometry(&vertices, &indices));
+    // What is drawn, in a pass with or without colour, with how many indices, and what it says.
+    let cases = [
+        (right, false, 32, ""),
+        (right, false, 33, "bytes of indices"),
+        (right, true, 3, "another kind of pass"),
+        (state(&volumes, None), false, 3, "without indices"),
+        (
+            state(&volumes, geometry(&indices, &indices)),
+            false,
+            3,
+            "vertices of another device or made for another use",
+        ),
+        (
+            state(&volumes, geometry(&vertices, &vertices)),
+            false,
+            3,
+            "indices of another device or made for another use",
+        ),
+        (
+            state(&cover.pipeline, geometry(&vertices, &indices)),
+            false,
+            3,
+            "another kind of pass",
+        ),
+    ];
+    for (state, has_colour, count, words) in cases {
+        let outcome = stage.fill(1, Measured::Nothing, |recorder| {
+            recorder.pass(true, has_colour, |pass| {
+                pass.draw_indexed(&state, 0, count, 0, 0);
+            });
+        });
+        match outcome {
+            Ok(_) => assert_eq!(words, "", "{words} was not noticed"),
+            Err(error) => {
+                assert!(!words.is_empty(), "{error}");
+                assert!(error.to_string().contains(words), "{error}");
+            }
+        }
+    }
+    let without_vertices = stage.fill(1, Measured::Nothing, |recorder| {
+        recorder.pass(true, false, |pass| {
+            pass.draw(&state(&volumes, None), 3, 0);
+        });
+    });
+    assert!(without_vertices.is_err());
+    let numbers = stage.fill(1, Measured::Nothing, |recorder| recorder.accumulate(|_| {}));
+    let error = numbers.expect_err("the stage was not asked for numbers");
+    assert!(error.to_string().contains("numbers"), "{error}");
+    let resolve = PipelineDescriptor {
+        vertex: VertexStage {
+            path: "vertex/resolve.wgsl",
+            entry_point: "vertex_main",
+        },
+        fragments: Fragments::Shader {
+            path: "vertex/resolve.wgsl",
+            entry_point: "fragment_main",
+        },
+        state: VolumeState::Resolve,
+        ..cover_descriptor(EVERYWHERE)
+    };
+    let resolve = Pipeline::new(&gpu, resolve).expect("valid");
+    let unwritten = stage.fill(1, Measured::Nothing, |recorder| {
+        recorder.pass(false, true, |pass| pass.draw(&state(&resolve, None), 3, 0));
+    });
+    assert!(unwritten.is_err(), "numbers that no pass has written");
+    let bounds = stage.fill(1, Measured::Nothing, |recorder| {
+        recorder.pass(true, false, |pass| pass.depth_bounds(0.5, 0.25));
+    });
+    assert!(bounds.is_err());
+    assert_eq!(stage.read().expect("reads").rgba, before);
+}
+
+#[test]
+fn what_the_device_lacks_is_named() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let bounded = PipelineDescriptor {
+        depth_bounds: true,
+        ..cover_descriptor(EVERYWHERE)
+    };
+    match Pipeline::new(&gpu, bounded) {
+        Ok(_) => assert!(gpu.facts.features.depth_bounds),
+        Err(BackendError::Unsupported {
+            capability,
+            adapter,
+        }) => {
+            assert!(!gpu.facts.features.depth_bounds);
+            assert_eq!(
+                (capability.as_str(), &adapter),
+                ("depthBounds", &gpu.facts.name)
+            );
+        }
+        Err(other) => panic!("{other}"),
+    }
+    let missing = PipelineDescriptor {
+        vertex: VertexStage {
+            path: "vertex/nothing.wgsl",
+            entry_point: "vertex_main",
+        },
+        ..cover_descriptor(EVERYWHERE)
+    };
+    let error = Pipeline::new(&gpu, missing).expect_err("no such shader");
+    assert!(matches!(error, BackendError::Shader { .. }), "{error}");
+}
+
+#[test]
+fn two_devices_do_not_mix() {
+    let (Some(gpu), Some(other)) = (
+        open_for_test(&GpuOptions::default()),
+        open_for_test(&GpuOptions::default()),
+    ) else {
+        return;
+    };
+    let (stage, foreign) = (drawn(&gpu), drawn(&other));
+    let view = foreign.view_constants().expect("prepared");
+    assert!(BindGroup::new(&gpu, view, None).is_err());
+    let cover = cover(&other, &foreign);
+    let state = DrawState {
+        pipeline: &cover.pipeline,
+        bindings: &cover.bindings,
+        geometry: None,
+    };
+    let outcome = stage.fill(1, Measured::Nothing, |recorder| {
+        recorder.pass(false, true, |pass| pass.draw(&state, 3, 0));
+    });
+    assert!(outcome.is_err());
+}
