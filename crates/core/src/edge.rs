@@ -422,15 +422,20 @@ impl ZoneArea {
         let middle = [middle_deg, great_circle_latitude(start, end, middle_deg)];
         let first = self.under_arc_gauss(start, middle);
         let second = self.under_arc_gauss(middle, end);
-        // The latitudes carry rounding of 1e-16 rad, and dZ/dφ is at most a².
-        let rounding = 1e-15 * self.largest_slope * (end[0] - start[0]).abs().to_radians();
+        let span_rad = (end[0] - start[0]).abs().to_radians();
+        let rise = (end[1] - start[1]).abs();
+        // The latitudes carry rounding of 1e-16 rad, and dZ/dφ is at most a². The longitudes carry
+        // theirs, by which a steep arc rises: halving one that spans a few of their last bits would
+        // never end.
+        let last_bits_rad = 4e-16 * start[0].abs().max(end[0].abs()).to_radians();
+        let rounding = self.largest_slope * (1e-15 * span_rad + last_bits_rad * rise.to_radians());
         let allowed = 1e-13 * (first.abs() + second.abs()) + rounding;
         // Beside a pole all nodes may lie behind the turn and agree on having missed it; then the
         // middle is hardly nearer to one end's latitude than the other end.
-        let rise = (end[1] - start[1]).abs();
         let lifted = (middle[1] - 0.5 * (start[1] + end[1])).abs();
         let turns = rise > 1e-4 && lifted > 0.3 * rise;
-        if halvings_left == 0 || !turns && (first + second - whole).abs() <= allowed {
+        let splittable = halvings_left > 0 && span_rad > 64.0 * last_bits_rad;
+        if !splittable || !turns && (first + second - whole).abs() <= allowed {
             return first + second;
         }
         self.under_arc(start, middle, first, halvings_left - 1)
@@ -617,8 +622,7 @@ mod tests {
         assert!(places(10.0, 40.0).is_empty());
         // Twin: halves of the second do not lie at the places of the first.
         let end = 179.999_999_999_999_97_f64;
-        let mut half = 0.5 * (-180.0 + end);
-        half = 0.5 * (half - 180.0);
+        let half = 0.5 * (-180.0 + end);
         assert!(!whole.contains(&half));
     }
 

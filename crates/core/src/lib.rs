@@ -14,6 +14,7 @@ mod geojson;
 mod invariants;
 mod mesh;
 mod outline;
+mod overlaps;
 mod region;
 mod triangulate;
 mod volume;

@@ -152,3 +152,16 @@ fn runs_along_a_pole_are_split_at_the_same_longitudes() {
     mesh.triangles[turned].swap(0, 1);
     assert!(mesh.check_invariants(&body).is_err());
 }
+
+#[test]
+fn the_area_under_an_arc_a_few_last_bits_of_longitude_wide_ends() {
+    // Steep, and so narrow that the middles of its parts are rounded to their ends: the halves never
+    // agreed, and the invariants took 2³⁶ of them.
+    let region = region(
+        "[[[[359.5,84.999999992],[359.500000003,85.000000006],[359.4999999999999,10]]],\
+         [[[100,-89.999],[100.00000000000003,84.9999999945],[100.00000000000006,0]]]]",
+    );
+    for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
+        build(&region, rule).expect("meshes");
+    }
+}
