@@ -402,6 +402,7 @@ fn finish(
             name: name.into(),
             polygons: vec![traced.polygon],
             warnings: Vec::new(),
+            repaired: false,
         },
         deviation_m: traced.deviation_m,
     })

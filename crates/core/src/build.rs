@@ -10,6 +10,7 @@ use crate::edge::{Degrees, EdgeSplitter, ROUNDING, ZoneArea, surface_point};
 use crate::geojson::feature_label;
 use crate::mesh::sagitta_m;
 use crate::outline::{OppositeEnds, Outline, OutlineEdge, edges_cross};
+use crate::overlaps::{OverlapPlace, RingAreas, find_overlaps, shared_edges};
 use crate::triangulate::{GroupMesh, TriangulateError, index_u32, triangulate};
 use crate::{EdgeRule, Ellipsoid, Extent, MeshOptions, Region, RegionMesh, Ring};
 use glam::DVec3;
@@ -61,6 +62,25 @@ pub enum MeshError {
         /// Of the crossing.
         longitude_deg: f64,
         /// Of the crossing.
+        latitude_deg: f64,
+    },
+    /// Two parts of a region lie over one another, or a hole over what is outside its shell.
+    #[error(
+        "{}: {} at longitude {longitude_deg:.7}, latitude {latitude_deg:.7}",
+        feature_label(*feature, name), overlap_label(*first, *second)
+    )]
+    Overlap {
+        /// Index in the file.
+        feature: usize,
+        /// Its name.
+        name: String,
+        /// The ring that comes first in the file; vertex 0.
+        first: EdgePlace,
+        /// The other; vertex 0.
+        second: EdgePlace,
+        /// Of a place in the midst of what both cover.
+        longitude_deg: f64,
+        /// Of that place.
         latitude_deg: f64,
     },
     /// More crossings than are worth listing.
@@ -131,6 +151,7 @@ impl MeshError {
     pub fn feature(&self) -> Option<usize> {
         match self {
             Self::SelfCrossing { feature, .. }
+            | Self::Overlap { feature, .. }
             | Self::MoreCrossings { feature, .. }
             | Self::OppositeEnds { feature, .. }
             | Self::NoArea { feature, .. }
@@ -143,13 +164,23 @@ impl MeshError {
     #[must_use]
     pub fn place(&self) -> Option<EdgePlace> {
         match self {
-            Self::SelfCrossing { first, .. } => Some(*first),
+            Self::SelfCrossing { first, .. } | Self::Overlap { first, .. } => Some(*first),
             Self::OppositeEnds { place, .. } => Some(*place),
             Self::MoreCrossings { .. }
             | Self::NoArea { .. }
             | Self::Triangulation { .. }
             | Self::Option { .. } => None,
         }
+    }
+}
+
+fn overlap_label(first: EdgePlace, second: EdgePlace) -> String {
+    let polygon = first.polygon;
+    let (other_polygon, other) = (second.polygon, second.ring);
+    if polygon != other_polygon {
+        format!("polygon {polygon} and polygon {other_polygon} overlap")
+    } else {
+        format!("polygon {polygon}, ring {other} is a hole outside its shell")
     }
 }
 
@@ -242,6 +273,7 @@ impl RegionMesh {
             groups,
             extent,
             boundary_deviation_m,
+            notes,
         } = loop {
             let meshed = Meshed::new(region, body, rule, &options, crossings)?;
             match narrowest_turned_over_m(body, &meshed.groups) {
@@ -296,7 +328,7 @@ impl RegionMesh {
             extent,
             boundary_deviation_m,
             cap_sagitta_m,
-            warnings: region.warnings.clone(),
+            warnings: [region.warnings.as_slice(), &notes].concat(),
         })
     }
 
@@ -358,6 +390,8 @@ struct Meshed {
     groups: Vec<(GroupMesh, f64)>,
     extent: Extent,
     boundary_deviation_m: f64,
+    /// For the warnings.
+    notes: Vec<String>,
 }
 
 impl Meshed {
@@ -382,12 +416,85 @@ impl Meshed {
             }
         };
         let groups = triangulate_groups(region, body, rule, options, groups, at_splits)?;
+        let notes = if groups.iter().any(|group| group.in_doubt || group.is_joined) {
+            notes_on_parts(region, body, rule, options, &groups)?
+        } else {
+            Vec::new()
+        };
+        let groups = groups.into_iter().map(|group| (group.mesh, group.area_m2));
         Ok(Self {
-            groups,
+            groups: groups.collect(),
             extent: outline.extent,
             boundary_deviation_m: splitter.deviation_m,
+            notes,
         })
     }
+}
+
+/// What is to be said of groups in which parts overlap or have edges in common.
+///
+/// # Errors
+/// [`MeshError::Overlap`] of every pair of rings, unless the region is repaired.
+fn notes_on_parts(
+    region: &Region,
+    body: &Ellipsoid,
+    rule: EdgeRule,
+    options: &MeshOptions,
+    groups: &[TriangulatedGroup],
+) -> Result<Vec<String>, Vec<MeshError>> {
+    // Seldom enough that the edges are made again and not kept.
+    let mut splitter = EdgeSplitter::new(body, rule, options);
+    let outline = Outline::new(region, rule, &mut splitter)
+        .map_err(|opposite| opposite_ends(region, opposite))?;
+    let tolerance_deg = (options.boundary_tolerance_m / body.polar_radius_m()).to_degrees();
+    let (mut overlaps, mut shared) = (Vec::new(), 0);
+    for (edges, group) in outline.groups.into_iter().zip(groups) {
+        if group.is_joined {
+            shared += shared_edges(&edges);
+        }
+        if group.in_doubt {
+            overlaps.extend(find_overlaps(edges, rule, tolerance_deg));
+        }
+    }
+    let plural = |count: usize| if count == 1 { "" } else { "s" };
+    let mut notes = Vec::new();
+    if shared > 0 {
+        notes.push(format!(
+            "{shared} edge{} shared by parts: no boundary there",
+            plural(shared)
+        ));
+    }
+    if overlaps.is_empty() {
+        return Ok(notes);
+    }
+    if region.repaired {
+        notes.push(format!(
+            "{} overlap{} of parts: filled by the even-odd rule",
+            overlaps.len(),
+            plural(overlaps.len())
+        ));
+        return Ok(notes);
+    }
+    let error = |overlap: OverlapPlace| MeshError::Overlap {
+        feature: region.index,
+        name: region.name.clone(),
+        first: overlap.rings[0],
+        second: overlap.rings[1],
+        longitude_deg: overlap.at[0],
+        latitude_deg: overlap.at[1],
+    };
+    overlaps.truncate(MOST_LISTED_CROSSINGS);
+    Err(overlaps.into_iter().map(error).collect())
+}
+
+/// A group's triangles.
+struct TriangulatedGroup {
+    mesh: GroupMesh,
+    area_m2: f64,
+    /// Whether its rings enclose another area than they do one by one.
+    in_doubt: bool,
+    /// Whether edges have fallen out of its boundary or were split.
+    is_joined: bool,
 }
 
 /// Whether all that is wrong are crossings of parts of edges that do not cross as the file has them.
@@ -473,15 +580,19 @@ fn triangulate_groups(
     options: &MeshOptions,
     groups: Vec<Vec<OutlineEdge>>,
     mut crossings: Vec<CrossingPlaces>,
-) -> Result<Vec<(GroupMesh, f64)>, Vec<MeshError>> {
+) -> Result<Vec<TriangulatedGroup>, Vec<MeshError>> {
     let mesh_one = |edges: Vec<OutlineEdge>| {
-        triangulate(edges, rule, options).map(|group| {
-            let area_m2 = enclosed_area_m2(body, rule, &group);
-            (group, area_m2)
+        let one_by_one = RingAreas::of(&edges);
+        let edge_count = edges.len();
+        triangulate(edges, rule, options).map(|mesh| TriangulatedGroup {
+            area_m2: enclosed_area_m2(body, rule, &mesh),
+            in_doubt: one_by_one.is_some_and(|areas| areas.differ_from(&mesh)),
+            is_joined: one_by_one.is_some() && mesh.boundary.len() != edge_count,
+            mesh,
         })
     };
     let edge_count: usize = groups.iter().map(Vec::len).sum();
-    let results: Vec<Result<(GroupMesh, f64), TriangulateError>> =
+    let results: Vec<Result<TriangulatedGroup, TriangulateError>> =
         if groups.len() > 1 && edge_count >= PARALLEL_FROM_EDGES {
             groups.into_par_iter().map(mesh_one).collect()
         } else {

@@ -30,6 +30,8 @@ const POLE_APPROACH_RATIO: f64 = 4.0;
 const POLE_APPROACH_END_DEG: f64 = 1.0 / (1_u64 << 36) as f64;
 /// Longest edge along a pole, degrees of longitude: its triangles reach down to the next vertices.
 pub(crate) const POLE_STEP_DEG: f64 = 30.0;
+/// Edges along a pole are split at multiples of this, a sixteenth of a turn.
+const POLE_PLACES_DEG: f64 = 22.5;
 /// Distances smaller than this share of the body's radius are rounding, 0.1 µm on the Earth.
 pub(crate) const ROUNDING: f64 = 2e-14;
 /// Planar edges that span more longitude than this are split unmeasured, radians; none that a step
@@ -68,6 +70,10 @@ impl<'a> EdgeSplitter<'a> {
 
     /// Calls `emit` with each point that splits the edge, in order from `start` to `end`.
     pub(crate) fn split(&mut self, start: Degrees, end: Degrees, emit: &mut impl FnMut(Degrees)) {
+        if along_pole(start, end).is_some() {
+            places_along_pole(start, end).for_each(emit);
+            return;
+        }
         let mut from = start;
         if self.rule == EdgeRule::Planar {
             for place in pole_approach(start, end) {
@@ -97,10 +103,6 @@ impl<'a> EdgeSplitter<'a> {
 
     fn should_split(&mut self, start: Degrees, end: Degrees) -> bool {
         let (start, end) = in_order(start, end);
-        if let Some(pole) = along_pole(start, end) {
-            debug_assert!(pole.abs() == 90.0);
-            return (end[0] - start[0]).abs() > POLE_STEP_DEG;
-        }
         let longitude_rad = (end[0] - start[0]).abs().to_radians();
         let latitude_rad = (end[1] - start[1]).abs().to_radians();
         // Ends more than half a turn apart can be neighbours on the body, and the two ends of a
@@ -183,6 +185,24 @@ fn pole_approach(start: Degrees, end: Degrees) -> Vec<Degrees> {
         places.reverse();
     }
     places
+}
+
+/// Places that split an edge along a pole, in order from `start` to `end`.
+///
+/// At the same longitudes in all of them, and none so near to an end that the rest could have been
+/// left whole: halves of two edges that lie over one another in part can come to lie a last bit
+/// apart, and no interior edge that ends at one of two such neighbours can be split at its middle
+/// without touching that of the other.
+fn places_along_pole(start: Degrees, end: Degrees) -> impl Iterator<Item = Degrees> {
+    let (west, east) = (start[0].min(end[0]), start[0].max(end[0]));
+    let clearance_deg = POLE_STEP_DEG - POLE_PLACES_DEG;
+    // Shorter ones stay whole.
+    let first = if east - west > POLE_STEP_DEG { -8 } else { 9 };
+    let eastward = start[0] < end[0];
+    (first..=8)
+        .map(move |k| POLE_PLACES_DEG * f64::from(if eastward { k } else { -k }))
+        .filter(move |x| *x - west >= clearance_deg && east - *x >= clearance_deg)
+        .map(move |x| [x, start[1]])
 }
 
 /// Same result for an edge and its reverse.
@@ -402,15 +422,20 @@ impl ZoneArea {
         let middle = [middle_deg, great_circle_latitude(start, end, middle_deg)];
         let first = self.under_arc_gauss(start, middle);
         let second = self.under_arc_gauss(middle, end);
-        // The latitudes carry rounding of 1e-16 rad, and dZ/dφ is at most a².
-        let rounding = 1e-15 * self.largest_slope * (end[0] - start[0]).abs().to_radians();
+        let span_rad = (end[0] - start[0]).abs().to_radians();
+        let rise = (end[1] - start[1]).abs();
+        // The latitudes carry rounding of 1e-16 rad, and dZ/dφ is at most a². The longitudes carry
+        // theirs, by which a steep arc rises: halving one that spans a few of their last bits would
+        // never end.
+        let last_bits_rad = 4e-16 * start[0].abs().max(end[0].abs()).to_radians();
+        let rounding = self.largest_slope * (1e-15 * span_rad + last_bits_rad * rise.to_radians());
         let allowed = 1e-13 * (first.abs() + second.abs()) + rounding;
         // Beside a pole all nodes may lie behind the turn and agree on having missed it; then the
         // middle is hardly nearer to one end's latitude than the other end.
-        let rise = (end[1] - start[1]).abs();
         let lifted = (middle[1] - 0.5 * (start[1] + end[1])).abs();
         let turns = rise > 1e-4 && lifted > 0.3 * rise;
-        if halvings_left == 0 || !turns && (first + second - whole).abs() <= allowed {
+        let splittable = halvings_left > 0 && span_rad > 64.0 * last_bits_rad;
+        if !splittable || !turns && (first + second - whole).abs() <= allowed {
             return first + second;
         }
         self.under_arc(start, middle, first, halvings_left - 1)
@@ -562,6 +587,43 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn edges_along_a_pole_are_split_at_the_same_places_wherever_they_end() {
+        let places = |west: f64, east: f64| -> Vec<f64> {
+            let options = MeshOptions::default();
+            let body = Ellipsoid::WGS84;
+            let mut splitter = EdgeSplitter::new(&body, EdgeRule::GreatEllipse, &options);
+            let mut found = Vec::new();
+            let mut emit = |place: Degrees| found.push(place);
+            splitter.split([west, -90.0], [east, -90.0], &mut emit);
+            assert!(found.iter().all(|place| place[1] == -90.0));
+            found.iter().map(|place| place[0]).collect()
+        };
+        let whole = places(-180.0, 180.0);
+        assert_eq!(whole.len(), 15);
+        for (west, east) in [
+            (-180.0, 180.0),
+            (-180.0, 179.999_999_999_999_97),
+            (-179.999_999, 22.500_000_1),
+            (-97.3, 12.1),
+            (10.0, 40.1),
+        ] {
+            let found = places(west, east);
+            assert!(found.iter().all(|x| whole.contains(x)), "{found:?}");
+            let all = [&[west], found.as_slice(), &[east]].concat();
+            let steps = || all.windows(2).map(|pair| pair[1] - pair[0]);
+            assert!(steps().all(|step| (7.5..=POLE_STEP_DEG).contains(&step)));
+            let mut back = places(east, west);
+            back.reverse();
+            assert_eq!(back, found);
+        }
+        assert!(places(10.0, 40.0).is_empty());
+        // Twin: halves of the second do not lie at the places of the first.
+        let end = 179.999_999_999_999_97_f64;
+        let half = 0.5 * (-180.0 + end);
+        assert!(!whole.contains(&half));
     }
 
     #[test]

@@ -408,6 +408,7 @@ impl Reader {
             name,
             polygons,
             warnings: self.normalised.warnings(),
+            repaired: false,
         })
     }
 

@@ -15,6 +15,7 @@ mod invariants;
 mod level_of_detail;
 mod mesh;
 mod outline;
+mod overlaps;
 mod region;
 mod triangulate;
 mod volume;

@@ -186,6 +186,9 @@ pub struct Region {
     pub polygons: Vec<Polygon>,
     /// What was normalised silently while reading: unclosed rings, repeated points …
     pub warnings: Vec<String>,
+    /// Whether parts that lie over one another are filled by the even-odd rule, as
+    /// [`Region::split_at_crossings`] asks for, and not refused.
+    pub repaired: bool,
 }
 
 impl Region {

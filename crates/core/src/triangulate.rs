@@ -6,7 +6,7 @@
 //! middle latitude: triangles come out well shaped on the body, and not one bit of a coordinate
 //! changes, so predicates remain exact for the numbers of the file.
 
-mod delaunay;
+pub(crate) mod delaunay;
 
 use crate::crossings::{
     self, CrossingPlaces, crossing_places, find_crossings, great_ellipse_crossing, split_outline,
@@ -509,7 +509,7 @@ fn odd_edges(ends: impl Iterator<Item = [u32; 2]>) -> Vec<[u32; 2]> {
         .collect()
 }
 
-fn without_underflow(coordinate: f64) -> f64 {
+pub(crate) fn without_underflow(coordinate: f64) -> f64 {
     if coordinate.abs() < SMALLEST_COORDINATE_DEG {
         0.0
     } else {

@@ -214,7 +214,20 @@ fn a_refusal_without_a_reason_is_found_out() {
         feature: 0,
         name: name(),
     };
-    for error in [crossing, opposite, option, fault, no_area] {
+    let overlap = MeshError::Overlap {
+        feature: 0,
+        name: name(),
+        first: terrafill_core::EdgePlace::default(),
+        second: terrafill_core::EdgePlace::default(),
+        longitude_deg: 0.0,
+        latitude_deg: 0.0,
+    };
+    let mut nested = sound.clone();
+    nested.polygons.push(vec![rectangle(2.0, 2.0, 4.0, 4.0)]);
+    assert_eq!(find(&nested, &Err(refused(&nested))), Ok(()));
+    nested.repair = true;
+    assert!(find(&nested, &Err(overlap.clone())).is_err(), "repaired");
+    for error in [crossing, opposite, option, fault, no_area, overlap] {
         assert!(find(&sound, &Err(error.clone())).is_err(), "{error}");
     }
     let mut repaired = bow_tie.clone();

@@ -112,3 +112,56 @@ fn an_edge_bent_over_its_neighbour_by_its_splits_is_no_crossing() {
     let error = RegionMesh::build(&bow_tie, &body, EdgeRule::Planar, &options).err();
     assert!(matches!(error, Some(MeshError::SelfCrossing { .. })));
 }
+
+#[test]
+fn runs_along_a_pole_are_split_at_the_same_longitudes() {
+    // Halves of runs along the south pole that end a millionth of a degree apart lay a last bit
+    // apart, at −22.5; between the interior edges to both there was no room for their middles, so
+    // they stayed 157° wide and a triangle was turned over by 31.7 m.
+    let mut region = region(
+        "[[[[-80.041235015,-3.000000001],[-74.041235015,-1.800000001],\
+         [-78.841235015,1.7999999989999997],[-81.841235015,1.7999999989999997]],\
+         [[-76.441235015,1.499999999],[-77.64123501499999,1.499999999],\
+         [-78.541235015,-1.800000001]],\
+         [[-180,0.29999999899999996],[0,0.599999999],[180,0.29999999899999996],[180,-90],[-180,-90]]],\
+         [[[0,-1e-9],[180,-0.600000001],[360,-1e-9],[360,-90],[0,-90]]],\
+         [[[-180,-2.400000001],[0,0.29999999899999996],[180,-2.400000001],[180,-90],[-180,-90]],\
+         [[-540,-1.500000001],[-420,-1.500000001],[-300,-1e-9],[-180,-1.500000001]]]]",
+    );
+    assert!(region.split_at_crossings(EdgeRule::GreatEllipse) > 0);
+    let body = Ellipsoid::SATURN_LIKE;
+    let options = MeshOptions {
+        boundary_tolerance_m: 3.8e10,
+        cap_step_deg: 3.0,
+    };
+    let mut mesh =
+        RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options).expect("meshes");
+    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    // Twin: a triangle there that is turned over is noticed.
+    let at_pole = |i: u32| mesh.vertices_deg[i as usize][1] == -90.0;
+    let turned = mesh.triangles.iter().position(|corners| {
+        corners.iter().any(|&i| at_pole(i))
+            && corners
+                .iter()
+                .all(|&i| mesh.vertices_deg[i as usize][1] < -85.0)
+            && corners
+                .iter()
+                .any(|&i| mesh.vertices_deg[i as usize][1] > -88.0)
+    });
+    let turned = turned.expect("triangles reach up from the pole");
+    mesh.triangles[turned].swap(0, 1);
+    assert!(mesh.check_invariants(&body).is_err());
+}
+
+#[test]
+fn the_area_under_an_arc_a_few_last_bits_of_longitude_wide_ends() {
+    // Steep, and so narrow that the middles of its parts are rounded to their ends: the halves never
+    // agreed, and the invariants took 2³⁶ of them.
+    let region = region(
+        "[[[[359.5,84.999999992],[359.500000003,85.000000006],[359.4999999999999,10]]],\
+         [[[100,-89.999],[100.00000000000003,84.9999999945],[100.00000000000006,0]]]]",
+    );
+    for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
+        build(&region, rule).expect("meshes");
+    }
+}

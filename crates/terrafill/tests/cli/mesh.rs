@@ -304,6 +304,31 @@ fn a_finer_tolerance_gives_more_edges_and_is_kept() {
 }
 
 #[test]
+fn a_part_inside_another_is_refused_until_even_odd_is_asked_for() {
+    let desk = Desk::new();
+    let outer = "[[0,0],[10,0],[10,10],[0,10],[0,0]]";
+    let inner = "[[2,2],[8,2],[8,8],[2,8],[2,2]]";
+    let write = |name: &str, coordinates: String| {
+        let text = format!(r#"{{"type":"MultiPolygon","coordinates":{coordinates}}}"#);
+        desk.write(name, text);
+    };
+    write("nested.geojson", format!("[[{outer}],[{inner}]]"));
+    let words = ["polygon 0 and polygon 1 overlap", "--repair even-odd"];
+    desk.run(&["mesh", "nested.geojson"]).refused(&[&words]);
+    let json = mesh(&desk, &["nested.geojson", "--repair", "even-odd"]);
+    let area = |sides| rectangle_area("wgs84", sides);
+    let frame = area([0.0, 0.0, 10.0, 10.0]) - area([2.0, 2.0, 8.0, 8.0]);
+    assert_area(&json["totals"]["area_m2"], frame);
+    let listed = "1 overlap of parts: filled by the even-odd rule";
+    assert_eq!(json["regions"][0]["warnings"], serde_json::json!([listed]));
+    // Twin: as a hole it is right as it is.
+    write("hole.geojson", format!("[[{outer},{inner}]]"));
+    let json = mesh(&desk, &["hole.geojson"]);
+    assert_area(&json["totals"]["area_m2"], frame);
+    assert_eq!(json["regions"][0]["warnings"], serde_json::json!([]));
+}
+
+#[test]
 fn crossings_are_filled_by_the_even_odd_rule_when_asked_for() {
     let desk = Desk::new();
     let right = polygon(&rectangle(8.0, 0.0, 9.0, 1.0));
