@@ -204,6 +204,7 @@ impl<'a> SharedBoundaries<'a> {
                     .map(|polygon| of_polygon(polygon, &mut next))
                     .collect(),
                 warnings: region.warnings.clone(),
+                repaired: region.repaired,
             })
             .collect()
     }
