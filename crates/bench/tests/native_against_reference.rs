@@ -40,6 +40,19 @@ fn devices() -> Option<Devices> {
     })
 }
 
+#[test]
+fn both_ways_open_the_same_adapter() {
+    let Some(Devices { wgpu, vulkan }) = devices() else {
+        return;
+    };
+    let (a, b) = (&wgpu.facts, &vulkan.facts);
+    assert_eq!((&a.name, a.device_type), (&b.name, b.device_type));
+    assert_eq!((a.vendor_id, a.device_id), (b.vendor_id, b.device_id));
+    assert_eq!((&a.driver, &a.driver_info), (&b.driver, &b.driver_info));
+    assert_eq!(a.timestamps, b.features.timestamps);
+    assert_eq!(a.pipeline_statistics, b.features.pipeline_statistics);
+}
+
 /// Longitude, latitude, height, heading, pitch, in degrees and metres.
 type Pose = (f64, f64, f64, f64, f64);
 

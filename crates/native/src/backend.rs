@@ -251,13 +251,7 @@ impl NativeBackend {
         let technique = self.variant.technique;
         let geometry = SceneGeometry::build(technique, &input.scene.meshes);
         let vertices = geometry.vertex_count(technique);
-        if technique.needs_geometry_shader() && vertices > MAX_VERTICES {
-            return Err(BackendError::OverCapacity {
-                what: "vertices that geometry shaders tell apart".to_owned(),
-                found: vertices as u64,
-                allowed: MAX_VERTICES as u64,
-            });
-        }
+        check_numbers(technique, vertices)?;
         let bytes = geometry.bytes();
         let gpu = self.gpu();
         let upload = |label, bytes, use_for| Buffer::upload(&gpu, label, bytes, use_for);
@@ -396,6 +390,18 @@ impl NativeBackend {
     }
 }
 
+/// Whether every vertex has a number of its own in the geometry shader.
+fn check_numbers(technique: Technique, vertices: usize) -> Result<(), BackendError> {
+    if vertices <= MAX_VERTICES || !technique.needs_geometry_shader() {
+        return Ok(());
+    }
+    Err(BackendError::OverCapacity {
+        what: "vertices that geometry shaders tell apart".to_owned(),
+        found: vertices as u64,
+        allowed: MAX_VERTICES as u64,
+    })
+}
+
 #[allow(
     clippy::cast_possible_truncation,
     reason = "rounding to what the GPU reads is the purpose"
@@ -516,6 +522,20 @@ impl VolumeBackend for NativeBackend {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn vertices_whose_numbers_a_float_would_round_are_refused() {
+        let all = Technique::ALL.into_iter();
+        for technique in all.filter(|technique| technique.needs_geometry_shader()) {
+            assert!(check_numbers(technique, MAX_VERTICES).is_ok());
+            let error = check_numbers(technique, MAX_VERTICES + 1).expect_err("one more");
+            assert!(error.to_string().contains("16777217"), "{error}");
+        }
+        assert!(check_numbers(Technique::VsControl, MAX_VERTICES + 1).is_ok());
+        // The largest number is one less than the count, and the next float up from it is the next.
+        let largest = (MAX_VERTICES - 1) as f32;
+        assert_eq!(largest.next_up(), MAX_VERTICES as f32);
+    }
 
     #[test]
     fn what_is_named_can_be_set_again() {

@@ -12,7 +12,7 @@ use crate::queries::{Queries, QueryKind, span_ms};
 use crate::readback::read_targets;
 use crate::{
     BindGroup, Buffer, BufferUse, FillRecorder, FillTimes, Fragments, Gpu, PassStatistics,
-    Pipeline, PipelineDescriptor, Topology, VertexFormat, VertexStage, VolumeState,
+    Pipeline, PipelineDescriptor, PipelineState, Topology, VertexFormat, VertexStage,
 };
 use ash::vk;
 use std::cell::RefCell;
@@ -283,7 +283,7 @@ const SURFACE: PipelineDescriptor = PipelineDescriptor {
     },
     format: VertexFormat::Metres,
     topology: Topology::Triangles,
-    state: VolumeState::Surface,
+    state: PipelineState::Surface,
     depth_bounds: false,
 };
 
@@ -484,6 +484,7 @@ impl Stage {
     }
 
     /// Records a fill of at most `passes` passes on top of the surface, submits it and waits.
+    /// `record` must not upload, draw a surface or fill: the queue is taken while it runs.
     ///
     /// # Errors
     /// [`BackendError::NotPrepared`] when there is no surface in the targets; the first draw's error
