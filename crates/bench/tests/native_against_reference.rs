@@ -604,6 +604,13 @@ fn a_frame_needs_preparing_and_a_second_unchanged_one_makes_nothing() {
         };
         assert_eq!(again, nothing, "{}", technique.name());
         assert!(backend.render(&other).is_err(), "another input");
+        backend
+            .time_frame(&first)
+            .expect("the stage holds its surface");
+        let mut second = NativeBackend::new(&stage, plain(technique)).expect("has the features");
+        second.prepare(&other).expect("fits");
+        second.draw_own_surface(&other).expect("draws");
+        assert!(backend.time_frame(&first).is_err(), "over another surface");
         // Twin: a changed input makes something.
         backend.prepare(&other).expect("fits");
         assert!((devices.vulkan.made() - made).uploads > 0);

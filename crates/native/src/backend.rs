@@ -240,11 +240,7 @@ impl NativeBackend {
         if is_same_view && is_same_scene {
             return Ok(());
         }
-        Err(BackendError::NotPrepared {
-            backend: "native",
-            scene: input.scene.name.clone(),
-            view: input.view.clone(),
-        })
+        Err(not_prepared(input))
     }
 
     fn upload_scene(&mut self, input: &FrameInput) -> Result<(), BackendError> {
@@ -390,6 +386,14 @@ impl NativeBackend {
     }
 }
 
+fn not_prepared(input: &FrameInput) -> BackendError {
+    BackendError::NotPrepared {
+        backend: "native",
+        scene: input.scene.name.clone(),
+        view: input.view.clone(),
+    }
+}
+
 /// Whether every vertex has a number of its own in the geometry shader.
 fn check_numbers(technique: Technique, vertices: usize) -> Result<(), BackendError> {
     if vertices <= MAX_VERTICES || !technique.needs_geometry_shader() {
@@ -483,6 +487,10 @@ impl Backend for NativeBackend {
 impl TimedBackend for NativeBackend {
     fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, BackendError> {
         self.check_prepared(input)?;
+        // Another backend of the stage may have drawn another view since.
+        if !self.stage.borrow().holds(input) {
+            return Err(not_prepared(input));
+        }
         let watch = CpuStopwatch::start();
         let (report, _) = self.draw(input, Measured::Times)?;
         Ok(FrameTimes {

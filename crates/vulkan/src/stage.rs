@@ -418,6 +418,12 @@ impl Stage {
             .is_some_and(|prepared| Arc::ptr_eq(&prepared.source, &input.surface_rte))
     }
 
+    /// Whether the targets hold the surface of this input.
+    #[must_use]
+    pub fn holds(&self, input: &FrameInput) -> bool {
+        self.is_drawn && self.is_prepared(input)
+    }
+
     /// Clears the targets, draws the surface, waits, and gives the pass's GPU time.
     ///
     /// # Errors
