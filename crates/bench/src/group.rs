@@ -441,7 +441,9 @@ impl<'a> GroupRun<'a> {
                     }
                 };
                 if round >= warm_up {
-                    rows.push(sample(&case.case.key, frame, surface_gpu_ms, &times));
+                    // Who draws a surface of its own was not timed by that of the shared stage.
+                    let surface = surface_gpu_ms.filter(|_| case.case.technique.shares_stage());
+                    rows.push(sample(&case.case.key, frame, surface, &times));
                 }
             }
             self.folder.append_samples(&rows)?;

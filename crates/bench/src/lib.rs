@@ -26,7 +26,7 @@ mod technique;
 
 pub use cases::{BenchCase, Roles, SceneGroup, group_cases};
 pub use environment::environment;
-pub use options::{BenchError, BenchOptions, LADDER_SCENE, MATRIX_SCENES, Shard};
+pub use options::{BenchError, BenchOptions, LADDER_SCENE, MATRIX_SCENES, NO_SCENE, Shard};
 pub use runner::{BenchOutcome, run};
 pub use scenes::open_scene;
 pub use technique::{BACKENDS, Setting, Technique};

@@ -51,11 +51,16 @@ pub struct BenchOptions {
     pub shard: Option<Shard>,
     /// Part of the adapter's name.
     pub adapter: Option<String>,
-    /// Scenes of which the ladder is measured; `None`: [`LADDER_SCENE`], or none when quick.
+    /// Scenes of which the ladder is measured, or [`NO_SCENE`]; `None`: [`LADDER_SCENE`], or none
+    /// when quick.
     pub ladder: Option<Vec<String>>,
-    /// Scenes of which the matrix is drawn; `None`: [`MATRIX_SCENES`], or none when quick.
+    /// Scenes of which the matrix is drawn, or [`NO_SCENE`]; `None`: [`MATRIX_SCENES`], or none when
+    /// quick.
     pub matrix: Option<Vec<String>>,
 }
+
+/// Stands for no scene at all.
+pub const NO_SCENE: &str = "none";
 
 /// The scene whose ladder is measured unless others are asked for: it needs no data, and its coasts
 /// are fine enough for vertices to matter.
@@ -174,6 +179,16 @@ pub enum BenchError {
         shape: &'static str,
         /// Why.
         message: String,
+    },
+    /// A ladder or matrix was asked for of a scene that is not measured.
+    #[error("{option}: found {found:?}, allowed: {allowed}")]
+    NotInRun {
+        /// Which option.
+        option: &'static str,
+        /// As given.
+        found: String,
+        /// Scenes of the run, and that for none.
+        allowed: String,
     },
     /// Several scenes are wrong.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! From names to scenes that can be measured.
 
-use crate::{BenchError, BenchOptions, SceneGroup, group_cases};
+use crate::{BenchError, BenchOptions, NO_SCENE, SceneGroup, group_cases};
 use std::path::Path;
 use std::sync::Arc;
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
@@ -44,6 +44,7 @@ pub(crate) fn plan_groups(
         1 => return Err(errors.remove(0)),
         _ => return Err(BenchError::Several(errors)),
     }
+    check_asked_for(options, &groups, &skipped)?;
     if let Some(shard) = options.shard {
         let mut index = 0;
         groups.retain(|_| {
@@ -52,6 +53,34 @@ pub(crate) fn plan_groups(
         });
     }
     Ok((groups, skipped))
+}
+
+/// Ladders and matrices can be had of scenes of the run only. Those skipped for want of data are
+/// among them: on another machine the same command measures them.
+fn check_asked_for(
+    options: &BenchOptions,
+    groups: &[SceneGroup],
+    skipped: &SkippedScenes,
+) -> Result<(), BenchError> {
+    let mut allowed: Vec<&str> = Vec::new();
+    let measured = groups.iter().map(|group| group.scene.name.as_str());
+    let left_out = skipped.iter().map(|(name, _)| name.as_str());
+    for name in measured.chain(left_out).chain([NO_SCENE]) {
+        if !allowed.contains(&name) {
+            allowed.push(name);
+        }
+    }
+    for (option, scenes) in [("--ladder", &options.ladder), ("--matrix", &options.matrix)] {
+        let mut asked = scenes.iter().flatten();
+        if let Some(found) = asked.find(|name| !allowed.contains(&name.as_str())) {
+            return Err(BenchError::NotInRun {
+                option,
+                found: found.clone(),
+                allowed: allowed.join(", "),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// A scene that can be measured beside those of `groups`.

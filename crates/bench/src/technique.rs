@@ -162,6 +162,11 @@ impl Technique {
         }
     }
 
+    /// Whether it draws onto the surface of the stage that all wgpu backends share.
+    pub(crate) fn shares_stage(&self) -> bool {
+        !matches!(self, Self::Native(_))
+    }
+
     /// A backend that draws so.
     ///
     /// # Errors

@@ -40,6 +40,19 @@ fn devices() -> Option<Devices> {
     })
 }
 
+#[test]
+fn both_ways_open_the_same_adapter() {
+    let Some(Devices { wgpu, vulkan }) = devices() else {
+        return;
+    };
+    let (a, b) = (&wgpu.facts, &vulkan.facts);
+    assert_eq!((&a.name, a.device_type), (&b.name, b.device_type));
+    assert_eq!((a.vendor_id, a.device_id), (b.vendor_id, b.device_id));
+    assert_eq!((&a.driver, &a.driver_info), (&b.driver, &b.driver_info));
+    assert_eq!(a.timestamps, b.features.timestamps);
+    assert_eq!(a.pipeline_statistics, b.features.pipeline_statistics);
+}
+
 /// Longitude, latitude, height, heading, pitch, in degrees and metres.
 type Pose = (f64, f64, f64, f64, f64);
 
@@ -591,6 +604,13 @@ fn a_frame_needs_preparing_and_a_second_unchanged_one_makes_nothing() {
         };
         assert_eq!(again, nothing, "{}", technique.name());
         assert!(backend.render(&other).is_err(), "another input");
+        backend
+            .time_frame(&first)
+            .expect("the stage holds its surface");
+        let mut second = NativeBackend::new(&stage, plain(technique)).expect("has the features");
+        second.prepare(&other).expect("fits");
+        second.draw_own_surface(&other).expect("draws");
+        assert!(backend.time_frame(&first).is_err(), "over another surface");
         // Twin: a changed input makes something.
         backend.prepare(&other).expect("fits");
         assert!((devices.vulkan.made() - made).uploads > 0);

@@ -112,6 +112,13 @@ fn wrong_requests_are_refused_before_anything_is_written() {
         lines[0].contains("atlantis") && lines[1].contains("lemuria"),
         "{error}"
     );
+    let mut wrong = options(&out);
+    wrong.matrix = Some(vec!["planet-134".to_owned()]);
+    let error = run(&wrong).expect_err("not in this run").to_string();
+    assert_eq!(
+        error,
+        "--matrix: found \"planet-134\", allowed: california, none"
+    );
     assert!(!out.exists(), "nothing was written");
 }
 

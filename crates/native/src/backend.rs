@@ -240,24 +240,14 @@ impl NativeBackend {
         if is_same_view && is_same_scene {
             return Ok(());
         }
-        Err(BackendError::NotPrepared {
-            backend: "native",
-            scene: input.scene.name.clone(),
-            view: input.view.clone(),
-        })
+        Err(not_prepared(input))
     }
 
     fn upload_scene(&mut self, input: &FrameInput) -> Result<(), BackendError> {
         let technique = self.variant.technique;
         let geometry = SceneGeometry::build(technique, &input.scene.meshes);
         let vertices = geometry.vertex_count(technique);
-        if technique.needs_geometry_shader() && vertices > MAX_VERTICES {
-            return Err(BackendError::OverCapacity {
-                what: "vertices that geometry shaders tell apart".to_owned(),
-                found: vertices as u64,
-                allowed: MAX_VERTICES as u64,
-            });
-        }
+        check_numbers(technique, vertices)?;
         let bytes = geometry.bytes();
         let gpu = self.gpu();
         let upload = |label, bytes, use_for| Buffer::upload(&gpu, label, bytes, use_for);
@@ -396,6 +386,26 @@ impl NativeBackend {
     }
 }
 
+fn not_prepared(input: &FrameInput) -> BackendError {
+    BackendError::NotPrepared {
+        backend: "native",
+        scene: input.scene.name.clone(),
+        view: input.view.clone(),
+    }
+}
+
+/// Whether every vertex has a number of its own in the geometry shader.
+fn check_numbers(technique: Technique, vertices: usize) -> Result<(), BackendError> {
+    if vertices <= MAX_VERTICES || !technique.needs_geometry_shader() {
+        return Ok(());
+    }
+    Err(BackendError::OverCapacity {
+        what: "vertices that geometry shaders tell apart".to_owned(),
+        found: vertices as u64,
+        allowed: MAX_VERTICES as u64,
+    })
+}
+
 #[allow(
     clippy::cast_possible_truncation,
     reason = "rounding to what the GPU reads is the purpose"
@@ -477,6 +487,10 @@ impl Backend for NativeBackend {
 impl TimedBackend for NativeBackend {
     fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, BackendError> {
         self.check_prepared(input)?;
+        // Another backend of the stage may have drawn another view since.
+        if !self.stage.borrow().holds(input) {
+            return Err(not_prepared(input));
+        }
         let watch = CpuStopwatch::start();
         let (report, _) = self.draw(input, Measured::Times)?;
         Ok(FrameTimes {
@@ -516,6 +530,20 @@ impl VolumeBackend for NativeBackend {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn vertices_whose_numbers_a_float_would_round_are_refused() {
+        let all = Technique::ALL.into_iter();
+        for technique in all.filter(|technique| technique.needs_geometry_shader()) {
+            assert!(check_numbers(technique, MAX_VERTICES).is_ok());
+            let error = check_numbers(technique, MAX_VERTICES + 1).expect_err("one more");
+            assert!(error.to_string().contains("16777217"), "{error}");
+        }
+        assert!(check_numbers(Technique::VsControl, MAX_VERTICES + 1).is_ok());
+        // The largest number is one less than the count, and the next float up from it is the next.
+        let largest = (MAX_VERTICES - 1) as f32;
+        assert_eq!(largest.next_up(), MAX_VERTICES as f32);
+    }
 
     #[test]
     fn what_is_named_can_be_set_again() {

@@ -8,14 +8,14 @@ use terrafill_frame::{Counters, CoverShape, FaceSet, FillCommand, FillProgram, F
 use terrafill_scene::PixelRect;
 use terrafill_vulkan::{
     BindGroup, DrawState, FillRecorder, Geometry, IndexWidth, PassRecorder, Pipeline,
-    PipelineDescriptor, VolumeState,
+    PipelineDescriptor, PipelineState,
 };
 
 /// One step of a pass, its states made those of pipelines. Regions are indices into the plan's.
 #[derive(Debug, Clone)]
 pub(crate) enum Step {
     Volumes {
-        state: VolumeState,
+        state: PipelineState,
         without_bottom: bool,
         scissor: bool,
         regions: Vec<usize>,
@@ -62,7 +62,7 @@ fn step_of(command: &FillCommand, has_colour: bool) -> Step {
             scissor,
             regions,
         } => Step::Volumes {
-            state: VolumeState::Mark {
+            state: PipelineState::Mark {
                 rule: *rule,
                 has_colour,
             },
@@ -75,7 +75,7 @@ fn step_of(command: &FillCommand, has_colour: bool) -> Step {
             shape: CoverShape::Volume { faces },
             regions,
         } => Step::Volumes {
-            state: VolumeState::Colour {
+            state: PipelineState::Colour {
                 test: *test,
                 faces: *faces,
             },
@@ -88,7 +88,7 @@ fn step_of(command: &FillCommand, has_colour: bool) -> Step {
             shape,
             regions,
         } => Step::Cover {
-            pipeline: cover_pipeline(VolumeState::Colour {
+            pipeline: cover_pipeline(PipelineState::Colour {
                 test: *test,
                 faces: FaceSet::Both,
             }),
@@ -102,7 +102,7 @@ fn step_of(command: &FillCommand, has_colour: bool) -> Step {
             scissor,
             regions,
         } => Step::Volumes {
-            state: VolumeState::Accumulate {
+            state: PipelineState::Accumulate {
                 depth: *depth,
                 faces: *faces,
             },
@@ -111,7 +111,7 @@ fn step_of(command: &FillCommand, has_colour: bool) -> Step {
             regions: regions.clone(),
         },
         FillCommand::Resolve => Step::Cover {
-            pipeline: cover_pipeline(VolumeState::Resolve),
+            pipeline: cover_pipeline(PipelineState::Resolve),
             cuts_to_regions: false,
             regions: vec![0],
         },
@@ -124,7 +124,7 @@ const WIDTHS: [IndexWidth; 2] = [IndexWidth::Short, IndexWidth::Long];
 /// The pipelines that draw volumes in one state.
 pub(crate) fn volume_pipelines(
     variant: NativeVariant,
-    state: VolumeState,
+    state: PipelineState,
     without_bottom: bool,
 ) -> impl Iterator<Item = (Part, PipelineDescriptor)> {
     let technique = variant.technique;
@@ -292,12 +292,12 @@ pub(crate) fn counting(step: &Step) -> Option<Step> {
         return None;
     };
     let faces = match state {
-        VolumeState::Mark { rule, .. } => rule.faces,
-        VolumeState::Accumulate { faces, .. } => *faces,
+        PipelineState::Mark { rule, .. } => rule.faces,
+        PipelineState::Accumulate { faces, .. } => *faces,
         _ => return None,
     };
     Some(Step::Volumes {
-        state: VolumeState::Count { faces },
+        state: PipelineState::Count { faces },
         without_bottom: *without_bottom,
         scissor: *scissor,
         regions: regions.clone(),

@@ -3,8 +3,8 @@
 
 use terrafill_frame::DepthRule;
 use terrafill_vulkan::{
-    Fragments, GeometryStage, HandsOn, PipelineDescriptor, Topology, VertexFormat, VertexStage,
-    VolumeState,
+    Fragments, GeometryStage, HandsOn, PipelineDescriptor, PipelineState, Topology, VertexFormat,
+    VertexStage,
 };
 
 /// How volumes come about.
@@ -104,13 +104,13 @@ impl Technique {
     pub(crate) fn volume_pipeline(
         self,
         part: Part,
-        state: VolumeState,
+        state: PipelineState,
         without_bottom: bool,
         depth_bounds: bool,
     ) -> PipelineDescriptor {
         let (entry_point, hands_on) = match state {
-            VolumeState::Colour { .. } => ("coloured_main", HandsOn::Colour),
-            VolumeState::Accumulate { .. } => ("numbered_main", HandsOn::Number),
+            PipelineState::Colour { .. } => ("coloured_main", HandsOn::Colour),
+            PipelineState::Accumulate { .. } => ("numbered_main", HandsOn::Number),
             _ => ("vertex_main", HandsOn::Nothing),
         };
         let path = match self {
@@ -126,11 +126,11 @@ impl Technique {
                 draws_bottom: !without_bottom || part == Part::Walls,
             }),
             fragments: match state {
-                VolumeState::Colour { .. } => Fragments::Shader {
+                PipelineState::Colour { .. } => Fragments::Shader {
                     path,
                     entry_point: "region_colour",
                 },
-                VolumeState::Accumulate { depth, .. } => Fragments::Shader {
+                PipelineState::Accumulate { depth, .. } => Fragments::Shader {
                     path,
                     entry_point: match depth {
                         DepthRule::Fail => "number_behind",
@@ -138,7 +138,7 @@ impl Technique {
                     },
                 },
                 // As in wgpu, where a pass with a target wants a shader for it.
-                VolumeState::Mark {
+                PipelineState::Mark {
                     has_colour: true, ..
                 } => Fragments::Shader {
                     path,
@@ -155,16 +155,16 @@ impl Technique {
             depth_bounds: depth_bounds
                 && matches!(
                     state,
-                    VolumeState::Mark { .. } | VolumeState::Accumulate { .. }
+                    PipelineState::Mark { .. } | PipelineState::Accumulate { .. }
                 ),
         }
     }
 }
 
 /// The pipeline of a triangle over the screen: a cover, or the lookup of accumulated numbers.
-pub(crate) fn cover_pipeline(state: VolumeState) -> PipelineDescriptor {
+pub(crate) fn cover_pipeline(state: PipelineState) -> PipelineDescriptor {
     let path = match state {
-        VolumeState::Resolve => "vertex/resolve.wgsl",
+        PipelineState::Resolve => "vertex/resolve.wgsl",
         _ => "vertex/cover.wgsl",
     };
     PipelineDescriptor {

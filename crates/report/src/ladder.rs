@@ -10,7 +10,7 @@ use crate::interval::{Claim, Interval, Standing, gain};
 use crate::number::{bytes, count, significant};
 use crate::page::breakable;
 use crate::run_data::{Case, Outcome, RunData};
-use terrafill_results::{CaseKey, LadderRung};
+use terrafill_results::{CaseKey, LadderRung, Summary};
 
 /// What Cozzi (2007) found for a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,8 +71,8 @@ const FILL_RATE_VIEW: &str = "horizon";
 const FILL_RATE_SENTENCE: &str =
     "Along the horizon fill rate is the limit, not the number of vertices.";
 
-/// The step that leaves vertices out and nothing else.
-const VERTEX_STEP: &str = "boundary-lod";
+/// Fragments that differ by less than this factor are the same work.
+const SAME_FRAGMENTS: f64 = 1.05;
 
 /// Fewest times fewer vertices from which a view can show whether they are the limit.
 const FEWER_VERTICES: f64 = 1.2;
@@ -221,9 +221,7 @@ pub(crate) fn interval_text(gain: Interval) -> String {
 fn rung_row(rung: &RungData<'_>) -> RungRow {
     let absent = || "–".to_owned();
     let number = |value: Option<u64>| value.map_or_else(absent, count);
-    let of = |cell: fn(&terrafill_results::Summary) -> Option<u64>| {
-        rung.case.and_then(|case| case.value(cell))
-    };
+    let of = |cell: fn(&Summary) -> Option<u64>| rung.case.and_then(|case| case.value(cell));
     let ratio = rung.case.and_then(crate::plot::ratio).map(|spread| {
         format!(
             "{} [{}–{}]",
@@ -331,47 +329,52 @@ fn sentences(view: &str, rungs: &[RungData<'_>]) -> Vec<String> {
             right.rung.rung, right.rung.step
         ));
     }
-    if view == FILL_RATE_VIEW
-        && let Some(step) = rungs.iter().find(|rung| rung.rung.step == VERTEX_STEP)
-    {
-        sentences.push(fill_rate_sentence(step));
+    if view == FILL_RATE_VIEW {
+        sentences.push(fill_rate_sentence(rungs));
     }
     sentences
 }
 
 /// If vertices were the limit, time would fall as they do; if fill rate is, it hardly falls. The
-/// line is drawn in the middle.
-fn fill_rate_sentence(step: &RungData<'_>) -> String {
-    let vertices = |case: Option<&Case>| case?.value(|row| row.vertices);
-    let fewer = vertices(step.before)
-        .zip(vertices(step.case))
-        .filter(|(_, after)| *after > 0)
-        .map(|(before, after)| before as f64 / after as f64);
-    let (standing, why) = match (fewer, step.gain) {
-        (Some(fewer), Some(gain)) if fewer >= FEWER_VERTICES => (
+/// line is drawn in the middle, and the step asked that leaves out most vertices and no fragments.
+fn fill_rate_sentence(rungs: &[RungData<'_>]) -> String {
+    let most = rungs
+        .iter()
+        .filter_map(|rung| Some((rung, fewer_vertices(rung)?, rung.gain?)))
+        .max_by(|a, b| a.1.total_cmp(&b.1));
+    let (standing, why) = match most {
+        Some((rung, fewer, gain)) if fewer >= FEWER_VERTICES => (
             Claim::LessThan(f64::midpoint(1.0, fewer)).standing(gain),
             format!(
-                "{} × fewer vertices give {}",
+                "at “{}” {} × fewer vertices for the same fragments give {}",
+                rung.rung.step,
                 significant(fewer),
                 interval_text(gain)
             ),
         ),
-        (Some(fewer), Some(_)) => (
-            Standing::CannotTell,
-            format!(
-                "this view leaves out too few vertices ({} ×)",
-                significant(fewer)
-            ),
-        ),
         _ => (
             Standing::CannotTell,
-            "levels of detail were not measured here".to_owned(),
+            "no step leaves out vertices alone".to_owned(),
         ),
     };
     format!(
         "{SOURCE}: {FILL_RATE_SENTENCE} Today: {}; {why}.",
         standing.name()
     )
+}
+
+/// How many times fewer vertices a rung draws for the same fragments as the one before; `None` where
+/// the fragments differ or were not counted.
+fn fewer_vertices(rung: &RungData<'_>) -> Option<f64> {
+    let (before, after) = (rung.before?, rung.case?);
+    let ratio = |cell: fn(&Summary) -> Option<u64>| {
+        let (before, after) = (before.value(cell)?, after.value(cell)?);
+        (before > 0 && after > 0).then(|| before as f64 / after as f64)
+    };
+    let is_same = |ratio: f64| (1.0 / SAME_FRAGMENTS..=SAME_FRAGMENTS).contains(&ratio);
+    let same_stencil = ratio(|row| row.stencil_fragments).is_some_and(is_same);
+    let same_colour = ratio(|row| row.fragment_shader_invocations).is_some_and(is_same);
+    ratio(|row| row.vertices).filter(|_| same_stencil && same_colour)
 }
 
 /// Names of rungs that are not there.

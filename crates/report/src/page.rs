@@ -68,7 +68,7 @@ pub(crate) const COLUMNS: [Column; 15] = [
         heading: "surface, GPU\u{a0}ms",
         cell: |case| case.value(|row| row.surface_gpu_ms).map(significant),
         is_time: true,
-        absent_because: NO_GPU_TIME,
+        absent_because: "the backend draws a surface of its own, untimed, or the device gave no GPU time",
     },
     Column {
         term: "stencil_gpu_ms",

@@ -73,6 +73,8 @@ fn drawn(key: &CaseKey, role: &str, mask: &str, ids: &str) -> Summary {
         mismatched_px_outside_band: Some(0),
         vertices: Some(1_000),
         draws: Some(7),
+        stencil_fragments: Some(5_000),
+        fragment_shader_invocations: Some(3_000),
         ..Summary::new(key.clone(), Status::Ok)
     }
 }
@@ -214,13 +216,14 @@ fn a_missing_rung_is_named() {
 
 #[test]
 fn fill_rate_is_the_limit_when_fewer_vertices_do_not_help() {
-    let sentence = |after_ms: f64, after_vertices: u64| {
+    let sentence = |after_ms: f64, after_vertices: u64, after_fragments: u64| {
         let folder = tempfile::tempdir().expect("a folder");
-        let steps = [("start", 100.0), ("boundary-lod", after_ms)];
+        let steps = [("start", 100.0), ("culling", after_ms)];
         let run = ladder(folder.path(), "horizon", &steps);
-        let lod = key("planet-134", "horizon", "vertex", "boundary-lod");
-        let mut row = drawn(&lod, "ladder", "m", "i");
+        let culled = key("planet-134", "horizon", "vertex", "culling");
+        let mut row = drawn(&culled, "ladder", "m", "i");
         row.vertices = Some(after_vertices);
+        row.stencil_fragments = Some(after_fragments);
         row.samples = 8;
         row.bound_cpu_ms = Some(BOUND_MS);
         run.append_summary(&row).expect("the last row counts");
@@ -229,9 +232,11 @@ fn fill_rate_is_the_limit_when_fewer_vertices_do_not_help() {
         let at = chapter.find("fill rate is the limit").expect("the finding");
         chapter[at..at + 160].to_owned()
     };
-    assert!(sentence(95.0, 250).contains("Today: holds"));
-    assert!(sentence(25.0, 250).contains("Today: does not hold"));
-    assert!(sentence(95.0, 990).contains("Today: cannot tell"));
+    assert!(sentence(95.0, 250, 5_000).contains("Today: holds; at “culling” 4.00 ×"));
+    assert!(sentence(25.0, 250, 5_000).contains("Today: does not hold"));
+    assert!(sentence(95.0, 990, 5_000).contains("Today: cannot tell"));
+    // Fewer vertices and fewer fragments: nobody knows which of the two it was.
+    assert!(sentence(25.0, 250, 2_500).contains("no step leaves out vertices alone"));
 }
 
 /// A run of matrix cells with these hashes of mask and regions.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The WGSL sources: embedded, composed by `#import`, validated and reflected by naga.
+//! The WGSL sources: embedded, composed by `#import`, validated and reflected by naga; and SPIR-V of
+//! them and of the geometry shaders for backends on Vulkan itself.
 //!
 //! Struct layouts that Rust mirrors are read back from the compiled shader with [`struct_layout`],
 //! so that a test can hold them against `offset_of!`.

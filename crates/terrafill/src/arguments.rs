@@ -86,13 +86,13 @@ pub(crate) struct BenchArguments {
 
 const LADDER_HELP: &str = "\
 Scene to measure switch by switch, from the un-optimised
-method to the full plan; may be repeated [default:
-planet-134, with --quick none]";
+method to the full plan, or none; may be repeated
+[default: planet-134, with --quick none]";
 
 const MATRIX_HELP: &str = "\
-Scene to draw by every backend, layout and switch; may be
-repeated [default: planet-134, california, countries-110m,
-with --quick none]";
+Scene to draw by every backend, layout and switch, or none;
+may be repeated [default: planet-134, california,
+countries-110m, with --quick none]";
 
 #[derive(Debug, Args)]
 pub(crate) struct ReportArguments {

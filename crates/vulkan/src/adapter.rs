@@ -165,10 +165,7 @@ const THIS_MACHINE: &str = "this machine";
 impl Api {
     fn load(validation: bool) -> Result<Self, BackendError> {
         // SAFETY: loads the system's Vulkan loader, whose initialisers are its own affair.
-        let entry = unsafe { ash::Entry::load() }.map_err(|error| {
-            let what = format!("a Vulkan loader (ci/setup.sh installs one): {error}");
-            unsupported(&what, THIS_MACHINE)
-        })?;
+        let entry = unsafe { ash::Entry::load() }.map_err(|error| no_loader(&error))?;
         let mut layers = Vec::new();
         let mut extensions = Vec::new();
         if validation {
@@ -237,6 +234,11 @@ impl Drop for Api {
             self.instance.destroy_instance(None);
         }
     }
+}
+
+fn no_loader(error: &ash::LoadingError) -> BackendError {
+    let what = format!("a Vulkan loader (ci/setup.sh installs one): {error}");
+    unsupported(&what, THIS_MACHINE)
 }
 
 fn has_layer(entry: &ash::Entry, name: &CStr) -> Result<bool, BackendError> {
@@ -556,5 +558,40 @@ pub fn open_for_test(options: &GpuOptions) -> Option<Arc<Gpu>> {
             eprintln!("skipped: {error}");
             None
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_machine_without_a_loader_is_told_what_it_lacks() {
+        // SAFETY: there is no such file, so nothing of it is run.
+        let loaded = unsafe { ash::Entry::load_from("no-such-folder/libvulkan.so.1") };
+        let error = loaded.err().map(|error| no_loader(&error));
+        let Some(BackendError::Unsupported {
+            capability,
+            adapter,
+        }) = error
+        else {
+            panic!("loaded from nowhere");
+        };
+        assert!(capability.starts_with("a Vulkan loader"), "{capability}");
+        assert!(capability.contains("no-such-folder"), "{capability}");
+        assert_eq!(adapter, THIS_MACHINE);
+    }
+
+    #[test]
+    fn what_was_made_between_two_readings_is_their_difference() {
+        let reading = |n: u64| Made {
+            buffers: n,
+            uploads: 2 * n,
+            upload_bytes: 3 * n,
+            pipelines: 4 * n,
+        };
+        assert_eq!(reading(7) - reading(5), reading(2));
+        assert_eq!(reading(7) + reading(5), reading(12));
+        assert_ne!(reading(7) - reading(5), reading(3));
     }
 }

@@ -38,8 +38,8 @@ pub use terrafill_shaders::HandsOn;
 pub use memory::{Buffer, BufferUse};
 pub use pass::{DrawState, FillRecorder, Geometry, IndexWidth, PassRecorder};
 pub use pipeline::{
-    Fragments, GeometryStage, Pipeline, PipelineDescriptor, Topology, VertexFormat, VertexStage,
-    VolumeState,
+    Fragments, GeometryStage, Pipeline, PipelineDescriptor, PipelineState, Topology, VertexFormat,
+    VertexStage,
 };
 pub use queries::{FillTimes, PassStatistics};
 pub use stage::{FillReport, Measured, SharedStage, Stage};

@@ -79,7 +79,7 @@ pub enum Topology {
 
 /// What a pipeline draws into, and when.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum VolumeState {
+pub enum PipelineState {
     /// The surface: nearest depth wins, back faces are culled.
     Surface,
     /// Into the stencil, in a pass with or without a colour target that is left alone.
@@ -120,7 +120,7 @@ pub(crate) enum PassTarget {
     Numbers,
 }
 
-impl VolumeState {
+impl PipelineState {
     pub(crate) fn target(self) -> PassTarget {
         match self {
             Self::Mark {
@@ -160,7 +160,7 @@ pub struct PipelineDescriptor {
     /// Primitives.
     pub topology: Topology,
     /// Tests and targets.
-    pub state: VolumeState,
+    pub state: PipelineState,
     /// The surface's depth must lie within bounds set for each draw.
     pub depth_bounds: bool,
 }
@@ -273,11 +273,11 @@ impl Pipeline {
     }
 
     pub(crate) fn reads_numbers(&self) -> bool {
-        self.descriptor.state == VolumeState::Resolve
+        self.descriptor.state == PipelineState::Resolve
     }
 
     pub(crate) fn is_surface(&self) -> bool {
-        self.descriptor.state == VolumeState::Surface
+        self.descriptor.state == PipelineState::Surface
     }
 
     pub(crate) fn needs_vertices(&self) -> bool {
@@ -378,7 +378,9 @@ fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, Ba
     let depth_stencil =
         depth_stencil(descriptor.state).depth_bounds_test_enable(descriptor.depth_bounds);
     let write_mask = match descriptor.state {
-        VolumeState::Mark { .. } | VolumeState::Count { .. } => vk::ColorComponentFlags::empty(),
+        PipelineState::Mark { .. } | PipelineState::Count { .. } => {
+            vk::ColorComponentFlags::empty()
+        }
         _ => vk::ColorComponentFlags::RGBA,
     };
     let target = descriptor.state.target();
@@ -423,10 +425,10 @@ fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, Ba
 }
 
 /// Passes that differ in what they load are compatible.
-fn render_pass(fixtures: &Fixtures, state: VolumeState) -> vk::RenderPass {
+fn render_pass(fixtures: &Fixtures, state: PipelineState) -> vk::RenderPass {
     match state {
-        VolumeState::Surface => fixtures.surface,
-        VolumeState::Accumulate { .. } => fixtures.numbers,
+        PipelineState::Surface => fixtures.surface,
+        PipelineState::Accumulate { .. } => fixtures.numbers,
         _ => fixtures.fill(false, state.target() == PassTarget::Colour),
     }
 }
@@ -467,14 +469,14 @@ fn vertex_input(
 /// Counting behind the surface is right wherever the eye is and whatever the near plane cuts
 /// (Carmack, 2000; Everitt and Kilgard, 2002); counting in front of it (Heidmann, 1991) touches
 /// fewer fragments where the surface is close.
-fn depth_stencil(state: VolumeState) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
+fn depth_stencil(state: PipelineState) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
     let base = vk::PipelineDepthStencilStateCreateInfo::default();
     match state {
-        VolumeState::Surface => base
+        PipelineState::Surface => base
             .depth_test_enable(true)
             .depth_write_enable(true)
             .depth_compare_op(vk::CompareOp::GREATER),
-        VolumeState::Mark { rule, .. } => {
+        PipelineState::Mark { rule, .. } => {
             let (front, back, mask) = operations(rule);
             base.depth_test_enable(true)
                 .depth_compare_op(vk::CompareOp::GREATER)
@@ -482,15 +484,15 @@ fn depth_stencil(state: VolumeState) -> vk::PipelineDepthStencilStateCreateInfo<
                 .front(mark_face(rule.depth, front, mask))
                 .back(mark_face(rule.depth, back, mask))
         }
-        VolumeState::Count { .. } | VolumeState::Resolve => base,
-        VolumeState::Accumulate { depth, .. } => {
+        PipelineState::Count { .. } | PipelineState::Resolve => base,
+        PipelineState::Accumulate { depth, .. } => {
             base.depth_test_enable(true).depth_compare_op(match depth {
                 // The complement of `Greater`.
                 DepthRule::Fail => vk::CompareOp::LESS_OR_EQUAL,
                 DepthRule::Pass => vk::CompareOp::GREATER,
             })
         }
-        VolumeState::Colour { test, .. } => {
+        PipelineState::Colour { test, .. } => {
             let face = vk::StencilOpState {
                 fail_op: vk::StencilOp::KEEP,
                 pass_op: if test.zeroes {

@@ -12,7 +12,7 @@ use crate::queries::{Queries, QueryKind, span_ms};
 use crate::readback::read_targets;
 use crate::{
     BindGroup, Buffer, BufferUse, FillRecorder, FillTimes, Fragments, Gpu, PassStatistics,
-    Pipeline, PipelineDescriptor, Topology, VertexFormat, VertexStage, VolumeState,
+    Pipeline, PipelineDescriptor, PipelineState, Topology, VertexFormat, VertexStage,
 };
 use ash::vk;
 use std::cell::RefCell;
@@ -283,7 +283,7 @@ const SURFACE: PipelineDescriptor = PipelineDescriptor {
     },
     format: VertexFormat::Metres,
     topology: Topology::Triangles,
-    state: VolumeState::Surface,
+    state: PipelineState::Surface,
     depth_bounds: false,
 };
 
@@ -418,6 +418,12 @@ impl Stage {
             .is_some_and(|prepared| Arc::ptr_eq(&prepared.source, &input.surface_rte))
     }
 
+    /// Whether the targets hold the surface of this input.
+    #[must_use]
+    pub fn holds(&self, input: &FrameInput) -> bool {
+        self.is_drawn && self.is_prepared(input)
+    }
+
     /// Clears the targets, draws the surface, waits, and gives the pass's GPU time.
     ///
     /// # Errors
@@ -484,6 +490,7 @@ impl Stage {
     }
 
     /// Records a fill of at most `passes` passes on top of the surface, submits it and waits.
+    /// `record` must not upload, draw a surface or fill: the queue is taken while it runs.
     ///
     /// # Errors
     /// [`BackendError::NotPrepared`] when there is no surface in the targets; the first draw's error

@@ -11,8 +11,8 @@ use terrafill_frame::{
 use terrafill_scene::{CameraPose, ImageSize, Overlap, PixelRect, PlanOptions, SurfaceMesh, View};
 use terrafill_vulkan::{
     BindGroup, Buffer, BufferUse, DrawState, Fragments, Geometry, Gpu, GpuOptions, IndexWidth,
-    Measured, POSITIVE_CONTROL, Pipeline, PipelineDescriptor, Stage, Topology, VertexFormat,
-    VertexStage, VolumeState, list_adapters, make_deliberate_error, messages, open_for_test,
+    Measured, POSITIVE_CONTROL, Pipeline, PipelineDescriptor, PipelineState, Stage, Topology,
+    VertexFormat, VertexStage, list_adapters, make_deliberate_error, messages, open_for_test,
 };
 
 const SIZE: ImageSize = ImageSize {
@@ -187,7 +187,7 @@ fn cover_descriptor(test: StencilTest) -> PipelineDescriptor {
         },
         format: VertexFormat::Number,
         topology: Topology::Triangles,
-        state: VolumeState::Colour {
+        state: PipelineState::Colour {
             test,
             faces: FaceSet::Both,
         },
@@ -292,7 +292,7 @@ fn a_draw_that_does_not_fit_is_refused_and_nothing_is_drawn() {
         },
         fragments: Fragments::None,
         format: VertexFormat::FixedAndFlag,
-        state: VolumeState::Mark {
+        state: PipelineState::Mark {
             rule: mark,
             has_colour: false,
         },
@@ -371,7 +371,7 @@ fn a_draw_that_does_not_fit_is_refused_and_nothing_is_drawn() {
             path: "vertex/resolve.wgsl",
             entry_point: "fragment_main",
         },
-        state: VolumeState::Resolve,
+        state: PipelineState::Resolve,
         ..cover_descriptor(EVERYWHERE)
     };
     let resolve = Pipeline::new(&gpu, resolve).expect("valid");
