@@ -2,11 +2,12 @@
 //! The buffers as a GPU reads them are closed solids: tests only.
 //!
 //! What is uploaded is expanded to triangles as input assembly and the shaders in `shaders/vertex`
-//! do it, strips with their alternating winding and restarts included, for every layout and format.
+//! do it, strips with their alternating winding and restarts included, for every way to store them.
 //! A corner is the words of its position and which cap it goes to. All that follows on the GPU is a
 //! function of those, so corners that agree in them agree in every later rounding as well; that is
 //! tried with the shader's own `f32` arithmetic from eyes near and far. Different vertices may fall
-//! together: the surface must stay closed by [`check_closed`].
+//! together: the surface must stay closed by [`check_closed`], in `per-triangle` that of every
+//! triangle's own volume. Walls are the boundary's and no others, whatever cancels on the way.
 
 #![allow(
     clippy::print_stdout,
@@ -14,7 +15,7 @@
 )]
 
 use crate::layout::{RegionSlice, SceneGeometry};
-use crate::{Layout, VertexVariant};
+use crate::{IndexOrder, Layout, VertexSize, VertexVariant, Walls};
 use glam::{DVec3, IVec3, Vec3};
 use std::path::PathBuf;
 use terrafill_core::{
@@ -23,17 +24,61 @@ use terrafill_core::{
 };
 use terrafill_frame::PositionFormat;
 
-const LAYOUTS: [Layout; 2] = [Layout::Doubled, Layout::Pulled];
-const FORMATS: [PositionFormat; 2] = [PositionFormat::Fixed, PositionFormat::LocalF32];
+/// Every way to store geometry.
+fn storages() -> Vec<VertexVariant> {
+    let choices: [(&str, &[&str]); 5] = [
+        ("layout", &["doubled", "separate", "per-triangle", "pulled"]),
+        ("positions", &["fixed", "local-f32"]),
+        ("walls", &["strip", "list"]),
+        ("index-order", &["mesh", "cache"]),
+        ("vertex-bytes", &["16", "20"]),
+    ];
+    let mut all = vec![VertexVariant::default()];
+    for (key, values) in choices {
+        let with = |variant: &VertexVariant, value: &str| {
+            let mut variant = *variant;
+            assert_eq!(variant.set(key, value), Ok(true), "{key}={value}");
+            variant
+        };
+        all = all
+            .iter()
+            .flat_map(|variant| values.iter().map(|value| with(variant, value)))
+            .collect();
+    }
+    all.retain(|variant| variant.check_layout().is_ok());
+    assert_eq!(
+        all.len(),
+        2 * 2 * (4 + 2 + 1 + 1),
+        "a way to store is missing"
+    );
+    all
+}
 
-/// The buffers of a variant with everything else as by default.
-fn built(layout: Layout, positions: PositionFormat, meshes: &[RegionMesh]) -> SceneGeometry {
-    let variant = VertexVariant {
-        layout,
-        positions,
+/// The storages in which little but what a test turns differs.
+fn in_mesh_order() -> impl Iterator<Item = VertexVariant> {
+    let in_order = |variant: &VertexVariant| variant.index_order == IndexOrder::Mesh;
+    storages().into_iter().filter(in_order)
+}
+
+/// Whether the layout is one that takes the longer tests.
+fn is_plain(variant: &VertexVariant) -> bool {
+    let plain = VertexVariant {
+        layout: variant.layout,
+        positions: variant.positions,
         ..VertexVariant::default()
     };
-    SceneGeometry::build(&variant, meshes)
+    *variant == plain && matches!(variant.layout, Layout::Doubled | Layout::Pulled)
+}
+
+/// Whether vertex `v` is stored at 2v and again at 2v + 1.
+fn is_stored_twice(variant: &VertexVariant) -> bool {
+    variant.layout != Layout::Pulled
+}
+
+/// Whether walls are strips to the input assembly.
+fn has_strips(variant: &VertexVariant) -> bool {
+    let has_choice = matches!(variant.layout, Layout::Doubled | Layout::Separate);
+    has_choice && variant.walls == Walls::Strip
 }
 
 /// What the vertex stage knows of a corner.
@@ -55,33 +100,77 @@ fn strip(indices: &[u32], restart: u32) -> Vec<[u32; 3]> {
     triangles
 }
 
+/// Triangles of a list.
+fn list(indices: &[u32]) -> Result<Vec<[u32; 3]>, String> {
+    let triangles = indices.chunks_exact(3);
+    if triangles.remainder().is_empty() {
+        Ok(triangles.map(|c| [c[0], c[1], c[2]]).collect())
+    } else {
+        Err(format!("{} indices are no list", indices.len()))
+    }
+}
+
+/// The same corners for both windings of a triangle, and which one it was: 1 or −1, or 0 where the
+/// triangle is its own back. Begins with its own first corner if it `keeps_first`, else with the
+/// least.
+fn unwound(corners: [Corner; 3], keeps_first: bool) -> ([Corner; 3], i64) {
+    let mut corners = corners;
+    if !keeps_first {
+        let least = (0..3).min_by_key(|&k| corners[k]).unwrap_or(0);
+        corners.rotate_left(least);
+    }
+    let [first, second, third] = corners;
+    if first == second || second == third || third == first {
+        return (corners, 0);
+    }
+    if second < third {
+        (corners, 1)
+    } else {
+        ([first, third, second], -1)
+    }
+}
+
 /// Reads the buffers of one region.
 struct Reader<'a> {
     geometry: &'a SceneGeometry,
     slice: &'a RegionSlice,
-    format: PositionFormat,
+    variant: VertexVariant,
 }
 
 impl Reader<'_> {
-    /// What is read beyond a buffer's end is a fault, whatever a device would make of it.
-    fn triangles(&self, layout: Layout) -> Result<Vec<[Corner; 3]>, String> {
-        match layout {
-            Layout::Doubled => self.doubled(),
-            Layout::Pulled => self.pulled(),
-            Layout::Separate | Layout::PerTriangle => Err("not read here".to_owned()),
+    /// Top caps, bottom caps, walls. What is read beyond a buffer's end is a fault, whatever a
+    /// device would make of it.
+    fn triangles(&self) -> Result<Vec<[Corner; 3]>, String> {
+        if is_stored_twice(&self.variant) {
+            self.indexed()
+        } else {
+            self.pulled()
         }
     }
 
-    /// Vertex `vertex` of the buffer, `stride` words each. −0 is 0 to arithmetic.
-    fn words(&self, vertex: u32, stride: usize) -> Result<&[i32], String> {
-        let first = stride * vertex as usize;
-        let words = self.geometry.vertices.get(first..first + stride);
-        words.ok_or_else(|| format!("vertex {vertex} is beyond the buffer"))
+    /// Bytes from one vertex to the next, in words.
+    fn stride(&self) -> usize {
+        match (self.variant.layout, self.variant.vertex_size) {
+            (Layout::Separate | Layout::Pulled, _) => 3,
+            (_, VertexSize::Bytes16) => 4,
+            (_, VertexSize::Bytes20) => 5,
+        }
     }
 
+    /// Vertex `index` of the region, counted from its first.
+    fn words(&self, index: u32) -> Result<&[i32], String> {
+        let vertex = u64::from(self.slice.first_vertex) + u64::from(index);
+        let found = usize::try_from(vertex).ok().and_then(|vertex| {
+            let first = self.stride() * vertex;
+            self.geometry.vertices.get(first..first + self.stride())
+        });
+        found.ok_or_else(|| format!("vertex {vertex} is beyond the buffer"))
+    }
+
+    /// −0 is 0 to arithmetic.
     fn corner(&self, words: &[i32], is_bottom: bool) -> Corner {
         let words = [words[0], words[1], words[2]];
-        let words = match self.format {
+        let words = match self.variant.positions {
             PositionFormat::LocalF32 => words.map(|word| if word == i32::MIN { 0 } else { word }),
             PositionFormat::Fixed => words,
         };
@@ -101,22 +190,39 @@ impl Reader<'_> {
         indices.ok_or_else(|| format!("indices {range:?} are beyond the buffer"))
     }
 
-    /// `doubled.wgsl`: 16-byte vertices at the base vertex; list of caps, strips of walls.
-    fn doubled(&self) -> Result<Vec<[Corner; 3]>, String> {
-        let slice = self.slice;
-        let restart = if slice.short_indices {
-            0xffff
+    /// `doubled.wgsl`'s attributes: the flag lies behind the position, or in the buffer that every
+    /// region reads from its start.
+    fn fetch_stored(&self, index: u32) -> Result<Corner, String> {
+        let words = self.words(index)?;
+        let flag = if self.variant.layout == Layout::Separate {
+            let flag = self.geometry.flags.get(index as usize);
+            let flag = flag.ok_or_else(|| format!("flag {index} is beyond the buffer"))?;
+            u32::from_le_bytes(*flag) != 0
         } else {
-            u32::MAX
+            words[3] != 0
         };
-        let fetch = |index: u32| -> Result<Corner, String> {
-            let vertex = self.words(slice.first_vertex + index, 4)?;
-            Ok(self.corner(vertex, vertex[3] != 0))
-        };
-        let caps = self.indices(slice.first_triangle_index, 6 * slice.triangle_count)?;
+        Ok(self.corner(words, flag))
+    }
+
+    /// A list of caps; strips or a list of walls.
+    fn indexed(&self) -> Result<Vec<[Corner; 3]>, String> {
+        let slice = self.slice;
+        let mut triangles =
+            list(&self.indices(slice.first_triangle_index, 6 * slice.triangle_count)?)?;
         let walls = self.indices(slice.first_loop_index, slice.loop_index_count)?;
-        let caps = caps.chunks(3).map(|c| [c[0], c[1], c[2]]);
-        caps.chain(strip(&walls, restart))
+        triangles.extend(if has_strips(&self.variant) {
+            let restart = if slice.short_indices {
+                0xffff
+            } else {
+                u32::MAX
+            };
+            strip(&walls, restart)
+        } else {
+            list(&walls)?
+        });
+        let fetch = |index| self.fetch_stored(index);
+        triangles
+            .into_iter()
             .map(|[a, b, c]| Ok([fetch(a)?, fetch(b)?, fetch(c)?]))
             .collect()
     }
@@ -144,8 +250,67 @@ impl Reader<'_> {
     }
 
     fn fetch(&self, vertex: u32, is_bottom: bool) -> Result<Corner, String> {
-        let words = self.words(self.slice.first_vertex.saturating_add(vertex), 3)?;
-        Ok(self.corner(words, is_bottom))
+        Ok(self.corner(self.words(vertex)?, is_bottom))
+    }
+
+    /// The walls that a mesh's boundary has, every one with the diagonal from the bottom of its
+    /// start to the top of its end.
+    fn boundary_walls(&self, mesh: &RegionMesh) -> Result<Vec<[Corner; 3]>, String> {
+        let copies = if is_stored_twice(&self.variant) { 2 } else { 1 };
+        let mut walls = Vec::new();
+        for ring in &mesh.boundary_loops {
+            for (i, &start) in ring.iter().enumerate() {
+                let end = ring[(i + 1) % ring.len()];
+                let corner = |vertex: u32, is_bottom: bool| {
+                    let copy = u32::from(is_bottom && copies == 2);
+                    self.fetch(copies * vertex + copy, is_bottom)
+                };
+                let [top, bottom] = [corner(start, false)?, corner(start, true)?];
+                let [far_top, far_bottom] = [corner(end, false)?, corner(end, true)?];
+                walls.push([top, bottom, far_top]);
+                walls.push([far_top, bottom, far_bottom]);
+            }
+        }
+        Ok(walls)
+    }
+
+    /// Where every triangle has its own volume, each is closed by itself.
+    fn check_own_volumes(&self, triangles: &[[Corner; 3]]) -> Result<(), String> {
+        let (caps, walls) = triangles.split_at(2 * self.slice.triangle_count as usize);
+        let (top, bottom) = caps.split_at(caps.len() / 2);
+        for (i, walls) in walls.chunks(6).enumerate() {
+            let (Some(top), Some(bottom)) = (top.get(i), bottom.get(i)) else {
+                return Err(format!("walls of triangle {i}, which has no caps"));
+            };
+            let own = [*top, *bottom].into_iter().chain(walls.iter().copied());
+            check_closed(own).map_err(|open| format!("volume {i}: {open}"))?;
+        }
+        Ok(())
+    }
+
+    /// Whether the walls are the boundary's once those that are each other turned over are left
+    /// out. Walls that cancel do so to the bit only if they have the same first corner, too: see
+    /// `push_inner_walls`.
+    fn check_walls(&self, walls: &[[Corner; 3]], mesh: &RegionMesh) -> Result<(), String> {
+        let keeps_first = self.variant.layout == Layout::PerTriangle;
+        let expected = self.boundary_walls(mesh)?;
+        let found = walls.iter().map(|corners| (corners, 1));
+        let expected = expected.iter().map(|corners| (corners, -1));
+        let mut uses: Vec<([Corner; 3], i64)> = found
+            .chain(expected)
+            .map(|(corners, uses)| {
+                let (corners, sign) = unwound(*corners, keeps_first);
+                (corners, sign * uses)
+            })
+            .collect();
+        uses.sort_unstable();
+        for same in uses.chunk_by(|a, b| a.0 == b.0) {
+            let left: i64 = same.iter().map(|(_, uses)| uses).sum();
+            if left != 0 {
+                return Err(format!("{left} more than the boundary's: {:?}", same[0].0));
+            }
+        }
+        Ok(())
     }
 
     /// `pulled.wgsl`, invocation by invocation.
@@ -184,7 +349,7 @@ impl Reader<'_> {
 
     /// Metres from the region's origin, at height 0.
     fn local_m(&self, corner: Corner) -> DVec3 {
-        match self.format {
+        match self.variant.positions {
             PositionFormat::Fixed => {
                 IVec3::from_array(corner.words).as_dvec3() * self.slice.fixed.unit_m
             }
@@ -200,7 +365,7 @@ impl Reader<'_> {
     fn eye_relative(&self, eye_ecef: DVec3, scene: &Scene, corner: Corner) -> Vec3 {
         let fixed = &self.slice.fixed;
         let origin = fixed.origin_ecef.as_vec3();
-        let (relative, ecef) = match self.format {
+        let (relative, ecef) = match self.variant.positions {
             PositionFormat::LocalF32 => {
                 let local = f32_words(corner);
                 let eye = (eye_ecef - fixed.origin_ecef).as_vec3();
@@ -268,10 +433,12 @@ fn is_somewhere([a, b, c]: &[Corner; 3]) -> bool {
 
 /// Two caps and two a wall. Pulled walls come for every entry of the loop list but the last one: for
 /// those before and at a separator, two a loop, their corners are all nowhere.
+/// Where triangles have volumes of their own, three walls each.
 fn triangle_count(layout: Layout, mesh: &RegionMesh) -> usize {
     let drawn = 2 * (mesh.triangle_count() + mesh.boundary_edge_count());
     match layout {
-        Layout::Doubled | Layout::Separate | Layout::PerTriangle => drawn,
+        Layout::Doubled | Layout::Separate => drawn,
+        Layout::PerTriangle => (2 + 3 * 2) * mesh.triangle_count(),
         Layout::Pulled => drawn + 2 * (2 * mesh.boundary_loops.len()).saturating_sub(1),
     }
 }
@@ -304,35 +471,42 @@ impl Scene {
         }
     }
 
-    fn check(&self, layout: Layout, format: PositionFormat) -> Result<Count, String> {
-        let geometry = built(layout, format, &self.meshes);
-        self.check_built(&geometry, layout, format)
+    fn build(&self, variant: &VertexVariant) -> SceneGeometry {
+        SceneGeometry::build(variant, &self.meshes)
+    }
+
+    fn check(&self, variant: &VertexVariant) -> Result<Count, String> {
+        self.check_built(&self.build(variant), variant)
     }
 
     /// Closed by the words in the buffers, and of the volume that `core` finds.
     fn check_built(
         &self,
         geometry: &SceneGeometry,
-        layout: Layout,
-        format: PositionFormat,
+        variant: &VertexVariant,
     ) -> Result<Count, String> {
         let mut count = Count::default();
         let known = self.meshes.iter().zip(&self.volumes_m3);
         for (slice, (mesh, expected_m3)) in geometry.regions.iter().zip(known) {
-            let fail = |what: String| format!("{} ({layout:?}, {format:?}): {what}", mesh.name);
+            let fail = |what: String| format!("{} ({}): {what}", mesh.name, variant.name());
             let reader = Reader {
                 geometry,
                 slice,
-                format,
+                variant: *variant,
             };
-            let triangles = reader.triangles(layout).map_err(fail)?;
+            let triangles = reader.triangles().map_err(fail)?;
             let closed =
                 check_closed(triangles.iter().copied()).map_err(|open| fail(open.to_string()))?;
-            let expected = triangle_count(layout, mesh);
+            let expected = triangle_count(variant.layout, mesh);
             if closed.triangles != expected {
                 let found = closed.triangles;
                 return Err(fail(format!("{found} triangles, not {expected}")));
             }
+            if variant.layout == Layout::PerTriangle {
+                reader.check_own_volumes(&triangles).map_err(fail)?;
+            }
+            let caps = 2 * slice.triangle_count as usize;
+            reader.check_walls(&triangles[caps..], mesh).map_err(fail)?;
             let filled: Vec<[Corner; 3]> = triangles.into_iter().filter(is_somewhere).collect();
             self.check_volume(&reader, &filled, mesh, *expected_m3)
                 .map_err(fail)?;
@@ -366,7 +540,7 @@ impl Scene {
             })
             .sum();
         // Rounding moves each vertex by less than two steps; its column has a thickness.
-        let step_m = match reader.format {
+        let step_m = match reader.variant.positions {
             PositionFormat::Fixed => reader.slice.fixed.unit_m,
             PositionFormat::LocalF32 => reader.slice.fixed.unit_m * 128.0,
         };
@@ -394,17 +568,17 @@ impl Scene {
     }
 
     /// Closed after the shader's arithmetic, seen from eyes over the first vertex of each region.
-    fn check_from_eyes(&self, layout: Layout, format: PositionFormat) -> Result<Count, String> {
-        let geometry = built(layout, format, &self.meshes);
+    fn check_from_eyes(&self, variant: &VertexVariant) -> Result<Count, String> {
+        let geometry = self.build(variant);
         let mut count = Count::default();
         for (slice, mesh) in geometry.regions.iter().zip(&self.meshes) {
             let reader = Reader {
                 geometry: &geometry,
                 slice,
-                format,
+                variant: *variant,
             };
             let triangles: Vec<[Corner; 3]> = reader
-                .triangles(layout)?
+                .triangles()?
                 .into_iter()
                 .filter(is_somewhere)
                 .collect();
@@ -465,26 +639,34 @@ fn shapes(body: Ellipsoid) -> Scene {
 }
 
 #[test]
-fn every_layout_and_format_of_hard_shapes_is_closed() {
+fn every_way_to_store_hard_shapes_is_closed() {
     for body in Ellipsoid::ALL {
         let scene = shapes(body);
-        for layout in LAYOUTS {
-            for format in FORMATS {
-                let count = scene.check(layout, format);
-                let count = count.unwrap_or_else(|what| panic!("{}: {what}", body.name()));
-                println!("{}, {layout:?}, {format:?}: {count:?}", body.name());
-                // The layouts differ in how corners are found, not in what becomes of them.
-                if layout == Layout::Doubled {
-                    let from_eyes = scene.check_from_eyes(layout, format).expect("closed");
-                    println!("from eyes: {from_eyes:?}");
-                }
+        for variant in storages() {
+            let count = scene.check(&variant);
+            let count = count.unwrap_or_else(|what| panic!("{}: {what}", body.name()));
+            println!("{}, {}: {count:?}", body.name(), variant.name());
+            // The layouts differ in how corners are found, not in what becomes of them.
+            if is_plain(&variant) && variant.layout == Layout::Doubled {
+                let from_eyes = scene.check_from_eyes(&variant).expect("closed");
+                println!("from eyes: {from_eyes:?}");
             }
         }
     }
 }
 
+/// Every sixteenth mesh, and the smallest one whose indices are long when vertices are stored
+/// twice: what the storages share needs no second million of vertices.
+fn thinned(meshes: &[RegionMesh]) -> Vec<RegionMesh> {
+    let is_long = |mesh: &&RegionMesh| 2 * mesh.vertex_count() > 0xffff;
+    let long = meshes.iter().filter(is_long);
+    let smallest = long.min_by_key(|mesh| mesh.vertex_count());
+    let short = meshes.iter().filter(|mesh| !is_long(mesh)).step_by(16);
+    smallest.into_iter().chain(short).cloned().collect()
+}
+
 #[test]
-fn every_layout_and_format_of_the_countries_is_closed() {
+fn every_way_to_store_the_countries_is_closed() {
     let Some(root) = std::env::var_os("TERRAFILL_DATA").map(PathBuf::from) else {
         println!("skipped: TERRAFILL_DATA is not set");
         return;
@@ -506,27 +688,29 @@ fn every_layout_and_format_of_the_countries_is_closed() {
             }
         };
         let body = Ellipsoid::WGS84;
-        let scene = Scene::new(body, meshes_of(&text, name, &body, rule));
-        let mut widths = [0, 0];
-        for layout in LAYOUTS {
-            for format in FORMATS {
-                // A million vertices once are enough.
-                if name.starts_with("ne_10m") && format == PositionFormat::LocalF32 {
-                    continue;
-                }
-                let count = scene
-                    .check(layout, format)
-                    .unwrap_or_else(|what| panic!("{name}, {rule:?}: {what}"));
-                println!("{name}, {rule:?}, {layout:?}, {format:?}: {count:?}");
-            }
-            let geometry = built(layout, PositionFormat::Fixed, &scene.meshes);
-            for slice in &geometry.regions {
-                widths[usize::from(slice.short_indices)] += 1;
-            }
+        let all = Scene::new(body, meshes_of(&text, name, &body, rule));
+        let few = Scene::new(body, thinned(&all.meshes));
+        // The largest file has regions with long indices, in every layout.
+        let is_largest = name.starts_with("ne_10m");
+        for variant in storages() {
+            // A million vertices once are enough.
+            let is_fixed = variant.positions == PositionFormat::Fixed;
+            let is_whole = is_plain(&variant) && (is_fixed || !is_largest);
+            let scene = if is_whole { &all } else { &few };
+            let geometry = scene.build(&variant);
+            let count = scene
+                .check_built(&geometry, &variant)
+                .unwrap_or_else(|what| panic!("{name}, {rule:?}: {what}"));
+            println!("{name}, {rule:?}, {}: {count:?}", variant.name());
+            let has_long = geometry.regions.iter().any(|slice| !slice.short_indices);
+            let may_have = is_whole || is_stored_twice(&variant);
+            assert_eq!(
+                has_long,
+                is_largest && may_have,
+                "{name}, {}",
+                variant.name()
+            );
         }
-        // The largest file has regions with long indices in both layouts.
-        let has_long = name.starts_with("ne_10m");
-        assert_eq!(widths[0] > 0, has_long, "{name}: {widths:?}");
     }
 }
 
@@ -543,46 +727,47 @@ fn pair() -> Scene {
 /// Applies `change` at each place below `count`; every result must be noticed, but where it says
 /// that it changed nothing.
 fn each_noticed(
-    layout: Layout,
+    variants: impl Iterator<Item = VertexVariant>,
     count: &dyn Fn(&SceneGeometry) -> usize,
-    change: &dyn Fn(&mut SceneGeometry, usize) -> bool,
+    change: &dyn Fn(&VertexVariant, &mut SceneGeometry, usize) -> bool,
 ) {
     let scene = pair();
-    for format in FORMATS {
-        let places = count(&built(layout, format, &scene.meshes));
+    let mut layouts = 0;
+    for variant in variants {
+        layouts += 1;
+        let places = count(&scene.build(&variant));
         assert!(places > 50, "{places} places");
         for place in 0..places {
-            let mut geometry = built(layout, format, &scene.meshes);
-            if !change(&mut geometry, place) {
+            let mut geometry = scene.build(&variant);
+            if !change(&variant, &mut geometry, place) {
                 continue;
             }
-            let noticed = scene.check_built(&geometry, layout, format).is_err();
-            assert!(noticed, "{layout:?}, {format:?}, {place}");
+            let noticed = scene.check_built(&geometry, &variant).is_err();
+            assert!(noticed, "{}, {place}", variant.name());
         }
     }
+    assert!(layouts > 0, "nothing was tried");
 }
 
 #[test]
 fn every_index_that_is_another_is_noticed() {
-    for layout in LAYOUTS {
-        each_noticed(
-            layout,
-            &|geometry| geometry.short_indices.len(),
-            &|geometry, place| {
-                let index = &mut geometry.short_indices[place];
-                // The next vertex; a restart becomes one, too, and no longer restarts. Vertex 0
-                // would not do: a loop that ends there gets a wall of no length.
-                let is_single = layout == Layout::Pulled && *index != 0xffff;
-                *index = index.wrapping_add(if is_single { 1 } else { 2 });
-                true
-            },
-        );
-    }
+    each_noticed(
+        storages().into_iter(),
+        &|geometry| geometry.short_indices.len(),
+        &|variant, geometry, place| {
+            let index = &mut geometry.short_indices[place];
+            // The next vertex; a restart becomes one, too, and no longer restarts. Vertex 0 would
+            // not do: a loop that ends there gets a wall of no length.
+            let is_single = !is_stored_twice(variant) && *index != 0xffff;
+            *index = index.wrapping_add(if is_single { 1 } else { 2 });
+            true
+        },
+    );
     // The same vertex, but its copy in the other cap.
     each_noticed(
-        Layout::Doubled,
+        storages().into_iter().filter(is_stored_twice),
         &|geometry| geometry.short_indices.len(),
-        &|geometry, place| {
+        &|_, geometry, place| {
             // A restart becomes an index beyond the buffer.
             geometry.short_indices[place] ^= 1;
             true
@@ -592,34 +777,54 @@ fn every_index_that_is_another_is_noticed() {
 
 #[test]
 fn two_indices_that_have_changed_places_are_noticed() {
-    for layout in LAYOUTS {
-        each_noticed(
-            layout,
-            &|geometry| geometry.short_indices.len() - 1,
-            &|geometry, place| {
-                geometry.short_indices.swap(place, place + 1);
-                geometry.short_indices[place] != geometry.short_indices[place + 1]
-            },
-        );
-    }
-}
-
-#[test]
-fn every_flag_that_is_wrong_is_noticed() {
     each_noticed(
-        Layout::Doubled,
-        &|geometry| geometry.vertices.len() / 4,
-        &|geometry, place| {
-            geometry.vertices[4 * place + 3] ^= 1;
-            true
+        in_mesh_order(),
+        &|geometry| geometry.short_indices.len() - 1,
+        &|_, geometry, place| {
+            geometry.short_indices.swap(place, place + 1);
+            geometry.short_indices[place] != geometry.short_indices[place + 1]
         },
     );
 }
 
 #[test]
+fn every_flag_that_is_wrong_is_noticed() {
+    let has_own =
+        |variant: &VertexVariant| matches!(variant.layout, Layout::Doubled | Layout::PerTriangle);
+    for size in [VertexSize::Bytes16, VertexSize::Bytes20] {
+        let stride = if size == VertexSize::Bytes16 { 4 } else { 5 };
+        each_noticed(
+            in_mesh_order().filter(|variant| has_own(variant) && variant.vertex_size == size),
+            &|geometry| geometry.vertices.len() / stride,
+            &|_, geometry, place| {
+                geometry.vertices[stride * place + 3] ^= 1;
+                true
+            },
+        );
+    }
+    let separate = || in_mesh_order().filter(|variant| variant.layout == Layout::Separate);
+    each_noticed(
+        separate(),
+        &|geometry| geometry.flags.len(),
+        &|_, geometry, place| {
+            geometry.flags[place][0] ^= 255;
+            true
+        },
+    );
+    // The largest region needs all of them.
+    let scene = pair();
+    for variant in separate() {
+        let mut geometry = scene.build(&variant);
+        geometry.flags.pop();
+        let found = scene.check_built(&geometry, &variant);
+        assert!(found.is_err_and(|what| what.contains("beyond")));
+    }
+}
+
+#[test]
 fn offsets_of_another_region_are_noticed() {
     let scene = pair();
-    for layout in LAYOUTS {
+    for variant in storages() {
         let mutants: [fn(&mut RegionSlice); 6] = [
             |slice| slice.first_vertex -= 1,
             |slice| slice.first_triangle_index -= 1,
@@ -629,11 +834,101 @@ fn offsets_of_another_region_are_noticed() {
             |slice| slice.fixed.unit_m *= 2.0,
         ];
         for (i, mutant) in mutants.iter().enumerate() {
-            let mut geometry = built(layout, PositionFormat::Fixed, &scene.meshes);
+            // Floats have no unit.
+            if i == 5 && variant.positions == PositionFormat::LocalF32 {
+                continue;
+            }
+            let mut geometry = scene.build(&variant);
             mutant(&mut geometry.regions[1]);
-            let found = scene.check_built(&geometry, layout, PositionFormat::Fixed);
-            assert!(found.is_err(), "{layout:?}, {i}");
+            let found = scene.check_built(&geometry, &variant);
+            assert!(found.is_err(), "{}, {i}", variant.name());
         }
+    }
+}
+
+#[test]
+fn buffers_read_as_another_storage_are_noticed() {
+    let scene = pair();
+    for stored in storages() {
+        let geometry = scene.build(&stored);
+        for read in storages() {
+            // The order of triangles is nothing that a reader knows.
+            let is_same = VertexVariant {
+                index_order: read.index_order,
+                ..stored
+            } == read;
+            let found = scene.check_built(&geometry, &read);
+            let (stored, read) = (stored.name(), read.name());
+            assert_eq!(found.is_ok(), is_same, "{stored} as {read}: {found:?}");
+        }
+    }
+}
+
+/// The two triangles at `walls[0..6]` with the other diagonal.
+fn with_other_diagonal(walls: &[u16]) -> [u16; 6] {
+    let (first, second) = walls.split_at(3);
+    let alone = |of: &[u16], others: &[u16]| {
+        let found = (0..3).find(|&k| !others.contains(&of[k]));
+        found.expect("the triangles share two corners")
+    };
+    let (near, far) = (alone(first, second), alone(second, first));
+    let opposite = second[far];
+    let [a, b, c] = [near, (near + 1) % 3, (near + 2) % 3].map(|k| first[k]);
+    [a, b, opposite, a, opposite, c]
+}
+
+#[test]
+fn walls_with_another_diagonal_or_first_corner_are_noticed() {
+    let scene = pair();
+    let has_lists = |variant: &VertexVariant| {
+        is_stored_twice(variant) && !has_strips(variant) && variant.index_order == IndexOrder::Mesh
+    };
+    for variant in storages().into_iter().filter(has_lists) {
+        let geometry = scene.build(&variant);
+        let has_inner = variant.layout == Layout::PerTriangle;
+        let slice = geometry.regions[1];
+        let first = slice.first_loop_index as usize;
+        let count = slice.loop_index_count as usize;
+        assert_eq!(count % 6, 0);
+        for wall in (first..first + count).step_by(6) {
+            let mut other = scene.build(&variant);
+            let turned = with_other_diagonal(&geometry.short_indices[wall..wall + 6]);
+            other.short_indices[wall..wall + 6].copy_from_slice(&turned);
+            let reader = Reader {
+                geometry: &other,
+                slice: &other.regions[1],
+                variant,
+            };
+            // Its volume is as closed as before, so nothing but the comparison of walls tells.
+            let triangles = reader.triangles().expect("in the buffer");
+            assert!(check_closed(triangles.iter().copied()).is_ok());
+            assert!(!has_inner || reader.check_own_volumes(&triangles).is_ok());
+            let found = scene.check_built(&other, &variant);
+            let found = found.expect_err("another diagonal");
+            assert!(found.contains("more than the boundary's"), "{found}");
+
+            let mut other = scene.build(&variant);
+            other.short_indices[wall..wall + 3].rotate_left(1);
+            let found = scene.check_built(&other, &variant);
+            assert_eq!(found.is_err(), has_inner, "{}: {found:?}", variant.name());
+        }
+    }
+}
+
+#[test]
+fn volumes_of_triangles_must_each_be_closed() {
+    // Two triangles that have changed walls: together closed as before, none by itself.
+    let scene = pair();
+    let per_triangle = |variant: &VertexVariant| variant.layout == Layout::PerTriangle;
+    for variant in storages().into_iter().filter(per_triangle) {
+        let mut geometry = scene.build(&variant);
+        let wall = geometry.regions[1].first_loop_index as usize;
+        for k in 0..6 {
+            geometry.short_indices.swap(wall + k, wall + 18 + k);
+        }
+        let found = scene.check_built(&geometry, &variant);
+        let found = found.expect_err("walls of another triangle");
+        assert!(found.contains("volume 0"), "{found}");
     }
 }
 
