@@ -10,7 +10,7 @@
 
 use crate::box_tree::{AxisBox, BoxTree};
 use crate::edge::{Degrees, normal};
-use crate::outline::{OutlineEdge, Piece, planar_pieces};
+use crate::outline::{OutlineEdge, Piece, edges_cross, planar_pieces};
 use crate::{EdgePlace, EdgeRule, Region, Ring};
 use glam::DVec3;
 use std::ops::ControlFlow;
@@ -58,7 +58,9 @@ impl Region {
             .collect();
         let ends: Vec<[Degrees; 2]> = pieces.iter().map(RingPiece::ends).collect();
         let (crossings, _) = find_crossings(rule, &ends, usize::MAX);
-        if crossings.is_empty() {
+        let (edges, at_antimeridian) = self.at_antimeridian(rule, &pieces);
+        let at_cuts = crossings_at_antimeridian(rule, &at_antimeridian, usize::MAX);
+        if crossings.is_empty() && at_cuts.is_empty() {
             return 0;
         }
         let several_turns = pieces.iter().any(|piece| piece.piece.turns != 0.0);
@@ -79,6 +81,18 @@ impl Region {
                 inserted[*ring].push((piece.vertex, along, piece_as_written(piece, at)));
             }
         }
+        for &(pair, [_, latitude]) in &at_cuts {
+            for index in pair.map(|index| edges[index]) {
+                let RingPiece { ring, piece } = &pieces[index];
+                // The end of a piece that is cut there; a place on one that runs along it.
+                let at = [piece.end[0], latitude];
+                let along = Along {
+                    piece: index,
+                    distance: distance(rule, piece.start, at),
+                };
+                inserted[*ring].push((piece.vertex, along, piece_as_written(piece, at)));
+            }
+        }
         keep_cuts(&pieces, &mut inserted);
         let rings = self
             .polygons
@@ -90,7 +104,27 @@ impl Region {
                 *ring = with_insertions(ring, &insertions);
             }
         }
-        crossings.len()
+        crossings.len() + at_cuts.len()
+    }
+
+    /// Pieces that end in a cut at the antimeridian or run along it, by their position too.
+    fn at_antimeridian(
+        &self,
+        rule: EdgeRule,
+        pieces: &[RingPiece],
+    ) -> (Vec<usize>, Vec<AtAntimeridian>) {
+        if rule == EdgeRule::GreatEllipse {
+            // Whole arcs are compared.
+            return (Vec::new(), Vec::new());
+        }
+        let rings: Vec<&Ring> = self.rings().collect();
+        let of_piece = |index: usize| {
+            let RingPiece { ring, piece } = &pieces[index];
+            let next = pieces.get(index + 1).filter(|next| next.ring == *ring);
+            let next = next.map_or(*piece, |next| next.piece);
+            AtAntimeridian::of(rings[*ring], &[*piece, next]).map(|found| (index, found))
+        };
+        (0..pieces.len()).filter_map(of_piece).unzip()
     }
 }
 
@@ -220,6 +254,96 @@ fn box_of(rule: EdgeRule, [start, end]: [Degrees; 2]) -> AxisBox {
 
 /// Two edges, by index, the lower first, and where they cross.
 pub(crate) type Crossing = ([usize; 2], Degrees);
+
+/// An edge where it is cut at the antimeridian, or one that runs along it.
+///
+/// Two edges that are cut at the same latitude are no longer seen to cross there, as their pieces
+/// have that place for an end.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AtAntimeridian {
+    /// Where it is cut; of one that runs along the antimeridian, its ends from south to north.
+    latitudes: [f64; 2],
+    /// Of the whole edge as its file has it.
+    ends: [Degrees; 2],
+}
+
+impl AtAntimeridian {
+    /// Of the first of `pieces`, which may be cut from the second.
+    pub(crate) fn of(ring: &Ring, pieces: &[Piece]) -> Option<Self> {
+        let piece = pieces.first()?;
+        if piece.end[0].abs() != 180.0 {
+            return None;
+        }
+        let is_cut = |next: &Piece| {
+            next.vertex == piece.vertex && next.start == [-piece.end[0], piece.end[1]]
+        };
+        // Poles are no longitude's.
+        let latitudes = if piece.start[0] == piece.end[0] {
+            let [a, b] = [piece.start[1], piece.end[1]];
+            [a.min(b), a.max(b)]
+        } else if pieces.get(1).is_some_and(is_cut) && piece.end[1].abs() < 90.0 {
+            [piece.end[1]; 2]
+        } else {
+            return None;
+        };
+        let vertices = ring.vertices_deg();
+        let end = vertices.get(piece.vertex + 1).copied().unwrap_or_else(|| {
+            let first = vertices[0];
+            [first[0] + ring.winding_deg(), first[1]]
+        });
+        Some(Self {
+            // Adding zero turns −0 into 0, which sorts apart from it.
+            latitudes: latitudes.map(|latitude| latitude + 0.0),
+            ends: [vertices[piece.vertex], end],
+        })
+    }
+
+    fn is_cut(&self) -> bool {
+        self.latitudes[0] == self.latitudes[1]
+    }
+}
+
+/// Crossings on the antimeridian, up to `most` of them: of two edges that are cut at one latitude,
+/// or of one that is cut with one that runs along the antimeridian there.
+pub(crate) fn crossings_at_antimeridian(
+    rule: EdgeRule,
+    edges: &[AtAntimeridian],
+    most: usize,
+) -> Vec<Crossing> {
+    let mut cuts: Vec<(f64, usize)> = edges
+        .iter()
+        .enumerate()
+        .filter(|(_, edge)| edge.is_cut())
+        .map(|(index, edge)| (edge.latitudes[0], index))
+        .collect();
+    cuts.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let of_one_latitude = cuts.chunk_by(|a, b| a.0 == b.0).flat_map(|group| {
+        let later = move |first: usize| {
+            group[first + 1..]
+                .iter()
+                .map(move |cut| (group[first], *cut))
+        };
+        (0..group.len()).flat_map(later)
+    });
+    let along = edges.iter().enumerate().filter(|(_, edge)| !edge.is_cut());
+    let with_along = along.flat_map(|(index, edge)| {
+        let [south, north] = edge.latitudes;
+        let first = cuts.partition_point(|cut| cut.0 <= south);
+        let past = cuts.partition_point(|cut| cut.0 < north);
+        let within = cuts[first..past].iter();
+        within.map(move |cut| (*cut, (cut.0, index)))
+    });
+    let crosses = |a: [Degrees; 2], b: [Degrees; 2]| match rule {
+        EdgeRule::Planar => edges_cross(a, b),
+        EdgeRule::GreatEllipse => great_ellipse_crossing(a, b).is_some(),
+    };
+    of_one_latitude
+        .chain(with_along)
+        .filter(|((_, a), (_, b))| crosses(edges[*a].ends, edges[*b].ends))
+        .map(|((latitude, a), (_, b))| ([a.min(b), a.max(b)], [180.0, latitude]))
+        .take(most)
+        .collect()
+}
 
 /// Crossings in order of their edges, and whether these are all: the search ends at `most`.
 pub(crate) fn find_crossings(

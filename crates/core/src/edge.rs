@@ -153,7 +153,7 @@ impl<'a> EdgeSplitter<'a> {
     }
 }
 
-/// Places that split a planar edge with one end at a pole, in order from `start` to `end`; none for
+/// Places that split a planar edge with an end at a pole, in order from `start` to `end`; none for
 /// other edges and for meridians.
 ///
 /// All ends at a pole are one point of the body, so the last piece is drawn as a meridian whatever
@@ -161,30 +161,38 @@ impl<'a> EdgeSplitter<'a> {
 /// between them. Halving by the boundary's tolerance does not help: that area can be all a region
 /// has. So these edges are split at fixed parallels down to where what is left is below rounding;
 /// parallels, and not parts of the edge, so that edges side by side are split side by side.
+///
+/// An edge from pole to pole is split so at both: the ladders end 64° from their poles.
 fn pole_approach(start: Degrees, end: Degrees) -> Vec<Degrees> {
-    let (pole, other) = match (start[1].abs() == 90.0, end[1].abs() == 90.0) {
-        (true, false) => (start, end),
-        (false, true) => (end, start),
-        _ => return Vec::new(),
-    };
-    if pole[0] == other[0] {
+    if start[0] == end[0] || along_pole(start, end).is_some() {
         return Vec::new();
     }
-    let height_deg = (pole[1] - other[1]).abs();
+    let at_pole = |[_, latitude]: Degrees| latitude.abs() == 90.0;
     let mut places = Vec::new();
-    let mut distance_deg = POLE_APPROACH_END_DEG;
-    while distance_deg < height_deg {
-        let share = distance_deg / height_deg;
-        places.push([
-            pole[0] + (other[0] - pole[0]) * share,
-            pole[1] - distance_deg.copysign(pole[1]),
-        ]);
-        distance_deg *= POLE_APPROACH_RATIO;
+    if at_pole(start) {
+        places.extend(ladder(start, end));
     }
-    if pole == end {
-        places.reverse();
+    if at_pole(end) {
+        let downwards = places.len();
+        places.extend(ladder(end, start));
+        places[downwards..].reverse();
     }
     places
+}
+
+/// Places on the edge from a pole, from there on.
+fn ladder(pole: Degrees, other: Degrees) -> impl Iterator<Item = Degrees> {
+    let height_deg = (pole[1] - other[1]).abs();
+    let further = |distance_deg: &f64| Some(distance_deg * POLE_APPROACH_RATIO);
+    std::iter::successors(Some(POLE_APPROACH_END_DEG), further)
+        .take_while(move |distance_deg| *distance_deg < height_deg)
+        .take_while(|distance_deg| *distance_deg < 90.0)
+        .map(move |distance_deg| {
+            [
+                pole[0] + (other[0] - pole[0]) * (distance_deg / height_deg),
+                pole[1] - distance_deg.copysign(pole[1]),
+            ]
+        })
 }
 
 /// Places that split an edge along a pole, in order from `start` to `end`.

@@ -10,7 +10,10 @@
 //! the chain on each side. A ring round a pole passes an odd number of times; it is closed by the
 //! whole parallel of that pole, which is one point of the body.
 
-use crate::crossings::{CrossingPlaces, crossing_places, find_crossings, planar_crossing};
+use crate::crossings::{
+    AtAntimeridian, CrossingPlaces, crossing_places, crossings_at_antimeridian, find_crossings,
+    planar_crossing,
+};
 use crate::edge::{Degrees, EdgeSplitter, along_pole, great_circle_latitude};
 use crate::mesh::Extent;
 use crate::{EdgePlace, EdgeRule, Polygon, Region, Ring};
@@ -40,6 +43,10 @@ struct Splits {
     /// Edges as they were, within ±180°.
     whole: Vec<OutlineEdge>,
     points: Vec<Degrees>,
+    /// Edges of the file that are cut at the antimeridian or run along it.
+    at_antimeridian: Vec<AtAntimeridian>,
+    /// Their places.
+    at_antimeridian_places: Vec<EdgePlace>,
 }
 
 /// The great ellipse between two opposite points is not determined.
@@ -141,15 +148,16 @@ impl Outline {
         })
     }
 
-    /// Crossings of whole edges where one of them is split: its parts only touch the other there, as
-    /// in the middle of a bow-tie.
+    /// Crossings of whole edges where one of them is split or cut: its parts only touch the other
+    /// there, as in the middle of a bow-tie.
     ///
     /// Few edges are split, so the others are first asked whether a point that splits one lies in
     /// their box.
     pub(crate) fn crossings_at_splits(&self, rule: EdgeRule, most: usize) -> Vec<CrossingPlaces> {
-        let Splits { whole, points } = &self.splits;
+        let Splits { whole, points, .. } = &self.splits;
+        let mut places = self.crossings_at_cuts(rule, most);
         if whole.is_empty() {
-            return Vec::new();
+            return places;
         }
         let mut points = points.clone();
         points.sort_by(|a, b| a[1].total_cmp(&b[1]));
@@ -169,7 +177,22 @@ impl Outline {
         edges.extend(others.filter(|edge| split.binary_search(&edge.place).is_err()));
         let ends: Vec<[Degrees; 2]> = edges.iter().map(|edge| [edge.start, edge.end]).collect();
         let (found, _) = find_crossings(rule, &ends, most);
-        crossing_places(&edges, &found)
+        places.extend(crossing_places(&edges, &found));
+        places
+    }
+
+    /// Crossings on the antimeridian itself.
+    fn crossings_at_cuts(&self, rule: EdgeRule, most: usize) -> Vec<CrossingPlaces> {
+        let found = crossings_at_antimeridian(rule, &self.splits.at_antimeridian, most);
+        let place = |(pair, at): ([usize; 2], Degrees)| {
+            let [a, b] = pair.map(|index| self.splits.at_antimeridian_places[index]);
+            CrossingPlaces {
+                first: a.min(b),
+                second: a.max(b),
+                at,
+            }
+        };
+        found.into_iter().map(place).collect()
     }
 }
 
@@ -228,6 +251,7 @@ impl Builder<'_, '_> {
                     continue;
                 }
             };
+            self.record_cuts(ring, &pieces, place);
             let crossings = self.record_runs(&pieces, part_index);
             if crossings % 2 == 1 {
                 shell_goes_round |= ring_index == 0;
@@ -248,6 +272,17 @@ impl Builder<'_, '_> {
             }
         }
         self.parts.push(part);
+    }
+
+    /// Notes the edges that are cut at the antimeridian or run along it.
+    fn record_cuts(&mut self, ring: &Ring, pieces: &[Piece], place: impl Fn(usize) -> EdgePlace) {
+        for (index, piece) in pieces.iter().enumerate() {
+            if let Some(found) = AtAntimeridian::of(ring, &pieces[index..]) {
+                self.splits.at_antimeridian.push(found);
+                let places = &mut self.splits.at_antimeridian_places;
+                places.push(place(piece.vertex));
+            }
+        }
     }
 
     /// Notes longitude intervals and crossings of a closed sequence of pieces; returns the number
@@ -276,7 +311,7 @@ impl Builder<'_, '_> {
         part.bounds.add(start);
         part.bounds.add(end);
         let Part { edges, bounds } = part;
-        let Splits { whole, points } = &mut self.splits;
+        let Splits { whole, points, .. } = &mut self.splits;
         let points_before = points.len();
         self.splitter.split(start, end, &mut |point| {
             bounds.add(point);

@@ -165,3 +165,29 @@ fn the_area_under_an_arc_a_few_last_bits_of_longitude_wide_ends() {
         build(&region, rule).expect("meshes");
     }
 }
+
+#[test]
+fn edges_that_slant_from_pole_to_pole_are_split_down_to_both() {
+    // They were at neither: the last piece to a pole was drawn as a meridian, wherever it ended, so
+    // that next to another edge, split as it should be, a wedge of 9.4e11 m² was lost.
+    let body = Ellipsoid::WGS84;
+    let turn = std::f64::consts::TAU;
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let whole_m2 = body.quadrangle_area_m2(turn, -quarter, quarter);
+    // Half a degree wide at one pole, 0 at the other: a quarter on the mean, since area is as far
+    // north as south.
+    for ring in [
+        "[10,-90],[10.5,-90],[40,90]",
+        "[10,90],[40,-90],[10.5,90]",
+        "[170,-90],[170.5,-90],[200,90]",
+    ] {
+        let mesh = build(&region(&format!("[[[{ring}]]]")), EdgeRule::Planar).expect("meshes");
+        let error = mesh.area_m2 / (whole_m2 * 0.25 / 360.0) - 1.0;
+        assert!(error.abs() < 1e-9, "{ring}: {error}");
+        let near = |pole_deg: f64| {
+            let close = |v: &&[f64; 2]| (1e-9..0.01).contains(&(v[1] - pole_deg).abs());
+            mesh.vertices_deg.iter().filter(close).count()
+        };
+        assert!(near(-90.0) >= 10 && near(90.0) >= 10, "{ring}");
+    }
+}
