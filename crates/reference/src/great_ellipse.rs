@@ -5,73 +5,82 @@
 //! factor of their tangents, which is a linear map of space; it takes planes through the centre to
 //! planes through the centre, so in normals every such edge is the shorter arc of a great circle.
 //!
-//! A ring on a sphere has two sides. It must lie in an open hemisphere, and its inside is what it
-//! cuts off there: the side that does not reach the antipode of its centre. Any other ring is
-//! refused, since nothing in the file says which side is meant. Two tests:
+//! A ring on a sphere has two sides. A ring that does not go round the axis has both poles outside;
+//! one that does holds the pole that whoever makes it says. An edge between opposite meridians
+//! passes through the nearer pole; a ring with a vertex there passes it on the side of the smaller
+//! angle between its neighbours, on longitudes −180 … 180 where both angles are 180°. So a pole is
+//! never on a ring, and its side is known. Two tests:
 //!
-//! - *Planes*: parity of the arcs crossed on the great circle from the ring's centre through the
-//!   point outwards, where nothing is inside any more. Every decision is the exact sign of a
-//!   determinant of three vectors (Shewchuk, 1997, by the crate `robust`). A point at the centre
-//!   itself is judged from a second centre close by.
+//! - *Meridian*: parity of the arcs crossed on the way from the point south to the pole. Which arcs
+//!   span its meridian is said by longitudes on a grid, exactly, and whether the point is north of
+//!   such an arc by the exact sign of a determinant of three vectors (Shewchuk, 1997, by the crate
+//!   `robust`). Spans are half-open, so a vertex between two of them counts once.
 //! - *Angles*: the signed solid angles of the triangles between the point's antipode and each
-//!   edge. Their sum is the ring's signed area as long as the point is outside, and jumps by 4π
-//!   when the point crosses into it; areas below 2π cannot be taken for a jump. Van Oosterom and
-//!   Strackee (1983): half the angle is `atan2(det(q, a, b), 1 + q·a + a·b + b·q)`; with `q = −p`
-//!   the second argument is `(a − p)·(b − p)`, free of cancellation for short edges.
+//!   edge. Their sum is the ring's signed area, modulo 4π, and jumps by 4π wherever the point
+//!   crosses the ring; so it tells the point's side from that of a pole. Van Oosterom and Strackee
+//!   (1983): half the angle is `atan2(det(q, a, b), 1 + q·a + a·b + b·q)`; with `q = −p` the second
+//!   argument is `(a − p)·(b − p)`, free of cancellation for short edges.
 
 use crate::locator::{Bounds, LocatorError, Point, RingSource, Verdicts, normal};
+use crate::planar::on_longitude_grid;
 use crate::slabs::Slabs;
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
 use std::f64::consts::PI;
 
-/// Closer to the centre than this (6 m on the Earth), directions seen from it are no longer good
-/// enough to choose a slab by.
-const AT_CENTER: f64 = 1e-6;
+/// Closer than this to the ring (6 mm on the Earth), a pole is no place to compare angles with.
+const AT_POLE: f64 = 1e-9;
 
-/// Directions seen from the centre are good to 1e-16 / [`AT_CENTER`]; this is ten times that.
-const AZIMUTH_MARGIN_RAD: f64 = 1e-9;
-
-/// A ring reaching closer than this to the rim of its hemisphere is refused: its area comes too
-/// near to 2π to be told from a jump, and arcs become ambiguous.
-const SMALLEST_COSINE: f64 = 1e-4;
-
-/// Steps towards the smallest cap; the error of the centre shrinks as their inverse. A cap a few
-/// percent too large only costs time.
-const CENTER_STEPS: u32 = 30;
-
-/// Steps before a ring is said to lie in no hemisphere.
-const CENTER_STEPS_AT_MOST: u32 = 400;
+/// Places to compare angles with where both poles are on the ring.
+const OTHER_PLACES: u32 = 32;
 
 /// Rounding of a dot product of unit vectors, with room.
 const DOT_MARGIN: f64 = 1e-14;
 
-/// A direction that lies in no plane of borders that people draw.
-const TIE_BREAKER: DVec3 = DVec3::new(0.314_159_265_3, 0.577_215_664_9, 0.753_784_612_1);
+/// Rounding of the northernmost and southernmost latitude of an arc, with room.
+const LATITUDE_MARGIN_DEG: f64 = 1e-6;
+
+/// Slope that borders have that nobody draws.
+const TIE_SLOPE: f64 = 0.754_877_666_2;
+
+/// Longitude that a pole is looked at from: no border that people draw runs along it.
+const LONGITUDE_AT_POLES_DEG: f64 = 61.442_342;
 
 /// A ring with an index for each of the two tests.
 #[derive(Debug, Clone)]
 pub(crate) struct GreatEllipseRing {
     /// First vertex repeated at the end.
     vertices: Vec<DVec3>,
-    center: Center,
-    /// Stands in for `center` close to it.
-    second_center: DVec3,
-    /// Edges by the direction in which they lie, seen from the centre.
-    by_azimuth: Slabs,
+    /// What the way south may cross.
+    spans: Vec<Span>,
+    /// Spans by longitude.
+    by_longitude: Slabs,
+    south_pole_is_inside: bool,
     /// Halves of halves of the ring; the last one is the whole.
     chains: Vec<Chain>,
+    /// Sum of angles at a place, and whether that is inside.
+    compared_with: (f64, bool),
     bounds: Bounds,
 }
 
-/// Centre of a cap that holds the ring, and two directions to take azimuths by.
+/// Longitudes that a part of a ring spans, from `west_deg` (included) to the east (excluded).
 #[derive(Debug, Clone, Copy)]
-struct Center {
-    at: DVec3,
-    axes: [DVec3; 2],
-    /// Smallest cosine of the angle to a vertex. Arcs between points of a cap smaller than a
-    /// hemisphere stay in the cap, so no part of the ring or its inside is farther out.
-    cos_radius: f64,
+struct Span {
+    /// −180 ≤ `west_deg` < 180.
+    west_deg: f64,
+    /// 0 … 180.
+    width_deg: f64,
+    part: SpanPart,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum SpanPart {
+    /// From west to east.
+    Arc([DVec3; 2]),
+    /// Past the north pole, north of everything.
+    NorthPole,
+    /// Past the south pole, south of everything.
+    SouthPole,
 }
 
 /// Consecutive edges, from vertex `start` to vertex `end`.
@@ -92,34 +101,44 @@ struct Chain {
     halves: Option<[usize; 2]>,
 }
 
+/// Whether a ring separates the poles.
+pub(crate) fn goes_round(vertices_deg: &[[f64; 2]]) -> bool {
+    // Opposite ends are refused when the ring is made ready.
+    corners_of(vertices_deg).is_ok_and(|corners| Course::along(&corners).goes_round())
+}
+
 impl GreatEllipseRing {
     /// # Errors
-    /// [`LocatorError::NotInAHemisphere`].
+    /// [`LocatorError::OppositeEnds`].
     pub(crate) fn new(source: &RingSource<'_>) -> Result<Self, LocatorError> {
-        let mut vertices: Vec<DVec3> = source
-            .vertices_deg
-            .iter()
-            .map(|vertex| normal(vertex[0], vertex[1]))
-            .collect();
-        let center = Center::of(&vertices);
-        if center.cos_radius < SMALLEST_COSINE {
-            return Err(source.hemisphere_error(
-                center.cos_radius.clamp(-1.0, 1.0).acos().to_degrees(),
-                SMALLEST_COSINE.acos().to_degrees(),
-            ));
-        }
+        let corners =
+            corners_of(source.vertices_deg).map_err(|vertex| source.opposite_error(vertex))?;
+        let mut vertices: Vec<DVec3> = corners.iter().map(|corner| corner.normal).collect();
         vertices.extend(vertices.first().copied());
+        let course = Course::along(&corners);
+        let goes_round = course.goes_round();
+        let [south_pole_is_inside, north_pole_is_inside] =
+            [!source.holds_north, source.holds_north].map(|held| goes_round && held);
         let mut chains = Vec::new();
-        build_chain(&vertices, 0, vertices.len() - 1, &mut chains);
-        Ok(Self {
-            by_azimuth: center.index(&vertices),
-            bounds: center.bounds(),
-            // Moved by less than the ring is away from the rim, so still a centre.
-            second_center: (center.at + center.axes[0] * (1e-3 * center.cos_radius)).normalize(),
-            vertices,
-            center,
+        if vertices.len() > 1 {
+            build_chain(&vertices, 0, vertices.len() - 1, &mut chains);
+        }
+        let mut ring = Self {
+            by_longitude: index(&course.spans),
+            bounds: bounds_of(
+                &course,
+                &vertices,
+                south_pole_is_inside,
+                north_pole_is_inside,
+            ),
+            spans: course.spans,
+            south_pole_is_inside,
             chains,
-        })
+            compared_with: (0.0, false),
+            vertices,
+        };
+        ring.compared_with = ring.place_to_compare_with(north_pole_is_inside);
+        Ok(ring)
     }
 
     /// Nothing of the ring's inside lies beyond.
@@ -129,69 +148,58 @@ impl GreatEllipseRing {
 
     /// Both tests, by the index.
     pub(crate) fn holds(&self, point: &Point) -> Verdicts {
-        let p = point.normal;
-        if p.dot(self.center.at) < self.center.cos_radius - DOT_MARGIN {
+        let latitude_deg = point.latitude_deg;
+        if latitude_deg < self.bounds.south || latitude_deg > self.bounds.north {
             return Verdicts::default();
         }
-        let center = self.center_for(p);
-        let first = if center == self.center.at {
-            let near = self.by_azimuth.at(self.center.azimuth(p));
-            self.parity(center, p, near.iter().map(|&edge| edge as usize))
-        } else {
-            self.parity(center, p, 0..self.vertices.len() - 1)
-        };
-        let angle = self
-            .chains
-            .len()
-            .checked_sub(1)
-            .map_or(0.0, |all| self.angle(all, p));
+        let longitude_deg = longitude_of(point);
+        let near = self.by_longitude.at(longitude_deg).iter();
+        let near = near.map(|&span| &self.spans[span as usize]);
         Verdicts {
-            first,
-            second: winds(angle),
+            first: self.parity(longitude_deg, point.normal, near),
+            second: self.is_inside_by(self.sum_of_angles(point.normal)),
         }
     }
 
     /// Both tests over every edge.
     #[cfg(test)]
     pub(crate) fn holds_brute(&self, point: &Point) -> Verdicts {
-        let p = point.normal;
-        let edges = 0..self.vertices.len() - 1;
-        let angles = edges
-            .clone()
-            .map(|i| angle(self.vertices[i], self.vertices[i + 1], p));
-        let in_hemisphere = p.dot(self.center.at) > 0.0;
+        let pairs = self.vertices.windows(2);
+        let angles = pairs.map(|pair| angle(pair[0], pair[1], point.normal));
         Verdicts {
-            second: winds(angles.sum()),
-            first: in_hemisphere && self.parity(self.center_for(p), p, edges),
+            first: self.parity(longitude_of(point), point.normal, self.spans.iter()),
+            second: self.is_inside_by(angles.sum()),
         }
     }
 
-    /// The centre to judge `p` from.
-    fn center_for(&self, p: DVec3) -> DVec3 {
-        if (p - self.center.at).length() < AT_CENTER {
-            self.second_center
-        } else {
-            self.center.at
-        }
+    /// Whether `p` is inside, by the parts of the ring between it and the south pole.
+    fn parity<'a>(
+        &self,
+        longitude_deg: f64,
+        p: DVec3,
+        spans: impl Iterator<Item = &'a Span>,
+    ) -> bool {
+        let is_crossed = |span: &&Span| {
+            span.holds(longitude_deg)
+                && match span.part {
+                    SpanPart::Arc([west, east]) => side_of(west, east, p) > 0.0,
+                    SpanPart::NorthPole => false,
+                    SpanPart::SouthPole => true,
+                }
+        };
+        self.south_pole_is_inside != (spans.filter(is_crossed).count() % 2 == 1)
     }
 
-    /// Whether the way from `p` away from `center` crosses an odd number of `edges`.
-    ///
-    /// As in a plane with `center` as its origin, which the hemisphere is in central projection:
-    /// an edge with its ends on different sides of the line is crossed beyond `p` when `p` lies on
-    /// the left of an edge that passes from right to left.
-    fn parity(&self, center: DVec3, p: DVec3, edges: impl Iterator<Item = usize>) -> bool {
-        let mut odd = false;
-        for i in edges {
-            let (a, b) = (self.vertices[i], self.vertices[i + 1]);
-            let a_is_left = side_of(center, a, p) <= 0.0;
-            let b_is_left = side_of(center, b, p) <= 0.0;
-            if a_is_left != b_is_left {
-                let side = side_of(a, b, p);
-                odd ^= if b_is_left { side > 0.0 } else { side < 0.0 };
-            }
-        }
-        odd
+    /// Whether a place with this sum of angles is inside.
+    fn is_inside_by(&self, sum: f64) -> bool {
+        let (sum_there, is_inside_there) = self.compared_with;
+        let jumps = ((sum - sum_there) / (4.0 * PI)).round();
+        is_inside_there != (jumps.rem_euclid(2.0) == 1.0)
+    }
+
+    fn sum_of_angles(&self, p: DVec3) -> f64 {
+        let whole = self.chains.len().checked_sub(1);
+        whole.map_or(0.0, |whole| self.angle(whole, p))
     }
 
     /// Sum of the solid angles of a chain seen from the antipode of `p`.
@@ -204,91 +212,253 @@ impl GreatEllipseRing {
             _ => chain.area + angle(self.vertices[chain.start], self.vertices[chain.end], p),
         }
     }
+
+    /// The pole farther from the ring, whose side is known; where the ring passes both, whatever
+    /// place is far from it, by the first test.
+    fn place_to_compare_with(&self, north_pole_is_inside: bool) -> (f64, bool) {
+        let (south, north) = (DVec3::NEG_Z, DVec3::Z);
+        let (from_south, from_north) = (self.distance(south), self.distance(north));
+        if from_south.max(from_north) > AT_POLE {
+            return if from_south > from_north {
+                (self.sum_of_angles(south), self.south_pole_is_inside)
+            } else {
+                (self.sum_of_angles(north), north_pole_is_inside)
+            };
+        }
+        let golden_turn = (5_f64.sqrt() - 1.0) / 2.0;
+        let places = (0..OTHER_PLACES).filter_map(|i| {
+            let z = (f64::from(i) + 0.5) / f64::from(OTHER_PLACES) * 2.0 - 1.0;
+            let longitude_deg = 360.0 * (f64::from(i) * golden_turn).fract();
+            Point::new(longitude_deg, z.asin().to_degrees())
+        });
+        let distance = |point: &Point| self.distance(point.normal);
+        let farthest = places.max_by(|a, b| distance(a).total_cmp(&distance(b)));
+        farthest.map_or((0.0, false), |point| {
+            let is_inside = self.parity(longitude_of(&point), point.normal, self.spans.iter());
+            (self.sum_of_angles(point.normal), is_inside)
+        })
+    }
+
+    /// Chord or angle from `q` to the nearest place of the ring: good enough to choose by.
+    fn distance(&self, q: DVec3) -> f64 {
+        let to_arc = |pair: &[DVec3]| {
+            let (a, b) = (pair[0], pair[1]);
+            let n = a.cross(b - a);
+            if n.cross(a).dot(q) > 0.0 && n.cross(b).dot(q) < 0.0 {
+                (n.dot(q) / n.length()).abs()
+            } else {
+                q.distance(a).min(q.distance(b))
+            }
+        };
+        self.vertices
+            .windows(2)
+            .map(to_arc)
+            .fold(f64::INFINITY, f64::min)
+    }
 }
 
-impl Center {
-    /// Centre of nearly the smallest cap: from the mean, a step towards whatever vertex is
-    /// farthest, each step shorter (Bădoiu and Clarkson, 2003).
-    fn of(vertices: &[DVec3]) -> Self {
-        let farthest = |at: DVec3| {
-            vertices
-                .iter()
-                .copied()
-                .min_by(|a, b| a.dot(at).total_cmp(&b.dot(at)))
-                .unwrap_or(at)
+impl Span {
+    /// From one corner to the next, perhaps over a `pole`, and how far east that leads: between
+    /// the two numbers, or the other way round the axis should that be shorter.
+    fn between(from: &Corner, to: &Corner, pole: Option<&Corner>) -> (Option<Self>, f64) {
+        let step_deg = to.longitude_deg - from.longitude_deg;
+        let step_deg = if step_deg.abs() > 180.0 {
+            step_deg - 360.0_f64.copysign(step_deg)
+        } else {
+            step_deg
         };
-        let sum: DVec3 = vertices.iter().copied().sum();
-        let mut at = sum.try_normalize().unwrap_or(DVec3::Z);
-        let mut best = (at, farthest(at).dot(at));
-        for step in 1..=CENTER_STEPS_AT_MOST {
-            if step > CENTER_STEPS && best.1 >= SMALLEST_COSINE {
-                break;
-            }
-            let towards = farthest(at);
-            at = (at + (towards - at) / f64::from(step + 1))
-                .try_normalize()
-                .unwrap_or(at);
-            let cos_radius = farthest(at).dot(at);
-            if cos_radius > best.1 {
-                best = (at, cos_radius);
-            }
-        }
-        let (at, cos_radius) = best;
-        let east = at.any_orthonormal_vector();
+        let (west, east) = if step_deg > 0.0 {
+            (from, to)
+        } else {
+            (to, from)
+        };
+        let span = Self {
+            west_deg: west_of_180(west.longitude_deg),
+            width_deg: step_deg.abs(),
+            part: match pole {
+                None => SpanPart::Arc([west.normal, east.normal]),
+                Some(pole) if pole.latitude_deg < 0.0 => SpanPart::SouthPole,
+                Some(_) => SpanPart::NorthPole,
+            },
+        };
+        ((step_deg != 0.0).then_some(span), step_deg)
+    }
+
+    fn holds(&self, longitude_deg: f64) -> bool {
+        let east_of_west = longitude_deg - self.west_deg;
+        let turn = if east_of_west < 0.0 { 360.0 } else { 0.0 };
+        east_of_west + turn < self.width_deg
+    }
+}
+
+/// A vertex of a ring.
+#[derive(Debug, Clone, Copy)]
+struct Corner {
+    /// −180 … 180, on the grid of [`on_longitude_grid`].
+    longitude_deg: f64,
+    latitude_deg: f64,
+    normal: DVec3,
+}
+
+impl Corner {
+    fn new([longitude_deg, latitude_deg]: [f64; 2]) -> Self {
+        let turns = (longitude_deg / 360.0).round();
         Self {
-            at,
-            axes: [east, at.cross(east)],
-            cos_radius,
+            longitude_deg: on_longitude_grid(longitude_deg - 360.0 * turns),
+            latitude_deg,
+            normal: normal(longitude_deg, latitude_deg),
         }
     }
 
-    fn azimuth(&self, v: DVec3) -> f64 {
-        v.dot(self.axes[1]).atan2(v.dot(self.axes[0]))
+    fn is_pole(&self) -> bool {
+        self.latitude_deg.abs() == 90.0
     }
+}
 
-    /// Edges by azimuth. Those that pass so close by the centre that it is doubtful on which side
-    /// of it are entered everywhere.
-    fn index(&self, vertices: &[DVec3]) -> Slabs {
-        let mut intervals = Vec::new();
-        for (pair, item) in vertices.windows(2).zip(0_u32..) {
-            let (a, b) = (self.azimuth(pair[0]), self.azimuth(pair[1]));
-            let turn = (b - a + PI).rem_euclid(2.0 * PI) - PI;
-            let is_doubtful = turn.abs() > PI - 1e-3
-                || pair
-                    .iter()
-                    .any(|vertex| (*vertex - self.at).length() < AT_CENTER);
-            if is_doubtful {
-                intervals.push((item, -PI, PI));
+/// What a ring spans, in its order.
+struct Course {
+    spans: Vec<Span>,
+    /// Longitudes reached without a jump, from west to east.
+    reach_deg: [f64; 2],
+}
+
+impl Course {
+    fn along(corners: &[Corner]) -> Self {
+        let mut course = Self {
+            spans: Vec::with_capacity(corners.len()),
+            reach_deg: [0.0; 2],
+        };
+        // A ring that never leaves its pole spans nothing.
+        let Some(first) = corners.iter().position(|corner| !corner.is_pole()) else {
+            return course;
+        };
+        let mut from = &corners[first];
+        let mut at_deg = from.longitude_deg;
+        course.reach_deg = [at_deg; 2];
+        let mut pole = None;
+        for to in corners[first + 1..].iter().chain(&corners[..=first]) {
+            if to.is_pole() {
+                pole = Some(to);
                 continue;
             }
-            let low = a.min(a + turn) - AZIMUTH_MARGIN_RAD;
-            let high = a.max(a + turn) + AZIMUTH_MARGIN_RAD;
-            for shift in [-2.0 * PI, 0.0, 2.0 * PI] {
-                if low + shift <= PI && high + shift >= -PI {
-                    intervals.push((item, low + shift, high + shift));
-                }
-            }
+            let (span, step_deg) = Span::between(from, to, pole.take());
+            at_deg += step_deg;
+            let [west, east] = course.reach_deg;
+            course.reach_deg = [west.min(at_deg), east.max(at_deg)];
+            course.spans.extend(span);
+            from = to;
         }
-        Slabs::new(-PI, PI, &intervals)
+        course
     }
 
-    /// Longitudes and latitudes of the cap.
-    fn bounds(&self) -> Bounds {
-        // A cosine near 1 says little about a small angle; its rounding is 1e-8 rad at most.
-        let radius = (self.cos_radius - DOT_MARGIN).clamp(-1.0, 1.0).acos() + 1e-8;
-        let latitude = self.at.z.atan2(self.at.x.hypot(self.at.y));
-        let longitude = self.at.y.atan2(self.at.x);
-        let reach = if latitude.abs() + radius < PI / 2.0 {
-            (radius.sin() / latitude.cos()).clamp(-1.0, 1.0).asin() + 1e-8
-        } else {
-            PI
-        };
-        Bounds {
-            west: (longitude - reach).to_degrees(),
-            south: (latitude - radius).to_degrees().max(-90.0),
-            east: (longitude + reach).to_degrees(),
-            north: (latitude + radius).to_degrees().min(90.0),
+    /// Whether every meridian is crossed an odd number of times: all are, or none.
+    fn goes_round(&self) -> bool {
+        let spans = self.spans.iter();
+        spans.filter(|span| span.holds(-180.0)).count() % 2 == 1
+    }
+}
+
+/// A ring's vertices, and the poles that its edges pass through.
+///
+/// # Errors
+/// The vertex at which an edge between opposite places starts: any plane through them will do.
+fn corners_of(vertices_deg: &[[f64; 2]]) -> Result<Vec<Corner>, usize> {
+    let mut corners = Vec::with_capacity(vertices_deg.len());
+    let next = vertices_deg.iter().cycle().skip(1);
+    for (vertex, (from, to)) in vertices_deg.iter().zip(next).enumerate() {
+        let (from, to) = (Corner::new(*from), Corner::new(*to));
+        corners.push(from);
+        let is_meridional = (to.longitude_deg - from.longitude_deg).abs() == 180.0;
+        let sum_deg = from.latitude_deg + to.latitude_deg;
+        match (from.is_pole(), to.is_pole()) {
+            (false, false) if is_meridional && sum_deg != 0.0 => {
+                corners.push(Corner::new([0.0, 90.0_f64.copysign(sum_deg)]));
+            }
+            (false, false) if is_meridional => return Err(vertex),
+            (true, true) if sum_deg == 0.0 => return Err(vertex),
+            _ => {}
         }
+    }
+    Ok(corners)
+}
+
+/// The antimeridian has one number only.
+fn west_of_180(longitude_deg: f64) -> f64 {
+    if longitude_deg == 180.0 {
+        -180.0
+    } else {
+        longitude_deg
+    }
+}
+
+/// −180 included, 180 excluded.
+fn longitude_of(point: &Point) -> f64 {
+    if point.normal.x == 0.0 && point.normal.y == 0.0 {
+        on_longitude_grid(LONGITUDE_AT_POLES_DEG)
+    } else {
+        west_of_180(point.longitude_deg)
+    }
+}
+
+fn index(spans: &[Span]) -> Slabs {
+    let mut intervals = Vec::with_capacity(spans.len());
+    for (span, item) in spans.iter().zip(0_u32..) {
+        let east_deg = span.west_deg + span.width_deg;
+        intervals.push((item, span.west_deg, east_deg.min(180.0)));
+        if east_deg > 180.0 {
+            intervals.push((item, -180.0, east_deg - 360.0));
+        }
+    }
+    Slabs::new(-180.0, 180.0, &intervals)
+}
+
+/// Longitudes and latitudes of the inside: without a pole in it, it lies between those of the ring.
+fn bounds_of(
+    course: &Course,
+    vertices: &[DVec3],
+    south_pole_is_inside: bool,
+    north_pole_is_inside: bool,
+) -> Bounds {
+    let Some(first) = vertices.first() else {
+        return Bounds::EMPTY;
+    };
+    let latitude_deg = |z: f64| z.clamp(-1.0, 1.0).asin().to_degrees();
+    let (mut south, mut north) = (first.z, first.z);
+    for pair in vertices.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        south = south.min(b.z);
+        north = north.max(b.z);
+        // The plane's farthest place from the equator, if it is between the ends.
+        let n = a.cross(b - a);
+        let top = (1.0 - (n.z / n.length()).powi(2)).max(0.0).sqrt();
+        let (rises_at_a, rises_at_b) = (n.cross(a).z > 0.0, n.cross(b).z > 0.0);
+        match (rises_at_a, rises_at_b) {
+            (true, false) => north = north.max(top),
+            (false, true) => south = south.min(-top),
+            _ => {}
+        }
+    }
+    let goes_round = south_pole_is_inside || north_pole_is_inside;
+    let [west, east] = if goes_round {
+        [-180.0, 180.0]
+    } else {
+        course.reach_deg
+    };
+    let south = latitude_deg(south) - LATITUDE_MARGIN_DEG;
+    let north = latitude_deg(north) + LATITUDE_MARGIN_DEG;
+    Bounds {
+        west,
+        south: if south_pole_is_inside {
+            -90.0
+        } else {
+            south.max(-90.0)
+        },
+        east,
+        north: if north_pole_is_inside {
+            90.0
+        } else {
+            north.min(90.0)
+        },
     }
 }
 
@@ -327,13 +497,14 @@ fn build_chain(vertices: &[DVec3], start: usize, end: usize, chains: &mut Vec<Ch
 
 /// Sign of `det(a, b, p)`: positive when `p` lies on the left of the way from `a` to `b`.
 ///
-/// Where it is 0, `p` counts as moved by next to nothing towards [`TIE_BREAKER`]. All rings see the
-/// same move, so a place on a border or a vertex belongs to exactly one of those that meet there
-/// (Edelsbrunner and Mücke, 1990, "Simulation of Simplicity").
+/// Where it is 0, `p` counts as moved by next to nothing eastwards, as it does among half-open
+/// spans, and by [`TIE_SLOPE`] times as much to the north. All rings see the same move, so a place
+/// on a border or a vertex belongs to exactly one of those that meet there (Edelsbrunner and Mücke,
+/// 1990, "Simulation of Simplicity").
 fn side_of(a: DVec3, b: DVec3, p: DVec3) -> f64 {
     let sign = exact_sign(a, b, p);
     if sign == 0.0 {
-        exact_sign(a, b, TIE_BREAKER)
+        exact_sign(a, b, DVec3::new(-p.y, p.x, TIE_SLOPE))
     } else {
         sign
     }
@@ -365,9 +536,4 @@ fn angle(a: DVec3, b: DVec3, p: DVec3) -> f64 {
 fn area(a: DVec3, b: DVec3, c: DVec3) -> f64 {
     let determinant = a.dot((b - a).cross(c - a));
     2.0 * determinant.atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
-}
-
-/// Whether a sum of solid angles is an odd number of jumps away from an area below 2π.
-fn winds(angle: f64) -> bool {
-    (angle / (4.0 * PI)).round().rem_euclid(2.0) == 1.0
 }

@@ -5,7 +5,7 @@
 //! rings hold, so holes, islands in holes, and parts cut at the antimeridian need no order. The
 //! first test decides; the second one only says where the first is not to be trusted blindly.
 
-use crate::great_ellipse::GreatEllipseRing;
+use crate::great_ellipse::{GreatEllipseRing, goes_round};
 use crate::planar::{PlanarRing, on_longitude_grid};
 use glam::DVec3;
 use terrafill_core::{EdgeRule, Polygon, Region, Ring};
@@ -40,18 +40,19 @@ pub enum LocatorError {
         /// The limit.
         allowed: f64,
     },
-    /// Of a great-ellipse ring that lies in no hemisphere, which side is the inside is a guess.
+    /// Every plane through the ends of a great-ellipse edge holds the centre.
     #[error(
-        "{place} lies in no hemisphere: a vertex is {found:.3}° from the best centre found, \
-         allowed below {allowed:.3}°"
+        "{place}: the edge from vertex {vertex} joins the opposite points {start:?} and {end:?}"
     )]
-    NotInAHemisphere {
+    OppositeEnds {
         /// Region and ring.
         place: String,
-        /// Largest angle from the centre of the smallest cap found.
-        found: f64,
-        /// The limit.
-        allowed: f64,
+        /// Vertex that the edge starts at.
+        vertex: usize,
+        /// Longitude and latitude of its start, degrees.
+        start: [f64; 2],
+        /// Longitude and latitude of its end, degrees.
+        end: [f64; 2],
     },
 }
 
@@ -88,11 +89,12 @@ impl RingSource<'_> {
         }
     }
 
-    pub(crate) fn hemisphere_error(&self, found: f64, allowed: f64) -> LocatorError {
-        LocatorError::NotInAHemisphere {
+    pub(crate) fn opposite_error(&self, vertex: usize) -> LocatorError {
+        LocatorError::OppositeEnds {
             place: self.place.clone(),
-            found,
-            allowed,
+            vertex,
+            start: self.vertices_deg[vertex],
+            end: self.vertices_deg[(vertex + 1) % self.vertices_deg.len()],
         }
     }
 }
@@ -241,10 +243,8 @@ impl Locator {
         let sources = regions.iter().enumerate().flat_map(|(position, region)| {
             let polygons = region.polygons.iter().enumerate();
             polygons.flat_map(move |(part, polygon)| {
-                rings_of(polygon)
-                    .into_iter()
-                    .enumerate()
-                    .map(move |(index, (ring, north))| {
+                rings_of(polygon, rule).into_iter().enumerate().map(
+                    move |(index, (ring, north))| {
                         let source = RingSource {
                             place: format!(
                                 "feature {} ({}), polygon {part}, ring {index}",
@@ -255,7 +255,8 @@ impl Locator {
                             holds_north: north,
                         };
                         (position, source)
-                    })
+                    },
+                )
             })
         });
         Self::from_rings(sources, rule)
@@ -349,16 +350,16 @@ impl Locator {
 ///
 /// A ring that does holds the pole of the hemisphere in which its vertices lie on average, north
 /// if undecided. The holes of a shell that goes round are closed over the shell's pole.
-fn rings_of(polygon: &Polygon) -> Vec<(&Ring, bool)> {
+fn rings_of(polygon: &Polygon, rule: EdgeRule) -> Vec<(&Ring, bool)> {
     let holds_north = |ring: &Ring| holds_north(ring.vertices_deg());
     let shell = &polygon.shell;
     let mut rings = vec![(shell, holds_north(shell))];
+    let shell_goes_round = match rule {
+        EdgeRule::Planar => shell.winding_deg() != 0.0,
+        EdgeRule::GreatEllipse => !polygon.holes.is_empty() && goes_round(shell.vertices_deg()),
+    };
     for hole in &polygon.holes {
-        let decides = if shell.winding_deg() == 0.0 {
-            hole
-        } else {
-            shell
-        };
+        let decides = if shell_goes_round { shell } else { hole };
         rings.push((hole, holds_north(decides)));
     }
     rings

@@ -189,15 +189,15 @@ fn the_hole_of_a_zone_is_closed_over_the_pole_of_its_shell() {
 
 #[test]
 fn a_ring_that_cannot_be_judged_is_named() {
-    let regions = parsed("[[[0,0],[90,0],[180,0],[270,10],[0,0]]]");
+    let regions = parsed("[[[0,0],[90,0],[-90,0],[270,10],[0,0]]]");
     let error = Locator::new(&regions, EdgeRule::GreatEllipse).err();
     assert!(
-        matches!(error, Some(LocatorError::NotInAHemisphere { .. })),
+        matches!(error, Some(LocatorError::OppositeEnds { vertex: 1, .. })),
         "{error:?}"
     );
     let message = error.map(|error| error.to_string()).unwrap_or_default();
     assert!(
-        message.starts_with("feature 0 (x), polygon 0, ring 0"),
+        message.starts_with("feature 0 (x), polygon 0, ring 0: the edge from vertex 1"),
         "{message}"
     );
 }
