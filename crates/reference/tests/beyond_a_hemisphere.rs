@@ -335,7 +335,10 @@ fn a_moved_vertex_is_noticed() {
     let ring = zigzag([60.0, -45.0]);
     let mut moved = ring.clone();
     moved[4][1] += 1e-6;
-    let (unmoved, locator) = (region(std::slice::from_ref(&ring)), locator(&region(&[moved])));
+    let (unmoved, locator) = (
+        region(std::slice::from_ref(&ring)),
+        locator(&region(&[moved])),
+    );
     let sides = sides(&unmoved.polygons[0]);
     let mut random = Random(3);
     let over = unit([33.0, 12.0]);
