@@ -325,13 +325,25 @@ pub(crate) fn crossings_at_antimeridian(
         };
         (0..group.len()).flat_map(later)
     });
-    let along = edges.iter().enumerate().filter(|(_, edge)| !edge.is_cut());
-    let with_along = along.flat_map(|(index, edge)| {
+    let cuts_from = |latitude: f64| cuts.partition_point(|cut| cut.0 < latitude);
+    let along = || edges.iter().enumerate().filter(|(_, edge)| !edge.is_cut());
+    // Both sides of a seam cancel: it is no border, and is crossed freely. Southern ends count.
+    let mut is_border = vec![false; cuts.len() + 1];
+    for (_, edge) in along() {
+        for latitude in edge.latitudes {
+            is_border[cuts_from(latitude)] ^= true;
+        }
+    }
+    for cut in 1..is_border.len() {
+        is_border[cut] ^= is_border[cut - 1];
+    }
+    let is_border = &is_border;
+    let cuts = &cuts;
+    let with_along = along().flat_map(|(index, edge)| {
         let [south, north] = edge.latitudes;
         let first = cuts.partition_point(|cut| cut.0 <= south);
-        let past = cuts.partition_point(|cut| cut.0 < north);
-        let within = cuts[first..past].iter();
-        within.map(move |cut| (*cut, (cut.0, index)))
+        let within = (first..cuts_from(north)).filter(|cut| is_border[*cut]);
+        within.map(move |cut| (cuts[cut], (cuts[cut].0, index)))
     });
     let crosses = |a: [Degrees; 2], b: [Degrees; 2]| match rule {
         EdgeRule::Planar => edges_cross(a, b),

@@ -271,10 +271,13 @@ fn point_on_edge(rule: EdgeRule, start: Degrees, end: Degrees, fraction: f64) ->
     }
     let point = from * ((1.0 - fraction) * angle).sin() + to * (fraction * angle).sin();
     let longitude_deg = point.y.atan2(point.x).to_degrees();
+    let latitude_deg = point.z.atan2(point.x.hypot(point.y)).to_degrees();
+    // Rounding must not carry the point past the edge's ends, nor onto a pole: what ends there is
+    // drawn as a meridian, and this arc's parts are none.
+    let highest_deg = 90_f64.next_down();
     [
-        // Rounding must not carry the point past the edge's ends.
         longitude_deg.clamp(start[0], end[0]),
-        point.z.atan2(point.x.hypot(point.y)).to_degrees(),
+        latitude_deg.clamp(-highest_deg, highest_deg),
     ]
 }
 

@@ -224,3 +224,23 @@ fn an_arc_back_along_another_has_the_same_area_either_way_round_within_the_toler
         );
     }
 }
+
+#[test]
+fn an_arc_that_passes_a_pole_by_a_rounding_is_not_split_at_the_pole() {
+    // From 179.99999 to 359.99999 is 3e-14° less than half a turn. The middle of the arc was rounded
+    // onto the pole, its halves ended there as edges to longitude 90 and their halves spread by 45°.
+    let region = region("[[[[179.99999,-89.99994],[269.99999,-89.99994],[359.99999,-89.99994]]]]");
+    let body = Ellipsoid::SATURN_LIKE;
+    let options = MeshOptions {
+        boundary_tolerance_m: 3.8e7,
+        cap_step_deg: 20.0,
+    };
+    let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options).expect("meshes");
+    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    // Half of a square with this half diagonal, in the plane that touches the pole, where the radius
+    // of curvature is a²/b.
+    let radius_m = body.equatorial_radius_m().powi(2) / body.polar_radius_m();
+    let half_diagonal_m = 6e-5_f64.to_radians() * radius_m;
+    let error = mesh.area_m2 / half_diagonal_m.powi(2) - 1.0;
+    assert!(error.abs() < 1e-5, "{error}");
+}

@@ -150,6 +150,35 @@ fn an_edge_along_the_antimeridian_is_crossed_by_one_that_is_cut_there() {
 }
 
 #[test]
+fn a_seam_along_the_antimeridian_is_crossed_freely() {
+    // The whole globe as a rectangle, and parts cut as RFC 7946 wants it: both sides cancel.
+    let whole = [
+        [-180.0, -90.0],
+        [180.0, -90.0],
+        [180.0, 90.0],
+        [-180.0, 90.0],
+    ];
+    let [west, east] = [
+        [[160.0, -9.0], [180.0, -9.0], [180.0, 9.0], [160.0, 9.0]],
+        [[-160.0, -9.0], [-160.0, 9.0], [-180.0, 9.0], [-180.0, -9.0]],
+    ];
+    let hole = [[170.0, -2.0], [190.0, -2.0], [190.0, 2.0], [170.0, 2.0]];
+    let repaired = |rings: &[&[Degrees]]| {
+        let mut region = region(rings);
+        let crossings = region.split_at_crossings(EdgeRule::Planar);
+        (crossings, build(&region, EdgeRule::Planar).is_ok())
+    };
+    assert_eq!(repaired(&[&whole, &hole]), (0, true));
+    assert_eq!(repaired(&[&west, &east, &hole]), (0, true));
+    // A vertex on one side at the very latitude of a cut.
+    let mut notched = east.to_vec();
+    notched.insert(3, [-180.0, 2.0]);
+    assert_eq!(repaired(&[&west, &notched, &hole]), (0, true));
+    // Twin: with one side only it is a border, and both its crossings are found.
+    assert_eq!(repaired(&[&west, &hole]), (2, true));
+}
+
+#[test]
 fn what_touches_on_the_antimeridian_is_no_crossing() {
     for rule in RULES {
         // A vertex of both.

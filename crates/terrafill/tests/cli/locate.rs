@@ -105,6 +105,67 @@ fn crossing_rings_are_judged_by_the_even_odd_rule_when_asked_for() {
 }
 
 #[test]
+fn overlapping_parts_are_refused_until_even_odd_is_asked_for() {
+    let desk = Desk::new();
+    let outer = "[[0,0],[10,0],[10,10],[0,10],[0,0]]";
+    let inner = "[[2,2],[8,2],[8,8],[2,8],[2,2]]";
+    let beside = "[[20,0],[30,0],[30,10],[20,10],[20,0]]";
+    let multi = |rings: [&str; 2]| {
+        let [a, b] = rings;
+        format!(r#"{{"type":"MultiPolygon","coordinates":[[{a}],[{b}]]}}"#)
+    };
+    desk.write(
+        "over.geojson",
+        collection(&[("over", multi([outer, inner]))]),
+    );
+    desk.write(
+        "apart.geojson",
+        collection(&[("apart", multi([outer, beside]))]),
+    );
+    let points = "lon,lat\n1,1\n5,5\n25,5\n";
+    desk.write("points.csv", points);
+    for edges in ["planar", "great-ellipse"] {
+        let arguments = ["locate", "over.geojson", "--points", "points.csv"];
+        desk.run(&[&arguments[..], &["--edges", edges]].concat())
+            .refused(&[&[
+                "feature 0 (over)",
+                "polygon 0 and polygon 1 overlap",
+                "--repair even-odd",
+            ]]);
+        let options = ["--repair", "even-odd", "--edges", edges];
+        let text = locate(&desk, &[&["over.geojson"], &options[..]].concat(), points);
+        assert_eq!(found(&text), ["0", "", ""], "{edges}");
+        // Twin: parts that do not overlap are located without being asked twice.
+        let text = locate(&desk, &["apart.geojson", "--edges", edges], points);
+        assert_eq!(found(&text), ["0", "0", "0"], "{edges}");
+    }
+}
+
+#[test]
+fn knots_on_the_antimeridian_and_rings_beyond_a_hemisphere_are_located() {
+    let desk = Desk::new();
+    let tie = "[[170,0],[190,10],[170,10],[190,0],[170,0]]";
+    let polygon = |ring: &str| format!(r#"{{"type":"Polygon","coordinates":[{ring}]}}"#);
+    desk.write("tie.geojson", collection(&[("tie", polygon(tie))]));
+    let points = "lon,lat\n172,5\n-172,5\n180,1\n";
+    desk.write("points.csv", points);
+    desk.run(&["locate", "tie.geojson", "--points", "points.csv"])
+        .refused(&[&[
+            "feature 0 (tie)",
+            "longitude 180.0000000, latitude 5.0000000",
+            "--repair even-odd",
+        ]]);
+    let text = locate(&desk, &["tie.geojson", "--repair", "even-odd"], points);
+    assert_eq!(found(&text), ["", "", "0"]);
+    // Round the axis and over the equator: in no hemisphere.
+    let wide = "[[0,30],[60,-10],[120,30],[180,-10],[240,30],[300,-10],[0,30]]";
+    desk.write("wide.geojson", collection(&[("wide", polygon(wide))]));
+    let points = "lon,lat\n0,90\n60,0\n0,20\n0,-90\n";
+    let text = locate(&desk, &["wide.geojson", "--edges", "great-ellipse"], points);
+    assert_eq!(found(&text), ["0", "0", "", ""]);
+}
+
+#[test]
 fn cities_lie_in_their_countries() {
     let Some(file) = data_file("vectors/ne_110m_admin_0_countries.geojson") else {
         return;
