@@ -102,7 +102,9 @@ fn read(path: &Path) -> Result<(Vec<Region>, Vec<FeatureProblem>), Failure> {
 
 fn describe(path: &Path, repair: Option<Repair>, error: &MeshError) -> FeatureProblem {
     let remedy = match (error, repair) {
-        (MeshError::SelfCrossing { .. } | MeshError::Overlap { .. }, None) => "; --repair even-odd fills by that rule",
+        (MeshError::SelfCrossing { .. } | MeshError::Overlap { .. }, None) => {
+            "; --repair even-odd fills by that rule"
+        }
         _ => "",
     };
     let place = error.place();
