@@ -112,8 +112,8 @@ pub(crate) struct RenderArguments {
     /// View of the scene
     #[arg(long)]
     pub(crate) view: String,
-    /// Backend
-    #[arg(long, default_value = "vertex")]
+    /// vertex, compute, native or reference
+    #[arg(long, default_value = "vertex", hide_possible_values = true)]
     pub(crate) backend: RenderBackend,
     #[arg(long, value_name = "KEY=VALUE", help = VARIANT_HELP)]
     pub(crate) variant: Vec<String>,
