@@ -209,7 +209,7 @@ mod tests {
     }
 
     /// Those of `keys` that `backend` does not take.
-    fn not_taken<'a>(backend: RenderBackend, keys: &'a str) -> Vec<(&'a str, &'a str)> {
+    fn not_taken(backend: RenderBackend, keys: &str) -> Vec<(&str, &str)> {
         let all = settings(keys).into_iter();
         all.filter(|(key, value)| technique(backend).set(key, value) != Ok(true))
             .collect()
