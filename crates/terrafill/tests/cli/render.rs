@@ -400,6 +400,46 @@ fn every_backend_writes_the_same_ids() {
 }
 
 #[test]
+fn a_coarser_boundary_spares_every_backend_vertices() {
+    if !has_device() || !a_device("native     runs, with geometry shaders") {
+        return;
+    }
+    let desk = Desk::new();
+    let corner = |i: u32| {
+        let angle = (f64::from(i) / 20.0).to_radians();
+        [5.0 * angle.cos(), 5.0 * angle.sin()]
+    };
+    // So many that a scene has levels without asking for them.
+    let ring: Vec<[f64; 2]> = (0..7_200).map(corner).collect();
+    desk.write_scene("squares", &collection(&[("disc", polygon(&ring))]));
+    let drawn = |backend: &str, switches: &[&str]| {
+        let outputs = [
+            "--backend",
+            backend,
+            "--ids",
+            "ids.png",
+            "--stats",
+            "s.json",
+        ];
+        render(&desk, &[&outputs, switches].concat());
+        let vertices = statistics(&desk)["counters"]["vertices"].as_u64();
+        (vertices.expect("a count"), ids(&desk))
+    };
+    for backend in ["vertex", "compute", "native"] {
+        let (full, expected) = drawn(backend, &[]);
+        let (coarse, found) = drawn(backend, &["--variant", "boundary-lod-px=0.5"]);
+        assert!(2 * coarse < full, "{backend}: {coarse} of {full}");
+        let filled = expected.iter().filter(|id| **id > 0).count();
+        let mismatches = found.iter().zip(&expected).filter(|(a, b)| a != b).count();
+        // A disc of 10 pixels' radius has a rim of 65, which has moved by half of one at most.
+        assert!(filled > 300 && mismatches <= 33, "{mismatches} of {filled}");
+        // Twin: where a thousandth of a pixel counts nothing is spared.
+        let (fine, found) = drawn(backend, &["--variant", "boundary-lod-px=0.001"]);
+        assert_eq!((fine, found), (full, expected), "{backend}");
+    }
+}
+
+#[test]
 fn switches_of_another_backend_are_refused_with_the_backends_own() {
     let desk = Desk::new();
     write_squares(&desk);
