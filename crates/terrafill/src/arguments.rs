@@ -101,9 +101,9 @@ pub(crate) struct ReportArguments {
 }
 
 const VARIANT_HELP: &str = "\
-Switch of the vertex backend; may be repeated:
-layout=doubled|pulled, positions=fixed|local-f32,
-colour=xor|rectangle, boundary-tolerance-m=METRES";
+Switch of the backend or of the plan; may be repeated:
+layout=pulled, technique=gs-line, expansion=cached,
+colour=rectangle … A wrong one is answered with all";
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArguments {
@@ -112,8 +112,8 @@ pub(crate) struct RenderArguments {
     /// View of the scene
     #[arg(long)]
     pub(crate) view: String,
-    /// Backend
-    #[arg(long, default_value = "vertex")]
+    /// vertex, compute, native or reference
+    #[arg(long, default_value = "vertex", hide_possible_values = true)]
     pub(crate) backend: RenderBackend,
     #[arg(long, value_name = "KEY=VALUE", help = VARIANT_HELP)]
     pub(crate) variant: Vec<String>,
@@ -143,6 +143,10 @@ pub(crate) struct RenderArguments {
 pub(crate) enum RenderBackend {
     // Shadow volumes in the vertex shader.
     Vertex,
+    // The geometry shader emulated in compute.
+    Compute,
+    // Geometry shaders, on Vulkan itself.
+    Native,
     // The f64 reference on the CPU.
     Reference,
 }

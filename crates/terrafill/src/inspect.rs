@@ -3,7 +3,6 @@
 
 use crate::arguments::ScenesArguments;
 use crate::{Failure, Outcome, print};
-use terrafill_gpu::{DeviceFacts, list_adapters};
 use terrafill_scene::{Scene, SceneError, data_dir_from_env, shipped_scene_names};
 
 pub(crate) fn scenes(arguments: &ScenesArguments) -> Result<Outcome, Failure> {
@@ -41,60 +40,159 @@ pub(crate) fn scenes(arguments: &ScenesArguments) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
+/// What one adapter is to each of the two APIs. Both may know adapters that the other does not.
+struct Adapter {
+    wgpu: Option<terrafill_gpu::DeviceFacts>,
+    vulkan: Option<terrafill_vulkan::DeviceFacts>,
+}
+
 pub(crate) fn devices() -> Result<Outcome, Failure> {
-    let adapters = list_adapters();
     print("CPU\n    reference  runs; needs no device\n");
-    for device in &adapters {
-        print(&describe(device));
+    let (vulkan, no_vulkan) = match terrafill_vulkan::list_adapters() {
+        Ok(adapters) => (adapters, None),
+        Err(error) => (Vec::new(), Some(error)),
+    };
+    let adapters = paired(terrafill_gpu::list_adapters(), vulkan);
+    for adapter in &adapters {
+        print(&describe(adapter));
     }
     if adapters.is_empty() {
-        return Err(Failure::no_device(
-            "no Vulkan device, which vertex needs; ci/setup.sh installs a software one",
-        ));
+        let why = no_vulkan.map_or(String::new(), |error| format!(" ({error})"));
+        return Err(Failure::no_device(format!(
+            "no Vulkan device, which vertex, compute and native need{why}; \
+             ci/setup.sh installs a software one"
+        )));
     }
-    Ok(if adapters.iter().any(|device| device.lacks.is_empty()) {
+    Ok(if adapters.iter().any(Adapter::runs_something) {
         Outcome::Done
     } else {
         Outcome::NoDevice
     })
 }
 
-fn describe(device: &DeviceFacts) -> String {
-    let vertex = if device.lacks.is_empty() {
-        let without = [
-            (device.timestamps, "GPU timestamps: GPU times stay empty"),
-            (
-                device.pipeline_statistics,
-                "pipeline statistics: invocation counts stay empty",
-            ),
-        ];
-        let lacking: String = without
-            .iter()
-            .filter(|(has, _)| !has)
-            .map(|(_, what)| format!("; lacks {what}"))
-            .collect();
-        if lacking.is_empty() {
-            "runs, with GPU timestamps and pipeline statistics".to_owned()
-        } else {
-            format!("runs{lacking}")
-        }
-    } else {
-        format!("cannot run; lacks {}", device.lacks.join(", "))
+/// Lays the lists side by side, in the first one's order. Of several adapters of one kind the first
+/// of one list is the first of the other: both keep the loader's order.
+fn paired(
+    wgpu: Vec<terrafill_gpu::DeviceFacts>,
+    mut vulkan: Vec<terrafill_vulkan::DeviceFacts>,
+) -> Vec<Adapter> {
+    let mut adapters = Vec::new();
+    for facts in wgpu {
+        let is_same = |other: &terrafill_vulkan::DeviceFacts| {
+            (&facts.name, facts.vendor_id, facts.device_id)
+                == (&other.name, other.vendor_id, other.device_id)
+        };
+        let place = vulkan.iter().position(is_same);
+        adapters.push(Adapter {
+            vulkan: place.map(|place| vulkan.remove(place)),
+            wgpu: Some(facts),
+        });
+    }
+    adapters.extend(vulkan.into_iter().map(|facts| Adapter {
+        wgpu: None,
+        vulkan: Some(facts),
+    }));
+    adapters
+}
+
+impl Adapter {
+    fn runs_something(&self) -> bool {
+        let by_wgpu = self.wgpu.as_ref().map(|facts| &facts.lacks);
+        let by_vulkan = self.vulkan.as_ref().map(|facts| &facts.lacks);
+        let mut lacks = by_wgpu.into_iter().chain(by_vulkan);
+        lacks.any(Vec::is_empty)
+    }
+}
+
+/// A feature that a backend can do without, and what becomes of it then.
+type Feature = (bool, &'static str, &'static str);
+
+const TIMESTAMPS: &str = "GPU timestamps";
+const STATISTICS: &str = "pipeline statistics";
+
+/// `runs, with …; lacks …` or `cannot run; lacks …`.
+fn verdict(lacks: &[String], features: &[Feature]) -> String {
+    if !lacks.is_empty() {
+        return format!("cannot run; lacks {}", lacks.join(", "));
+    }
+    let has = features.iter().filter(|(has, ..)| *has);
+    let has: Vec<&str> = has.map(|(_, what, _)| *what).collect();
+    let mut text = "runs".to_owned();
+    if !has.is_empty() {
+        text += &format!(", with {}", has.join(", "));
+    }
+    for (_, what, then) in features.iter().filter(|(has, ..)| !has) {
+        text += &format!("\n               lacks {what}: {then}");
+    }
+    text
+}
+
+fn wgpu_verdict(facts: &terrafill_gpu::DeviceFacts) -> String {
+    let features = [
+        (facts.timestamps, TIMESTAMPS, "GPU times stay empty"),
+        (
+            facts.pipeline_statistics,
+            STATISTICS,
+            "invocation counts stay empty",
+        ),
+    ];
+    verdict(&facts.lacks, &features)
+}
+
+fn vulkan_verdict(facts: &terrafill_vulkan::DeviceFacts) -> String {
+    let has = facts.features;
+    let features = [
+        (
+            has.geometry_shader,
+            "geometry shaders",
+            "only technique=vs-control runs",
+        ),
+        (has.timestamps, TIMESTAMPS, "GPU times stay empty"),
+        (
+            has.pipeline_statistics,
+            STATISTICS,
+            "invocation counts stay empty",
+        ),
+        (has.depth_bounds, "depth bounds", "no depth-bounds=on"),
+        (
+            has.blends_float,
+            "blending of R32_SFLOAT",
+            "no colour=id-accumulation",
+        ),
+    ];
+    verdict(&facts.lacks, &features)
+}
+
+fn describe(adapter: &Adapter) -> String {
+    let wgpu = adapter.wgpu.as_ref();
+    let by_wgpu = wgpu.map(|f| (&f.name, f.device_type, &f.driver, &f.driver_info));
+    let vulkan = adapter.vulkan.as_ref();
+    let by_vulkan = vulkan.map(|f| (&f.name, f.device_type, &f.driver, &f.driver_info));
+    let Some((name, device_type, driver, driver_info)) = by_wgpu.or(by_vulkan) else {
+        return String::new();
     };
+    let on_wgpu = wgpu.map_or(
+        "cannot run; wgpu does not list this device".to_owned(),
+        wgpu_verdict,
+    );
+    let on_vulkan = vulkan.map_or(
+        "cannot run; the Vulkan loader does not list this device".to_owned(),
+        vulkan_verdict,
+    );
     format!(
-        "{} ({})\n    driver     {} {}\n    vertex     {vertex}\n",
-        device.name, device.device_type, device.driver, device.driver_info
+        "{name} ({device_type})\n    driver     {driver} {driver_info}\n    \
+         vertex     {on_wgpu}\n    compute    {on_wgpu}\n    native     {on_vulkan}\n"
     )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use terrafill_vulkan::Features;
 
-    #[test]
-    fn what_a_device_lacks_is_said() {
-        let mut device = DeviceFacts {
-            name: "D".to_owned(),
+    fn wgpu_facts(name: &str) -> terrafill_gpu::DeviceFacts {
+        terrafill_gpu::DeviceFacts {
+            name: name.to_owned(),
             device_type: "cpu",
             vendor_id: 0,
             device_id: 0,
@@ -103,15 +201,107 @@ mod tests {
             timestamps: true,
             pipeline_statistics: true,
             lacks: Vec::new(),
-        };
-        assert!(!describe(&device).contains("lacks"));
-        device.timestamps = false;
-        assert!(describe(&device).contains("runs; lacks GPU timestamps"));
-        device.lacks = vec!["Depth32FloatStencil8".to_owned(), "another".to_owned()];
-        let text = describe(&device);
+        }
+    }
+
+    fn vulkan_facts(name: &str) -> terrafill_vulkan::DeviceFacts {
+        terrafill_vulkan::DeviceFacts {
+            name: name.to_owned(),
+            device_type: "cpu",
+            vendor_id: 0,
+            device_id: 0,
+            driver: "d".to_owned(),
+            driver_info: "1".to_owned(),
+            features: Features {
+                geometry_shader: true,
+                pipeline_statistics: true,
+                occlusion_query_precise: true,
+                depth_bounds: true,
+                depth_clamp: true,
+                timestamps: true,
+                blends_float: true,
+            },
+            lacks: Vec::new(),
+        }
+    }
+
+    fn adapter() -> Adapter {
+        Adapter {
+            wgpu: Some(wgpu_facts("D")),
+            vulkan: Some(vulkan_facts("D")),
+        }
+    }
+
+    #[test]
+    fn what_a_device_lacks_is_said() {
+        let text = describe(&adapter());
         assert!(
-            text.contains("cannot run; lacks Depth32FloatStencil8, another"),
+            !text.contains("lacks") && !text.contains("cannot"),
             "{text}"
         );
+        for backend in ["vertex ", "compute", "native "] {
+            assert!(
+                text.contains(&format!("    {backend}    runs, with ")),
+                "{text}"
+            );
+        }
+        let mut without = adapter();
+        if let Some(facts) = &mut without.wgpu {
+            facts.timestamps = false;
+        }
+        if let Some(facts) = &mut without.vulkan {
+            facts.features.geometry_shader = false;
+            facts.features.depth_bounds = false;
+        }
+        let text = describe(&without);
+        for phrase in [
+            "lacks GPU timestamps: GPU times stay empty",
+            "lacks geometry shaders: only technique=vs-control runs",
+            "lacks depth bounds: no depth-bounds=on",
+        ] {
+            assert!(text.contains(phrase), "{phrase:?} is not in {text}");
+        }
+        assert!(without.runs_something());
+    }
+
+    #[test]
+    fn each_backend_runs_or_not_by_its_own_api() {
+        let mut adapter = adapter();
+        let lacks = || vec!["Depth32FloatStencil8".to_owned(), "another".to_owned()];
+        if let Some(facts) = &mut adapter.wgpu {
+            facts.lacks = lacks();
+        }
+        let text = describe(&adapter);
+        for line in [
+            "    vertex     cannot run; lacks Depth32FloatStencil8, another\n",
+            "    compute    cannot run; lacks Depth32FloatStencil8, another\n",
+            "    native     runs, with geometry shaders, ",
+        ] {
+            assert!(text.contains(line), "{line:?} is not in {text}");
+        }
+        assert!(adapter.runs_something());
+        if let Some(facts) = &mut adapter.vulkan {
+            facts.lacks = lacks();
+        }
+        assert!(describe(&adapter).contains("native     cannot run; lacks Depth32"));
+        assert!(!adapter.runs_something());
+    }
+
+    #[test]
+    fn adapters_of_both_apis_are_paired_by_what_they_are() {
+        let wgpu = ["A", "B", "A"].map(wgpu_facts).into();
+        let mut second = vulkan_facts("A");
+        second.features.depth_bounds = false;
+        let mut other_vendor = vulkan_facts("B");
+        other_vendor.vendor_id = 1;
+        let vulkan = vec![other_vendor, vulkan_facts("A"), second];
+        let adapters = paired(wgpu, vulkan);
+        let has_bounds =
+            |adapter: &Adapter| adapter.vulkan.as_ref().map(|f| f.features.depth_bounds);
+        let found: Vec<_> = adapters.iter().map(has_bounds).collect();
+        assert_eq!(found, [Some(true), None, Some(false), Some(true)]);
+        assert!(describe(&adapters[1]).contains("native     cannot run; the Vulkan loader"));
+        assert!(adapters[3].wgpu.is_none());
+        assert!(describe(&adapters[3]).contains("vertex     cannot run; wgpu does not list"));
     }
 }

@@ -14,6 +14,7 @@ mod mesh;
 mod output;
 mod regions;
 mod render;
+mod technique;
 mod usage;
 
 use arguments::{Arguments, Verb};

@@ -7,8 +7,10 @@ use crate::{Failure, Outcome, print};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
+use terrafill_compute::{compute_bytes, placed_bytes};
 use terrafill_core::{EdgeRule, MeshOptions, Region, RegionMesh};
-use terrafill_vertex::{Layout, layout_bytes};
+use terrafill_native::{Technique, native_bytes};
+use terrafill_vertex::{Layout, layout_bytes, shared_flag_bytes};
 
 #[derive(Serialize)]
 struct MeshOutput {
@@ -34,6 +36,7 @@ struct MeshedRegion {
     /// West, south, east, north.
     extent_deg: [f64; 4],
     boundary_deviation_m: f64,
+    /// The region's own, by layout.
     bytes: BTreeMap<String, u64>,
     warnings: Vec<String>,
 }
@@ -47,7 +50,10 @@ struct Totals {
     boundary_edges: usize,
     holes: usize,
     area_m2: f64,
+    /// Sums of the regions' own.
     bytes: BTreeMap<String, u64>,
+    /// What all regions share and is held once; layouts that share nothing are not listed.
+    shared_bytes: BTreeMap<String, u64>,
 }
 
 pub(crate) fn run(arguments: &MeshArguments) -> Result<Outcome, Failure> {
@@ -86,14 +92,42 @@ pub(crate) fn run(arguments: &MeshArguments) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
-fn bytes(meshes: &[RegionMesh]) -> BTreeMap<String, u64> {
-    let layouts = [Layout::Doubled, Layout::Pulled];
-    layouts
-        .map(|layout| {
-            let total = meshes.iter().map(|mesh| layout_bytes(layout, mesh).total());
-            (format!("vertex/{}", layout.name()), total.sum())
-        })
-        .into()
+fn layout_name(layout: Layout) -> String {
+    format!("vertex/{}", layout.name())
+}
+
+/// By the formulas that the backends' own tests hold to the buffers as built.
+fn bytes(mesh: &RegionMesh) -> BTreeMap<String, u64> {
+    let compute = compute_bytes(mesh);
+    let vertex =
+        Layout::ALL.map(|layout| (layout_name(layout), layout_bytes(layout, mesh).total()));
+    let native = Technique::ALL.map(|technique| {
+        let name = format!("native/{}", technique.name());
+        (name, native_bytes(technique, mesh).total())
+    });
+    let compute = [
+        ("compute/input", compute.input()),
+        ("compute/total", compute.total()),
+        (
+            "compute/total,transform=compute",
+            compute.total() + placed_bytes(mesh),
+        ),
+    ];
+    let compute = compute.map(|(name, bytes)| (name.to_owned(), bytes));
+    vertex.into_iter().chain(compute).chain(native).collect()
+}
+
+fn total_bytes(meshes: &[RegionMesh]) -> BTreeMap<String, u64> {
+    let mut totals = BTreeMap::new();
+    for (layout, bytes) in meshes.iter().flat_map(bytes) {
+        *totals.entry(layout).or_default() += bytes;
+    }
+    totals
+}
+
+fn shared_bytes(meshes: &[RegionMesh]) -> BTreeMap<String, u64> {
+    let shared = Layout::ALL.map(|layout| (layout_name(layout), shared_flag_bytes(layout, meshes)));
+    shared.into_iter().filter(|(_, bytes)| *bytes > 0).collect()
 }
 
 fn describe(mesh: &RegionMesh) -> MeshedRegion {
@@ -113,7 +147,7 @@ fn describe(mesh: &RegionMesh) -> MeshedRegion {
             extent.north_deg,
         ],
         boundary_deviation_m: mesh.boundary_deviation_m,
-        bytes: bytes(std::slice::from_ref(mesh)),
+        bytes: bytes(mesh),
         warnings: mesh.warnings.clone(),
     }
 }
@@ -128,7 +162,8 @@ fn totals(regions: &[Region], meshes: &[RegionMesh]) -> Totals {
         boundary_edges: sum(RegionMesh::boundary_edge_count),
         holes: sum(|mesh| mesh.holes),
         area_m2: meshes.iter().map(|mesh| mesh.area_m2).sum(),
-        bytes: bytes(meshes),
+        bytes: total_bytes(meshes),
+        shared_bytes: shared_bytes(meshes),
     }
 }
 
@@ -178,7 +213,10 @@ fn table(output: &MeshOutput) -> String {
         unit.show(totals.area_m2)
     );
     for (layout, bytes) in &totals.bytes {
-        text += &format!("{layout}: {bytes} bytes\n");
+        text += &match totals.shared_bytes.get(layout) {
+            Some(shared) => format!("{layout}: {bytes} bytes and {shared} that all share\n"),
+            None => format!("{layout}: {bytes} bytes\n"),
+        };
     }
     text += &format!(
         "{} vertices read, meshed in {:.0} ms\n",

@@ -3,6 +3,7 @@
 
 use crate::arguments::{RenderArguments, RenderBackend};
 use crate::output::{check_paths, write_all};
+use crate::technique::Technique;
 use crate::{Failure, Outcome};
 use image::{ExtendedColorType, ImageFormat};
 use serde_json::json;
@@ -12,15 +13,13 @@ use std::sync::Arc;
 use terrafill_bench::open_scene;
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
 use terrafill_frame::{
-    Backend as _, BackendError, Frame, FrameInput, MemoryUse, PreparedScene, SwitchError, Switches,
-    VolumeBackend as _, paint,
+    Backend as _, BackendError, Frame, FrameInput, MemoryUse, PreparedScene, SwitchError, paint,
 };
-use terrafill_gpu::{Gpu, GpuOptions, Stage};
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{
     ImageSize, LeveledMeshes, PlanOptions, Scene, SurfaceMesh, View, data_dir_from_env,
 };
-use terrafill_vertex::{CACHE_SIZE, IndexOrder, VertexBackend, VertexVariant, acmr, cache_ordered};
+use terrafill_vertex::{CACHE_SIZE, IndexOrder, acmr, cache_ordered};
 
 /// What one backend drew.
 struct Drawn {
@@ -28,7 +27,8 @@ struct Drawn {
     frame: Frame,
     memory: Option<MemoryUse>,
     variant: String,
-    /// Transformed vertices per triangle of the caps, through a cache of [`CACHE_SIZE`].
+    /// Transformed vertices per triangle of the caps, through a cache of [`CACHE_SIZE`]; of the
+    /// vertex backend, the only one that orders triangles for it.
     cap_acmr: Option<f64>,
 }
 
@@ -41,9 +41,9 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
     let view = find_view(&scene, &arguments.view)?;
     let wanted = wanted(&scene, arguments)?;
     let input = input(&scene, view, &wanted, arguments)?;
-    let drawn = match arguments.backend {
-        RenderBackend::Reference => draw_reference(&input)?,
-        RenderBackend::Vertex => draw_vertex(&input, wanted.variant, arguments)?,
+    let drawn = match &wanted.technique {
+        None => draw_reference(&input)?,
+        Some(technique) => draw(&input, technique, arguments)?,
     };
     let colour = ExtendedColorType::Rgb8;
     let mut files = vec![(out, png(&drawn.rgb, input.size, colour)?)];
@@ -68,19 +68,17 @@ fn find_view<'a>(scene: &'a Scene, name: &str) -> Result<&'a View, Failure> {
     })
 }
 
-/// What `--variant` asks for.
+/// What `--backend` and `--variant` ask for.
 struct Wanted {
-    variant: VertexVariant,
+    /// `None`: the reference.
+    technique: Option<Technique>,
     mesh: MeshOptions,
     plan: PlanOptions,
 }
 
 fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure> {
     let mut wanted = Wanted {
-        variant: VertexVariant {
-            switches: Switches::for_overlap(scene.overlap),
-            ..VertexVariant::default()
-        },
+        technique: Technique::new(arguments.backend, scene.overlap),
         mesh: scene.mesh,
         plan: PlanOptions::default(),
     };
@@ -89,22 +87,27 @@ fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure>
             let message = format!("--variant: found {switch:?}, allowed: {allowed}");
             Failure::bad_input(message)
         };
-        if arguments.backend == RenderBackend::Reference {
+        let (key, value) = switch.split_once('=').unwrap_or((switch, ""));
+        if wanted.technique.is_none() {
             let why = "none with --backend reference, which has one way only";
             return Err(refuse(why));
         }
-        let (key, value) = switch.split_once('=').unwrap_or((switch, ""));
         if wanted.set_input(key, value).map_err(refuse)? {
             continue;
         }
-        match wanted.variant.set(key, value) {
+        let Some(technique) = &mut wanted.technique else {
+            continue;
+        };
+        match technique.set(key, value) {
             Ok(true) => {}
-            Ok(false) => return Err(refuse(&allowed_switches())),
+            Ok(false) => return Err(refuse(&allowed_switches(technique))),
             Err(error) => return Err(refuse(&format!("{key}={}", error.allowed))),
         }
     }
     let conflict = |error: SwitchError| Failure::bad_input(format!("--variant: {error}"));
-    wanted.variant.check(scene.overlap).map_err(conflict)?;
+    if let Some(technique) = &wanted.technique {
+        technique.check(scene.overlap).map_err(conflict)?;
+    }
     Ok(wanted)
 }
 
@@ -141,11 +144,11 @@ fn on_or_off(value: &str) -> Result<bool, &'static str> {
 }
 
 /// Switches of `render`, for a message.
-fn allowed_switches() -> String {
+fn allowed_switches(technique: &Technique) -> String {
     format!(
         "{}, boundary-tolerance-m=METRES, boundary-lod-px=PIXELS, frustum-culling=on|off, \
          horizon-culling=on|off, too-small-culling=on|off",
-        VertexVariant::KEYS
+        technique.keys()
     )
 }
 
@@ -191,19 +194,13 @@ fn draw_reference(input: &FrameInput) -> Result<Drawn, Failure> {
     })
 }
 
-fn draw_vertex(
+fn draw(
     input: &FrameInput,
-    variant: VertexVariant,
+    technique: &Technique,
     arguments: &RenderArguments,
 ) -> Result<Drawn, Failure> {
-    let options = GpuOptions {
-        adapter: arguments.adapter.clone(),
-        ..GpuOptions::default()
-    };
-    let gpu = Gpu::open(&options).map_err(Failure::no_device)?;
     let draw = || -> Result<Drawn, BackendError> {
-        let stage = Stage::shared(&gpu, input.size)?;
-        let mut backend = VertexBackend::new(&stage, variant)?;
+        let mut backend = technique.open(arguments.adapter.as_deref(), input.size)?;
         let memory = backend.prepare(input)?;
         let frame = backend.render(input)?;
         let picture = backend.picture(input)?;
@@ -212,8 +209,11 @@ fn draw_vertex(
             rgb: rgb.collect(),
             frame,
             memory: Some(memory),
-            variant: variant.name(),
-            cap_acmr: cap_acmr(input, variant.index_order),
+            variant: backend.variant_name(),
+            cap_acmr: match technique {
+                Technique::Vertex(variant) => cap_acmr(input, variant.index_order),
+                _ => None,
+            },
         })
     };
     draw().map_err(|error| match error {
@@ -256,6 +256,7 @@ fn statistics(arguments: &RenderArguments, input: &FrameInput, drawn: &Drawn) ->
             "vertices": counters.vertices,
             "upload_bytes": counters.upload_bytes,
             "vertex_shader_invocations": counters.vertex_shader_invocations,
+            "geometry_shader_primitives": counters.geometry_shader_primitives,
             "clipper_invocations": counters.clipper_invocations,
             "clipper_primitives_out": counters.clipper_primitives_out,
             "fragment_shader_invocations": counters.fragment_shader_invocations,
@@ -279,6 +280,8 @@ fn statistics(arguments: &RenderArguments, input: &FrameInput, drawn: &Drawn) ->
         "view": input.view,
         "backend": match arguments.backend {
             RenderBackend::Vertex => "vertex",
+            RenderBackend::Compute => "compute",
+            RenderBackend::Native => "native",
             RenderBackend::Reference => "reference",
         },
         "variant": drawn.variant,

@@ -191,11 +191,16 @@ impl Ran {
 
 /// Whether a device can run the vertex backend; says why not, and fails where one is required.
 pub(crate) fn has_device() -> bool {
+    a_device("vertex     runs")
+}
+
+/// Whether `devices` says so of one; if not as above.
+pub(crate) fn a_device(words: &str) -> bool {
     let ran = Desk::new().run(&["devices"]);
-    if ran.code == 0 {
+    if ran.code == 0 && ran.stdout.contains(words) {
         return true;
     }
-    let why = ran.stdout + &ran.stderr;
+    let why = format!("no {words:?} in: {}{}", ran.stdout, ran.stderr);
     assert!(
         std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_none(),
         "TERRAFILL_REQUIRE_DEVICE is set, but: {why}"

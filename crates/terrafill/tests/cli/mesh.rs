@@ -72,7 +72,7 @@ const REGION_KEYS: [&str; 11] = [
     "bytes",
     "warnings",
 ];
-const TOTAL_KEYS: [&str; 8] = [
+const TOTAL_KEYS: [&str; 9] = [
     "regions",
     "input_vertices",
     "vertices",
@@ -81,7 +81,43 @@ const TOTAL_KEYS: [&str; 8] = [
     "holes",
     "area_m2",
     "bytes",
+    "shared_bytes",
 ];
+const LAYOUTS: [&str; 13] = [
+    "vertex/doubled",
+    "vertex/separate",
+    "vertex/per-triangle",
+    "vertex/pulled",
+    "compute/input",
+    "compute/total",
+    "compute/total,transform=compute",
+    "native/vs-control",
+    "native/gs-degenerate",
+    "native/gs-two-edges",
+    "native/gs-line",
+    "native/gs-adjacency",
+    "native/gs-per-triangle",
+];
+
+/// Whether every layout's total is the sum of the regions' bytes, none of which is 0.
+fn check_bytes(json: &Value) -> Result<(), String> {
+    for layout in LAYOUTS {
+        let regions = json["regions"].as_array().expect("a list");
+        let bytes = regions
+            .iter()
+            .map(|region| region["bytes"][layout].as_u64());
+        let bytes: Option<Vec<u64>> = bytes.collect();
+        let bytes = bytes.ok_or_else(|| format!("no {layout}"))?;
+        if bytes.contains(&0) {
+            return Err(format!("{layout}: a region of no bytes"));
+        }
+        let (total, sum) = (&json["totals"]["bytes"][layout], bytes.iter().sum::<u64>());
+        if *total != sum {
+            return Err(format!("{layout}: {total} instead of {sum}"));
+        }
+    }
+    Ok(())
+}
 
 #[test]
 fn the_json_has_the_promised_keys_and_no_others() {
@@ -106,8 +142,7 @@ fn the_json_has_the_promised_keys_and_no_others() {
         assert_eq!(keys(region), BTreeSet::from(REGION_KEYS));
         assert_eq!(region["index"], index);
         assert_eq!(region["name"], squares[index].0);
-        let layouts = BTreeSet::from(["vertex/doubled", "vertex/pulled"]);
-        assert_eq!(keys(&region["bytes"]), layouts);
+        assert_eq!(keys(&region["bytes"]), BTreeSet::from(LAYOUTS));
     }
     assert_eq!(
         regions[0]["extent_deg"],
@@ -121,12 +156,7 @@ fn the_json_has_the_promised_keys_and_no_others() {
             .sum();
         assert_eq!(json["totals"][key], sum, "{key}");
     }
-    for layout in ["vertex/doubled", "vertex/pulled"] {
-        let bytes = |region: &Value| region["bytes"][layout].as_u64().expect("bytes");
-        let sum: u64 = regions.iter().map(bytes).sum();
-        assert!(sum > 0, "{layout}");
-        assert_eq!(json["totals"]["bytes"][layout], sum);
-    }
+    assert_eq!(check_bytes(&json), Ok(()));
     assert_eq!(
         (
             &json["totals"]["regions"],
@@ -495,4 +525,66 @@ fn invalid_features_are_skipped_only_when_asked_and_listed_then() {
     assert_eq!(located.stdout, "lon,lat,regions\n0.5,0.5,1\n10.5,0.5,\n");
     let nothing_left = desk.run(&["mesh", "bad.geojson", "--skip-invalid"]);
     assert_eq!((nothing_left.code, nothing_left.stdout.as_str()), (2, ""));
+}
+
+#[test]
+fn a_total_that_is_no_sum_and_a_layout_that_is_missing_are_noticed() {
+    let desk = Desk::new();
+    desk.write("r.geojson", polygon(&rectangle(0.0, 0.0, 1.0, 1.0)));
+    let json = mesh(&desk, &["r.geojson"]);
+    assert_eq!(check_bytes(&json), Ok(()));
+    for layout in LAYOUTS {
+        let total = json["totals"]["bytes"][layout].as_u64().expect("bytes");
+        let mut wrong = json.clone();
+        wrong["totals"]["bytes"][layout] = (total + 1).into();
+        assert!(check_bytes(&wrong).is_err(), "{layout}");
+        let mut missing = json.clone();
+        missing["regions"][0]["bytes"][layout] = Value::Null;
+        assert!(check_bytes(&missing).is_err(), "{layout}");
+    }
+}
+
+#[test]
+fn bytes_follow_from_vertices_triangles_and_boundary() {
+    let desk = Desk::new();
+    desk.write(
+        "r.geojson",
+        collection(&[
+            ("small", polygon(&rectangle(0.0, 0.0, 1.0, 1.0))),
+            ("large", polygon(&rectangle(20.0, 0.0, 50.0, 40.0))),
+        ]),
+    );
+    let json = mesh(&desk, &["r.geojson"]);
+    let count = |region: &Value, key: &str| region[key].as_u64().expect("a count");
+    let regions = json["regions"].as_array().expect("a list");
+    for region in regions {
+        let [v, t, e] = ["vertices", "triangles", "boundary_edges"].map(|key| count(region, key));
+        assert!(2 * v < 0xffff, "16-bit indices, one loop");
+        let read = 12 * v + 4 * (3 * t + e + 1).div_ceil(2);
+        for (layout, expected) in [
+            ("vertex/doubled", 32 * v + 2 * (6 * t + 2 * (e + 1) + 1)),
+            ("vertex/separate", 24 * v + 2 * (6 * t + 2 * (e + 1) + 1)),
+            ("vertex/per-triangle", 32 * v + 2 * 24 * t),
+            ("compute/input", read),
+            ("compute/total", read + 24 * (t + e)),
+            (
+                "compute/total,transform=compute",
+                read + 24 * (t + e) + 32 * v,
+            ),
+            ("native/vs-control", 32 * v + 2 * (6 * t + 2 * (e + 1) + 1)),
+            ("native/gs-degenerate", 12 * v + 2 * (3 * t + 3 * e)),
+            ("native/gs-line", 12 * v + 2 * (3 * t + e + 2)),
+            ("native/gs-adjacency", 12 * v + 2 * 6 * t),
+            ("native/gs-per-triangle", 12 * v + 2 * 3 * t),
+        ] {
+            assert_eq!(count(&region["bytes"], layout), expected, "{layout}");
+        }
+    }
+    // The flags are as many as the largest region needs, whatever the others.
+    let largest = regions.iter().map(|region| count(region, "vertices")).max();
+    assert_eq!(
+        json["totals"]["shared_bytes"],
+        serde_json::json!({ "vertex/separate": 8 * largest.expect("regions") })
+    );
+    assert!(count(&regions[0], "vertices") < count(&regions[1], "vertices"));
 }

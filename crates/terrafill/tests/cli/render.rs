@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! `render`: whose pixel is whose, what the statistics hold, and every switch.
 
-use crate::harness::{Desk, collection, has_device, polygon, rectangle};
+use crate::harness::{Desk, a_device, collection, has_device, polygon, rectangle};
 use image::DynamicImage;
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -207,6 +207,7 @@ fn statistics_hold_counters_bytes_and_what_was_left_out() {
             "vertices",
             "upload_bytes",
             "vertex_shader_invocations",
+            "geometry_shader_primitives",
             "clipper_invocations",
             "clipper_primitives_out",
             "fragment_shader_invocations",
@@ -301,6 +302,221 @@ fn wrong_switches_are_refused_and_nothing_is_written() {
             .refused(&[&["--variant", &wrong, "allowed: boundary-tolerance-m=METRES"]]);
     }
     assert_eq!(desk.names(), before);
+}
+
+/// Variants of every backend of volumes: switches and the name that they make.
+const VARIANTS: [(&str, &[&str], &str); 22] = [
+    ("vertex", &[], "doubled"),
+    ("vertex", &["layout=pulled"], "pulled"),
+    ("compute", &[], "per-frame"),
+    ("compute", &["expansion=cached"], "cached"),
+    ("compute", &["gpu-culling=off"], "per-frame"),
+    (
+        "compute",
+        &["gpu-culling=regions", "expansion=cached"],
+        "cached,gpu-culling=regions",
+    ),
+    (
+        "compute",
+        &["gpu-culling=triangles", "transform=compute"],
+        "per-frame,gpu-culling=triangles,transform=compute",
+    ),
+    ("compute", &["transform=vertex"], "per-frame"),
+    (
+        "compute",
+        &["colour=volume", "faces=two-pass"],
+        "per-frame,colour=volume,faces=two-pass",
+    ),
+    (
+        "compute",
+        &["boundary-tolerance-m=100", "frustum-culling=off"],
+        "per-frame",
+    ),
+    ("compute", &["boundary-lod-px=0.5"], "per-frame"),
+    ("native", &[], "gs-degenerate"),
+    ("native", &["technique=vs-control"], "vs-control"),
+    ("native", &["technique=gs-degenerate"], "gs-degenerate"),
+    ("native", &["technique=gs-two-edges"], "gs-two-edges"),
+    ("native", &["technique=gs-line"], "gs-line"),
+    ("native", &["technique=gs-adjacency"], "gs-adjacency"),
+    ("native", &["technique=gs-per-triangle"], "gs-per-triangle"),
+    (
+        "native",
+        &["colour=bit-planes", "technique=gs-line"],
+        "gs-line,colour=bit-planes",
+    ),
+    (
+        "native",
+        &["colour=id-accumulation"],
+        "gs-degenerate,colour=id-accumulation",
+    ),
+    (
+        "native",
+        &["depth-bounds=off", "horizon-culling=off"],
+        "gs-degenerate",
+    ),
+    ("native", &["boundary-lod-px=0.5"], "gs-degenerate"),
+];
+
+#[test]
+fn every_backend_writes_the_same_ids() {
+    if !has_device() || !a_device("native     runs, with geometry shaders") {
+        return;
+    }
+    let desk = Desk::new();
+    write_squares(&desk);
+    let outputs = ["--ids", "ids.png", "--stats", "s.json"];
+    render(&desk, &[&["--backend", "reference"][..], &outputs].concat());
+    let expected = desk.read("ids.png");
+    for (backend, switches, name) in VARIANTS {
+        let mut more = vec!["--backend", backend];
+        more.extend(switches.iter().flat_map(|switch| ["--variant", switch]));
+        more.extend(outputs);
+        render(&desk, &more);
+        let case = format!("{backend} {switches:?}");
+        assert!(desk.read("ids.png") == expected, "{case}");
+        let statistics = statistics(&desk);
+        assert_eq!(keys(&statistics), BTreeSet::from(STATISTICS_KEYS), "{case}");
+        assert_eq!(statistics["backend"], backend, "{case}");
+        assert_eq!(statistics["variant"], name, "{case}");
+        // Geometry shaders alone make primitives.
+        let made = &statistics["counters"]["geometry_shader_primitives"];
+        let has_shader = name.starts_with("gs-");
+        assert_eq!(made.as_u64() > Some(0), has_shader, "{case}: {made}");
+    }
+    // Twin: an edge moved by two pixels is another file.
+    desk.write_scene(
+        "squares",
+        &collection(&[
+            ("west", polygon(&rectangle(-9.0, -8.0, -1.0, 8.0))),
+            ("east", polygon(&rectangle(1.0, -8.0, 8.0, 8.0))),
+            ("far", polygon(&rectangle(170.0, -8.0, 190.0, 8.0))),
+        ]),
+    );
+    for backend in ["reference", "vertex", "compute", "native"] {
+        render(&desk, &["--backend", backend, "--ids", "ids.png"]);
+        assert!(desk.read("ids.png") != expected, "{backend}");
+    }
+}
+
+#[test]
+fn a_coarser_boundary_spares_every_backend_vertices() {
+    if !has_device() || !a_device("native     runs, with geometry shaders") {
+        return;
+    }
+    let desk = Desk::new();
+    let corner = |i: u32| {
+        let angle = (f64::from(i) / 20.0).to_radians();
+        [5.0 * angle.cos(), 5.0 * angle.sin()]
+    };
+    // So many that a scene has levels without asking for them.
+    let ring: Vec<[f64; 2]> = (0..7_200).map(corner).collect();
+    desk.write_scene("squares", &collection(&[("disc", polygon(&ring))]));
+    let drawn = |backend: &str, switches: &[&str]| {
+        let outputs = [
+            "--backend",
+            backend,
+            "--ids",
+            "ids.png",
+            "--stats",
+            "s.json",
+        ];
+        render(&desk, &[&outputs, switches].concat());
+        let vertices = statistics(&desk)["counters"]["vertices"].as_u64();
+        (vertices.expect("a count"), ids(&desk))
+    };
+    for backend in ["vertex", "compute", "native"] {
+        let (full, expected) = drawn(backend, &[]);
+        let (coarse, found) = drawn(backend, &["--variant", "boundary-lod-px=0.5"]);
+        assert!(2 * coarse < full, "{backend}: {coarse} of {full}");
+        let filled = expected.iter().filter(|id| **id > 0).count();
+        let mismatches = found.iter().zip(&expected).filter(|(a, b)| a != b).count();
+        // A disc of 10 pixels' radius has a rim of 65, which has moved by half of one at most.
+        assert!(filled > 300 && mismatches <= 33, "{mismatches} of {filled}");
+        // Twin: where a thousandth of a pixel counts nothing is spared.
+        let (fine, found) = drawn(backend, &["--variant", "boundary-lod-px=0.001"]);
+        assert_eq!((fine, found), (full, expected), "{backend}");
+    }
+}
+
+#[test]
+fn switches_of_another_backend_are_refused_with_the_backends_own() {
+    let desk = Desk::new();
+    write_squares(&desk);
+    let before = desk.names();
+    let compute = "expansion=per-frame|cached, gpu-culling=off|regions|triangles";
+    let native = "technique=vs-control|gs-degenerate|gs-two-edges|gs-line|gs-adjacency";
+    for (backend, wrong, allowed) in [
+        ("compute", "layout=pulled", compute),
+        ("compute", "technique=gs-line", compute),
+        ("compute", "expansion=once", "expansion=per-frame, cached"),
+        ("compute", "expansion", "expansion=per-frame, cached"),
+        (
+            "compute",
+            "gpu-culling=all",
+            "gpu-culling=off, regions, triangles",
+        ),
+        ("compute", "transform=cpu", "transform=vertex, compute"),
+        ("native", "layout=pulled", native),
+        ("native", "expansion=cached", native),
+        (
+            "native",
+            "technique=gs",
+            "technique=vs-control, gs-degenerate",
+        ),
+        ("native", "depth-bounds=maybe", "depth-bounds=off, on"),
+        ("native", "faces=three", "faces=two-sided, two-pass"),
+        ("vertex", "technique=gs-line", "layout=doubled|separate"),
+        ("vertex", "expansion=cached", "layout=doubled|separate"),
+    ] {
+        let more = ["--backend", backend, "--variant", wrong];
+        desk.run(&[&SCENE[..], &more].concat())
+            .refused(&[&[&format!("--variant: found {wrong:?}, allowed: {allowed}")]]);
+    }
+    // Every list ends with the switches of fill and plan.
+    for backend in ["vertex", "compute", "native"] {
+        let more = ["--backend", backend, "--variant", "speed=fast"];
+        let ends = "faces=two-sided|two-pass, scissor=covers|volumes, \
+            stencil-clear=at-start|by-colour, boundary-tolerance-m=METRES";
+        desk.run(&[&SCENE[..], &more].concat()).refused(&[&[ends]]);
+    }
+    let more = [
+        "--backend",
+        "compute",
+        "--variant",
+        "expansion=cached",
+        "--variant",
+        "gpu-culling=triangles",
+    ];
+    desk.run(&[&SCENE[..], &more].concat())
+        .refused(&[&["--variant: gpu-culling: found triangles"]]);
+    assert_eq!(desk.names(), before);
+}
+
+#[test]
+fn a_depth_bounds_test_is_drawn_or_refused_with_what_lacks_it() {
+    let desk = Desk::new();
+    write_squares(&desk);
+    let bounds = |backend| {
+        let more = ["--backend", backend, "--variant", "depth-bounds=on"];
+        desk.run(&[&SCENE[..], &more].concat())
+    };
+    for backend in ["vertex", "compute"] {
+        let words = "--variant: depth-bounds: found on with a backend on wgpu";
+        bounds(backend).refused(&[&[words, "allowed: off, or --backend native"]]);
+    }
+    if !a_device("native     runs, with geometry shaders") {
+        return;
+    }
+    let devices = desk.run(&["devices"]).succeeded();
+    let ran = bounds("native");
+    if devices.contains("lacks depth bounds") {
+        assert_eq!((ran.code, ran.stdout.as_str()), (5, ""), "{}", ran.stderr);
+        assert!(ran.stderr.contains("lacks depthBounds"), "{}", ran.stderr);
+        assert!(!desk.path("a.png").exists());
+    } else {
+        assert_eq!(ran.succeeded(), "");
+    }
 }
 
 #[test]

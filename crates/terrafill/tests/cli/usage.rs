@@ -140,7 +140,7 @@ fn a_wrong_value_gets_one_line_with_what_is_allowed() {
                 "--backend",
                 "x",
             ],
-            "--backend: found \"x\", allowed: vertex, reference",
+            "--backend: found \"x\", allowed: vertex, compute, native, reference",
         ),
     ];
     for (arguments, line) in cases {
@@ -193,13 +193,28 @@ fn devices_says_what_runs_and_ends_with_5_where_no_device_does() {
     let ran = desk.run_without_device(&["devices"]);
     assert_eq!(ran.code, 5, "{}", ran.stdout);
     assert!(ran.stdout.contains("reference  runs"), "{}", ran.stdout);
-    assert!(!ran.stdout.contains("vertex     runs"), "{}", ran.stdout);
-    assert!(ran.stderr.contains("no Vulkan device"), "{}", ran.stderr);
+    for backend in ["vertex", "compute", "native"] {
+        let runs = format!("{backend:<10} runs");
+        assert!(!ran.stdout.contains(&runs), "{}", ran.stdout);
+        let needs = ran.stderr.contains("no Vulkan device") && ran.stderr.contains(backend);
+        assert!(needs, "{}", ran.stderr);
+    }
     if has_device() {
         let text = desk.run(&["devices"]).succeeded();
         assert!(text.contains("reference  runs"), "{text}");
         assert!(text.contains("vertex     runs"), "{text}");
+        assert!(text.contains("compute    runs"), "{text}");
         assert!(text.contains("driver     "), "{text}");
+        // Of every feature that only some devices have it says that it is there or that it lacks.
+        let native = text.split_once("native     ").expect("native").1;
+        for feature in [
+            "geometry shaders",
+            "GPU timestamps",
+            "pipeline statistics",
+            "depth bounds",
+        ] {
+            assert_eq!(native.matches(feature).count(), 1, "{feature}: {text}");
+        }
     }
 }
 
@@ -209,6 +224,26 @@ fn without_a_device_what_needs_one_ends_with_5_and_writes_nothing() {
     for arguments in [
         &["bench", "california", "--quick", "--out", "run"][..],
         &["render", "california", "--view", "globe", "--out", "a.png"],
+        &[
+            "render",
+            "california",
+            "--view",
+            "globe",
+            "--out",
+            "a.png",
+            "--backend",
+            "compute",
+        ],
+        &[
+            "render",
+            "california",
+            "--view",
+            "globe",
+            "--out",
+            "a.png",
+            "--backend",
+            "native",
+        ],
     ] {
         let ran = desk.run_without_device(arguments);
         assert_eq!((ran.code, ran.stdout.as_str()), (5, ""), "{}", ran.stderr);
