@@ -6,6 +6,9 @@
 // second one is the first one's triangles turned over: the same diagonal, always from the lower
 // number's bottom, and the last two corners swapped, since a rasteriser that brings all triangles
 // into one winding keeps the first corner where it is and computes the same depths to the bit.
+// Walls on the boundary must be those of every technique, from the edge's start to its end. Numbers
+// ascend along the boundary, and where one does not the edge is the triangle's first side
+// (`ring_order.rs`), which is never turned over.
 // Cozzi (2007) started from such volumes.
 layout(triangles) in;
 layout(triangle_strip, max_vertices = 24) out;
@@ -28,7 +31,7 @@ void side(int a, int b) {
 
 void main() {
     caps(0, 1, 2);
-    side(0, 1);
+    wall(0, 1);
     side(1, 2);
     side(2, 0);
 }

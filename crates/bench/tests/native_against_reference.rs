@@ -14,7 +14,9 @@ use terrafill_frame::{
     Backend as _, BackendError, BottomCap, ColourWay, Counters, DepthRuleChoice, FacePasses, Frame,
     FrameInput, PreparedScene, StencilClear, Switches, TimedBackend as _, VolumeBackend as _,
 };
-use terrafill_native::{NativeBackend, NativeVariant, Technique, depth_range, native_bytes};
+use terrafill_native::{
+    NativeBackend, NativeVariant, Technique, depth_range, native_bytes, walls_with_other_diagonal,
+};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::ErrorFigures;
 use terrafill_scene::{
@@ -327,6 +329,38 @@ fn shipped_scenes_and_real_countries() {
                 assert_eq!(differing(&frame, &vertex), 0, "{what}");
             }
         }
+    }
+}
+
+/// Thousands of borders that two countries share, with numbers that descend along many of them. What
+/// makes it pass is how vertices are numbered; that numbers as they come fail is shown where they
+/// are given.
+#[test]
+fn volumes_of_single_triangles_leave_no_sliver_between_neighbours() {
+    let Some(devices) = devices() else {
+        return;
+    };
+    for name in ["planet-134", "countries-110m", "countries-50m"] {
+        let Some((prepared, views)) = prepared(name) else {
+            continue;
+        };
+        for mesh in &*prepared.meshes {
+            assert_eq!(walls_with_other_diagonal(mesh), 0, "{name}, {}", mesh.name);
+        }
+        let Some(view) = views.iter().find(|view| view.name == "globe") else {
+            continue;
+        };
+        let size = ImageSize {
+            width: 512,
+            height: 512,
+        };
+        let input = FrameInput::new(&prepared, view, size, PlanOptions::default());
+        let switches = Switches::for_overlap(prepared.overlap);
+        let vertex = draw_by_vertex(&devices.wgpu, &input, switches);
+        let variant = with(Technique::GsPerTriangle, switches);
+        let frame = draw(&devices.vulkan, &input, variant);
+        assert!(frame.filled_px() > 1000, "{name}");
+        assert_eq!(differing(&frame, &vertex), 0, "{name}");
     }
 }
 

@@ -4,6 +4,7 @@
 //! Indices are 16 bits where a region's vertices fit and 32 where they do not, region by region.
 
 use crate::Technique;
+use crate::ring_order::RingOrder;
 use std::collections::{HashMap, HashSet};
 use terrafill_core::RegionMesh;
 use terrafill_frame::FixedPoint;
@@ -128,8 +129,12 @@ impl SceneGeometry {
     fn push(&mut self, technique: Technique, mesh: &RegionMesh) {
         let fixed = FixedPoint::for_mesh(mesh);
         let first_vertex = self.vertex_count(technique) as u32;
-        for vertex in &mesh.vertices_ecef {
-            let stored = fixed.quantize(*vertex).to_array();
+        let ring_order = (technique == Technique::GsPerTriangle).then(|| RingOrder::new(mesh));
+        for place in 0..mesh.vertex_count() {
+            let vertex = ring_order
+                .as_ref()
+                .map_or(place, |order| order.vertices[place] as usize);
+            let stored = fixed.quantize(mesh.vertices_ecef[vertex]).to_array();
             if technique == Technique::VsControl {
                 for flag in [0, 1] {
                     self.vertices.extend(stored);
@@ -164,7 +169,10 @@ impl SceneGeometry {
                 }
             }
             Technique::GsLine | Technique::GsPerTriangle => {
-                for &corner in mesh.triangles.as_flattened() {
+                let triangles = ring_order
+                    .as_ref()
+                    .map_or(&mesh.triangles, |order| &order.triangles);
+                for &corner in triangles.as_flattened() {
                     self.push_index(short, corner);
                 }
             }

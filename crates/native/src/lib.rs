@@ -11,9 +11,11 @@ mod backend;
 mod depth_bounds;
 mod layout;
 mod pass;
+mod ring_order;
 mod technique;
 
 pub use backend::{NativeBackend, NativeVariant};
 pub use depth_bounds::{DepthRange, depth_range};
 pub use layout::{NativeBytes, native_bytes};
+pub use ring_order::walls_with_other_diagonal;
 pub use technique::Technique;
