@@ -362,7 +362,7 @@ fn growth_with_vertices_is_an_exponent_with_its_interval() {
     }
     let html = report(&run);
     assert!(
-        section(&html, "growth").contains("<td>1.00 ["),
+        section(&html, "exponent").contains("<td>1.00 ["),
         "time as vertices"
     );
     // Twin: with one of the two wrong, nothing is said.
@@ -370,7 +370,7 @@ fn growth_with_vertices_is_an_exponent_with_its_interval() {
     wrong.status = Status::Wrong;
     wrong.samples = 8;
     run.append_summary(&wrong).expect("the last row counts");
-    assert!(!report(&run).contains("<h2 id=\"growth\">"));
+    assert!(!report(&run).contains("<h2 id=\"exponent\">"));
 }
 
 #[test]
@@ -401,7 +401,7 @@ fn a_run_without_them_has_none_of_these_chapters() {
     let row = timed(&run, &case, "", 10.0);
     run.append_summary(&row).expect("a row");
     let html = report(&run);
-    for id in ["ladder", "pairs", "matrix", "memory", "growth"] {
+    for id in ["ladder", "pairs", "matrix", "memory", "exponent"] {
         assert!(!html.contains(&format!("<h2 id=\"{id}\">")), "{id}");
     }
     assert!(
