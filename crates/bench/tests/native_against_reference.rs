@@ -340,7 +340,7 @@ fn volumes_of_single_triangles_leave_no_sliver_between_neighbours() {
     let Some(devices) = devices() else {
         return;
     };
-    for name in ["planet-134", "countries-110m", "countries-50m"] {
+    for name in ["planet-134", "us-states", "countries-110m", "countries-50m"] {
         let Some((prepared, views)) = prepared(name) else {
             continue;
         };
