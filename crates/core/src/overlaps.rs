@@ -51,7 +51,7 @@ impl RingAreas {
         if edges.iter().all(|edge| key(edge) == key(first)) {
             return None;
         }
-        let (mut sum, mut scale) = (0.0, 0.0);
+        let (mut sum, mut scale) = (Sum::default(), 0.0);
         for ring in edges.chunk_by(|a, b| key(a) == key(b)) {
             let reference = pole_held(ring).unwrap_or(ring[0].start[1]);
             let (area, terms) =
@@ -63,7 +63,10 @@ impl RingAreas {
             };
             scale += terms;
         }
-        Some(Self { sum, scale })
+        Some(Self {
+            sum: sum.value(),
+            scale,
+        })
     }
 
     /// Whether the rings together enclose another area than they do one by one.
@@ -74,7 +77,7 @@ impl RingAreas {
             .iter()
             .map(|ends| ends.map(|i| mesh.vertices[i as usize]));
         let (together, terms) = signed_area(boundary, reference);
-        // Every term is rounded three times, the sums once for each.
+        // Every term is rounded three times; the sums keep what they round away.
         (self.sum - together.abs()).abs() > 1e-14 * (self.scale + terms)
     }
 }
@@ -86,16 +89,42 @@ fn pole_held(ring: &[OutlineEdge]) -> Option<f64> {
         .find_map(|edge| along_pole(edge.start, edge.end))
 }
 
+/// A sum that keeps what each addition rounds away (Neumaier 1974): its error does not grow with the
+/// number of terms, of which a region may have millions.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sum {
+    rounded: f64,
+    lost: f64,
+}
+
+impl std::ops::AddAssign<f64> for Sum {
+    fn add_assign(&mut self, term: f64) {
+        let next = self.rounded + term;
+        self.lost += if self.rounded.abs() >= term.abs() {
+            (self.rounded - next) + term
+        } else {
+            (term - next) + self.rounded
+        };
+        self.rounded = next;
+    }
+}
+
+impl Sum {
+    fn value(self) -> f64 {
+        self.rounded + self.lost
+    }
+}
+
 /// `−∮ (φ − φ₀) dλ` and the sum of its terms' sizes.
 fn signed_area(edges: impl Iterator<Item = [Degrees; 2]>, reference: f64) -> (f64, f64) {
-    let (mut area, mut scale) = (0.0, 0.0);
+    let (mut area, mut scale) = (Sum::default(), 0.0);
     for [start, end] in edges {
         let height = 0.5 * ((start[1] - reference) + (end[1] - reference));
         let term = height * (end[0] - start[0]);
-        area -= term;
+        area += -term;
         scale += term.abs();
     }
-    (area, scale)
+    (area.value(), scale)
 }
 
 /// Places where a polygon lies over another or a hole over what is outside its shell, one for each
