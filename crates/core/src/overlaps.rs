@@ -450,3 +450,18 @@ fn overlapping(held: &[RingKey], goes_round: &[RingKey]) -> Option<[RingKey; 2]>
     }
     None
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sum_keeps_what_each_addition_rounds_away() {
+        let terms = || std::iter::once(1e16).chain([1.0; 1000]).chain([-1e16]);
+        let mut sum = Sum::default();
+        terms().for_each(|term| sum += term);
+        assert_eq!(sum.value(), 1000.0);
+        // The plain sum does not.
+        assert_eq!(terms().sum::<f64>(), 0.0);
+    }
+}
