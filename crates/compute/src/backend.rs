@@ -11,11 +11,11 @@ use crate::{ComputeBytes, ComputeVariant, Expansion, GpuCulling, Transform};
 use std::sync::Arc;
 use terrafill_core::RegionMesh;
 use terrafill_frame::{
-    Backend, BackendError, Capabilities, Counters, FillPass, FillProgram, Frame, FrameInput,
-    FrameTimes, MAX_REGIONS, MemoryUse, Picture, RegionConstants, TimedBackend, VolumeBackend,
-    id_rgba, ids_of, palette_rgba,
+    Backend, BackendError, Capabilities, Counters, CpuStopwatch, FillPass, FillProgram, Frame,
+    FrameInput, FrameTimes, MAX_REGIONS, MemoryUse, Picture, RegionConstants, TimedBackend,
+    VolumeBackend, WorkDone, id_rgba, ids_of, palette_rgba,
 };
-use terrafill_gpu::{CpuStopwatch, Gpu, SharedStage, Stage, TimedPass, WorkDone, read_buffer};
+use terrafill_gpu::{Gpu, SharedStage, Stage, TimedPass, read_buffer};
 use terrafill_scene::{ImageSize, PlannedRegion};
 
 /// Shadow volumes made by a compute pass.
@@ -282,13 +282,8 @@ impl ComputeBackend {
             self.record(&mut encoder, &stage, input, statistics.as_ref(), false)?;
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;
-        let done = gpu.work_done() - before;
-        self.work = self.work + done;
-        counters.buffer_creations = self.work.buffer_creations;
-        counters.pipeline_creations = self.work.pipeline_creations;
-        counters.uploads = self.work.uploads;
-        counters.upload_bytes = done.upload_bytes;
-        self.work = WorkDone::default();
+        let prepared = std::mem::take(&mut self.work);
+        WorkDone::write_into(&mut counters, prepared, gpu.work_done() - before);
         counters.vertices += self.drawn_by_device(&gpu, &indirect_draws)?;
         if let Some(statistics) = &statistics {
             statistics.read_into(&gpu, &mut counters)?;

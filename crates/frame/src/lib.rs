@@ -8,6 +8,7 @@
 
 mod backend;
 mod batches;
+mod clock;
 mod constants;
 mod fixed_point;
 mod frame;
@@ -15,9 +16,11 @@ mod input;
 mod palette;
 mod program;
 mod switches;
+mod work;
 
 pub use backend::{Backend, BackendError, Capabilities, Picture, TimedBackend, VolumeBackend};
 pub use batches::{RegionClasses, XOR_NUMBERS, XorBatches, overlap_depth};
+pub use clock::CpuStopwatch;
 pub use constants::{RegionConstants, ViewConstants};
 pub use fixed_point::{EyeInUnits, FixedPoint, PositionFormat, eye_relative_m};
 pub use frame::{Counters, Frame, FrameTimes, MemoryUse, NO_REGION};
@@ -30,3 +33,4 @@ pub use program::{
 pub use switches::{
     BottomCap, ColourWay, DepthRuleChoice, FacePasses, StencilClear, SwitchError, Switches,
 };
+pub use work::{WorkCounters, WorkDone};

@@ -2,9 +2,8 @@
 //! Choosing and opening a device.
 
 use crate::validation;
-use crate::work::WorkCounters;
 use std::sync::Arc;
-use terrafill_frame::BackendError;
+use terrafill_frame::{BackendError, WorkCounters};
 
 /// How to choose a device.
 #[derive(Debug, Clone, Default)]

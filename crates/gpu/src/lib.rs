@@ -4,7 +4,6 @@
 
 mod adapter;
 mod baseline;
-mod clock;
 #[cfg(test)]
 mod constants;
 mod readback;
@@ -13,13 +12,12 @@ mod timing;
 mod validation;
 mod work;
 
+pub use terrafill_frame::{CpuStopwatch, WorkDone};
 pub use terrafill_shaders::source_hash as shader_source_hash;
 
 pub use adapter::{DeviceFacts, Gpu, GpuOptions, list_adapters, open_for_test};
 pub use baseline::{Baseline, BaselineKind};
-pub use clock::CpuStopwatch;
 pub use readback::read_buffer;
 pub use stage::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, SharedStage, Stage};
 pub use timing::{PassTimer, Stamps, TimedPass};
 pub use validation::{POSITIVE_CONTROL, ValidationMessage, make_deliberate_error, messages};
-pub use work::WorkDone;

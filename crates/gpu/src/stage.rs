@@ -232,7 +232,7 @@ impl Stage {
             .slice(..bytes.len())
             .copy_from_slice(bytes);
         buffer.unmap();
-        self.gpu.count_upload(bytes.len() as u64);
+        self.gpu.work.count_upload(bytes.len() as u64);
         Ok(buffer)
     }
 

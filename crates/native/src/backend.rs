@@ -9,14 +9,14 @@ use std::collections::hash_map::Entry;
 use std::sync::Arc;
 use terrafill_core::RegionMesh;
 use terrafill_frame::{
-    Backend, BackendError, Capabilities, Counters, FillProgram, Frame, FrameInput, FrameTimes,
-    MAX_REGIONS, MemoryUse, Picture, RegionConstants, SwitchError, Switches, TimedBackend,
-    VolumeBackend, id_rgba, ids_of, palette_rgba,
+    Backend, BackendError, Capabilities, Counters, CpuStopwatch, FillProgram, Frame, FrameInput,
+    FrameTimes, MAX_REGIONS, MemoryUse, Picture, RegionConstants, SwitchError, Switches,
+    TimedBackend, VolumeBackend, WorkDone, id_rgba, ids_of, palette_rgba,
 };
 use terrafill_scene::PlannedRegion;
 use terrafill_vulkan::{
-    BindGroup, Buffer, BufferUse, CpuStopwatch, FillReport, Gpu, Made, Measured, Pipeline,
-    PipelineDescriptor, SharedStage,
+    BindGroup, Buffer, BufferUse, FillReport, Gpu, Measured, Pipeline, PipelineDescriptor,
+    SharedStage,
 };
 
 /// A variant: how volumes come about, and the switches of the fill.
@@ -73,8 +73,8 @@ pub struct NativeBackend {
     pipelines: Pipelines,
     scene: Option<SceneBuffers>,
     view: Option<ViewBuffers>,
-    /// What was made for the frame that comes next.
-    made: Made,
+    /// Asked of the device for the frame that comes next.
+    work: WorkDone,
 }
 
 /// Geometry of every mesh of a scene, in view or not.
@@ -141,7 +141,7 @@ impl NativeBackend {
             pipelines: Pipelines::new(),
             scene: None,
             view: None,
-            made: Made::default(),
+            work: WorkDone::default(),
         })
     }
 
@@ -160,14 +160,10 @@ impl NativeBackend {
         let gpu = self.gpu();
         self.stage.borrow_mut().prepare(input)?;
         self.stage.borrow_mut().draw_surface()?;
-        let before = gpu.made();
+        let before = gpu.work_done();
         let (report, mut counters) = self.draw(input, Measured::Statistics)?;
-        let drawing = gpu.made() - before;
-        let made = std::mem::take(&mut self.made) + drawing;
-        counters.buffer_creations = made.buffers;
-        counters.pipeline_creations = made.pipelines;
-        counters.uploads = made.uploads;
-        counters.upload_bytes = drawing.upload_bytes;
+        let prepared = std::mem::take(&mut self.work);
+        WorkDone::write_into(&mut counters, prepared, gpu.work_done() - before);
         if let Some(statistics) = report.statistics {
             counters.vertex_shader_invocations = Some(statistics.vertex_shader_invocations);
             counters.geometry_shader_primitives = statistics.geometry_shader_primitives;
@@ -370,7 +366,7 @@ impl NativeBackend {
     /// Brings geometry, constants and pipelines up to date, and gives the bytes handed over.
     fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, BackendError> {
         let gpu = self.gpu();
-        let before = gpu.made();
+        let before = gpu.work_done();
         let is_uploaded = self
             .scene
             .as_ref()
@@ -380,9 +376,9 @@ impl NativeBackend {
         }
         self.upload_view(input, id_rgba)?;
         self.ensure_program_pipelines()?;
-        let made = gpu.made() - before;
-        self.made = self.made + made;
-        Ok(made.upload_bytes)
+        let done = gpu.work_done() - before;
+        self.work = self.work + done;
+        Ok(done.upload_bytes)
     }
 }
 

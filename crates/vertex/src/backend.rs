@@ -9,11 +9,11 @@ use crate::{Layout, VertexVariant};
 use std::sync::Arc;
 use terrafill_core::RegionMesh;
 use terrafill_frame::{
-    Backend, BackendError, Capabilities, Counters, FillPass, FillProgram, Frame, FrameInput,
-    FrameTimes, MAX_REGIONS, MemoryUse, Picture, PositionFormat, RegionConstants, TimedBackend,
-    VolumeBackend, id_rgba, ids_of, palette_rgba,
+    Backend, BackendError, Capabilities, Counters, CpuStopwatch, FillPass, FillProgram, Frame,
+    FrameInput, FrameTimes, MAX_REGIONS, MemoryUse, Picture, PositionFormat, RegionConstants,
+    TimedBackend, VolumeBackend, WorkDone, id_rgba, ids_of, palette_rgba,
 };
-use terrafill_gpu::{CpuStopwatch, Gpu, SharedStage, Stage, TimedPass, WorkDone};
+use terrafill_gpu::{Gpu, SharedStage, Stage, TimedPass};
 use terrafill_scene::{ImageSize, PlannedRegion};
 
 /// Shadow volumes extruded in the vertex shader.
@@ -150,12 +150,8 @@ impl VertexBackend {
         let mut counters = self.record(&mut encoder, &stage, input, recording)?;
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;
-        self.work = self.work + (gpu.work_done() - before);
-        counters.buffer_creations = self.work.buffer_creations;
-        counters.pipeline_creations = self.work.pipeline_creations;
-        counters.uploads = self.work.uploads;
-        counters.upload_bytes = (gpu.work_done() - before).upload_bytes;
-        self.work = WorkDone::default();
+        let prepared = std::mem::take(&mut self.work);
+        WorkDone::write_into(&mut counters, prepared, gpu.work_done() - before);
         if let Some(statistics) = &statistics {
             statistics.read_into(&gpu, &mut counters)?;
         }

@@ -12,7 +12,7 @@ use ash::{ext, vk};
 use std::ffi::CStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use terrafill_frame::BackendError;
+use terrafill_frame::{BackendError, WorkCounters, WorkDone};
 
 /// How to choose a device.
 #[derive(Debug, Clone, Default)]
@@ -64,54 +64,6 @@ pub struct DeviceFacts {
     pub lacks: Vec<String>,
 }
 
-/// How much has been made on a device so far.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Made {
-    /// Buffers that shaders or draws read; not those that only carry bytes to or from the host.
-    pub buffers: u64,
-    /// Writes of the CPU into such buffers.
-    pub uploads: u64,
-    /// Their bytes.
-    pub upload_bytes: u64,
-    /// Graphics pipelines.
-    pub pipelines: u64,
-}
-
-impl std::ops::Add for Made {
-    type Output = Self;
-
-    fn add(self, more: Self) -> Self {
-        Self {
-            buffers: self.buffers + more.buffers,
-            uploads: self.uploads + more.uploads,
-            upload_bytes: self.upload_bytes + more.upload_bytes,
-            pipelines: self.pipelines + more.pipelines,
-        }
-    }
-}
-
-impl std::ops::Sub for Made {
-    type Output = Self;
-
-    fn sub(self, earlier: Self) -> Self {
-        Self {
-            buffers: self.buffers - earlier.buffers,
-            uploads: self.uploads - earlier.uploads,
-            upload_bytes: self.upload_bytes - earlier.upload_bytes,
-            pipelines: self.pipelines - earlier.pipelines,
-        }
-    }
-}
-
-#[derive(Debug, Default)]
-pub(crate) struct Counts {
-    pub(crate) buffers: AtomicU64,
-    pub(crate) uploads: AtomicU64,
-    pub(crate) upload_bytes: AtomicU64,
-    pub(crate) pipelines: AtomicU64,
-    pub(crate) allocated_bytes: AtomicU64,
-}
-
 /// The queue and what is needed to hand it one submission at a time.
 #[derive(Debug)]
 pub(crate) struct Queue {
@@ -134,7 +86,8 @@ pub struct Gpu {
     pub(crate) device: ash::Device,
     pub(crate) memory: vk::PhysicalDeviceMemoryProperties,
     pub(crate) limits: vk::PhysicalDeviceLimits,
-    pub(crate) counts: Counts,
+    pub(crate) work: WorkCounters,
+    pub(crate) allocated_bytes: AtomicU64,
     pub(crate) fixtures: Fixtures,
     pub(crate) shader_modules: ShaderModules,
     /// What it is.
@@ -420,7 +373,8 @@ impl Gpu {
             device,
             memory,
             limits: adapter.limits,
-            counts: Counts::default(),
+            work: WorkCounters::default(),
+            allocated_bytes: AtomicU64::new(0),
             fixtures,
             shader_modules: ShaderModules::default(),
             facts: adapter.facts.clone(),
@@ -429,21 +383,16 @@ impl Gpu {
         }))
     }
 
-    /// What has been made on this device so far: two readings around a frame tell what it made.
+    /// What was made and written so far.
     #[must_use]
-    pub fn made(&self) -> Made {
-        Made {
-            buffers: self.counts.buffers.load(Ordering::Relaxed),
-            uploads: self.counts.uploads.load(Ordering::Relaxed),
-            upload_bytes: self.counts.upload_bytes.load(Ordering::Relaxed),
-            pipelines: self.counts.pipelines.load(Ordering::Relaxed),
-        }
+    pub fn work_done(&self) -> WorkDone {
+        self.work.done()
     }
 
     /// Device memory that is allocated now, bytes.
     #[must_use]
     pub fn allocated_bytes(&self) -> u64 {
-        self.counts.allocated_bytes.load(Ordering::Relaxed)
+        self.allocated_bytes.load(Ordering::Relaxed)
     }
 
     /// Nanoseconds per timestamp tick.
@@ -580,18 +529,5 @@ mod tests {
         assert!(capability.starts_with("a Vulkan loader"), "{capability}");
         assert!(capability.contains("no-such-folder"), "{capability}");
         assert_eq!(adapter, THIS_MACHINE);
-    }
-
-    #[test]
-    fn what_was_made_between_two_readings_is_their_difference() {
-        let reading = |n: u64| Made {
-            buffers: n,
-            uploads: 2 * n,
-            upload_bytes: 3 * n,
-            pipelines: 4 * n,
-        };
-        assert_eq!(reading(7) - reading(5), reading(2));
-        assert_eq!(reading(7) + reading(5), reading(12));
-        assert_ne!(reading(7) - reading(5), reading(3));
     }
 }

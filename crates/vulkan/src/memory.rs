@@ -77,7 +77,7 @@ impl Memory {
         // SAFETY: size and type are what the driver asked for.
         let raw = unsafe { gpu.device.allocate_memory(&info, None) }
             .map_err(|error| failure(error, label, needs.size))?;
-        let counted = &gpu.counts.allocated_bytes;
+        let counted = &gpu.allocated_bytes;
         counted.fetch_add(needs.size, Ordering::Relaxed);
         Ok(Self {
             raw,
@@ -90,7 +90,7 @@ impl Memory {
     unsafe fn free(&self, gpu: &Gpu) {
         // SAFETY: as promised; the memory is the device's.
         unsafe { gpu.device.free_memory(self.raw, None) };
-        let counted = &gpu.counts.allocated_bytes;
+        let counted = &gpu.allocated_bytes;
         counted.fetch_sub(self.bytes, Ordering::Relaxed);
     }
 }
@@ -146,11 +146,11 @@ impl Buffer {
         let usage = use_for.flags() | vk::BufferUsageFlags::TRANSFER_DST;
         let mut buffer = Self::new(gpu, label, size, usage, DEVICE)?;
         buffer.use_for = Some(use_for);
-        gpu.counts.buffers.fetch_add(1, Ordering::Relaxed);
+        gpu.work.count_buffer();
         if !bytes.is_empty() {
             let staging = Self::new(gpu, label, size, vk::BufferUsageFlags::TRANSFER_SRC, HOST)?;
             staging.write(bytes)?;
-            buffer.count_upload(bytes.len());
+            gpu.work.count_upload(bytes.len() as u64);
             let region = [vk::BufferCopy::default().size(size)];
             let barrier = [vk::MemoryBarrier::default()
                 .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
@@ -173,14 +173,6 @@ impl Buffer {
             }
         }
         Ok(buffer)
-    }
-
-    fn count_upload(&self, bytes: usize) {
-        let counts = &self.gpu.counts;
-        counts.uploads.fetch_add(1, Ordering::Relaxed);
-        counts
-            .upload_bytes
-            .fetch_add(bytes as u64, Ordering::Relaxed);
     }
 
     /// Overwrites the start of a buffer that was uploaded; meant for constants.
@@ -218,7 +210,7 @@ impl Buffer {
                 );
             })?;
         }
-        self.count_upload(bytes.len());
+        self.gpu.work.count_upload(bytes.len() as u64);
         Ok(())
     }
 

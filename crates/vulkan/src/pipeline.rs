@@ -10,7 +10,6 @@ use crate::fixtures::Fixtures;
 use ash::vk;
 use std::collections::HashMap;
 use std::ffi::CString;
-use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 use terrafill_frame::{
     BackendError, DepthRule, FaceSet, StencilOperation, StencilRule, StencilTest,
@@ -256,7 +255,7 @@ impl Pipeline {
             return Err(lacks("blending into R32_SFLOAT"));
         }
         let raw = create(gpu, &descriptor)?;
-        gpu.counts.pipelines.fetch_add(1, Ordering::Relaxed);
+        gpu.work.count_pipeline();
         Ok(Self {
             gpu: Arc::clone(gpu),
             raw,
