@@ -5,7 +5,7 @@
 //! region by region; those that are written are 32 bits.
 
 use terrafill_core::RegionMesh;
-use terrafill_frame::FixedPoint;
+use terrafill_frame::{FixedPoint, RegionPlace};
 
 /// Bytes of one or more regions, what is stored and what is made from it apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -90,6 +90,18 @@ pub(crate) struct MeshSlice {
 }
 
 impl MeshSlice {
+    /// As shaders are told.
+    pub(crate) fn place(&self) -> RegionPlace {
+        RegionPlace {
+            fixed: self.fixed,
+            first_vertex: self.first_vertex,
+            first_triangle_index: self.first_triangle_index,
+            first_loop_index: self.first_loop_index,
+            triangle_count: self.triangle_count,
+            has_short_indices: self.has_short_indices,
+        }
+    }
+
     /// Indices that the region's volume takes.
     pub(crate) fn output_indices(&self) -> u64 {
         6 * (u64::from(self.triangle_count) + u64::from(self.edge_count))

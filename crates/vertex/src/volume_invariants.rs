@@ -181,10 +181,10 @@ impl Reader<'_> {
     fn indices(&self, first: u32, count: u32) -> Result<Vec<u32>, String> {
         let range = first as usize..(first + count) as usize;
         let indices = if self.slice.short_indices {
-            let short = self.geometry.short_indices.get(range.clone());
+            let short = self.geometry.indices.short.get(range.clone());
             short.map(|short| short.iter().map(|&index| u32::from(index)).collect())
         } else {
-            let long = self.geometry.long_indices.get(range.clone());
+            let long = self.geometry.indices.long.get(range.clone());
             long.map(<[u32]>::to_vec)
         };
         indices.ok_or_else(|| format!("indices {range:?} are beyond the buffer"))
@@ -231,11 +231,11 @@ impl Reader<'_> {
     fn fetch_index(&self, element: u32) -> Result<u32, String> {
         let beyond = || format!("index {element} is beyond the buffer");
         if !self.slice.short_indices {
-            let found = self.geometry.long_indices.get(element as usize);
+            let found = self.geometry.indices.long.get(element as usize);
             return found.copied().ok_or_else(beyond);
         }
         let half = |element: u32| {
-            let found = self.geometry.short_indices.get(element as usize);
+            let found = self.geometry.indices.short.get(element as usize);
             found.map(|&index| u32::from(index))
         };
         half(element).ok_or_else(beyond)?;
@@ -761,9 +761,9 @@ fn each_noticed(
 fn every_index_that_is_another_is_noticed() {
     each_noticed(
         in_mesh_order(),
-        &|geometry| geometry.short_indices.len(),
+        &|geometry| geometry.indices.short.len(),
         &|variant, geometry, place| {
-            let index = &mut geometry.short_indices[place];
+            let index = &mut geometry.indices.short[place];
             // The next vertex; a restart becomes one, too, and no longer restarts. Vertex 0 would
             // not do: a loop that ends there gets a wall of no length.
             let is_single = !is_stored_twice(variant) && *index != 0xffff;
@@ -774,10 +774,10 @@ fn every_index_that_is_another_is_noticed() {
     // The same vertex, but its copy in the other cap.
     each_noticed(
         in_mesh_order().filter(is_stored_twice),
-        &|geometry| geometry.short_indices.len(),
+        &|geometry| geometry.indices.short.len(),
         &|_, geometry, place| {
             // A restart becomes an index beyond the buffer.
-            geometry.short_indices[place] ^= 1;
+            geometry.indices.short[place] ^= 1;
             true
         },
     );
@@ -787,10 +787,10 @@ fn every_index_that_is_another_is_noticed() {
 fn two_indices_that_have_changed_places_are_noticed() {
     each_noticed(
         in_mesh_order(),
-        &|geometry| geometry.short_indices.len() - 1,
+        &|geometry| geometry.indices.short.len() - 1,
         &|_, geometry, place| {
-            geometry.short_indices.swap(place, place + 1);
-            geometry.short_indices[place] != geometry.short_indices[place + 1]
+            geometry.indices.short.swap(place, place + 1);
+            geometry.indices.short[place] != geometry.indices.short[place + 1]
         },
     );
 }
@@ -900,8 +900,8 @@ fn walls_with_another_diagonal_or_first_corner_are_noticed() {
         assert_eq!(count % 6, 0);
         for wall in (first..first + count).step_by(6) {
             let mut other = scene.build(&variant);
-            let turned = with_other_diagonal(&geometry.short_indices[wall..wall + 6]);
-            other.short_indices[wall..wall + 6].copy_from_slice(&turned);
+            let turned = with_other_diagonal(&geometry.indices.short[wall..wall + 6]);
+            other.indices.short[wall..wall + 6].copy_from_slice(&turned);
             let reader = Reader {
                 geometry: &other,
                 slice: &other.regions[1],
@@ -916,7 +916,7 @@ fn walls_with_another_diagonal_or_first_corner_are_noticed() {
             assert!(found.contains("more than the boundary's"), "{found}");
 
             let mut other = scene.build(&variant);
-            other.short_indices[wall..wall + 3].rotate_left(1);
+            other.indices.short[wall..wall + 3].rotate_left(1);
             let found = scene.check_built(&other, &variant);
             assert_eq!(found.is_err(), has_inner, "{}: {found:?}", variant.name());
         }
@@ -932,7 +932,7 @@ fn volumes_of_triangles_must_each_be_closed() {
         let mut geometry = scene.build(&variant);
         let wall = geometry.regions[1].first_loop_index as usize;
         for k in 0..6 {
-            geometry.short_indices.swap(wall + k, wall + 18 + k);
+            geometry.indices.short.swap(wall + k, wall + 18 + k);
         }
         let found = scene.check_built(&geometry, &variant);
         let found = found.expect_err("walls of another triangle");

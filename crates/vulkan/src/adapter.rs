@@ -12,7 +12,9 @@ use ash::{ext, vk};
 use std::ffi::CStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use terrafill_frame::{BackendError, WorkCounters, WorkDone};
+use terrafill_frame::{
+    BackendError, DeviceType, THIS_MACHINE, WorkCounters, WorkDone, choose_adapter, device_for_test,
+};
 
 /// How to choose a device.
 #[derive(Debug, Clone, Default)]
@@ -106,15 +108,6 @@ impl std::fmt::Debug for Gpu {
     }
 }
 
-fn unsupported(capability: &str, adapter: &str) -> BackendError {
-    BackendError::Unsupported {
-        capability: capability.to_owned(),
-        adapter: adapter.to_owned(),
-    }
-}
-
-const THIS_MACHINE: &str = "this machine";
-
 impl Api {
     fn load(validation: bool) -> Result<Self, BackendError> {
         // SAFETY: loads the system's Vulkan loader, whose initialisers are its own affair.
@@ -144,8 +137,9 @@ impl Api {
             info = info.push_next(&mut messenger_info);
         }
         // SAFETY: the structures live through the call; the layer and the extension are there.
-        let instance = unsafe { entry.create_instance(&info, None) }
-            .map_err(|error| unsupported(&format!("a Vulkan instance: {error}"), THIS_MACHINE))?;
+        let instance = unsafe { entry.create_instance(&info, None) }.map_err(|error| {
+            BackendError::unsupported(&format!("a Vulkan instance: {error}"), THIS_MACHINE)
+        })?;
         let mut api = Self {
             messenger: None,
             _entry: entry,
@@ -171,7 +165,7 @@ impl Api {
             .into_iter()
             .map(|raw| Adapter::new(&self.instance, raw))
             .collect();
-        adapters.sort_by_key(|adapter| adapter.rank);
+        adapters.sort_by_key(|adapter| adapter.device_type);
         Ok(adapters)
     }
 }
@@ -191,7 +185,7 @@ impl Drop for Api {
 
 fn no_loader(error: &ash::LoadingError) -> BackendError {
     let what = format!("a Vulkan loader (ci/setup.sh installs one): {error}");
-    unsupported(&what, THIS_MACHINE)
+    BackendError::unsupported(&what, THIS_MACHINE)
 }
 
 fn has_layer(entry: &ash::Entry, name: &CStr) -> Result<bool, BackendError> {
@@ -205,7 +199,7 @@ fn has_layer(entry: &ash::Entry, name: &CStr) -> Result<bool, BackendError> {
 
 struct Adapter {
     raw: vk::PhysicalDevice,
-    rank: u8,
+    device_type: DeviceType,
     limits: vk::PhysicalDeviceLimits,
     features: vk::PhysicalDeviceFeatures,
     queue_family: Option<u32>,
@@ -253,23 +247,23 @@ impl Adapter {
         if !attachable {
             lacks.push("Depth32FloatStencil8".to_owned());
         }
-        let (rank, device_type) = match plain.device_type {
-            vk::PhysicalDeviceType::DISCRETE_GPU => (0, "discrete-gpu"),
-            vk::PhysicalDeviceType::INTEGRATED_GPU => (1, "integrated-gpu"),
-            vk::PhysicalDeviceType::VIRTUAL_GPU => (2, "virtual-gpu"),
-            vk::PhysicalDeviceType::CPU => (4, "cpu"),
-            _ => (3, "other"),
+        let device_type = match plain.device_type {
+            vk::PhysicalDeviceType::DISCRETE_GPU => DeviceType::DiscreteGpu,
+            vk::PhysicalDeviceType::INTEGRATED_GPU => DeviceType::IntegratedGpu,
+            vk::PhysicalDeviceType::VIRTUAL_GPU => DeviceType::VirtualGpu,
+            vk::PhysicalDeviceType::CPU => DeviceType::Cpu,
+            _ => DeviceType::Other,
         };
         let is = |feature: vk::Bool32| feature == vk::TRUE;
         Self {
             raw,
-            rank,
+            device_type,
             limits: plain.limits,
             features,
             queue_family: family.map(|(index, _)| index),
             facts: DeviceFacts {
                 name: text(plain.device_name_as_c_str()),
-                device_type,
+                device_type: device_type.name(),
                 vendor_id: plain.vendor_id,
                 device_id: plain.device_id,
                 driver: text(driver.driver_name_as_c_str()),
@@ -306,24 +300,11 @@ impl Gpu {
     /// lacks something.
     pub fn open(options: &GpuOptions) -> Result<Arc<Self>, BackendError> {
         let api = Api::load(options.validation || validation::is_requested())?;
-        let wanted = options.adapter.as_deref().unwrap_or("").to_lowercase();
         let all = api.adapters()?;
-        if all.is_empty() {
-            return Err(unsupported(
-                "a Vulkan device (ci/setup.sh installs a software one)",
-                THIS_MACHINE,
-            ));
-        }
-        let Some(adapter) = all
-            .iter()
-            .find(|adapter| adapter.facts.name.to_lowercase().contains(&wanted))
-        else {
-            let names: Vec<_> = all.iter().map(|a| a.facts.name.as_str()).collect();
-            let what = format!("an adapter called {wanted:?}; it has {}", names.join(", "));
-            return Err(unsupported(&what, THIS_MACHINE));
-        };
+        let names: Vec<&str> = all.iter().map(|a| a.facts.name.as_str()).collect();
+        let adapter = &all[choose_adapter(&names, options.adapter.as_deref())?];
         let (true, Some(family)) = (adapter.facts.lacks.is_empty(), adapter.queue_family) else {
-            return Err(unsupported(
+            return Err(BackendError::unsupported(
                 &adapter.facts.lacks.join(", "),
                 &adapter.facts.name,
             ));
@@ -489,25 +470,13 @@ impl Queue {
     }
 }
 
-/// Opens a device for a test. Where there is none, prints why and gives `None`, so that everything
-/// but device tests passes on a machine without a GPU.
+/// Opens a device for a test; see [`device_for_test`].
 ///
 /// # Panics
-/// When there is none and `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does: there a skipped
-/// device test would be a check that does not check.
+/// As [`device_for_test`].
 #[must_use]
 pub fn open_for_test(options: &GpuOptions) -> Option<Arc<Gpu>> {
-    match Gpu::open(options) {
-        Ok(gpu) => Some(gpu),
-        Err(error) => {
-            assert!(
-                std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_none(),
-                "TERRAFILL_REQUIRE_DEVICE is set: {error}"
-            );
-            eprintln!("skipped: {error}");
-            None
-        }
-    }
+    device_for_test(Gpu::open(options))
 }
 
 #[cfg(test)]

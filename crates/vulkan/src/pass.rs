@@ -171,10 +171,10 @@ impl<'a> FillRecorder<'a> {
     /// been asked for them.
     pub fn accumulate(&mut self, record: impl FnOnce(&mut PassRecorder<'a, '_>)) {
         let Some(numbers) = self.targets.numbers() else {
-            self.refused.get_or_insert(BackendError::Unsupported {
-                capability: "drawing: numbers that the stage was not asked for".to_owned(),
-                adapter: self.gpu.facts.name.clone(),
-            });
+            self.refused.get_or_insert(BackendError::unsupported(
+                "drawing: numbers that the stage was not asked for",
+                &self.gpu.facts.name,
+            ));
             return;
         };
         let render_pass = self.gpu.fixtures.numbers;
