@@ -162,7 +162,7 @@ impl ComputeVolumes {
     /// Where a mesh lies; `None` before anything is uploaded.
     pub(crate) fn places(&self) -> Option<impl Fn(usize) -> RegionPlace> {
         let scene = self.scene.as_ref()?;
-        Some(|mesh: usize| scene.meshes[mesh].place())
+        Some(|mesh: usize| scene.meshes[mesh].place)
     }
 
     /// Bytes as allocated.

@@ -99,30 +99,10 @@ pub fn per_triangle_volume_bytes(
 /// Where one region lies in the scene's buffers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct RegionSlice {
-    pub(crate) fixed: FixedPoint,
-    /// In stored vertices: two per mesh vertex when doubled.
-    pub(crate) first_vertex: u32,
-    pub(crate) short_indices: bool,
-    /// In indices of the region's width.
-    pub(crate) first_triangle_index: u32,
-    pub(crate) triangle_count: u32,
-    pub(crate) first_loop_index: u32,
+    /// Vertices are counted as stored: two per mesh vertex when doubled.
+    pub(crate) place: RegionPlace,
     /// Indices of the strips, or entries of the loop list.
     pub(crate) loop_index_count: u32,
-}
-
-impl RegionSlice {
-    /// As shaders are told.
-    pub(crate) fn place(&self) -> RegionPlace {
-        RegionPlace {
-            fixed: self.fixed,
-            first_vertex: self.first_vertex,
-            first_triangle_index: self.first_triangle_index,
-            first_loop_index: self.first_loop_index,
-            triangle_count: self.triangle_count,
-            has_short_indices: self.short_indices,
-        }
-    }
 }
 
 /// Contents of a scene's geometry buffers.
@@ -177,12 +157,14 @@ impl SceneGeometry {
             _ => self.push_wall_list(short_indices, mesh),
         }
         self.regions.push(RegionSlice {
-            fixed,
-            first_vertex,
-            short_indices,
-            first_triangle_index,
-            triangle_count: mesh.triangles.len() as u32,
-            first_loop_index,
+            place: RegionPlace {
+                fixed,
+                first_vertex,
+                first_triangle_index,
+                first_loop_index,
+                triangle_count: mesh.triangles.len() as u32,
+                has_short_indices: short_indices,
+            },
             loop_index_count: self.indices.count(short_indices) - first_loop_index,
         });
     }

@@ -50,7 +50,7 @@ impl VertexVolumes {
     /// Where a mesh lies; `None` before anything is uploaded.
     pub(crate) fn places(&self) -> Option<impl Fn(usize) -> RegionPlace> {
         let scene = self.scene.as_ref()?;
-        Some(|mesh: usize| scene.regions[mesh].place())
+        Some(|mesh: usize| scene.regions[mesh].place)
     }
 
     pub(crate) fn upload(&mut self, stage: &Stage, input: &FrameInput) -> Result<(), BackendError> {
@@ -113,8 +113,9 @@ impl SceneBuffers {
         regions: &[usize],
         short_indices: bool,
     ) -> impl Iterator<Item = usize> {
-        let is_of_width =
-            move |planned: &usize| self.slice(input, *planned).short_indices == short_indices;
+        let is_of_width = move |planned: &usize| {
+            self.slice(input, *planned).place.has_short_indices == short_indices
+        };
         regions.iter().copied().filter(is_of_width)
     }
 
@@ -203,7 +204,7 @@ impl VertexVolumes {
         without_bottom: bool,
     ) {
         let slice = scene.slice(pass.input, planned);
-        let caps = if without_bottom { 3 } else { 6 } * slice.triangle_count;
+        let caps = if without_bottom { 3 } else { 6 } * slice.place.triangle_count;
         if scene.pulled.is_some() {
             let count = match part {
                 Part::Caps => caps,
@@ -214,18 +215,18 @@ impl VertexVolumes {
             return;
         }
         let (first, count) = match part {
-            Part::Caps => (slice.first_triangle_index, caps),
-            Part::Walls { .. } => (slice.first_loop_index, slice.loop_index_count),
+            Part::Caps => (slice.place.first_triangle_index, caps),
+            Part::Walls { .. } => (slice.place.first_loop_index, slice.loop_index_count),
         };
         let base_vertex = if scene.flags.is_some() {
             // Every region starts at the first flag, so its positions must start there too.
             let stride = 4 * self.variant.vertex_words() as u64;
-            let first_byte = u64::from(slice.first_vertex) * stride;
+            let first_byte = u64::from(slice.place.first_vertex) * stride;
             pass.raw
                 .set_vertex_buffer(0, scene.vertices.slice(first_byte..));
             0
         } else {
-            i32::try_from(slice.first_vertex).unwrap_or(i32::MAX)
+            i32::try_from(slice.place.first_vertex).unwrap_or(i32::MAX)
         };
         pass.draw_indexed(first..first + count, base_vertex, planned);
     }
