@@ -51,8 +51,11 @@ fn both_ways_open_the_same_adapter() {
     assert_eq!((&a.name, a.device_type), (&b.name, b.device_type));
     assert_eq!((a.vendor_id, a.device_id), (b.vendor_id, b.device_id));
     assert_eq!((&a.driver, &a.driver_info), (&b.driver, &b.driver_info));
-    assert_eq!(a.timestamps, b.features.timestamps);
-    assert_eq!(a.pipeline_statistics, b.features.pipeline_statistics);
+    assert_eq!(a.features.timestamps, b.features.timestamps);
+    assert_eq!(
+        a.features.pipeline_statistics,
+        b.features.pipeline_statistics
+    );
 }
 
 /// Longitude, latitude, height, heading, pitch, in degrees and metres.

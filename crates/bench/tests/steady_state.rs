@@ -154,7 +154,7 @@ fn every_fragment_of_the_stencil_work_is_counted() {
     let Some(gpu) = open_for_test(&GpuOptions::default()) else {
         return;
     };
-    if !gpu.facts.pipeline_statistics {
+    if !gpu.facts.features.pipeline_statistics {
         eprintln!("skipped: no pipeline statistics");
         return;
     }

@@ -34,6 +34,49 @@ impl DeviceType {
     }
 }
 
+/// What an adapter is, for reports; `F`: what it can do beyond what is needed, as its API says it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DeviceFacts<F> {
+    /// Adapter name.
+    pub name: String,
+    /// [`DeviceType::name`].
+    pub device_type: &'static str,
+    /// PCI vendor id.
+    pub vendor_id: u32,
+    /// PCI device id.
+    pub device_id: u32,
+    /// Driver name.
+    pub driver: String,
+    /// Driver version text.
+    pub driver_info: String,
+    /// What it can do beyond what is needed.
+    pub features: F,
+    /// What this project needs and the adapter lacks; empty when it can run.
+    pub lacks: Vec<String>,
+}
+
+impl<F> DeviceFacts<F> {
+    /// Adapter and driver.
+    #[must_use]
+    pub fn title(&self) -> String {
+        format!("{} ({})", self.name, self.driver_info)
+    }
+
+    /// Whether it can run.
+    ///
+    /// # Errors
+    /// [`BackendError::Unsupported`] with all that it lacks.
+    pub fn check(&self) -> Result<(), BackendError> {
+        if self.lacks.is_empty() {
+            return Ok(());
+        }
+        Err(BackendError::unsupported(
+            &self.lacks.join(", "),
+            &self.name,
+        ))
+    }
+}
+
 /// Where something is missing that no adapter of its own could have.
 pub const THIS_MACHINE: &str = "this machine";
 
@@ -134,6 +177,25 @@ mod tests {
         assert!(error.to_string().contains("it has Alpha 2, Beta, alpha 1"));
         let error = choose_adapter(&[], None).expect_err("none");
         assert!(error.to_string().contains("a Vulkan device"), "{error}");
+    }
+
+    #[test]
+    fn an_adapter_that_lacks_something_is_refused_with_all_of_it() {
+        let mut facts = DeviceFacts {
+            name: "A".to_owned(),
+            device_type: DeviceType::Cpu.name(),
+            vendor_id: 1,
+            device_id: 2,
+            driver: "d".to_owned(),
+            driver_info: "1.2".to_owned(),
+            features: (),
+            lacks: Vec::new(),
+        };
+        assert_eq!(facts.title(), "A (1.2)");
+        assert!(facts.check().is_ok());
+        facts.lacks = vec!["one".to_owned(), "another".to_owned()];
+        let error = facts.check().expect_err("it lacks two things");
+        assert_eq!(error.to_string(), "A lacks one, another");
     }
 
     #[test]

@@ -22,7 +22,8 @@ mod switches;
 mod work;
 
 pub use adapter::{
-    DeviceType, SKY, THIS_MACHINE, check_target_size, choose_adapter, count_u32, device_for_test,
+    DeviceFacts, DeviceType, SKY, THIS_MACHINE, check_target_size, choose_adapter, count_u32,
+    device_for_test,
 };
 pub use backend::{Backend, BackendError, Capabilities, Picture, TimedBackend, VolumeBackend};
 pub use batches::{RegionClasses, XOR_NUMBERS, XorBatches, overlap_depth};

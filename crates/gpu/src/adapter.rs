@@ -15,28 +15,17 @@ pub struct GpuOptions {
     pub validation: bool,
 }
 
-/// What a device is, for reports.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct DeviceFacts {
-    /// Adapter name.
-    pub name: String,
-    /// `cpu`, `discrete-gpu`, `integrated-gpu`, `virtual-gpu` or `other`.
-    pub device_type: &'static str,
-    /// PCI vendor id.
-    pub vendor_id: u32,
-    /// PCI device id.
-    pub device_id: u32,
-    /// Driver name.
-    pub driver: String,
-    /// Driver version text.
-    pub driver_info: String,
+/// What an adapter can do that not every one can.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Features {
     /// GPU timestamps in passes.
     pub timestamps: bool,
     /// Pipeline statistics.
     pub pipeline_statistics: bool,
-    /// What this project needs and the adapter lacks; empty when it can run.
-    pub lacks: Vec<String>,
 }
+
+/// What a device is, for reports.
+pub type DeviceFacts = terrafill_frame::DeviceFacts<Features>;
 
 /// An open device.
 #[derive(Debug)]
@@ -93,8 +82,10 @@ fn facts_of(adapter: &wgpu::Adapter) -> DeviceFacts {
         device_id: info.device,
         driver: info.driver,
         driver_info: info.driver_info,
-        timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
-        pipeline_statistics: features.contains(wgpu::Features::PIPELINE_STATISTICS_QUERY),
+        features: Features {
+            timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
+            pipeline_statistics: features.contains(wgpu::Features::PIPELINE_STATISTICS_QUERY),
+        },
         lacks,
     }
 }
@@ -125,12 +116,7 @@ impl Gpu {
         let names: Vec<&str> = infos.iter().map(|info| info.name.as_str()).collect();
         let adapter = &all[choose_adapter(&names, options.adapter.as_deref())?];
         let facts = facts_of(adapter);
-        if !facts.lacks.is_empty() {
-            return Err(BackendError::unsupported(
-                &facts.lacks.join(", "),
-                &facts.name,
-            ));
-        }
+        facts.check()?;
         let optional = wgpu::Features::TIMESTAMP_QUERY
             | wgpu::Features::PIPELINE_STATISTICS_QUERY
             | wgpu::Features::FLOAT32_BLENDABLE

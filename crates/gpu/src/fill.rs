@@ -107,9 +107,9 @@ impl VolumeFill {
             stage: SharedStage::clone(stage),
             capabilities: Capabilities {
                 backend,
-                adapter: format!("{} ({})", gpu.facts.name, gpu.facts.driver_info),
-                gpu_timestamps: gpu.facts.timestamps,
-                pipeline_statistics: gpu.facts.pipeline_statistics,
+                adapter: gpu.facts.title(),
+                gpu_timestamps: gpu.facts.features.timestamps,
+                pipeline_statistics: gpu.facts.features.pipeline_statistics,
             },
             covers: Covers::new(&gpu, &frame_layout)?,
             frame_layout,

@@ -22,7 +22,7 @@ mod work;
 pub use terrafill_frame::{CpuStopwatch, WorkDone};
 pub use terrafill_shaders::source_hash as shader_source_hash;
 
-pub use adapter::{DeviceFacts, Gpu, GpuOptions, list_adapters, open_for_test};
+pub use adapter::{DeviceFacts, Features, Gpu, GpuOptions, list_adapters, open_for_test};
 pub use baseline::{Baseline, BaselineKind};
 pub use fill::{VolumeFill, Volumes};
 pub use readback::read_buffer;

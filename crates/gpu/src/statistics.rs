@@ -18,7 +18,7 @@ const STATISTICS: usize = 4;
 impl Statistics {
     pub(crate) fn new(gpu: &Gpu, passes: usize) -> Option<Self> {
         let passes = u32::try_from(passes).ok()?;
-        if !gpu.facts.pipeline_statistics || passes == 0 {
+        if !gpu.facts.features.pipeline_statistics || passes == 0 {
             return None;
         }
         let types = wgpu::PipelineStatisticsTypes::VERTEX_SHADER_INVOCATIONS

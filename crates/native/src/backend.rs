@@ -125,7 +125,7 @@ impl NativeBackend {
             variant,
             capabilities: Capabilities {
                 backend: BACKEND,
-                adapter: format!("{} ({})", gpu.facts.name, gpu.facts.driver_info),
+                adapter: gpu.facts.title(),
                 gpu_timestamps: features.timestamps,
                 pipeline_statistics: features.pipeline_statistics,
             },

@@ -46,25 +46,7 @@ pub struct Features {
 }
 
 /// What a device is, for reports.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct DeviceFacts {
-    /// Adapter name.
-    pub name: String,
-    /// `cpu`, `discrete-gpu`, `integrated-gpu`, `virtual-gpu` or `other`.
-    pub device_type: &'static str,
-    /// PCI vendor id.
-    pub vendor_id: u32,
-    /// PCI device id.
-    pub device_id: u32,
-    /// Driver name.
-    pub driver: String,
-    /// Driver version text.
-    pub driver_info: String,
-    /// What it can do beyond what is needed.
-    pub features: Features,
-    /// What this project needs and the adapter lacks; empty when it can run.
-    pub lacks: Vec<String>,
-}
+pub type DeviceFacts = terrafill_frame::DeviceFacts<Features>;
 
 /// The queue and what is needed to hand it one submission at a time.
 #[derive(Debug)]
@@ -303,11 +285,10 @@ impl Gpu {
         let all = api.adapters()?;
         let names: Vec<&str> = all.iter().map(|a| a.facts.name.as_str()).collect();
         let adapter = &all[choose_adapter(&names, options.adapter.as_deref())?];
-        let (true, Some(family)) = (adapter.facts.lacks.is_empty(), adapter.queue_family) else {
-            return Err(BackendError::unsupported(
-                &adapter.facts.lacks.join(", "),
-                &adapter.facts.name,
-            ));
+        adapter.facts.check()?;
+        let Some(family) = adapter.queue_family else {
+            let name = &adapter.facts.name;
+            return Err(BackendError::unsupported("a graphics queue", name));
         };
         Self::on(api, adapter, family)
     }

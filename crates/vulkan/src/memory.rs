@@ -117,6 +117,28 @@ const HOST: &[vk::MemoryPropertyFlags] = &[
 /// Most bytes that a command may carry.
 const CHUNK: usize = 65_536;
 
+/// Whatever follows reads what was copied into buffers before.
+///
+/// # Safety
+/// Recording is under way, outside of a pass.
+unsafe fn let_be_read(device: &ash::Device, commands: vk::CommandBuffer) {
+    let barrier = [vk::MemoryBarrier::default()
+        .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
+        .dst_access_mask(vk::AccessFlags::MEMORY_READ)];
+    // SAFETY: the caller's promise.
+    unsafe {
+        device.cmd_pipeline_barrier(
+            commands,
+            vk::PipelineStageFlags::TRANSFER,
+            vk::PipelineStageFlags::ALL_COMMANDS,
+            vk::DependencyFlags::empty(),
+            &barrier,
+            &[],
+            &[],
+        );
+    }
+}
+
 impl Buffer {
     /// A buffer in device memory with these contents, of exactly that size; 4 bytes when there are
     /// none, since a buffer of 0 bytes is not allowed.
@@ -152,23 +174,12 @@ impl Buffer {
             staging.write(bytes)?;
             gpu.work.count_upload(bytes.len() as u64);
             let region = [vk::BufferCopy::default().size(size)];
-            let barrier = [vk::MemoryBarrier::default()
-                .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
-                .dst_access_mask(vk::AccessFlags::MEMORY_READ)];
             // SAFETY: both buffers have this size and live until the submission is done. Fewer than 4
             // bytes leave the rest of the staging buffer as the driver made it, which nothing reads.
             unsafe {
                 gpu.submit(|device, commands| {
                     device.cmd_copy_buffer(commands, staging.raw, buffer.raw, &region);
-                    device.cmd_pipeline_barrier(
-                        commands,
-                        vk::PipelineStageFlags::TRANSFER,
-                        vk::PipelineStageFlags::ALL_COMMANDS,
-                        vk::DependencyFlags::empty(),
-                        &barrier,
-                        &[],
-                        &[],
-                    );
+                    let_be_read(device, commands);
                 })?;
             }
         }
@@ -189,9 +200,6 @@ impl Buffer {
                 allowed: self.size,
             });
         }
-        let barrier = [vk::MemoryBarrier::default()
-            .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
-            .dst_access_mask(vk::AccessFlags::MEMORY_READ)];
         // SAFETY: the chunks lie inside the buffer, which was made to be written to; they are whole
         // words of at most 65,536 bytes, the most that a command may carry.
         unsafe {
@@ -199,15 +207,7 @@ impl Buffer {
                 for (offset, chunk) in (0..).step_by(CHUNK).zip(bytes.chunks(CHUNK)) {
                     device.cmd_update_buffer(commands, self.raw, offset, chunk);
                 }
-                device.cmd_pipeline_barrier(
-                    commands,
-                    vk::PipelineStageFlags::TRANSFER,
-                    vk::PipelineStageFlags::ALL_COMMANDS,
-                    vk::DependencyFlags::empty(),
-                    &barrier,
-                    &[],
-                    &[],
-                );
+                let_be_read(device, commands);
             })?;
         }
         self.gpu.work.count_upload(bytes.len() as u64);
