@@ -6,6 +6,7 @@
 //! stays as the surface left it: it is attached read-only throughout.
 
 use crate::covers::{Covers, Numbers};
+use crate::stage::{attached, read_only_depth};
 use crate::statistics::Statistics;
 use crate::volume_pipeline::check_blendable;
 use crate::{Gpu, SharedStage, Stage, TimedPass, VolumePass};
@@ -541,33 +542,4 @@ fn compute_stamps<'a>(
         beginning_of_pass_write_index: writes.beginning_of_pass_write_index,
         end_of_pass_write_index: writes.end_of_pass_write_index,
     })
-}
-
-fn read_only_depth(
-    view: &wgpu::TextureView,
-    stencil: wgpu::LoadOp<u32>,
-) -> wgpu::RenderPassDepthStencilAttachment<'_> {
-    wgpu::RenderPassDepthStencilAttachment {
-        view,
-        depth_ops: None,
-        stencil_ops: Some(wgpu::Operations {
-            load: stencil,
-            store: wgpu::StoreOp::Store,
-        }),
-    }
-}
-
-fn attached(
-    view: &wgpu::TextureView,
-    load: wgpu::LoadOp<wgpu::Color>,
-) -> wgpu::RenderPassColorAttachment<'_> {
-    wgpu::RenderPassColorAttachment {
-        view,
-        depth_slice: None,
-        resolve_target: None,
-        ops: wgpu::Operations {
-            load,
-            store: wgpu::StoreOp::Store,
-        },
-    }
 }
