@@ -235,6 +235,11 @@ impl VolumeFill {
         Ok(())
     }
 
+    /// The backend no longer has what the view needs: nothing is prepared any more.
+    pub fn forget_view(&mut self) {
+        self.view = None;
+    }
+
     /// Makes the pipelines of the program unless they are there.
     ///
     /// # Errors
