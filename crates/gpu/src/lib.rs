@@ -9,6 +9,7 @@ mod clock;
 mod constants;
 mod readback;
 mod stage;
+mod textured;
 mod timing;
 mod validation;
 mod work;
@@ -20,6 +21,9 @@ pub use baseline::{Baseline, BaselineKind};
 pub use clock::CpuStopwatch;
 pub use readback::read_buffer;
 pub use stage::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, SharedStage, Stage};
+pub use textured::{
+    BoundCover, CoverPurpose, ImageLevel, PROBE_FORMAT, Probe, Probed, TexturedCover, TexturedFill,
+};
 pub use timing::{PassTimer, Stamps, TimedPass};
 pub use validation::{POSITIVE_CONTROL, ValidationMessage, make_deliberate_error, messages};
 pub use work::WorkDone;
