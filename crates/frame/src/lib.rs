@@ -15,6 +15,7 @@ mod input;
 mod palette;
 mod program;
 mod switches;
+mod texture;
 
 pub use backend::{Backend, BackendError, Capabilities, Picture, TimedBackend, VolumeBackend};
 pub use batches::{RegionClasses, XOR_NUMBERS, XorBatches, overlap_depth};
@@ -30,3 +31,4 @@ pub use program::{
 pub use switches::{
     BottomCap, ColourWay, DepthRuleChoice, FacePasses, StencilClear, SwitchError, Switches,
 };
+pub use texture::{AddressMode, Pattern, PlannedTexture, TextureCoordinates, TexturePixel};
