@@ -138,6 +138,7 @@ pub(crate) mod tests {
             ids,
             non_finite: 0,
             counters: None,
+            texture: None,
         }
     }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What comes out: the picture as region ids, what it cost in memory and work, and how long it took.
 
+use crate::TextureCoordinates;
 use terrafill_scene::ImageSize;
 
 /// Id of pixels that belong to no region. Region *i* of the scene has id *i* + 1.
@@ -19,6 +20,8 @@ pub struct Frame {
     pub non_finite: u64,
     /// Work done; `None` for the reference, which draws nothing.
     pub counters: Option<Counters>,
+    /// Where the texels came from; `None` of a plain fill.
+    pub texture: Option<TextureCoordinates>,
 }
 
 impl Frame {

@@ -15,6 +15,7 @@ mod input;
 mod palette;
 mod program;
 mod switches;
+mod texture;
 mod textured;
 
 pub use backend::{Backend, BackendError, Capabilities, Picture, TimedBackend, VolumeBackend};
@@ -31,4 +32,5 @@ pub use program::{
 pub use switches::{
     BottomCap, ColourWay, DepthRuleChoice, FacePasses, StencilClear, SwitchError, Switches,
 };
+pub use texture::{AddressMode, Pattern, PlannedTexture, TextureCoordinates, TexturePixel};
 pub use textured::TexturedRegion;

@@ -130,6 +130,7 @@ pub(crate) fn judge(input: &FrameInput, locator: &Locator) -> ReferenceFrame {
             surface: pixels.iter().map(|pixel| pixel.is_surface).collect(),
             non_finite: non_finite + surface.non_finite(),
             counters: None,
+            texture: None,
         },
         disagreements: pixels.iter().map(|pixel| pixel.differ).collect(),
     }

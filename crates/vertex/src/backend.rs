@@ -562,6 +562,7 @@ impl Backend for VertexBackend {
             surface: picture.depth.iter().map(|&depth| depth > 0.0).collect(),
             non_finite: picture.depth.iter().filter(|d| !d.is_finite()).count() as u64,
             counters: Some(counters),
+            texture: None,
         })
     }
 }

@@ -44,6 +44,7 @@ fn input(body: Ellipsoid, pose: &CameraPose, size: u32, rows: u32) -> FrameInput
             levels: Arc::default(),
             bounds: Arc::from([]),
             surface: Arc::new(surface),
+            texture: None,
         },
         view: "from the axis".to_owned(),
         camera,
