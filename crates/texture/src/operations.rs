@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A coordinate route as a list of steps: the one description that its shader text, its emulation,
-//! its operation counts and its rounding bound are made from.
+//! its operation counts and its rounding bound are made from. Position routes are such lists too,
+//! with a pixel and its depth in the place of the offset and three results.
 //!
 //! Scalars in `f32`, no loops and no branches: a choice is a select, as on a GPU. Steps are shared
 //! where they are equal, and steps that no result needs are dropped, as a shader compiler would.
@@ -10,6 +11,7 @@
 //! 4096 ULP, subnormals may be flushed, and minima of NaN are anything. The bounds of
 //! [`Program::bounded`] cover all of these but the flush and the NaN.
 
+use crate::cube::CubeTexture;
 use crate::lookup::LookupTable;
 use std::fmt::Write as _;
 
@@ -70,6 +72,15 @@ pub enum Step {
         /// Abscissa.
         x: Value,
     },
+    /// 2 to the power of `a`.
+    PowerOfTwo(Value),
+    /// Channel 0 or 1 of the route's cube texture in a direction; both are one fetch.
+    CubeTexel {
+        /// Of any length but 0.
+        direction: [Value; 3],
+        /// Longitude or latitude.
+        channel: usize,
+    },
     /// Texel number `a` of the route's table; `a` is a whole number within it.
     LoadTexel(Value),
     /// The route's table through a linear sampler at texture coordinate `a`.
@@ -96,7 +107,7 @@ pub struct Operations {
     pub compares_selects: u32,
     /// Square roots and inverse ones.
     pub sqrt: u32,
-    /// The device's own `atan` and `atan2`.
+    /// The device's own `atan`, `atan2` and `exp2`.
     pub transcendental: u32,
     /// Texel loads and samples.
     pub texture_fetches: u32,
@@ -115,13 +126,15 @@ pub struct Bounded {
     pub variance: f64,
 }
 
-/// The finished list with its two results.
+/// The finished list with its results: two angles, or what else it was finished with.
 #[derive(Debug, Clone)]
 pub struct Program {
     steps: Vec<Step>,
-    outputs: [Value; 2],
+    outputs: Vec<Value>,
     constant_vectors: usize,
     table: Option<LookupTable>,
+    cube: Option<CubeTexture>,
+    input_names: [&'static str; 3],
 }
 
 /// Takes steps down; see [`Program`].
@@ -129,6 +142,8 @@ pub struct Program {
 pub struct ProgramBuilder {
     steps: Vec<Step>,
     table: Option<LookupTable>,
+    cube: Option<CubeTexture>,
+    input_names: Option<[&'static str; 3]>,
 }
 
 impl ProgramBuilder {
@@ -142,8 +157,26 @@ impl ProgramBuilder {
     #[must_use]
     pub fn with_table(table: LookupTable) -> Self {
         Self {
-            steps: Vec::new(),
             table: Some(table),
+            ..Self::default()
+        }
+    }
+
+    /// With the cube texture that [`Step::CubeTexel`] reads.
+    #[must_use]
+    pub fn with_cube(cube: CubeTexture) -> Self {
+        Self {
+            cube: Some(cube),
+            ..Self::default()
+        }
+    }
+
+    /// With three scalars of these names for input, in the place of the offset's components.
+    #[must_use]
+    pub fn with_inputs(names: [&'static str; 3]) -> Self {
+        Self {
+            input_names: Some(names),
+            ..Self::default()
         }
     }
 
@@ -226,6 +259,16 @@ impl ProgramBuilder {
         self.push(Step::InverseSquareRoot(a))
     }
 
+    /// 2 to the power of `a`.
+    pub fn power_of_two(&mut self, a: Value) -> Value {
+        self.push(Step::PowerOfTwo(a))
+    }
+
+    /// Both channels of the cube texture in a direction.
+    pub fn cube_texel(&mut self, direction: [Value; 3]) -> [Value; 2] {
+        [0, 1].map(|channel| self.push(Step::CubeTexel { direction, channel }))
+    }
+
     /// The smaller one.
     pub fn minimum(&mut self, a: Value, b: Value) -> Value {
         self.push(Step::Minimum(a, b))
@@ -260,9 +303,16 @@ impl ProgramBuilder {
     /// The program that gives these two values: longitude and latitude minus the anchor's.
     #[must_use]
     pub fn finish(self, longitude: Value, latitude: Value) -> Program {
+        self.finish_all(&[longitude, latitude])
+    }
+
+    /// The program that gives these values.
+    #[must_use]
+    pub fn finish_all(self, results: &[Value]) -> Program {
         let mut needed = vec![false; self.steps.len()];
-        needed[longitude.0] = true;
-        needed[latitude.0] = true;
+        for result in results {
+            needed[result.0] = true;
+        }
         for place in (0..self.steps.len()).rev() {
             if needed[place] {
                 for operand in self.steps[place].operands() {
@@ -286,9 +336,14 @@ impl ProgramBuilder {
             .unwrap_or(0);
         Program {
             steps,
-            outputs: [longitude, latitude].map(|value| Value(new_places[value.0])),
+            outputs: results
+                .iter()
+                .map(|value| Value(new_places[value.0]))
+                .collect(),
             constant_vectors,
             table: self.table,
+            cube: self.cube,
+            input_names: self.input_names.unwrap_or(["d.x", "d.y", "d.z"]),
         }
     }
 }
@@ -304,8 +359,10 @@ impl Step {
             | Self::SquareRoot(a)
             | Self::InverseSquareRoot(a)
             | Self::Arctangent(a)
+            | Self::PowerOfTwo(a)
             | Self::LoadTexel(a)
             | Self::SampleTable(a) => [Some(a), None, None],
+            Self::CubeTexel { direction, .. } => direction.map(Some),
             Self::Add(a, b)
             | Self::Subtract(a, b)
             | Self::Multiply(a, b)
@@ -334,6 +391,11 @@ impl Step {
             Self::SquareRoot(a) => Self::SquareRoot(new(a)),
             Self::InverseSquareRoot(a) => Self::InverseSquareRoot(new(a)),
             Self::Arctangent(a) => Self::Arctangent(new(a)),
+            Self::PowerOfTwo(a) => Self::PowerOfTwo(new(a)),
+            Self::CubeTexel { direction, channel } => Self::CubeTexel {
+                direction: direction.map(new),
+                channel,
+            },
             Self::LoadTexel(a) => Self::LoadTexel(new(a)),
             Self::SampleTable(a) => Self::SampleTable(new(a)),
             Self::Add(a, b) => Self::Add(new(a), new(b)),
@@ -374,6 +436,12 @@ impl Program {
         self.table.as_ref()
     }
 
+    /// The cube texture it reads, if any.
+    #[must_use]
+    pub fn cube(&self) -> Option<&CubeTexture> {
+        self.cube.as_ref()
+    }
+
     /// The steps, in order.
     #[must_use]
     pub fn steps(&self) -> &[Step] {
@@ -398,7 +466,13 @@ impl Program {
                 Step::Minimum(..) | Step::Maximum(..) | Step::Less(..) | Step::Select { .. } => {
                     count.compares_selects += 1;
                 }
-                Step::Arctangent(_) | Step::Arctangent2 { .. } => count.transcendental += 1,
+                Step::Arctangent(_) | Step::Arctangent2 { .. } | Step::PowerOfTwo(_) => {
+                    count.transcendental += 1;
+                }
+                // Both channels come with one fetch.
+                Step::CubeTexel { channel, .. } => {
+                    count.texture_fetches += u32::from(*channel == 0);
+                }
                 Step::LoadTexel(_) | Step::SampleTable(_) => count.texture_fetches += 1,
             }
         }
@@ -416,6 +490,18 @@ impl Program {
         offset_m: [f32; 3],
         arithmetic: Arithmetic,
     ) -> [f32; 2] {
+        let all = self.emulate_all(constants, offset_m, arithmetic);
+        [all[0], all[1]]
+    }
+
+    /// As [`Self::emulate`], every result.
+    #[must_use]
+    pub fn emulate_all(
+        &self,
+        constants: &[[f32; 4]],
+        offset_m: [f32; 3],
+        arithmetic: Arithmetic,
+    ) -> Vec<f32> {
         let mut values: Vec<f32> = Vec::with_capacity(self.steps.len());
         for step in &self.steps {
             let v = |value: Value| values[value.0];
@@ -454,12 +540,17 @@ impl Program {
                 }
                 Step::Arctangent(a) => rounded(f64::from(v(a)).atan()),
                 Step::Arctangent2 { y, x } => rounded(f64::from(v(y)).atan2(f64::from(v(x)))),
+                Step::PowerOfTwo(a) => rounded(f64::from(v(a)).exp2()),
+                Step::CubeTexel { direction, channel } => self
+                    .cube
+                    .as_ref()
+                    .map_or(f32::NAN, |cube| cube.sample(direction.map(v))[channel]),
                 Step::LoadTexel(a) => self.table.as_ref().map_or(f32::NAN, |t| t.load(v(a))),
                 Step::SampleTable(a) => self.table.as_ref().map_or(f32::NAN, |t| t.sample(v(a))),
             };
             values.push(result);
         }
-        self.outputs.map(|value| values[value.0])
+        self.outputs.iter().map(|value| values[value.0]).collect()
     }
 
     /// Runs it in `f64` and carries along what rounding may add, step by step.
@@ -469,29 +560,32 @@ impl Program {
     /// a unit in the last place of its own result, or what WGSL allows where that is more.
     #[must_use]
     pub fn bounded(&self, constants: &[[f32; 4]], offset_m: [f32; 3]) -> [Bounded; 2] {
+        let all = self.bounded_all(constants, offset_m.map(|x| Bounded::exact(f64::from(x))));
+        [all[0], all[1]]
+    }
+
+    /// As [`Self::bounded`], every result, from inputs that bring an error along.
+    #[must_use]
+    pub fn bounded_all(&self, constants: &[[f32; 4]], inputs: [Bounded; 3]) -> Vec<Bounded> {
         let mut values: Vec<Bounded> = Vec::with_capacity(self.steps.len());
         for step in &self.steps {
-            let result = self.bounded_step(step, constants, offset_m, &values);
+            let result = self.bounded_step(step, constants, inputs, &values);
             values.push(result);
         }
-        self.outputs.map(|value| values[value.0])
+        self.outputs.iter().map(|value| values[value.0]).collect()
     }
 
     fn bounded_step(
         &self,
         step: &Step,
         constants: &[[f32; 4]],
-        offset_m: [f32; 3],
+        inputs: [Bounded; 3],
         values: &[Bounded],
     ) -> Bounded {
         let v = |value: Value| values[value.0];
-        let exact = |value: f64| Bounded {
-            value,
-            bound: 0.0,
-            variance: 0.0,
-        };
+        let exact = Bounded::exact;
         match *step {
-            Step::Offset(axis) => exact(f64::from(offset_m[axis])),
+            Step::Offset(axis) => inputs[axis],
             Step::Constant(index) => exact(
                 constants
                     .get(index / 4)
@@ -568,6 +662,17 @@ impl Program {
                 let terms = [(v(y), slope(q / square)), (v(x), slope(p / square))];
                 combine(p.atan2(q), &terms, 8192.0)
             }
+            Step::PowerOfTwo(a) => {
+                let power = v(a).value.exp2();
+                // WGSL: 3 + 2 |x| ULP.
+                let own = 2.0 * (3.0 + 2.0 * v(a).value.abs());
+                combine(power, &[(v(a), power * std::f64::consts::LN_2)], own)
+            }
+            Step::CubeTexel { direction, channel } => {
+                self.cube.as_ref().map_or(exact(f64::NAN), |cube| {
+                    cube.bounded(direction.map(v))[channel]
+                })
+            }
             Step::LoadTexel(a) => self.table.as_ref().map_or(exact(f64::NAN), |table| {
                 exact(f64::from(table.load(rounded(v(a).value))))
             }),
@@ -581,28 +686,43 @@ impl Program {
     /// WGSL that defines `struct RouteConstants` and `fn route_angles`.
     ///
     /// Where the program reads a table, the text names `route_table` and `route_sampler`; their
-    /// declarations are those of [`LookupTable::declarations`].
+    /// declarations are those of [`LookupTable::declarations`], and those of `route_cube` are
+    /// [`CubeTexture::declarations`].
     #[must_use]
     pub fn wgsl(&self) -> String {
-        let mut text = String::from("struct RouteConstants {\n");
+        self.function_text("route_angles", "d: vec3f", "RouteConstants")
+    }
+
+    /// WGSL that defines the struct `constants_type` and a function of the given name and parameters.
+    pub(crate) fn function_text(
+        &self,
+        name: &str,
+        parameters: &str,
+        constants_type: &str,
+    ) -> String {
+        let mut text = format!("struct {constants_type} {{\n");
         for i in 0..self.constant_vectors.max(1) {
             let _ = writeln!(text, "    c{i}: vec4f,");
         }
-        text.push_str("}\n\nfn route_angles(d: vec3f, constants: RouteConstants) -> vec2f {\n");
+        let lanes = self.outputs.len();
+        let _ = writeln!(
+            text,
+            "}}\n\nfn {name}({parameters}, constants: {constants_type}) -> vec{lanes}f {{"
+        );
         for (place, step) in self.steps.iter().enumerate() {
             if let Some(expression) = self.expression(step) {
                 let _ = writeln!(text, "    let v{place} = {expression};");
             }
         }
-        let [longitude, latitude] = self.outputs.map(|value| self.name(value));
-        let _ = writeln!(text, "    return vec2f({longitude}, {latitude});\n}}");
+        let results: Vec<String> = self.outputs.iter().map(|v| self.name(*v)).collect();
+        let _ = writeln!(text, "    return vec{lanes}f({});\n}}", results.join(", "));
         text
     }
 
     /// What a value is called: inputs and numbers stand where they are used.
     fn name(&self, value: Value) -> String {
         match self.steps[value.0] {
-            Step::Offset(axis) => format!("d.{}", ["x", "y", "z"][axis]),
+            Step::Offset(axis) => self.input_names[axis].to_owned(),
             Step::Constant(index) => {
                 let lane = ["x", "y", "z", "w"][index % 4];
                 format!("constants.c{}.{lane}", index / 4)
@@ -637,6 +757,15 @@ impl Program {
             } => format!("select({}, {}, {})", n(if_false), n(if_true), n(condition)),
             Step::Arctangent(a) => format!("atan({})", n(a)),
             Step::Arctangent2 { y, x } => format!("atan2({}, {})", n(y), n(x)),
+            Step::PowerOfTwo(a) => format!("exp2({})", n(a)),
+            Step::CubeTexel { direction, channel } => {
+                let [x, y, z] = direction.map(n);
+                let lane = ["x", "y"][channel];
+                format!(
+                    "textureSampleLevel(route_cube, route_sampler, vec3f({x}, {y}, {z}), 0.0f)\
+                     .{lane}"
+                )
+            }
             Step::LoadTexel(a) => {
                 format!("textureLoad(route_table, vec2i(i32({}), 0), 0).x", n(a))
             }
@@ -649,6 +778,15 @@ impl Program {
 }
 
 impl Bounded {
+    /// A value without an error.
+    pub(crate) fn exact(value: f64) -> Self {
+        Self {
+            value,
+            bound: 0.0,
+            variance: 0.0,
+        }
+    }
+
     /// Another value with the same error.
     fn map(self, value: f64) -> Self {
         Self { value, ..self }
