@@ -13,19 +13,36 @@
 //! Angles are radians, lengths metres.
 
 mod angle;
+mod charts;
+mod choose;
+mod coefficients;
+mod cube;
+mod depth;
+mod double_double;
 mod geodetic;
 mod latitude;
 mod lookup;
 mod operations;
+mod position;
 mod region;
+mod remez;
 mod residual;
 mod route;
 
 pub use angle::{AngleCore, Weight};
+pub use charts::{Chart, ChartDegree, CubeSize};
+pub use choose::{
+    Choice, Chooser, Considered, CostTable, Demand, MAX_TOLERANCE, RMS_TOLERANCE, Reason,
+    SuiteFinding,
+};
+pub use cube::CubeTexture;
+pub use depth::{DepthFormat, DepthFormatError, DepthMapping, DepthStorage};
 pub use geodetic::ExactGeodetic;
 pub use latitude::LatitudeForm;
 pub use lookup::{Filter, LookupTable, TexelFormat};
 pub use operations::{Arithmetic, Bounded, Operations, Program, ProgramBuilder, Step, Value};
+pub use position::{PositionResidual, PositionRoute, VertexFormat, View};
 pub use region::{MapExtent, MapRegion, MapRegionError, Sample};
+pub use remez::{Fit, RemezError, coefficients_source, fit};
 pub use residual::{Residual, ResidualSum};
 pub use route::{AngleForm, CoordinateRoute};
