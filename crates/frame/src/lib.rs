@@ -33,4 +33,4 @@ pub use switches::{
     BottomCap, ColourWay, DepthRuleChoice, FacePasses, StencilClear, SwitchError, Switches,
 };
 pub use texture::{AddressMode, Pattern, PlannedTexture, TextureCoordinates, TexturePixel};
-pub use textured::TexturedRegion;
+pub use textured::{RouteChoice, RouteNote, TexturedCover, TexturedPlan, TexturedRegion};

@@ -60,14 +60,15 @@ mod tests {
     fn textured_regions_lie_as_the_shader_reads_them() {
         let parts = TexturedParts {
             position: RouteText {
-                wgsl:
-                    "fn fragment_offset(pixel: vec2f, depth: f32) -> vec3f { return vec3f(depth); }"
-                        .to_owned(),
+                wgsl: "struct PositionConstants { c0: vec4f }\n\
+                       fn fragment_offset(pixel: vec2f, depth: f32, c: PositionConstants) -> vec3f {\n\
+                       return vec3f(depth); }"
+                    .to_owned(),
                 constants: 0,
             },
             route: RouteText {
-                wgsl: "fn route_angles(d: vec3f, constants: array<vec4f, 2>) -> vec2f {\n\
-                       return constants[1].xy; }"
+                wgsl: "struct RouteConstants { c0: vec4f, c1: vec4f }\n\
+                       fn route_angles(d: vec3f, c: RouteConstants) -> vec2f { return c.c1.xy; }"
                     .to_owned(),
                 constants: 2,
             },

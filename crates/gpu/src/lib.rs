@@ -8,6 +8,7 @@ mod clock;
 #[cfg(test)]
 mod constants;
 mod readback;
+mod route_table;
 mod stage;
 mod textured;
 mod timing;
@@ -21,9 +22,7 @@ pub use baseline::{Baseline, BaselineKind};
 pub use clock::CpuStopwatch;
 pub use readback::read_buffer;
 pub use stage::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, SharedStage, Stage};
-pub use textured::{
-    BoundCover, CoverPurpose, ImageLevel, PROBE_FORMAT, Probe, Probed, TexturedCover, TexturedFill,
-};
+pub use textured::{BoundCover, CoverPurpose, Probe, Probed, TexturedFill};
 pub use timing::{PassTimer, Stamps, TimedPass};
 pub use validation::{POSITIVE_CONTROL, ValidationMessage, make_deliberate_error, messages};
 pub use work::WorkDone;

@@ -8,48 +8,18 @@
 //! covers that take the stencil back to 0 cannot be textured.
 
 use crate::readback::read_texture;
+use crate::route_table::RouteTable;
 use crate::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, Gpu, Stage};
 use std::collections::HashMap;
-use terrafill_frame::{BackendError, StencilTest, TexturedRegion};
-use terrafill_scene::ImageSize;
-use terrafill_shaders::{TEXTURED_COVER, TexturedParts};
+use terrafill_frame::{
+    AddressMode, BackendError, StencilTest, TexturePixel, TexturedCover, TexturedPlan,
+    TexturedRegion,
+};
+use terrafill_scene::{ImageSize, MipChain, MipLevel};
+use terrafill_shaders::{RouteText, TEXTURED_COVER, TexturedParts, TexturedPlacement};
 
 /// Format of the probe's targets: what the shader computes, unrounded.
-pub const PROBE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
-
-/// How one region is covered.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TexturedCover {
-    /// Its shader, an index into the parts given with it.
-    pub parts: usize,
-    /// Which copy of the picture.
-    pub image: usize,
-    /// What the sampler does beyond the picture, in u and in v.
-    pub address: [wgpu::AddressMode; 2],
-    /// Whether nothing is drawn beyond the picture's edges.
-    pub ends_at_edges: bool,
-    /// Whether it fades with the distance.
-    pub fades: bool,
-    /// Whether anything of what lies under it can show.
-    pub is_translucent: bool,
-    /// Fixed part of its constants.
-    pub region: TexturedRegion,
-    /// The position route's constants.
-    pub position: Vec<[f32; 4]>,
-    /// The coordinate route's constants.
-    pub route: Vec<[f32; 4]>,
-}
-
-/// One level of a picture.
-#[derive(Debug, Clone, Copy)]
-pub struct ImageLevel<'a> {
-    /// Columns.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// sRGB and straight alpha, row 0 at the top.
-    pub rgba: &'a [u8],
-}
+const PROBE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
 /// What a cover is drawn for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -73,14 +43,27 @@ struct CoverKey {
 /// Textured covers of one scene and view.
 #[derive(Debug)]
 pub struct TexturedFill {
-    constant_bindings: wgpu::BindGroupLayout,
-    image_bindings: wgpu::BindGroupLayout,
-    layout: wgpu::PipelineLayout,
-    shaders: Vec<(TexturedParts, wgpu::ShaderModule)>,
+    /// Groups 0, view; 1, depth and regions; 2, picture.
+    bindings: [wgpu::BindGroupLayout; 3],
+    shaders: Vec<Shader>,
     pipelines: HashMap<CoverKey, wgpu::RenderPipeline>,
     images: Vec<wgpu::Texture>,
-    image_groups: HashMap<(usize, [wgpu::AddressMode; 2]), wgpu::BindGroup>,
+    /// Whether the pictures hide what lies under them.
+    images_are_opaque: bool,
+    image_groups: HashMap<ImageKey, wgpu::BindGroup>,
     view: Option<TexturedView>,
+}
+
+/// A copy of the picture, and what is seen beyond it.
+type ImageKey = (usize, [AddressMode; 2]);
+
+/// A composed shader and what its route reads besides constants.
+#[derive(Debug)]
+struct Shader {
+    parts: TexturedParts,
+    module: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
+    table: Option<RouteTable>,
 }
 
 #[derive(Debug)]
@@ -88,65 +71,40 @@ struct TexturedView {
     constants: wgpu::Buffer,
     written: Vec<[f32; 4]>,
     bind_group: wgpu::BindGroup,
-    covers: Vec<TexturedCover>,
-    /// Of each of the parts given: its place in `TexturedFill::shaders`.
-    shaders: Vec<usize>,
+    /// By planned region, with the place of its shader in `TexturedFill::shaders`.
+    covers: Vec<(TexturedCover, usize)>,
 }
 
 impl TexturedFill {
     /// Nothing uploaded and no pipeline made yet.
     ///
-    /// - `frame_bindings`: group 0, the view's constants at binding 0
+    /// - `frame_layout`: group 0, the view's constants at binding 0
     #[must_use]
-    pub fn new(gpu: &Gpu, frame_bindings: &wgpu::BindGroupLayout) -> Self {
-        let device = &gpu.device;
-        let group = |label, entries: &[wgpu::BindingType]| {
-            let entries: Vec<_> = (0..).zip(entries).map(fragment_entry).collect();
-            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some(label),
-                entries: &entries,
-            })
-        };
+    pub fn new(gpu: &Gpu, frame_layout: &wgpu::BindGroupLayout) -> Self {
+        let group = |label, types: &[wgpu::BindingType]| fragment_layout(gpu, label, types);
         let texture = |sample_type| wgpu::BindingType::Texture {
             sample_type,
             view_dimension: wgpu::TextureViewDimension::D2,
             multisampled: false,
         };
-        let constant_bindings = group(
-            "depth and textured regions",
-            &[
-                texture(wgpu::TextureSampleType::Depth),
-                wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Storage { read_only: true },
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-            ],
-        );
-        let image_bindings = group(
-            "picture",
-            &[
-                texture(wgpu::TextureSampleType::Float { filterable: true }),
-                wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
-            ],
-        );
-        let groups = [
-            Some(frame_bindings),
-            Some(&constant_bindings),
-            Some(&image_bindings),
-        ];
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("textured cover"),
-            bind_group_layouts: &groups,
-            immediate_size: 0,
-        });
+        let regions = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Storage { read_only: true },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
+        let depth = texture(wgpu::TextureSampleType::Depth);
+        let image = texture(wgpu::TextureSampleType::Float { filterable: true });
+        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
         Self {
-            constant_bindings,
-            image_bindings,
-            layout,
+            bindings: [
+                frame_layout.clone(),
+                group("depth and textured regions", &[depth, regions]),
+                group("picture", &[image, sampler]),
+            ],
             shaders: Vec::new(),
             pipelines: HashMap::new(),
             images: Vec::new(),
+            images_are_opaque: true,
             image_groups: HashMap::new(),
             view: None,
         }
@@ -159,30 +117,31 @@ impl TexturedFill {
     pub fn upload_image(
         &mut self,
         gpu: &Gpu,
-        levels: &[ImageLevel<'_>],
+        image: &MipChain,
         copies: usize,
     ) -> Result<(), BackendError> {
-        let Some(first) = levels.first() else {
-            return Ok(());
-        };
         let allowed = gpu.device.limits().max_texture_dimension_2d;
-        let side = first.width.max(first.height);
-        if side > allowed {
+        let [width, height] = image.size_px();
+        if width.max(height) > allowed {
             return Err(BackendError::OverCapacity {
                 what: "texels along a side of the picture".to_owned(),
-                found: u64::from(side),
+                found: u64::from(width.max(height)),
                 allowed: u64::from(allowed),
             });
         }
+        let texels = image.levels()[0].rgba.chunks_exact(4);
+        self.images_are_opaque = texels.into_iter().all(|texel| texel[3] == u8::MAX);
         self.image_groups.clear();
-        self.images = (0..copies).map(|_| picture(gpu, levels)).collect();
+        self.images = (0..copies).map(|_| picture(gpu, image)).collect();
         Ok(())
     }
 
-    /// Bytes of the pictures on the device.
+    /// Bytes of the pictures on the device, and of the routes' tables.
     #[must_use]
-    pub fn image_bytes(&self) -> u64 {
-        self.images.iter().map(bytes_of).sum()
+    pub fn texture_bytes(&self) -> u64 {
+        let tables = self.shaders.iter().filter_map(|made| made.table.as_ref());
+        let images: u64 = self.images.iter().map(bytes_of).sum();
+        images + tables.map(|table| table.bytes).sum::<u64>()
     }
 
     /// Bytes of the regions' constants.
@@ -195,23 +154,17 @@ impl TexturedFill {
     /// Takes over a view: constants are written where they changed, shaders and bind groups made
     /// where they are missing.
     ///
-    /// - `covers`: by planned region; each names one of `parts`
-    ///
     /// # Errors
-    /// [`BackendError::Shader`], [`BackendError::OverCapacity`].
-    pub fn set_view(
-        &mut self,
-        stage: &Stage,
-        parts: &[TexturedParts],
-        covers: Vec<TexturedCover>,
-    ) -> Result<(), BackendError> {
+    /// [`BackendError::Shader`], [`BackendError::OverCapacity`], and [`BackendError::Unsupported`]
+    /// for a route whose table the device cannot hold.
+    pub fn set_view(&mut self, stage: &Stage, plan: &TexturedPlan) -> Result<(), BackendError> {
         let gpu = stage.gpu();
-        let shaders = parts.iter().map(|parts| self.shader(gpu, parts));
-        let shaders: Vec<usize> = shaders.collect::<Result<_, _>>()?;
-        let written = constants_of(&covers);
-        for cover in &covers {
-            self.ensure_image_group(gpu, (cover.image, cover.address));
+        let mut covers = Vec::with_capacity(plan.covers.len());
+        for cover in &plan.covers {
+            covers.push((cover.clone(), self.shader(gpu, plan, cover)?));
+            self.ensure_image_group(gpu, (cover.texture.image, cover.texture.address));
         }
+        let written = constants_of(plan);
         let there = self.view.take();
         let (constants, bind_group) = match there {
             Some(view) if view.written.len() == written.len() => {
@@ -233,7 +186,6 @@ impl TexturedFill {
             written,
             bind_group,
             covers,
-            shaders,
         });
         Ok(())
     }
@@ -270,7 +222,7 @@ impl TexturedFill {
         let Some((key, cover)) = self.cover(test, purpose, planned) else {
             return;
         };
-        let image = (cover.image, cover.address);
+        let image = (cover.texture.image, cover.texture.address);
         let found = self.pipelines.get(&key).zip(self.image_groups.get(&image));
         let (Some((pipeline, image_group)), Some(view)) = (found, &self.view) else {
             return;
@@ -279,6 +231,9 @@ impl TexturedFill {
             pass.set_pipeline(pipeline);
             if bound.key.is_none() {
                 pass.set_bind_group(1, &view.bind_group, &[]);
+            }
+            if let Some(table) = &self.shaders[key.shader].table {
+                pass.set_bind_group(3, &table.group, &[]);
             }
             bound.key = Some(key);
         }
@@ -297,29 +252,36 @@ impl TexturedFill {
         planned: usize,
     ) -> Option<(CoverKey, &TexturedCover)> {
         let view = self.view.as_ref()?;
-        let cover = view.covers.get(planned)?;
+        let (cover, shader) = view.covers.get(planned)?;
         let colours = purpose == CoverPurpose::Colour;
         let key = CoverKey {
-            shader: *view.shaders.get(cover.parts)?,
+            shader: *shader,
             test,
             purpose,
-            ends_at_edges: colours && cover.ends_at_edges,
-            fades: colours && cover.fades,
-            blends: colours && cover.is_translucent,
+            ends_at_edges: colours && cover.ends_at_edges(),
+            fades: colours && cover.texture.fade_m.is_some(),
+            blends: colours && (cover.is_translucent() || !self.images_are_opaque),
         };
         Some((key, cover))
     }
 
-    fn shader(&mut self, gpu: &Gpu, parts: &TexturedParts) -> Result<usize, BackendError> {
-        if let Some(there) = self.shaders.iter().position(|(made, _)| made == parts) {
+    fn shader(
+        &mut self,
+        gpu: &Gpu,
+        plan: &TexturedPlan,
+        cover: &TexturedCover,
+    ) -> Result<usize, BackendError> {
+        let parts = parts(plan, cover);
+        let there = self.shaders.iter().position(|made| made.parts == parts);
+        if let Some(there) = there {
             return Ok(there);
         }
         let failed = |error: terrafill_shaders::ShaderError| BackendError::Shader {
-            name: TEXTURED_COVER.to_owned(),
+            name: format!("{TEXTURED_COVER} with {}", cover.route.name()),
             message: error.to_string(),
         };
         let composed = parts.compose().map_err(failed)?;
-        // A route that does not compile is the caller's error to report, not the device's.
+        // A route that does not compile is an error to report, not one to stop the device.
         terrafill_shaders::validate(TEXTURED_COVER, &composed).map_err(failed)?;
         let module = gpu
             .device
@@ -327,18 +289,37 @@ impl TexturedFill {
                 label: Some(TEXTURED_COVER),
                 source: wgpu::ShaderSource::Wgsl(composed.into()),
             });
-        self.shaders.push((parts.clone(), module));
+        let table = RouteTable::new(gpu, &cover.route.program())?;
+        let groups: Vec<_> = self
+            .bindings
+            .iter()
+            .chain(table.as_ref().map(|table| &table.layout))
+            .map(Some)
+            .collect();
+        let layout = gpu
+            .device
+            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("textured cover"),
+                bind_group_layouts: &groups,
+                immediate_size: 0,
+            });
+        self.shaders.push(Shader {
+            parts,
+            module,
+            layout,
+            table,
+        });
         Ok(self.shaders.len() - 1)
     }
 
-    fn ensure_image_group(&mut self, gpu: &Gpu, key: (usize, [wgpu::AddressMode; 2])) {
+    fn ensure_image_group(&mut self, gpu: &Gpu, key: ImageKey) {
         let Some(image) = self.images.get(key.0) else {
             return;
         };
         if self.image_groups.contains_key(&key) {
             return;
         }
-        let [address_mode_u, address_mode_v] = key.1;
+        let [address_mode_u, address_mode_v] = key.1.map(sampled);
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("trilinear"),
             address_mode_u,
@@ -350,7 +331,7 @@ impl TexturedFill {
         });
         let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("picture"),
-            layout: &self.image_bindings,
+            layout: &self.bindings[2],
             entries: &[
                 wgpu::BindGroupEntry {
                     binding: 0,
@@ -371,7 +352,7 @@ impl TexturedFill {
         let device = &stage.gpu().device;
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("depth and textured regions"),
-            layout: &self.constant_bindings,
+            layout: &self.bindings[1],
             entries: &[
                 wgpu::BindGroupEntry {
                     binding: 0,
@@ -386,7 +367,7 @@ impl TexturedFill {
     }
 
     fn pipeline(&self, gpu: &Gpu, key: CoverKey) -> wgpu::RenderPipeline {
-        let module = &self.shaders[key.shader].1;
+        let Shader { module, layout, .. } = &self.shaders[key.shader];
         let written = |format, blend| {
             Some(wgpu::ColorTargetState {
                 format,
@@ -405,7 +386,7 @@ impl TexturedFill {
         ];
         gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("textured cover"),
-            layout: Some(&self.layout),
+            layout: Some(layout),
             vertex: wgpu::VertexState {
                 module,
                 entry_point: Some("vertex_main"),
@@ -434,7 +415,7 @@ impl TexturedFill {
 #[derive(Debug, Default)]
 pub struct BoundCover {
     key: Option<CoverKey>,
-    image: Option<(usize, [wgpu::AddressMode; 2])>,
+    image: Option<ImageKey>,
 }
 
 /// Targets of the covers' probe.
@@ -446,18 +427,10 @@ pub struct Probe {
 /// What the probe found at a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Probed {
-    /// Texture coordinates; of a pattern, those for `k = 0`.
-    pub uv: [f32; 2],
-    /// Level of detail.
-    pub level: f32,
-    /// What the region's constants say it is.
-    pub id: f32,
-    /// The pattern's `k`; 0 without one.
-    pub pattern_level: f32,
-    /// Longer footprint, texels; of a pattern, for `k = 0`.
-    pub footprint_texels: f32,
-    /// Distance from the eye, metres.
-    pub distance_m: f32,
+    /// Index of the region, and 1.
+    pub id: u32,
+    /// Where its texels come from.
+    pub place: TexturePixel,
 }
 
 impl Probe {
@@ -503,57 +476,115 @@ impl Probe {
         let (places, sizes) = (read(&self.textures[0])?, read(&self.textures[1])?);
         let probed = |(place, size): ([f32; 4], [f32; 4])| {
             // Cleared to 0, which is no region's id.
-            (place[3] != 0.0).then_some(Probed {
-                uv: [place[0], place[1]],
-                level: place[2],
-                id: place[3],
-                pattern_level: size[0],
-                footprint_texels: size[1],
-                distance_m: size[2],
-            })
+            let id = region_id(place[3])?;
+            let place = TexturePixel {
+                uv: [place[0], place[1]].map(f64::from),
+                pattern_level: f64::from(size[0]),
+                footprint_texels: f64::from(size[1]),
+                level: f64::from(place[2]),
+                distance_m: f64::from(size[2]),
+            };
+            Some(Probed { id, place })
         };
         Ok(places.into_iter().zip(sizes).map(probed).collect())
     }
 }
 
-fn fragment_entry((binding, ty): (u32, &wgpu::BindingType)) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::FRAGMENT,
-        ty: *ty,
-        count: None,
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "ids are whole and below 2²⁴"
+)]
+fn region_id(stored: f32) -> Option<u32> {
+    (stored > 0.0).then_some(stored as u32)
+}
+
+fn sampled(mode: AddressMode) -> wgpu::AddressMode {
+    match mode {
+        AddressMode::Repeat => wgpu::AddressMode::Repeat,
+        AddressMode::ClampToEdge | AddressMode::Transparent => wgpu::AddressMode::ClampToEdge,
     }
 }
 
-/// All regions' constants one after the other, each as long as the longest.
-fn constants_of(covers: &[TexturedCover]) -> Vec<[f32; 4]> {
+/// The shader of one cover; what tells it from the others of its plan is its route.
+fn parts(plan: &TexturedPlan, cover: &TexturedCover) -> TexturedParts {
+    let program = cover.route.program();
+    let mut wgsl = String::new();
+    if let Some(table) = program.table() {
+        wgsl += &table.declarations(3, 0);
+    }
+    if let Some(cube) = program.cube() {
+        wgsl += &cube.declarations(3, 0);
+    }
+    TexturedParts {
+        position: RouteText {
+            wgsl: plan.position.wgsl(&plan.depth),
+            constants: cover.position_constants.len(),
+        },
+        route: RouteText {
+            wgsl: wgsl + &program.wgsl(),
+            constants: cover.route_constants.len(),
+        },
+        route_room: route_room(plan),
+        placement: match cover.texture.pattern {
+            Some(_) => TexturedPlacement::Pattern,
+            None => TexturedPlacement::Affine,
+        },
+    }
+}
+
+fn route_room(plan: &TexturedPlan) -> usize {
+    let lengths = plan.covers.iter().map(|cover| cover.route_constants.len());
     // A shader's array is never empty: see `TexturedParts::compose`.
-    let room = |of: fn(&TexturedCover) -> usize| covers.iter().map(of).max().unwrap_or(0).max(1);
-    let position_room = room(|cover| cover.position.len());
-    let route_room = room(|cover| cover.route.len());
+    lengths.max().unwrap_or(0).max(1)
+}
+
+/// A layout of what fragments read, numbered in this order.
+pub(crate) fn fragment_layout(
+    gpu: &Gpu,
+    label: &str,
+    types: &[wgpu::BindingType],
+) -> wgpu::BindGroupLayout {
+    let entries: Vec<_> = (0..)
+        .zip(types)
+        .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::FRAGMENT,
+            ty: *ty,
+            count: None,
+        })
+        .collect();
+    gpu.device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(label),
+            entries: &entries,
+        })
+}
+
+/// All regions' constants one after the other, each as long as the longest.
+fn constants_of(plan: &TexturedPlan) -> Vec<[f32; 4]> {
+    let route_room = route_room(plan);
     let padded = |constants: &[[f32; 4]], room: usize| {
         let mut padded = constants.to_vec();
-        padded.resize(room, [0.0; 4]);
+        padded.resize(room.max(constants.len()), [0.0; 4]);
         padded
     };
     let mut all = Vec::new();
-    for cover in covers {
+    for cover in &plan.covers {
         all.extend_from_slice(bytemuck::cast_slice(&[cover.region]));
-        all.extend(padded(&cover.position, position_room));
-        all.extend(padded(&cover.route, route_room));
+        all.extend(padded(&cover.position_constants, 1));
+        all.extend(padded(&cover.route_constants, route_room));
     }
     if all.is_empty() {
         // A storage binding may not be empty.
-        all.resize(
-            TexturedRegion::VECTORS + position_room + route_room,
-            [0.0; 4],
-        );
+        all.resize(TexturedRegion::VECTORS + 1 + route_room, [0.0; 4]);
     }
     all
 }
 
-fn picture(gpu: &Gpu, levels: &[ImageLevel<'_>]) -> wgpu::Texture {
-    let extent = |level: &ImageLevel<'_>| wgpu::Extent3d {
+fn picture(gpu: &Gpu, image: &MipChain) -> wgpu::Texture {
+    let levels = image.levels();
+    let extent = |level: &MipLevel| wgpu::Extent3d {
         width: level.width,
         height: level.height,
         depth_or_array_layers: 1,
@@ -578,7 +609,7 @@ fn picture(gpu: &Gpu, levels: &[ImageLevel<'_>]) -> wgpu::Texture {
                 origin: wgpu::Origin3d::ZERO,
                 aspect: wgpu::TextureAspect::All,
             },
-            level.rgba,
+            &level.rgba,
             wgpu::TexelCopyBufferLayout {
                 offset: 0,
                 bytes_per_row: Some(4 * level.width),

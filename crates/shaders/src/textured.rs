@@ -6,7 +6,6 @@
 //! is compiled from the pieces it needs and holds nothing of the others.
 
 use crate::{ShaderError, StructLayout, compose_text, layout_in, validate};
-use std::fmt::Write as _;
 
 /// Name that messages give the composed shader.
 pub const TEXTURED_COVER: &str = "texture/cover.wgsl";
@@ -32,9 +31,9 @@ impl TexturedPlacement {
 /// A route: its function, and how many `vec4f` of a region's constants it takes.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct RouteText {
-    /// Declarations, among them `fragment_offset(pixel: vec2f, depth: f32, constants: array<vec4f,
-    /// N>) -> vec3f`, or `route_angles(d: vec3f, constants: array<vec4f, N>) -> vec2f`; without
-    /// the last parameter where N is 0.
+    /// Declarations, among them `fragment_offset(pixel: vec2f, depth: f32, constants:
+    /// PositionConstants) -> vec3f`, or `route_angles(d: vec3f, constants: RouteConstants) -> vec2f`,
+    /// and that struct: N times `vec4f`, or one that nothing reads.
     pub wgsl: String,
     /// N.
     pub constants: usize,
@@ -68,10 +67,8 @@ impl TexturedParts {
             })?;
             compose_text(source.path, source.text)
         };
-        let position = self
-            .position
-            .text("offset_of", "fragment_offset", "position");
-        let route = self.route.text("angles_of", "route_angles", "route");
+        let position = self.position.text("position");
+        let route = self.route.text("route");
         let placement = part(self.placement.path())?;
         let counts = format!(
             "const POSITION_CONSTANTS: u32 = {}u;\nconst ROUTE_CONSTANTS: u32 = {}u;\n",
@@ -100,24 +97,32 @@ impl TexturedParts {
 }
 
 impl RouteText {
-    /// The route's declarations and a function that hands it its constants.
-    fn text(&self, outer: &str, inner: &str, member: &str) -> String {
-        let (inputs, given, returned) = match inner {
-            "fragment_offset" => ("pixel: vec2<f32>, depth: f32", "pixel, depth", "vec3<f32>"),
-            _ => ("offset_m: vec3<f32>", "offset_m", "vec2<f32>"),
+    /// The route's declarations and a function that hands it a region's constants.
+    fn text(&self, member: &str) -> String {
+        let (outer, inner, given, ty, returned) = match member {
+            "position" => (
+                "offset_of(pixel: vec2<f32>, depth: f32, region_index: u32)",
+                "fragment_offset",
+                "pixel, depth",
+                "PositionConstants",
+                "vec3<f32>",
+            ),
+            _ => (
+                "angles_of(offset_m: vec3<f32>, region_index: u32)",
+                "route_angles",
+                "offset_m",
+                "RouteConstants",
+                "vec2<f32>",
+            ),
         };
-        let mut constants = String::new();
-        if self.constants > 0 {
-            let _ = write!(constants, ", array<vec4<f32>, {}>(", self.constants);
-            for i in 0..self.constants {
-                let _ = write!(constants, "textured[region_index].{member}[{i}], ");
-            }
-            constants.push(')');
-        }
+        let constants: Vec<String> = (0..self.constants.max(1))
+            .map(|i| format!("textured[region_index].{member}[{i}]"))
+            .collect();
         format!(
-            "{}\nfn {outer}({inputs}, region_index: u32) -> {returned} {{\n    \
-             return {inner}({given}{constants});\n}}\n",
-            self.wgsl
+            "{}\nfn {outer} -> {returned} {{\n    return {inner}({given}, {ty}(\n        {},\n    \
+             ));\n}}\n",
+            self.wgsl,
+            constants.join(",\n        ")
         )
     }
 }
@@ -136,14 +141,16 @@ mod tests {
     fn parts(placement: TexturedPlacement) -> TexturedParts {
         TexturedParts {
             position: RouteText {
-                wgsl:
-                    "fn fragment_offset(pixel: vec2f, depth: f32, constants: array<vec4f, 2>) -> \
-                       vec3f { return vec3f(pixel, depth) + constants[1].xyz; }"
-                        .to_owned(),
+                wgsl: "struct PositionConstants { c0: vec4f, c1: vec4f }\n\
+                       fn fragment_offset(pixel: vec2f, depth: f32, constants: PositionConstants) -> \
+                       vec3f { return vec3f(pixel, depth) + constants.c1.xyz; }"
+                    .to_owned(),
                 constants: 2,
             },
             route: RouteText {
-                wgsl: "fn route_angles(d: vec3f) -> vec2f { return d.yz; }".to_owned(),
+                wgsl: "struct RouteConstants { c0: vec4f }\n\
+                       fn route_angles(d: vec3f, constants: RouteConstants) -> vec2f { return d.yz; }"
+                    .to_owned(),
                 constants: 0,
             },
             route_room: 3,
@@ -182,7 +189,7 @@ mod tests {
     fn a_part_that_does_not_fit_is_refused() {
         let mut wrong = parts(TexturedPlacement::Affine);
         wrong.position.constants = 1;
-        assert!(wrong.region_layout().is_err(), "an array of another length");
+        assert!(wrong.region_layout().is_err(), "a constant too few");
         let mut wrong = parts(TexturedPlacement::Affine);
         wrong.route.wgsl = wrong.route.wgsl.replace("route_angles", "angles");
         assert!(wrong.region_layout().is_err(), "no such function");
