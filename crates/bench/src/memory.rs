@@ -45,7 +45,7 @@ impl LayoutOfScene<'_> {
         let meshes = self.meshes.iter().zip(self.is_drawn).cycle();
         for (mesh, is_drawn) in meshes.take(regions) {
             let bytes = self.technique.formula(mesh, *is_drawn || !is_scene)?;
-            total = total.plus(bytes);
+            total = total + bytes;
             each.push(bytes.total());
             vertices += mesh.vertex_count() as u64;
             triangles += mesh.triangle_count() as u64;

@@ -6,7 +6,9 @@ use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_compute::{ComputeBackend, ComputeVariant, Expansion, compute_bytes};
 use terrafill_core::RegionMesh;
-use terrafill_frame::{BackendError, Switches, VolumeBackend};
+use terrafill_frame::{
+    BackendError, GeometryBytes, SwitchError, Switches, THIS_MACHINE, VolumeBackend,
+};
 use terrafill_gpu::{BaselineKind, SharedStage};
 use terrafill_native::{NativeBackend, NativeVariant, native_bytes};
 use terrafill_scene::{ImageSize, Overlap, PlanOptions};
@@ -60,13 +62,7 @@ impl NativeGpu {
     }
 
     fn open(&self) -> Result<&Arc<terrafill_vulkan::Gpu>, &String> {
-        let open = || {
-            terrafill_vulkan::Gpu::open(&terrafill_vulkan::GpuOptions {
-                adapter: self.adapter.clone(),
-                ..terrafill_vulkan::GpuOptions::default()
-            })
-            .map_err(|error| error.to_string())
-        };
+        let open = || open_vulkan(self.adapter.as_deref()).map_err(|error| error.to_string());
         self.gpu.get_or_init(open).as_ref()
     }
 }
@@ -86,36 +82,31 @@ impl Stages {
             let gpu = self.native_gpu.open().map_err(Clone::clone)?;
             terrafill_vulkan::Stage::shared(gpu, self.size).map_err(|error| error.to_string())
         };
-        self.native
-            .get_or_init(make)
-            .as_ref()
-            .map_err(|why| BackendError::Unsupported {
-                capability: format!("a device for the native backend: {why}"),
-                adapter: "this machine".to_owned(),
-            })
+        self.native.get_or_init(make).as_ref().map_err(|why| {
+            let what = format!("a device for the native backend: {why}");
+            BackendError::unsupported(&what, THIS_MACHINE)
+        })
     }
 }
 
-/// Bytes of geometry.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct GeometryBytes {
-    /// Positions and flags.
-    pub(crate) vertex_bytes: u64,
-    /// Indices.
-    pub(crate) index_bytes: u64,
+/// Opens the first wgpu device whose name contains `adapter`.
+fn open_wgpu(adapter: Option<&str>) -> Result<Arc<terrafill_gpu::Gpu>, BackendError> {
+    terrafill_gpu::Gpu::open(&terrafill_gpu::GpuOptions {
+        adapter: adapter.map(str::to_owned),
+        ..terrafill_gpu::GpuOptions::default()
+    })
 }
 
-impl GeometryBytes {
-    pub(crate) fn total(self) -> u64 {
-        self.vertex_bytes + self.index_bytes
-    }
+/// The same on Vulkan itself.
+fn open_vulkan(adapter: Option<&str>) -> Result<Arc<terrafill_vulkan::Gpu>, BackendError> {
+    terrafill_vulkan::Gpu::open(&terrafill_vulkan::GpuOptions {
+        adapter: adapter.map(str::to_owned),
+        ..terrafill_vulkan::GpuOptions::default()
+    })
+}
 
-    pub(crate) fn plus(self, other: Self) -> Self {
-        Self {
-            vertex_bytes: self.vertex_bytes + other.vertex_bytes,
-            index_bytes: self.index_bytes + other.index_bytes,
-        }
-    }
+fn boxed<B: VolumeBackend + 'static>(backend: B) -> Box<dyn VolumeBackend> {
+    Box::new(backend)
 }
 
 impl Technique {
@@ -167,7 +158,7 @@ impl Technique {
         !matches!(self, Self::Native(_))
     }
 
-    /// A backend that draws so.
+    /// A backend that draws so on these stages; `None` for a full-screen pass.
     ///
     /// # Errors
     /// [`BackendError::Unsupported`] when the device lacks something, else whatever it reports.
@@ -175,33 +166,47 @@ impl Technique {
         &self,
         stages: &Stages,
     ) -> Option<Result<Box<dyn VolumeBackend>, BackendError>> {
-        fn boxed<B: VolumeBackend + 'static>(backend: B) -> Box<dyn VolumeBackend> {
-            Box::new(backend)
-        }
-        // wgpu has no depth-bounds test, whatever the device has; silence would look like one that
-        // changes nothing.
-        let is_native = matches!(self, Self::Native(_));
-        if !is_native
-            && self
-                .switches()
-                .is_some_and(|switches| switches.depth_bounds)
-        {
-            return Some(Err(BackendError::Unsupported {
-                capability: "a depth-bounds test".to_owned(),
-                adapter: "wgpu".to_owned(),
-            }));
-        }
-        let stage = &stages.wgpu;
-        match self {
-            Self::Baseline(_) => None,
-            Self::Vertex(variant) => Some(VertexBackend::new(stage, *variant).map(boxed)),
-            Self::Compute(variant) => Some(ComputeBackend::new(stage, *variant).map(boxed)),
-            Self::Native(variant) => Some(
-                stages
-                    .native()
-                    .and_then(|stage| NativeBackend::new(stage, *variant).map(boxed)),
-            ),
-        }
+        let wgpu = || Ok(SharedStage::clone(&stages.wgpu));
+        let vulkan = || stages.native().map(terrafill_vulkan::SharedStage::clone);
+        self.open_on(wgpu, vulkan)
+    }
+
+    /// The same on a device of its own.
+    ///
+    /// - `adapter`: part of the adapter's name
+    ///
+    /// # Errors
+    /// [`BackendError::Unsupported`] when there is no such device, it lacks something, or this is a
+    /// full-screen pass; else whatever the device reports.
+    pub fn open_alone(
+        &self,
+        adapter: Option<&str>,
+        size: ImageSize,
+    ) -> Result<Box<dyn VolumeBackend>, BackendError> {
+        let wgpu = || terrafill_gpu::Stage::shared(&open_wgpu(adapter)?, size);
+        let vulkan = || terrafill_vulkan::Stage::shared(&open_vulkan(adapter)?, size);
+        self.open_on(wgpu, vulkan)
+            .unwrap_or_else(|| Err(BackendError::unsupported("drawing volumes", self.backend())))
+    }
+
+    /// The one place where backends of volumes are made.
+    fn open_on(
+        &self,
+        wgpu: impl FnOnce() -> Result<SharedStage, BackendError>,
+        vulkan: impl FnOnce() -> Result<terrafill_vulkan::SharedStage, BackendError>,
+    ) -> Option<Result<Box<dyn VolumeBackend>, BackendError>> {
+        Some(match self {
+            Self::Baseline(_) => return None,
+            Self::Vertex(variant) => {
+                wgpu().and_then(|stage| VertexBackend::new(&stage, *variant).map(boxed))
+            }
+            Self::Compute(variant) => {
+                wgpu().and_then(|stage| ComputeBackend::new(&stage, *variant).map(boxed))
+            }
+            Self::Native(variant) => {
+                vulkan().and_then(|stage| NativeBackend::new(&stage, *variant).map(boxed))
+            }
+        })
     }
 
     /// Bytes of one region by the layout's formula; `None` where there is no geometry.
@@ -210,13 +215,7 @@ impl Technique {
     pub(crate) fn formula(&self, mesh: &RegionMesh, is_drawn: bool) -> Option<GeometryBytes> {
         match self {
             Self::Baseline(_) => None,
-            Self::Vertex(variant) => {
-                let bytes = variant_bytes(variant, mesh);
-                Some(GeometryBytes {
-                    vertex_bytes: bytes.vertex_bytes,
-                    index_bytes: bytes.index_bytes,
-                })
-            }
+            Self::Vertex(variant) => Some(variant_bytes(variant, mesh)),
             Self::Compute(variant) => {
                 let bytes = compute_bytes(mesh);
                 let output = match variant.expansion {
@@ -228,13 +227,7 @@ impl Technique {
                     index_bytes: bytes.input_index_bytes + output,
                 })
             }
-            Self::Native(variant) => {
-                let bytes = native_bytes(variant.technique, mesh);
-                Some(GeometryBytes {
-                    vertex_bytes: bytes.vertex_bytes,
-                    index_bytes: bytes.index_bytes,
-                })
-            }
+            Self::Native(variant) => Some(native_bytes(variant.technique, mesh)),
         }
     }
 
@@ -251,13 +244,75 @@ impl Technique {
 
     /// Whether layout and switches go together, and with a scene of this kind.
     pub(crate) fn is_allowed(&self, overlap: Overlap) -> bool {
+        self.check_variant(overlap).is_ok()
+    }
+
+    fn check_variant(&self, overlap: Overlap) -> Result<(), SwitchError> {
         match self {
-            Self::Baseline(_) => true,
-            Self::Vertex(variant) => variant.check(overlap).is_ok(),
+            Self::Baseline(_) => Ok(()),
+            Self::Vertex(variant) => variant.check(overlap),
             Self::Compute(variant) => {
-                variant.check().is_ok() && variant.switches.check(overlap).is_ok()
+                variant.check()?;
+                variant.switches.check(overlap)
             }
-            Self::Native(variant) => variant.switches.check(overlap).is_ok(),
+            Self::Native(variant) => variant.switches.check(overlap),
+        }
+    }
+
+    /// Whether the switches go together, with the backend's API and with a scene of this kind.
+    ///
+    /// # Errors
+    /// [`SwitchError`].
+    pub fn check(&self, overlap: Overlap) -> Result<(), SwitchError> {
+        // On no device would it run, so that it is no device's fault.
+        let tests_bounds = self.switches().is_some_and(|s| s.depth_bounds);
+        if tests_bounds && !matches!(self, Self::Native(_)) {
+            return Err(SwitchError {
+                switch: "depth-bounds",
+                found: "on with a backend on wgpu, which has no such test".to_owned(),
+                allowed: "off, or --backend native".to_owned(),
+            });
+        }
+        self.check_variant(overlap)
+    }
+
+    /// The main variant of a backend of [`BACKENDS`] for scenes of this kind.
+    #[must_use]
+    pub fn main(backend: &str, overlap: Overlap) -> Option<Self> {
+        let mut main = match backend {
+            "vertex" => Self::Vertex(VertexVariant::default()),
+            "compute" => Self::Compute(ComputeVariant::default()),
+            "native" => Self::Native(NativeVariant::default()),
+            _ => return None,
+        };
+        if let Some(switches) = main.switches_mut() {
+            *switches = Switches::for_overlap(overlap);
+        }
+        Some(main)
+    }
+
+    /// Every key that [`Technique::set`] takes, with its values.
+    #[must_use]
+    pub fn keys(&self) -> String {
+        let own = match self {
+            Self::Baseline(_) => return String::new(),
+            Self::Vertex(_) => VertexVariant::KEYS,
+            Self::Compute(_) => ComputeVariant::KEYS,
+            Self::Native(_) => NativeVariant::KEYS,
+        };
+        format!("{own}, {}", Switches::KEYS)
+    }
+
+    /// Sets the switch `key` to `value`; `Ok(false)` when the backend has no such switch.
+    ///
+    /// # Errors
+    /// [`SwitchError`] when the value is none of the switch's.
+    pub fn set(&mut self, key: &str, value: &str) -> Result<bool, SwitchError> {
+        match self {
+            Self::Baseline(_) => Ok(false),
+            Self::Vertex(variant) => variant.set(key, value),
+            Self::Compute(variant) => variant.set(key, value),
+            Self::Native(variant) => variant.set(key, value),
         }
     }
 }
@@ -341,7 +396,8 @@ fn plan_names(plan: PlanOptions) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_frame::FacePasses;
+    use terrafill_frame::{FacePasses, FrameInput, PreparedScene};
+    use terrafill_scene::{Scene, SurfaceMesh};
 
     #[test]
     fn plan_and_fill_switches_share_one_sorted_name() {
@@ -365,5 +421,125 @@ mod tests {
         let mut bound = Technique::Baseline(BaselineKind::Bound);
         assert!(bound.switches().is_none() && bound.switches_mut().is_none());
         assert_eq!(Setting::new(bound).variant_name(), "full-screen");
+    }
+
+    fn technique(backend: &str) -> Technique {
+        Technique::main(backend, Overlap::Disjoint).expect("a backend")
+    }
+
+    /// `key=value` of every value in the list.
+    fn settings(keys: &str) -> Vec<(&str, &str)> {
+        let keys = keys.split(", ").map(|key| key.split_once('='));
+        keys.map(|key| key.expect("key=values"))
+            .flat_map(|(key, values)| values.split('|').map(move |value| (key, value)))
+            .collect()
+    }
+
+    /// Those of `keys` that `backend` does not take.
+    fn not_taken<'a>(backend: &str, keys: &'a str) -> Vec<(&'a str, &'a str)> {
+        let all = settings(keys).into_iter();
+        all.filter(|(key, value)| technique(backend).set(key, value) != Ok(true))
+            .collect()
+    }
+
+    #[test]
+    fn what_a_message_allows_is_taken() {
+        for backend in BACKENDS {
+            let keys = technique(backend).keys();
+            let keys = keys.replace("1…100", "1|100");
+            assert!(settings(&keys).len() > 20, "{keys}");
+            assert_eq!(not_taken(backend, &keys), [], "{backend}");
+        }
+    }
+
+    #[test]
+    fn what_another_backend_has_alone_is_not_taken() {
+        for (owner, keys) in [
+            ("vertex", "layout=pulled, walls=list"),
+            ("compute", ComputeVariant::KEYS),
+            ("native", "technique=gs-line"),
+        ] {
+            for backend in BACKENDS {
+                let expected = if backend == owner {
+                    Vec::new()
+                } else {
+                    settings(keys)
+                };
+                assert_eq!(not_taken(backend, keys), expected, "{backend}");
+            }
+        }
+    }
+
+    #[test]
+    fn only_vulkan_itself_has_a_depth_bounds_test() {
+        for backend in BACKENDS {
+            let mut technique = technique(backend);
+            assert_eq!(technique.check(Overlap::Disjoint), Ok(()));
+            assert_eq!(technique.set("depth-bounds", "on"), Ok(true));
+            let is_native = backend == "native";
+            assert_eq!(technique.check(Overlap::Disjoint).is_ok(), is_native);
+        }
+    }
+
+    #[test]
+    fn main_variants_suit_the_scene_they_are_made_for() {
+        for backend in BACKENDS {
+            let ordered = Technique::main(backend, Overlap::Ordered).expect("a backend");
+            assert_eq!(ordered.check(Overlap::Ordered), Ok(()));
+            // Twin: numbers of regions that overlap would mix.
+            assert!(technique(backend).check(Overlap::Ordered).is_err());
+        }
+        assert_eq!(Technique::main("reference", Overlap::Ordered), None);
+    }
+
+    #[test]
+    fn a_target_of_numbers_is_counted_where_there_is_one() {
+        if terrafill_gpu::open_for_test(&Default::default()).is_none()
+            || terrafill_vulkan::open_for_test(&Default::default()).is_none()
+        {
+            return;
+        }
+        let scene = Scene::shipped("california", None).expect("it ships");
+        let (body, rule) = (&scene.body, scene.edge_rule);
+        let meshes = RegionMesh::build_all(&scene.regions, body, rule, &scene.mesh);
+        let meshes = meshes.expect("it meshes").into();
+        let surface = Arc::new(SurfaceMesh::ellipsoid(body, scene.surface_rows));
+        let prepared = PreparedScene::new(&scene, meshes, surface);
+        let view = &scene.views[0];
+        let size = ImageSize {
+            width: 40,
+            height: 30,
+        };
+        let input = FrameInput::new(&prepared, view, size, PlanOptions::default());
+        for backend in BACKENDS {
+            let bytes = |colour: &str| {
+                let mut technique = technique(backend);
+                assert_eq!(technique.set("colour", colour), Ok(true));
+                let mut backend = technique.open_alone(None, size).expect("opens");
+                let memory = backend.prepare(&input).expect("fits");
+                // Preparing again holds the same.
+                assert_eq!(
+                    backend.prepare(&input).expect("fits").target_bytes,
+                    memory.target_bytes
+                );
+                memory.target_bytes
+            };
+            assert_eq!(bytes("id-accumulation"), 4 * 40 * 30, "{backend}");
+            // Twin: without such a target nothing is counted.
+            assert_eq!(bytes("xor"), 0, "{backend}");
+        }
+    }
+
+    #[test]
+    fn a_full_screen_pass_opens_no_backend_of_volumes() {
+        let bound = Technique::Baseline(BaselineKind::Bound);
+        let size = ImageSize {
+            width: 1,
+            height: 1,
+        };
+        let error = bound.open_alone(None, size).map(|_| ());
+        let error = error.expect_err("it draws none").to_string();
+        assert_eq!(error, "bound lacks drawing volumes");
+        assert_eq!(bound.keys(), "");
     }
 }

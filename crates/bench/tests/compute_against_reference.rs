@@ -451,7 +451,7 @@ fn fragments_are_those_of_the_vertex_backend_and_pieces_out_of_view_have_none() 
     let Some(gpu) = open_for_test(&GpuOptions::default()) else {
         return;
     };
-    if !gpu.facts.pipeline_statistics {
+    if !gpu.facts.features.pipeline_statistics {
         eprintln!("skipped: no pipeline statistics");
         return;
     }
@@ -653,7 +653,7 @@ fn a_frame_needs_preparing_and_an_unchanged_one_makes_and_uploads_nothing() {
         let before = gpu.work_done();
         let times = backend.time_frame(&first).expect("draws");
         assert_eq!(gpu.work_done(), before, "{}", variant.name());
-        assert_eq!(times.fill_gpu_ms.is_some(), gpu.facts.timestamps);
+        assert_eq!(times.fill_gpu_ms.is_some(), gpu.facts.features.timestamps);
         let again = backend.render(&first).expect("draws");
         assert_eq!(frame.ids, again.ids);
         let steady = counters(&again);

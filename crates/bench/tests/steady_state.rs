@@ -8,14 +8,12 @@ mod drawing;
 use drawing::{SIZE, collection, look, polygon, scene, with_colour};
 use terrafill_core::Ellipsoid;
 use terrafill_frame::{
-    Backend as _, ColourWay, Counters, FrameInput, PreparedScene, Switches, TimedBackend as _,
-    VolumeBackend as _,
+    Backend as _, ColourWay, Counters, FrameInput, GeometryBytes, PreparedScene, Switches,
+    TimedBackend as _, VolumeBackend as _,
 };
 use terrafill_gpu::{GpuOptions, Stage, WorkDone, open_for_test};
 use terrafill_scene::{ImageSize, Overlap};
-use terrafill_vertex::{
-    Layout, LayoutBytes, VertexBackend, VertexVariant, shared_flag_bytes, variant_bytes,
-};
+use terrafill_vertex::{Layout, VertexBackend, VertexVariant, shared_flag_bytes, variant_bytes};
 
 fn two_squares() -> PreparedScene {
     let text = collection(&[
@@ -101,7 +99,7 @@ fn bytes_by_formula_are_the_bytes_handed_to_the_device() {
             assert_eq!(variant.set(key, value), Ok(true));
         }
         let meshes = &scene.meshes;
-        let regions: LayoutBytes = meshes
+        let regions: GeometryBytes = meshes
             .iter()
             .map(|mesh| variant_bytes(&variant, mesh))
             .sum();
@@ -156,7 +154,7 @@ fn every_fragment_of_the_stencil_work_is_counted() {
     let Some(gpu) = open_for_test(&GpuOptions::default()) else {
         return;
     };
-    if !gpu.facts.pipeline_statistics {
+    if !gpu.facts.features.pipeline_statistics {
         eprintln!("skipped: no pipeline statistics");
         return;
     }

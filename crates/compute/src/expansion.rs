@@ -113,24 +113,24 @@ impl ExpansionPlan {
         check("indices of expanded volumes", end, u64::from(u32::MAX))?;
         let region = self.outputs.len() as u32;
         let first_index = self.index_count as u32;
-        let bottom_count = 3 * slice.triangle_count;
+        let bottom_count = 3 * slice.place.triangle_count;
         let first_top = first_index + bottom_count;
-        let short = if slice.has_short_indices {
+        let short = if slice.place.has_short_indices {
             SHORT_INDICES
         } else {
             0
         };
-        for first in (0..slice.triangle_count).step_by(WORKGROUP_SIZE) {
+        for first in (0..slice.place.triangle_count).step_by(WORKGROUP_SIZE) {
             self.work.push(WorkGroup {
                 region,
-                first_input: slice.first_triangle_index + 3 * first,
+                first_input: slice.place.first_triangle_index + 3 * first,
                 first_output: first_top + 3 * first,
                 first_bottom_output: first_index + 3 * first,
-                count: (slice.triangle_count - first).min(WORKGROUP_SIZE as u32),
+                count: (slice.place.triangle_count - first).min(WORKGROUP_SIZE as u32),
                 kind: short,
             });
         }
-        let mut first_input = slice.first_loop_index;
+        let mut first_input = slice.place.first_loop_index;
         let mut first_output = first_top + bottom_count;
         for ring in &mesh.boundary_loops {
             let edges = ring.len() as u32;

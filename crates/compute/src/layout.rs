@@ -5,7 +5,7 @@
 //! region by region; those that are written are 32 bits.
 
 use terrafill_core::RegionMesh;
-use terrafill_frame::FixedPoint;
+use terrafill_frame::{FixedPoint, RegionPlace};
 
 /// Bytes of one or more regions, what is stored and what is made from it apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -78,21 +78,15 @@ pub fn placed_bytes(mesh: &RegionMesh) -> u64 {
 /// Where one region lies in the scene's buffers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct MeshSlice {
-    pub(crate) fixed: FixedPoint,
-    pub(crate) first_vertex: u32,
-    pub(crate) has_short_indices: bool,
-    /// In indices of the region's width.
-    pub(crate) first_triangle_index: u32,
-    pub(crate) triangle_count: u32,
-    /// As above. Loops lie one after the other, each closed.
-    pub(crate) first_loop_index: u32,
+    /// Loops lie one after the other, each closed.
+    pub(crate) place: RegionPlace,
     pub(crate) edge_count: u32,
 }
 
 impl MeshSlice {
     /// Indices that the region's volume takes.
     pub(crate) fn output_indices(&self) -> u64 {
-        6 * (u64::from(self.triangle_count) + u64::from(self.edge_count))
+        6 * (u64::from(self.place.triangle_count) + u64::from(self.edge_count))
     }
 }
 
@@ -143,12 +137,14 @@ impl SceneGeometry {
             first_word
         };
         self.meshes.push(MeshSlice {
-            fixed,
-            first_vertex,
-            has_short_indices,
-            first_triangle_index,
-            triangle_count: mesh.triangles.len() as u32,
-            first_loop_index: first_triangle_index + 3 * mesh.triangles.len() as u32,
+            place: RegionPlace {
+                fixed,
+                first_vertex,
+                first_triangle_index,
+                first_loop_index: first_triangle_index + 3 * mesh.triangles.len() as u32,
+                triangle_count: mesh.triangles.len() as u32,
+                has_short_indices,
+            },
             edge_count: mesh.boundary_edge_count() as u32,
         });
     }
@@ -217,7 +213,7 @@ pub(crate) mod tests {
         let geometry = SceneGeometry::build(&meshes);
         for (mesh, slice) in meshes.iter().zip(&geometry.meshes) {
             let read = |element: u32| {
-                if slice.has_short_indices {
+                if slice.place.has_short_indices {
                     let word = geometry.indices[element as usize / 2];
                     word >> (16 * (element % 2)) & 0xffff
                 } else {
@@ -225,11 +221,12 @@ pub(crate) mod tests {
                 }
             };
             let corners = mesh.triangles.as_flattened();
-            for (element, &corner) in (slice.first_triangle_index..).zip(corners) {
+            for (element, &corner) in (slice.place.first_triangle_index..).zip(corners) {
                 assert_eq!(read(element), corner);
             }
             let ring = &mesh.boundary_loops[0];
-            for (element, &vertex) in (slice.first_loop_index..).zip(ring.iter().chain(&ring[..1]))
+            for (element, &vertex) in
+                (slice.place.first_loop_index..).zip(ring.iter().chain(&ring[..1]))
             {
                 assert_eq!(read(element), vertex);
             }
@@ -237,7 +234,7 @@ pub(crate) mod tests {
         let widths: Vec<bool> = geometry
             .meshes
             .iter()
-            .map(|m| m.has_short_indices)
+            .map(|m| m.place.has_short_indices)
             .collect();
         assert_eq!(widths, [true, false, true, true]);
     }

@@ -14,8 +14,8 @@ mod expansion;
 mod layout;
 mod pass;
 mod pipeline;
-mod statistics;
 mod variant;
+mod volumes;
 
 pub use backend::ComputeBackend;
 pub use expansion::Capacity;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The switches of this backend.
 
-use terrafill_frame::{SwitchError, Switches};
+use terrafill_frame::{SwitchError, Switches, pick};
 
 /// When volumes are made from meshes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
@@ -94,6 +94,40 @@ impl ComputeVariant {
         names.join(",")
     }
 
+    /// Every key of its own that [`ComputeVariant::set`] takes, with its values; the others are
+    /// [`Switches::KEYS`].
+    pub const KEYS: &str =
+        "expansion=per-frame|cached, gpu-culling=off|regions|triangles, transform=vertex|compute";
+
+    /// Sets the switch `key` to `value`; with `expansion=` the inverse of [`ComputeVariant::name`].
+    ///
+    /// # Errors
+    /// [`SwitchError`] when the value is none of the switch's; `Ok(false)` when there is no such
+    /// switch.
+    pub fn set(&mut self, key: &str, value: &str) -> Result<bool, SwitchError> {
+        match key {
+            "expansion" => {
+                let choices = [Expansion::PerFrame, Expansion::Cached];
+                let choices = choices.map(|choice| (choice.name(), choice));
+                self.expansion = pick("expansion", value, &choices)?;
+            }
+            "gpu-culling" => {
+                let choices = [GpuCulling::Off, GpuCulling::Regions, GpuCulling::Triangles];
+                let choices = choices.map(|choice| (choice.name(), choice));
+                self.culling = pick("gpu-culling", value, &choices)?;
+            }
+            "transform" => {
+                let choices = [
+                    ("vertex", Transform::VertexStage),
+                    ("compute", Transform::ComputeStage),
+                ];
+                self.transform = pick("transform", value, &choices)?;
+            }
+            _ => return self.switches.set(key, value),
+        }
+        Ok(true)
+    }
+
     /// Whether expansion and culling go together.
     ///
     /// # Errors
@@ -136,6 +170,27 @@ mod tests {
         };
         let name = "per-frame,colour=rectangle,gpu-culling=triangles,scissor=volumes";
         assert_eq!(culled.name(), format!("{name},transform=compute"));
+    }
+
+    #[test]
+    fn what_is_set_ends_up_in_the_name() {
+        let mut compute = ComputeVariant::default();
+        for (key, value) in [
+            ("expansion", "cached"),
+            ("gpu-culling", "regions"),
+            ("transform", "compute"),
+            ("faces", "two-pass"),
+        ] {
+            assert_eq!(compute.set(key, value), Ok(true));
+        }
+        let name = "cached,faces=two-pass,gpu-culling=regions,transform=compute";
+        assert_eq!(compute.name(), name);
+        for key in ["expansion", "gpu-culling", "transform"] {
+            let error = compute.set(key, "never").expect_err("no such value");
+            assert_eq!((error.switch, error.found.as_str()), (key, "never"));
+        }
+        assert_eq!(compute.set("transforms", "compute"), Ok(false));
+        assert_eq!(compute.name(), name);
     }
 
     #[test]

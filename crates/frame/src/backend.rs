@@ -73,6 +73,27 @@ pub enum BackendError {
     },
 }
 
+impl BackendError {
+    /// `adapter` lacks `capability`.
+    #[must_use]
+    pub fn unsupported(capability: &str, adapter: &str) -> Self {
+        Self::Unsupported {
+            capability: capability.to_owned(),
+            adapter: adapter.to_owned(),
+        }
+    }
+
+    /// A surface was asked for before there is one.
+    #[must_use]
+    pub fn no_surface() -> Self {
+        Self::NotPrepared {
+            backend: "surface",
+            scene: String::new(),
+            view: String::new(),
+        }
+    }
+}
+
 /// One way to fill regions: a technique on an API, with its switches set.
 ///
 /// The order is `prepare`, then any number of `render`s with the same input. A second `prepare`

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Rust twins of the constants in `shaders/shared/`; tests hold the layouts together.
 
-use crate::FrameInput;
+use crate::{Colours, FixedPoint, FrameInput, PositionFormat};
 use bytemuck::{Pod, Zeroable};
+use terrafill_scene::PlannedRegion;
 
 /// Twin of `ViewConstants` in `shared/view.wgsl`.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -86,4 +87,86 @@ pub struct RegionConstants {
     pub padding: u32,
     /// What the colour pass writes.
     pub colour: [f32; 4],
+}
+
+/// Where a mesh lies in a scene's buffers, as far as shaders are told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RegionPlace {
+    /// What its positions count from, and in.
+    pub fixed: FixedPoint,
+    /// In stored vertices.
+    pub first_vertex: u32,
+    /// In indices of its width.
+    pub first_triangle_index: u32,
+    /// As above.
+    pub first_loop_index: u32,
+    /// Cap triangles.
+    pub triangle_count: u32,
+    /// Indices have 16 bits.
+    pub has_short_indices: bool,
+}
+
+impl RegionConstants {
+    /// Constants of one planned region.
+    #[must_use]
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "rounding to what the GPU reads is the purpose"
+    )]
+    pub fn new(
+        input: &FrameInput,
+        planned: &PlannedRegion,
+        place: &RegionPlace,
+        positions: PositionFormat,
+        colours: Colours,
+    ) -> Self {
+        let fixed = place.fixed;
+        let eye = fixed.eye(input.camera.eye_ecef);
+        let remainder_m = match positions {
+            PositionFormat::Fixed => eye.remainder_m,
+            PositionFormat::LocalF32 => input.camera.eye_ecef - fixed.origin_ecef,
+        };
+        Self {
+            eye: eye.eye.to_array(),
+            shift: eye.shift,
+            eye_remainder_m: remainder_m.as_vec3().to_array(),
+            scale_m: (fixed.unit_m * f64::from(eye.shift).exp2()) as f32,
+            origin_ecef_m: fixed.origin_ecef.as_vec3().to_array(),
+            unit_m: fixed.unit_m as f32,
+            top_m: planned.heights.top_m as f32,
+            bottom_m: planned.heights.bottom_m as f32,
+            first_vertex: place.first_vertex,
+            first_triangle_index: place.first_triangle_index,
+            first_loop_index: place.first_loop_index,
+            triangle_count: place.triangle_count,
+            index_bits: if place.has_short_indices { 16 } else { 32 },
+            padding: 0,
+            colour: colours.of(planned.region),
+        }
+    }
+
+    /// Bytes of the constants of all that `input` plans, in its order; `place_of` tells where a mesh
+    /// lies. One element of zeros where nothing is planned: a storage binding may not be empty.
+    #[must_use]
+    pub fn bytes_of_all(
+        input: &FrameInput,
+        positions: PositionFormat,
+        colours: Colours,
+        place_of: impl Fn(usize) -> RegionPlace,
+    ) -> Vec<u8> {
+        let planned = input.plan.regions.iter();
+        let constants: Vec<Self> = planned
+            .map(|planned| Self::new(input, planned, &place_of(planned.mesh), positions, colours))
+            .collect();
+        if constants.is_empty() {
+            return vec![0; size_of::<Self>()];
+        }
+        bytemuck::cast_slice(&constants).to_vec()
+    }
+
+    /// Bytes of the constants that `input` asks for, without what only fills a binding.
+    #[must_use]
+    pub fn byte_count(input: &FrameInput) -> u64 {
+        (input.plan.regions.len() * size_of::<Self>()) as u64
+    }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What comes out: the picture as region ids, what it cost in memory and work, and how long it took.
 
-use crate::TextureCoordinates;
+use crate::{Picture, TextureCoordinates, ids_of};
 use terrafill_scene::ImageSize;
 
 /// Id of pixels that belong to no region. Region *i* of the scene has id *i* + 1.
@@ -25,6 +25,20 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// What a picture drawn in [`crate::Colours::Ids`] shows.
+    #[must_use]
+    pub fn from_picture(picture: &Picture, counters: Counters) -> Self {
+        let depths = picture.depth.iter();
+        Self {
+            size: picture.size,
+            ids: ids_of(picture),
+            surface: depths.clone().map(|&depth| depth > 0.0).collect(),
+            non_finite: depths.filter(|depth| !depth.is_finite()).count() as u64,
+            counters: Some(counters),
+            texture: None,
+        }
+    }
+
     /// Pixels that belong to a region.
     #[must_use]
     pub fn filled_px(&self) -> u64 {
@@ -72,7 +86,9 @@ pub struct MemoryUse {
     pub index_bytes: u64,
     /// Per-region constants of the view.
     pub constant_bytes: u64,
-    /// How many buffers that is.
+    /// Textures that the fill draws into besides those that all backends have.
+    pub target_bytes: u64,
+    /// How many buffers hold the geometry and the constants.
     pub buffers: u64,
     /// Bytes handed to the device by `prepare`.
     pub upload_bytes: u64,
@@ -102,4 +118,26 @@ pub struct FrameTimes {
     pub fill_cpu_ms: f64,
     /// Wall clock over the same span.
     pub fill_wall_ms: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_says_where_the_surface_is_and_what_is_no_depth() {
+        let picture = Picture {
+            size: ImageSize {
+                width: 4,
+                height: 1,
+            },
+            rgba: [[0; 4], [5, 0, 0, 255], [9, 9, 9, 0], [1, 1, 0, 255]].concat(),
+            depth: vec![0.0, 0.5, f32::NAN, f32::INFINITY],
+        };
+        let frame = Frame::from_picture(&picture, Counters::default());
+        assert_eq!(frame.ids, [0, 5, 0, 257]);
+        assert_eq!(frame.surface, [false, true, false, true]);
+        assert_eq!((frame.non_finite, frame.filled_px()), (2, 2));
+        assert_eq!(frame.counters, Some(Counters::default()));
+    }
 }

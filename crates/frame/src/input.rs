@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What goes in: the same bytes for every backend.
 
+use crate::{BackendError, MAX_REGIONS};
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Region, RegionMesh};
 use terrafill_scene::{
-    Camera, FramePlan, ImageSize, LevelTable, LeveledMeshes, Overlap, PlanOptions, RegionBounds,
-    Scene, SceneTexture, SurfaceMesh, TerrainRange, View,
+    Camera, FramePlan, ImageSize, LevelTable, LeveledMeshes, Overlap, PixelRect, PlanOptions,
+    RegionBounds, Scene, SceneTexture, SurfaceMesh, TerrainRange, View,
 };
 
 /// A scene made ready to draw: regions meshed, surface tessellated. One per scene and mesh
@@ -139,6 +140,65 @@ impl FrameInput {
             size: self.size,
             surface_rte: Arc::clone(&self.surface_rte),
             plan: plan(scene, &self.camera, self.size, options),
+        }
+    }
+
+    /// Where a planned region may be drawn: its screen rectangle with `scissor`, else everywhere.
+    ///
+    /// - `planned`: index into the plan's regions
+    #[must_use]
+    pub fn rect(&self, planned: usize, scissor: bool) -> PixelRect {
+        if scissor {
+            self.plan.regions[planned].screen_rect
+        } else {
+            PixelRect::full(self.size)
+        }
+    }
+
+    /// Whether ids can tell the scene's regions apart.
+    ///
+    /// # Errors
+    /// [`BackendError::OverCapacity`].
+    pub fn check_region_count(&self) -> Result<(), BackendError> {
+        let (found, allowed) = (self.scene.regions.len(), MAX_REGIONS);
+        if found <= allowed {
+            return Ok(());
+        }
+        Err(BackendError::OverCapacity {
+            what: "regions".to_owned(),
+            found: found as u64,
+            allowed: allowed as u64,
+        })
+    }
+
+    /// Whether this is what `backend` was prepared for.
+    ///
+    /// - `meshes`: those that it holds
+    /// - `surface_rte`: that of the view that it holds
+    ///
+    /// # Errors
+    /// [`BackendError::NotPrepared`].
+    pub fn check_prepared(
+        &self,
+        backend: &'static str,
+        meshes: Option<&Arc<[RegionMesh]>>,
+        surface_rte: Option<&Arc<[[f32; 3]]>>,
+    ) -> Result<(), BackendError> {
+        let has_meshes = meshes.is_some_and(|held| Arc::ptr_eq(held, &self.scene.meshes));
+        let has_view = surface_rte.is_some_and(|held| Arc::ptr_eq(held, &self.surface_rte));
+        if has_meshes && has_view {
+            return Ok(());
+        }
+        Err(self.not_prepared(backend))
+    }
+
+    /// `backend` was prepared for something else.
+    #[must_use]
+    pub fn not_prepared(&self, backend: &'static str) -> BackendError {
+        BackendError::NotPrepared {
+            backend,
+            scene: self.scene.name.clone(),
+            view: self.view.clone(),
         }
     }
 }

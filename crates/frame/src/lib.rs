@@ -6,31 +6,44 @@
 //! backend's own. The reference is a backend like the others, but judges from the parsed regions,
 //! never from the meshes.
 
+mod adapter;
 mod backend;
 mod batches;
+mod clock;
 mod constants;
 mod fixed_point;
 mod frame;
+mod geometry;
 mod input;
 mod palette;
 mod program;
+mod steps;
 mod switches;
 mod texture;
 mod textured;
+mod work;
 
+pub use adapter::{
+    DeviceFacts, DeviceType, SKY, THIS_MACHINE, check_target_size, choose_adapter, count_u32,
+    device_for_test,
+};
 pub use backend::{Backend, BackendError, Capabilities, Picture, TimedBackend, VolumeBackend};
 pub use batches::{RegionClasses, XOR_NUMBERS, XorBatches, overlap_depth};
-pub use constants::{RegionConstants, ViewConstants};
+pub use clock::CpuStopwatch;
+pub use constants::{RegionConstants, RegionPlace, ViewConstants};
 pub use fixed_point::{EyeInUnits, FixedPoint, PositionFormat, eye_relative_m};
 pub use frame::{Counters, Frame, FrameTimes, MemoryUse, NO_REGION};
+pub use geometry::{GeometryBytes, IndexLists, boundary_edges};
 pub use input::{FrameInput, PreparedScene};
-pub use palette::{MAX_REGIONS, id_rgba, ids_of, paint, palette_rgba, region_colour};
+pub use palette::{Colours, MAX_REGIONS, ids_of, paint, region_colour};
 pub use program::{
-    CoverShape, DepthRule, FaceSet, FillCommand, FillPass, FillProgram, StencilOperation,
-    StencilRule, StencilTest,
+    CoverShape, DepthRule, FaceEffect, FaceSet, FillCommand, FillPass, FillProgram,
+    StencilOperation, StencilRule, StencilTest,
 };
+pub use steps::{FillStep, NUMBER_BYTES, VolumeDraw, VolumeState};
 pub use switches::{
-    BottomCap, ColourWay, DepthRuleChoice, FacePasses, StencilClear, SwitchError, Switches,
+    BottomCap, ColourWay, DepthRuleChoice, FacePasses, StencilClear, SwitchError, Switches, pick,
 };
 pub use texture::{AddressMode, Pattern, PlannedTexture, TextureCoordinates, TexturePixel};
 pub use textured::{RouteChoice, RouteNote, TexturedCover, TexturedPlan, TexturedRegion};
+pub use work::{WorkCounters, WorkDone};

@@ -28,27 +28,38 @@ pub fn region_colour(index: usize) -> [u8; 3] {
     [r, g, b].map(|channel| ((channel + base) * 255.0).round().clamp(0.0, 255.0) as u8)
 }
 
-/// What a colour pass writes for region `index` in a picture for people.
-#[must_use]
-pub fn palette_rgba(index: usize) -> [f32; 4] {
-    let [r, g, b] = region_colour(index);
-    [r, g, b, 255].map(|channel| f32::from(channel) / 255.0)
+/// What a colour pass writes for a region.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Colours {
+    /// Its id in three channels, exact in 8-bit unorm: a picture to be judged.
+    Ids,
+    /// Its colour: a picture for people.
+    Palette {
+        /// 1: hides what lies under it.
+        opacity: f32,
+    },
 }
 
-/// What a colour pass writes for region `index` in a picture to be judged: its id in three
-/// channels, exact in 8-bit unorm.
-#[must_use]
-pub fn id_rgba(index: usize) -> [f32; 4] {
-    let [r, g, b, _] = (index as u64 + 1).to_le_bytes()[..4] else {
-        return [0.0; 4];
-    };
-    [r, g, b, 255].map(|channel| f32::from(channel) / 255.0)
+impl Colours {
+    /// RGBA of region `index`, 0 … 1.
+    #[must_use]
+    pub fn of(self, index: usize) -> [f32; 4] {
+        let (rgb, alpha) = match self {
+            Self::Ids => {
+                let [r, g, b, ..] = (index as u64 + 1).to_le_bytes();
+                ([r, g, b], 1.0)
+            }
+            Self::Palette { opacity } => (region_colour(index), opacity),
+        };
+        let [r, g, b] = rgb.map(|channel| f32::from(channel) / 255.0);
+        [r, g, b, alpha]
+    }
 }
 
-/// Regions that [`id_rgba`] can tell apart.
+/// Regions that [`Colours::Ids`] can tell apart.
 pub const MAX_REGIONS: usize = (1 << 24) - 1;
 
-/// Ids out of a picture drawn with [`id_rgba`]; alpha 0 is the surface or the sky.
+/// Ids out of a picture drawn with [`Colours::Ids`]; alpha 0 is the surface or the sky.
 #[must_use]
 pub fn ids_of(picture: &Picture) -> Vec<u32> {
     let id = |pixel: &[u8]| match pixel {
@@ -86,6 +97,37 @@ mod tests {
                 .sum();
             assert!(distance > 60, "{index}: {a:?} {b:?}");
         }
+    }
+
+    #[test]
+    fn ids_travel_as_colours() {
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "what an 8-bit unorm target stores"
+        )]
+        let stored = |rgba: [f32; 4]| rgba.map(|channel| (channel * 255.0).round() as u8);
+        let indices = [0, 1, 254, 255, 256, 65_535, 65_536, MAX_REGIONS - 1];
+        let rgba = |colours: Colours| -> Vec<u8> {
+            indices
+                .iter()
+                .flat_map(|&i| stored(colours.of(i)))
+                .collect()
+        };
+        let picture = |rgba: Vec<u8>| Picture {
+            size: ImageSize {
+                width: 8,
+                height: 1,
+            },
+            depth: vec![1.0; rgba.len() / 4],
+            rgba,
+        };
+        let expected = indices.map(|index| u32::try_from(index + 1).expect("24 bits"));
+        assert_eq!(ids_of(&picture(rgba(Colours::Ids))), expected);
+        // Twin: colours for people are no ids, and below full opacity nor is their alpha.
+        let palette = rgba(Colours::Palette { opacity: 0.5 });
+        assert_ne!(ids_of(&picture(palette.clone())), expected);
+        assert_eq!(palette[..4], [&region_colour(0)[..], &[128]].concat());
     }
 
     #[test]

@@ -57,6 +57,31 @@ pub struct StencilRule {
     pub faces: FaceSet,
 }
 
+/// What a touching fragment of one kind of face does to the bits that are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FaceEffect {
+    /// Flips them.
+    Invert,
+    /// Adds one, modulo 256.
+    Add,
+    /// Takes one away, modulo 256.
+    Take,
+}
+
+impl StencilRule {
+    /// What front and back faces do, and the bits that are written.
+    #[must_use]
+    pub fn effects(self) -> (FaceEffect, FaceEffect, u8) {
+        match (self.operation, self.depth) {
+            (StencilOperation::Invert { mask }, _) => {
+                (FaceEffect::Invert, FaceEffect::Invert, mask)
+            }
+            (StencilOperation::Count, DepthRule::Fail) => (FaceEffect::Take, FaceEffect::Add, 0xff),
+            (StencilOperation::Count, DepthRule::Pass) => (FaceEffect::Add, FaceEffect::Take, 0xff),
+        }
+    }
+}
+
 /// State of a draw that colours marked pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct StencilTest {
@@ -594,6 +619,83 @@ mod tests {
             assert_eq!(program.passes[0].accumulates(), accumulates);
             assert_eq!(program.passes[0].clears_stencil, !accumulates);
         }
+    }
+
+    #[test]
+    fn what_marks_is_counted_once_more_and_nothing_else() {
+        for switches in every_combination() {
+            let program =
+                FillProgram::new(&three(), &switches, Overlap::Disjoint).expect("allowed");
+            let mut counted = Vec::new();
+            for command in program.commands() {
+                let (faces, without_bottom, scissor, regions) = match command {
+                    FillCommand::Volumes {
+                        rule,
+                        without_bottom,
+                        scissor,
+                        regions,
+                    } => (rule.faces, without_bottom, scissor, regions),
+                    FillCommand::Accumulate {
+                        faces,
+                        without_bottom,
+                        scissor,
+                        regions,
+                        ..
+                    } => (*faces, without_bottom, scissor, regions),
+                    FillCommand::Cover { .. } | FillCommand::Resolve => continue,
+                };
+                counted.push(crate::VolumeDraw {
+                    state: crate::VolumeState::Count { faces },
+                    without_bottom: *without_bottom,
+                    scissor: *scissor,
+                    regions,
+                });
+            }
+            assert_eq!(program.counted().collect::<Vec<_>>(), counted);
+            let commands = program.commands().count();
+            let covers = commands - counted.len();
+            assert!(covers > 0 && !counted.is_empty(), "{switches:?}");
+            let steps: usize = program.passes.iter().map(|pass| pass.steps().count()).sum();
+            assert_eq!(steps, commands);
+        }
+    }
+
+    #[test]
+    fn a_closed_volume_counts_one_inside_and_none_outside() {
+        // One ray through a convex volume: a front face at 1, a back face at 3.
+        let count = |depth: DepthRule, surface: i32| {
+            let rule = StencilRule {
+                depth,
+                operation: StencilOperation::Count,
+                faces: FaceSet::Both,
+            };
+            let (front, back, _) = rule.effects();
+            let mut stencil = 0_u8;
+            for (distance, effect) in [(1, front), (3, back)] {
+                let is_behind = distance > surface;
+                if is_behind != (depth == DepthRule::Fail) {
+                    continue;
+                }
+                stencil = match effect {
+                    FaceEffect::Add => stencil.wrapping_add(1),
+                    FaceEffect::Take => stencil.wrapping_sub(1),
+                    FaceEffect::Invert => !stencil,
+                };
+            }
+            stencil
+        };
+        for depth in [DepthRule::Fail, DepthRule::Pass] {
+            assert_eq!([0, 2, 4].map(|surface| count(depth, surface)), [0, 1, 0]);
+        }
+        let number = StencilRule {
+            depth: DepthRule::Fail,
+            operation: StencilOperation::Invert { mask: 6 },
+            faces: FaceSet::Both,
+        };
+        assert_eq!(
+            number.effects(),
+            (FaceEffect::Invert, FaceEffect::Invert, 6)
+        );
     }
 
     #[test]

@@ -139,6 +139,13 @@ pub struct SwitchError {
 }
 
 impl Switches {
+    /// Every key that every backend takes, with its values. `depth-bounds` is a key of those on
+    /// Vulkan itself only.
+    pub const KEYS: &str = "bottom-cap=always|where-needed, \
+        colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes|id-accumulation, \
+        cover-faces=both|culled, depth-rule=zfail|zpass|automatic, faces=two-sided|two-pass, \
+        scissor=covers|volumes, stencil-clear=at-start|by-colour";
+
     /// What is right and usually cheapest for a scene of this kind.
     #[must_use]
     pub fn for_overlap(overlap: Overlap) -> Self {
@@ -286,7 +293,11 @@ impl Switches {
     }
 }
 
-fn pick<T: Copy>(
+/// The choice that `value` names.
+///
+/// # Errors
+/// [`SwitchError`] with all names when it is none of them.
+pub fn pick<T: Copy>(
     switch: &'static str,
     value: &str,
     choices: &[(&'static str, T)],

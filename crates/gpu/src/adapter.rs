@@ -2,9 +2,8 @@
 //! Choosing and opening a device.
 
 use crate::validation;
-use crate::work::WorkCounters;
 use std::sync::Arc;
-use terrafill_frame::BackendError;
+use terrafill_frame::{BackendError, DeviceType, WorkCounters, choose_adapter, device_for_test};
 
 /// How to choose a device.
 #[derive(Debug, Clone, Default)]
@@ -16,28 +15,17 @@ pub struct GpuOptions {
     pub validation: bool,
 }
 
-/// What a device is, for reports.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct DeviceFacts {
-    /// Adapter name.
-    pub name: String,
-    /// `cpu`, `discrete-gpu`, `integrated-gpu`, `virtual-gpu` or `other`.
-    pub device_type: &'static str,
-    /// PCI vendor id.
-    pub vendor_id: u32,
-    /// PCI device id.
-    pub device_id: u32,
-    /// Driver name.
-    pub driver: String,
-    /// Driver version text.
-    pub driver_info: String,
+/// What an adapter can do that not every one can.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Features {
     /// GPU timestamps in passes.
     pub timestamps: bool,
     /// Pipeline statistics.
     pub pipeline_statistics: bool,
-    /// What this project needs and the adapter lacks; empty when it can run.
-    pub lacks: Vec<String>,
 }
+
+/// What a device is, for reports.
+pub type DeviceFacts = terrafill_frame::DeviceFacts<Features>;
 
 /// An open device.
 #[derive(Debug)]
@@ -66,6 +54,16 @@ fn instance(validation: bool) -> wgpu::Instance {
     wgpu::Instance::new(descriptor)
 }
 
+fn device_type(info: &wgpu::AdapterInfo) -> DeviceType {
+    match info.device_type {
+        wgpu::DeviceType::DiscreteGpu => DeviceType::DiscreteGpu,
+        wgpu::DeviceType::IntegratedGpu => DeviceType::IntegratedGpu,
+        wgpu::DeviceType::VirtualGpu => DeviceType::VirtualGpu,
+        wgpu::DeviceType::Other => DeviceType::Other,
+        wgpu::DeviceType::Cpu => DeviceType::Cpu,
+    }
+}
+
 fn facts_of(adapter: &wgpu::Adapter) -> DeviceFacts {
     let info = adapter.get_info();
     let features = adapter.features();
@@ -78,34 +76,23 @@ fn facts_of(adapter: &wgpu::Adapter) -> DeviceFacts {
         lacks.push("storage buffers in the vertex stage".to_owned());
     }
     DeviceFacts {
+        device_type: device_type(&info).name(),
         name: info.name,
-        device_type: match info.device_type {
-            wgpu::DeviceType::Cpu => "cpu",
-            wgpu::DeviceType::DiscreteGpu => "discrete-gpu",
-            wgpu::DeviceType::IntegratedGpu => "integrated-gpu",
-            wgpu::DeviceType::VirtualGpu => "virtual-gpu",
-            wgpu::DeviceType::Other => "other",
-        },
         vendor_id: info.vendor,
         device_id: info.device,
         driver: info.driver,
         driver_info: info.driver_info,
-        timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
-        pipeline_statistics: features.contains(wgpu::Features::PIPELINE_STATISTICS_QUERY),
+        features: Features {
+            timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
+            pipeline_statistics: features.contains(wgpu::Features::PIPELINE_STATISTICS_QUERY),
+        },
         lacks,
     }
 }
 
 fn adapters(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
-    let rank = |adapter: &wgpu::Adapter| match adapter.get_info().device_type {
-        wgpu::DeviceType::DiscreteGpu => 0,
-        wgpu::DeviceType::IntegratedGpu => 1,
-        wgpu::DeviceType::VirtualGpu => 2,
-        wgpu::DeviceType::Other => 3,
-        wgpu::DeviceType::Cpu => 4,
-    };
     let mut found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN));
-    found.sort_by_key(rank);
+    found.sort_by_key(|adapter| device_type(&adapter.get_info()));
     found
 }
 
@@ -122,32 +109,14 @@ impl Gpu {
     /// [`BackendError::Unsupported`] when there is no adapter, none by that name, or it lacks
     /// something.
     pub fn open(options: &GpuOptions) -> Result<Arc<Self>, BackendError> {
-        let unsupported = |capability: &str, adapter: &str| BackendError::Unsupported {
-            capability: capability.to_owned(),
-            adapter: adapter.to_owned(),
-        };
         let validation = options.validation || validation::is_requested();
         let instance = instance(validation);
-        let wanted = options.adapter.as_deref().unwrap_or("").to_lowercase();
         let all = adapters(&instance);
-        if all.is_empty() {
-            return Err(unsupported(
-                "a Vulkan device (ci/setup.sh installs a software one)",
-                "this machine",
-            ));
-        }
-        let Some(adapter) = all
-            .iter()
-            .find(|adapter| adapter.get_info().name.to_lowercase().contains(&wanted))
-        else {
-            let names: Vec<_> = all.iter().map(|a| a.get_info().name).collect();
-            let what = format!("an adapter called {wanted:?}; it has {}", names.join(", "));
-            return Err(unsupported(&what, "this machine"));
-        };
+        let infos: Vec<_> = all.iter().map(wgpu::Adapter::get_info).collect();
+        let names: Vec<&str> = infos.iter().map(|info| info.name.as_str()).collect();
+        let adapter = &all[choose_adapter(&names, options.adapter.as_deref())?];
         let facts = facts_of(adapter);
-        if !facts.lacks.is_empty() {
-            return Err(unsupported(&facts.lacks.join(", "), &facts.name));
-        }
+        facts.check()?;
         let optional = wgpu::Features::TIMESTAMP_QUERY
             | wgpu::Features::PIPELINE_STATISTICS_QUERY
             | wgpu::Features::FLOAT32_BLENDABLE
@@ -201,23 +170,11 @@ impl Gpu {
     }
 }
 
-/// Opens a device for a test. Where there is none, prints why and gives `None`, so that everything
-/// but device tests passes on a machine without a GPU.
+/// Opens a device for a test; see [`device_for_test`].
 ///
 /// # Panics
-/// When there is none and `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does: there a skipped
-/// device test would be a check that does not check.
+/// As [`device_for_test`].
 #[must_use]
 pub fn open_for_test(options: &GpuOptions) -> Option<Arc<Gpu>> {
-    match Gpu::open(options) {
-        Ok(gpu) => Some(gpu),
-        Err(error) => {
-            assert!(
-                std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_none(),
-                "TERRAFILL_REQUIRE_DEVICE is set: {error}"
-            );
-            eprintln!("skipped: {error}");
-            None
-        }
-    }
+    device_for_test(Gpu::open(options))
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The two full-screen passes that fills are measured against, in the same run on the same targets.
 
-use crate::{COLOUR_FORMAT, CpuStopwatch, DEPTH_STENCIL_FORMAT, SharedStage, TimedPass};
-use terrafill_frame::{BackendError, FrameTimes};
+use crate::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, SharedStage, TimedPass};
+use terrafill_frame::{BackendError, CpuStopwatch, FrameTimes};
 
 /// Which pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -10,7 +10,9 @@ use crate::{Gpu, PassTimer, TimedPass};
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_frame::{BackendError, FrameInput, Picture, ViewConstants};
+use terrafill_frame::{
+    BackendError, FrameInput, Picture, SKY, ViewConstants, check_target_size, count_u32,
+};
 use terrafill_scene::ImageSize;
 
 /// Colour target: ids and colours are exact in it.
@@ -51,15 +53,7 @@ impl Stage {
     /// [`BackendError::Unsupported`] when the device has no textures that large.
     pub fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Result<Self, BackendError> {
         let limit = gpu.device.limits().max_texture_dimension_2d;
-        if size.width.max(size.height) > limit || size.width.min(size.height) == 0 {
-            return Err(BackendError::Unsupported {
-                capability: format!(
-                    "images of {} × {} pixels (1 … {limit} a side)",
-                    size.width, size.height
-                ),
-                adapter: gpu.facts.name.clone(),
-            });
-        }
+        check_target_size(size, limit, &gpu.facts.name)?;
         let device = &gpu.device;
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("surface"),
@@ -88,11 +82,18 @@ impl Stage {
                 resource: view_constants.as_entire_binding(),
             }],
         });
+        let copied = wgpu::TextureUsages::COPY_SRC;
         Ok(Self {
             gpu: Arc::clone(gpu),
             size,
-            colour: target(gpu, size, "colour", COLOUR_FORMAT),
-            depth_stencil: target(gpu, size, "depth and stencil", DEPTH_STENCIL_FORMAT),
+            colour: target(gpu, size, "colour", COLOUR_FORMAT, copied),
+            depth_stencil: target(
+                gpu,
+                size,
+                "depth and stencil",
+                DEPTH_STENCIL_FORMAT,
+                copied | wgpu::TextureUsages::TEXTURE_BINDING,
+            ),
             timer: PassTimer::new(gpu),
             view_constants,
             bind_group,
@@ -160,13 +161,7 @@ impl Stage {
     /// # Errors
     /// [`BackendError::OverCapacity`] when the input's size is not the stage's.
     pub fn prepare(&mut self, input: &FrameInput) -> Result<(), BackendError> {
-        if input.size != self.size {
-            return Err(BackendError::OverCapacity {
-                what: "image size differs from the stage's, pixels".to_owned(),
-                found: input.size.pixel_count() as u64,
-                allowed: self.size.pixel_count() as u64,
-            });
-        }
+        input.check_size(self.size)?;
         let is_same =
             |prepared: &PreparedSurface| Arc::ptr_eq(&prepared.source, &input.surface_rte);
         if self.prepared.as_ref().is_some_and(is_same) {
@@ -232,7 +227,7 @@ impl Stage {
             .slice(..bytes.len())
             .copy_from_slice(bytes);
         buffer.unmap();
-        self.gpu.count_upload(bytes.len() as u64);
+        self.gpu.work.count_upload(bytes.len() as u64);
         Ok(buffer)
     }
 
@@ -242,14 +237,12 @@ impl Stage {
     /// [`BackendError::NotPrepared`], [`BackendError::DeviceLost`].
     pub fn draw_surface(&mut self) -> Result<Option<f64>, BackendError> {
         let Some(prepared) = &self.prepared else {
-            return Err(BackendError::NotPrepared {
-                backend: "surface",
-                scene: String::new(),
-                view: String::new(),
-            });
+            return Err(BackendError::no_surface());
         };
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let (colour, depth_stencil) = (self.colour_view(), self.depth_stencil_view());
+        let [r, g, b, a] = SKY.map(f64::from);
+        let sky = wgpu::Color { r, g, b, a };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("surface"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -257,7 +250,7 @@ impl Stage {
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(SKY),
+                    load: wgpu::LoadOp::Clear(sky),
                     store: wgpu::StoreOp::Store,
                 },
             })],
@@ -310,29 +303,14 @@ impl Stage {
     }
 }
 
-/// Almost black, alpha 0 like the surface.
-const SKY: wgpu::Color = wgpu::Color {
-    r: 0.02,
-    g: 0.02,
-    b: 0.04,
-    a: 0.0,
-};
-
-/// `count` as the 32 bits that draw calls take.
-fn count_u32(what: &str, count: usize) -> Result<u32, BackendError> {
-    u32::try_from(count).map_err(|_| BackendError::OverCapacity {
-        what: what.to_owned(),
-        found: count as u64,
-        allowed: u64::from(u32::MAX),
-    })
-}
-
-fn target(gpu: &Gpu, size: ImageSize, label: &str, format: wgpu::TextureFormat) -> wgpu::Texture {
-    let sampled = if format == DEPTH_STENCIL_FORMAT {
-        wgpu::TextureUsages::TEXTURE_BINDING
-    } else {
-        wgpu::TextureUsages::empty()
-    };
+/// A texture of one level that is drawn into, and whatever `usage` says beside.
+pub(crate) fn target(
+    gpu: &Gpu,
+    size: ImageSize,
+    label: &str,
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
     gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
         size: wgpu::Extent3d {
@@ -344,7 +322,7 @@ fn target(gpu: &Gpu, size: ImageSize, label: &str, format: wgpu::TextureFormat) 
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC | sampled,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
         view_formats: &[],
     })
 }

@@ -69,7 +69,7 @@ impl PassTimer {
     /// A timer, or `None` where the device has no timestamps.
     #[must_use]
     pub fn new(gpu: &Gpu) -> Option<Self> {
-        if !gpu.facts.timestamps {
+        if !gpu.facts.features.timestamps {
             return None;
         }
         let queries = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {

@@ -77,7 +77,7 @@ fn the_surface_has_the_depth_of_the_ellipsoid() {
     let mut stage = Stage::new(&gpu, SIZE).expect("small targets");
     stage.prepare(&input).expect("fits");
     let time = stage.draw_surface().expect("draws");
-    assert_eq!(time.is_some(), gpu.facts.timestamps);
+    assert_eq!(time.is_some(), gpu.facts.features.timestamps);
     let picture = stage.read().expect("reads");
     let at = |column: usize, row: usize| picture.depth[row * SIZE.width as usize + column];
     // Reversed depth is near / distance; facets of 1° hang up to 488 m below the ellipsoid.

@@ -3,20 +3,19 @@
 
 use crate::Technique;
 use crate::layout::{RegionSlice, SceneGeometry};
-use crate::pass::{Drawing, Step, Steps, counting, steps_of, volume_pipelines};
+use crate::pass::{Drawing, pipelines_of};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 use terrafill_core::RegionMesh;
 use terrafill_frame::{
-    Backend, BackendError, Capabilities, Counters, FillProgram, Frame, FrameInput, FrameTimes,
-    MAX_REGIONS, MemoryUse, Picture, RegionConstants, SwitchError, Switches, TimedBackend,
-    VolumeBackend, id_rgba, ids_of, palette_rgba,
+    Backend, BackendError, Capabilities, Colours, Counters, CpuStopwatch, FillPass, FillProgram,
+    FillStep, Frame, FrameInput, FrameTimes, MemoryUse, Picture, PositionFormat, RegionConstants,
+    SwitchError, Switches, TimedBackend, VolumeBackend, WorkDone, pick,
 };
-use terrafill_scene::PlannedRegion;
 use terrafill_vulkan::{
-    BindGroup, Buffer, BufferUse, CpuStopwatch, FillReport, Gpu, Made, Measured, Pipeline,
-    PipelineDescriptor, SharedStage,
+    BindGroup, Buffer, BufferUse, FillReport, Gpu, Measured, Pipeline, PipelineDescriptor,
+    SharedStage,
 };
 
 /// A variant: how volumes come about, and the switches of the fill.
@@ -50,13 +49,8 @@ impl NativeVariant {
         if key != "technique" {
             return self.switches.set(key, value);
         }
-        let all = Technique::ALL;
-        let found = all.into_iter().find(|technique| technique.name() == value);
-        self.technique = found.ok_or_else(|| SwitchError {
-            switch: "technique",
-            found: value.to_owned(),
-            allowed: all.map(Technique::name).join(", "),
-        })?;
+        let techniques = Technique::ALL.map(|technique| (technique.name(), technique));
+        self.technique = pick("technique", value, &techniques)?;
         Ok(true)
     }
 }
@@ -73,8 +67,8 @@ pub struct NativeBackend {
     pipelines: Pipelines,
     scene: Option<SceneBuffers>,
     view: Option<ViewBuffers>,
-    /// What was made for the frame that comes next.
-    made: Made,
+    /// Asked of the device for the frame that comes next.
+    work: WorkDone,
 }
 
 /// Geometry of every mesh of a scene, in view or not.
@@ -98,17 +92,17 @@ pub(crate) struct ViewBuffers {
     /// What lies in `constants`.
     written: Vec<u8>,
     pub(crate) bindings: BindGroup,
-    pub(crate) passes: Vec<Steps>,
+    pub(crate) program: FillProgram,
 }
 
-/// What the colour pass writes for region `index`.
-type ColourOf = fn(usize) -> [f32; 4];
+/// Its name in rows and messages.
+const BACKEND: &str = "native";
+
+/// In pictures for people.
+const OPAQUE: Colours = Colours::Palette { opacity: 1.0 };
 
 /// Vertices whose numbers a 32-bit float tells apart: geometry shaders know corners by number.
 const MAX_VERTICES: usize = 1 << 24;
-
-/// One element of region constants, for a view that plans none.
-static EMPTY: [u8; size_of::<RegionConstants>()] = [0; size_of::<RegionConstants>()];
 
 impl NativeBackend {
     /// A backend on `stage`.
@@ -119,10 +113,7 @@ impl NativeBackend {
     pub fn new(stage: &SharedStage, variant: NativeVariant) -> Result<Self, BackendError> {
         let gpu = Arc::clone(stage.borrow().gpu());
         let features = gpu.facts.features;
-        let lacks = |capability: &str| BackendError::Unsupported {
-            capability: capability.to_owned(),
-            adapter: gpu.facts.name.clone(),
-        };
+        let lacks = |capability: &str| BackendError::unsupported(capability, &gpu.facts.name);
         if variant.technique.needs_geometry_shader() && !features.geometry_shader {
             return Err(lacks("geometryShader"));
         }
@@ -133,15 +124,15 @@ impl NativeBackend {
             stage: SharedStage::clone(stage),
             variant,
             capabilities: Capabilities {
-                backend: "native",
-                adapter: format!("{} ({})", gpu.facts.name, gpu.facts.driver_info),
+                backend: BACKEND,
+                adapter: gpu.facts.title(),
                 gpu_timestamps: features.timestamps,
                 pipeline_statistics: features.pipeline_statistics,
             },
             pipelines: Pipelines::new(),
             scene: None,
             view: None,
-            made: Made::default(),
+            work: WorkDone::default(),
         })
     }
 
@@ -160,14 +151,10 @@ impl NativeBackend {
         let gpu = self.gpu();
         self.stage.borrow_mut().prepare(input)?;
         self.stage.borrow_mut().draw_surface()?;
-        let before = gpu.made();
+        let before = gpu.work_done();
         let (report, mut counters) = self.draw(input, Measured::Statistics)?;
-        let drawing = gpu.made() - before;
-        let made = std::mem::take(&mut self.made) + drawing;
-        counters.buffer_creations = made.buffers;
-        counters.pipeline_creations = made.pipelines;
-        counters.uploads = made.uploads;
-        counters.upload_bytes = drawing.upload_bytes;
+        let prepared = std::mem::take(&mut self.work);
+        WorkDone::write_into(&mut counters, prepared, gpu.work_done() - before);
         if let Some(statistics) = report.statistics {
             counters.vertex_shader_invocations = Some(statistics.vertex_shader_invocations);
             counters.geometry_shader_primitives = statistics.geometry_shader_primitives;
@@ -190,7 +177,7 @@ impl NativeBackend {
         let Some(drawing) = self.drawing(input) else {
             return Ok((FillReport::default(), counters));
         };
-        let passes = drawing.view.passes.len();
+        let passes = drawing.view.program.passes.len();
         let report = stage.fill(passes, measured, |recorder| {
             drawing.fill(recorder, &mut counters);
         })?;
@@ -209,15 +196,15 @@ impl NativeBackend {
 
     /// Fragments of all volumes that mark, drawn once more without any test.
     fn count_fragments(&mut self, input: &FrameInput) -> Result<Option<u64>, BackendError> {
-        let steps = self.view.iter().flat_map(|view| &view.passes);
-        let steps: Vec<Step> = steps
-            .flat_map(|pass| &pass.steps)
-            .filter_map(counting)
-            .collect();
-        if steps.is_empty() {
+        let steps = |view: &ViewBuffers| {
+            let counted = view.program.counted().map(FillStep::Volumes);
+            descriptors(self.variant, counted)
+        };
+        let wanted = self.view.as_ref().map(steps).unwrap_or_default();
+        if wanted.is_empty() {
             return Ok(Some(0));
         }
-        self.ensure_pipelines(&steps)?;
+        self.ensure_pipelines(wanted)?;
         let stage = self.stage.borrow();
         let Some(drawing) = self.drawing(input) else {
             return Ok(None);
@@ -229,18 +216,9 @@ impl NativeBackend {
     }
 
     fn check_prepared(&self, input: &FrameInput) -> Result<(), BackendError> {
-        let is_same_view = self
-            .view
-            .as_ref()
-            .is_some_and(|view| Arc::ptr_eq(&view.source, &input.surface_rte));
-        let is_same_scene = self
-            .scene
-            .as_ref()
-            .is_some_and(|scene| Arc::ptr_eq(&scene.source, &input.scene.meshes));
-        if is_same_view && is_same_scene {
-            return Ok(());
-        }
-        Err(not_prepared(input))
+        let meshes = self.scene.as_ref().map(|scene| &scene.source);
+        let surface = self.view.as_ref().map(|view| &view.source);
+        input.check_prepared(BACKEND, meshes, surface)
     }
 
     fn upload_scene(&mut self, input: &FrameInput) -> Result<(), BackendError> {
@@ -260,12 +238,12 @@ impl NativeBackend {
             )?,
             short_indices: upload(
                 "16-bit indices",
-                bytemuck::cast_slice(&geometry.short_indices),
+                bytemuck::cast_slice(&geometry.indices.short),
                 BufferUse::Index,
             )?,
             long_indices: upload(
                 "32-bit indices",
-                bytemuck::cast_slice(&geometry.long_indices),
+                bytemuck::cast_slice(&geometry.indices.long),
                 BufferUse::Index,
             )?,
             regions: geometry.regions,
@@ -276,27 +254,18 @@ impl NativeBackend {
     }
 
     /// Brings program and constants up to date; nothing is made or written where they are already.
-    fn upload_view(&mut self, input: &FrameInput, colour_of: ColourOf) -> Result<(), BackendError> {
+    fn upload_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), BackendError> {
         let Some(scene) = &self.scene else {
             return self.check_prepared(input);
         };
         let gpu = self.gpu();
         let program = FillProgram::new(&input.plan, &self.variant.switches, input.scene.overlap)?;
-        let passes = steps_of(&program);
-        if passes.iter().any(|pass| pass.accumulates) {
+        if program.accumulates() {
             self.stage.borrow_mut().ensure_numbers()?;
         }
-        let constants: Vec<RegionConstants> = input
-            .plan
-            .regions
-            .iter()
-            .map(|planned| region_constants(input, scene, planned, colour_of))
-            .collect();
-        let bytes: &[u8] = match bytemuck::cast_slice(&constants) {
-            // A storage binding may not be empty.
-            [] => &EMPTY,
-            bytes => bytes,
-        };
+        let place = |mesh: usize| scene.regions[mesh].place();
+        let positions = PositionFormat::Fixed;
+        let written = RegionConstants::bytes_of_all(input, positions, colours, place);
         let stage = self.stage.borrow();
         let Some(view_constants) = stage.view_constants().map(Arc::clone) else {
             drop(stage);
@@ -304,15 +273,15 @@ impl NativeBackend {
         };
         drop(stage);
         let constants = match &self.view {
-            Some(view) if view.written.len() == bytes.len() => {
-                if view.written != bytes {
-                    view.constants.rewrite(bytes)?;
+            Some(view) if view.written.len() == written.len() => {
+                if view.written != written {
+                    view.constants.rewrite(&written)?;
                 }
                 Arc::clone(&view.constants)
             }
             _ => {
                 let label = "region constants";
-                Arc::new(Buffer::upload(&gpu, label, bytes, BufferUse::Storage)?)
+                Arc::new(Buffer::upload(&gpu, label, &written, BufferUse::Storage)?)
             }
         };
         let bindings = match self.view.take() {
@@ -328,40 +297,27 @@ impl NativeBackend {
             source: Arc::clone(&input.surface_rte),
             view_constants,
             constants,
-            written: bytes.to_vec(),
+            written,
             bindings,
-            passes,
+            program,
         });
         Ok(())
     }
 
     fn ensure_program_pipelines(&mut self) -> Result<(), BackendError> {
-        let steps: Vec<Step> = self
-            .view
-            .iter()
-            .flat_map(|view| &view.passes)
-            .flat_map(|pass| pass.steps.iter().cloned())
-            .collect();
-        self.ensure_pipelines(&steps)
+        let steps = |view: &ViewBuffers| {
+            let all = view.program.passes.iter().flat_map(FillPass::steps);
+            descriptors(self.variant, all)
+        };
+        let wanted = self.view.as_ref().map(steps).unwrap_or_default();
+        self.ensure_pipelines(wanted)
     }
 
-    fn ensure_pipelines(&mut self, steps: &[Step]) -> Result<(), BackendError> {
+    fn ensure_pipelines(&mut self, wanted: Vec<PipelineDescriptor>) -> Result<(), BackendError> {
         let gpu = self.gpu();
-        for step in steps {
-            let wanted: Vec<PipelineDescriptor> = match step {
-                Step::Volumes {
-                    state,
-                    without_bottom,
-                    ..
-                } => volume_pipelines(self.variant, *state, *without_bottom)
-                    .map(|(_, pipeline)| pipeline)
-                    .collect(),
-                Step::Cover { pipeline, .. } => vec![*pipeline],
-            };
-            for descriptor in wanted {
-                if let Entry::Vacant(place) = self.pipelines.entry(descriptor) {
-                    place.insert(Pipeline::new(&gpu, descriptor)?);
-                }
+        for descriptor in wanted {
+            if let Entry::Vacant(place) = self.pipelines.entry(descriptor) {
+                place.insert(Pipeline::new(&gpu, descriptor)?);
             }
         }
         Ok(())
@@ -370,7 +326,7 @@ impl NativeBackend {
     /// Brings geometry, constants and pipelines up to date, and gives the bytes handed over.
     fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, BackendError> {
         let gpu = self.gpu();
-        let before = gpu.made();
+        let before = gpu.work_done();
         let is_uploaded = self
             .scene
             .as_ref()
@@ -378,20 +334,22 @@ impl NativeBackend {
         if !is_uploaded {
             self.upload_scene(input)?;
         }
-        self.upload_view(input, id_rgba)?;
+        self.upload_view(input, Colours::Ids)?;
         self.ensure_program_pipelines()?;
-        let made = gpu.made() - before;
-        self.made = self.made + made;
-        Ok(made.upload_bytes)
+        let done = gpu.work_done() - before;
+        self.work = self.work + done;
+        Ok(done.upload_bytes)
     }
 }
 
-fn not_prepared(input: &FrameInput) -> BackendError {
-    BackendError::NotPrepared {
-        backend: "native",
-        scene: input.scene.name.clone(),
-        view: input.view.clone(),
-    }
+/// Pipelines that `steps` are drawn with.
+fn descriptors<'a>(
+    variant: NativeVariant,
+    steps: impl Iterator<Item = FillStep<'a>>,
+) -> Vec<PipelineDescriptor> {
+    steps
+        .flat_map(|step| pipelines_of(variant, &step))
+        .collect()
 }
 
 /// Whether every vertex has a number of its own in the geometry shader.
@@ -406,51 +364,13 @@ fn check_numbers(technique: Technique, vertices: usize) -> Result<(), BackendErr
     })
 }
 
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "rounding to what the GPU reads is the purpose"
-)]
-fn region_constants(
-    input: &FrameInput,
-    scene: &SceneBuffers,
-    planned: &PlannedRegion,
-    colour_of: ColourOf,
-) -> RegionConstants {
-    let slice = &scene.regions[planned.mesh];
-    let fixed = slice.fixed;
-    let eye = fixed.eye(input.camera.eye_ecef);
-    RegionConstants {
-        eye: eye.eye.to_array(),
-        shift: eye.shift,
-        eye_remainder_m: eye.remainder_m.as_vec3().to_array(),
-        scale_m: (fixed.unit_m * f64::from(eye.shift).exp2()) as f32,
-        origin_ecef_m: fixed.origin_ecef.as_vec3().to_array(),
-        unit_m: fixed.unit_m as f32,
-        top_m: planned.heights.top_m as f32,
-        bottom_m: planned.heights.bottom_m as f32,
-        first_vertex: slice.first_vertex,
-        first_triangle_index: slice.first_index,
-        first_loop_index: slice.first_wall_index,
-        triangle_count: 0,
-        index_bits: if slice.short_indices { 16 } else { 32 },
-        padding: 0,
-        colour: colour_of(planned.region),
-    }
-}
-
 impl Backend for NativeBackend {
     fn capabilities(&self) -> &Capabilities {
         &self.capabilities
     }
 
     fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, BackendError> {
-        if input.scene.regions.len() > MAX_REGIONS {
-            return Err(BackendError::OverCapacity {
-                what: "regions".to_owned(),
-                found: input.scene.regions.len() as u64,
-                allowed: MAX_REGIONS as u64,
-            });
-        }
+        input.check_region_count()?;
         self.stage.borrow_mut().prepare(input)?;
         let upload_bytes = self.bring_up_to_date(input)?;
         let (Some(scene), Some(view)) = (&self.scene, &self.view) else {
@@ -465,7 +385,8 @@ impl Backend for NativeBackend {
         Ok(MemoryUse {
             vertex_bytes: scene.vertex_bytes,
             index_bytes: scene.index_bytes,
-            constant_bytes: (input.plan.regions.len() * size_of::<RegionConstants>()) as u64,
+            constant_bytes: RegionConstants::byte_count(input),
+            target_bytes: self.stage.borrow().number_bytes(&view.program),
             buffers: used.len() as u64,
             upload_bytes,
         })
@@ -474,14 +395,7 @@ impl Backend for NativeBackend {
     fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError> {
         let (picture, mut counters) = self.draw_and_read(input)?;
         counters.stencil_fragments = self.count_fragments(input)?;
-        Ok(Frame {
-            size: input.size,
-            ids: ids_of(&picture),
-            surface: picture.depth.iter().map(|&depth| depth > 0.0).collect(),
-            non_finite: picture.depth.iter().filter(|d| !d.is_finite()).count() as u64,
-            counters: Some(counters),
-            texture: None,
-        })
+        Ok(Frame::from_picture(&picture, counters))
     }
 }
 
@@ -490,7 +404,7 @@ impl TimedBackend for NativeBackend {
         self.check_prepared(input)?;
         // Another backend of the stage may have drawn another view since.
         if !self.stage.borrow().holds(input) {
-            return Err(not_prepared(input));
+            return Err(input.not_prepared(BACKEND));
         }
         let watch = CpuStopwatch::start();
         let (report, _) = self.draw(input, Measured::Times)?;
@@ -515,9 +429,9 @@ impl VolumeBackend for NativeBackend {
     }
 
     fn picture(&mut self, input: &FrameInput) -> Result<Picture, BackendError> {
-        self.upload_view(input, palette_rgba)?;
+        self.upload_view(input, OPAQUE)?;
         let picture = self.draw_and_read(input).map(|(picture, _)| picture);
-        self.upload_view(input, id_rgba)?;
+        self.upload_view(input, Colours::Ids)?;
         picture
     }
 

@@ -7,33 +7,7 @@ use crate::Technique;
 use crate::ring_order::RingOrder;
 use std::collections::{HashMap, HashSet};
 use terrafill_core::RegionMesh;
-use terrafill_frame::FixedPoint;
-
-/// Bytes of one or more regions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct NativeBytes {
-    /// Positions and flags.
-    pub vertex_bytes: u64,
-    /// Indices.
-    pub index_bytes: u64,
-}
-
-impl NativeBytes {
-    /// Both.
-    #[must_use]
-    pub fn total(self) -> u64 {
-        self.vertex_bytes + self.index_bytes
-    }
-}
-
-impl std::iter::Sum for NativeBytes {
-    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
-        parts.fold(Self::default(), |sum, part| Self {
-            vertex_bytes: sum.vertex_bytes + part.vertex_bytes,
-            index_bytes: sum.index_bytes + part.index_bytes,
-        })
-    }
-}
+use terrafill_frame::{FixedPoint, GeometryBytes, IndexLists, RegionPlace, boundary_edges};
 
 /// Whether a region's indices fit 16 bits. Strips end with 0xffff, so that it is no vertex.
 fn has_short_indices(technique: Technique, vertices: usize) -> bool {
@@ -55,7 +29,7 @@ fn has_short_indices(technique: Technique, vertices: usize) -> bool {
 /// - `gs-adjacency`: 12·v + i·6t;
 /// - `gs-per-triangle`: 12·v + i·3t.
 #[must_use]
-pub fn native_bytes(technique: Technique, mesh: &RegionMesh) -> NativeBytes {
+pub fn native_bytes(technique: Technique, mesh: &RegionMesh) -> GeometryBytes {
     let (vertices, triangles) = (mesh.vertex_count(), mesh.triangle_count());
     let (edges, loops) = (mesh.boundary_edge_count(), mesh.boundary_loops.len());
     let index_size = if has_short_indices(technique, vertices) {
@@ -76,7 +50,7 @@ pub fn native_bytes(technique: Technique, mesh: &RegionMesh) -> NativeBytes {
         Technique::GsAdjacency => 6 * triangles,
         Technique::GsPerTriangle => 3 * triangles,
     };
-    NativeBytes {
+    GeometryBytes {
         vertex_bytes: (vertex_size * vertices) as u64,
         index_bytes: (index_size * indices) as u64,
     }
@@ -97,13 +71,26 @@ pub(crate) struct RegionSlice {
     pub(crate) wall_index_count: u32,
 }
 
+impl RegionSlice {
+    /// As shaders are told; none here counts triangles.
+    pub(crate) fn place(&self) -> RegionPlace {
+        RegionPlace {
+            fixed: self.fixed,
+            first_vertex: self.first_vertex,
+            first_triangle_index: self.first_index,
+            first_loop_index: self.first_wall_index,
+            triangle_count: 0,
+            has_short_indices: self.short_indices,
+        }
+    }
+}
+
 /// Contents of a scene's geometry buffers.
 #[derive(Debug, Default)]
 pub(crate) struct SceneGeometry {
     /// 16-byte vertices with `vs-control`, else 12-byte ones, as words.
     pub(crate) vertices: Vec<i32>,
-    pub(crate) short_indices: Vec<u16>,
-    pub(crate) long_indices: Vec<u32>,
+    pub(crate) indices: IndexLists,
     pub(crate) regions: Vec<RegionSlice>,
 }
 
@@ -145,12 +132,12 @@ impl SceneGeometry {
             }
         }
         let short = has_short_indices(technique, mesh.vertex_count());
-        let first_index = self.index_count(short);
+        let first_index = self.indices.count(short);
         match technique {
             Technique::VsControl => self.push_doubled_caps(short, mesh),
             Technique::GsAdjacency => {
                 for index in with_neighbours(mesh) {
-                    self.push_index(short, index);
+                    self.indices.push(short, index);
                 }
             }
             Technique::GsTwoEdges => {
@@ -159,13 +146,13 @@ impl SceneGeometry {
                     .iter()
                     .map(|&corners| smallest_first(corners));
                 for corner in caps.chain(edges_in_pairs(mesh)).flatten() {
-                    self.push_index(short, corner);
+                    self.indices.push(short, corner);
                 }
             }
             Technique::GsDegenerate => {
                 let walls = boundary_edges(mesh).map(|[a, b]| [a, b, b]);
                 for corner in mesh.triangles.iter().copied().chain(walls).flatten() {
-                    self.push_index(short, corner);
+                    self.indices.push(short, corner);
                 }
             }
             Technique::GsLine | Technique::GsPerTriangle => {
@@ -173,19 +160,19 @@ impl SceneGeometry {
                     .as_ref()
                     .map_or(&mesh.triangles, |order| &order.triangles);
                 for &corner in triangles.as_flattened() {
-                    self.push_index(short, corner);
+                    self.indices.push(short, corner);
                 }
             }
         }
-        let first_wall_index = self.index_count(short);
+        let first_wall_index = self.indices.count(short);
         match technique {
             Technique::VsControl => self.push_wall_strips(short, mesh),
             Technique::GsLine => {
                 for ring in &mesh.boundary_loops {
                     for &vertex in ring.iter().chain(ring.first()) {
-                        self.push_index(short, vertex);
+                        self.indices.push(short, vertex);
                     }
-                    self.push_index(short, u32::MAX);
+                    self.indices.push(short, u32::MAX);
                 }
             }
             _ => {}
@@ -197,18 +184,18 @@ impl SceneGeometry {
             first_index,
             index_count: first_wall_index - first_index,
             first_wall_index,
-            wall_index_count: self.index_count(short) - first_wall_index,
+            wall_index_count: self.indices.count(short) - first_wall_index,
         });
     }
 
     /// All of the top, then all of the bottom, so that the bottom may be left out of a draw.
     fn push_doubled_caps(&mut self, short: bool, mesh: &RegionMesh) {
         for corner in mesh.triangles.as_flattened() {
-            self.push_index(short, 2 * corner);
+            self.indices.push(short, 2 * corner);
         }
         for &[a, b, c] in &mesh.triangles {
             for corner in [a, c, b] {
-                self.push_index(short, 2 * corner + 1);
+                self.indices.push(short, 2 * corner + 1);
             }
         }
     }
@@ -216,42 +203,18 @@ impl SceneGeometry {
     fn push_wall_strips(&mut self, short: bool, mesh: &RegionMesh) {
         for ring in &mesh.boundary_loops {
             for &vertex in ring.iter().chain(ring.first()) {
-                self.push_index(short, 2 * vertex);
-                self.push_index(short, 2 * vertex + 1);
+                self.indices.push(short, 2 * vertex);
+                self.indices.push(short, 2 * vertex + 1);
             }
-            self.push_index(short, u32::MAX);
-        }
-    }
-
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "short indices are below 2^16 by choice of width, or the restart value"
-    )]
-    fn push_index(&mut self, short: bool, index: u32) {
-        if short {
-            self.short_indices.push(index as u16);
-        } else {
-            self.long_indices.push(index);
-        }
-    }
-
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "buffers are refused by the device long before 2^32 elements"
-    )]
-    fn index_count(&self, short: bool) -> u32 {
-        if short {
-            self.short_indices.len() as u32
-        } else {
-            self.long_indices.len() as u32
+            self.indices.push(short, u32::MAX);
         }
     }
 
     /// Bytes as built.
-    pub(crate) fn bytes(&self) -> NativeBytes {
-        NativeBytes {
+    pub(crate) fn bytes(&self) -> GeometryBytes {
+        GeometryBytes {
             vertex_bytes: self.vertices.len() as u64 * 4,
-            index_bytes: self.short_indices.len() as u64 * 2 + self.long_indices.len() as u64 * 4,
+            index_bytes: self.indices.bytes(),
         }
     }
 }
@@ -262,14 +225,6 @@ fn words_per_vertex(technique: Technique) -> usize {
     } else {
         3
     }
-}
-
-/// Edges of the boundary, inside on the left.
-fn boundary_edges(mesh: &RegionMesh) -> impl Iterator<Item = [u32; 2]> {
-    mesh.boundary_loops.iter().flat_map(|ring| {
-        let ends = ring.iter().skip(1).chain(ring.first());
-        ring.iter().zip(ends).map(|(&a, &b)| [a, b])
-    })
 }
 
 /// The same triangle, beginning with its smallest number.
@@ -403,8 +358,8 @@ mod tests {
             let mesh = annulus(count);
             for technique in [Technique::VsControl, Technique::GsLine] {
                 let geometry = SceneGeometry::build(technique, std::slice::from_ref(&mesh));
-                let short = geometry.short_indices.iter().filter(|&&i| i == u16::MAX);
-                let long = geometry.long_indices.iter().filter(|&&i| i == u32::MAX);
+                let short = geometry.indices.short.iter().filter(|&&i| i == u16::MAX);
+                let long = geometry.indices.long.iter().filter(|&&i| i == u32::MAX);
                 let found = short.count() + long.count();
                 assert_eq!(found, 2, "{} {count}", technique.name());
             }

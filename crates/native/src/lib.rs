@@ -16,6 +16,6 @@ mod technique;
 
 pub use backend::{NativeBackend, NativeVariant};
 pub use depth_bounds::{DepthRange, depth_range};
-pub use layout::{NativeBytes, native_bytes};
+pub use layout::native_bytes;
 pub use ring_order::walls_with_other_diagonal;
 pub use technique::Technique;

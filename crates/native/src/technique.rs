@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The techniques: what is drawn, and by which shaders.
 
-use terrafill_frame::DepthRule;
+use terrafill_frame::{DepthRule, VolumeState};
 use terrafill_vulkan::{
     Fragments, GeometryStage, HandsOn, PipelineDescriptor, PipelineState, Topology, VertexFormat,
     VertexStage,
@@ -104,13 +104,13 @@ impl Technique {
     pub(crate) fn volume_pipeline(
         self,
         part: Part,
-        state: PipelineState,
+        state: VolumeState,
         without_bottom: bool,
         depth_bounds: bool,
     ) -> PipelineDescriptor {
         let (entry_point, hands_on) = match state {
-            PipelineState::Colour { .. } => ("coloured_main", HandsOn::Colour),
-            PipelineState::Accumulate { .. } => ("numbered_main", HandsOn::Number),
+            VolumeState::Colour { .. } => ("coloured_main", HandsOn::Colour),
+            VolumeState::Accumulate { .. } => ("numbered_main", HandsOn::Number),
             _ => ("vertex_main", HandsOn::Nothing),
         };
         let path = match self {
@@ -126,11 +126,11 @@ impl Technique {
                 draws_bottom: !without_bottom || part == Part::Walls,
             }),
             fragments: match state {
-                PipelineState::Colour { .. } => Fragments::Shader {
+                VolumeState::Colour { .. } => Fragments::Shader {
                     path,
                     entry_point: "region_colour",
                 },
-                PipelineState::Accumulate { depth, .. } => Fragments::Shader {
+                VolumeState::Accumulate { depth, .. } => Fragments::Shader {
                     path,
                     entry_point: match depth {
                         DepthRule::Fail => "number_behind",
@@ -138,7 +138,7 @@ impl Technique {
                     },
                 },
                 // As in wgpu, where a pass with a target wants a shader for it.
-                PipelineState::Mark {
+                VolumeState::Mark {
                     has_colour: true, ..
                 } => Fragments::Shader {
                     path,
@@ -151,11 +151,11 @@ impl Technique {
                 _ => VertexFormat::Fixed,
             },
             topology: self.topology(part),
-            state,
+            state: state.into(),
             depth_bounds: depth_bounds
                 && matches!(
                     state,
-                    PipelineState::Mark { .. } | PipelineState::Accumulate { .. }
+                    VolumeState::Mark { .. } | VolumeState::Accumulate { .. }
                 ),
         }
     }

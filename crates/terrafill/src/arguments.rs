@@ -151,6 +151,18 @@ pub(crate) enum RenderBackend {
     Reference,
 }
 
+impl RenderBackend {
+    /// Name in rows, and of those but the reference in `terrafill_bench::BACKENDS`.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Vertex => "vertex",
+            Self::Compute => "compute",
+            Self::Native => "native",
+            Self::Reference => "reference",
+        }
+    }
+}
+
 /// Edge rule by name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Edges {

@@ -129,9 +129,13 @@ fn verdict(lacks: &[String], features: &[Feature]) -> String {
 
 fn wgpu_verdict(facts: &terrafill_gpu::DeviceFacts) -> String {
     let features = [
-        (facts.timestamps, TIMESTAMPS, "GPU times stay empty"),
         (
-            facts.pipeline_statistics,
+            facts.features.timestamps,
+            TIMESTAMPS,
+            "GPU times stay empty",
+        ),
+        (
+            facts.features.pipeline_statistics,
             STATISTICS,
             "invocation counts stay empty",
         ),
@@ -198,8 +202,10 @@ mod tests {
             device_id: 0,
             driver: "d".to_owned(),
             driver_info: "1".to_owned(),
-            timestamps: true,
-            pipeline_statistics: true,
+            features: terrafill_gpu::Features {
+                timestamps: true,
+                pipeline_statistics: true,
+            },
             lacks: Vec::new(),
         }
     }
@@ -247,7 +253,7 @@ mod tests {
         }
         let mut without = adapter();
         if let Some(facts) = &mut without.wgpu {
-            facts.timestamps = false;
+            facts.features.timestamps = false;
         }
         if let Some(facts) = &mut without.vulkan {
             facts.features.geometry_shader = false;

@@ -14,7 +14,6 @@ mod mesh;
 mod output;
 mod regions;
 mod render;
-mod technique;
 mod usage;
 
 use arguments::{Arguments, Verb};

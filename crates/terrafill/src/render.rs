@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! `render`: one picture.
 
-use crate::arguments::{RenderArguments, RenderBackend};
+use crate::arguments::RenderArguments;
 use crate::output::{check_paths, write_all};
-use crate::technique::Technique;
 use crate::{Failure, Outcome};
 use image::{ExtendedColorType, ImageFormat};
 use serde_json::json;
 use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::Arc;
-use terrafill_bench::open_scene;
+use terrafill_bench::{Technique, open_scene};
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
 use terrafill_frame::{
     Backend as _, BackendError, Frame, FrameInput, MemoryUse, PreparedScene, SwitchError, paint,
@@ -78,7 +77,7 @@ struct Wanted {
 
 fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure> {
     let mut wanted = Wanted {
-        technique: Technique::new(arguments.backend, scene.overlap),
+        technique: Technique::main(arguments.backend.name(), scene.overlap),
         mesh: scene.mesh,
         plan: PlanOptions::default(),
     };
@@ -200,7 +199,7 @@ fn draw(
     arguments: &RenderArguments,
 ) -> Result<Drawn, Failure> {
     let draw = || -> Result<Drawn, BackendError> {
-        let mut backend = technique.open(arguments.adapter.as_deref(), input.size)?;
+        let mut backend = technique.open_alone(arguments.adapter.as_deref(), input.size)?;
         let memory = backend.prepare(input)?;
         let frame = backend.render(input)?;
         let picture = backend.picture(input)?;
@@ -272,18 +271,14 @@ fn statistics(arguments: &RenderArguments, input: &FrameInput, drawn: &Drawn) ->
             "vertex_bytes": memory.vertex_bytes,
             "index_bytes": memory.index_bytes,
             "constant_bytes": memory.constant_bytes,
+            "target_bytes": memory.target_bytes,
             "geometry_bytes": memory.geometry_bytes(),
         })
     });
     json!({
         "scene": input.scene.name,
         "view": input.view,
-        "backend": match arguments.backend {
-            RenderBackend::Vertex => "vertex",
-            RenderBackend::Compute => "compute",
-            RenderBackend::Native => "native",
-            RenderBackend::Reference => "reference",
-        },
+        "backend": arguments.backend.name(),
         "variant": drawn.variant,
         "width": input.size.width,
         "height": input.size.height,

@@ -8,33 +8,9 @@ use glam::{DVec3, IVec3};
 use std::borrow::Cow;
 use std::collections::HashSet;
 use terrafill_core::RegionMesh;
-use terrafill_frame::{FixedPoint, PositionFormat};
-
-/// Bytes of one or more regions in one layout.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct LayoutBytes {
-    /// Positions and flags.
-    pub vertex_bytes: u64,
-    /// Indices.
-    pub index_bytes: u64,
-}
-
-impl LayoutBytes {
-    /// Both.
-    #[must_use]
-    pub fn total(self) -> u64 {
-        self.vertex_bytes + self.index_bytes
-    }
-}
-
-impl std::iter::Sum for LayoutBytes {
-    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
-        parts.fold(Self::default(), |sum, part| Self {
-            vertex_bytes: sum.vertex_bytes + part.vertex_bytes,
-            index_bytes: sum.index_bytes + part.index_bytes,
-        })
-    }
-}
+use terrafill_frame::{
+    FixedPoint, GeometryBytes, IndexLists, PositionFormat, RegionPlace, boundary_edges,
+};
 
 /// Largest number of distinct indices in 16 bits: 0xffff restarts strips and separates loops.
 const MAX_SHORT_INDICES: usize = 0xffff;
@@ -51,7 +27,7 @@ pub const FLAG_BYTES: usize = 4;
 
 /// Bytes that `mesh` takes in a layout with nothing else chosen: see [`variant_bytes`].
 #[must_use]
-pub fn layout_bytes(layout: Layout, mesh: &RegionMesh) -> LayoutBytes {
+pub fn layout_bytes(layout: Layout, mesh: &RegionMesh) -> GeometryBytes {
     let variant = VertexVariant {
         layout,
         ..VertexVariant::default()
@@ -71,7 +47,7 @@ pub fn layout_bytes(layout: Layout, mesh: &RegionMesh) -> LayoutBytes {
 ///   them) and 21 with them;
 /// - `pulled`: 12·v + i·(3t + e + 2l), the loops closed and followed by a separator.
 #[must_use]
-pub fn variant_bytes(variant: &VertexVariant, mesh: &RegionMesh) -> LayoutBytes {
+pub fn variant_bytes(variant: &VertexVariant, mesh: &RegionMesh) -> GeometryBytes {
     let (vertices, triangles) = (mesh.vertices_ecef.len(), mesh.triangles.len());
     let (edges, loops) = (mesh.boundary_edge_count(), mesh.boundary_loops.len());
     let short = has_short_indices(variant.layout, vertices);
@@ -84,7 +60,7 @@ pub fn variant_bytes(variant: &VertexVariant, mesh: &RegionMesh) -> LayoutBytes 
         Layout::PerTriangle => (2, 24 * triangles),
         Layout::Pulled => (1, 3 * triangles + edges + 2 * loops),
     };
-    LayoutBytes {
+    GeometryBytes {
         vertex_bytes: (copies * variant.vertex_words() * 4 * vertices) as u64,
         index_bytes: (indices * index_size) as u64,
     }
@@ -123,14 +99,8 @@ pub fn per_triangle_volume_bytes(
 /// Where one region lies in the scene's buffers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct RegionSlice {
-    pub(crate) fixed: FixedPoint,
-    /// In stored vertices: two per mesh vertex when doubled.
-    pub(crate) first_vertex: u32,
-    pub(crate) short_indices: bool,
-    /// In indices of the region's width.
-    pub(crate) first_triangle_index: u32,
-    pub(crate) triangle_count: u32,
-    pub(crate) first_loop_index: u32,
+    /// Vertices are counted as stored: two per mesh vertex when doubled.
+    pub(crate) place: RegionPlace,
     /// Indices of the strips, or entries of the loop list.
     pub(crate) loop_index_count: u32,
 }
@@ -142,8 +112,7 @@ pub(crate) struct SceneGeometry {
     pub(crate) vertices: Vec<i32>,
     /// Layout `separate`: 0 and 255 in turn, each in [`FLAG_BYTES`].
     pub(crate) flags: Vec<[u8; FLAG_BYTES]>,
-    pub(crate) short_indices: Vec<u16>,
-    pub(crate) long_indices: Vec<u32>,
+    pub(crate) indices: IndexLists,
     pub(crate) regions: Vec<RegionSlice>,
 }
 
@@ -178,9 +147,9 @@ impl SceneGeometry {
         };
         let layout = variant.layout;
         let short_indices = has_short_indices(layout, mesh.vertices_ecef.len());
-        let first_triangle_index = self.index_count(short_indices);
+        let first_triangle_index = self.indices.count(short_indices);
         self.push_caps(layout, short_indices, &triangles);
-        let first_loop_index = self.index_count(short_indices);
+        let first_loop_index = self.indices.count(short_indices);
         match layout {
             Layout::Pulled => self.push_loops(short_indices, mesh),
             Layout::PerTriangle => self.push_inner_walls(short_indices, mesh, &triangles),
@@ -188,13 +157,15 @@ impl SceneGeometry {
             _ => self.push_wall_list(short_indices, mesh),
         }
         self.regions.push(RegionSlice {
-            fixed,
-            first_vertex,
-            short_indices,
-            first_triangle_index,
-            triangle_count: mesh.triangles.len() as u32,
-            first_loop_index,
-            loop_index_count: self.index_count(short_indices) - first_loop_index,
+            place: RegionPlace {
+                fixed,
+                first_vertex,
+                first_triangle_index,
+                first_loop_index,
+                triangle_count: mesh.triangles.len() as u32,
+                has_short_indices: short_indices,
+            },
+            loop_index_count: self.indices.count(short_indices) - first_loop_index,
         });
     }
 
@@ -220,12 +191,12 @@ impl SceneGeometry {
         // All of the top, then all of the bottom, so that the bottom may be left out of a draw.
         let copies = if layout.is_doubled() { 2 } else { 1 };
         for corner in triangles.as_flattened() {
-            self.push_index(short, copies * corner);
+            self.indices.push(short, copies * corner);
         }
         if layout.is_doubled() {
             for &[a, b, c] in triangles {
                 for corner in [a, c, b] {
-                    self.push_index(short, 2 * corner + 1);
+                    self.indices.push(short, 2 * corner + 1);
                 }
             }
         }
@@ -234,19 +205,19 @@ impl SceneGeometry {
     fn push_loops(&mut self, short: bool, mesh: &RegionMesh) {
         for ring in &mesh.boundary_loops {
             for &vertex in ring.iter().chain(ring.first()) {
-                self.push_index(short, vertex);
+                self.indices.push(short, vertex);
             }
-            self.push_index(short, u32::MAX);
+            self.indices.push(short, u32::MAX);
         }
     }
 
     fn push_strips(&mut self, short: bool, mesh: &RegionMesh) {
         for ring in &mesh.boundary_loops {
             for &vertex in ring.iter().chain(ring.first()) {
-                self.push_index(short, 2 * vertex);
-                self.push_index(short, 2 * vertex + 1);
+                self.indices.push(short, 2 * vertex);
+                self.indices.push(short, 2 * vertex + 1);
             }
-            self.push_index(short, u32::MAX);
+            self.indices.push(short, u32::MAX);
         }
     }
 
@@ -271,7 +242,7 @@ impl SceneGeometry {
                 } else {
                     for [first, second, third] in wall_triangles(end, start) {
                         for index in [first, third, second] {
-                            self.push_index(short, index);
+                            self.indices.push(short, index);
                         }
                     }
                 }
@@ -281,39 +252,15 @@ impl SceneGeometry {
 
     fn push_wall(&mut self, short: bool, start: u32, end: u32) {
         for index in wall_triangles(start, end).as_flattened() {
-            self.push_index(short, *index);
-        }
-    }
-
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "short indices are below 2^16 by choice of width, or the restart value"
-    )]
-    fn push_index(&mut self, short: bool, index: u32) {
-        if short {
-            self.short_indices.push(index as u16);
-        } else {
-            self.long_indices.push(index);
-        }
-    }
-
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "buffers are refused by the device long before 2^32 elements"
-    )]
-    fn index_count(&self, short: bool) -> u32 {
-        if short {
-            self.short_indices.len() as u32
-        } else {
-            self.long_indices.len() as u32
+            self.indices.push(short, *index);
         }
     }
 
     /// Bytes as built.
-    pub(crate) fn bytes(&self) -> LayoutBytes {
-        LayoutBytes {
+    pub(crate) fn bytes(&self) -> GeometryBytes {
+        GeometryBytes {
             vertex_bytes: (self.vertices.len() * 4 + self.flags.len() * FLAG_BYTES) as u64,
-            index_bytes: self.short_indices.len() as u64 * 2 + self.long_indices.len() as u64 * 4,
+            index_bytes: self.indices.bytes(),
         }
     }
 }
@@ -324,14 +271,6 @@ fn wall_triangles(start: u32, end: u32) -> [[u32; 3]; 2] {
         [2 * start, 2 * start + 1, 2 * end],
         [2 * end, 2 * start + 1, 2 * end + 1],
     ]
-}
-
-/// Directed edges of the boundary loops.
-fn boundary_edges(mesh: &RegionMesh) -> impl Iterator<Item = [u32; 2]> {
-    mesh.boundary_loops.iter().flat_map(|ring| {
-        let ends = ring.iter().cycle().skip(1);
-        ring.iter().zip(ends).map(|(&start, &end)| [start, end])
-    })
 }
 
 #[allow(
@@ -423,7 +362,7 @@ mod tests {
                     continue;
                 }
                 let built = SceneGeometry::build(&variant, &meshes).bytes();
-                let mut formula: LayoutBytes = meshes
+                let mut formula: GeometryBytes = meshes
                     .iter()
                     .map(|mesh| variant_bytes(&variant, mesh))
                     .sum();
@@ -442,10 +381,10 @@ mod tests {
             }
             let meshes = std::slice::from_ref(&mesh);
             let geometry = SceneGeometry::build(&variant, meshes);
-            let closed = is_closed(&geometry.short_indices);
+            let closed = is_closed(&geometry.indices.short);
             assert!(closed, "{}", variant.name());
             // Twin: without its last triangle it is open.
-            let open = &geometry.short_indices[..geometry.short_indices.len() - 3];
+            let open = &geometry.indices.short[..geometry.indices.short.len() - 3];
             assert!(!is_closed(open));
         }
     }
@@ -470,7 +409,7 @@ mod tests {
         };
         let mesh = disc(9);
         let geometry = SceneGeometry::build(&variant, std::slice::from_ref(&mesh));
-        let walls = &geometry.short_indices[6 * mesh.triangles.len()..];
+        let walls = &geometry.indices.short[6 * mesh.triangles.len()..];
         let mut seen = std::collections::BTreeMap::new();
         for corners in walls.chunks_exact(3) {
             let mut sorted = [corners[0], corners[1], corners[2]];
@@ -490,8 +429,8 @@ mod tests {
             for variant in every_storage().into_iter().filter(in_mesh_order) {
                 let meshes = std::slice::from_ref(&mesh);
                 let geometry = SceneGeometry::build(&variant, meshes);
-                let short = geometry.short_indices.iter().filter(|&&i| i == 0xffff);
-                let long = geometry.long_indices.iter().filter(|&&i| i == u32::MAX);
+                let short = geometry.indices.short.iter().filter(|&&i| i == 0xffff);
+                let long = geometry.indices.long.iter().filter(|&&i| i == u32::MAX);
                 let separates = variant.has_strips() || variant.layout == Layout::Pulled;
                 let expected = usize::from(separates);
                 assert_eq!(short.count() + long.count(), expected, "{}", variant.name());

@@ -12,7 +12,6 @@ mod cache_order;
 mod layout;
 mod pass;
 mod pipeline;
-mod statistics;
 mod variant;
 #[cfg(test)]
 mod volume_invariants;
@@ -20,7 +19,7 @@ mod volume_invariants;
 pub use backend::VertexBackend;
 pub use cache_order::{CACHE_SIZE, acmr, cache_ordered};
 pub use layout::{
-    FLAG_BYTES, LayoutBytes, layout_bytes, per_triangle_volume_bytes, shared_flag_bytes,
-    shared_mesh_bytes, variant_bytes,
+    FLAG_BYTES, layout_bytes, per_triangle_volume_bytes, shared_flag_bytes, shared_mesh_bytes,
+    variant_bytes,
 };
 pub use variant::{IndexOrder, Layout, VertexSize, VertexVariant, Walls};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A variant of the vertex backend: how geometry lies in buffers, and the switches of the fill.
 
-use terrafill_frame::{ColourWay, PositionFormat, SwitchError, Switches};
+use terrafill_frame::{ColourWay, PositionFormat, SwitchError, Switches, pick};
 use terrafill_scene::Overlap;
 
 /// Where a volume's vertices come from.
@@ -118,13 +118,11 @@ impl Default for VertexVariant {
 }
 
 impl VertexVariant {
-    /// Every key that [`VertexVariant::set`] takes, with its values.
+    /// Every key of its own that [`VertexVariant::set`] takes, with its values; the others are
+    /// [`Switches::KEYS`].
     pub const KEYS: &str = "layout=doubled|separate|per-triangle|pulled, \
         positions=fixed|local-f32, walls=strip|list, index-order=mesh|cache, vertex-bytes=16|20, \
-        opacity=1…100, bottom-cap=always|where-needed, \
-        colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes|id-accumulation, \
-        cover-faces=both|culled, depth-rule=zfail|zpass|automatic, faces=two-sided|two-pass, \
-        scissor=covers|volumes, stencil-clear=at-start|by-colour";
+        opacity=1…100";
 
     /// Layout first, then what differs from the default, `key=value`, in alphabetical order.
     #[must_use]
@@ -261,23 +259,6 @@ impl VertexVariant {
     }
 }
 
-fn pick<T: Copy>(
-    switch: &'static str,
-    value: &str,
-    choices: &[(&'static str, T)],
-) -> Result<T, SwitchError> {
-    let found = choices.iter().find(|(name, _)| *name == value);
-    found.map(|&(_, choice)| choice).ok_or_else(|| SwitchError {
-        switch,
-        found: value.to_owned(),
-        allowed: choices
-            .iter()
-            .map(|(name, _)| *name)
-            .collect::<Vec<_>>()
-            .join(", "),
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -302,7 +283,12 @@ mod tests {
         for key in keys {
             let (key, value) = key.split_once('=').expect("key=value");
             assert_eq!(read.set(key, value), Ok(true), "{key}");
-            assert!(VertexVariant::KEYS.contains(&format!("{key}=")), "{key}");
+            let key = format!("{key}=");
+            let is_known = |keys: &str| keys.contains(&key);
+            assert!(
+                is_known(VertexVariant::KEYS) != is_known(Switches::KEYS),
+                "{key}"
+            );
         }
         assert_eq!(read, variant);
         assert!(variant.check(Overlap::Ordered).is_ok());

@@ -159,7 +159,7 @@ impl Reader<'_> {
 
     /// Vertex `index` of the region, counted from its first.
     fn words(&self, index: u32) -> Result<&[i32], String> {
-        let vertex = u64::from(self.slice.first_vertex) + u64::from(index);
+        let vertex = u64::from(self.slice.place.first_vertex) + u64::from(index);
         let found = usize::try_from(vertex).ok().and_then(|vertex| {
             let first = self.stride() * vertex;
             self.geometry.vertices.get(first..first + self.stride())
@@ -180,11 +180,11 @@ impl Reader<'_> {
     /// Indices of the region's width, from its own buffer.
     fn indices(&self, first: u32, count: u32) -> Result<Vec<u32>, String> {
         let range = first as usize..(first + count) as usize;
-        let indices = if self.slice.short_indices {
-            let short = self.geometry.short_indices.get(range.clone());
+        let indices = if self.slice.place.has_short_indices {
+            let short = self.geometry.indices.short.get(range.clone());
             short.map(|short| short.iter().map(|&index| u32::from(index)).collect())
         } else {
-            let long = self.geometry.long_indices.get(range.clone());
+            let long = self.geometry.indices.long.get(range.clone());
             long.map(<[u32]>::to_vec)
         };
         indices.ok_or_else(|| format!("indices {range:?} are beyond the buffer"))
@@ -207,11 +207,13 @@ impl Reader<'_> {
     /// A list of caps; strips or a list of walls.
     fn indexed(&self) -> Result<Vec<[Corner; 3]>, String> {
         let slice = self.slice;
-        let mut triangles =
-            list(&self.indices(slice.first_triangle_index, 6 * slice.triangle_count)?)?;
-        let walls = self.indices(slice.first_loop_index, slice.loop_index_count)?;
+        let mut triangles = list(&self.indices(
+            slice.place.first_triangle_index,
+            6 * slice.place.triangle_count,
+        )?)?;
+        let walls = self.indices(slice.place.first_loop_index, slice.loop_index_count)?;
         triangles.extend(if has_strips(&self.variant) {
-            let restart = if slice.short_indices {
+            let restart = if slice.place.has_short_indices {
                 0xffff
             } else {
                 u32::MAX
@@ -230,12 +232,12 @@ impl Reader<'_> {
     /// `fetch_index` of `pulled.wgsl`: two 16-bit indices a word, low half first.
     fn fetch_index(&self, element: u32) -> Result<u32, String> {
         let beyond = || format!("index {element} is beyond the buffer");
-        if !self.slice.short_indices {
-            let found = self.geometry.long_indices.get(element as usize);
+        if !self.slice.place.has_short_indices {
+            let found = self.geometry.indices.long.get(element as usize);
             return found.copied().ok_or_else(beyond);
         }
         let half = |element: u32| {
-            let found = self.geometry.short_indices.get(element as usize);
+            let found = self.geometry.indices.short.get(element as usize);
             found.map(|&index| u32::from(index))
         };
         half(element).ok_or_else(beyond)?;
@@ -276,7 +278,7 @@ impl Reader<'_> {
 
     /// Where every triangle has its own volume, each is closed by itself.
     fn check_own_volumes(&self, triangles: &[[Corner; 3]]) -> Result<(), String> {
-        let (caps, walls) = triangles.split_at(2 * self.slice.triangle_count as usize);
+        let (caps, walls) = triangles.split_at(2 * self.slice.place.triangle_count as usize);
         let (top, bottom) = caps.split_at(caps.len() / 2);
         for (i, walls) in walls.chunks(6).enumerate() {
             let (Some(top), Some(bottom)) = (top.get(i), bottom.get(i)) else {
@@ -317,11 +319,11 @@ impl Reader<'_> {
     fn pulled(&self) -> Result<Vec<[Corner; 3]>, String> {
         let slice = self.slice;
         let cap = |vertex_index: u32| -> Result<Corner, String> {
-            let is_bottom = vertex_index >= 3 * slice.triangle_count;
-            let in_cap = vertex_index - u32::from(is_bottom) * 3 * slice.triangle_count;
+            let is_bottom = vertex_index >= 3 * slice.place.triangle_count;
+            let in_cap = vertex_index - u32::from(is_bottom) * 3 * slice.place.triangle_count;
             let corner = in_cap % 3;
             let slot = if is_bottom { (3 - corner) % 3 } else { corner };
-            let element = slice.first_triangle_index + in_cap - corner + slot;
+            let element = slice.place.first_triangle_index + in_cap - corner + slot;
             self.fetch(self.fetch_index(element)?, is_bottom)
         };
         let nowhere = Corner {
@@ -329,7 +331,7 @@ impl Reader<'_> {
             is_bottom: false,
         };
         let wall = |vertex_index: u32| -> Result<Corner, String> {
-            let entry = slice.first_loop_index + vertex_index / 6;
+            let entry = slice.place.first_loop_index + vertex_index / 6;
             let corner = vertex_index % 6;
             let (start, end) = (self.fetch_index(entry)?, self.fetch_index(entry + 1)?);
             if start == u32::MAX || end == u32::MAX {
@@ -339,7 +341,7 @@ impl Reader<'_> {
             let is_bottom = [1, 4, 5].contains(&corner);
             self.fetch(if is_end { end } else { start }, is_bottom)
         };
-        let caps = (0..6 * slice.triangle_count).step_by(3);
+        let caps = (0..6 * slice.place.triangle_count).step_by(3);
         let caps = caps.map(|i| Ok([cap(i)?, cap(i + 1)?, cap(i + 2)?]));
         // A region without a boundary has no list to read.
         let walls = (0..6 * slice.loop_index_count.saturating_sub(1)).step_by(3);
@@ -351,7 +353,7 @@ impl Reader<'_> {
     fn local_m(&self, corner: Corner) -> DVec3 {
         match self.variant.positions {
             PositionFormat::Fixed => {
-                IVec3::from_array(corner.words).as_dvec3() * self.slice.fixed.unit_m
+                IVec3::from_array(corner.words).as_dvec3() * self.slice.place.fixed.unit_m
             }
             PositionFormat::LocalF32 => f32_words(corner).as_dvec3(),
         }
@@ -363,7 +365,7 @@ impl Reader<'_> {
         reason = "rounding to what the GPU reads is the purpose"
     )]
     fn eye_relative(&self, eye_ecef: DVec3, scene: &Scene, corner: Corner) -> Vec3 {
-        let fixed = &self.slice.fixed;
+        let fixed = &self.slice.place.fixed;
         let origin = fixed.origin_ecef.as_vec3();
         let (relative, ecef) = match self.variant.positions {
             PositionFormat::LocalF32 => {
@@ -505,7 +507,7 @@ impl Scene {
             if variant.layout == Layout::PerTriangle {
                 reader.check_own_volumes(&triangles).map_err(fail)?;
             }
-            let caps = 2 * slice.triangle_count as usize;
+            let caps = 2 * slice.place.triangle_count as usize;
             reader.check_walls(&triangles[caps..], mesh).map_err(fail)?;
             let filled: Vec<[Corner; 3]> = triangles.into_iter().filter(is_somewhere).collect();
             self.check_volume(&reader, &filled, mesh, *expected_m3)
@@ -528,7 +530,8 @@ impl Scene {
         let normal_scale = DVec3::new(1.0, 1.0, (a / b).powi(2));
         let place = |corner: Corner| {
             let local = reader.local_m(corner);
-            let normal = ((reader.slice.fixed.origin_ecef + local) * normal_scale).normalize();
+            let normal =
+                ((reader.slice.place.fixed.origin_ecef + local) * normal_scale).normalize();
             let VolumeHeights { top_m, bottom_m } = self.heights;
             local + normal * if corner.is_bottom { bottom_m } else { top_m }
         };
@@ -541,8 +544,8 @@ impl Scene {
             .sum();
         // Rounding moves each vertex by less than two steps; its column has a thickness.
         let step_m = match reader.variant.positions {
-            PositionFormat::Fixed => reader.slice.fixed.unit_m,
-            PositionFormat::LocalF32 => reader.slice.fixed.unit_m * 128.0,
+            PositionFormat::Fixed => reader.slice.place.fixed.unit_m,
+            PositionFormat::LocalF32 => reader.slice.place.fixed.unit_m * 128.0,
         };
         let thickness_m = self.heights.top_m - self.heights.bottom_m;
         let length_m: f64 = mesh
@@ -707,7 +710,10 @@ fn every_way_to_store_the_countries_is_closed() {
                 .check_built(&geometry, &variant)
                 .unwrap_or_else(|what| panic!("{name}, {rule:?}: {what}"));
             println!("{name}, {rule:?}, {}: {count:?}", variant.name());
-            let has_long = geometry.regions.iter().any(|slice| !slice.short_indices);
+            let has_long = geometry
+                .regions
+                .iter()
+                .any(|slice| !slice.place.has_short_indices);
             let may_have = is_whole || is_stored_twice(&variant);
             assert_eq!(
                 has_long,
@@ -761,9 +767,9 @@ fn each_noticed(
 fn every_index_that_is_another_is_noticed() {
     each_noticed(
         in_mesh_order(),
-        &|geometry| geometry.short_indices.len(),
+        &|geometry| geometry.indices.short.len(),
         &|variant, geometry, place| {
-            let index = &mut geometry.short_indices[place];
+            let index = &mut geometry.indices.short[place];
             // The next vertex; a restart becomes one, too, and no longer restarts. Vertex 0 would
             // not do: a loop that ends there gets a wall of no length.
             let is_single = !is_stored_twice(variant) && *index != 0xffff;
@@ -774,10 +780,10 @@ fn every_index_that_is_another_is_noticed() {
     // The same vertex, but its copy in the other cap.
     each_noticed(
         in_mesh_order().filter(is_stored_twice),
-        &|geometry| geometry.short_indices.len(),
+        &|geometry| geometry.indices.short.len(),
         &|_, geometry, place| {
             // A restart becomes an index beyond the buffer.
-            geometry.short_indices[place] ^= 1;
+            geometry.indices.short[place] ^= 1;
             true
         },
     );
@@ -787,10 +793,10 @@ fn every_index_that_is_another_is_noticed() {
 fn two_indices_that_have_changed_places_are_noticed() {
     each_noticed(
         in_mesh_order(),
-        &|geometry| geometry.short_indices.len() - 1,
+        &|geometry| geometry.indices.short.len() - 1,
         &|_, geometry, place| {
-            geometry.short_indices.swap(place, place + 1);
-            geometry.short_indices[place] != geometry.short_indices[place + 1]
+            geometry.indices.short.swap(place, place + 1);
+            geometry.indices.short[place] != geometry.indices.short[place + 1]
         },
     );
 }
@@ -834,12 +840,12 @@ fn offsets_of_another_region_are_noticed() {
     let scene = pair();
     for variant in storages() {
         let mutants: [fn(&mut RegionSlice); 6] = [
-            |slice| slice.first_vertex -= 1,
-            |slice| slice.first_triangle_index -= 1,
-            |slice| slice.first_loop_index -= 1,
-            |slice| slice.triangle_count -= 1,
+            |slice| slice.place.first_vertex -= 1,
+            |slice| slice.place.first_triangle_index -= 1,
+            |slice| slice.place.first_loop_index -= 1,
+            |slice| slice.place.triangle_count -= 1,
             |slice| slice.loop_index_count -= 3,
-            |slice| slice.fixed.unit_m *= 2.0,
+            |slice| slice.place.fixed.unit_m *= 2.0,
         ];
         for (i, mutant) in mutants.iter().enumerate() {
             // Floats have no unit.
@@ -895,13 +901,13 @@ fn walls_with_another_diagonal_or_first_corner_are_noticed() {
         let geometry = scene.build(&variant);
         let has_inner = variant.layout == Layout::PerTriangle;
         let slice = geometry.regions[1];
-        let first = slice.first_loop_index as usize;
+        let first = slice.place.first_loop_index as usize;
         let count = slice.loop_index_count as usize;
         assert_eq!(count % 6, 0);
         for wall in (first..first + count).step_by(6) {
             let mut other = scene.build(&variant);
-            let turned = with_other_diagonal(&geometry.short_indices[wall..wall + 6]);
-            other.short_indices[wall..wall + 6].copy_from_slice(&turned);
+            let turned = with_other_diagonal(&geometry.indices.short[wall..wall + 6]);
+            other.indices.short[wall..wall + 6].copy_from_slice(&turned);
             let reader = Reader {
                 geometry: &other,
                 slice: &other.regions[1],
@@ -916,7 +922,7 @@ fn walls_with_another_diagonal_or_first_corner_are_noticed() {
             assert!(found.contains("more than the boundary's"), "{found}");
 
             let mut other = scene.build(&variant);
-            other.short_indices[wall..wall + 3].rotate_left(1);
+            other.indices.short[wall..wall + 3].rotate_left(1);
             let found = scene.check_built(&other, &variant);
             assert_eq!(found.is_err(), has_inner, "{}: {found:?}", variant.name());
         }
@@ -930,9 +936,9 @@ fn volumes_of_triangles_must_each_be_closed() {
     let per_triangle = |variant: &VertexVariant| variant.layout == Layout::PerTriangle;
     for variant in storages().into_iter().filter(per_triangle) {
         let mut geometry = scene.build(&variant);
-        let wall = geometry.regions[1].first_loop_index as usize;
+        let wall = geometry.regions[1].place.first_loop_index as usize;
         for k in 0..6 {
-            geometry.short_indices.swap(wall + k, wall + 18 + k);
+            geometry.indices.short.swap(wall + k, wall + 18 + k);
         }
         let found = scene.check_built(&geometry, &variant);
         let found = found.expect_err("walls of another triangle");

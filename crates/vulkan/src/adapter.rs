@@ -12,7 +12,9 @@ use ash::{ext, vk};
 use std::ffi::CStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use terrafill_frame::BackendError;
+use terrafill_frame::{
+    BackendError, DeviceType, THIS_MACHINE, WorkCounters, WorkDone, choose_adapter, device_for_test,
+};
 
 /// How to choose a device.
 #[derive(Debug, Clone, Default)]
@@ -44,73 +46,7 @@ pub struct Features {
 }
 
 /// What a device is, for reports.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct DeviceFacts {
-    /// Adapter name.
-    pub name: String,
-    /// `cpu`, `discrete-gpu`, `integrated-gpu`, `virtual-gpu` or `other`.
-    pub device_type: &'static str,
-    /// PCI vendor id.
-    pub vendor_id: u32,
-    /// PCI device id.
-    pub device_id: u32,
-    /// Driver name.
-    pub driver: String,
-    /// Driver version text.
-    pub driver_info: String,
-    /// What it can do beyond what is needed.
-    pub features: Features,
-    /// What this project needs and the adapter lacks; empty when it can run.
-    pub lacks: Vec<String>,
-}
-
-/// How much has been made on a device so far.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Made {
-    /// Buffers that shaders or draws read; not those that only carry bytes to or from the host.
-    pub buffers: u64,
-    /// Writes of the CPU into such buffers.
-    pub uploads: u64,
-    /// Their bytes.
-    pub upload_bytes: u64,
-    /// Graphics pipelines.
-    pub pipelines: u64,
-}
-
-impl std::ops::Add for Made {
-    type Output = Self;
-
-    fn add(self, more: Self) -> Self {
-        Self {
-            buffers: self.buffers + more.buffers,
-            uploads: self.uploads + more.uploads,
-            upload_bytes: self.upload_bytes + more.upload_bytes,
-            pipelines: self.pipelines + more.pipelines,
-        }
-    }
-}
-
-impl std::ops::Sub for Made {
-    type Output = Self;
-
-    fn sub(self, earlier: Self) -> Self {
-        Self {
-            buffers: self.buffers - earlier.buffers,
-            uploads: self.uploads - earlier.uploads,
-            upload_bytes: self.upload_bytes - earlier.upload_bytes,
-            pipelines: self.pipelines - earlier.pipelines,
-        }
-    }
-}
-
-#[derive(Debug, Default)]
-pub(crate) struct Counts {
-    pub(crate) buffers: AtomicU64,
-    pub(crate) uploads: AtomicU64,
-    pub(crate) upload_bytes: AtomicU64,
-    pub(crate) pipelines: AtomicU64,
-    pub(crate) allocated_bytes: AtomicU64,
-}
+pub type DeviceFacts = terrafill_frame::DeviceFacts<Features>;
 
 /// The queue and what is needed to hand it one submission at a time.
 #[derive(Debug)]
@@ -134,7 +70,8 @@ pub struct Gpu {
     pub(crate) device: ash::Device,
     pub(crate) memory: vk::PhysicalDeviceMemoryProperties,
     pub(crate) limits: vk::PhysicalDeviceLimits,
-    pub(crate) counts: Counts,
+    pub(crate) work: WorkCounters,
+    pub(crate) allocated_bytes: AtomicU64,
     pub(crate) fixtures: Fixtures,
     pub(crate) shader_modules: ShaderModules,
     /// What it is.
@@ -152,15 +89,6 @@ impl std::fmt::Debug for Gpu {
             .finish_non_exhaustive()
     }
 }
-
-fn unsupported(capability: &str, adapter: &str) -> BackendError {
-    BackendError::Unsupported {
-        capability: capability.to_owned(),
-        adapter: adapter.to_owned(),
-    }
-}
-
-const THIS_MACHINE: &str = "this machine";
 
 impl Api {
     fn load(validation: bool) -> Result<Self, BackendError> {
@@ -191,8 +119,9 @@ impl Api {
             info = info.push_next(&mut messenger_info);
         }
         // SAFETY: the structures live through the call; the layer and the extension are there.
-        let instance = unsafe { entry.create_instance(&info, None) }
-            .map_err(|error| unsupported(&format!("a Vulkan instance: {error}"), THIS_MACHINE))?;
+        let instance = unsafe { entry.create_instance(&info, None) }.map_err(|error| {
+            BackendError::unsupported(&format!("a Vulkan instance: {error}"), THIS_MACHINE)
+        })?;
         let mut api = Self {
             messenger: None,
             _entry: entry,
@@ -218,7 +147,7 @@ impl Api {
             .into_iter()
             .map(|raw| Adapter::new(&self.instance, raw))
             .collect();
-        adapters.sort_by_key(|adapter| adapter.rank);
+        adapters.sort_by_key(|adapter| adapter.device_type);
         Ok(adapters)
     }
 }
@@ -238,7 +167,7 @@ impl Drop for Api {
 
 fn no_loader(error: &ash::LoadingError) -> BackendError {
     let what = format!("a Vulkan loader (ci/setup.sh installs one): {error}");
-    unsupported(&what, THIS_MACHINE)
+    BackendError::unsupported(&what, THIS_MACHINE)
 }
 
 fn has_layer(entry: &ash::Entry, name: &CStr) -> Result<bool, BackendError> {
@@ -252,7 +181,7 @@ fn has_layer(entry: &ash::Entry, name: &CStr) -> Result<bool, BackendError> {
 
 struct Adapter {
     raw: vk::PhysicalDevice,
-    rank: u8,
+    device_type: DeviceType,
     limits: vk::PhysicalDeviceLimits,
     features: vk::PhysicalDeviceFeatures,
     queue_family: Option<u32>,
@@ -300,23 +229,23 @@ impl Adapter {
         if !attachable {
             lacks.push("Depth32FloatStencil8".to_owned());
         }
-        let (rank, device_type) = match plain.device_type {
-            vk::PhysicalDeviceType::DISCRETE_GPU => (0, "discrete-gpu"),
-            vk::PhysicalDeviceType::INTEGRATED_GPU => (1, "integrated-gpu"),
-            vk::PhysicalDeviceType::VIRTUAL_GPU => (2, "virtual-gpu"),
-            vk::PhysicalDeviceType::CPU => (4, "cpu"),
-            _ => (3, "other"),
+        let device_type = match plain.device_type {
+            vk::PhysicalDeviceType::DISCRETE_GPU => DeviceType::DiscreteGpu,
+            vk::PhysicalDeviceType::INTEGRATED_GPU => DeviceType::IntegratedGpu,
+            vk::PhysicalDeviceType::VIRTUAL_GPU => DeviceType::VirtualGpu,
+            vk::PhysicalDeviceType::CPU => DeviceType::Cpu,
+            _ => DeviceType::Other,
         };
         let is = |feature: vk::Bool32| feature == vk::TRUE;
         Self {
             raw,
-            rank,
+            device_type,
             limits: plain.limits,
             features,
             queue_family: family.map(|(index, _)| index),
             facts: DeviceFacts {
                 name: text(plain.device_name_as_c_str()),
-                device_type,
+                device_type: device_type.name(),
                 vendor_id: plain.vendor_id,
                 device_id: plain.device_id,
                 driver: text(driver.driver_name_as_c_str()),
@@ -353,27 +282,13 @@ impl Gpu {
     /// lacks something.
     pub fn open(options: &GpuOptions) -> Result<Arc<Self>, BackendError> {
         let api = Api::load(options.validation || validation::is_requested())?;
-        let wanted = options.adapter.as_deref().unwrap_or("").to_lowercase();
         let all = api.adapters()?;
-        if all.is_empty() {
-            return Err(unsupported(
-                "a Vulkan device (ci/setup.sh installs a software one)",
-                THIS_MACHINE,
-            ));
-        }
-        let Some(adapter) = all
-            .iter()
-            .find(|adapter| adapter.facts.name.to_lowercase().contains(&wanted))
-        else {
-            let names: Vec<_> = all.iter().map(|a| a.facts.name.as_str()).collect();
-            let what = format!("an adapter called {wanted:?}; it has {}", names.join(", "));
-            return Err(unsupported(&what, THIS_MACHINE));
-        };
-        let (true, Some(family)) = (adapter.facts.lacks.is_empty(), adapter.queue_family) else {
-            return Err(unsupported(
-                &adapter.facts.lacks.join(", "),
-                &adapter.facts.name,
-            ));
+        let names: Vec<&str> = all.iter().map(|a| a.facts.name.as_str()).collect();
+        let adapter = &all[choose_adapter(&names, options.adapter.as_deref())?];
+        adapter.facts.check()?;
+        let Some(family) = adapter.queue_family else {
+            let name = &adapter.facts.name;
+            return Err(BackendError::unsupported("a graphics queue", name));
         };
         Self::on(api, adapter, family)
     }
@@ -420,7 +335,8 @@ impl Gpu {
             device,
             memory,
             limits: adapter.limits,
-            counts: Counts::default(),
+            work: WorkCounters::default(),
+            allocated_bytes: AtomicU64::new(0),
             fixtures,
             shader_modules: ShaderModules::default(),
             facts: adapter.facts.clone(),
@@ -429,21 +345,16 @@ impl Gpu {
         }))
     }
 
-    /// What has been made on this device so far: two readings around a frame tell what it made.
+    /// What was made and written so far.
     #[must_use]
-    pub fn made(&self) -> Made {
-        Made {
-            buffers: self.counts.buffers.load(Ordering::Relaxed),
-            uploads: self.counts.uploads.load(Ordering::Relaxed),
-            upload_bytes: self.counts.upload_bytes.load(Ordering::Relaxed),
-            pipelines: self.counts.pipelines.load(Ordering::Relaxed),
-        }
+    pub fn work_done(&self) -> WorkDone {
+        self.work.done()
     }
 
     /// Device memory that is allocated now, bytes.
     #[must_use]
     pub fn allocated_bytes(&self) -> u64 {
-        self.counts.allocated_bytes.load(Ordering::Relaxed)
+        self.allocated_bytes.load(Ordering::Relaxed)
     }
 
     /// Nanoseconds per timestamp tick.
@@ -540,25 +451,13 @@ impl Queue {
     }
 }
 
-/// Opens a device for a test. Where there is none, prints why and gives `None`, so that everything
-/// but device tests passes on a machine without a GPU.
+/// Opens a device for a test; see [`device_for_test`].
 ///
 /// # Panics
-/// When there is none and `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does: there a skipped
-/// device test would be a check that does not check.
+/// As [`device_for_test`].
 #[must_use]
 pub fn open_for_test(options: &GpuOptions) -> Option<Arc<Gpu>> {
-    match Gpu::open(options) {
-        Ok(gpu) => Some(gpu),
-        Err(error) => {
-            assert!(
-                std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_none(),
-                "TERRAFILL_REQUIRE_DEVICE is set: {error}"
-            );
-            eprintln!("skipped: {error}");
-            None
-        }
-    }
+    device_for_test(Gpu::open(options))
 }
 
 #[cfg(test)]
@@ -580,18 +479,5 @@ mod tests {
         assert!(capability.starts_with("a Vulkan loader"), "{capability}");
         assert!(capability.contains("no-such-folder"), "{capability}");
         assert_eq!(adapter, THIS_MACHINE);
-    }
-
-    #[test]
-    fn what_was_made_between_two_readings_is_their_difference() {
-        let reading = |n: u64| Made {
-            buffers: n,
-            uploads: 2 * n,
-            upload_bytes: 3 * n,
-            pipelines: 4 * n,
-        };
-        assert_eq!(reading(7) - reading(5), reading(2));
-        assert_eq!(reading(7) + reading(5), reading(12));
-        assert_ne!(reading(7) - reading(5), reading(3));
     }
 }

@@ -35,10 +35,10 @@ impl BindGroup {
         let all_fit = fits(view, BufferUse::Uniform)
             && regions.is_none_or(|regions| fits(regions, BufferUse::Storage));
         if !all_fit {
-            return Err(BackendError::Unsupported {
-                capability: "binding a buffer of another device or made for another use".to_owned(),
-                adapter: gpu.facts.name.clone(),
-            });
+            return Err(BackendError::unsupported(
+                "binding a buffer of another device or made for another use",
+                &gpu.facts.name,
+            ));
         }
         let sizes = [
             pool_size(vk::DescriptorType::UNIFORM_BUFFER),

@@ -19,7 +19,6 @@
 
 mod adapter;
 mod bindings;
-mod clock;
 mod failure;
 mod fixtures;
 mod memory;
@@ -30,9 +29,8 @@ mod readback;
 mod stage;
 mod validation;
 
-pub use adapter::{DeviceFacts, Features, Gpu, GpuOptions, Made, list_adapters, open_for_test};
+pub use adapter::{DeviceFacts, Features, Gpu, GpuOptions, list_adapters, open_for_test};
 pub use bindings::BindGroup;
-pub use clock::CpuStopwatch;
 pub use terrafill_shaders::HandsOn;
 
 pub use memory::{Buffer, BufferUse};

@@ -77,7 +77,7 @@ impl Memory {
         // SAFETY: size and type are what the driver asked for.
         let raw = unsafe { gpu.device.allocate_memory(&info, None) }
             .map_err(|error| failure(error, label, needs.size))?;
-        let counted = &gpu.counts.allocated_bytes;
+        let counted = &gpu.allocated_bytes;
         counted.fetch_add(needs.size, Ordering::Relaxed);
         Ok(Self {
             raw,
@@ -90,7 +90,7 @@ impl Memory {
     unsafe fn free(&self, gpu: &Gpu) {
         // SAFETY: as promised; the memory is the device's.
         unsafe { gpu.device.free_memory(self.raw, None) };
-        let counted = &gpu.counts.allocated_bytes;
+        let counted = &gpu.allocated_bytes;
         counted.fetch_sub(self.bytes, Ordering::Relaxed);
     }
 }
@@ -116,6 +116,28 @@ const HOST: &[vk::MemoryPropertyFlags] = &[
 
 /// Most bytes that a command may carry.
 const CHUNK: usize = 65_536;
+
+/// Whatever follows reads what was copied into buffers before.
+///
+/// # Safety
+/// Recording is under way, outside of a pass.
+unsafe fn let_be_read(device: &ash::Device, commands: vk::CommandBuffer) {
+    let barrier = [vk::MemoryBarrier::default()
+        .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
+        .dst_access_mask(vk::AccessFlags::MEMORY_READ)];
+    // SAFETY: the caller's promise.
+    unsafe {
+        device.cmd_pipeline_barrier(
+            commands,
+            vk::PipelineStageFlags::TRANSFER,
+            vk::PipelineStageFlags::ALL_COMMANDS,
+            vk::DependencyFlags::empty(),
+            &barrier,
+            &[],
+            &[],
+        );
+    }
+}
 
 impl Buffer {
     /// A buffer in device memory with these contents, of exactly that size; 4 bytes when there are
@@ -146,41 +168,22 @@ impl Buffer {
         let usage = use_for.flags() | vk::BufferUsageFlags::TRANSFER_DST;
         let mut buffer = Self::new(gpu, label, size, usage, DEVICE)?;
         buffer.use_for = Some(use_for);
-        gpu.counts.buffers.fetch_add(1, Ordering::Relaxed);
+        gpu.work.count_buffer();
         if !bytes.is_empty() {
             let staging = Self::new(gpu, label, size, vk::BufferUsageFlags::TRANSFER_SRC, HOST)?;
             staging.write(bytes)?;
-            buffer.count_upload(bytes.len());
+            gpu.work.count_upload(bytes.len() as u64);
             let region = [vk::BufferCopy::default().size(size)];
-            let barrier = [vk::MemoryBarrier::default()
-                .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
-                .dst_access_mask(vk::AccessFlags::MEMORY_READ)];
             // SAFETY: both buffers have this size and live until the submission is done. Fewer than 4
             // bytes leave the rest of the staging buffer as the driver made it, which nothing reads.
             unsafe {
                 gpu.submit(|device, commands| {
                     device.cmd_copy_buffer(commands, staging.raw, buffer.raw, &region);
-                    device.cmd_pipeline_barrier(
-                        commands,
-                        vk::PipelineStageFlags::TRANSFER,
-                        vk::PipelineStageFlags::ALL_COMMANDS,
-                        vk::DependencyFlags::empty(),
-                        &barrier,
-                        &[],
-                        &[],
-                    );
+                    let_be_read(device, commands);
                 })?;
             }
         }
         Ok(buffer)
-    }
-
-    fn count_upload(&self, bytes: usize) {
-        let counts = &self.gpu.counts;
-        counts.uploads.fetch_add(1, Ordering::Relaxed);
-        counts
-            .upload_bytes
-            .fetch_add(bytes as u64, Ordering::Relaxed);
     }
 
     /// Overwrites the start of a buffer that was uploaded; meant for constants.
@@ -197,9 +200,6 @@ impl Buffer {
                 allowed: self.size,
             });
         }
-        let barrier = [vk::MemoryBarrier::default()
-            .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
-            .dst_access_mask(vk::AccessFlags::MEMORY_READ)];
         // SAFETY: the chunks lie inside the buffer, which was made to be written to; they are whole
         // words of at most 65,536 bytes, the most that a command may carry.
         unsafe {
@@ -207,18 +207,10 @@ impl Buffer {
                 for (offset, chunk) in (0..).step_by(CHUNK).zip(bytes.chunks(CHUNK)) {
                     device.cmd_update_buffer(commands, self.raw, offset, chunk);
                 }
-                device.cmd_pipeline_barrier(
-                    commands,
-                    vk::PipelineStageFlags::TRANSFER,
-                    vk::PipelineStageFlags::ALL_COMMANDS,
-                    vk::DependencyFlags::empty(),
-                    &barrier,
-                    &[],
-                    &[],
-                );
+                let_be_read(device, commands);
             })?;
         }
-        self.count_upload(bytes.len());
+        self.gpu.work.count_upload(bytes.len() as u64);
         Ok(())
     }
 

@@ -171,10 +171,10 @@ impl<'a> FillRecorder<'a> {
     /// been asked for them.
     pub fn accumulate(&mut self, record: impl FnOnce(&mut PassRecorder<'a, '_>)) {
         let Some(numbers) = self.targets.numbers() else {
-            self.refused.get_or_insert(BackendError::Unsupported {
-                capability: "drawing: numbers that the stage was not asked for".to_owned(),
-                adapter: self.gpu.facts.name.clone(),
-            });
+            self.refused.get_or_insert(BackendError::unsupported(
+                "drawing: numbers that the stage was not asked for",
+                &self.gpu.facts.name,
+            ));
             return;
         };
         let render_pass = self.gpu.fixtures.numbers;
@@ -368,19 +368,9 @@ impl<'a> PassRecorder<'a, '_> {
             return false;
         }
         if let (true, Some(numbers)) = (pipeline.reads_numbers(), self.fill.targets.numbers()) {
-            let gpu = self.fill.gpu;
             // SAFETY: of the layout that every pipeline has; a pass of this fill has left the image
             // to be read.
-            unsafe {
-                gpu.device.cmd_bind_descriptor_sets(
-                    self.fill.commands,
-                    vk::PipelineBindPoint::GRAPHICS,
-                    gpu.fixtures.pipeline_layout,
-                    1,
-                    &[numbers.set],
-                    &[],
-                );
-            }
+            unsafe { self.bind_set(1, numbers.set) };
         }
         let device = &self.fill.gpu.device;
         let point = vk::PipelineBindPoint::GRAPHICS;
@@ -395,20 +385,29 @@ impl<'a> PassRecorder<'a, '_> {
             self.refuse("constants of another device or without regions");
             return false;
         }
-        let gpu = self.fill.gpu;
         // SAFETY: of this device and of the layout that every pipeline here has.
+        unsafe { self.bind_set(0, bindings.set) };
+        self.bound.set = bindings.set;
+        true
+    }
+
+    /// Binds a set under a number.
+    ///
+    /// # Safety
+    /// The set is the device's, of the layout that every pipeline has there, and may be read.
+    unsafe fn bind_set(&self, number: u32, set: vk::DescriptorSet) {
+        let gpu = self.fill.gpu;
+        // SAFETY: recording is under way; the rest is the caller's promise.
         unsafe {
             gpu.device.cmd_bind_descriptor_sets(
                 self.fill.commands,
                 vk::PipelineBindPoint::GRAPHICS,
                 gpu.fixtures.pipeline_layout,
-                0,
-                &[bindings.set],
+                number,
+                &[set],
                 &[],
             );
         }
-        self.bound.set = bindings.set;
-        true
     }
 
     fn bind_geometry(&mut self, geometry: &Geometry<'a>) -> bool {

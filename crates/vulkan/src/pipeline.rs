@@ -10,10 +10,9 @@ use crate::fixtures::Fixtures;
 use ash::vk;
 use std::collections::HashMap;
 use std::ffi::CString;
-use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 use terrafill_frame::{
-    BackendError, DepthRule, FaceSet, StencilOperation, StencilRule, StencilTest,
+    BackendError, DepthRule, FaceEffect, FaceSet, StencilRule, StencilTest, VolumeState,
 };
 use terrafill_shaders::{HandsOn, SpirvStage, geometry_spirv, wgsl_to_spirv};
 
@@ -110,6 +109,17 @@ pub enum PipelineState {
     },
     /// Into the colour target, by a shader that reads the accumulated numbers.
     Resolve,
+}
+
+impl From<VolumeState> for PipelineState {
+    fn from(state: VolumeState) -> Self {
+        match state {
+            VolumeState::Mark { rule, has_colour } => Self::Mark { rule, has_colour },
+            VolumeState::Count { faces } => Self::Count { faces },
+            VolumeState::Colour { test, faces } => Self::Colour { test, faces },
+            VolumeState::Accumulate { depth, faces } => Self::Accumulate { depth, faces },
+        }
+    }
 }
 
 /// What a pass draws into.
@@ -241,10 +251,7 @@ impl Pipeline {
     /// [`BackendError::Unsupported`] when the device lacks geometry shaders or depth bounds and the
     /// pipeline needs them, [`BackendError::Shader`], [`BackendError::OutOfMemory`].
     pub fn new(gpu: &Arc<Gpu>, descriptor: PipelineDescriptor) -> Result<Self, BackendError> {
-        let lacks = |capability: &str| BackendError::Unsupported {
-            capability: capability.to_owned(),
-            adapter: gpu.facts.name.clone(),
-        };
+        let lacks = |capability: &str| BackendError::unsupported(capability, &gpu.facts.name);
         if descriptor.geometry.is_some() && !gpu.facts.features.geometry_shader {
             return Err(lacks("geometryShader"));
         }
@@ -256,7 +263,7 @@ impl Pipeline {
             return Err(lacks("blending into R32_SFLOAT"));
         }
         let raw = create(gpu, &descriptor)?;
-        gpu.counts.pipelines.fetch_add(1, Ordering::Relaxed);
+        gpu.work.count_pipeline();
         Ok(Self {
             gpu: Arc::clone(gpu),
             raw,
@@ -477,7 +484,7 @@ fn depth_stencil(state: PipelineState) -> vk::PipelineDepthStencilStateCreateInf
             .depth_write_enable(true)
             .depth_compare_op(vk::CompareOp::GREATER),
         PipelineState::Mark { rule, .. } => {
-            let (front, back, mask) = operations(rule);
+            let (front, back, mask) = rule.effects();
             base.depth_test_enable(true)
                 .depth_compare_op(vk::CompareOp::GREATER)
                 .stencil_test_enable(true)
@@ -518,21 +525,12 @@ fn depth_stencil(state: PipelineState) -> vk::PipelineDepthStencilStateCreateInf
     }
 }
 
-/// What front and back faces do, and to which bits.
-fn operations(rule: StencilRule) -> (vk::StencilOp, vk::StencilOp, u32) {
-    let (add, take) = (
-        vk::StencilOp::INCREMENT_AND_WRAP,
-        vk::StencilOp::DECREMENT_AND_WRAP,
-    );
-    let invert = vk::StencilOp::INVERT;
-    match (rule.operation, rule.depth) {
-        (StencilOperation::Invert { mask }, _) => (invert, invert, u32::from(mask)),
-        (StencilOperation::Count, DepthRule::Fail) => (take, add, 0xff),
-        (StencilOperation::Count, DepthRule::Pass) => (add, take, 0xff),
-    }
-}
-
-fn mark_face(depth: DepthRule, operation: vk::StencilOp, mask: u32) -> vk::StencilOpState {
+fn mark_face(depth: DepthRule, effect: FaceEffect, mask: u8) -> vk::StencilOpState {
+    let operation = match effect {
+        FaceEffect::Invert => vk::StencilOp::INVERT,
+        FaceEffect::Add => vk::StencilOp::INCREMENT_AND_WRAP,
+        FaceEffect::Take => vk::StencilOp::DECREMENT_AND_WRAP,
+    };
     let keep = vk::StencilOp::KEEP;
     let (pass_op, depth_fail_op) = match depth {
         DepthRule::Fail => (keep, operation),
@@ -544,7 +542,7 @@ fn mark_face(depth: DepthRule, operation: vk::StencilOp, mask: u32) -> vk::Stenc
         depth_fail_op,
         compare_op: vk::CompareOp::ALWAYS,
         compare_mask: 0xff,
-        write_mask: mask,
+        write_mask: u32::from(mask),
         reference: 0,
     }
 }

@@ -18,7 +18,10 @@ use ash::vk;
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
-use terrafill_frame::{BackendError, FrameInput, Picture, ViewConstants};
+use terrafill_frame::{
+    BackendError, FillProgram, FrameInput, NUMBER_BYTES, Picture, SKY, ViewConstants,
+    check_target_size, count_u32,
+};
 use terrafill_scene::ImageSize;
 
 /// A stage shared by the backends of one run.
@@ -268,9 +271,6 @@ struct PreparedSurface {
 const STAMPS: u32 = 5;
 const SURFACE_STAMPS: u32 = 3;
 
-/// Almost black, alpha 0 like the surface.
-const SKY: [f32; 4] = [0.02, 0.02, 0.04, 0.0];
-
 const SURFACE: PipelineDescriptor = PipelineDescriptor {
     vertex: VertexStage {
         path: "surface/surface.wgsl",
@@ -300,15 +300,7 @@ impl Stage {
             .min(limits.max_framebuffer_height)
             .min(limits.max_viewport_dimensions[0])
             .min(limits.max_viewport_dimensions[1]);
-        if size.width.max(size.height) > limit || size.width.min(size.height) == 0 {
-            return Err(BackendError::Unsupported {
-                capability: format!(
-                    "images of {} × {} pixels (1 … {limit} a side)",
-                    size.width, size.height
-                ),
-                adapter: gpu.facts.name.clone(),
-            });
-        }
+        check_target_size(size, limit, &gpu.facts.name)?;
         Ok(Self {
             gpu: Arc::clone(gpu),
             size,
@@ -353,10 +345,10 @@ impl Stage {
     /// [`BackendError::OutOfMemory`].
     pub fn ensure_numbers(&mut self) -> Result<(), BackendError> {
         if !self.gpu.facts.features.blends_float {
-            return Err(BackendError::Unsupported {
-                capability: "blending into R32_SFLOAT".to_owned(),
-                adapter: self.gpu.facts.name.clone(),
-            });
+            return Err(BackendError::unsupported(
+                "blending into R32_SFLOAT",
+                &self.gpu.facts.name,
+            ));
         }
         if self.targets.numbers.is_none() {
             self.targets.numbers = Some(Numbers::new(&self.targets)?);
@@ -364,18 +356,22 @@ impl Stage {
         Ok(())
     }
 
+    /// Bytes of the target of accumulated numbers, if `program` draws into it.
+    #[must_use]
+    pub fn number_bytes(&self, program: &FillProgram) -> u64 {
+        if program.accumulates() {
+            self.size.pixel_count() as u64 * NUMBER_BYTES
+        } else {
+            0
+        }
+    }
+
     /// Uploads the view and its surface, unless they are there already.
     ///
     /// # Errors
     /// [`BackendError::OverCapacity`] when the input's size is not the stage's.
     pub fn prepare(&mut self, input: &FrameInput) -> Result<(), BackendError> {
-        if input.size != self.size {
-            return Err(BackendError::OverCapacity {
-                what: "image size differs from the stage's, pixels".to_owned(),
-                found: input.size.pixel_count() as u64,
-                allowed: self.size.pixel_count() as u64,
-            });
-        }
+        input.check_size(self.size)?;
         if self.is_prepared(input) {
             return Ok(());
         }
@@ -403,11 +399,7 @@ impl Stage {
                 bytemuck::cast_slice(indices),
                 BufferUse::Index,
             )?,
-            index_count: u32::try_from(indices.len()).map_err(|_| BackendError::OverCapacity {
-                what: "surface indices".to_owned(),
-                found: indices.len() as u64,
-                allowed: u64::from(u32::MAX),
-            })?,
+            index_count: count_u32("surface indices", indices.len())?,
         });
         Ok(())
     }
@@ -430,7 +422,7 @@ impl Stage {
     /// [`BackendError::NotPrepared`], [`BackendError::DeviceLost`].
     pub fn draw_surface(&mut self) -> Result<Option<f64>, BackendError> {
         let Some(prepared) = &self.prepared else {
-            return Err(not_prepared());
+            return Err(BackendError::no_surface());
         };
         let clears = [
             vk::ClearValue {
@@ -502,7 +494,7 @@ impl Stage {
         record: impl FnOnce(&mut FillRecorder<'a>),
     ) -> Result<FillReport, BackendError> {
         if !self.is_drawn {
-            return Err(not_prepared());
+            return Err(BackendError::no_surface());
         }
         let count = u32::try_from(passes).unwrap_or(u32::MAX);
         let queries = match measured {
@@ -556,7 +548,7 @@ impl Stage {
     /// [`BackendError::NotPrepared`] when nothing was drawn yet, [`BackendError::DeviceLost`].
     pub fn read(&self) -> Result<Picture, BackendError> {
         if !self.is_drawn {
-            return Err(not_prepared());
+            return Err(BackendError::no_surface());
         }
         let (rgba, depth) = read_targets(&self.gpu, &self.targets)?;
         let (depths, _) = depth.as_chunks::<4>();
@@ -568,13 +560,5 @@ impl Stage {
                 .map(|&bytes| f32::from_ne_bytes(bytes))
                 .collect(),
         })
-    }
-}
-
-fn not_prepared() -> BackendError {
-    BackendError::NotPrepared {
-        backend: "surface",
-        scene: String::new(),
-        view: String::new(),
     }
 }

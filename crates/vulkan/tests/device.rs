@@ -146,14 +146,17 @@ fn buffers_have_the_size_asked_for_and_give_their_memory_back() {
     let Some(gpu) = open_for_test(&GpuOptions::default()) else {
         return;
     };
-    let (made, allocated) = (gpu.made(), gpu.allocated_bytes());
+    let (made, allocated) = (gpu.work_done(), gpu.allocated_bytes());
     let upload = |bytes: &[u8]| Buffer::upload(&gpu, "test", bytes, BufferUse::Vertex);
     let buffers = [upload(&[]), upload(&[1, 2, 3]), upload(&[7; 1001])].map(|b| b.expect("fits"));
     assert_eq!(buffers.each_ref().map(Buffer::size), [4, 4, 1001]);
     let sum: u64 = buffers.iter().map(Buffer::allocated_bytes).sum();
     assert_eq!(gpu.allocated_bytes() - allocated, sum);
-    let now = gpu.made() - made;
-    assert_eq!((now.buffers, now.uploads, now.upload_bytes), (3, 2, 1004));
+    let now = gpu.work_done() - made;
+    assert_eq!(
+        (now.buffer_creations, now.uploads, now.upload_bytes),
+        (3, 2, 1004)
+    );
     let too_much = buffers[2].rewrite(&[0; 1004]).expect_err("larger");
     assert!(too_much.to_string().contains("found 1004, allowed 1001"));
     assert!(buffers[2].rewrite(&[0; 3]).is_err(), "no whole word");

@@ -224,6 +224,7 @@ fn statistics_hold_counters_bytes_and_what_was_left_out() {
             "vertex_bytes",
             "index_bytes",
             "constant_bytes",
+            "target_bytes",
             "geometry_bytes",
         ])
     );

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pipeline statistics: exact counts of the work that a frame's passes gave the device.
 
+use crate::{Gpu, read_buffer};
 use terrafill_frame::{BackendError, Counters};
-use terrafill_gpu::{Gpu, read_buffer};
 
 /// Pipeline statistics of a frame's passes.
 #[derive(Debug)]
 pub(crate) struct Statistics {
-    pub(crate) queries: wgpu::QuerySet,
+    queries: wgpu::QuerySet,
     resolved: wgpu::Buffer,
     passes: u32,
 }
@@ -18,7 +18,7 @@ const STATISTICS: usize = 4;
 impl Statistics {
     pub(crate) fn new(gpu: &Gpu, passes: usize) -> Option<Self> {
         let passes = u32::try_from(passes).ok()?;
-        if !gpu.facts.pipeline_statistics || passes == 0 {
+        if !gpu.facts.features.pipeline_statistics || passes == 0 {
             return None;
         }
         let types = wgpu::PipelineStatisticsTypes::VERTEX_SHADER_INVOCATIONS
@@ -42,6 +42,12 @@ impl Statistics {
             resolved,
             passes,
         })
+    }
+
+    /// Begins the query of a pass.
+    pub(crate) fn begin(&self, pass: &mut wgpu::RenderPass<'_>, index: usize) {
+        let index = u32::try_from(index).unwrap_or(u32::MAX);
+        pass.begin_pipeline_statistics_query(&self.queries, index);
     }
 
     /// Sums the passes: geometry counts of the volumes, fragments of the covers (volumes have no

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What every layout of meshes in GPU buffers has: bytes, index lists of two widths, boundary edges.
+
+use std::ops::Add;
+use terrafill_core::RegionMesh;
+
+/// Bytes of one or more regions in one layout.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct GeometryBytes {
+    /// Positions and flags.
+    pub vertex_bytes: u64,
+    /// Indices.
+    pub index_bytes: u64,
+}
+
+impl GeometryBytes {
+    /// Both.
+    #[must_use]
+    pub fn total(self) -> u64 {
+        self.vertex_bytes + self.index_bytes
+    }
+}
+
+impl Add for GeometryBytes {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            vertex_bytes: self.vertex_bytes + other.vertex_bytes,
+            index_bytes: self.index_bytes + other.index_bytes,
+        }
+    }
+}
+
+impl std::iter::Sum for GeometryBytes {
+    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
+        parts.fold(Self::default(), Add::add)
+    }
+}
+
+/// Indices of a scene: of 16 bits for regions whose vertices fit, of 32 for the others.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct IndexLists {
+    /// Of 16 bits.
+    pub short: Vec<u16>,
+    /// Of 32 bits.
+    pub long: Vec<u32>,
+}
+
+impl IndexLists {
+    /// Appends `index` to the list of its region's width. `u32::MAX` is the largest value of either,
+    /// which restarts strips and separates loops.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "short indices are below 2^16 by choice of width, or the restart value"
+    )]
+    pub fn push(&mut self, is_short: bool, index: u32) {
+        if is_short {
+            self.short.push(index as u16);
+        } else {
+            self.long.push(index);
+        }
+    }
+
+    /// Indices of one width so far.
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "buffers are refused by the device long before 2^32 elements"
+    )]
+    #[must_use]
+    pub fn count(&self, is_short: bool) -> u32 {
+        if is_short {
+            self.short.len() as u32
+        } else {
+            self.long.len() as u32
+        }
+    }
+
+    /// Bytes of both.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.short.len() as u64 * 2 + self.long.len() as u64 * 4
+    }
+}
+
+/// Directed edges of the boundary loops, inside on the left.
+pub fn boundary_edges(mesh: &RegionMesh) -> impl Iterator<Item = [u32; 2]> {
+    mesh.boundary_loops.iter().flat_map(|ring| {
+        let ends = ring.iter().cycle().skip(1);
+        ring.iter().zip(ends).map(|(&start, &end)| [start, end])
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_index_lies_in_the_list_of_its_width() {
+        let mut lists = IndexLists::default();
+        for (is_short, index) in [
+            (true, 7),
+            (false, 70_000),
+            (true, u32::MAX),
+            (false, u32::MAX),
+        ] {
+            lists.push(is_short, index);
+        }
+        assert_eq!(lists.short, [7, 0xffff]);
+        assert_eq!(lists.long, [70_000, u32::MAX]);
+        lists.push(true, 8);
+        assert_eq!((lists.count(true), lists.count(false)), (3, 2));
+        assert_eq!(lists.bytes(), 3 * 2 + 2 * 4);
+        let twin = IndexLists {
+            short: lists.short.clone(),
+            ..IndexLists::default()
+        };
+        assert_ne!(twin.bytes(), lists.bytes());
+    }
+
+    #[test]
+    fn bytes_add_up_each_with_its_own() {
+        let bytes = |vertex_bytes, index_bytes| GeometryBytes {
+            vertex_bytes,
+            index_bytes,
+        };
+        let sum: GeometryBytes = [bytes(1, 10), bytes(2, 20)].into_iter().sum();
+        assert_eq!((sum, sum.total()), (bytes(3, 30), 33));
+        assert_ne!(sum, bytes(30, 3));
+    }
+}

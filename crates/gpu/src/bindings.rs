@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Bind groups of buffers, numbered in the order in which they are given.
+
+use crate::Gpu;
+
+impl Gpu {
+    /// A layout of buffers.
+    #[must_use]
+    pub fn buffer_layout(
+        &self,
+        label: &str,
+        visibility: wgpu::ShaderStages,
+        types: &[wgpu::BufferBindingType],
+    ) -> wgpu::BindGroupLayout {
+        let entries: Vec<_> = (0..)
+            .zip(types)
+            .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry {
+                binding,
+                visibility,
+                ty: wgpu::BindingType::Buffer {
+                    ty,
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+                count: None,
+            })
+            .collect();
+        let descriptor = wgpu::BindGroupLayoutDescriptor {
+            label: Some(label),
+            entries: &entries,
+        };
+        self.device.create_bind_group_layout(&descriptor)
+    }
+
+    /// Whole buffers in a layout of [`Gpu::buffer_layout`].
+    #[must_use]
+    pub fn bind_buffers(
+        &self,
+        label: &str,
+        layout: &wgpu::BindGroupLayout,
+        buffers: &[&wgpu::Buffer],
+    ) -> wgpu::BindGroup {
+        let entries: Vec<_> = (0..)
+            .zip(buffers)
+            .map(|(binding, buffer)| wgpu::BindGroupEntry {
+                binding,
+                resource: buffer.as_entire_binding(),
+            })
+            .collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(label),
+            layout,
+            entries: &entries,
+        })
+    }
+
+    /// A pipeline layout without immediates.
+    #[must_use]
+    pub fn pipeline_layout(
+        &self,
+        label: &str,
+        groups: &[Option<&wgpu::BindGroupLayout>],
+    ) -> wgpu::PipelineLayout {
+        let descriptor = wgpu::PipelineLayoutDescriptor {
+            label: Some(label),
+            bind_group_layouts: groups,
+            immediate_size: 0,
+        };
+        self.device.create_pipeline_layout(&descriptor)
+    }
+}
