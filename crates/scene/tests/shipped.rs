@@ -339,6 +339,58 @@ fn views_that_break_their_promise_are_noticed() {
 }
 
 #[test]
+fn views_of_places_where_textures_are_hard_must_show_them() {
+    let text = include_str!("../../../bench-scenes/blue-marble.toml");
+    for (from, to) in [
+        // A hemisphere off, and over open sea.
+        ("latitude_deg = -2\n", "latitude_deg = -30\n"),
+        ("latitude_deg = 45.9", "latitude_deg = 75"),
+        ("latitude_deg = 85", "latitude_deg = 60"),
+        ("longitude_deg = 179\n", "longitude_deg = 100\n"),
+        ("latitude_deg = -17.2", "latitude_deg = -35"),
+        ("latitude_deg = -90\n", "latitude_deg = -40\n"),
+    ] {
+        let changed = text.replacen(from, to, 1);
+        assert_ne!(text, changed, "{from} is not in the scene");
+        let data = data_dir_from_env();
+        let scene = match Scene::from_toml(&changed, "blue-marble.toml", data.as_deref()) {
+            Ok(scene) => scene,
+            Err(error @ SceneError::DataMissing { .. }) => {
+                eprintln!("skipped: {error}");
+                return;
+            }
+            Err(error) => panic!("{error}"),
+        };
+        let noticed = scene
+            .views
+            .iter()
+            .any(|view| !complaints(view, &picture(&scene, view)).is_empty());
+        assert!(noticed, "{to} went unnoticed");
+    }
+}
+
+#[test]
+fn blue_marble_has_its_picture_with_all_levels() {
+    let Some(scene) = load_or_skip("blue-marble") else {
+        return;
+    };
+    let texture = scene.texture.expect("a texture");
+    assert_eq!(texture.image.size_px(), [4096, 2048]);
+    assert_eq!(texture.image.levels().len(), 13);
+    // Antarctica is white, the southern Pacific dark blue.
+    let level = &texture.image.levels()[4];
+    let texel = |longitude: f64, latitude: f64| {
+        let column = (longitude + 180.0) / 360.0 * f64::from(level.width);
+        let row = (90.0 - latitude) / 180.0 * f64::from(level.height);
+        let index = 4 * (row as usize * level.width as usize + column as usize);
+        level.rgba[index..index + 3].to_vec()
+    };
+    assert!(texel(90.0, -80.0).iter().all(|&channel| channel > 200));
+    let sea = texel(-130.0, -40.0);
+    assert!(sea[0] < 40 && sea[2] > sea[0], "{sea:?}");
+}
+
+#[test]
 fn the_countries_are_seen_by_the_cameras_of_the_published_figures() {
     for name in ["countries-110m", "countries-50m"] {
         let Some(scene) = load_or_skip(name) else {

@@ -9,14 +9,15 @@
 use super::Random;
 use crate::ReferenceBackend;
 use crate::backend::ReferenceFrame;
+use crate::extent::RegionExtent;
 use crate::texture::{SurfacePoint, Texturing};
 use glam::DVec3;
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, Region, parse_regions};
 use terrafill_frame::{AddressMode, FrameInput, PlannedTexture, PreparedScene, TexturePixel};
 use terrafill_scene::{
-    Camera, CameraPose, FramePlan, ImageSize, Outside, Overlap, Scene, SceneTexture, SurfaceMesh,
-    TextureAnchor, TexturePlacement,
+    Camera, CameraPose, FramePlan, ImageSize, Outside, Overlap, Scene, SceneError, SceneTexture,
+    SurfaceMesh, TextureAnchor, TexturePlacement, data_dir_from_env,
 };
 
 const FIJI: &str = "[[[[177,-18],[180,-18],[180,-16],[177,-16],[177,-18]]],\
@@ -225,6 +226,50 @@ fn extents_agree_with_those_that_backends_are_given() {
     let zone = Shot::of(ZONE, TexturePlacement::Extents, UP).input();
     let north = Texturing::new(&zone).expect("a texture").extent(0).north;
     assert!((north - 81_f64.to_radians()).abs() < 1e-15, "{north}");
+}
+
+#[test]
+fn extents_of_real_countries_agree_with_those_that_backends_are_given() {
+    let mut scenes = 0;
+    for name in ["planet-134", "countries-110m", "countries-50m", "us-states"] {
+        let scene = match Scene::shipped(name, data_dir_from_env().as_deref()) {
+            Ok(scene) => scene,
+            Err(error @ SceneError::DataMissing { .. }) => {
+                eprintln!("skipped: {error}");
+                continue;
+            }
+            Err(error) => panic!("{error}"),
+        };
+        scenes += 1;
+        let texture = checker(TexturePlacement::Extents);
+        let body = scene.body;
+        for region in scene.regions.iter() {
+            let own = RegionExtent::new(region, scene.edge_rule);
+            let given = PlannedTexture::new(&texture, region, scene.edge_rule, &body).extent_rad;
+            let own = [own.west, own.south, own.east, own.north];
+            let error = (0..4).map(|i| (own[i] - given[i]).abs());
+            assert!(
+                error.fold(0.0, f64::max) < 1e-12,
+                "{name}, {}: {own:?} {given:?}",
+                region.name
+            );
+        }
+        let extent_deg = |name: &str| {
+            let region = scene.regions.iter().find(|region| region.name == name);
+            let extent = RegionExtent::new(region.expect("in the file"), scene.edge_rule);
+            [extent.west, extent.south, extent.east, extent.north].map(f64::to_degrees)
+        };
+        if name == "countries-110m" {
+            // From Kaliningrad to Cape Dezhnev, and all round from the pole.
+            let [west, _, east, _] = extent_deg("Russia");
+            assert!((19.0..21.0).contains(&west) && (190.0..191.0).contains(&east));
+            let [west, _, east, _] = extent_deg("Fiji");
+            assert!((177.0..177.5).contains(&west) && (180.0..180.5).contains(&east));
+            let [west, south, east, _] = extent_deg("Antarctica");
+            assert_eq!([west, south, east], [-180.0, -90.0, 180.0]);
+        }
+    }
+    assert!(scenes > 0);
 }
 
 #[test]
