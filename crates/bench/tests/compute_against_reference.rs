@@ -77,6 +77,7 @@ fn input(geojson: &str, body: Ellipsoid, rows: u32, pose: Pose) -> FrameInput {
         levels: Arc::default(),
         bounds: Arc::new([]),
         surface: Arc::new(SurfaceMesh::ellipsoid(&body, rows)),
+        texture: None,
     }
     .with_meshes(meshes.expect("meshes").into());
     let (longitude, latitude, height_m, heading, pitch) = pose;
