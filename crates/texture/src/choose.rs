@@ -234,8 +234,11 @@ impl Chooser {
         self.findings
             .iter()
             .filter(|finding| finding.route == route)
-            // A ratio that is NaN speaks against the route too.
-            .find(|finding| finding.non_finite > 0 || !(finding.worst_over_bound <= 1.0))
+            .find(|finding| {
+                // A ratio that is NaN speaks against the route too.
+                let ratio = finding.worst_over_bound;
+                finding.non_finite > 0 || ratio > 1.0 || ratio.is_nan()
+            })
             .map(|finding| Reason::Suite {
                 worst_over_bound: finding.worst_over_bound,
                 non_finite: finding.non_finite,
@@ -311,11 +314,10 @@ impl Demand {
             (residual, Some(reason @ (Reason::MaxTexels { .. } | Reason::NonFinite { .. }))) => {
                 (residual, Some(reason))
             }
-            (residual, Some(reason @ (Reason::RmsTexels { found, .. } | Reason::RmsPixels { found, .. })))
-                if found > 4.0 * RMS_TOLERANCE =>
-            {
-                (residual, Some(reason))
-            }
+            (
+                residual,
+                Some(reason @ (Reason::RmsTexels { found, .. } | Reason::RmsPixels { found, .. })),
+            ) if found > 4.0 * RMS_TOLERANCE => (residual, Some(reason)),
             _ => look(RESIDUAL_SAMPLES),
         }
     }

@@ -827,7 +827,7 @@ fn slope(derivative: f64) -> f64 {
 }
 
 /// Half the distance between neighbouring `f32` around `value`.
-fn half_ulp(value: f64) -> f64 {
+pub(crate) fn half_ulp(value: f64) -> f64 {
     let magnitude = value.abs();
     if magnitude == 0.0 {
         return 0.0;

@@ -9,7 +9,9 @@
 //!
 //! Vertices have the same problem on their way in: [`VertexFormat`].
 
-use crate::operations::{Arithmetic, Bounded, Operations, Program, ProgramBuilder, Value};
+use crate::operations::{
+    Arithmetic, Bounded, Operations, Program, ProgramBuilder, Value, half_ulp,
+};
 use crate::{DepthFormat, DepthMapping, MapRegion};
 use glam::{DMat3, DVec3};
 
@@ -272,12 +274,7 @@ impl PositionRoute {
         clippy::cast_possible_truncation,
         reason = "pixel centres are exact in f32"
     )]
-    pub fn residual(
-        &self,
-        view: &View,
-        region: &MapRegion,
-        distance_m: f64,
-    ) -> PositionResidual {
+    pub fn residual(&self, view: &View, region: &MapRegion, distance_m: f64) -> PositionResidual {
         let constants = self.constants(view, region);
         let program = self.program(&view.depth);
         let mut residual = PositionResidual {
@@ -307,7 +304,11 @@ impl PositionRoute {
             let square: f64 = (0..3)
                 .map(|i| (all[i].value - exact[i]).powi(2) + all[i].variance)
                 .sum();
-            let inputs = [pixel[0] as f32, pixel[1] as f32, view.depth.stored(distance_m)];
+            let inputs = [
+                pixel[0] as f32,
+                pixel[1] as f32,
+                view.depth.stored(distance_m),
+            ];
             let emulated = program.emulate_all(&constants, inputs, Arithmetic::Fused);
             let emulated = DVec3::from_array([0, 1, 2].map(|i| f64::from(emulated[i])));
             let error = (emulated - exact).length();
@@ -498,7 +499,6 @@ impl VertexFormat {
     /// - `distance_m`: nor from the eye
     #[must_use]
     pub fn residual_m(&self, radius_m: f64, extent_m: f64, distance_m: f64) -> f64 {
-        let half_ulp = |x: f64| 0.5 * (x.abs().log2().floor() - 23.0).exp2();
         // Every difference is rounded once in the end.
         let difference = half_ulp(distance_m);
         match self {
