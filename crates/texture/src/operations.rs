@@ -122,7 +122,8 @@ pub struct Bounded {
     pub value: f64,
     /// Bound of the difference between any conforming device and `value`, to first order.
     pub bound: f64,
-    /// Variance of that difference if every rounding were independent and even.
+    /// Variance of that difference on a device that rounds every step correctly, if the roundings are
+    /// independent and even: what to expect, not what is certain.
     pub variance: f64,
 }
 
@@ -609,7 +610,7 @@ impl Program {
                 let product = v(a).value * v(b).value;
                 let terms = [(v(a), v(b).value), (v(b), v(a).value), (v(c), 1.0)];
                 let mut sum = combine(product + v(c).value, &terms, 1.0);
-                sum.add_rounding(half_ulp(product));
+                sum.bound += half_ulp(product);
                 sum
             }
             Step::Divide(a, b) => {
@@ -792,17 +793,12 @@ impl Bounded {
         Self { value, ..self }
     }
 
-    /// One more rounding of at most `half`.
-    fn add_rounding(&mut self, half: f64) {
-        self.bound += half;
-        // Variance of an even distribution over ±half.
-        self.variance += half * half / 3.0;
-    }
 }
 
 /// A result whose error is its operands' by the given derivatives, and its own.
 ///
-/// - `own_half_ulps`: what the step itself may add, in halves of a unit in the last place
+/// - `own_half_ulps`: what the step itself may add to the bound, in halves of a unit in the last
+///   place; the variance is that of one correct rounding
 fn combine(value: f64, terms: &[(Bounded, f64)], own_half_ulps: f64) -> Bounded {
     let mut result = Bounded {
         value,
@@ -813,7 +809,10 @@ fn combine(value: f64, terms: &[(Bounded, f64)], own_half_ulps: f64) -> Bounded 
         result.bound += operand.bound * derivative.abs();
         result.variance += operand.variance * derivative * derivative;
     }
-    result.add_rounding(own_half_ulps * half_ulp(value));
+    let half = half_ulp(value);
+    result.bound += own_half_ulps * half;
+    // Of an even distribution over ±half.
+    result.variance += half * half / 3.0;
     result
 }
 

@@ -86,6 +86,8 @@ pub struct Sample {
     pub angles_rad: [f64; 2],
     /// Metres on the body's surface per radian of longitude and of latitude here.
     pub metres_per_radian: [f64; 2],
+    /// Closer to the axis than the offset's last place, so that it has no longitude.
+    pub on_axis: bool,
 }
 
 impl MapRegion {
@@ -255,7 +257,11 @@ impl MapRegion {
     #[must_use]
     pub fn sample(&self, position: Geodetic) -> Sample {
         let offset = self.offset_m(position).as_vec3();
+        let rounded = self.anchor_meridian() + offset.as_dvec3();
+        // Half a unit in the last place is 2⁻²⁴ of a component.
+        let last_place = f64::from(offset.abs().max_element()) * 2.0_f64.powi(-23);
         Sample {
+            on_axis: rounded.x.hypot(rounded.y) <= last_place,
             offset_m: offset.to_array(),
             angles_rad: self.exact_angles(offset.as_dvec3()),
             metres_per_radian: self.metres_per_radian(position.latitude_rad),
