@@ -582,7 +582,11 @@ mod tests {
                 let mut mutant = constants.clone();
                 let value = &mut mutant[lane / 4][lane % 4];
                 // A tenth of it, or something where it is nothing: more than any fit leaves open.
-                *value += if value.abs() < 1e-12 { 0.1 } else { 0.1 * *value };
+                *value += if value.abs() < 1e-12 {
+                    0.1
+                } else {
+                    0.1 * *value
+                };
                 let after = residual_of(&program, &mutant, region, 300);
                 noticed += usize::from(after != before);
             }
@@ -606,9 +610,8 @@ mod tests {
     fn over_a_pole_the_azimuthal_chart_is_smooth_and_the_gnomonic_one_is_not() {
         for (south, north, pole) in [(80.0, 90.0, FRAC_PI_2), (-90.0, -70.0, -FRAC_PI_2)] {
             let extent = MapExtent::from_degrees(-180.0, south, 180.0, north);
-            let region =
-                MapRegion::with_anchor(Ellipsoid::WGS84, 0.0, pole, extent, (-11e3, 9e3))
-                    .expect("a region");
+            let region = MapRegion::with_anchor(Ellipsoid::WGS84, 0.0, pole, extent, (-11e3, 9e3))
+                .expect("a region");
             let azimuthal = residual(Chart::parse("azimuthal-4").expect("a chart"), &region);
             assert_eq!(azimuthal.non_finite, 0);
             // Longitude has the floor of an f32 angle of π, latitude that of the cap.
@@ -653,25 +656,51 @@ mod tests {
             [0.0; 3],
             crate::Arithmetic::Fused,
         );
-        assert!(at_pole[0].abs() < f32::MIN_POSITIVE && at_pole[1].abs() < 1e-15, "{at_pole:?}");
+        assert!(
+            at_pole[0].abs() < f32::MIN_POSITIVE && at_pole[1].abs() < 1e-15,
+            "{at_pole:?}"
+        );
     }
 
-    /// Largest errors of a cube texture in metres at an equator's region and at a pole's.
-    fn cube_errors(size: u32) -> [f64; 2] {
+    /// Largest error of a cube texture with exact weights over an extent, metres on the ground.
+    fn cube_error_m(size: u32, [west, south, east, north]: [f64; 4]) -> f64 {
         let chart = Chart::Cube(CubeSize::new(size).expect("a size"));
-        // The pole's disc of three texels is left out: there longitude goes round within a texel.
-        let disc = 3.0 * 90.0 / f64::from(size);
-        [(-30.0, 30.0), (50.0, 90.0 - disc)].map(|(south, north)| {
-            let extent = MapExtent::from_degrees(-90.0, south, 90.0, north);
-            let region = MapRegion::new(Ellipsoid::WGS84, extent, (0.0, 0.0)).expect("a region");
-            residual(chart, &region).max_m
-        })
+        let extent = MapExtent::from_degrees(west, south, east, north);
+        let latitude = (0.5 * (south + north)).to_radians();
+        let region = MapRegion::with_anchor(Ellipsoid::WGS84, 0.0, latitude, extent, (0.0, 0.0))
+            .expect("a region");
+        let (program, constants) = (chart.program(), chart.constants(&region));
+        region
+            .samples(4000)
+            .map(|sample| {
+                let answer = program.bounded(&constants, sample.offset_m);
+                let off = [0, 1].map(|axis: usize| {
+                    let error = answer[axis].value - sample.angles_rad[axis];
+                    error * sample.metres_per_radian[axis]
+                });
+                off[0].hypot(off[1])
+            })
+            .fold(0.0, f64::max)
     }
 
     #[test]
-    fn a_cube_of_1024_has_the_published_error() {
-        let [equator, pole] = cube_errors(1024);
-        println!("{equator} {pole}");
+    fn a_cube_has_the_published_error_within_a_face_and_more_at_its_edges() {
+        let equator = |size| cube_error_m(size, [-40.0, -30.0, 40.0, 30.0]);
+        // The pole's disc of three texels is left out: there longitude goes round within a texel.
+        let disc = |size: u32| 3.0 * 90.0 / f64::from(size);
+        let pole = |size| cube_error_m(size, [-150.0, 60.0, 150.0, 90.0 - disc(size)]);
+        let edge = |size| cube_error_m(size, [44.0, 20.0, 46.0, 30.0]);
+        assert!((0.5..2.0).contains(&(equator(1024) / 3.3)));
+        assert!((0.5..2.0).contains(&(pole(1024) / 423.0)));
+        // Within a face the error falls with the square of the size, close to the pole with its first
+        // power, since the disc shrinks too.
+        let fall = |error: &dyn Fn(u32) -> f64| error(512) / error(1024);
+        assert!((3.7..4.3).contains(&fall(&equator)));
+        assert!((1.8..2.2).contains(&fall(&pole)));
+        // Two texels on either side of a cube's edge lie at the same latitude, the edge between them
+        // at a lower one: half a texel's width times t / √2 is left, 1.3 km at 1024.
+        assert!((1.8..2.2).contains(&fall(&edge)));
+        assert!((1000.0..1600.0).contains(&edge(1024)), "{}", edge(1024));
     }
 
     #[test]
