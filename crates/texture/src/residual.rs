@@ -12,13 +12,17 @@ use std::f64::consts::{PI, TAU};
 /// Places at which a residual is computed, besides corners, edges and middle.
 pub(crate) const RESIDUAL_SAMPLES: u32 = 4096;
 
+/// How many standard deviations the largest of some thousand errors is expected to be: a single even
+/// rounding has no error beyond √3 of them, a sum of many reaches 3.7.
+const EXPECTED_DEVIATIONS: f64 = 2.5;
+
 /// Error of a route over a region.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Residual {
     /// Largest error of longitude or latitude on any device that conforms to WGSL, radians: the
     /// approximation's and the bound of the arithmetic's.
     pub max_rad: f64,
-    /// The same on a device that rounds every step correctly, as it is to be expected: three standard
+    /// The same on a device that rounds every step correctly, as it is to be expected: 2.5 standard
     /// deviations of independent roundings in the bound's place, radians.
     pub expected_max_rad: f64,
     /// Root mean square of the errors of longitude and latitude, the larger of the two, radians, on
@@ -70,10 +74,10 @@ impl ResidualSum {
             let error = difference + answer[axis].bound;
             r.max_axis_rad[axis] = r.max_axis_rad[axis].max(error);
             r.approximation_max_rad = r.approximation_max_rad.max(difference);
-            let three_sigma = 3.0 * answer[axis].variance.sqrt();
+            let expected = EXPECTED_DEVIATIONS * answer[axis].variance.sqrt();
             r.expected_max_rad = r
                 .expected_max_rad
-                .max(difference + three_sigma.min(answer[axis].bound));
+                .max(difference + expected.min(answer[axis].bound));
             r.arithmetic_max_rad = r.arithmetic_max_rad.max(answer[axis].bound);
             self.squares[axis] += difference * difference + answer[axis].variance;
             square_m += (error * sample.metres_per_radian[axis]).powi(2);
