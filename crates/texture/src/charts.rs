@@ -61,7 +61,7 @@ pub enum Chart {
     /// For regions near or over a pole, where longitude and latitude are no smooth functions of
     /// anything local. What holds there: the colatitude is smooth and exact in the pole's
     /// neighbourhood; the longitude is that of the offset from the axis, so its relative error is
-    /// that of the offset as long as the anchor is the pole (`MapRegion::with_anchor`), and at the
+    /// that of the offset as long as the anchor is the pole ([`MapRegion::anchored`]), and at the
     /// pole itself, where there is none, it is 0. With another anchor, the distance of the anchor
     /// from the axis is added in `f32`, and closer to the pole than some millimetres per kilometre
     /// of that distance the longitude is noise.

@@ -80,7 +80,7 @@ impl View {
 }
 
 /// One way from pixel and depth to the offset.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum PositionRoute {
     /// Inverse view-projection matrix in `f32` to positions about the body's centre, then minus the
     /// anchor: what was published in 2007.
@@ -88,6 +88,7 @@ pub enum PositionRoute {
     /// Eye space first, then an affine map in `f32` about the body's centre, then minus the anchor.
     EyeEcef,
     /// Eye space first, then an affine map into the region's frame: the default.
+    #[default]
     EyeRegion,
 }
 
@@ -126,7 +127,18 @@ impl PositionRoute {
         Self::ALL.into_iter().find(|route| route.name() == name)
     }
 
-    /// Uniform values of a view and a region, computed in `f64`: screen, depth, then rows.
+    /// Uniform values of a view and a region, computed in `f64`: what `PositionConstants` of
+    /// [`Self::wgsl`] holds.
+    ///
+    /// | vector | what |
+    /// |---|---|
+    /// | 0 | half width, half height, pixels; slope of a pixel to the right and downwards, per metre of distance |
+    /// | 1 | near, metres; near / far; log2(1 + far) for logarithmic depth; 0 |
+    /// | 2–4 | rows of the affine map to x, y and z in meridian axes: of view space, or of clip x, clip y, depth |
+    /// | 5 | `inverse-ecef`: row of w |
+    /// | last | `inverse-ecef`, `eye-ecef`: the anchor, metres; 0 |
+    ///
+    /// The inverse is taken in `f64` and rounded: one computed in `f32` is worse.
     #[must_use]
     #[allow(
         clippy::cast_possible_truncation,

@@ -108,6 +108,28 @@ impl MapRegion {
         Self::with_anchor(body, longitude, latitude, extent, height_range_m)
     }
 
+    /// A region anchored at the pole that its extent touches, if it touches one, else at its centre.
+    ///
+    /// Close to a pole longitude is as exact as the offset from the axis is, and with any other anchor
+    /// that offset is a difference of `f32` numbers as large as the anchor's distance from the axis.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn anchored(
+        body: Ellipsoid,
+        extent: MapExtent,
+        height_range_m: (f64, f64),
+    ) -> Result<Self, MapRegionError> {
+        let at_pole = |latitude_rad: f64| latitude_rad.abs() >= FRAC_PI_2 - 1e-12;
+        let latitude = match (at_pole(extent.south_rad), at_pole(extent.north_rad)) {
+            (false, true) => FRAC_PI_2,
+            (true, false) => -FRAC_PI_2,
+            _ => 0.5 * (extent.south_rad + extent.north_rad),
+        };
+        let longitude = 0.5 * (extent.west_rad + extent.east_rad);
+        Self::with_anchor(body, longitude, latitude, extent, height_range_m)
+    }
+
     /// A region with an anchor of its own, radians.
     ///
     /// # Errors

@@ -3,7 +3,6 @@
 //! Charts on every body, across the antimeridian and over poles: emulation against bound, special
 //! inputs, shader text.
 
-use std::f64::consts::FRAC_PI_2;
 use terrafill_core::Ellipsoid;
 use terrafill_texture::{
     Arithmetic, Chart, CoordinateRoute, CubeTexture, MapExtent, MapRegion, Program,
@@ -24,14 +23,34 @@ fn square(body: Ellipsoid, centre_deg: [f64; 2], size_deg: f64) -> MapRegion {
 
 /// A cap round the north or the south pole with the pole for anchor.
 fn cap(body: Ellipsoid, north: bool, size_deg: f64) -> MapRegion {
-    let (south_deg, north_deg, pole) = if north {
-        (90.0 - size_deg, 90.0, FRAC_PI_2)
+    let (south_deg, north_deg) = if north {
+        (90.0 - size_deg, 90.0)
     } else {
-        (-90.0, size_deg - 90.0, -FRAC_PI_2)
+        (-90.0, size_deg - 90.0)
     };
     let extent = MapExtent::from_degrees(-180.0, south_deg, 180.0, north_deg);
     let scale = body.equatorial_radius_m() / 6_378_137.0;
-    MapRegion::with_anchor(body, 0.0, pole, extent, (-11e3 * scale, 9e3 * scale)).expect("a region")
+    MapRegion::anchored(body, extent, (-11e3 * scale, 9e3 * scale)).expect("a region")
+}
+
+#[test]
+fn a_region_that_touches_one_pole_is_anchored_there() {
+    let latitude = |south, north| {
+        let extent = MapExtent::from_degrees(10.0, south, 30.0, north);
+        let region = MapRegion::anchored(Ellipsoid::WGS84, extent, (0.0, 0.0)).expect("a region");
+        region.anchor_latitude_rad().to_degrees()
+    };
+    for (south, north, want) in [
+        (80.0, 90.0, 90.0),
+        (-90.0, -60.0, -90.0),
+        (-90.0, 90.0, 0.0),
+        (80.0, 89.9, 84.95),
+    ] {
+        assert!(
+            (latitude(south, north) - want).abs() < 1e-9,
+            "{south} {north}"
+        );
+    }
 }
 
 /// Largest emulated error over its bound, sample by sample, and over all of them.

@@ -20,27 +20,13 @@ fn region(extent_deg: f64, latitude_deg: f64, heights_m: (f64, f64)) -> MapRegio
     let half = 0.5 * extent_deg;
     let south = (latitude_deg - half).max(-90.0);
     let north = (latitude_deg + half).min(90.0);
-    let over_pole = latitude_deg > 89.0;
-    let (west, east) = if over_pole {
+    let (west, east) = if latitude_deg > 89.0 {
         (-180.0, 180.0)
     } else {
         (20.0 - half, 20.0 + half)
     };
     let extent = MapExtent::from_degrees(west, south, east, north);
-    let anchor_deg: f64 = if over_pole {
-        90.0
-    } else {
-        0.5 * (south + north)
-    };
-    let longitude = 0.5 * (extent.west_rad + extent.east_rad);
-    MapRegion::with_anchor(
-        Ellipsoid::WGS84,
-        longitude,
-        anchor_deg.to_radians(),
-        extent,
-        heights_m,
-    )
-    .expect("a region")
+    MapRegion::anchored(Ellipsoid::WGS84, extent, heights_m).expect("a region")
 }
 
 fn chooser() -> Chooser {
