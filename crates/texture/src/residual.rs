@@ -64,22 +64,21 @@ impl ResidualSum {
             return;
         }
         let mut square_m = 0.0;
-        for axis in usize::from(sample.on_axis)..2 {
-            let difference = answer[axis].value - sample.angles_rad[axis];
+        for (axis, found) in answer.iter().enumerate().skip(usize::from(sample.on_axis)) {
+            let difference = found.value - sample.angles_rad[axis];
             let difference = if axis == 0 {
                 short_way(difference)
             } else {
                 difference.abs()
             };
-            let error = difference + answer[axis].bound;
+            let error = difference + found.bound;
             r.max_axis_rad[axis] = r.max_axis_rad[axis].max(error);
             r.approximation_max_rad = r.approximation_max_rad.max(difference);
-            let expected = EXPECTED_DEVIATIONS * answer[axis].variance.sqrt();
-            r.expected_max_rad = r
-                .expected_max_rad
-                .max(difference + expected.min(answer[axis].bound));
-            r.arithmetic_max_rad = r.arithmetic_max_rad.max(answer[axis].bound);
-            self.squares[axis] += difference * difference + answer[axis].variance;
+            let deviations = EXPECTED_DEVIATIONS * found.variance.sqrt();
+            let expected = difference + deviations.min(found.bound);
+            r.expected_max_rad = r.expected_max_rad.max(expected);
+            r.arithmetic_max_rad = r.arithmetic_max_rad.max(found.bound);
+            self.squares[axis] += difference * difference + found.variance;
             square_m += (error * sample.metres_per_radian[axis]).powi(2);
         }
         r.max_m = r.max_m.max(square_m.sqrt());
