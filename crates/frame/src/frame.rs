@@ -88,6 +88,8 @@ pub struct MemoryUse {
     pub constant_bytes: u64,
     /// Textures that the fill draws into besides those that all backends have.
     pub target_bytes: u64,
+    /// Pictures of a textured fill with all their levels, and tables that its routes read.
+    pub texture_bytes: u64,
     /// How many buffers hold the geometry and the constants.
     pub buffers: u64,
     /// Bytes handed to the device by `prepare`.

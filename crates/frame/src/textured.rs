@@ -16,8 +16,8 @@ use std::hash::{Hash, Hasher};
 use terrafill_core::{Ellipsoid, OrientedBox};
 use terrafill_scene::{PlannedRegion, SceneTexture};
 use terrafill_texture::{
-    AngleCore, AngleForm, Chart, ChartDegree, Chooser, Considered, CoordinateRoute, CostTable,
-    Demand, DepthFormat, LatitudeForm, MapExtent, MapRegion, PositionRoute, Reason, View, Weight,
+    Chooser, CoordinateRoute, CostTable, Demand, DepthFormat, MapExtent, MapRegion, PositionRoute,
+    Reason, View,
 };
 
 /// How a textured fill's coordinate routes are picked.
@@ -177,6 +177,8 @@ impl TexturedPlan {
         let textures = PlannedTexture::of_scene(&input.scene);
         let mut covers = Vec::with_capacity(input.plan.regions.len());
         let mut notes: Vec<RouteNote> = Vec::new();
+        let candidates = Chooser::default_candidates();
+        let chooser = Chooser::new(&candidates, &CostTable::default(), Vec::new());
         for planned in &input.plan.regions {
             let texture = textures[planned.region];
             let named =
@@ -184,18 +186,15 @@ impl TexturedPlan {
             let map = map_region(input, &texture)
                 .map_err(|error| refuse(named(error.to_string()), "plain"))?;
             let sight = Sight::new(input, planned);
-            let considered = match choice {
-                RouteChoice::Route(route) => (route, None),
+            let (route, note) = match choice {
+                RouteChoice::Route(route) => (route, forced(route)),
                 RouteChoice::Chosen => {
                     let demand = sight.demand(map, &texture, scene_texture);
-                    let found = chosen(&demand);
-                    let (considered, note) =
-                        found.ok_or_else(|| refuse(named("none is finite".to_owned()), "plain"))?;
-                    (considered.route, Some(note))
+                    chosen(&chooser, &demand)
+                        .ok_or_else(|| refuse(named("none is finite".to_owned()), "plain"))?
                 }
             };
-            let (route, note) = considered;
-            add_note(&mut notes, note.unwrap_or_else(|| forced(route)));
+            add_note(&mut notes, note);
             covers.push(TexturedCover {
                 texture,
                 route,
@@ -253,50 +252,15 @@ impl TexturedPlan {
     }
 }
 
-/// Routes that the chooser looks at: those on the front of error against operations, in the forms
-/// that do not cancel. Tables and cube textures are dearer than what they would replace.
-fn candidates() -> Vec<CoordinateRoute> {
-    let mut candidates = vec![CoordinateRoute::Chart(Chart::Planes)];
-    let degrees = ChartDegree::ALL.into_iter();
-    candidates.extend(
-        degrees
-            .clone()
-            .map(|d| CoordinateRoute::Chart(Chart::Gnomonic(d))),
-    );
-    candidates.extend(degrees.map(|d| CoordinateRoute::Chart(Chart::Azimuthal(d))));
-    let weight = Weight::Relative;
-    let cores = (5..=15)
-        .step_by(2)
-        .map(|degree| AngleCore::Odd { degree, weight });
-    let latitudes = [
-        LatitudeForm::Parametric,
-        LatitudeForm::Bowring1,
-        LatitudeForm::Bowring2,
-    ];
-    for form in [AngleForm::Near, AngleForm::Recentred] {
-        for core in cores.clone() {
-            candidates.extend(latitudes.map(|latitude| CoordinateRoute::Angles {
-                form,
-                core,
-                latitude,
-            }));
-        }
-    }
-    candidates
-}
-
-fn chosen(demand: &Demand) -> Option<(Considered, RouteNote)> {
-    let chooser = Chooser {
-        candidates: candidates(),
-        costs: CostTable::default(),
-        findings: Vec::new(),
-    };
+fn chosen(chooser: &Chooser, demand: &Demand) -> Option<(CoordinateRoute, RouteNote)> {
     let choice = chooser.choose(demand);
-    let taken = choice.best_effort()?.clone();
+    let taken = choice.best_effort()?;
     let left_out = choice
         .left_out
         .iter()
-        .filter(|(_, reason)| !matches!(reason, Reason::Dearer { .. }))
+        .filter(|(considered, reason)| {
+            !matches!(reason, Reason::Dearer { .. }) && considered.route != taken.route
+        })
         .map(|(considered, reason)| format!("{}: {}", considered.route.name(), why(reason)))
         .collect();
     let note = RouteNote {
@@ -306,7 +270,7 @@ fn chosen(demand: &Demand) -> Option<(Considered, RouteNote)> {
         is_within: choice.chosen.is_some(),
         left_out,
     };
-    Some((taken, note))
+    Some((taken.route, note))
 }
 
 fn forced(route: CoordinateRoute) -> RouteNote {
@@ -550,15 +514,6 @@ mod tests {
             assert_eq!(choice.name(), name);
         }
         assert_eq!(RouteChoice::parse("odd-4"), None);
-    }
-
-    #[test]
-    fn every_candidate_has_a_name_of_its_own() {
-        let mut names: Vec<String> = candidates().iter().map(CoordinateRoute::name).collect();
-        let count = names.len();
-        names.sort();
-        names.dedup();
-        assert_eq!((names.len(), count > 20), (count, true));
     }
 
     #[test]

@@ -9,14 +9,17 @@
 
 use crate::readback::read_texture;
 use crate::route_table::RouteTable;
-use crate::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, Gpu, Stage};
+use crate::volume_pipeline::{colour_state, colour_target};
+use crate::{Gpu, Stage};
 use std::collections::HashMap;
+use std::sync::Arc;
 use terrafill_frame::{
-    AddressMode, BackendError, StencilTest, TexturePixel, TexturedCover, TexturedPlan,
-    TexturedRegion,
+    AddressMode, BackendError, FrameInput, RouteChoice, StencilTest, Switches, TexturePixel,
+    TexturedCover, TexturedPlan, TexturedRegion,
 };
-use terrafill_scene::{ImageSize, MipChain, MipLevel};
+use terrafill_scene::{ImageSize, MipChain, MipLevel, PlannedRegion, SceneTexture, TextureShare};
 use terrafill_shaders::{RouteText, TEXTURED_COVER, TexturedParts, TexturedPlacement};
+use terrafill_texture::PositionRoute;
 
 /// Format of the probe's targets: what the shader computes, unrounded.
 const PROBE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
@@ -209,23 +212,24 @@ impl TexturedFill {
         }
     }
 
-    /// Covers one planned region within the scissor that is set; group 0 is bound by the caller.
-    /// Nothing that is bound already is bound again: `bound` says what the last cover left.
-    pub fn draw(
+    /// Binds what covers one planned region, three vertices in the instance of its number; group 0
+    /// and the stencil reference are the caller's. What the pass has bound already stays: `bound`
+    /// says what the last call left. False where [`TexturedFill::ensure`] was not called for it.
+    pub fn bind(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         test: StencilTest,
         purpose: CoverPurpose,
         planned: usize,
         bound: &mut BoundCover,
-    ) {
+    ) -> bool {
         let Some((key, cover)) = self.cover(test, purpose, planned) else {
-            return;
+            return false;
         };
         let image = (cover.texture.image, cover.texture.address);
         let found = self.pipelines.get(&key).zip(self.image_groups.get(&image));
         let (Some((pipeline, image_group)), Some(view)) = (found, &self.view) else {
-            return;
+            return false;
         };
         if bound.key != Some(key) {
             pass.set_pipeline(pipeline);
@@ -241,8 +245,7 @@ impl TexturedFill {
             pass.set_bind_group(2, image_group, &[]);
             bound.image = Some(image);
         }
-        let instance = u32::try_from(planned).unwrap_or(u32::MAX - 1);
-        pass.draw(0..3, instance..instance + 1);
+        true
     }
 
     fn cover(
@@ -368,17 +371,9 @@ impl TexturedFill {
 
     fn pipeline(&self, gpu: &Gpu, key: CoverKey) -> wgpu::RenderPipeline {
         let Shader { module, layout, .. } = &self.shaders[key.shader];
-        let written = |format, blend| {
-            Some(wgpu::ColorTargetState {
-                format,
-                blend,
-                write_mask: wgpu::ColorWrites::ALL,
-            })
-        };
-        let blend = key.blends.then_some(wgpu::BlendState::ALPHA_BLENDING);
         let (entry_point, targets) = match key.purpose {
-            CoverPurpose::Colour => ("fragment_main", vec![written(COLOUR_FORMAT, blend)]),
-            CoverPurpose::Probe => ("probe_main", vec![written(PROBE_FORMAT, None); 2]),
+            CoverPurpose::Colour => ("fragment_main", vec![Some(colour_target(key.blends))]),
+            CoverPurpose::Probe => ("probe_main", vec![Some(PROBE_FORMAT.into()); 2]),
         };
         let constants = [
             ("FADES", f64::from(u8::from(key.fades))),
@@ -408,6 +403,84 @@ impl TexturedFill {
             multiview_mask: None,
             cache: None,
         })
+    }
+}
+
+/// The textured side of a backend's fill: what was planned last, and what the device holds of it.
+#[derive(Debug)]
+pub(crate) struct Textured {
+    choice: RouteChoice,
+    position: PositionRoute,
+    pub(crate) covers: TexturedFill,
+    image: Option<Arc<SceneTexture>>,
+    planned: Option<Planned>,
+}
+
+/// A plan, and what it was made from.
+#[derive(Debug)]
+struct Planned {
+    surface_rte: Arc<[[f32; 3]]>,
+    regions: Vec<PlannedRegion>,
+    plan: TexturedPlan,
+}
+
+impl Textured {
+    /// `None` for a plain fill.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        frame_layout: &wgpu::BindGroupLayout,
+        switches: &Switches,
+    ) -> Option<Self> {
+        switches.texture.map(|choice| Self {
+            choice,
+            position: switches.position.unwrap_or(PositionRoute::EyeRegion),
+            covers: TexturedFill::new(gpu, frame_layout),
+            image: None,
+            planned: None,
+        })
+    }
+
+    /// The plan of the view that was uploaded last.
+    pub(crate) fn plan(&self) -> Option<&TexturedPlan> {
+        self.planned.as_ref().map(|planned| &planned.plan)
+    }
+
+    /// Plans and uploads the view of `input`; the same view again costs nothing.
+    pub(crate) fn upload(&mut self, stage: &Stage, input: &FrameInput) -> Result<(), BackendError> {
+        let is_same = |planned: &Planned| {
+            Arc::ptr_eq(&planned.surface_rte, &input.surface_rte)
+                && planned.regions == input.plan.regions
+        };
+        if self.planned.as_ref().is_some_and(is_same) && self.holds_image(input) {
+            return Ok(());
+        }
+        let plan = TexturedPlan::new(input, self.choice, self.position)?;
+        if let Some(texture) = input
+            .scene
+            .texture
+            .as_ref()
+            .filter(|_| !self.holds_image(input))
+        {
+            let copies = match texture.share {
+                TextureShare::One => 1,
+                TextureShare::Each => input.scene.regions.len(),
+            };
+            self.covers
+                .upload_image(stage.gpu(), &texture.image, copies)?;
+            self.image = Some(Arc::clone(texture));
+        }
+        self.covers.set_view(stage, &plan)?;
+        self.planned = Some(Planned {
+            surface_rte: Arc::clone(&input.surface_rte),
+            regions: input.plan.regions.clone(),
+            plan,
+        });
+        Ok(())
+    }
+
+    fn holds_image(&self, input: &FrameInput) -> bool {
+        let both = self.image.as_ref().zip(input.scene.texture.as_ref());
+        both.is_some_and(|(held, wanted)| Arc::ptr_eq(held, wanted))
     }
 }
 
@@ -601,7 +674,7 @@ fn picture(gpu: &Gpu, image: &MipChain) -> wgpu::Texture {
         view_formats: &[],
     });
     for (mip_level, level) in (0..).zip(levels) {
-        gpu.count_upload(level.rgba.len() as u64);
+        gpu.work.count_upload(level.rgba.len() as u64);
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture: &texture,
@@ -627,27 +700,4 @@ fn bytes_of(texture: &wgpu::Texture) -> u64 {
         4 * side(texture.width()) * side(texture.height())
     };
     (0..texture.mip_level_count()).map(level).sum()
-}
-
-fn colour_state(test: StencilTest) -> wgpu::DepthStencilState {
-    let face = wgpu::StencilFaceState {
-        compare: if test.is_equal {
-            wgpu::CompareFunction::Equal
-        } else {
-            wgpu::CompareFunction::NotEqual
-        },
-        ..wgpu::StencilFaceState::IGNORE
-    };
-    wgpu::DepthStencilState {
-        format: DEPTH_STENCIL_FORMAT,
-        depth_write_enabled: Some(false),
-        depth_compare: Some(wgpu::CompareFunction::Always),
-        stencil: wgpu::StencilState {
-            front: face,
-            back: face,
-            read_mask: u32::from(test.read_mask),
-            write_mask: 0,
-        },
-        bias: Default::default(),
-    }
 }

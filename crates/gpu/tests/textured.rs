@@ -267,13 +267,9 @@ fn draw(gpu: &Arc<Gpu>, input: &FrameInput, plan: &TexturedPlan) -> Result<Drawn
         });
         pass.set_bind_group(0, &frame_group, &[]);
         pass.set_stencil_reference(0);
-        fill.draw(
-            &mut pass,
-            EVERYWHERE,
-            purpose,
-            0,
-            &mut BoundCover::default(),
-        );
+        let mut bound = BoundCover::default();
+        assert!(fill.bind(&mut pass, EVERYWHERE, purpose, 0, &mut bound));
+        pass.draw(0..3, 0..1);
         drop(pass);
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;

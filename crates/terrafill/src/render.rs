@@ -26,6 +26,8 @@ struct Drawn {
     frame: Frame,
     memory: Option<MemoryUse>,
     variant: String,
+    /// What the backend settled that people should know.
+    note: Option<String>,
     /// Transformed vertices per triangle of the caps, through a cache of [`CACHE_SIZE`]; of the
     /// vertex backend, the only one that orders triangles for it.
     cap_acmr: Option<f64>,
@@ -215,6 +217,7 @@ fn draw_reference(input: &FrameInput, is_textured: bool) -> Result<Drawn, Failur
         variant: if is_textured { "texture=on" } else { "" }.to_owned(),
         frame,
         memory: None,
+        note: None,
         cap_acmr: None,
     })
 }
@@ -235,6 +238,7 @@ fn draw(
             frame,
             memory: Some(memory),
             variant: backend.variant_name(),
+            note: backend.note(),
             cap_acmr: match technique {
                 Technique::Vertex(variant) => cap_acmr(input, variant.index_order),
                 _ => None,
@@ -298,6 +302,7 @@ fn statistics(arguments: &RenderArguments, input: &FrameInput, drawn: &Drawn) ->
             "index_bytes": memory.index_bytes,
             "constant_bytes": memory.constant_bytes,
             "target_bytes": memory.target_bytes,
+            "texture_bytes": memory.texture_bytes,
             "geometry_bytes": memory.geometry_bytes(),
         })
     });
@@ -315,6 +320,7 @@ fn statistics(arguments: &RenderArguments, input: &FrameInput, drawn: &Drawn) ->
         "cap_acmr": drawn.cap_acmr,
         "regions_drawn": input.plan.regions.len(),
         "left_out": left_out,
+        "note": drawn.note,
     })
 }
 

@@ -99,7 +99,7 @@ fn keys(value: &Value) -> BTreeSet<&str> {
     object.keys().map(String::as_str).collect()
 }
 
-const STATISTICS_KEYS: [&str; 13] = [
+const STATISTICS_KEYS: [&str; 14] = [
     "scene",
     "view",
     "backend",
@@ -112,6 +112,7 @@ const STATISTICS_KEYS: [&str; 13] = [
     "memory",
     "regions_drawn",
     "left_out",
+    "note",
     "cap_acmr",
 ];
 
@@ -263,6 +264,7 @@ fn statistics_hold_counters_bytes_and_what_was_left_out() {
             "index_bytes",
             "constant_bytes",
             "target_bytes",
+            "texture_bytes",
             "geometry_bytes",
         ])
     );
