@@ -9,12 +9,13 @@ use crate::summary::baselines;
 use crate::technique::{SharedNativeGpu, Stages};
 use crate::{BenchCase, BenchError, BenchOptions, SceneGroup, Setting, Technique};
 use indicatif::ProgressBar;
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_conformance::{
-    Verdict, boundary_band, compare, difference_rgb, filled_only, verdict_of_moved,
+    Verdict, boundary_band, compare, compare_texture, difference_rgb, filled_only, texture_verdict,
+    verdict_of_moved,
 };
 use terrafill_core::RegionMesh;
 use terrafill_frame::{
@@ -94,6 +95,8 @@ pub(crate) struct GroupRun<'a> {
     pub(crate) reference: Frame,
     /// The reference with all regions as one.
     filled_reference: Frame,
+    /// The reference with the scene's picture, drawn when it is first asked for.
+    textured_reference: OnceCell<Option<Frame>>,
     /// Inputs of other mesh or plan options, with how long their plans take.
     inputs: RefCell<Vec<(InputKey, PlannedInput)>>,
     leveled: RefCell<Option<PreparedScene>>,
@@ -146,6 +149,7 @@ impl<'a> GroupRun<'a> {
             judgements: RefCell::default(),
             disagreements: (judged.disagreement_px(), outside),
             filled_reference: filled_only(&judged.frame),
+            textured_reference: OnceCell::new(),
             reference: judged.frame,
             reference_image,
         })
@@ -310,7 +314,10 @@ impl<'a> GroupRun<'a> {
             memory: Some(memory),
             regions_drawn: Some(input.plan.regions.len() as u64),
             regions_left_out: Some(input.plan.left_out.len() as u64),
-            left_out: input.plan.left_out_summary(&input.scene.meshes),
+            left_out: with_note(
+                input.plan.left_out_summary(&input.scene.meshes),
+                backend.note(),
+            ),
             boundary_deviation_m: largest_deviation(&input.scene.meshes),
             mask_hash: fingerprint(frame.ids.iter().map(|&id| id.min(1))),
             ids_hash: match tells_apart {
@@ -322,11 +329,15 @@ impl<'a> GroupRun<'a> {
         match self.figures(&probe, &frame) {
             Ok(figures) => {
                 let moved_px = case.plan.boundary_lod_px.unwrap_or(0.0);
-                let (status, reasons) = match verdict_of_moved(&figures, moved_px) {
-                    Verdict::Pass => (Status::Ok, Vec::new()),
-                    Verdict::Fail(reasons) => (Status::Wrong, reasons),
+                let mut reasons = match verdict_of_moved(&figures, moved_px) {
+                    Verdict::Pass => Vec::new(),
+                    Verdict::Fail(reasons) => reasons,
                 };
-                probe.status = Some(status);
+                reasons.extend(self.texture_objections(&frame));
+                probe.status = Some(match reasons.is_empty() {
+                    true => Status::Ok,
+                    false => Status::Wrong,
+                });
                 probe.reason = reasons.join("; ");
                 probe.figures = Some(figures);
             }
@@ -345,6 +356,29 @@ impl<'a> GroupRun<'a> {
         }
         probe.frame = Some(frame);
         Ok(probe)
+    }
+
+    /// What speaks against the places that a textured frame's texels come from.
+    fn texture_objections(&self, frame: &Frame) -> Vec<String> {
+        if frame.texture.is_none() {
+            return Vec::new();
+        }
+        let judge = || {
+            let judged = ReferenceBackend::textured().judge(&self.input);
+            judged.map(|judged| judged.frame)
+        };
+        let reference = self.textured_reference.get_or_init(|| judge().ok());
+        let errors = reference
+            .as_ref()
+            .map(|reference| compare_texture(reference, frame));
+        match errors {
+            Some(Ok(errors)) => match texture_verdict(&errors) {
+                Verdict::Pass => Vec::new(),
+                Verdict::Fail(reasons) => reasons,
+            },
+            Some(Err(error)) => vec![error.to_string()],
+            None => vec!["the reference has no texture coordinates".to_owned()],
+        }
     }
 
     /// How the frame differs from the reference; a fill in one colour is judged as a mask.
@@ -530,6 +564,14 @@ fn sample(key: &CaseKey, frame: u32, surface_gpu_ms: Option<f64>, times: &FrameT
         fill_gpu_ms: times.fill_gpu_ms,
         fill_cpu_ms: times.fill_cpu_ms,
         fill_wall_ms: times.fill_wall_ms,
+    }
+}
+
+fn with_note(left_out: String, note: Option<String>) -> String {
+    match note {
+        Some(note) if left_out.is_empty() => format!("texture: {note}"),
+        Some(note) => format!("{left_out}; texture: {note}"),
+        None => left_out,
     }
 }
 

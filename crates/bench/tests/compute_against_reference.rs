@@ -116,7 +116,7 @@ fn all_switches() -> Vec<Switches> {
                             } else {
                                 StencilClear::AtStart
                             },
-                            depth_bounds: false,
+                            ..Switches::default()
                         });
                     }
                 }

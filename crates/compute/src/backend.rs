@@ -135,10 +135,13 @@ impl Backend for ComputeBackend {
         Ok(MemoryUse {
             vertex_bytes: bytes.input_vertex_bytes + bytes.output_vertex_bytes,
             index_bytes: bytes.input_index_bytes + bytes.output_index_bytes,
-            constant_bytes: RegionConstants::byte_count(input) + held.work_bytes,
+            constant_bytes: RegionConstants::byte_count(input)
+                + held.work_bytes
+                + self.fill.textured_bytes(),
             target_bytes: self.fill.target_bytes(),
+            texture_bytes: self.fill.texture_bytes(),
             // And the constants'.
-            buffers: held.buffers + 1,
+            buffers: held.buffers + self.fill.constant_buffers(),
             upload_bytes,
         })
     }
@@ -147,7 +150,8 @@ impl Backend for ComputeBackend {
         let (picture, mut counters) = self.fill.draw_and_read(&mut self.volumes, input, false)?;
         counters.vertices += self.volumes.drawn_by_device(&self.fill.gpu())?;
         counters.stencil_fragments = self.fill.count_fragments(&mut self.volumes, input)?;
-        Ok(Frame::from_picture(&picture, counters))
+        self.fill
+            .frame(&mut self.volumes, input, &picture, counters)
     }
 }
 
@@ -164,6 +168,10 @@ impl VolumeBackend for ComputeBackend {
 
     fn tells_regions_apart(&self) -> bool {
         self.variant.switches.colour.tells_regions_apart()
+    }
+
+    fn note(&self) -> Option<String> {
+        self.fill.note()
     }
 
     fn picture(&mut self, input: &FrameInput) -> Result<Picture, BackendError> {

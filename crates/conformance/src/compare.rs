@@ -31,6 +31,33 @@ pub enum CompareError {
         /// Pixels there are.
         required: usize,
     },
+    /// A frame was drawn without a texture.
+    #[error("the {which} has no texture coordinates")]
+    NoTexture {
+        /// `reference` or `frame`.
+        which: &'static str,
+    },
+    /// The pictures on the regions differ in size.
+    #[error(
+        "the frame's picture has {}×{} texels, the reference's {}×{}",
+        found.0, found.1, required.0, required.1
+    )]
+    PictureMismatch {
+        /// Columns and rows of the frame's picture.
+        found: (u32, u32),
+        /// Columns and rows of the reference's.
+        required: (u32, u32),
+    },
+    /// A frame has texture coordinates for another number of pixels than it has.
+    #[error("the {which} has texture coordinates of {found} pixels, needs {required}")]
+    MalformedTexture {
+        /// `reference` or `frame`.
+        which: &'static str,
+        /// Coordinates there are.
+        found: usize,
+        /// Pixels there are.
+        required: usize,
+    },
     /// A judge with NaN in its own results judges nothing.
     #[error("the reference itself has {found} NaN or infinite results, allowed 0")]
     ReferenceNotFinite {
@@ -138,6 +165,7 @@ pub(crate) mod tests {
             ids,
             non_finite: 0,
             counters: None,
+            texture: None,
         }
     }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How far a backend's picture is from the reference's, and whether that is too far.
 //!
-//! Everything here works on pictures of region ids; nothing knows how they were made. The first
+//! Everything here works on pictures of region ids and of texture coordinates; nothing knows how they were made. The first
 //! operand is always the reference: band, tiny pieces and relative area come from it, so swapping
 //! the operands gives other figures (a test holds that down).
 
@@ -9,12 +9,15 @@ mod boundary;
 mod compare;
 mod difference;
 mod distance;
+mod texture;
 mod tolerance;
 
 pub use boundary::{boundary_band, boundary_pixels, checks_nothing};
 pub use compare::{CompareError, compare, filled_only};
 pub use difference::difference_rgb;
+pub use texture::{TextureErrors, compare_texture, silhouette_band};
 pub use tolerance::{
-    BAND_RADIUS_PX, MAX_HAUSDORFF_PX, MAX_MISMATCHED_OUTSIDE_BAND_PX, MAX_NON_FINITE,
-    SMALLEST_PIECE_PX, Verdict, verdict, verdict_of_moved,
+    BAND_RADIUS_PX, DEPTH_JUMP, MAX_HAUSDORFF_PX, MAX_MISMATCHED_OUTSIDE_BAND_PX, MAX_NON_FINITE,
+    MAX_TEXELS, MAX_TEXELS_RMS, SMALLEST_PIECE_PX, Verdict, texture_verdict, verdict,
+    verdict_of_moved,
 };

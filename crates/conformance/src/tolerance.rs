@@ -8,7 +8,11 @@
 //! | [`MAX_HAUSDORFF_PX`] | 1 | a boundary that moved by less than a pixel moves its pixels by one at most; what stays in the band but goes missing over a length, such as a strip two pixels wide, shows up here only |
 //! | [`SMALLEST_PIECE_PX`] | 4 | a piece of 1 to 3 pixels exists by the luck of where pixel centres fall; rounding may take or give it whole, and the distance to the next boundary is then anything |
 //! | [`MAX_NON_FINITE`] | 0 | NaN compares false with everything, so it would hide in any other figure |
+//! | [`MAX_TEXELS_RMS`] | ¼ | filtering with 8-bit weights blends neighbours in steps of 1/256 texel and eyes tell a quarter of one at best; a route to coordinates is chosen by that |
+//! | [`MAX_TEXELS`] | ½ | twice the mean: a pixel that is off by more shows a neighbour's texel |
+//! | [`DEPTH_JUMP`] | 5 % | seen from 2 km the reciprocal distance of neighbouring rows bends by 2 % of itself two pixels below the horizon, and by less everywhere else on a smooth surface |
 
+use crate::TextureErrors;
 use terrafill_results::ErrorFigures;
 
 /// How far from a boundary pixel of the reference a mismatch is put down to rounding; counted in
@@ -26,6 +30,16 @@ pub const SMALLEST_PIECE_PX: u64 = 4;
 
 /// NaN or infinite results allowed.
 pub const MAX_NON_FINITE: u64 = 0;
+
+/// Root of the mean square of the texture coordinates' errors allowed, texels, of `u` and of `v`.
+pub const MAX_TEXELS_RMS: f64 = 0.25;
+
+/// Largest error of a texture coordinate allowed, texels.
+pub const MAX_TEXELS: f64 = 0.5;
+
+/// Between two pixels is a silhouette where the reciprocal distance foretold from either side is
+/// off by more than this share.
+pub const DEPTH_JUMP: f64 = 0.05;
 
 /// Whether a picture may be called right.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -80,6 +94,47 @@ pub fn verdict_of_moved(figures: &ErrorFigures, moved_px: f64) -> Verdict {
             "{} NaN or infinite results, allowed {MAX_NON_FINITE}",
             figures.non_finite
         ));
+    }
+    if reasons.is_empty() {
+        Verdict::Pass
+    } else {
+        Verdict::Fail(reasons)
+    }
+}
+
+/// Holds the errors of a textured frame against the tolerances of this module. Errors of nothing at
+/// all fail: they have checked nothing.
+#[must_use]
+pub fn texture_verdict(errors: &TextureErrors) -> Verdict {
+    let mut reasons = Vec::new();
+    if errors.compared_px == 0 {
+        reasons.push("no textured pixel compared, needs 1".to_owned());
+    }
+    if errors.missing_px > 0 {
+        let missing = errors.missing_px;
+        reasons.push(format!("{missing} pixels without coordinates, allowed 0"));
+    }
+    if errors.non_finite > MAX_NON_FINITE {
+        let found = errors.non_finite;
+        reasons.push(format!(
+            "{found} NaN or infinite texture coordinates, allowed {MAX_NON_FINITE}"
+        ));
+    }
+    for (what, found, allowed) in [
+        ("RMS", errors.rms_texels, MAX_TEXELS_RMS),
+        ("largest", errors.max_texels, MAX_TEXELS),
+    ] {
+        let worst = if found[1].is_nan() {
+            found[1]
+        } else {
+            found[0].max(found[1])
+        };
+        if found
+            .iter()
+            .any(|&texels| texels.is_nan() || texels > allowed)
+        {
+            reasons.push(format!("{what} error {worst:.3} texels, allowed {allowed}"));
+        }
     }
     if reasons.is_empty() {
         Verdict::Pass

@@ -137,7 +137,14 @@ pub trait VolumeBackend: TimedBackend {
     /// Whether the picture tells regions apart; otherwise only the filled area is comparable.
     fn tells_regions_apart(&self) -> bool;
 
-    /// Draws the frame in the regions' own colours over the shaded surface.
+    /// What was settled for the input prepared last that its row should say, such as the routes of
+    /// a textured fill.
+    fn note(&self) -> Option<String> {
+        None
+    }
+
+    /// Draws the frame in the regions' own colours, or a textured fill in its picture's, over the
+    /// shaded surface.
     ///
     /// # Errors
     /// As [`Backend::render`].

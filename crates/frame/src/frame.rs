@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What comes out: the picture as region ids, what it cost in memory and work, and how long it took.
 
-use crate::{Picture, ids_of};
+use crate::{Picture, TextureCoordinates, ids_of};
 use terrafill_scene::ImageSize;
 
 /// Id of pixels that belong to no region. Region *i* of the scene has id *i* + 1.
@@ -20,6 +20,8 @@ pub struct Frame {
     pub non_finite: u64,
     /// Work done; `None` for the reference, which draws nothing.
     pub counters: Option<Counters>,
+    /// Where the texels came from; `None` of a plain fill.
+    pub texture: Option<TextureCoordinates>,
 }
 
 impl Frame {
@@ -33,6 +35,7 @@ impl Frame {
             surface: depths.clone().map(|&depth| depth > 0.0).collect(),
             non_finite: depths.filter(|depth| !depth.is_finite()).count() as u64,
             counters: Some(counters),
+            texture: None,
         }
     }
 
@@ -85,6 +88,8 @@ pub struct MemoryUse {
     pub constant_bytes: u64,
     /// Textures that the fill draws into besides those that all backends have.
     pub target_bytes: u64,
+    /// Pictures of a textured fill with all their levels, and tables that its routes read.
+    pub texture_bytes: u64,
     /// How many buffers hold the geometry and the constants.
     pub buffers: u64,
     /// Bytes handed to the device by `prepare`.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Region, RegionMesh};
 use terrafill_scene::{
     Camera, FramePlan, ImageSize, LevelTable, LeveledMeshes, Overlap, PixelRect, PlanOptions,
-    RegionBounds, Scene, SurfaceMesh, TerrainRange, View,
+    RegionBounds, Scene, SceneTexture, SurfaceMesh, TerrainRange, View,
 };
 
 /// A scene made ready to draw: regions meshed, surface tessellated. One per scene and mesh
@@ -32,6 +32,8 @@ pub struct PreparedScene {
     pub bounds: Arc<[RegionBounds]>,
     /// What lies under the fill.
     pub surface: Arc<SurfaceMesh>,
+    /// What a textured fill shows; plain fills never look at it.
+    pub texture: Option<Arc<SceneTexture>>,
 }
 
 impl PreparedScene {
@@ -48,6 +50,7 @@ impl PreparedScene {
             meshes,
             levels: Arc::default(),
             surface,
+            texture: scene.texture.clone(),
         }
     }
 

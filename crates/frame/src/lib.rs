@@ -19,6 +19,8 @@ mod palette;
 mod program;
 mod steps;
 mod switches;
+mod texture;
+mod textured;
 mod work;
 
 pub use adapter::{
@@ -42,4 +44,6 @@ pub use steps::{FillStep, NUMBER_BYTES, VolumeDraw, VolumeState};
 pub use switches::{
     BottomCap, ColourWay, DepthRuleChoice, FacePasses, StencilClear, SwitchError, Switches, pick,
 };
+pub use texture::{AddressMode, Pattern, PlannedTexture, TextureCoordinates, TexturePixel};
+pub use textured::{RouteChoice, RouteNote, TexturedCover, TexturedPlan, TexturedRegion};
 pub use work::{WorkCounters, WorkDone};

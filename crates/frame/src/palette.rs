@@ -141,6 +141,7 @@ mod tests {
             surface: vec![true, false, true],
             non_finite: 0,
             counters: None,
+            texture: None,
         };
         let rgb = paint(&frame);
         assert_eq!(rgb.len(), 9);

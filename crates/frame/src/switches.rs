@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The switches of a fill that every volume technique has, each with its own row in the ladder.
 
+use crate::RouteChoice;
 use terrafill_scene::Overlap;
+use terrafill_texture::PositionRoute;
 
 /// How regions get their colours. All but the one-colour ways tell regions apart, and are right to
 /// the pixel where [`Switches::check`] allows them.
@@ -124,6 +126,10 @@ pub struct Switches {
     pub stencil_clear: StencilClear,
     /// Fragments over surface outside the region's depth range are dropped before the stencil.
     pub depth_bounds: bool,
+    /// Regions are filled with the scene's picture, found by these routes; plain without.
+    pub texture: Option<RouteChoice>,
+    /// How a textured fill's fragments find their position; by way of the region's frame without.
+    pub position: Option<PositionRoute>,
 }
 
 /// Switches that do not go together, or not with the scene.
@@ -144,7 +150,8 @@ impl Switches {
     pub const KEYS: &str = "bottom-cap=always|where-needed, \
         colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes|id-accumulation, \
         cover-faces=both|culled, depth-rule=zfail|zpass|automatic, faces=two-sided|two-pass, \
-        scissor=covers|volumes, stencil-clear=at-start|by-colour";
+        position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
+        stencil-clear=at-start|by-colour, texture=plain|chosen|a route such as gnomonic-3";
 
     /// What is right and usually cheapest for a scene of this kind.
     #[must_use]
@@ -183,11 +190,17 @@ impl Switches {
         if self.faces != default.faces {
             names.push("faces=two-pass".to_owned());
         }
+        if let Some(position) = self.position {
+            names.push(format!("position={}", position.name()));
+        }
         if self.scissor {
             names.push("scissor=volumes".to_owned());
         }
         if self.stencil_clear != default.stencil_clear {
             names.push("stencil-clear=by-colour".to_owned());
+        }
+        if let Some(choice) = &self.texture {
+            names.push(format!("texture={}", choice.name()));
         }
         names
     }
@@ -241,6 +254,21 @@ impl Switches {
                     ],
                 )?;
             }
+            "position" => {
+                let routes = PositionRoute::ALL.map(|route| (route.name(), route));
+                let route = pick("position", value, &routes)?;
+                self.position = (route != PositionRoute::EyeRegion).then_some(route);
+            }
+            "texture" if value == "plain" => self.texture = None,
+            "texture" => {
+                let choice = RouteChoice::parse(value).ok_or_else(|| SwitchError {
+                    switch: "texture",
+                    found: value.to_owned(),
+                    allowed: "plain, chosen, or a route such as recentred-odd-7, gnomonic-3"
+                        .to_owned(),
+                })?;
+                self.texture = Some(choice);
+            }
             "scissor" => {
                 self.scissor = pick("scissor", value, &[("covers", false), ("volumes", true)])?;
             }
@@ -273,6 +301,24 @@ impl Switches {
                     self.colour.name()
                 ),
                 allowed: "rectangle, volume, bit-planes, one-colour, one-colour-volumes".to_owned(),
+            });
+        }
+        let covers_apart = matches!(self.colour, ColourWay::Xor | ColourWay::BitPlanes);
+        if self.texture.is_some() && !covers_apart {
+            return Err(SwitchError {
+                switch: "texture",
+                found: format!(
+                    "a picture with colour={}, whose covers write the stencil or hold no region",
+                    self.colour.name()
+                ),
+                allowed: "plain, or colour=xor or bit-planes".to_owned(),
+            });
+        }
+        if let Some(position) = self.position.filter(|_| self.texture.is_none()) {
+            return Err(SwitchError {
+                switch: "position",
+                found: format!("{} for a plain fill, which looks for none", position.name()),
+                allowed: "none, or texture=chosen or a route".to_owned(),
             });
         }
         let covers_clear = matches!(
@@ -329,6 +375,8 @@ mod tests {
             cover_culls_faces: true,
             stencil_clear: StencilClear::ByColour,
             depth_bounds: true,
+            texture: Some(RouteChoice::Chosen),
+            position: Some(PositionRoute::EyeEcef),
         }
     }
 
@@ -337,7 +385,7 @@ mod tests {
         assert_eq!(Switches::default().names(), Vec::<String>::new());
         let changed = all_changed();
         let names = changed.names();
-        assert_eq!(names.len(), 8);
+        assert_eq!(names.len(), 10);
         assert!(names.is_sorted());
         let mut read = Switches::default();
         for name in &names {
@@ -363,11 +411,46 @@ mod tests {
     fn what_does_not_go_together_is_refused() {
         assert!(Switches::default().check(Overlap::Disjoint).is_ok());
         assert!(Switches::default().check(Overlap::Ordered).is_err());
-        assert!(all_changed().check(Overlap::Ordered).is_ok());
+        let plain = Switches {
+            texture: None,
+            position: None,
+            ..all_changed()
+        };
+        assert!(plain.check(Overlap::Ordered).is_ok());
         let mixed = Switches {
             stencil_clear: StencilClear::ByColour,
             ..Switches::default()
         };
         assert!(mixed.check(Overlap::Disjoint).is_err());
+        for colour in ColourWay::ALL {
+            let textured = Switches {
+                colour,
+                texture: Some(RouteChoice::Chosen),
+                ..Switches::default()
+            };
+            let apart = [ColourWay::Xor, ColourWay::BitPlanes].contains(&colour);
+            assert_eq!(
+                textured.check(Overlap::Disjoint).is_ok(),
+                apart,
+                "{colour:?}"
+            );
+        }
+        let lost = Switches {
+            position: Some(PositionRoute::EyeEcef),
+            ..Switches::default()
+        };
+        assert!(lost.check(Overlap::Disjoint).is_err());
+    }
+
+    #[test]
+    fn what_is_there_without_a_switch_can_be_asked_for() {
+        let mut switches = all_changed();
+        assert_eq!(switches.set("texture", "plain"), Ok(true));
+        assert_eq!(switches.set("position", "eye-region"), Ok(true));
+        assert_eq!((switches.texture, switches.position), (None, None));
+        assert_eq!(switches.set("texture", "gnomonic-3"), Ok(true));
+        assert!(switches.names().contains(&"texture=gnomonic-3".to_owned()));
+        let error = switches.set("texture", "odd-4").expect_err("no such route");
+        assert!(error.to_string().contains("odd-4"), "{error}");
     }
 }

@@ -96,7 +96,7 @@ impl Baseline {
             label: Some(self.kind.name()),
             color_attachments: &[Some(attached(&colour, wgpu::LoadOp::Load))],
             depth_stencil_attachment: (self.kind == BaselineKind::Floor)
-                .then(|| read_only_depth(&depth_stencil, wgpu::LoadOp::Clear(0))),
+                .then(|| read_only_depth(&depth_stencil, Some(wgpu::LoadOp::Clear(0)))),
             timestamp_writes: stage.timer().map(|t| t.around(TimedPass::Baseline)),
             ..Default::default()
         });

@@ -4,8 +4,8 @@
 #[cfg(test)]
 mod tests {
     use std::mem::{offset_of, size_of};
-    use terrafill_frame::{RegionConstants, ViewConstants};
-    use terrafill_shaders::struct_layout;
+    use terrafill_frame::{RegionConstants, TexturedRegion, ViewConstants};
+    use terrafill_shaders::{RouteText, TexturedParts, TexturedPlacement, struct_layout};
 
     /// Offsets by name of the Rust struct, to be found again in the shader's.
     macro_rules! offsets {
@@ -54,6 +54,41 @@ mod tests {
             assert_eq!(rust, shader);
             assert_eq!(size_of::<RegionConstants>(), stride);
         }
+    }
+
+    #[test]
+    fn textured_regions_lie_as_the_shader_reads_them() {
+        let parts = TexturedParts {
+            position: RouteText {
+                wgsl: "struct PositionConstants { c0: vec4f }\n\
+                       fn fragment_offset(pixel: vec2f, depth: f32, c: PositionConstants) -> vec3f {\n\
+                       return vec3f(depth); }"
+                    .to_owned(),
+                constants: 0,
+            },
+            route: RouteText {
+                wgsl: "struct RouteConstants { c0: vec4f, c1: vec4f }\n\
+                       fn route_angles(d: vec3f, c: RouteConstants) -> vec2f { return c.c1.xy; }"
+                    .to_owned(),
+                constants: 2,
+            },
+            route_room: 3,
+            placement: TexturedPlacement::Affine,
+        };
+        let layout = parts.region_layout().expect("valid");
+        let names = layout.members.iter();
+        let shader: Vec<_> = names
+            .map(|(name, offset, _)| (name.clone(), *offset as usize))
+            .collect();
+        let rust = offsets!(TexturedRegion: anchor_m, id, eye_m, alpha, right,
+            equatorial_radius_m, down, eccentricity_squared, u, fade_end_m, v, fade_per_m,
+            texel_per_m);
+        assert_eq!(rust, shader[..rust.len()]);
+        let fixed = size_of::<TexturedRegion>();
+        assert_eq!(shader[rust.len()], ("position".to_owned(), fixed));
+        assert_eq!(shader[rust.len() + 1], ("route".to_owned(), fixed + 16));
+        assert_eq!(layout.stride as usize, fixed + 16 * (1 + 3));
+        assert_eq!(TexturedRegion::VECTORS * 16, fixed);
     }
 
     #[test]

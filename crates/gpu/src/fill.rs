@@ -3,18 +3,20 @@
 //!
 //! The backend owns the meshes and draws volumes ([`Volumes`]); this owns the constants of the view,
 //! the fill program, covers and the accumulation target, records the passes, and measures. Depth
-//! stays as the surface left it: it is attached read-only throughout.
+//! stays as the surface left it: it is attached read-only throughout. Covers of a textured fill read it
+//! there, and stand in passes that leave the stencil alone as well.
 
 use crate::covers::{Covers, Numbers};
 use crate::stage::{attached, read_only_depth};
 use crate::statistics::Statistics;
+use crate::textured::{BoundCover, CoverPurpose, Probe, Textured};
 use crate::volume_pipeline::check_blendable;
 use crate::{Gpu, SharedStage, Stage, TimedPass, VolumePass};
 use std::sync::Arc;
 use terrafill_core::RegionMesh;
 use terrafill_frame::{
-    BackendError, Capabilities, Counters, CpuStopwatch, FillPass, FillProgram, FillStep,
-    FrameInput, FrameTimes, Picture, Switches, VolumeDraw, VolumeState, WorkDone,
+    BackendError, Capabilities, Counters, CpuStopwatch, FillPass, FillProgram, FillStep, Frame,
+    FrameInput, FrameTimes, NO_REGION, Picture, Switches, VolumeDraw, VolumeState, WorkDone,
 };
 
 /// Volumes of a backend, as the passes of a fill draw them.
@@ -53,6 +55,8 @@ pub struct VolumeFill {
     capabilities: Capabilities,
     frame_layout: wgpu::BindGroupLayout,
     covers: Covers,
+    /// Of a textured fill; its covers stand where the plain ones would.
+    textured: Option<Textured>,
     meshes: Option<Arc<[RegionMesh]>>,
     view: Option<View>,
     /// Asked of the device for the frame that comes next.
@@ -81,6 +85,8 @@ struct Recording<'a> {
     statistics: Option<&'a Statistics>,
     /// Covers are blended over what lies under them.
     blends: bool,
+    /// Textured covers write where their texels came from instead of colours.
+    probe: Option<&'a Probe>,
 }
 
 impl VolumeFill {
@@ -113,6 +119,7 @@ impl VolumeFill {
                 pipeline_statistics: gpu.facts.features.pipeline_statistics,
             },
             covers: Covers::new(&gpu, &frame_layout)?,
+            textured: Textured::new(&gpu, &frame_layout, switches),
             frame_layout,
             meshes: None,
             view: None,
@@ -180,12 +187,40 @@ impl VolumeFill {
         numbers.map_or(0, Numbers::bytes)
     }
 
+    /// Bytes of a textured fill's pictures and tables.
+    #[must_use]
+    pub fn texture_bytes(&self) -> u64 {
+        let textured = self.textured.as_ref();
+        textured.map_or(0, |textured| textured.covers.texture_bytes())
+    }
+
+    /// Bytes of a textured fill's constants.
+    #[must_use]
+    pub fn textured_bytes(&self) -> u64 {
+        let textured = self.textured.as_ref();
+        textured.map_or(0, |textured| textured.covers.constant_bytes())
+    }
+
+    /// Buffers that hold constants of the view.
+    #[must_use]
+    pub fn constant_buffers(&self) -> u64 {
+        1 + u64::from(self.textured.is_some())
+    }
+
+    /// What a row should say of the view that was uploaded last.
+    #[must_use]
+    pub fn note(&self) -> Option<String> {
+        let plan = self.textured.as_ref().and_then(Textured::plan);
+        plan.map(|plan| plan.note())
+    }
+
     /// Brings program and constants up to date; nothing is made or written where they are already.
     ///
     /// - `constants`: of the regions in the plan, not empty
     ///
     /// # Errors
-    /// [`BackendError::OverCapacity`] when the device has no buffers that large.
+    /// [`BackendError::OverCapacity`] when the device has no buffers that large;
+    /// [`BackendError::Switch`] for a textured fill of a scene without a picture.
     pub fn upload_view(
         &mut self,
         input: &FrameInput,
@@ -194,6 +229,9 @@ impl VolumeFill {
     ) -> Result<(), BackendError> {
         let stage = self.stage.borrow();
         let gpu = stage.gpu();
+        if let Some(textured) = &mut self.textured {
+            textured.upload(&stage, input)?;
+        }
         let before = self.view.take();
         let (there, numbers) = match before {
             Some(view) => (
@@ -262,7 +300,13 @@ impl VolumeFill {
                     }
                     volumes.ensure(&gpu, input, &draw, blends && is_coloured(&draw));
                 }
-                FillStep::Cover { test, .. } => self.covers.ensure_cover(&gpu, test, blends),
+                FillStep::Cover { test, regions, .. } => match &mut self.textured {
+                    Some(textured) => {
+                        let purpose = CoverPurpose::Colour;
+                        textured.covers.ensure(&gpu, test, purpose, regions);
+                    }
+                    None => self.covers.ensure_cover(&gpu, test, blends),
+                },
                 FillStep::Resolve => self.covers.ensure_resolve(&gpu)?,
             }
         }
@@ -304,6 +348,50 @@ impl VolumeFill {
         Ok((stage.read()?, counters))
     }
 
+    /// What came out: the ids that are in the picture; of a textured fill, ids and places in the
+    /// picture by drawing it once more with covers that write those, by the same functions.
+    ///
+    /// # Errors
+    /// [`BackendError::DeviceLost`].
+    pub fn frame(
+        &mut self,
+        volumes: &mut impl Volumes,
+        input: &FrameInput,
+        picture: &Picture,
+        counters: Counters,
+    ) -> Result<Frame, BackendError> {
+        let plain = Frame::from_picture(picture, counters);
+        let (Some(textured), Some(view)) = (&mut self.textured, &self.view) else {
+            return Ok(plain);
+        };
+        let gpu = Arc::clone(self.stage.borrow().gpu());
+        for step in view.program.passes.iter().flat_map(FillPass::steps) {
+            if let FillStep::Cover { test, regions, .. } = step {
+                let purpose = CoverPurpose::Probe;
+                textured.covers.ensure(&gpu, test, purpose, regions);
+            }
+        }
+        let probe = Probe::new(&gpu, input.size);
+        let recording = Recording {
+            probe: Some(&probe),
+            ..Recording::default()
+        };
+        self.fill(&self.stage.borrow(), volumes, input, recording)?;
+        let probed = probe.read(&gpu)?;
+        let places: Vec<_> = probed.iter().map(|at| at.map(|at| at.place)).collect();
+        let wrong = places.iter().flatten().filter(|place| !place.is_finite());
+        let plan = self.textured.as_ref().and_then(Textured::plan);
+        Ok(Frame {
+            ids: probed
+                .iter()
+                .map(|at| at.map_or(NO_REGION, |at| at.id))
+                .collect(),
+            non_finite: plain.non_finite + wrong.count() as u64,
+            texture: plan.map(|plan| plan.coordinates(input, places)),
+            ..plain
+        })
+    }
+
     /// How many fragments the volumes of the stencil work have, by an extra pass that is never timed
     /// and draws into nothing, so that the query counts every fragment of theirs and not only those
     /// that the depth test lets through; `None` where the device cannot count them. Volumes that are
@@ -335,7 +423,10 @@ impl VolumeFill {
         let mut raw = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("fragment count"),
             color_attachments: &[Some(attached(&colour, wgpu::LoadOp::Load))],
-            depth_stencil_attachment: Some(read_only_depth(&depth_stencil, wgpu::LoadOp::Load)),
+            depth_stencil_attachment: Some(read_only_depth(
+                &depth_stencil,
+                Some(wgpu::LoadOp::Load),
+            )),
             ..Default::default()
         });
         statistics.begin(&mut raw, 0);
@@ -432,20 +523,33 @@ impl VolumeFill {
             volumes.make(&mut encoder, input, &view.bind_group, stamps);
         }
         let (colour, depth_stencil) = (stage.colour_view(), stage.depth_stencil_view());
+        let probe_views = recording.probe.map(Probe::views);
+        let mut zero = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
         for (index, steps) in passes.iter().enumerate() {
-            let target = match &view.numbers {
-                Some(numbers) if steps.accumulates() => {
+            let is_textured = steps.has_colour && self.textured.is_some();
+            let targets = match (&view.numbers, &probe_views) {
+                (Some(numbers), _) if steps.accumulates() => {
                     let zero = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
-                    Some(attached(&numbers.view, zero))
+                    vec![Some(attached(&numbers.view, zero))]
                 }
-                _ => steps
-                    .has_colour
-                    .then(|| attached(&colour, wgpu::LoadOp::Load)),
+                (_, Some(views)) if is_textured => {
+                    // The first pass clears, the others add.
+                    let load = std::mem::replace(&mut zero, wgpu::LoadOp::Load);
+                    views
+                        .iter()
+                        .map(|view| Some(attached(view, load)))
+                        .collect()
+                }
+                _ if steps.has_colour => vec![Some(attached(&colour, wgpu::LoadOp::Load))],
+                _ => Vec::new(),
             };
-            let stencil = if steps.clears_stencil {
-                wgpu::LoadOp::Clear(0)
+            let stencil = if is_textured {
+                // Depth is sampled in this pass, which nothing of the texture may be written in.
+                None
+            } else if steps.clears_stencil {
+                Some(wgpu::LoadOp::Clear(0))
             } else {
-                wgpu::LoadOp::Load
+                Some(wgpu::LoadOp::Load)
             };
             let mut raw = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some(if steps.has_colour {
@@ -453,11 +557,7 @@ impl VolumeFill {
                 } else {
                     "stencil"
                 }),
-                color_attachments: if target.is_some() {
-                    std::slice::from_ref(&target)
-                } else {
-                    &[]
-                },
+                color_attachments: &targets,
                 depth_stencil_attachment: Some(read_only_depth(&depth_stencil, stencil)),
                 timestamp_writes: stamps(stage, recording, index, passes.len(), makes_volumes),
                 ..Default::default()
@@ -468,8 +568,18 @@ impl VolumeFill {
             raw.set_bind_group(0, &view.bind_group, &[]);
             volumes.bind(&mut raw);
             let mut pass = VolumePass::new(raw, input, &mut counters);
+            let mut bound = BoundCover::default();
             for step in steps.steps() {
-                self.step(&mut pass, volumes, view, &step, recording.blends);
+                match (&step, &self.textured) {
+                    (FillStep::Cover { .. }, Some(textured)) => {
+                        let purpose = match recording.probe {
+                            Some(_) => CoverPurpose::Probe,
+                            None => CoverPurpose::Colour,
+                        };
+                        draw_textured(&mut pass, textured, &step, purpose, &mut bound);
+                    }
+                    _ => self.step(&mut pass, volumes, view, &step, recording.blends),
+                }
             }
             if recording.statistics.is_some() {
                 pass.raw.end_pipeline_statistics_query();
@@ -507,6 +617,33 @@ impl VolumeFill {
                     self.covers.draw_resolve(pass, numbers);
                 }
             }
+        }
+    }
+}
+
+fn draw_textured(
+    pass: &mut VolumePass<'_>,
+    textured: &Textured,
+    step: &FillStep<'_>,
+    purpose: CoverPurpose,
+    bound: &mut BoundCover,
+) {
+    let FillStep::Cover {
+        test,
+        scissor,
+        regions,
+    } = *step
+    else {
+        return;
+    };
+    pass.raw.set_stencil_reference(u32::from(test.reference));
+    for &planned in regions {
+        if textured
+            .covers
+            .bind(&mut pass.raw, test, purpose, planned, bound)
+        {
+            pass.cut(planned, scissor);
+            pass.draw(0..3, planned);
         }
     }
 }

@@ -4,14 +4,15 @@
 use crate::Gpu;
 use terrafill_frame::BackendError;
 
-/// Copies one aspect of a texture with 4-byte texels into tightly packed rows.
+/// Copies one aspect of a texture into tightly packed rows.
 pub(crate) fn read_texture(
     gpu: &Gpu,
     texture: &wgpu::Texture,
     aspect: wgpu::TextureAspect,
 ) -> Result<Vec<u8>, BackendError> {
     let size = texture.size();
-    let row_bytes = size.width * 4;
+    let texel_bytes = texture.format().block_copy_size(Some(aspect)).unwrap_or(4);
+    let row_bytes = size.width * texel_bytes;
     let padded_row_bytes = row_bytes.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("texture read-back"),

@@ -319,16 +319,16 @@ pub(crate) fn target(
     })
 }
 
-/// Depth as it is, and the stencil to be written.
+/// Depth as it is, and the stencil to be written, or, without a way to load it, to be left as it is too.
 pub(crate) fn read_only_depth(
     view: &wgpu::TextureView,
-    stencil: wgpu::LoadOp<u32>,
+    stencil: Option<wgpu::LoadOp<u32>>,
 ) -> wgpu::RenderPassDepthStencilAttachment<'_> {
     wgpu::RenderPassDepthStencilAttachment {
         view,
         depth_ops: None,
-        stencil_ops: Some(wgpu::Operations {
-            load: stencil,
+        stencil_ops: stencil.map(|load| wgpu::Operations {
+            load,
             store: wgpu::StoreOp::Store,
         }),
     }

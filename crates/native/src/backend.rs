@@ -117,6 +117,9 @@ impl NativeBackend {
         if variant.technique.needs_geometry_shader() && !features.geometry_shader {
             return Err(lacks("geometryShader"));
         }
+        if variant.switches.texture.is_some() {
+            return Err(BackendError::unsupported("a textured fill", "native"));
+        }
         if variant.switches.depth_bounds && !features.depth_bounds {
             return Err(lacks("depthBounds"));
         }
@@ -387,6 +390,7 @@ impl Backend for NativeBackend {
             index_bytes: scene.index_bytes,
             constant_bytes: RegionConstants::byte_count(input),
             target_bytes: self.stage.borrow().number_bytes(&view.program),
+            texture_bytes: 0,
             buffers: used.len() as u64,
             upload_bytes,
         })

@@ -2,10 +2,13 @@
 //! The reference as a backend: one ray and one classification per pixel.
 
 use crate::locator::{Locator, Point};
+use crate::sampling::encoded;
 use crate::surface::SurfaceTriangles;
+use crate::texture::Texturing;
 use rayon::prelude::*;
 use terrafill_frame::{
-    Backend, BackendError, Capabilities, Frame, FrameInput, MemoryUse, NO_REGION,
+    Backend, BackendError, Capabilities, Frame, FrameInput, MemoryUse, NO_REGION, TexturePixel,
+    paint,
 };
 
 /// Judges frames on the CPU, in f64.
@@ -14,6 +17,8 @@ pub struct ReferenceBackend {
     capabilities: Capabilities,
     /// Scene and view of the last `prepare`.
     prepared: Option<(String, String)>,
+    /// Whether frames are judged with the scene's texture.
+    is_textured: bool,
 }
 
 /// A judged frame.
@@ -23,6 +28,9 @@ pub struct ReferenceFrame {
     pub frame: Frame,
     /// Per pixel: whether the two inside tests differ about any region there.
     pub disagreements: Vec<bool>,
+    /// The textured fill over the surface in one colour, RGB, row 0 at the top; `None` of a plain
+    /// fill. Overlapping regions are blended in their order.
+    pub picture: Option<Vec<u8>>,
 }
 
 impl ReferenceFrame {
@@ -51,6 +59,17 @@ impl ReferenceBackend {
                 pipeline_statistics: false,
             },
             prepared: None,
+            is_textured: false,
+        }
+    }
+
+    /// A reference that fills with the scene's texture where it has one: frames say where their
+    /// texels come from, and there is a picture.
+    #[must_use]
+    pub fn textured() -> Self {
+        Self {
+            is_textured: true,
+            ..Self::new()
         }
     }
 
@@ -59,7 +78,12 @@ impl ReferenceBackend {
     /// # Errors
     /// [`BackendError::Unsupported`] when a region leaves open what is inside it.
     pub fn judge(&self, input: &FrameInput) -> Result<ReferenceFrame, BackendError> {
-        Ok(judge(input, &self.locator(input)?))
+        let texturing = if self.is_textured {
+            Texturing::new(input)
+        } else {
+            None
+        };
+        Ok(judge(input, &self.locator(input)?, texturing.as_ref()))
     }
 
     fn locator(&self, input: &FrameInput) -> Result<Locator, BackendError> {
@@ -105,10 +129,53 @@ struct Pixel {
     is_surface: bool,
     differ: bool,
     is_non_finite: bool,
+    texture: Option<TexturePixel>,
+    /// What is blended over the surface: sRGB times opacity, and what shows through.
+    paint: Blend,
+}
+
+/// Layers laid over one another: their colours' sum, and the share of what is below.
+#[derive(Debug, Clone, Copy)]
+struct Blend {
+    rgb: [f64; 3],
+    below: f64,
+}
+
+impl Default for Blend {
+    fn default() -> Self {
+        Self {
+            rgb: [0.0; 3],
+            below: 1.0,
+        }
+    }
+}
+
+impl Blend {
+    /// Lays a layer on top, as a blend unit does: on encoded values.
+    fn cover(&mut self, [r, g, b, alpha]: [f64; 4]) {
+        for (sum, light) in self.rgb.iter_mut().zip([r, g, b]) {
+            *sum = *sum * (1.0 - alpha) + encoded(light) * alpha;
+        }
+        self.below *= 1.0 - alpha;
+    }
+
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to 0 … 255"
+    )]
+    fn over(&self, background: u8, channel: usize) -> u8 {
+        let value = self.rgb[channel] * 255.0 + f64::from(background) * self.below;
+        value.round().clamp(0.0, 255.0) as u8
+    }
 }
 
 /// [`ReferenceBackend::judge`] by a given locator.
-pub(crate) fn judge(input: &FrameInput, locator: &Locator) -> ReferenceFrame {
+pub(crate) fn judge(
+    input: &FrameInput,
+    locator: &Locator,
+    texturing: Option<&Texturing<'_>>,
+) -> ReferenceFrame {
     let surface = SurfaceTriangles::new(&input.surface_rte, &input.scene.surface.triangles);
     let width = input.size.width as usize;
     let mut pixels = vec![Pixel::default(); input.size.pixel_count()];
@@ -118,7 +185,7 @@ pub(crate) fn judge(input: &FrameInput, locator: &Locator) -> ReferenceFrame {
             .zip(0..input.size.height)
             .for_each(|(pixels, row)| {
                 for (pixel, column) in pixels.iter_mut().zip(0..) {
-                    *pixel = judge_pixel(input, locator, &surface, column, row);
+                    *pixel = judge_pixel(input, locator, &surface, texturing, column, row);
                 }
             });
     }
@@ -130,15 +197,37 @@ pub(crate) fn judge(input: &FrameInput, locator: &Locator) -> ReferenceFrame {
             surface: pixels.iter().map(|pixel| pixel.is_surface).collect(),
             non_finite: non_finite + surface.non_finite(),
             counters: None,
+            texture: texturing.map(|texturing| {
+                texturing.coordinates(pixels.iter().map(|pixel| pixel.texture).collect())
+            }),
         },
+        picture: texturing.map(|_| picture(input, &pixels)),
         disagreements: pixels.iter().map(|pixel| pixel.differ).collect(),
     }
+}
+
+/// The pixels' paint over the surface and the sky, both in one colour.
+fn picture(input: &FrameInput, pixels: &[Pixel]) -> Vec<u8> {
+    let background = paint(&Frame {
+        size: input.size,
+        ids: vec![NO_REGION; pixels.len()],
+        surface: pixels.iter().map(|pixel| pixel.is_surface).collect(),
+        non_finite: 0,
+        counters: None,
+        texture: None,
+    });
+    let channels = background
+        .chunks_exact(3)
+        .zip(pixels)
+        .flat_map(|(rgb, pixel)| (0..3).map(|channel| pixel.paint.over(rgb[channel], channel)));
+    channels.collect()
 }
 
 fn judge_pixel(
     input: &FrameInput,
     locator: &Locator,
     surface: &SurfaceTriangles,
+    texturing: Option<&Texturing<'_>>,
     column: u32,
     row: u32,
 ) -> Pixel {
@@ -162,6 +251,12 @@ fn judge_pixel(
     locator.for_each_region(&point, |region, verdicts| {
         if verdicts.first {
             pixel.id = u32::try_from(region + 1).expect("fewer regions than bytes of memory");
+            if let Some(texturing) = texturing {
+                let texture = texturing.pixel(region, direction, depth);
+                pixel.paint.cover(texturing.colour(region, &texture));
+                pixel.is_non_finite |= !texture.is_finite();
+                pixel.texture = Some(texture);
+            }
         }
         pixel.differ |= verdicts.first != verdicts.second;
     });

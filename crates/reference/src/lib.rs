@@ -6,16 +6,22 @@
 //! reported as such, never decided in silence. Small, slow and obvious comes before fast; what
 //! there is of indices is held against brute force in tests.
 //!
+//! A textured frame also says where each pixel's texels come from, and is painted: coordinates by the
+//! placement's own formula, footprints in closed form, trilinear filtering.
+//!
 //! Shares no meshing, projection or fill code with what it judges: of a scene it reads body,
 //! parsed rings, edge rule and camera, of a frame the surface's vertices; meshes and plan it never
 //! looks at.
 
 mod backend;
+mod extent;
 mod great_ellipse;
 mod locator;
 mod planar;
+mod sampling;
 mod slabs;
 mod surface;
+mod texture;
 #[cfg(test)]
 mod validation;
 

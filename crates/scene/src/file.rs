@@ -9,11 +9,15 @@ use crate::data::{Verified, read_verified};
 use crate::procedural::Islands;
 use crate::scene::{Overlap, Scene, View};
 use crate::shipped;
+use crate::texture::{
+    ImageSource, MAX_SIDE_PX, Outside, SceneTexture, TextureAnchor, TexturePlacement, TextureShare,
+};
 use crate::{CameraPose, LevelChoice, RegionLoadError};
 use serde::Deserialize;
 use std::io;
 use std::ops::RangeInclusive;
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, Region, parse_regions};
 
 /// Vertical field of view where a view names none, degrees.
@@ -86,6 +90,14 @@ pub enum SceneError {
         /// How to get the file.
         how: String,
     },
+    /// The texture's file is here, with the right bytes, and is no picture that can be used.
+    #[error("{file}: is no picture that can be used: {message}")]
+    Image {
+        /// Path relative to the data folder.
+        file: String,
+        /// What is the matter.
+        message: String,
+    },
     /// The regions' file is here and is wrong.
     #[error(transparent)]
     Regions(#[from] RegionLoadError),
@@ -147,6 +159,7 @@ impl Scene {
         let levels = check.levels(raw.levels)?;
         let views = check.views(&raw.views)?;
         let sweep_boundary_tolerance_m = check.sweep(raw.vary.unwrap_or_default())?;
+        let texture = raw.texture.map(|raw| check.texture(raw)).transpose()?;
         // Last, so that a wrong scene is reported as wrong even where its data is missing.
         let mut regions = source.regions(&name, data_dir)?;
         if repair {
@@ -154,6 +167,10 @@ impl Scene {
                 region.split_at_crossings(edge_rule);
             }
         }
+        let texture = match texture {
+            Some(texture) => Some(Arc::new(texture.load(&name, data_dir)?)),
+            None => None,
+        };
         Ok(Self {
             name,
             description: raw.description,
@@ -166,6 +183,7 @@ impl Scene {
             surface_rows,
             views,
             sweep_boundary_tolerance_m,
+            texture,
         })
     }
 }
@@ -196,6 +214,7 @@ struct RawScene {
     levels: Option<RawLevels>,
     views: Vec<RawView>,
     vary: Option<RawVary>,
+    texture: Option<RawTexture>,
 }
 
 #[derive(Deserialize)]
@@ -260,6 +279,92 @@ struct RawView {
 struct RawVary {
     #[serde(default)]
     boundary_tolerance_m: Vec<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawTexture {
+    image: Option<RawImage>,
+    checker: Option<RawChecker>,
+    share: Option<String>,
+    alpha: Option<f64>,
+    placement: RawPlacement,
+    fade: Option<RawFade>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawImage {
+    path: String,
+    sha256: String,
+    how: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawChecker {
+    size: i64,
+    cells: i64,
+}
+
+/// `placement = "extents"`, or a table with one entry.
+#[derive(Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum RawPlacement {
+    Extents,
+    Anchor(RawAnchor),
+    Pattern(RawPattern),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawAnchor {
+    longitude_deg: f64,
+    latitude_deg: f64,
+    #[serde(default)]
+    rotation_deg: f64,
+    width_m: f64,
+    height_m: f64,
+    outside: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawPattern {
+    longitude_deg: f64,
+    latitude_deg: f64,
+    #[serde(default)]
+    rotation_deg: f64,
+    texels_per_px: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawFade {
+    begin_m: f64,
+    end_m: f64,
+}
+
+/// A texture whose values are checked and whose picture is not yet read.
+struct UnreadTexture {
+    image: ImageSource,
+    share: TextureShare,
+    alpha: f64,
+    placement: TexturePlacement,
+    fade_m: Option<[f64; 2]>,
+}
+
+impl UnreadTexture {
+    fn load(self, scene: &str, data_dir: Option<&Path>) -> Result<SceneTexture, SceneError> {
+        Ok(SceneTexture {
+            source: self.image.name(),
+            image: self.image.load(scene, data_dir)?,
+            share: self.share,
+            alpha: self.alpha,
+            placement: self.placement,
+            fade_m: self.fade_m,
+        })
+    }
 }
 
 /// Where a scene's regions come from.
@@ -448,29 +553,146 @@ impl Check<'_> {
         sha256: Option<String>,
         how: Option<String>,
     ) -> Result<RegionSource, SceneError> {
-        let inside = |part: Component<'_>| matches!(part, Component::Normal(_));
-        if file.is_empty() || !Path::new(&file).components().all(inside) {
-            return Err(self.refuse(
-                "regions.file",
-                format!("{file:?}"),
-                "a path inside the data folder",
-            ));
-        }
+        self.data_path("regions.file", &file)?;
         let sha256 = sha256.unwrap_or_default();
-        let is_hash =
-            sha256.len() == 64 && sha256.chars().all(|c| matches!(c, '0'..='9' | 'a'..='f'));
-        if !is_hash {
-            return Err(self.refuse(
-                "regions.sha256",
-                format!("{sha256:?}"),
-                "64 lower-case hexadecimal digits",
-            ));
-        }
+        self.hash("regions.sha256", &sha256)?;
         let how = how.unwrap_or_default();
         if how.trim().is_empty() {
             return Err(self.refuse("regions.how", "nothing", "how to get the file"));
         }
         Ok(RegionSource::File { file, sha256, how })
+    }
+
+    fn data_path(&self, key: &str, file: &str) -> Result<(), SceneError> {
+        let inside = |part: Component<'_>| matches!(part, Component::Normal(_));
+        if !file.is_empty() && Path::new(file).components().all(inside) {
+            return Ok(());
+        }
+        Err(self.refuse(key, format!("{file:?}"), "a path inside the data folder"))
+    }
+
+    fn hash(&self, key: &str, sha256: &str) -> Result<(), SceneError> {
+        let is_digit = |c: char| matches!(c, '0'..='9' | 'a'..='f');
+        if sha256.len() == 64 && sha256.chars().all(is_digit) {
+            return Ok(());
+        }
+        Err(self.refuse(
+            key,
+            format!("{sha256:?}"),
+            "64 lower-case hexadecimal digits",
+        ))
+    }
+
+    fn texture(&self, raw: RawTexture) -> Result<UnreadTexture, SceneError> {
+        Ok(UnreadTexture {
+            image: self.image_source(raw.image, raw.checker)?,
+            share: self.choice(
+                "texture.share",
+                raw.share.as_deref(),
+                [TextureShare::One, TextureShare::Each],
+                TextureShare::name,
+            )?,
+            alpha: self.within("texture.alpha", raw.alpha.unwrap_or(1.0), 0.0..=1.0)?,
+            placement: self.placement(&raw.placement)?,
+            fade_m: raw.fade.map(|fade| self.fade(&fade)).transpose()?,
+        })
+    }
+
+    fn image_source(
+        &self,
+        image: Option<RawImage>,
+        checker: Option<RawChecker>,
+    ) -> Result<ImageSource, SceneError> {
+        match (image, checker) {
+            (Some(image), None) => {
+                self.data_path("texture.image.path", &image.path)?;
+                self.hash("texture.image.sha256", &image.sha256)?;
+                Ok(ImageSource::File {
+                    how: image
+                        .how
+                        .unwrap_or_else(|| format!("put {} into the data folder", image.path)),
+                    path: image.path,
+                    sha256: image.sha256,
+                })
+            }
+            (None, Some(checker)) => {
+                // A cell has a colour of its own in steps of 8 bits: 64 are three apart.
+                let cells = self.count("texture.checker.cells", checker.cells, 2..=64)?;
+                let key = "texture.checker.size";
+                let size = self.count(key, checker.size, 2..=i64::from(MAX_SIDE_PX))?;
+                if !size.is_multiple_of(cells) {
+                    return Err(self.refuse(key, size, format!("a multiple of {cells} cells")));
+                }
+                Ok(ImageSource::Checker { size, cells })
+            }
+            (image, _) => {
+                let found = if image.is_some() { "both" } else { "none" };
+                Err(self.refuse("texture", found, "exactly one of image, checker"))
+            }
+        }
+    }
+
+    fn placement(&self, raw: &RawPlacement) -> Result<TexturePlacement, SceneError> {
+        match raw {
+            RawPlacement::Extents => Ok(TexturePlacement::Extents),
+            RawPlacement::Anchor(raw) => {
+                let key = |name: &str| format!("texture.placement.anchor.{name}");
+                let place = [raw.longitude_deg, raw.latitude_deg, raw.rotation_deg];
+                Ok(TexturePlacement::Anchor {
+                    anchor: self.texture_anchor(&key, place)?,
+                    width_m: self.positive(key("width_m"), raw.width_m)?,
+                    height_m: self.positive(key("height_m"), raw.height_m)?,
+                    outside: self.choice(
+                        &key("outside"),
+                        raw.outside.as_deref(),
+                        [Outside::Repeat, Outside::Transparent],
+                        Outside::name,
+                    )?,
+                })
+            }
+            RawPlacement::Pattern(raw) => {
+                let key = |name: &str| format!("texture.placement.pattern.{name}");
+                let place = [raw.longitude_deg, raw.latitude_deg, raw.rotation_deg];
+                // Beyond a thousand texels a pixel, or pixels a texel, nothing can be made out.
+                let texels_per_px =
+                    self.within(key("texels_per_px"), raw.texels_per_px, 1e-3..=1e3)?;
+                Ok(TexturePlacement::Pattern {
+                    anchor: self.texture_anchor(&key, place)?,
+                    texels_per_px,
+                })
+            }
+        }
+    }
+
+    /// An anchor's longitude, latitude and rotation, degrees.
+    fn texture_anchor(
+        &self,
+        key: &dyn Fn(&str) -> String,
+        [longitude, latitude, rotation]: [f64; 3],
+    ) -> Result<TextureAnchor, SceneError> {
+        // At a pole a metre east is no longitude, so the picture's middle must keep clear of it.
+        let latitude = self.within(key("latitude_deg"), latitude, -89.9..=89.9)?;
+        Ok(TextureAnchor {
+            longitude_rad: self
+                .within(key("longitude_deg"), longitude, -180.0..=180.0)?
+                .to_radians(),
+            latitude_rad: latitude.to_radians(),
+            rotation_rad: self
+                .within(key("rotation_deg"), rotation, -360.0..=360.0)?
+                .to_radians(),
+        })
+    }
+
+    fn fade(&self, raw: &RawFade) -> Result<[f64; 2], SceneError> {
+        let begin_m = raw.begin_m;
+        if !(begin_m >= 0.0 && begin_m.is_finite()) {
+            return Err(self.refuse("texture.fade.begin_m", begin_m, "0 or more"));
+        }
+        if !(raw.end_m > begin_m && raw.end_m.is_finite()) {
+            let allowed = format!("greater than {begin_m}");
+            return Err(self.refuse("texture.fade.end_m", raw.end_m, allowed));
+        }
+        Ok([begin_m, raw.end_m])
     }
 
     fn islands(&self, raw: &RawProcedural) -> Result<Islands, SceneError> {

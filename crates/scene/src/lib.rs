@@ -13,6 +13,7 @@ mod scene;
 mod shape_family;
 mod shipped;
 mod surface;
+mod texture;
 
 pub use camera::{Camera, CameraPose, ImageSize};
 pub use data::{DATA_DIR_VARIABLE, RegionLoadError, data_dir_from_env, load_regions};
@@ -30,3 +31,6 @@ pub use scene::{Overlap, Scene, View};
 pub use shape_family::ShapeFamily;
 pub use shipped::shipped_scene_names;
 pub use surface::SurfaceMesh;
+pub use texture::{
+    MipChain, MipLevel, Outside, SceneTexture, TextureAnchor, TexturePlacement, TextureShare,
+};

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! A scene: a body, its regions, the rule for their edges, the surface, the views, and what to vary.
+//! A scene: a body, its regions, the rule for their edges, the surface, the views, the texture, and
+//! what to vary.
 
-use crate::{Camera, CameraPose, LevelChoice};
+use crate::{Camera, CameraPose, LevelChoice, SceneTexture};
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, Region};
 
@@ -58,4 +59,6 @@ pub struct Scene {
     pub views: Vec<View>,
     /// Boundary tolerances to sweep for error against run time, metres; may be empty.
     pub sweep_boundary_tolerance_m: Vec<f64>,
+    /// What a textured fill shows; `None` where the scene is filled in plain colours only.
+    pub texture: Option<Arc<SceneTexture>>,
 }

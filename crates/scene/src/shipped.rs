@@ -18,6 +18,7 @@ const SCENES: &[(&str, &str)] = &[
     file!("countries-110m.toml"),
     file!("countries-50m.toml"),
     file!("us-states.toml"),
+    file!("blue-marble.toml"),
 ];
 
 /// Region files that scenes name by `embedded`.

@@ -3,7 +3,9 @@
 
 use sha2::{Digest, Sha256};
 use terrafill_core::EdgeRule;
-use terrafill_scene::{LevelChoice, Overlap, Scene, SceneError};
+use terrafill_scene::{
+    LevelChoice, Outside, Overlap, Scene, SceneError, SceneTexture, TexturePlacement, TextureShare,
+};
 
 const GOOD: &str = r#"name = "test"
 description = "One square"
@@ -267,5 +269,198 @@ fn a_scene_file_is_read_from_disk_and_its_path_is_in_the_message() {
     assert!(
         wrong.to_string().starts_with(&path.display().to_string()),
         "{wrong}"
+    );
+}
+
+const TEXTURE: &str = r#"
+[texture]
+checker = { size = 64, cells = 4 }
+share = "each"
+alpha = 0.5
+fade = { begin_m = 10, end_m = 20 }
+placement = { anchor = { longitude_deg = 30, latitude_deg = -45, rotation_deg = 90, width_m = 1000, height_m = 500, outside = "transparent" } }
+"#;
+
+fn texture(text: &str) -> SceneTexture {
+    let scene = Scene::from_toml(&(GOOD.to_owned() + text), "t.toml", None).expect("valid");
+    SceneTexture::clone(&scene.texture.expect("a texture"))
+}
+
+#[test]
+fn every_setting_of_a_texture_arrives() {
+    assert!(
+        Scene::from_toml(GOOD, "t.toml", None)
+            .expect("valid")
+            .texture
+            .is_none()
+    );
+    let found = texture(TEXTURE);
+    assert_eq!(found.image.size_px(), [64, 64]);
+    assert_eq!(found.image.levels().len(), 7);
+    assert_eq!((found.share, found.alpha), (TextureShare::Each, 0.5));
+    assert_eq!(found.fade_m, Some([10.0, 20.0]));
+    let TexturePlacement::Anchor {
+        anchor,
+        width_m,
+        height_m,
+        outside,
+    } = found.placement
+    else {
+        panic!("{:?}", found.placement);
+    };
+    assert_eq!(
+        (width_m, height_m, outside),
+        (1000.0, 500.0, Outside::Transparent)
+    );
+    assert_eq!(
+        [
+            anchor.longitude_rad,
+            anchor.latitude_rad,
+            anchor.rotation_rad
+        ],
+        [30_f64, -45.0, 90.0].map(f64::to_radians)
+    );
+
+    let plain = "[texture]\nchecker = { size = 16, cells = 2 }\nplacement = \"extents\"\n";
+    let found = texture(plain);
+    assert_eq!(found.placement, TexturePlacement::Extents);
+    assert_eq!((found.share, found.alpha), (TextureShare::One, 1.0));
+    assert!(found.fade_m.is_none());
+    let pattern = plain.replace(
+        "\"extents\"",
+        "{ pattern = { longitude_deg = 1, latitude_deg = 2, texels_per_px = 0.5 } }",
+    );
+    let TexturePlacement::Pattern { texels_per_px, .. } = texture(&pattern).placement else {
+        panic!("no pattern");
+    };
+    assert_eq!(texels_per_px, 0.5);
+}
+
+#[test]
+fn wrong_textures_name_the_key_the_value_and_what_is_allowed() {
+    let cases = [
+        (
+            "checker = { size = 64, cells = 4 }\n",
+            "",
+            "t.toml: texture: found none, allowed: exactly one of image, checker",
+        ),
+        (
+            "size = 64",
+            "size = 66",
+            "t.toml: texture.checker.size: found 66, allowed: a multiple of 4 cells",
+        ),
+        (
+            "size = 64",
+            "size = 16384",
+            "t.toml: texture.checker.size: found 16384, allowed: 2 to 8192",
+        ),
+        (
+            "cells = 4",
+            "cells = 1",
+            "t.toml: texture.checker.cells: found 1, allowed: 2 to 64",
+        ),
+        (
+            "\"each\"",
+            "\"both\"",
+            "t.toml: texture.share: found \"both\", allowed: one, each",
+        ),
+        (
+            "alpha = 0.5",
+            "alpha = 1.5",
+            "t.toml: texture.alpha: found 1.5, allowed: 0 to 1",
+        ),
+        (
+            "alpha = 0.5",
+            "alpha = nan",
+            "t.toml: texture.alpha: found NaN, allowed: 0 to 1",
+        ),
+        (
+            "end_m = 20",
+            "end_m = 10",
+            "t.toml: texture.fade.end_m: found 10, allowed: greater than 10",
+        ),
+        (
+            "begin_m = 10",
+            "begin_m = -1",
+            "t.toml: texture.fade.begin_m: found -1, allowed: 0 or more",
+        ),
+        (
+            "latitude_deg = -45",
+            "latitude_deg = -90",
+            "t.toml: texture.placement.anchor.latitude_deg: found -90, allowed: -89.9 to 89.9",
+        ),
+        (
+            "width_m = 1000",
+            "width_m = 0",
+            "t.toml: texture.placement.anchor.width_m: found 0, allowed: greater than 0",
+        ),
+        (
+            "\"transparent\"",
+            "\"black\"",
+            "t.toml: texture.placement.anchor.outside: found \"black\", allowed: repeat, transparent",
+        ),
+        (
+            "checker = { size = 64, cells = 4 }",
+            "image = { path = \"../a.png\", sha256 = \"0\" }",
+            "t.toml: texture.image.path: found \"../a.png\", allowed: a path inside the data folder",
+        ),
+        (
+            "checker = { size = 64, cells = 4 }",
+            "image = { path = \"a.png\", sha256 = \"0\" }",
+            "t.toml: texture.image.sha256: found \"0\", allowed: 64 lower-case hexadecimal digits",
+        ),
+    ];
+    for (from, to, expected) in cases {
+        let changed = TEXTURE.replacen(from, to, 1);
+        assert_ne!(changed, TEXTURE, "{from}");
+        assert_eq!(message(&(GOOD.to_owned() + &changed)), expected);
+    }
+    let pattern = "[texture]\nchecker = { size = 16, cells = 2 }\nplacement = { pattern = { \
+                   longitude_deg = 1, latitude_deg = 2, texels_per_px = 0 } }\n";
+    assert_eq!(
+        message(&(GOOD.to_owned() + pattern)),
+        "t.toml: texture.placement.pattern.texels_per_px: found 0, allowed: 0.001 to 1000"
+    );
+    let unknown = TEXTURE.replace("rotation_deg", "turn_deg");
+    let text = message(&(GOOD.to_owned() + &unknown));
+    assert!(text.contains("unknown field `turn_deg`"), "{text}");
+}
+
+#[test]
+fn a_picture_is_read_by_its_hash_and_refused_if_it_is_none() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let load = |bytes: &[u8], sha256: &str| {
+        std::fs::write(folder.path().join("a.png"), bytes).expect("writable");
+        let image = format!("image = {{ path = \"a.png\", sha256 = \"{sha256}\" }}");
+        let text = TEXTURE.replace("checker = { size = 64, cells = 4 }", &image);
+        Scene::from_toml(&(GOOD.to_owned() + &text), "t.toml", Some(folder.path()))
+    };
+    let hash = |bytes: &[u8]| -> String {
+        let digest = Sha256::digest(bytes);
+        digest.iter().map(|byte| format!("{byte:02x}")).collect()
+    };
+    let mut png = std::io::Cursor::new(Vec::new());
+    let texels = [255, 0, 0, 0, 0, 255];
+    let colour = image::ExtendedColorType::Rgb8;
+    image::write_buffer_with_format(&mut png, &texels, 2, 1, colour, image::ImageFormat::Png)
+        .expect("a picture");
+    let png = png.into_inner();
+
+    let scene = load(&png, &hash(&png)).expect("a picture");
+    let texture = scene.texture.expect("a texture");
+    assert_eq!(texture.source, "a.png");
+    assert_eq!(
+        texture.image.levels()[0].rgba,
+        [255, 0, 0, 255, 0, 0, 255, 255]
+    );
+    // Other bytes are no wrong scene, but one whose data is not here.
+    let error = load(&png[1..], &hash(&png)).expect_err("other bytes");
+    assert!(matches!(error, SceneError::DataMissing { .. }), "{error}");
+    // The right bytes of something else are wrong.
+    let error = load(b"text", &hash(b"text")).expect_err("no picture");
+    assert!(matches!(error, SceneError::Image { .. }), "{error}");
+    assert!(
+        error.to_string().starts_with("a.png: is no picture"),
+        "{error}"
     );
 }

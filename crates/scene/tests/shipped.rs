@@ -111,6 +111,8 @@ struct Picture {
     largest: f64,
     /// Regions seen.
     regions: usize,
+    /// Longitude and latitude of the samples that show a region, degrees.
+    filled_deg: Vec<[f64; 2]>,
     /// Whether the body reaches the image's border.
     touches_image_edge: bool,
     /// Whether two neighbouring samples of the body differ in region.
@@ -119,10 +121,15 @@ struct Picture {
 
 fn picture(scene: &Scene, view: &View) -> Picture {
     let map = Map::new(&scene.regions);
-    let ids: Vec<Option<Option<usize>>> = seen_deg(scene, view)
-        .into_iter()
+    let points = seen_deg(scene, view);
+    let ids: Vec<Option<Option<usize>>> = points
+        .iter()
         .map(|point| point.map(|point| map.region_at(point)))
         .collect();
+    let filled = points
+        .iter()
+        .zip(&ids)
+        .filter(|(_, id)| matches!(id, Some(Some(_))));
     let mut counts = vec![0_usize; scene.regions.len()];
     for id in ids.iter().flatten().flatten() {
         counts[*id] += 1;
@@ -135,6 +142,7 @@ fn picture(scene: &Scene, view: &View) -> Picture {
         body: share(ids.iter().flatten().count()),
         largest: share(counts.iter().copied().max().unwrap_or(0)),
         regions: counts.iter().filter(|&&count| count > 0).count(),
+        filled_deg: filled.filter_map(|(point, _)| *point).collect(),
         touches_image_edge: ids.iter().enumerate().any(|(i, id)| {
             let (column, row) = (i % columns, i / columns);
             let last = columns - 1;
@@ -145,6 +153,21 @@ fn picture(scene: &Scene, view: &View) -> Picture {
             .any(|row| row.windows(2).any(|w| differ(&w[0], &w[1])))
             || ids.windows(columns + 1).any(|w| differ(&w[0], &w[columns])),
     }
+}
+
+/// Whether a view named after a place shows it, in a region.
+fn looks_at_its_place(view: &View, seen: &Picture) -> bool {
+    let is_at = |[longitude, latitude]: [f64; 2]| match view.name.as_str() {
+        "equator" => latitude.abs() < 1.0,
+        "latitude-45" => (latitude - 45.0).abs() < 1.0,
+        // No country of the file reaches further north than 83.7°.
+        "latitude-85" => latitude > 83.0,
+        "pole" => latitude.abs() > 89.0,
+        "antimeridian" => longitude.abs() > 179.5 && latitude > 60.0,
+        "antimeridian-south" => longitude.abs() > 179.5 && latitude < 0.0,
+        _ => false,
+    };
+    seen.filled_deg.iter().any(|&place| is_at(place))
 }
 
 /// What is wrong with a view, judged by its name; empty when it shows what it promises.
@@ -172,6 +195,11 @@ fn complaints(view: &View, seen: &Picture) -> Vec<&'static str> {
             ),
             (view.pose.eye.height_m <= 10_000.0, "the eye is high"),
         ],
+        "equator" | "latitude-45" | "latitude-85" | "antimeridian" | "antimeridian-south"
+        | "pole" => vec![(
+            looks_at_its_place(view, seen),
+            "the place that it is named after is not in view",
+        )],
         _ => vec![(false, "the view has a name that promises nothing")],
     };
     let boundary = (
@@ -185,6 +213,11 @@ fn complaints(view: &View, seen: &Picture) -> Vec<&'static str> {
         .collect()
 }
 
+/// Three cameras everywhere but in the scene that has one for each place where textures are hard.
+fn view_count(scene: &str) -> usize {
+    if scene == "blue-marble" { 6 } else { 3 }
+}
+
 #[test]
 fn every_shipped_scene_loads_or_is_skipped_for_its_data() {
     let names = shipped_scene_names();
@@ -195,7 +228,8 @@ fn every_shipped_scene_loads_or_is_skipped_for_its_data() {
             "california",
             "countries-110m",
             "countries-50m",
-            "us-states"
+            "us-states",
+            "blue-marble"
         ]
     );
     let without_data = names
@@ -208,7 +242,7 @@ fn every_shipped_scene_loads_or_is_skipped_for_its_data() {
             continue;
         };
         assert_eq!(scene.name, name);
-        assert!(!scene.regions.is_empty() && scene.views.len() == 3);
+        assert!(!scene.regions.is_empty() && scene.views.len() == view_count(name));
     }
 }
 
@@ -256,7 +290,7 @@ fn a_scene_that_is_not_shipped_is_named_with_those_that_are() {
     assert_eq!(
         error.to_string(),
         "scene \"planet-135\" is not shipped, allowed: planet-134, california, countries-110m, \
-         countries-50m, us-states"
+         countries-50m, us-states, blue-marble"
     );
 }
 
@@ -302,6 +336,62 @@ fn views_that_break_their_promise_are_noticed() {
             .any(|view| !complaints(view, &picture(&scene, view)).is_empty());
         assert!(noticed, "{to} went unnoticed");
     }
+}
+
+#[test]
+fn views_of_places_where_textures_are_hard_must_show_them() {
+    // The picture takes seconds to read and no part in where a view looks.
+    let text = include_str!("../../../bench-scenes/blue-marble.toml");
+    let (head, rest) = text.split_once("[texture]").expect("a texture");
+    let (_, views) = rest.split_once("[[views]]").expect("views");
+    let text = format!("{head}[[views]]{views}");
+    for (from, to) in [
+        // A hemisphere off, and over open sea.
+        ("latitude_deg = -2\n", "latitude_deg = -30\n"),
+        ("latitude_deg = 45.9", "latitude_deg = 75"),
+        ("latitude_deg = 85", "latitude_deg = 60"),
+        ("longitude_deg = 179\n", "longitude_deg = 100\n"),
+        ("latitude_deg = -17.2", "latitude_deg = -35"),
+        ("latitude_deg = -90\n", "latitude_deg = -40\n"),
+    ] {
+        let changed = text.replacen(from, to, 1);
+        assert_ne!(text, changed, "{from} is not in the scene");
+        let data = data_dir_from_env();
+        let scene = match Scene::from_toml(&changed, "blue-marble.toml", data.as_deref()) {
+            Ok(scene) => scene,
+            Err(error @ SceneError::DataMissing { .. }) => {
+                eprintln!("skipped: {error}");
+                return;
+            }
+            Err(error) => panic!("{error}"),
+        };
+        let noticed = scene
+            .views
+            .iter()
+            .any(|view| !complaints(view, &picture(&scene, view)).is_empty());
+        assert!(noticed, "{to} went unnoticed");
+    }
+}
+
+#[test]
+fn blue_marble_has_its_picture_with_all_levels() {
+    let Some(scene) = load_or_skip("blue-marble") else {
+        return;
+    };
+    let texture = scene.texture.expect("a texture");
+    assert_eq!(texture.image.size_px(), [4096, 2048]);
+    assert_eq!(texture.image.levels().len(), 13);
+    // Antarctica is white, the southern Pacific dark blue.
+    let level = &texture.image.levels()[4];
+    let texel = |longitude: f64, latitude: f64| {
+        let column = (longitude + 180.0) / 360.0 * f64::from(level.width);
+        let row = (90.0 - latitude) / 180.0 * f64::from(level.height);
+        let index = 4 * (row as usize * level.width as usize + column as usize);
+        level.rgba[index..index + 3].to_vec()
+    };
+    assert!(texel(90.0, -80.0).iter().all(|&channel| channel > 200));
+    let sea = texel(-130.0, -40.0);
+    assert!(sea[0] < 40 && sea[2] > sea[0], "{sea:?}");
 }
 
 #[test]

@@ -6,11 +6,13 @@
 //! so that a test can hold them against `offset_of!`.
 
 mod spirv;
+mod textured;
 
 pub use spirv::{
-    GeometryShader, HandsOn, SpirvStage, geometry_shaders, geometry_spirv, glsl_paths,
-    wgsl_to_spirv,
+    GeometryShader, HandsOn, SpirvStage, composed_to_spirv, geometry_shaders, geometry_spirv,
+    glsl_paths, wgsl_to_spirv,
 };
+pub use textured::{RouteText, TEXTURED_COVER, TexturedParts, TexturedPlacement};
 
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
@@ -24,11 +26,13 @@ pub struct ShaderSource {
 
 macro_rules! shader_sources {
     ($($path:literal),* $(,)?) => {
-        [$(ShaderSource { path: $path, text: include_str!(concat!("../../../shaders/", $path)) }),*]
+        [$($crate::ShaderSource { path: $path, text: include_str!(concat!("../../../shaders/", $path)) }),*]
     };
 }
 
-/// Files with entry points.
+use shader_sources;
+
+/// Files with entry points that compile as they are.
 const MODULES: [ShaderSource; 11] = shader_sources![
     "surface/surface.wgsl",
     "vertex/doubled.wgsl",
@@ -92,7 +96,11 @@ pub fn modules() -> &'static [ShaderSource] {
 
 /// Every embedded file, shared ones included: what lies in `shaders/` must be these.
 pub fn embedded_paths() -> impl Iterator<Item = &'static str> {
-    MODULES.iter().chain(&SHARED).map(|source| source.path)
+    every_source().map(|source| source.path)
+}
+
+fn every_source() -> impl Iterator<Item = &'static ShaderSource> {
+    MODULES.iter().chain(&SHARED).chain(&textured::PARTS)
 }
 
 /// Source of `path` with its imports put in.
@@ -176,7 +184,10 @@ pub struct StructLayout {
 /// # Errors
 /// [`ShaderError::UnknownStruct`], or the shader does not validate.
 pub fn struct_layout(path: &str, name: &str) -> Result<StructLayout, ShaderError> {
-    let module = validate(path, &compose(path)?)?;
+    layout_in(&validate(path, &compose(path)?)?, path, name)
+}
+
+fn layout_in(module: &naga::Module, path: &str, name: &str) -> Result<StructLayout, ShaderError> {
     let unknown = || ShaderError::UnknownStruct {
         path: path.to_owned(),
         name: name.to_owned(),
@@ -205,9 +216,7 @@ pub fn struct_layout(path: &str, name: &str) -> Result<StructLayout, ShaderError
 /// FNV-1a over every embedded file's path and text or SPIR-V: changes when any shader does.
 #[must_use]
 pub fn source_hash() -> u64 {
-    let bytes = MODULES
-        .iter()
-        .chain(&SHARED)
+    let bytes = every_source()
         .flat_map(|source| source.path.bytes().chain(source.text.bytes()))
         .chain(spirv::geometry_bytes());
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {

@@ -34,11 +34,25 @@ pub fn wgsl_to_spirv(
     entry_point: &str,
     constants: &[(&str, f64)],
 ) -> Result<Vec<u32>, ShaderError> {
+    composed_to_spirv(path, &compose(path)?, stage, entry_point, constants)
+}
+
+/// As [`wgsl_to_spirv`], of WGSL that is put together already; `path` names it in messages.
+///
+/// # Errors
+/// [`ShaderError`].
+pub fn composed_to_spirv(
+    path: &str,
+    composed: &str,
+    stage: SpirvStage,
+    entry_point: &str,
+    constants: &[(&str, f64)],
+) -> Result<Vec<u32>, ShaderError> {
     let invalid = |message: String| ShaderError::Invalid {
         path: path.to_owned(),
         message,
     };
-    let (module, info) = parse_and_validate(path, &compose(path)?)?;
+    let (module, info) = parse_and_validate(path, composed)?;
     let shader_stage = match stage {
         SpirvStage::Vertex => naga::ShaderStage::Vertex,
         SpirvStage::Fragment => naga::ShaderStage::Fragment,

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use terrafill_bench::{Technique, open_scene};
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
 use terrafill_frame::{
-    Backend as _, BackendError, Frame, FrameInput, MemoryUse, PreparedScene, SwitchError, paint,
+    BackendError, Frame, FrameInput, MemoryUse, PreparedScene, SwitchError, paint,
 };
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{
@@ -26,6 +26,8 @@ struct Drawn {
     frame: Frame,
     memory: Option<MemoryUse>,
     variant: String,
+    /// What the backend settled that people should know.
+    note: Option<String>,
     /// Transformed vertices per triangle of the caps, through a cache of [`CACHE_SIZE`]; of the
     /// vertex backend, the only one that orders triangles for it.
     cap_acmr: Option<f64>,
@@ -41,7 +43,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
     let wanted = wanted(&scene, arguments)?;
     let input = input(&scene, view, &wanted, arguments)?;
     let drawn = match &wanted.technique {
-        None => draw_reference(&input)?,
+        None => draw_reference(&input, wanted.is_textured)?,
         Some(technique) => draw(&input, technique, arguments)?,
     };
     let colour = ExtendedColorType::Rgb8;
@@ -73,6 +75,8 @@ struct Wanted {
     technique: Option<Technique>,
     mesh: MeshOptions,
     plan: PlanOptions,
+    /// Whether the reference fills with the scene's texture.
+    is_textured: bool,
 }
 
 fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure> {
@@ -80,6 +84,7 @@ fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure>
         technique: Technique::main(arguments.backend.name(), scene.overlap),
         mesh: scene.mesh,
         plan: PlanOptions::default(),
+        is_textured: false,
     };
     for switch in &arguments.variant {
         let refuse = |allowed: &str| {
@@ -88,8 +93,10 @@ fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure>
         };
         let (key, value) = switch.split_once('=').unwrap_or((switch, ""));
         if wanted.technique.is_none() {
-            let why = "none with --backend reference, which has one way only";
-            return Err(refuse(why));
+            wanted
+                .set_reference(scene, key, value)
+                .map_err(|allowed| refuse(&allowed))?;
+            continue;
         }
         if wanted.set_input(key, value).map_err(refuse)? {
             continue;
@@ -111,6 +118,23 @@ fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure>
 }
 
 impl Wanted {
+    /// Sets a switch of the reference, which fills with or without texture and has no other.
+    fn set_reference(&mut self, scene: &Scene, key: &str, value: &str) -> Result<(), String> {
+        let has_texture = scene.texture.is_some();
+        self.is_textured = match (key, value) {
+            ("texture", "on") if has_texture => true,
+            ("texture", "off") => false,
+            _ if has_texture => return Err("texture=on|off with --backend reference".to_owned()),
+            _ => {
+                let scene = &scene.name;
+                return Err(format!(
+                    "none with --backend reference and scene {scene}, which has no texture"
+                ));
+            }
+        };
+        Ok(())
+    }
+
     /// Sets a switch of what goes into every backend; `Ok(false)` when there is no such switch, and
     /// what is allowed when the value is none of the switch's.
     fn set_input(&mut self, key: &str, value: &str) -> Result<bool, &'static str> {
@@ -180,15 +204,20 @@ fn input(
     Ok(FrameInput::new(&prepared, view, size, wanted.plan))
 }
 
-fn draw_reference(input: &FrameInput) -> Result<Drawn, Failure> {
-    let mut reference = ReferenceBackend::new();
-    reference.prepare(input).map_err(Failure::bad_input)?;
-    let frame = reference.render(input).map_err(Failure::bad_input)?;
+fn draw_reference(input: &FrameInput, is_textured: bool) -> Result<Drawn, Failure> {
+    let reference = if is_textured {
+        ReferenceBackend::textured()
+    } else {
+        ReferenceBackend::new()
+    };
+    let judged = reference.judge(input).map_err(Failure::bad_input)?;
+    let frame = judged.frame;
     Ok(Drawn {
-        rgb: paint(&frame),
+        rgb: judged.picture.unwrap_or_else(|| paint(&frame)),
+        variant: if is_textured { "texture=on" } else { "" }.to_owned(),
         frame,
         memory: None,
-        variant: String::new(),
+        note: None,
         cap_acmr: None,
     })
 }
@@ -209,6 +238,7 @@ fn draw(
             frame,
             memory: Some(memory),
             variant: backend.variant_name(),
+            note: backend.note(),
             cap_acmr: match technique {
                 Technique::Vertex(variant) => cap_acmr(input, variant.index_order),
                 _ => None,
@@ -272,6 +302,7 @@ fn statistics(arguments: &RenderArguments, input: &FrameInput, drawn: &Drawn) ->
             "index_bytes": memory.index_bytes,
             "constant_bytes": memory.constant_bytes,
             "target_bytes": memory.target_bytes,
+            "texture_bytes": memory.texture_bytes,
             "geometry_bytes": memory.geometry_bytes(),
         })
     });
@@ -289,6 +320,7 @@ fn statistics(arguments: &RenderArguments, input: &FrameInput, drawn: &Drawn) ->
         "cap_acmr": drawn.cap_acmr,
         "regions_drawn": input.plan.regions.len(),
         "left_out": left_out,
+        "note": drawn.note,
     })
 }
 

@@ -77,10 +77,11 @@ impl Backend for VertexBackend {
         Ok(MemoryUse {
             vertex_bytes: bytes.vertex_bytes,
             index_bytes: bytes.index_bytes,
-            constant_bytes: RegionConstants::byte_count(input),
+            constant_bytes: RegionConstants::byte_count(input) + self.fill.textured_bytes(),
             target_bytes: self.fill.target_bytes(),
+            texture_bytes: self.fill.texture_bytes(),
             // And the constants'.
-            buffers: buffers + 1,
+            buffers: buffers + self.fill.constant_buffers(),
             upload_bytes,
         })
     }
@@ -88,7 +89,8 @@ impl Backend for VertexBackend {
     fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError> {
         let (picture, mut counters) = self.fill.draw_and_read(&mut self.volumes, input, false)?;
         counters.stencil_fragments = self.fill.count_fragments(&mut self.volumes, input)?;
-        Ok(Frame::from_picture(&picture, counters))
+        self.fill
+            .frame(&mut self.volumes, input, &picture, counters)
     }
 }
 
@@ -105,6 +107,10 @@ impl VolumeBackend for VertexBackend {
 
     fn tells_regions_apart(&self) -> bool {
         self.variant.switches.colour.tells_regions_apart()
+    }
+
+    fn note(&self) -> Option<String> {
+        self.fill.note()
     }
 
     fn picture(&mut self, input: &FrameInput) -> Result<Picture, BackendError> {

@@ -230,6 +230,13 @@ impl VertexVariant {
             self.switches.colour,
             ColourWay::Rectangle | ColourWay::Volume | ColourWay::BitPlanes
         );
+        if self.opacity_percent != 100 && self.switches.texture.is_some() {
+            return Err(SwitchError {
+                switch: "opacity",
+                found: format!("{} for a textured fill", self.opacity_percent),
+                allowed: "100: the scene says how opaque its picture is".to_owned(),
+            });
+        }
         if self.opacity_percent == 100 || in_order {
             return Ok(());
         }

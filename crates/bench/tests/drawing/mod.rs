@@ -224,6 +224,7 @@ pub(crate) fn scene_within(
         levels: Arc::default(),
         bounds: Arc::new([]),
         surface: Arc::new(SurfaceMesh::ellipsoid(&body, rows)),
+        texture: None,
     }
     .with_meshes(meshes.expect("meshes").into())
 }

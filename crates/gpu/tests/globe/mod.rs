@@ -28,6 +28,7 @@ pub(crate) fn globe_from(height_m: f64) -> FrameInput {
         levels: Arc::default(),
         bounds: Arc::new([]),
         surface: Arc::new(SurfaceMesh::ellipsoid(&body, 180)),
+        texture: None,
     };
     let view = View {
         name: "globe".to_owned(),

@@ -8,6 +8,7 @@ mod agreement;
 mod areas;
 mod pictures;
 mod places;
+mod textures;
 
 use crate::locator::{Locator, LocatorError, RingSource, holds_north};
 use terrafill_core::EdgeRule;

@@ -44,6 +44,7 @@ fn input(body: Ellipsoid, pose: &CameraPose, size: u32, rows: u32) -> FrameInput
             levels: Arc::default(),
             bounds: Arc::from([]),
             surface: Arc::new(surface),
+            texture: None,
         },
         view: "from the axis".to_owned(),
         camera,
@@ -98,7 +99,7 @@ fn the_globe_is_as_large_as_its_tangent_cone() {
         let height = 2.5 * body.equatorial_radius_m();
         let input = input(body, &pose(0.0, 90.0, height, -90.0), 1024, ROWS);
         let expected = disc_px(&input, outline(&body, &input));
-        let found = hits(&judge(&input, &nothing()));
+        let found = hits(&judge(&input, &nothing(), None));
         assert!(
             (found / expected - 1.0).abs() < DISC_TOLERANCE,
             "{found} {expected}"
@@ -120,7 +121,7 @@ fn the_globe_is_as_large_as_its_tangent_cone() {
 /// Relative error of the pixel count of the cap north of 60°, seen from above the pole.
 fn cap_error(input: &FrameInput, rings: &[TestRing], is_filled: &dyn Fn(u32) -> bool) -> f64 {
     let expected = disc_px(input, parallel_seen(&Ellipsoid::WGS84, input, 60.0));
-    let judged = judge(input, &locator(rings, EdgeRule::Planar));
+    let judged = judge(input, &locator(rings, EdgeRule::Planar), None);
     assert_eq!(judged.disagreement_px(), 0);
     let filled = judged.frame.ids.iter().zip(&judged.frame.surface);
     let found = filled.filter(|(id, hit)| **hit && is_filled(**id)).count() as f64;
@@ -163,7 +164,7 @@ fn the_last_of_overlapping_regions_wins_and_ids_start_at_one() {
         (1, parallel(70.0), 360.0),
         (2, parallel(-50.0), 360.0),
     ];
-    let judged = judge(&input, &locator(&rings, EdgeRule::Planar));
+    let judged = judge(&input, &locator(&rings, EdgeRule::Planar), None);
     let at = |column: usize, row: usize| judged.frame.ids[row * 64 + column];
     assert_eq!(at(32, 32), 2);
     let seen: std::collections::BTreeSet<u32> = judged.frame.ids.iter().copied().collect();
@@ -175,6 +176,7 @@ fn the_last_of_overlapping_regions_wins_and_ids_start_at_one() {
             &[(0, parallel(70.0), 360.0), (1, parallel(50.0), 360.0)],
             EdgeRule::Planar,
         ),
+        None,
     );
     assert!(!judged.frame.ids.contains(&1));
 }
@@ -269,7 +271,7 @@ fn no_ray_falls_through_between_triangles() {
 fn hits_before_the_near_plane_do_not_count() {
     let mut input = input(Ellipsoid::WGS84, &pose(0.0, 0.0, 1e6, -90.0), 16, 60);
     assert!(
-        judge(&input, &nothing())
+        judge(&input, &nothing(), None)
             .frame
             .surface
             .iter()
@@ -288,7 +290,7 @@ fn hits_before_the_near_plane_do_not_count() {
     );
     input.camera.near_m = 2e7;
     assert!(
-        !judge(&input, &nothing())
+        !judge(&input, &nothing(), None)
             .frame
             .surface
             .iter()
@@ -299,15 +301,15 @@ fn hits_before_the_near_plane_do_not_count() {
 #[test]
 fn non_finite_vertices_are_counted() {
     let mut input = input(Ellipsoid::WGS84, &pose(0.0, 0.0, 1e6, -90.0), 16, 60);
-    assert_eq!(judge(&input, &nothing()).frame.non_finite, 0);
+    assert_eq!(judge(&input, &nothing(), None).frame.non_finite, 0);
     let mut vertices = input.surface_rte.to_vec();
     vertices[(30 * 120 + 60) as usize] = [f32::NAN, 0.0, 0.0];
     input.surface_rte = vertices.into();
     // Six triangles meet in a vertex of the grid.
-    assert_eq!(judge(&input, &nothing()).frame.non_finite, 6);
+    assert_eq!(judge(&input, &nothing(), None).frame.non_finite, 6);
     // A camera that is nowhere makes every hit's position NaN.
     input.camera.eye_ecef = DVec3::new(f64::NAN, 0.0, FRAC_PI_2);
-    assert!(judge(&input, &nothing()).frame.non_finite > 200);
+    assert!(judge(&input, &nothing(), None).frame.non_finite > 200);
 }
 
 #[test]

@@ -52,6 +52,44 @@ fn probes(ids: &[u16]) -> [u16; 5] {
     [(39, 32), (57, 32), (48, 32), (48, 2), (2, 32)].map(|(x, y)| ids[y * 96 + x])
 }
 
+#[test]
+fn the_reference_fills_with_a_texture_where_the_scene_has_one() {
+    let desk = Desk::new();
+    let draw = |out: &str, more: &[&str]| {
+        let scene = ["render", "california", "--view", "top-down", "--size", "48"];
+        let rest = ["--backend", "reference", "--out", out];
+        desk.run(&[&scene[..], &rest, more].concat())
+    };
+    draw("plain.png", &[]).succeeded();
+    draw("off.png", &["--variant", "texture=off"]).succeeded();
+    draw("on.png", &["--variant", "texture=on"]).succeeded();
+    assert_eq!(desk.read("plain.png"), desk.read("off.png"));
+    let colours = |path: &str| {
+        let picture = image::open(desk.path(path)).expect("a picture").into_rgb8();
+        picture.pixels().copied().collect::<Vec<_>>()
+    };
+    let distinct = |path: &str| {
+        let all: BTreeSet<[u8; 3]> = colours(path).iter().map(|pixel| pixel.0).collect();
+        all.len()
+    };
+    // One colour of land and one of sea, against a checker whose every cell has its own.
+    assert_eq!(distinct("plain.png"), 2);
+    assert!(distinct("on.png") > 20, "{}", distinct("on.png"));
+    let ran = draw("no.png", &["--variant", "texture=maybe"]);
+    assert_eq!(ran.code, 2);
+    let message = "found \"texture=maybe\", allowed: texture=on|off with --backend reference";
+    assert!(ran.stderr.contains(message), "{}", ran.stderr);
+    write_squares(&desk);
+    let no_texture = ["--backend", "reference", "--variant", "texture=on"];
+    let ran = desk.run(&[&SCENE[..], &no_texture].concat());
+    assert_eq!(ran.code, 2);
+    assert!(
+        ran.stderr.contains("which has no texture"),
+        "{}",
+        ran.stderr
+    );
+}
+
 fn statistics(desk: &Desk) -> Value {
     serde_json::from_slice(&desk.read("s.json")).expect("JSON")
 }
@@ -61,7 +99,7 @@ fn keys(value: &Value) -> BTreeSet<&str> {
     object.keys().map(String::as_str).collect()
 }
 
-const STATISTICS_KEYS: [&str; 13] = [
+const STATISTICS_KEYS: [&str; 14] = [
     "scene",
     "view",
     "backend",
@@ -74,6 +112,7 @@ const STATISTICS_KEYS: [&str; 13] = [
     "memory",
     "regions_drawn",
     "left_out",
+    "note",
     "cap_acmr",
 ];
 
@@ -225,6 +264,7 @@ fn statistics_hold_counters_bytes_and_what_was_left_out() {
             "index_bytes",
             "constant_bytes",
             "target_bytes",
+            "texture_bytes",
             "geometry_bytes",
         ])
     );
