@@ -102,14 +102,24 @@ impl PlannedTexture {
         }
     }
 
-    /// The textures of all regions of `scene`, by region; empty where it has none.
+    /// The textures of all regions of `scene`, in their order, which also numbers the copies of the
+    /// picture where each region has one; empty where the scene has no texture.
     #[must_use]
     pub fn of_scene(scene: &PreparedScene) -> Vec<Self> {
-        let regions = scene.texture.iter().flat_map(|texture| {
-            let plan = |region| Self::new(texture, region, scene.edge_rule, &scene.body);
-            scene.regions.iter().map(plan)
-        });
-        regions.collect()
+        let Some(texture) = &scene.texture else {
+            return Vec::new();
+        };
+        let plan = |(place, region)| {
+            let planned = Self::new(texture, region, scene.edge_rule, &scene.body);
+            match texture.share {
+                TextureShare::One => planned,
+                TextureShare::Each => Self {
+                    image: place,
+                    ..planned
+                },
+            }
+        };
+        scene.regions.iter().enumerate().map(plan).collect()
     }
 
     /// Texture coordinates at angles from [`PlannedTexture::anchor_lon_lat_rad`]; of a pattern, those
