@@ -5,6 +5,10 @@
 //! region, so backends differ in how they find those two angles and in nothing else. Radians and
 //! metres, `f64`; whoever rounds to `f32` does so after subtracting. The reference reads the scene's
 //! placement itself and never the affine map made here.
+//!
+//! Colours: texels are decoded from sRGB, filtered in linear light and encoded again; then they are
+//! blended over what the target holds as it stands, by the texel's alpha times the scene's times what
+//! the distance leaves of it.
 
 use crate::{Frame, PreparedScene};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
