@@ -5,6 +5,12 @@
 //! each axis and a quarter of a pixel on the ground, and its maximum within half a texel along each
 //! axis. Routes are looked at from the cheapest up, so what a scene does not need is never computed.
 //! Every route that was not taken is listed with the reason.
+//!
+//! The region asked about need not be all that a texture covers: what a view can see of it is enough,
+//! with the anchor below the eye. Offsets and angles are then small where pixels are small, and a
+//! picture of a whole continent keeps a hundredth of a pixel 20 m above the ground, where an anchor
+//! one degree away loses a pixel (`tests/choose_from_pixels.rs`). The difference between that anchor
+//! and the texture's edge is a constant, computed in `f64`.
 
 use crate::residual::RESIDUAL_SAMPLES;
 use crate::{
