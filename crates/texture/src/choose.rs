@@ -17,6 +17,7 @@ use crate::{
     AngleCore, Chart, CoordinateRoute, MapRegion, Operations, Program, Residual, ResidualSum,
     Sample, Weight,
 };
+use std::fmt;
 
 /// Largest root mean square error, in texels along each axis and in pixels.
 pub const RMS_TOLERANCE: f64 = 0.25;
@@ -152,6 +153,31 @@ pub enum Reason {
         /// Cost of the route taken.
         taken: f64,
     },
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::RmsTexels { found, allowed } => {
+                write!(f, "RMS {found:.3} texels, allowed {allowed}")
+            }
+            Self::MaxTexels { found, allowed } => {
+                write!(f, "maximum {found:.3} texels, allowed {allowed}")
+            }
+            Self::RmsPixels { found, allowed } => {
+                write!(f, "RMS {found:.3} pixels, allowed {allowed}")
+            }
+            Self::NonFinite { found } => write!(f, "not finite at {found} places"),
+            Self::Suite {
+                worst_over_bound,
+                non_finite,
+            } => write!(
+                f,
+                "measured {worst_over_bound:.3} of its bound, {non_finite} results not finite"
+            ),
+            Self::Dearer { taken } => write!(f, "costs no less than {taken:.0}"),
+        }
+    }
 }
 
 /// A route that was looked at.
