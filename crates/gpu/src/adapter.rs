@@ -151,6 +151,8 @@ impl Gpu {
         let optional = wgpu::Features::TIMESTAMP_QUERY
             | wgpu::Features::PIPELINE_STATISTICS_QUERY
             | wgpu::Features::FLOAT32_BLENDABLE
+            | wgpu::Features::FLOAT32_FILTERABLE
+            | wgpu::Features::TEXTURE_FORMAT_16BIT_NORM
             | wgpu::Features::INDIRECT_FIRST_INSTANCE;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("terrafill"),

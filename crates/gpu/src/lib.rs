@@ -7,6 +7,7 @@ mod baseline;
 mod clock;
 #[cfg(test)]
 mod constants;
+mod evaluate;
 mod readback;
 mod stage;
 mod timing;
@@ -18,6 +19,10 @@ pub use terrafill_shaders::source_hash as shader_source_hash;
 pub use adapter::{DeviceFacts, Gpu, GpuOptions, list_adapters, open_for_test};
 pub use baseline::{Baseline, BaselineKind};
 pub use clock::CpuStopwatch;
+pub use evaluate::{
+    EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluation, EvaluationTime, Evaluator, Kernel,
+    KernelTable, TableFormat,
+};
 pub use readback::read_buffer;
 pub use stage::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, SharedStage, Stage};
 pub use timing::{PassTimer, Stamps, TimedPass};
