@@ -28,7 +28,7 @@ impl std::fmt::Display for CaseKey {
 }
 
 /// How a case ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, Default)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
     /// The picture is right and the times were measured.
@@ -36,6 +36,7 @@ pub enum Status {
     /// The picture is wrong; times, if any, count for nothing.
     Wrong,
     /// Not run, for the reason given.
+    #[default]
     Skipped,
     /// Started and broke off, for the reason given.
     Failed,
