@@ -11,6 +11,7 @@
 //! though an evaluation lasts less than a nanosecond. The loop around a function that returns its
 //! input ([`Kernel::BASELINE`]) costs what is not the function; it is timed in the same rounds.
 
+use crate::readback::read_buffer_start;
 use crate::{CpuStopwatch, Gpu, read_buffer};
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
@@ -74,7 +75,8 @@ impl TableFormat {
     }
 }
 
-/// A table that a kernel reads, as `route_table` and `route_sampler` of group 1.
+/// A table that a kernel reads: the texture at binding 0 of group 1 and its sampler at binding 1,
+/// which the kernel's text declares.
 #[derive(Debug, Clone, Copy)]
 pub struct KernelTable<'a> {
     /// Of its texels.
@@ -83,10 +85,26 @@ pub struct KernelTable<'a> {
     pub width: u32,
     /// Rows; 1 for a line.
     pub height: u32,
+    /// Six faces, each of `width` by `height`, one after the other, as a cube; else one plane.
+    pub cube: bool,
     /// Whether the sampler is linear.
     pub linear: bool,
     /// Texels, row by row, without padding.
     pub texels: &'a [u8],
+}
+
+impl KernelTable<'_> {
+    fn layers(&self) -> u32 {
+        if self.cube { 6 } else { 1 }
+    }
+
+    fn view_dimension(&self) -> wgpu::TextureViewDimension {
+        if self.cube {
+            wgpu::TextureViewDimension::Cube
+        } else {
+            wgpu::TextureViewDimension::D2
+        }
+    }
 }
 
 /// A function to be evaluated.
@@ -94,7 +112,7 @@ pub struct KernelTable<'a> {
 pub struct Kernel<'a> {
     /// Its name in messages.
     pub name: &'a str,
-    /// WGSL that `call` needs; may be empty. It declares no binding but those of its table.
+    /// WGSL that `call` needs; may be empty. It declares no bindings but those of its table.
     pub wgsl: &'a str,
     /// Type of the uniform `constants`, a structure of `wgsl`; `None` where there is none.
     pub constants: Option<&'a str>,
@@ -139,7 +157,7 @@ pub enum EvaluateError {
         kernel: String,
         /// As given.
         found: usize,
-        /// Width × height × bytes of a texel.
+        /// Width × height × layers × bytes of a texel.
         required: usize,
     },
 }
@@ -381,9 +399,10 @@ impl Evaluator {
         for chunk in inputs.chunks(EVALUATIONS_PER_DISPATCH) {
             self.write_run(chunk, [0.0; 4], 1);
             self.dispatch(&self.evaluate, chunk.len(), false);
-            let bytes = read_buffer(&self.gpu, &self.outputs)?;
+            let of_chunk = size_of_val(chunk) as u64;
+            let bytes = read_buffer_start(&self.gpu, &self.outputs, of_chunk)?;
             let answers: &[[f32; 4]] = bytemuck::cast_slice(&bytes);
-            values.extend_from_slice(&answers[..chunk.len()]);
+            values.extend_from_slice(answers);
             dispatches += 1;
         }
         Ok(Evaluation { values, dispatches })
@@ -572,7 +591,7 @@ fn table_layout(
         sample_type: wgpu::TextureSampleType::Float {
             filterable: table.linear,
         },
-        view_dimension: wgpu::TextureViewDimension::D2,
+        view_dimension: table.view_dimension(),
         multisampled: false,
     };
     let descriptor = wgpu::BindGroupLayoutDescriptor {
@@ -592,7 +611,7 @@ fn table_group(
     layout: &wgpu::BindGroupLayout,
 ) -> Result<wgpu::BindGroup, EvaluateError> {
     let row_bytes = table.width * table.format.bytes_per_texel();
-    let required = row_bytes as usize * table.height as usize;
+    let required = row_bytes as usize * table.height as usize * table.layers() as usize;
     if table.texels.len() != required {
         return Err(EvaluateError::Table {
             kernel: name.to_owned(),
@@ -603,7 +622,7 @@ fn table_group(
     let size = wgpu::Extent3d {
         width: table.width,
         height: table.height,
-        depth_or_array_layers: 1,
+        depth_or_array_layers: table.layers(),
     };
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: Some(name),
@@ -618,7 +637,7 @@ fn table_group(
     let layout_of_texels = wgpu::TexelCopyBufferLayout {
         offset: 0,
         bytes_per_row: Some(row_bytes),
-        rows_per_image: None,
+        rows_per_image: Some(table.height),
     };
     gpu.queue.write_texture(
         texture.as_image_copy(),
@@ -637,7 +656,10 @@ fn table_group(
         min_filter: filter,
         ..Default::default()
     });
-    let view = texture.create_view(&Default::default());
+    let view = texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(table.view_dimension()),
+        ..Default::default()
+    });
     Ok(gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some(name),
         layout,

@@ -137,6 +137,7 @@ fn what_it_cannot_take_is_said() {
             format: TableFormat::R32Float,
             width: 3,
             height: 1,
+            cube: false,
             linear: false,
             texels: &[0; 8],
         }),
@@ -168,6 +169,7 @@ fn tables_are_read_by_texel_and_by_sampler() {
             format: TableFormat::R32Float,
             width: 4,
             height: 1,
+            cube: false,
             linear,
             texels: &texels,
         }),
@@ -184,6 +186,42 @@ fn tables_are_read_by_texel_and_by_sampler() {
     );
     let nearest = first(false);
     assert!((nearest[1] - 2.0).abs() > 0.5, "{nearest:?}");
+}
+
+#[test]
+fn a_cube_is_read_by_direction() {
+    let Some(gpu) = gpu() else { return };
+    // Two floats a texel: the face's number and its negative.
+    let texels: Vec<u8> = [0.0_f32, 1.0, 2.0, 3.0, 4.0, 5.0]
+        .iter()
+        .flat_map(|face| [[*face, -*face]; 4])
+        .flatten()
+        .flat_map(f32::to_le_bytes)
+        .collect();
+    let kernel = Kernel {
+        name: "cube",
+        wgsl: "@group(1) @binding(0) var route_cube: texture_cube<f32>;
+            @group(1) @binding(1) var route_sampler: sampler;",
+        constants: None,
+        call: "vec4f(textureSampleLevel(route_cube, route_sampler, x.xyz, 0.0).xy, 0.0, 0.0)",
+        table: Some(KernelTable {
+            format: TableFormat::Rg32Float,
+            width: 2,
+            height: 2,
+            cube: true,
+            linear: true,
+            texels: &texels,
+        }),
+    };
+    let evaluator = Evaluator::new(&gpu, &kernel, 0).expect("compiles");
+    let directions = [
+        [3.0, 0.0, 0.0, 0.0],
+        [0.0, -1.0, 0.0, 0.0],
+        [0.0, 0.0, 2.0, 0.0],
+    ];
+    let values = evaluator.evaluate(&directions).expect("runs").values;
+    let faces: Vec<[f32; 2]> = values.iter().map(|value| [value[0], value[1]]).collect();
+    assert_eq!(faces, [[0.0, 0.0], [3.0, -3.0], [4.0, -4.0]]);
 }
 
 #[test]
