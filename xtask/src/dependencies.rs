@@ -12,13 +12,15 @@ use std::path::Path;
 
 /// What a crate may depend on, in the short names of the folders.
 ///
-/// `core ← scene ← frame ← backends ← {conformance, bench}`; `{conformance, bench, report} →
-/// results`. Backends never name each other. `report` opens no device, so it sees results only.
+/// `core ← scene ← frame ← backends ← {conformance, bench}`; `core ← texture ← {scene, frame,
+/// shaders}`; `{conformance, bench, report} → results`. Backends never name each other; the reference
+/// finds texture coordinates by itself. `report` opens no device, so it sees results only.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("core", &[]),
-    ("scene", &["core"]),
-    ("frame", &["core", "scene"]),
-    ("shaders", &[]),
+    ("texture", &["core"]),
+    ("scene", &["core", "texture"]),
+    ("frame", &["core", "texture", "scene"]),
+    ("shaders", &["texture"]),
     ("gpu", &["core", "scene", "frame", "shaders"]),
     ("vulkan", &["core", "scene", "frame", "shaders"]),
     ("vertex", &["core", "scene", "frame", "shaders", "gpu"]),
@@ -30,6 +32,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "conformance",
         &[
             "core",
+            "texture",
             "scene",
             "frame",
             "shaders",
@@ -46,6 +49,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         "bench",
         &[
             "core",
+            "texture",
             "scene",
             "frame",
             "shaders",
@@ -272,6 +276,8 @@ mod tests {
             ("gpu", "vulkan"),
             ("reference", "gpu"),
             ("reference", "vertex"),
+            ("reference", "texture"),
+            ("texture", "scene"),
             ("results", "core"),
             ("report", "gpu"),
             ("report", "bench"),
