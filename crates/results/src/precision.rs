@@ -160,6 +160,9 @@ pub struct PrecisionRow {
     pub gpu_ns: Option<f64>,
     /// Rounds behind the medians.
     pub rounds: u32,
+    /// Whether a frame plan would take this route here.
+    #[serde(default)]
+    pub chosen: bool,
 }
 
 impl PrecisionRow {
