@@ -6,7 +6,7 @@ use crate::matrix::matrix_row;
 use crate::technique::BACKENDS;
 use crate::{BenchOptions, Setting, Technique};
 use std::sync::Arc;
-use terrafill_compute::{ComputeVariant, Expansion};
+use terrafill_compute::{ComputeVariant, Expansion, Transform};
 use terrafill_frame::{ColourWay, PositionFormat, Switches};
 use terrafill_gpu::BaselineKind;
 use terrafill_native::{NativeVariant, Technique as Native};
@@ -280,6 +280,7 @@ fn sweep_settings(backend: &str, scene: &Scene) -> Vec<Setting> {
 fn main_settings(backend: &str, scene: &Scene, quick: bool) -> Vec<Setting> {
     match backend {
         "vertex" => {}
+        "compute" => return compute_settings(scene, quick),
         "native" => {
             let techniques = [Native::VsControl, Native::GsDegenerate, Native::GsLine];
             return techniques.map(|technique| native(technique, scene)).into();
@@ -299,6 +300,18 @@ fn main_settings(backend: &str, scene: &Scene, quick: bool) -> Vec<Setting> {
             variant.positions = PositionFormat::LocalF32;
         }
         settings.push(local);
+    }
+    settings
+}
+
+/// Both expansions and, beside the first, corners that the compute stage puts where they are seen.
+fn compute_settings(scene: &Scene, quick: bool) -> Vec<Setting> {
+    let mut settings = layouts("compute", scene);
+    if !quick && let Technique::Compute(variant) = settings[0].technique {
+        settings.push(Setting::new(Technique::Compute(ComputeVariant {
+            transform: Transform::ComputeStage,
+            ..variant
+        })));
     }
     settings
 }

@@ -5,7 +5,7 @@
 //! surface, in another way. They are drawn once and not timed.
 
 use crate::technique::{Setting, Technique};
-use terrafill_compute::{ComputeVariant, GpuCulling};
+use terrafill_compute::{ComputeVariant, GpuCulling, Transform};
 use terrafill_frame::{
     BottomCap, ColourWay, DepthRuleChoice, FacePasses, PositionFormat, StencilClear, Switches,
 };
@@ -43,12 +43,25 @@ fn own_switches(base: Setting) -> Vec<Setting> {
             ..base
         })
         .into(),
-        Technique::Compute(variant) => [GpuCulling::Regions, GpuCulling::Triangles]
-            .map(|culling| Setting {
-                technique: Technique::Compute(ComputeVariant { culling, ..variant }),
-                ..base
-            })
-            .into(),
+        Technique::Compute(variant) => [
+            ComputeVariant {
+                culling: GpuCulling::Regions,
+                ..variant
+            },
+            ComputeVariant {
+                culling: GpuCulling::Triangles,
+                ..variant
+            },
+            ComputeVariant {
+                transform: Transform::ComputeStage,
+                ..variant
+            },
+        ]
+        .map(|variant| Setting {
+            technique: Technique::Compute(variant),
+            ..base
+        })
+        .into(),
     }
 }
 
@@ -115,14 +128,39 @@ pub(crate) fn matrix_row(base: Setting, overlap: Overlap) -> Vec<Setting> {
 mod tests {
     use super::*;
     use std::collections::BTreeSet;
+    use terrafill_compute::Expansion;
+
+    fn names_of(technique: Technique, overlap: Overlap) -> Vec<String> {
+        let row = matrix_row(Setting::new(technique), overlap);
+        row.iter().map(Setting::variant_name).collect()
+    }
 
     fn names(overlap: Overlap) -> Vec<String> {
-        let base = Setting::new(Technique::Vertex(VertexVariant {
+        let variant = VertexVariant {
             switches: Switches::for_overlap(overlap),
             ..VertexVariant::default()
-        }));
-        let row = matrix_row(base, overlap);
-        row.iter().map(Setting::variant_name).collect()
+        };
+        names_of(Technique::Vertex(variant), overlap)
+    }
+
+    #[test]
+    fn what_only_the_compute_backend_has_is_asked_where_it_goes_together() {
+        for (expansion, count) in [(Expansion::PerFrame, 3), (Expansion::Cached, 2)] {
+            let variant = ComputeVariant {
+                expansion,
+                ..ComputeVariant::default()
+            };
+            let names = names_of(Technique::Compute(variant), Overlap::Disjoint);
+            let own = [
+                "gpu-culling=regions",
+                "gpu-culling=triangles",
+                "transform=compute",
+            ];
+            let own = own.map(|switch| format!("{},{switch}", expansion.name()));
+            let found = own.iter().filter(|name| names.contains(name)).count();
+            assert_eq!(found, count, "{names:?}");
+            assert!(names.contains(&own[2]), "{names:?}");
+        }
     }
 
     #[test]

@@ -5,17 +5,18 @@
 
 mod drawing;
 
-use drawing::{Pose, collection, draw_with, figures, look, polygon, scene_within};
-use std::sync::Arc;
+use drawing::{
+    Devices, Pose, Stages, collection, differing, draw_with, figures, judge, look, polygon,
+    scene_within, vertex,
+};
+use terrafill_bench::Technique;
 use terrafill_conformance::verdict;
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_frame::{
     BottomCap, ColourWay, DepthRuleChoice, Frame, FrameInput, PreparedScene, Switches,
+    VolumeBackend,
 };
-use terrafill_gpu::{Gpu, GpuOptions, Stage, open_for_test};
-use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{ImageSize, Overlap};
-use terrafill_vertex::{VertexBackend, VertexVariant};
 
 const SMALL: ImageSize = ImageSize {
     width: 128,
@@ -39,47 +40,41 @@ fn two_regions() -> PreparedScene {
     scene_within(0.01, &text, Ellipsoid::WGS84, 90, Overlap::Disjoint)
 }
 
-fn with_rule(depth_rule: DepthRuleChoice) -> VertexVariant {
-    VertexVariant {
-        switches: Switches {
-            depth_rule,
-            colour: ColourWay::Rectangle,
-            bottom_cap: BottomCap::WhereNeeded,
-            ..Switches::default()
-        },
-        ..VertexVariant::default()
-    }
+fn with_rule(depth_rule: DepthRuleChoice) -> Technique {
+    vertex(Switches {
+        depth_rule,
+        colour: ColourWay::Rectangle,
+        bottom_cap: BottomCap::WhereNeeded,
+        ..Switches::default()
+    })
 }
 
 /// Backends of one stage, one for each rule.
 struct Rules {
-    backends: [VertexBackend; 3],
+    backends: [Box<dyn VolumeBackend>; 3],
 }
 
 impl Rules {
-    fn new(gpu: &Arc<Gpu>) -> Self {
-        let stage = Stage::shared(gpu, SMALL).expect("small targets");
+    fn new(devices: &Devices) -> Self {
+        let stages = Stages::new(devices, SMALL);
         let rules = [
             DepthRuleChoice::Automatic,
             DepthRuleChoice::Fail,
             DepthRuleChoice::Pass,
         ];
-        let backend = |rule| VertexBackend::new(&stage, with_rule(rule)).expect("valid shaders");
         Self {
-            backends: rules.map(backend),
+            backends: rules.map(|rule| stages.open(with_rule(rule))),
         }
     }
 
     /// Frames by the automatic rule, behind the surface, and in front of it.
     fn draw(&mut self, input: &FrameInput) -> [Frame; 3] {
         let backends = self.backends.iter_mut();
-        let frames: Vec<Frame> = backends.map(|backend| draw_with(backend, input)).collect();
+        let frames: Vec<Frame> = backends
+            .map(|backend| draw_with(&mut **backend, input))
+            .collect();
         frames.try_into().expect("three rules")
     }
-}
-
-fn differing(a: &Frame, b: &Frame) -> usize {
-    a.ids.iter().zip(&b.ids).filter(|(a, b)| a != b).count()
 }
 
 /// What eyes and rules have shown so far.
@@ -96,7 +91,7 @@ struct Tally {
 
 impl Tally {
     fn look(&mut self, rules: &mut Rules, input: &FrameInput, what: &str) {
-        let reference = ReferenceBackend::new().judge(input).expect("judges").frame;
+        let reference = judge(input);
         let [automatic, behind, in_front] = rules.draw(input);
         assert_eq!(differing(&automatic, &behind), 0, "{what}");
         let found = figures(&reference, &automatic);
@@ -141,11 +136,11 @@ fn eye([longitude, latitude, height_m]: [f64; 3], heading: f64, pitch: f64) -> P
 
 #[test]
 fn on_a_wall_and_a_breath_to_either_side() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
     let scene = two_regions();
-    let mut rules = Rules::new(&gpu);
+    let mut rules = Rules::new(&devices);
     let mut tally = Tally::default();
     let height_m = scene.bounds[0].heights.top_m * 0.5;
     // The western wall of the L, its inner corner, and the border of both.
@@ -167,11 +162,11 @@ fn on_a_wall_and_a_breath_to_either_side() {
 
 #[test]
 fn inside_and_with_the_near_plane_cutting_walls_and_caps() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
     let scene = two_regions();
-    let mut rules = Rules::new(&gpu);
+    let mut rules = Rules::new(&devices);
     let mut tally = Tally::default();
     let top_m = scene.bounds[0].heights.top_m;
     let (inside_m, above_m) = (top_m * 0.5, top_m + 60.0);
@@ -195,12 +190,12 @@ fn inside_and_with_the_near_plane_cutting_walls_and_caps() {
 
 #[test]
 fn two_hundred_eyes_within_fifty_metres_of_walls_and_caps() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
     let scene = two_regions();
     let heights = scene.bounds[0].heights;
-    let mut rules = Rules::new(&gpu);
+    let mut rules = Rules::new(&devices);
     let mut tally = Tally::default();
     let mut state = 20_071_029_u64;
     let mut between = |low: f64, high: f64| {

@@ -5,15 +5,15 @@
 //! Without a Vulkan device these tests are skipped with the reason printed, unless
 //! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.
 
+mod drawing;
+
+use drawing::{Devices, differing, draw, figures, judge, vertex};
 use std::sync::Arc;
-use terrafill_conformance::{compare, verdict_of_moved};
-use terrafill_frame::{Backend as _, Frame, FrameInput, NO_REGION, PreparedScene};
-use terrafill_gpu::{Gpu, GpuOptions, Stage, open_for_test};
-use terrafill_reference::ReferenceBackend;
+use terrafill_conformance::verdict_of_moved;
+use terrafill_frame::{Frame, FrameInput, NO_REGION, PreparedScene, Switches};
 use terrafill_scene::{
     ImageSize, LevelChoice, LeveledMeshes, PlanOptions, Scene, SurfaceMesh, View, data_dir_from_env,
 };
-use terrafill_vertex::{VertexBackend, VertexVariant};
 
 const SIZE: ImageSize = ImageSize {
     width: 512,
@@ -48,11 +48,8 @@ fn options(pixels: Option<f64>) -> PlanOptions {
     }
 }
 
-fn draw(gpu: &Arc<Gpu>, input: &FrameInput) -> Frame {
-    let stage = Stage::shared(gpu, input.size).expect("small targets");
-    let mut backend = VertexBackend::new(&stage, VertexVariant::default()).expect("valid shaders");
-    backend.prepare(input).expect("fits");
-    backend.render(input).expect("draws")
+fn draw_plain(devices: &Devices, input: &FrameInput) -> Frame {
+    draw(devices, input, vertex(Switches::default()))
 }
 
 fn boundary_vertices(input: &FrameInput) -> usize {
@@ -93,22 +90,19 @@ fn fine_reference(scene: &PreparedScene, view: &View) -> Frame {
         height: SIZE.height * 4,
     };
     let input = FrameInput::new(scene, view, size, options(None));
-    ReferenceBackend::new().judge(&input).expect("judges").frame
+    judge(&input)
 }
 
 /// Of one view: asserts what must hold up to half a pixel, and prints what it costs.
-fn check_view(gpu: &Arc<Gpu>, scene: &PreparedScene, view: &View) -> (usize, usize) {
+fn check_view(devices: &Devices, scene: &PreparedScene, view: &View) -> (usize, usize) {
     let full_input = FrameInput::new(scene, view, SIZE, options(None));
-    let reference = ReferenceBackend::new()
-        .judge(&full_input)
-        .expect("judges")
-        .frame;
-    let full = draw(gpu, &full_input);
+    let reference = judge(&full_input);
+    let full = draw_plain(devices, &full_input);
     let mut at_half = 0;
     for pixels in [0.25, 0.5] {
         let input = full_input.remeshed(scene, options(Some(pixels)));
-        let frame = draw(gpu, &input);
-        let figures = compare(&reference, &frame).expect("same size");
+        let frame = draw_plain(devices, &input);
+        let figures = figures(&reference, &frame);
         at_half = boundary_vertices(&input);
         eprintln!(
             "{}/{} at {pixels} px: {at_half} of {} boundary vertices, {} pixels wrong, {} outside \
@@ -140,7 +134,7 @@ fn check_view(gpu: &Arc<Gpu>, scene: &PreparedScene, view: &View) -> (usize, usi
 
 #[test]
 fn half_a_pixel_is_seen_in_the_band_alone_and_borders_stay_closed() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
     let given = |deviation_m: &[f64]| LevelChoice::Given(deviation_m.into());
@@ -157,7 +151,7 @@ fn half_a_pixel_is_seen_in_the_band_alone_and_borders_stay_closed() {
         };
         let mut fewest_share = 1.0_f64;
         for view in &scene.views {
-            let (at_half, of) = check_view(&gpu, &prepared, view);
+            let (at_half, of) = check_view(&devices, &prepared, view);
             fewest_share = fewest_share.min(at_half as f64 / of as f64);
         }
         // Twin: were no level ever chosen, everything above would hold.
@@ -167,15 +161,15 @@ fn half_a_pixel_is_seen_in_the_band_alone_and_borders_stay_closed() {
 
 #[test]
 fn boundaries_moved_too_far_are_noticed() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
     let (scene, prepared) =
         leveled("planet-134", LevelChoice::Given(vec![6e4])).expect("ships with the project");
     let view = &scene.views[0];
     let input = FrameInput::new(&prepared, view, SIZE, options(Some(32.0)));
-    let reference = ReferenceBackend::new().judge(&input).expect("judges").frame;
-    let figures = compare(&reference, &draw(&gpu, &input)).expect("same size");
+    let reference = judge(&input);
+    let figures = figures(&reference, &draw_plain(&devices, &input));
     assert!(figures.mismatched_px_outside_band > 0, "{figures:?}");
     assert!(figures.mismatched_px > 1_000, "{figures:?}");
     assert!(!verdict_of_moved(&figures, 0.5).is_pass());
@@ -183,7 +177,7 @@ fn boundaries_moved_too_far_are_noticed() {
 
 #[test]
 fn neighbours_at_different_levels_part_and_the_count_of_unowned_pixels_shows_it() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
     let levels = LevelChoice::Given(vec![25_600.0]);
@@ -192,7 +186,7 @@ fn neighbours_at_different_levels_part_and_the_count_of_unowned_pixels_shows_it(
     };
     let view = &scene.views[0];
     let full_input = FrameInput::new(&prepared, view, SIZE, options(None));
-    let full = draw(&gpu, &full_input);
+    let full = draw_plain(&devices, &full_input);
     let fine = fine_reference(&prepared, view);
     assert_eq!(unowned_on_borders(&fine, FINE, &full), 0);
     let coarsest = prepared.levels.coarser.last().expect("has levels");
@@ -200,14 +194,14 @@ fn neighbours_at_different_levels_part_and_the_count_of_unowned_pixels_shows_it(
     for planned in parted.plan.regions.iter_mut().step_by(2) {
         planned.mesh = coarsest.meshes[planned.region];
     }
-    let apart = unowned_on_borders(&fine, FINE, &draw(&gpu, &parted));
+    let apart = unowned_on_borders(&fine, FINE, &draw_plain(&devices, &parted));
     // All of them as coarse as that: only inlets, moved by several pixels, have no owner.
     let mut together = full_input.clone();
     for planned in &mut together.plan.regions {
         planned.mesh = coarsest.meshes[planned.region];
     }
-    let frame = draw(&gpu, &together);
-    assert_ne!(frame.ids, full.ids);
+    let frame = draw_plain(&devices, &together);
+    assert!(differing(&frame, &full) > 0);
     let unowned = unowned_on_borders(&fine, FINE, &frame);
     eprintln!("us-states: {apart} pixels without an owner parted, {unowned} together");
     assert!(apart > 50 && unowned * 3 < apart, "{apart}, {unowned}");

@@ -4,17 +4,18 @@
 
 mod drawing;
 
-use drawing::{collection, draw_with, figures, look, polygon, scene};
+use drawing::{
+    Devices, Stages, collection, draw_with, figures, is_right, judge, look, polygon, scene,
+    with_colour,
+};
+use terrafill_bench::Technique;
 use terrafill_conformance::{filled_only, verdict};
 use terrafill_core::Ellipsoid;
 use terrafill_frame::{
-    Backend as _, BackendError, ColourWay, FrameInput, NO_REGION, Picture, PreparedScene, Switches,
-    VolumeBackend as _, region_colour,
+    BackendError, ColourWay, FrameInput, NO_REGION, Picture, PreparedScene, region_colour,
 };
-use terrafill_gpu::{GpuOptions, SharedStage, Stage, open_for_test};
-use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{ImageSize, Overlap};
-use terrafill_vertex::{VertexBackend, VertexVariant};
+use terrafill_vertex::VertexVariant;
 
 const SIZE: ImageSize = ImageSize {
     width: 192,
@@ -38,32 +39,28 @@ fn from_above(scene: &PreparedScene) -> FrameInput {
     look(scene, (10.0, 10.0, 1.4e6, 0.0, -90.0), 1e3, SIZE)
 }
 
-fn backend(stage: &SharedStage, colour: ColourWay, opacity_percent: u8) -> VertexBackend {
-    let variant = VertexVariant {
+fn translucent(colour: ColourWay, opacity_percent: u8) -> Technique {
+    Technique::Vertex(VertexVariant {
         opacity_percent,
-        switches: Switches {
-            colour,
-            ..Switches::default()
-        },
+        switches: with_colour(colour),
         ..VertexVariant::default()
-    };
-    VertexBackend::new(stage, variant).expect("valid shaders")
+    })
 }
 
 #[test]
 fn nested_regions_are_right_or_refused() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
-    let stage = Stage::shared(&gpu, SIZE).expect("small targets");
+    let stages = Stages::new(&devices, SIZE);
     let (mut right, mut refused) = (0, Vec::new());
     for count in [1, 15, 16, 17, 255, 256, 257, 512] {
         let input = from_above(&nested(count, Overlap::Ordered));
-        let reference = ReferenceBackend::new().judge(&input).expect("judges").frame;
+        let reference = judge(&input);
         let middle = reference.ids[SIZE.pixel_count() / 2 + SIZE.width as usize / 2];
         assert_eq!(middle, count, "the smallest lies on top");
         for colour in ColourWay::ALL {
-            let mut backend = backend(&stage, colour, 100);
+            let mut backend = stages.open(translucent(colour, 100));
             match backend.prepare(&input) {
                 Ok(_) => {}
                 Err(BackendError::Switch(error)) => {
@@ -78,7 +75,7 @@ fn nested_regions_are_right_or_refused() {
                 }
                 Err(error) => panic!("{colour:?} {count}: {error}"),
             }
-            let frame = draw_with(&mut backend, &input);
+            let frame = draw_with(&mut *backend, &input);
             let found = if colour.tells_regions_apart() {
                 figures(&reference, &frame)
             } else {
@@ -108,15 +105,15 @@ fn nested_regions_are_right_or_refused() {
 /// The twin: counted together without the check, 256 volumes over one pixel are none.
 #[test]
 fn a_count_that_wraps_loses_the_multiples_of_256() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
-    let stage = Stage::shared(&gpu, SIZE).expect("small targets");
+    let stages = Stages::new(&devices, SIZE);
     for (count, is_lost) in [(255, false), (256, true), (257, false), (512, true)] {
         // Said to be disjoint, so that nothing is checked.
         let input = from_above(&nested(count, Overlap::Disjoint));
-        let mut backend = backend(&stage, ColourWay::OneColour, 100);
-        let frame = draw_with(&mut backend, &input);
+        let mut backend = stages.open(translucent(ColourWay::OneColour, 100));
+        let frame = draw_with(&mut *backend, &input);
         let middle = frame.ids[SIZE.pixel_count() / 2 + SIZE.width as usize / 2];
         assert_eq!(middle == NO_REGION, is_lost, "{count}");
     }
@@ -139,7 +136,7 @@ fn composite(input: &FrameInput, surface: &Picture, opacity: f64, order: &[usize
             scene: alone,
             ..input.clone()
         };
-        let covered = ReferenceBackend::new().judge(&alone).expect("judges").frame;
+        let covered = judge(&alone);
         let colour = region_colour(region);
         for (pixel, &id) in pixels.iter_mut().zip(&covered.ids) {
             if id != NO_REGION {
@@ -173,7 +170,7 @@ fn wrong(expected: &[[u8; 3]], picture: &Picture, allowed: u8) -> usize {
 
 #[test]
 fn translucent_regions_blend_in_the_order_of_the_plan() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
     let text = collection(&[
@@ -183,7 +180,8 @@ fn translucent_regions_blend_in_the_order_of_the_plan() {
     ]);
     let scene = scene(&text, Ellipsoid::WGS84, 90, Overlap::Ordered);
     let input = from_above(&scene);
-    let stage = Stage::shared(&gpu, SIZE).expect("small targets");
+    let stages = Stages::new(&devices, SIZE);
+    let stage = stages.wgpu();
     stage.borrow_mut().prepare(&input).expect("fits");
     stage.borrow_mut().draw_surface().expect("draws");
     let surface = stage.borrow().read().expect("reads");
@@ -196,7 +194,7 @@ fn translucent_regions_blend_in_the_order_of_the_plan() {
         ColourWay::Volume,
         ColourWay::BitPlanes,
     ] {
-        let mut backend = backend(&stage, colour, percent);
+        let mut backend = stages.open(translucent(colour, percent));
         backend.prepare(&input).expect("fits");
         let picture = backend.picture(&input).expect("draws");
         // Borders may lie a pixel off: as many pixels as three squares have around them.
@@ -207,18 +205,18 @@ fn translucent_regions_blend_in_the_order_of_the_plan() {
             "{colour:?}: the other order differs in {twin} only"
         );
         // The frame to be judged is opaque and in the same order.
-        let judged = ReferenceBackend::new().judge(&input).expect("judges").frame;
+        let judged = judge(&input);
         let frame = backend.render(&input).expect("draws");
-        assert!(verdict(&figures(&judged, &frame)).is_pass(), "{colour:?}");
+        assert!(is_right(&judged, &frame), "{colour:?}");
     }
 }
 
 #[test]
 fn ways_without_an_order_refuse_translucent_regions() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
-    let stage = Stage::shared(&gpu, SIZE).expect("small targets");
+    let stages = Stages::new(&devices, SIZE);
     let input = from_above(&nested(1, Overlap::Disjoint));
     for colour in ColourWay::ALL {
         let has_order = matches!(
@@ -226,7 +224,7 @@ fn ways_without_an_order_refuse_translucent_regions() {
             ColourWay::Rectangle | ColourWay::Volume | ColourWay::BitPlanes
         );
         for (percent, is_drawn) in [(100, true), (99, has_order)] {
-            let mut backend = backend(&stage, colour, percent);
+            let mut backend = stages.open(translucent(colour, percent));
             backend.prepare(&input).expect("fits");
             let picture = backend.picture(&input);
             assert_eq!(picture.is_ok(), is_drawn, "{colour:?} {percent}");

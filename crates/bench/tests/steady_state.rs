@@ -5,17 +5,15 @@
 
 mod drawing;
 
-use drawing::{SIZE, collection, look, polygon, scene, with_colour};
+use drawing::{
+    Devices, SIZE, Stages, collection, counters, draw, look, polygon, scene, vertex, with_colour,
+};
+use terrafill_bench::Technique;
 use terrafill_core::Ellipsoid;
-use terrafill_frame::{
-    Backend as _, ColourWay, Counters, FrameInput, PreparedScene, Switches, TimedBackend as _,
-    VolumeBackend as _,
-};
-use terrafill_gpu::{GpuOptions, Stage, WorkDone, open_for_test};
+use terrafill_frame::{ColourWay, Counters, FrameInput, PreparedScene, Switches};
+use terrafill_gpu::WorkDone;
 use terrafill_scene::{ImageSize, Overlap};
-use terrafill_vertex::{
-    Layout, LayoutBytes, VertexBackend, VertexVariant, shared_flag_bytes, variant_bytes,
-};
+use terrafill_vertex::{Layout, LayoutBytes, VertexVariant, shared_flag_bytes, variant_bytes};
 
 fn two_squares() -> PreparedScene {
     let text = collection(&[
@@ -29,7 +27,15 @@ fn seen_from(scene: &PreparedScene, height_m: f64) -> FrameInput {
     look(scene, (4.0, 2.0, height_m, 0.0, -90.0), 100.0, SIZE)
 }
 
-fn made(counters: &Counters) -> [u64; 3] {
+fn in_layout(layout: Layout, switches: Switches) -> Technique {
+    Technique::Vertex(VertexVariant {
+        layout,
+        switches,
+        ..VertexVariant::default()
+    })
+}
+
+fn made(counters: Counters) -> [u64; 3] {
     [
         counters.buffer_creations,
         counters.pipeline_creations,
@@ -39,25 +45,20 @@ fn made(counters: &Counters) -> [u64; 3] {
 
 #[test]
 fn the_second_unchanged_frame_makes_and_uploads_nothing() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
     let scene = two_squares();
     let (input, nearer) = (seen_from(&scene, 2e6), seen_from(&scene, 1e6));
-    let stage = Stage::shared(&gpu, SIZE).expect("small targets");
+    let stages = Stages::new(&devices, SIZE);
     for layout in Layout::ALL {
         for colour in ColourWay::ALL {
-            let variant = VertexVariant {
-                layout,
-                switches: with_colour(colour),
-                ..VertexVariant::default()
-            };
-            let name = variant.name();
-            let mut backend = VertexBackend::new(&stage, variant).expect("valid shaders");
+            let technique = in_layout(layout, with_colour(colour));
+            let name = technique.variant_name();
+            let mut backend = stages.open(technique);
             let mut frame = |input: &FrameInput| {
                 backend.prepare(input).expect("fits");
-                let counters = backend.render(input).expect("draws").counters;
-                made(&counters.expect("a GPU backend counts"))
+                made(counters(&backend.render(input).expect("draws")))
             };
             let [buffers, pipelines, uploads] = frame(&input);
             assert!(buffers >= 3 && pipelines >= 2 && uploads >= 2, "{name}");
@@ -66,23 +67,27 @@ fn the_second_unchanged_frame_makes_and_uploads_nothing() {
             assert_eq!(frame(&nearer), [0, 0, 1], "{name}");
             assert_eq!(frame(&nearer), [0, 0, 0], "{name}");
             // Nor does anything beside the fill: the device saw no work at all, surface included.
-            let before = gpu.work_done();
+            let before = devices.wgpu.work_done();
             backend.prepare(&nearer).expect("fits");
             backend.time_frame(&nearer).expect("draws");
-            assert_eq!(gpu.work_done() - before, WorkDone::default(), "{name}");
+            assert_eq!(
+                devices.wgpu.work_done() - before,
+                WorkDone::default(),
+                "{name}"
+            );
         }
     }
 }
 
 #[test]
 fn bytes_by_formula_are_the_bytes_handed_to_the_device() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
     let scene = two_squares();
     let input = seen_from(&scene, 2e6);
-    let stage = Stage::shared(&gpu, SIZE).expect("small targets");
-    stage.borrow_mut().prepare(&input).expect("fits");
+    let stages = Stages::new(&devices, SIZE);
+    stages.wgpu().borrow_mut().prepare(&input).expect("fits");
     let mut totals = Vec::new();
     for name in [
         "doubled",
@@ -106,10 +111,10 @@ fn bytes_by_formula_are_the_bytes_handed_to_the_device() {
             .map(|mesh| variant_bytes(&variant, mesh))
             .sum();
         let formula = regions.total() + shared_flag_bytes(variant.layout, meshes);
-        let before = gpu.work_done();
-        let mut backend = VertexBackend::new(&stage, variant).expect("valid shaders");
+        let before = devices.wgpu.work_done();
+        let mut backend = stages.open(Technique::Vertex(variant));
         let memory = backend.prepare(&input).expect("fits");
-        let done = gpu.work_done() - before;
+        let done = devices.wgpu.work_done() - before;
         assert_eq!(memory.geometry_bytes(), formula, "{name}");
         assert_eq!(done.upload_bytes, formula + memory.constant_bytes, "{name}");
         assert_eq!(done.buffer_creations, memory.buffers, "{name}");
@@ -135,12 +140,12 @@ fn bytes_by_formula_are_the_bytes_handed_to_the_device() {
 
 #[test]
 fn pictures_for_people_leave_no_trace_in_the_next_frame() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
     let input = seen_from(&two_squares(), 2e6);
-    let stage = Stage::shared(&gpu, SIZE).expect("small targets");
-    let mut backend = VertexBackend::new(&stage, VertexVariant::default()).expect("valid shaders");
+    let stages = Stages::new(&devices, SIZE);
+    let mut backend = stages.open(vertex(Switches::default()));
     backend.prepare(&input).expect("fits");
     let first = backend.render(&input).expect("draws");
     backend.picture(&input).expect("draws");
@@ -153,26 +158,18 @@ fn pictures_for_people_leave_no_trace_in_the_next_frame() {
 /// of a volume seen from above is thin.
 #[test]
 fn every_fragment_of_the_stencil_work_is_counted() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
-    if !gpu.facts.pipeline_statistics {
+    if !devices.wgpu.facts.pipeline_statistics {
         eprintln!("skipped: no pipeline statistics");
         return;
     }
     let input = seen_from(&two_squares(), 2e6);
-    let stage = Stage::shared(&gpu, SIZE).expect("small targets");
+    let stages = Stages::new(&devices, SIZE);
     let count = |input: &FrameInput, switches: Switches, layout: Layout| {
-        let variant = VertexVariant {
-            layout,
-            switches,
-            ..VertexVariant::default()
-        };
-        let mut backend = VertexBackend::new(&stage, variant).expect("valid shaders");
-        backend.prepare(input).expect("fits");
-        let frame = backend.render(input).expect("draws");
-        let counters = frame.counters.expect("a GPU backend counts");
-        let fragments = counters.stencil_fragments.expect("counted");
+        let frame = stages.draw(input, in_layout(layout, switches));
+        let fragments = counters(&frame).stencil_fragments.expect("counted");
         (fragments, frame.filled_px())
     };
     for colour in ColourWay::ALL {
@@ -244,7 +241,7 @@ fn past_the_counters(text: &str) -> bool {
 
 #[test]
 fn a_target_of_another_size_is_made_anew() {
-    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+    let Some(devices) = Devices::open() else {
         return;
     };
     let scene = two_squares();
@@ -252,14 +249,11 @@ fn a_target_of_another_size_is_made_anew() {
         width: 96,
         height: 64,
     };
-    let variant = VertexVariant {
-        switches: with_colour(ColourWay::IdAccumulation),
-        ..VertexVariant::default()
-    };
+    let accumulated = vertex(with_colour(ColourWay::IdAccumulation));
     for size in [SIZE, small] {
         let input = look(&scene, (4.0, 2.0, 2e6, 0.0, -90.0), 100.0, size);
-        let frame = drawing::draw(&gpu, &input, variant);
-        let plain = drawing::draw(&gpu, &input, VertexVariant::default());
+        let frame = draw(&devices, &input, accumulated);
+        let plain = draw(&devices, &input, vertex(Switches::default()));
         assert_eq!(frame.ids, plain.ids);
         assert!(frame.filled_px() > 100);
     }

@@ -2,27 +2,14 @@
 //! Meshes of shapes whose area and boundary are known by arithmetic.
 
 mod extruded;
+mod outlines;
 
 use extruded::check_extruded;
+use outlines::{RULES, region};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use terrafill_core::{
     EdgeRule, Ellipsoid, Extent, InvariantViolation, MeshError, MeshOptions, Region, RegionMesh,
-    parse_regions,
 };
-
-const RULES: [EdgeRule; 2] = [EdgeRule::Planar, EdgeRule::GreatEllipse];
-
-fn region(coordinates: &str) -> Region {
-    let kind = if coordinates.starts_with("[[[[") {
-        "MultiPolygon"
-    } else {
-        "Polygon"
-    };
-    let text = format!(r#"{{"type":"{kind}","coordinates":{coordinates}}}"#);
-    parse_regions(text.as_bytes(), "test")
-        .expect("valid")
-        .remove(0)
-}
 
 fn mesh_on(body: &Ellipsoid, rule: EdgeRule, region: &Region) -> RegionMesh {
     let mesh = RegionMesh::build(region, body, rule, &MeshOptions::default()).expect("meshes");

@@ -2,42 +2,15 @@
 //! Real outlines, where `TERRAFILL_DATA` says they are: every region sound, borders shared, areas
 //! right by arithmetic that shares nothing with the mesher.
 
-#![allow(clippy::print_stdout, reason = "a skipped test says why")]
-
 mod extruded;
+mod outlines;
 
 use extruded::check_extruded;
+use outlines::{data, repaired};
 use std::collections::BTreeSet;
-use std::path::PathBuf;
 use terrafill_core::{
     EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, Ring, parse_regions,
 };
-
-/// The file's bytes; `None`, said aloud, when there is no data here.
-fn data(name: &str) -> Option<Vec<u8>> {
-    let Some(root) = std::env::var_os("TERRAFILL_DATA").map(PathBuf::from) else {
-        println!("skipped: TERRAFILL_DATA is not set");
-        return None;
-    };
-    // Tests run in the crate's folder; a relative path is meant from the workspace.
-    let workspace = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let path = workspace.join(root).join("vectors").join(name);
-    match std::fs::read(&path) {
-        Ok(bytes) => Some(bytes),
-        Err(error) => {
-            println!("skipped: {}: {error}", path.display());
-            None
-        }
-    }
-}
-
-fn repaired(name: &str, rule: EdgeRule) -> Option<Vec<Region>> {
-    let mut regions = parse_regions(&data(name)?, name).expect("valid");
-    for region in &mut regions {
-        region.split_at_crossings(rule);
-    }
-    Some(regions)
-}
 
 fn meshes(regions: &[Region], rule: EdgeRule) -> Vec<RegionMesh> {
     let body = Ellipsoid::WGS84;

@@ -2,59 +2,23 @@
 //! The closed solid of a mesh: sound for real outlines and hard shapes, and every way of breaking it
 //! noticed under its own name.
 
-#![allow(
-    clippy::print_stdout,
-    reason = "a skipped test says why; what rounding does is worth reading"
-)]
-
 mod extruded;
+mod outlines;
 
 use extruded::{check_extruded, heights};
 use glam::{DVec3, Vec3};
+use outlines::{RULES, data, region};
 use rayon::prelude::*;
-use std::path::PathBuf;
 use terrafill_core::{
-    EdgeRule, Ellipsoid, MeshOptions, Region, RegionMesh, RegionVolume, VolumeFault, VolumeHeights,
+    EdgeRule, Ellipsoid, MeshOptions, RegionMesh, RegionVolume, VolumeFault, VolumeHeights,
     VolumePart, VolumeReport, parse_regions,
 };
-
-const RULES: [EdgeRule; 2] = [EdgeRule::Planar, EdgeRule::GreatEllipse];
-
-fn region(coordinates: &str) -> Region {
-    let kind = if coordinates.starts_with("[[[[") {
-        "MultiPolygon"
-    } else {
-        "Polygon"
-    };
-    let text = format!(r#"{{"type":"{kind}","coordinates":{coordinates}}}"#);
-    parse_regions(text.as_bytes(), "test")
-        .expect("valid")
-        .remove(0)
-}
 
 fn mesh_on(body: &Ellipsoid, rule: EdgeRule, coordinates: &str) -> RegionMesh {
     RegionMesh::build(&region(coordinates), body, rule, &MeshOptions::default()).expect("meshes")
 }
 
 // ---- real outlines ----------------------------------------------------------------------------
-
-/// The file's bytes; `None`, said aloud, when there is no data here.
-fn data(name: &str) -> Option<Vec<u8>> {
-    let Some(root) = std::env::var_os("TERRAFILL_DATA").map(PathBuf::from) else {
-        println!("skipped: TERRAFILL_DATA is not set");
-        return None;
-    };
-    // Tests run in the crate's folder; a relative path is meant from the workspace.
-    let workspace = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let path = workspace.join(root).join("vectors").join(name);
-    match std::fs::read(&path) {
-        Ok(bytes) => Some(bytes),
-        Err(error) => {
-            println!("skipped: {}: {error}", path.display());
-            None
-        }
-    }
-}
 
 /// Sums over the regions of a file.
 #[derive(Debug, Default)]
@@ -107,7 +71,7 @@ fn sum_of_file(name: &str, rule: EdgeRule) -> Option<Sum> {
         ..Sum::default()
     };
     reports.iter().flatten().for_each(|report| sum.add(report));
-    println!("{name}, {rule:?}: {sum:#?}");
+    eprintln!("{name}, {rule:?}: {sum:#?}");
     Some(sum)
 }
 

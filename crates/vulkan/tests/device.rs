@@ -2,50 +2,20 @@
 //! Tests that need a Vulkan device. Without one they are skipped with the reason printed, unless
 //! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.
 
+#[path = "../../gpu/tests/globe/mod.rs"]
+mod globe;
+
+use globe::{SIZE, assert_depth_of_the_ellipsoid, globe_from};
 use std::sync::Arc;
-use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_frame::{
-    BackendError, DepthRule, FaceSet, FrameInput, PreparedScene, RegionConstants, StencilOperation,
-    StencilRule, StencilTest,
+    BackendError, DepthRule, FaceSet, RegionConstants, StencilOperation, StencilRule, StencilTest,
 };
-use terrafill_scene::{CameraPose, ImageSize, Overlap, PixelRect, PlanOptions, SurfaceMesh, View};
+use terrafill_scene::{ImageSize, PixelRect};
 use terrafill_vulkan::{
     BindGroup, Buffer, BufferUse, DrawState, Fragments, Geometry, Gpu, GpuOptions, IndexWidth,
     Measured, POSITIVE_CONTROL, Pipeline, PipelineDescriptor, PipelineState, Stage, Topology,
     VertexFormat, VertexStage, list_adapters, make_deliberate_error, messages, open_for_test,
 };
-
-const SIZE: ImageSize = ImageSize {
-    width: 101,
-    height: 67,
-};
-
-fn globe_from(height_m: f64) -> FrameInput {
-    let body = Ellipsoid::WGS84;
-    let scene = PreparedScene {
-        name: "bare".to_owned(),
-        body,
-        edge_rule: Default::default(),
-        overlap: Overlap::Disjoint,
-        regions: Arc::new([]),
-        meshes: Arc::new([]),
-        levels: Arc::default(),
-        bounds: Arc::new([]),
-        surface: Arc::new(SurfaceMesh::ellipsoid(&body, 180)),
-    };
-    let view = View {
-        name: "globe".to_owned(),
-        pose: CameraPose {
-            eye: Geodetic::from_degrees(15.0, 20.0, height_m),
-            heading_rad: 0.0,
-            pitch_rad: -std::f64::consts::FRAC_PI_2,
-            fov_y_rad: 60_f64.to_radians(),
-            near_m: 1000.0,
-        },
-        note: None,
-    };
-    FrameInput::new(&scene, &view, SIZE, PlanOptions::default())
-}
 
 /// A stage with the globe drawn on it.
 fn drawn(gpu: &Arc<Gpu>) -> Stage {
@@ -112,13 +82,7 @@ fn the_surface_has_the_depth_of_the_ellipsoid() {
     let time = stage.draw_surface().expect("draws");
     assert_eq!(time.is_some(), gpu.facts.features.timestamps);
     let picture = stage.read().expect("reads");
-    let at = |column: usize, row: usize| picture.depth[row * SIZE.width as usize + column];
-    // Reversed depth is near / distance; facets of 1° hang up to 488 m below the ellipsoid.
-    let distance = 1000.0 / f64::from(at(50, 33));
-    assert!((7.99999e6..8.0005e6).contains(&distance), "{distance}");
-    assert_eq!(at(0, 0), 0.0, "the sky keeps the cleared depth");
-    let alphas = picture.rgba.chunks_exact(4).map(|pixel| pixel[3]);
-    assert!(alphas.into_iter().all(|alpha| alpha == 0));
+    assert_depth_of_the_ellipsoid(&picture);
 }
 
 #[test]

@@ -239,18 +239,40 @@ impl Canvas<'_> {
         self.drawn(self.area.draw(&ring))
     }
 
-    /// A horizontal whisker with end caps.
+    /// A small open mark: a second figure of a point.
+    pub(crate) fn open_marker(&self, at: [f64; 2], colour: RGBColor) -> Result<(), ReportError> {
+        for (radius, style) in [
+            (MARKER_PX - 1.0, ShapeStyle::from(&colour).filled()),
+            (MARKER_PX - 2.5, ShapeStyle::from(&PAPER).filled()),
+        ] {
+            let disc = Circle::new(point(at[0], at[1]), px(radius), style);
+            self.drawn(self.area.draw(&disc))?;
+        }
+        Ok(())
+    }
+
+    /// A whisker with end caps, along an axis.
     pub(crate) fn whisker(
         &self,
-        from_x: f64,
-        to_x: f64,
-        y: f64,
+        from: [f64; 2],
+        to: [f64; 2],
         colour: RGBColor,
     ) -> Result<(), ReportError> {
+        const CAP_PX: f64 = 3.0;
         let colour = colour.mix(0.9);
-        self.path(&[[from_x, y], [to_x, y]], colour, 1)?;
-        for x in [from_x, to_x] {
-            self.path(&[[x, y - 3.0], [x, y + 3.0]], colour, 1)?;
+        self.path(&[from, to], colour, 1)?;
+        let is_level = (to[1] - from[1]).abs() < (to[0] - from[0]).abs();
+        let cap = if is_level {
+            [0.0, CAP_PX]
+        } else {
+            [CAP_PX, 0.0]
+        };
+        for [x, y] in [from, to] {
+            self.path(
+                &[[x - cap[0], y - cap[1]], [x + cap[0], y + cap[1]]],
+                colour,
+                1,
+            )?;
         }
         Ok(())
     }

@@ -1,150 +1,99 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Time to mesh against vertices, both axes logarithmic, one curve per shape, with a line of slope 1.
 
-use super::canvas::{Anchor, Canvas, svg};
-use super::palette::{Palette, Stroke};
-use super::scale::{LogScale, tick_label};
+use super::WIDTH_PX;
+use super::canvas::svg;
+use super::log_log::{Frame, draw_names_aside, names_width};
+use super::palette::Palette;
+use super::work_precision::{
+    Curve, Panel, Point, Reading, ReferenceLine, Standing, Upwards, WorkPrecision,
+};
 use crate::ReportError;
 use crate::growth::GrowthCurve;
 use crate::number;
-use plotters::prelude::Color as _;
 use terrafill_results::Spread;
 
-const WIDTH_PX: f64 = 780.0;
 const HEIGHT_PX: f64 = 440.0;
-const LEFT_PX: f64 = 80.0;
-/// Room for the names at the ends of the curves.
-const RIGHT_PX: f64 = 620.0;
-const TOP_PX: f64 = 34.0;
-const BOTTOM_PX: f64 = 384.0;
-/// Names at the curves' ends are at least so far apart.
-const NAME_PX: f64 = 18.0;
+const LEFT_PX: f64 = 84.0;
+const TOP_PX: f64 = 48.0;
+const BOTTOM_PX: f64 = 390.0;
 
 /// Draws the curves; `None` when there is no point.
 ///
 /// # Errors
 /// [`ReportError::Plot`].
 pub(crate) fn growth(curves: &[GrowthCurve]) -> Result<Option<String>, ReportError> {
-    let points = || curves.iter().flat_map(|curve| &curve.points);
-    let x = LogScale::around(points().map(|point| point.0), 1.2, LEFT_PX, RIGHT_PX);
-    let times = points().flat_map(|point| [point.1.p5, point.1.p95]);
-    let y = LogScale::around(times, 1.2, BOTTOM_PX, TOP_PX);
-    let (Some(x), Some(y)) = (x, y) else {
+    let plot = WorkPrecision {
+        title: "Time to mesh against vertices",
+        across: "vertices of the outline",
+        up: "text to mesh, process CPU ms: median, 5–95 %",
+        upwards: Upwards::Amount,
+        curves: curves.iter().map(curve).collect(),
+        lines: slope(curves).into_iter().collect(),
+    };
+    let names = curves.iter().filter_map(|curve| {
+        let (_, time) = curve.points.last()?;
+        Some((time.median, curve.shape.as_str(), name(curve)?))
+    });
+    let names: Vec<(f64, &str, String)> = names.collect();
+    let frame = Frame {
+        left: LEFT_PX,
+        right: WIDTH_PX - names_width(names.iter().map(|(.., text)| text.as_str())),
+        top: TOP_PX,
+        bottom: BOTTOM_PX,
+    };
+    let Some(panel) = Panel::new(&plot, frame) else {
         return Ok(None);
     };
+    let names = names
+        .into_iter()
+        .map(|(time, shape, text)| (panel.height(time), shape, text))
+        .collect();
     let palette = Palette::new(curves.iter().map(|curve| curve.shape.clone()).collect());
     svg(
         "time to mesh against vertices",
         WIDTH_PX,
         HEIGHT_PX,
         |canvas| {
-            draw_axes(canvas, &x, &y)?;
-            draw_slope(canvas, &x, &y, curves)?;
-            for curve in curves {
-                let stroke = palette.stroke(&curve.shape);
-                draw_curve(canvas, &x, &y, curve, stroke)?;
-            }
-            draw_names(canvas, &y, curves, &palette)
+            panel.draw(canvas, &palette)?;
+            draw_names_aside(canvas, frame, names, &palette)
         },
     )
     .map(Some)
 }
 
-fn draw_axes(canvas: &Canvas<'_>, x: &LogScale, y: &LogScale) -> Result<(), ReportError> {
-    canvas.heading(
-        "Time to mesh against vertices",
-        [LEFT_PX, 14.0],
-        Anchor::Left,
-    )?;
-    for tick in x.ticks() {
-        let at = x.px(tick);
-        canvas.rule([at, TOP_PX], [at, BOTTOM_PX], 0.12)?;
-        canvas.text(&tick_label(tick), [at, BOTTOM_PX + 14.0], Anchor::Middle)?;
-    }
-    for tick in y.ticks() {
-        let at = y.px(tick);
-        canvas.rule([LEFT_PX, at], [RIGHT_PX, at], 0.12)?;
-        canvas.text(&tick_label(tick), [LEFT_PX - 8.0, at], Anchor::Right)?;
-    }
-    canvas.rule([LEFT_PX, TOP_PX], [LEFT_PX, BOTTOM_PX], 0.6)?;
-    canvas.rule([LEFT_PX, BOTTOM_PX], [RIGHT_PX, BOTTOM_PX], 0.6)?;
-    let middle = (LEFT_PX + RIGHT_PX) * 0.5;
-    canvas.text(
-        "vertices of the outline",
-        [middle, BOTTOM_PX + 38.0],
-        Anchor::Middle,
-    )?;
-    canvas.upright_text(
-        "text to mesh, process CPU ms: median, 5–95 %",
-        [LEFT_PX - 62.0, (TOP_PX + BOTTOM_PX) * 0.5],
-    )
-}
-
-/// From the cheapest shape's first point, as far as the axes reach.
-fn draw_slope(
-    canvas: &Canvas<'_>,
-    x: &LogScale,
-    y: &LogScale,
-    curves: &[GrowthCurve],
-) -> Result<(), ReportError> {
-    let firsts = curves.iter().filter_map(|curve| curve.points.first());
-    let Some((vertices, time)) = firsts.min_by(|a, b| a.1.median.total_cmp(&b.1.median)) else {
-        return Ok(());
+fn curve(curve: &GrowthCurve) -> Curve {
+    let point = |&(vertices, time): &(f64, Spread)| Point {
+        knob: vertices,
+        label: String::new(),
+        x: Some(Reading::exact(vertices)),
+        y: Some(Reading::sampled(time, &[])),
+        y_rms: None,
+        standing: Standing::Right,
     };
-    let last = curves.iter().filter_map(|curve| curve.points.last());
-    let end = last.map(|point| point.0).fold(*vertices, f64::max);
-    let to = [x.px(end), y.px(time.median * end / vertices)];
-    canvas.dashes([x.px(*vertices), y.px(time.median)], to)?;
-    let below = [to[0] - 6.0, to[1] + 34.0];
-    canvas.text("slope 1", below, Anchor::Right)
+    Curve {
+        name: curve.shape.clone(),
+        points: curve.points.iter().map(point).collect(),
+    }
 }
 
-fn draw_curve(
-    canvas: &Canvas<'_>,
-    x: &LogScale,
-    y: &LogScale,
-    curve: &GrowthCurve,
-    stroke: Stroke,
-) -> Result<(), ReportError> {
-    let at = |point: &(f64, Spread)| [x.px(point.0), y.px(point.1.median)];
-    let path: Vec<[f64; 2]> = curve.points.iter().map(at).collect();
-    canvas.path(&path, stroke.colour.mix(0.7), 2)?;
-    for (point, at) in curve.points.iter().zip(path) {
-        let whisker = [point.1.p5, point.1.p95].map(|time| y.px(time));
-        let colour = stroke.colour.mix(0.9);
-        canvas.path(&[[at[0], whisker[0]], [at[0], whisker[1]]], colour, 1)?;
-        for end in whisker {
-            canvas.path(&[[at[0] - 4.0, end], [at[0] + 4.0, end]], colour, 1)?;
-        }
-        canvas.marker(at, stroke)?;
-    }
-    Ok(())
+/// From the cheapest shape's first point.
+fn slope(curves: &[GrowthCurve]) -> Option<ReferenceLine> {
+    let firsts = curves.iter().filter_map(|curve| curve.points.first());
+    let cheapest = firsts.min_by(|a, b| a.1.median.total_cmp(&b.1.median));
+    cheapest.map(|(vertices, time)| ReferenceLine {
+        label: "slope 1".to_owned(),
+        from_x: Some(*vertices),
+        y: time.median,
+        power: 1.0,
+    })
 }
 
-/// Beside the curves' ends, spread where they are close, with the cost of a vertex there.
-fn draw_names(
-    canvas: &Canvas<'_>,
-    y: &LogScale,
-    curves: &[GrowthCurve],
-    palette: &Palette,
-) -> Result<(), ReportError> {
-    let mut names: Vec<(f64, &GrowthCurve, f64)> = curves
-        .iter()
-        .filter_map(|curve| {
-            let (vertices, time) = curve.points.last()?;
-            Some((y.px(time.median), curve, time.median * 1e6 / vertices))
-        })
-        .collect();
-    names.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut free = f64::NEG_INFINITY;
-    for (wanted, curve, nanoseconds) in names {
-        let at = wanted.max(free);
-        free = at + NAME_PX;
-        canvas.marker([RIGHT_PX + 14.0, at], palette.stroke(&curve.shape))?;
-        let label = format!("{} · {} ns", curve.shape, number::significant(nanoseconds));
-        canvas.text(&label, [RIGHT_PX + 26.0, at], Anchor::Left)?;
-    }
-    Ok(())
+/// The shape, and the cost of a vertex at the curve's end.
+fn name(curve: &GrowthCurve) -> Option<String> {
+    let (vertices, time) = curve.points.last()?;
+    let nanoseconds = number::significant(time.median * 1e6 / vertices);
+    Some(format!("{} · {nanoseconds} ns", curve.shape))
 }
 
 #[cfg(test)]

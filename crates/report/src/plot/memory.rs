@@ -3,7 +3,10 @@
 //! scene was drawn.
 
 use super::WIDTH_PX;
-use super::canvas::{Anchor, Canvas, TEXT_PX, svg, text_width};
+use super::canvas::svg;
+use super::log_log::{
+    AxisText, Frame, LINE_OPACITY, draw_across, draw_names_aside, draw_up, names_width,
+};
 use super::palette::Palette;
 use super::scale::LogScale;
 use crate::ReportError;
@@ -12,10 +15,9 @@ use crate::number;
 use plotters::prelude::Color as _;
 
 const HEIGHT_PX: f64 = 430.0;
-const LEFT_PX: f64 = 70.0;
+const LEFT_PX: f64 = 84.0;
 const TOP_PX: f64 = 16.0;
 const AXIS_PX: f64 = 50.0;
-const LEGEND_ROW_PX: f64 = 19.0;
 
 /// Draws the plot; `None` without a point.
 ///
@@ -26,79 +28,52 @@ pub(crate) fn bytes_over_regions(
     curves: &[Curve],
 ) -> Result<Option<String>, ReportError> {
     let names: Vec<String> = curves.iter().map(|curve| curve.name.clone()).collect();
-    let longest = names.iter().map(|name| text_width(name, TEXT_PX));
-    let right = WIDTH_PX - 50.0 - longest.fold(0.0, f64::max);
-    let bottom = HEIGHT_PX - AXIS_PX;
+    let frame = Frame {
+        left: LEFT_PX,
+        right: WIDTH_PX - names_width(names.iter().map(String::as_str)),
+        top: TOP_PX,
+        bottom: HEIGHT_PX - AXIS_PX,
+    };
     let points = || curves.iter().flat_map(|curve| &curve.points);
-    let across = LogScale::around(points().map(|point| point[0]), 1.1, LEFT_PX, right);
-    let up = LogScale::around(points().map(|point| point[1]), 1.3, bottom, TOP_PX);
+    let regions = points().map(|point| point[0]);
+    let bytes = points().map(|point| point[1]);
+    let across = LogScale::around(regions, 1.1, frame.left, frame.right);
+    let up = LogScale::around(bytes, 1.3, frame.bottom, frame.top);
     let (Some(across), Some(up)) = (across, up) else {
         return Ok(None);
     };
+    let ends = curves.iter().filter_map(|curve| {
+        let end = curve.points.last()?;
+        Some((up.px(end[1]), curve.name.as_str(), curve.name.clone()))
+    });
     let palette = Palette::new(names);
     let title = format!("{scene}: bytes over regions");
     svg(&title, WIDTH_PX, HEIGHT_PX, |canvas| {
-        draw_axes(canvas, &across, &up, [right, bottom])?;
+        let regions = AxisText {
+            title: "regions",
+            tick: |tick| number::count(whole(tick)),
+        };
+        let bytes = AxisText {
+            title: "bytes by formula; ringed: as allocated",
+            tick: |tick| number::bytes(whole(tick)),
+        };
+        draw_across(canvas, frame, &across, regions)?;
+        draw_up(canvas, frame, Some(&up), [frame.top, frame.bottom], bytes)?;
+        let corners = [frame.left, frame.right].map(|x| [x, frame.bottom]);
+        canvas.rule(corners[0], corners[1], 0.6)?;
         for curve in curves {
             let stroke = palette.stroke(&curve.name);
             let at = |point: &[f64; 2]| [across.px(point[0]), up.px(point[1])];
             let path: Vec<[f64; 2]> = curve.points.iter().map(at).collect();
-            canvas.path(&path, stroke.colour.mix(0.8), 2)?;
+            canvas.path(&path, stroke.colour.mix(LINE_OPACITY), 2)?;
             if let Some(point) = &curve.allocated {
                 canvas.marker(at(point), stroke)?;
                 canvas.ring(at(point))?;
             }
         }
-        let mut by_bytes: Vec<&Curve> = curves.iter().collect();
-        let last = |curve: &Curve| curve.points.last().map_or(0.0, |point| point[1]);
-        by_bytes.sort_by(|a, b| last(b).total_cmp(&last(a)));
-        for (curve, row) in by_bytes.into_iter().zip(0_u32..) {
-            let stroke = palette.stroke(&curve.name);
-            let y = TOP_PX + LEGEND_ROW_PX * (f64::from(row) + 0.5);
-            canvas.path(
-                &[[right + 10.0, y], [right + 34.0, y]],
-                stroke.colour.mix(0.8),
-                2,
-            )?;
-            canvas.marker([right + 22.0, y], stroke)?;
-            canvas.text(&curve.name, [right + 42.0, y], Anchor::Left)?;
-        }
-        Ok(())
+        draw_names_aside(canvas, frame, ends.collect(), &palette)
     })
     .map(Some)
-}
-
-fn draw_axes(
-    canvas: &Canvas<'_>,
-    across: &LogScale,
-    up: &LogScale,
-    [right, bottom]: [f64; 2],
-) -> Result<(), ReportError> {
-    for tick in across.ticks() {
-        let x = across.px(tick);
-        canvas.rule([x, TOP_PX], [x, bottom], 0.12)?;
-        canvas.text(
-            &number::count(whole(tick)),
-            [x, bottom + 12.0],
-            Anchor::Middle,
-        )?;
-    }
-    for tick in up.ticks() {
-        let y = up.px(tick);
-        canvas.rule([LEFT_PX, y], [right, y], 0.12)?;
-        canvas.text(
-            &number::bytes(whole(tick)),
-            [LEFT_PX - 8.0, y],
-            Anchor::Right,
-        )?;
-    }
-    canvas.rule([LEFT_PX, TOP_PX], [LEFT_PX, bottom], 0.6)?;
-    canvas.rule([LEFT_PX, bottom], [right, bottom], 0.6)?;
-    canvas.text(
-        "regions (logarithmic); upwards: bytes of positions, flags and indices by formula; ringed: as allocated",
-        [LEFT_PX, bottom + 36.0],
-        Anchor::Left,
-    )
 }
 
 #[allow(

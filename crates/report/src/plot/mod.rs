@@ -8,11 +8,14 @@ mod bytes;
 mod canvas;
 mod error_time;
 mod growth;
+mod labels;
+mod log_log;
 mod memory;
 mod palette;
 mod ratio;
 mod scale;
 mod steps;
+mod work_precision;
 
 pub(crate) use bytes::geometry_bytes;
 pub(crate) use error_time::error_against_time;

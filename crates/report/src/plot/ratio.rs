@@ -13,6 +13,7 @@ use crate::ReportError;
 use crate::number::significant;
 use crate::run_data::{Case, SceneCases, ViewCases};
 use crate::statistic::over;
+use plotters::style::RGBColor;
 use terrafill_results::{Spread, median};
 
 const ROW_PX: f64 = 19.0;
@@ -51,28 +52,23 @@ pub(crate) fn time_over_bound(
     palette: &Palette,
 ) -> Result<Option<String>, ReportError> {
     let cases = || scene.views.iter().flat_map(|view| &view.cases);
-    let left = label_column(cases().map(|case| label(case)));
-    let right = WIDTH_PX - VALUE_COLUMN_PX;
-    let spreads: Vec<f64> = cases()
-        .filter_map(|case| ratio(case))
-        .flat_map(|spread| [spread.p5, spread.p95])
-        .collect();
-    if spreads.is_empty() {
-        return Ok(None);
-    }
-    let floors = scene.views.iter().filter_map(floor_ratio);
-    let values = spreads.iter().copied().chain(floors).chain([1.0]);
-    let Some(scale) = LogScale::around(values, 1.2, left, right - 14.0) else {
+    let height: f64 = scene.views.iter().map(view_height).sum();
+    let axis = BoundAxis::new(
+        cases().filter_map(|case| ratio(case)),
+        scene.views.iter().filter_map(floor_ratio),
+        cases().map(|case| label(case)),
+        VALUE_COLUMN_PX,
+        [TOP_PX, TOP_PX + height],
+    );
+    let Some(axis) = axis else {
         return Ok(None);
     };
-    let height: f64 = scene.views.iter().map(view_height).sum();
-    let bottom = TOP_PX + height;
     let title = format!("{}: fill time over bound", scene.name);
-    svg(&title, WIDTH_PX, bottom + AXIS_PX, |canvas| {
-        draw_axis(canvas, &scale, [left, right], bottom)?;
+    svg(&title, WIDTH_PX, axis.height(), |canvas| {
+        axis.draw(canvas)?;
         let mut y = TOP_PX + ROW_PX * 0.5;
         for view in &scene.views {
-            draw_view(canvas, view, palette, &scale, [left, right], y)?;
+            draw_view(canvas, view, palette, &axis, y)?;
             y += view_height(view);
         }
         Ok(())
@@ -84,58 +80,137 @@ fn view_height(view: &ViewCases<'_>) -> f64 {
     ROW_PX * (view.cases.len() + 1) as f64 + VIEW_GAP_PX
 }
 
-fn draw_axis(
-    canvas: &Canvas<'_>,
-    scale: &LogScale,
-    [left, right]: [f64; 2],
-    bottom: f64,
-) -> Result<(), ReportError> {
-    for tick in scale.ticks() {
-        let x = scale.px(tick);
-        canvas.rule([x, TOP_PX], [x, bottom], 0.12)?;
-        canvas.text(&tick_label(tick), [x, bottom + 12.0], Anchor::Middle)?;
+/// The axis of time over bound, with a column of values at its right.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct BoundAxis {
+    pub(super) scale: LogScale,
+    pub(super) left: f64,
+    pub(super) right: f64,
+    pub(super) top: f64,
+    pub(super) bottom: f64,
+}
+
+impl BoundAxis {
+    /// An axis that holds `ratios` and the bound; `None` without a ratio.
+    ///
+    /// - `labels`: of the rows
+    /// - `value_column`: room at the right
+    /// - `[top, bottom]`: of the rows
+    pub(super) fn new(
+        ratios: impl Iterator<Item = Spread>,
+        others: impl IntoIterator<Item = f64>,
+        labels: impl IntoIterator<Item = String>,
+        value_column: f64,
+        [top, bottom]: [f64; 2],
+    ) -> Option<Self> {
+        let ratios: Vec<f64> = ratios.flat_map(|ratio| [ratio.p5, ratio.p95]).collect();
+        if ratios.is_empty() {
+            return None;
+        }
+        let (left, right) = (label_column(labels), WIDTH_PX - value_column);
+        let values = ratios.into_iter().chain(others).chain([1.0]);
+        Some(Self {
+            scale: LogScale::around(values, 1.2, left, right - 14.0)?,
+            left,
+            right,
+            top,
+            bottom,
+        })
     }
-    canvas.rule([left, bottom], [right, bottom], 0.6)?;
-    canvas.text(
-        "process CPU time of the fill ÷ that of the bound, median with 5–95 % of frames (logarithmic)",
-        [left, bottom + 34.0],
-        Anchor::Left,
-    )?;
-    let bound = scale.px(1.0);
-    canvas.rule([bound, TOP_PX - 6.0], [bound, bottom], 0.8)?;
-    canvas.text("bound = 1", [bound, TOP_PX - 14.0], Anchor::Middle)
+
+    /// Height of the drawing.
+    pub(super) fn height(&self) -> f64 {
+        self.bottom + AXIS_PX
+    }
+
+    pub(super) fn draw(&self, canvas: &Canvas<'_>) -> Result<(), ReportError> {
+        let (top, bottom) = (self.top, self.bottom);
+        for tick in self.scale.ticks() {
+            let x = self.scale.px(tick);
+            canvas.rule([x, top], [x, bottom], 0.12)?;
+            canvas.text(&tick_label(tick), [x, bottom + 12.0], Anchor::Middle)?;
+        }
+        canvas.rule([self.left, bottom], [self.right, bottom], 0.6)?;
+        canvas.text(
+            "process CPU time of the fill ÷ that of the bound, median with 5–95 % of frames (logarithmic)",
+            [self.left, bottom + 34.0],
+            Anchor::Left,
+        )?;
+        let bound = self.scale.px(1.0);
+        canvas.rule([bound, top - 6.0], [bound, bottom], 0.8)?;
+        canvas.text("bound = 1", [bound, top - 14.0], Anchor::Middle)
+    }
+
+    /// A row's name, left of the axis.
+    pub(super) fn draw_label(
+        &self,
+        canvas: &Canvas<'_>,
+        label: &str,
+        y: f64,
+    ) -> Result<(), ReportError> {
+        canvas.text(label, [self.left - 10.0, y], Anchor::Right)
+    }
+
+    /// What is said at the right of a row.
+    pub(super) fn draw_value(
+        &self,
+        canvas: &Canvas<'_>,
+        value: &str,
+        y: f64,
+    ) -> Result<(), ReportError> {
+        canvas.text(value, [self.right + 10.0, y], Anchor::Left)
+    }
+
+    /// A row without a ratio, and why.
+    pub(super) fn draw_absent(
+        &self,
+        canvas: &Canvas<'_>,
+        why: &str,
+        y: f64,
+    ) -> Result<(), ReportError> {
+        canvas.cross([self.right - MARKER_PX, y], INK)?;
+        self.draw_value(canvas, why, y)
+    }
+
+    /// 5–95 % of frames.
+    pub(super) fn draw_whisker(
+        &self,
+        canvas: &Canvas<'_>,
+        ratio: Spread,
+        y: f64,
+        colour: RGBColor,
+    ) -> Result<(), ReportError> {
+        let [from, to] = [ratio.p5, ratio.p95].map(|value| [self.scale.px(value), y]);
+        canvas.whisker(from, to, colour)
+    }
 }
 
 fn draw_view(
     canvas: &Canvas<'_>,
     view: &ViewCases<'_>,
     palette: &Palette,
-    scale: &LogScale,
-    [left, right]: [f64; 2],
+    axis: &BoundAxis,
     top: f64,
 ) -> Result<(), ReportError> {
-    canvas.heading(view.name, [left - 10.0, top], Anchor::Right)?;
-    let value_x = right + 10.0;
+    canvas.heading(view.name, [axis.left - 10.0, top], Anchor::Right)?;
     if let Some(floor) = floor_ratio(view) {
-        let x = scale.px(floor);
+        let x = axis.scale.px(floor);
         let end = top + ROW_PX * (view.cases.len() as f64 + 0.4);
         canvas.dashes([x, top - ROW_PX * 0.4], [x, end])?;
         let note = format!("floor {} × (dashed)", significant(floor));
-        canvas.text(&note, [value_x, top], Anchor::Left)?;
+        axis.draw_value(canvas, &note, top)?;
     }
     for (case, row) in view.cases.iter().zip(1_u32..) {
         let y = top + ROW_PX * f64::from(row);
-        canvas.text(&label(case), [left - 10.0, y], Anchor::Right)?;
+        axis.draw_label(canvas, &label(case), y)?;
         let stroke = palette.stroke(&case.series());
         let Some(spread) = ratio(case) else {
-            canvas.cross([right - MARKER_PX, y], INK)?;
-            canvas.text(no_ratio(case), [value_x, y], Anchor::Left)?;
+            axis.draw_absent(canvas, no_ratio(case), y)?;
             continue;
         };
-        canvas.whisker(scale.px(spread.p5), scale.px(spread.p95), y, stroke.colour)?;
-        canvas.marker([scale.px(spread.median), y], stroke)?;
-        let value = format!("{} ×", significant(spread.median));
-        canvas.text(&value, [value_x, y], Anchor::Left)?;
+        axis.draw_whisker(canvas, spread, y, stroke.colour)?;
+        canvas.marker([axis.scale.px(spread.median), y], stroke)?;
+        axis.draw_value(canvas, &format!("{} ×", significant(spread.median)), y)?;
     }
     Ok(())
 }

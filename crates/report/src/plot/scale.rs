@@ -60,6 +60,16 @@ impl LogScale {
         self.start_px + at.clamp(0.0, 1.0) * (self.end_px - self.start_px)
     }
 
+    /// Its lower end.
+    pub(crate) fn low(&self) -> f64 {
+        self.low
+    }
+
+    /// Its upper end.
+    pub(crate) fn high(&self) -> f64 {
+        self.high
+    }
+
     /// Ticks in rising order.
     pub(crate) fn ticks(&self) -> Vec<f64> {
         for mantissas in MANTISSAS {

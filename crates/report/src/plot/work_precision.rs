@@ -1,0 +1,583 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Work and precision: one curve for each method through its knob, both axes logarithmic.
+//!
+//! A point has what it costs across and what it misses upwards, each with its 5–95 % range where it
+//! was sampled; a second, open mark below it is the root mean square where the first is a maximum. A
+//! point without error stands on a line of its own at the bottom and a failed one on the upper edge:
+//! neither has a place on a logarithm, and neither may vanish. A wrong one whose figures are known is
+//! the exception, since its error may be the answer: it stands where its figures put it, on its curve,
+//! with a cross. The Pareto front joins only right points that keep their place when samples are drawn
+//! again (see `statistic`).
+
+use super::canvas::{Anchor, Canvas, MARKER_PX, TEXT_PX, text_width};
+use super::labels::{LEADER_FROM_PX, Rectangle, free_place};
+use super::log_log::{AxisText, Frame, LINE_OPACITY, draw_across, draw_up};
+use super::palette::{INK, Palette, Stroke};
+use super::scale::{LogScale, tick_label};
+use crate::ReportError;
+use crate::statistic::{Candidate, FRONT_MIN_FRAMES, FRONT_SURVIVAL, front_survival};
+use plotters::prelude::Color as _;
+use terrafill_results::Spread;
+
+/// Panel titles stand so far above their panels.
+const TITLE_PX: f64 = 36.0;
+/// From the upper edge, where failed points stand, to the logarithm.
+const EDGE_PX: f64 = 28.0;
+/// From the logarithm to the line of points without error, and from there to the end of the panel.
+const ZERO_PX: [f64; 2] = [30.0, 14.0];
+
+/// Costs that differ by less than this factor are hardly different.
+const LEAST_WORK_MARGIN: f64 = 1.2;
+/// Errors that differ by less than this factor are hardly different: keeps one pixel more or less from
+/// filling the axis.
+const LEAST_ERROR_MARGIN: f64 = 2.5;
+
+/// A panel to be.
+#[derive(Debug, Clone)]
+pub(crate) struct WorkPrecision<'a> {
+    pub(crate) title: &'a str,
+    pub(crate) across: &'a str,
+    pub(crate) up: &'a str,
+    pub(crate) upwards: Upwards,
+    pub(crate) curves: Vec<Curve>,
+    pub(crate) lines: Vec<ReferenceLine>,
+}
+
+/// What is drawn upwards.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Upwards {
+    /// Less is better and 0 is reached; failed points have an edge, and there is a front.
+    Error,
+    /// Something positive that grows.
+    Amount,
+}
+
+/// One method through its knob.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Curve {
+    pub(crate) name: String,
+    pub(crate) points: Vec<Point>,
+}
+
+/// One value of the knob.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Point {
+    /// Place along the curve.
+    pub(crate) knob: f64,
+    /// Written beside the point if it is one of several or failed; empty for nothing.
+    pub(crate) label: String,
+    /// Cost.
+    pub(crate) x: Option<Reading>,
+    /// Largest error, or amount.
+    pub(crate) y: Option<Reading>,
+    /// Root mean square of the error.
+    pub(crate) y_rms: Option<f64>,
+    pub(crate) standing: Standing,
+}
+
+/// What a point's figures are worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Standing {
+    /// They count.
+    Right,
+    /// They are known, and too bad: a cross where they put it, and no place on the front.
+    Wrong,
+    /// There are none, or they count for nothing.
+    Failed,
+}
+
+/// A value as read.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Reading {
+    middle: f64,
+    /// 5 and 95 %.
+    range: Option<[f64; 2]>,
+    samples: Vec<f64>,
+}
+
+impl Reading {
+    /// A count or a formula: no range, and no other value if it is taken again.
+    pub(crate) fn exact(value: f64) -> Self {
+        Self {
+            middle: value,
+            range: None,
+            samples: vec![value; FRONT_MIN_FRAMES],
+        }
+    }
+
+    /// - `samples`: what `spread` was found from, for the front
+    pub(crate) fn sampled(spread: Spread, samples: &[f64]) -> Self {
+        Self {
+            middle: spread.median,
+            range: Some([spread.p5, spread.p95]),
+            samples: samples.to_vec(),
+        }
+    }
+
+    fn extent(&self) -> [f64; 2] {
+        self.range.unwrap_or([self.middle; 2])
+    }
+}
+
+/// Something known to hold the points against, dashed to the right end of the axis.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ReferenceLine {
+    pub(crate) label: String,
+    /// Where it begins across; `None` at the left end of the axis.
+    pub(crate) from_x: Option<f64>,
+    /// What it begins with upwards.
+    pub(crate) y: f64,
+    /// What it shows grows with this power of the cost: 0 for a floor or a bound.
+    pub(crate) power: f64,
+}
+
+/// A point with its place.
+#[derive(Debug)]
+pub(crate) struct Placed<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) point: &'a Point,
+    pub(crate) at: [f64; 2],
+    /// On the upper edge.
+    pub(crate) is_pinned: bool,
+}
+
+/// A panel, laid out.
+#[derive(Debug)]
+pub(crate) struct Panel<'a> {
+    plot: &'a WorkPrecision<'a>,
+    frame: Frame,
+    x: LogScale,
+    /// `None` when there is no positive error.
+    y: Option<LogScale>,
+    pub(crate) points: Vec<Placed<'a>>,
+    /// Corners of the front, left to right.
+    pub(crate) front: Vec<[f64; 2]>,
+}
+
+impl Point {
+    fn is_pinned(&self) -> bool {
+        self.standing == Standing::Failed || self.x.is_none() || self.y.is_none()
+    }
+}
+
+impl<'a> Panel<'a> {
+    /// Gives every point its place; `None` when no point has a cost.
+    pub(crate) fn new(plot: &'a WorkPrecision<'a>, frame: Frame) -> Option<Self> {
+        let points = || plot.curves.iter().flat_map(|curve| &curve.points);
+        let costs = points().filter_map(|point| point.x.as_ref());
+        let x = LogScale::around(
+            costs.flat_map(Reading::extent),
+            LEAST_WORK_MARGIN,
+            frame.left,
+            frame.right,
+        )?;
+        let standing = points().filter(|point| !point.is_pinned());
+        let heights = standing
+            .filter_map(|point| Some((point.y.as_ref()?.extent(), point.y_rms)))
+            .flat_map(|(extent, rms)| extent.into_iter().chain(rms))
+            .chain(plot.lines.iter().map(|line| line.y));
+        let [top, bottom] = plot.upwards.logarithm(frame);
+        let margin = match plot.upwards {
+            Upwards::Error => LEAST_ERROR_MARGIN,
+            Upwards::Amount => LEAST_WORK_MARGIN,
+        };
+        let mut panel = Self {
+            plot,
+            frame,
+            x,
+            y: LogScale::around(heights, margin, bottom, top),
+            points: Vec::new(),
+            front: Vec::new(),
+        };
+        panel.place();
+        panel.front = panel.front_corners();
+        Some(panel)
+    }
+
+    fn place(&mut self) {
+        let mut without_cost = 0.0;
+        for curve in &self.plot.curves {
+            for point in &curve.points {
+                let x = match &point.x {
+                    Some(cost) => self.x.px(cost.middle),
+                    None => {
+                        without_cost += 1.0;
+                        self.frame.right - (without_cost - 1.0) * 4.0 * MARKER_PX
+                    }
+                };
+                let is_pinned = point.is_pinned();
+                let y = match &point.y {
+                    Some(error) if !is_pinned => self.height(error.middle),
+                    _ => self.frame.top,
+                };
+                self.points.push(Placed {
+                    name: &curve.name,
+                    point,
+                    at: [x, y],
+                    is_pinned,
+                });
+            }
+        }
+    }
+
+    /// Where `value` stands upwards: on the line for 0 if it is not positive.
+    pub(crate) fn height(&self, value: f64) -> f64 {
+        match &self.y {
+            Some(scale) if value > 0.0 => scale.px(value),
+            _ => self.zero(),
+        }
+    }
+
+    /// Where points without error stand.
+    pub(crate) fn zero(&self) -> f64 {
+        match self.plot.upwards {
+            Upwards::Error => self.frame.bottom - ZERO_PX[1],
+            Upwards::Amount => self.frame.bottom,
+        }
+    }
+
+    fn front_corners(&self) -> Vec<[f64; 2]> {
+        if self.plot.upwards != Upwards::Error {
+            return Vec::new();
+        }
+        let judged = self.points.iter().filter_map(|placed| {
+            let counts = placed.point.standing == Standing::Right;
+            let (x, y) = (placed.point.x.as_ref()?, placed.point.y.as_ref()?);
+            let candidate = Candidate {
+                times: &x.samples,
+                error: y.middle,
+            };
+            counts.then_some((placed.at, candidate))
+        });
+        let (places, candidates): (Vec<[f64; 2]>, Vec<Candidate<'_>>) = judged.unzip();
+        let mut corners: Vec<[f64; 2]> = places
+            .into_iter()
+            .zip(front_survival(&candidates))
+            .filter(|(_, survival)| *survival >= FRONT_SURVIVAL)
+            .map(|(at, _)| at)
+            .collect();
+        corners.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        corners
+    }
+
+    /// Draws axes, lines, front, curves, points and labels; the names of curves are the caller's.
+    ///
+    /// # Errors
+    /// [`ReportError::Plot`].
+    pub(crate) fn draw(&self, canvas: &Canvas<'_>, palette: &Palette) -> Result<(), ReportError> {
+        self.draw_axes(canvas)?;
+        self.draw_lines(canvas)?;
+        self.draw_front(canvas)?;
+        for (name, path) in self.paths() {
+            let colour = palette.stroke(name).colour.mix(LINE_OPACITY);
+            canvas.path(&path, colour, 2)?;
+        }
+        for placed in &self.points {
+            self.draw_point(canvas, placed, palette.stroke(placed.name))?;
+        }
+        self.draw_labels(canvas)
+    }
+
+    fn draw_axes(&self, canvas: &Canvas<'_>) -> Result<(), ReportError> {
+        let Frame {
+            left, right, top, ..
+        } = self.frame;
+        canvas.heading(self.plot.title, [left, top - TITLE_PX], Anchor::Left)?;
+        let text = |title| AxisText {
+            title,
+            tick: tick_label,
+        };
+        draw_across(canvas, self.frame, &self.x, text(self.plot.across))?;
+        let reach = self.plot.upwards.logarithm(self.frame);
+        draw_up(
+            canvas,
+            self.frame,
+            self.y.as_ref(),
+            reach,
+            text(self.plot.up),
+        )?;
+        let zero = self.zero();
+        canvas.rule([left, zero], [right, zero], 0.6)?;
+        if self.plot.upwards != Upwards::Error {
+            return Ok(());
+        }
+        canvas.text("0", [left - 8.0, zero], Anchor::Right)?;
+        canvas.rule([left, top], [right, top], 0.35)?;
+        canvas.text("wrong,", [left - 8.0, top - 7.0], Anchor::Right)?;
+        canvas.text("failed", [left - 8.0, top + 7.0], Anchor::Right)
+    }
+
+    /// Each with its label above its right end.
+    fn draw_lines(&self, canvas: &Canvas<'_>) -> Result<(), ReportError> {
+        for line in &self.plot.lines {
+            let Some(y) = &self.y else { continue };
+            let (from, to) = self.line_ends(line, y);
+            canvas.dashes(from, to)?;
+            let above = [to[0] - 6.0, to[1] - 10.0];
+            canvas.text(&line.label, above, Anchor::Right)?;
+        }
+        Ok(())
+    }
+
+    /// Ends of a reference line, cut where the vertical axis ends.
+    fn line_ends(&self, line: &ReferenceLine, y: &LogScale) -> ([f64; 2], [f64; 2]) {
+        let (x, height) = (line.from_x.unwrap_or(self.x.low()), line.y);
+        let mut end = self.x.high();
+        if line.power > 0.0 {
+            end = end.min(x * (y.high() / height).powf(line.power.recip()));
+        }
+        let end_height = height * (end / x).powf(line.power);
+        let at = |x, height| [self.x.px(x), y.px(height)];
+        (at(x, height), at(end, end_height))
+    }
+
+    fn draw_front(&self, canvas: &Canvas<'_>) -> Result<(), ReportError> {
+        for pair in self.front.windows(2) {
+            let corner = [pair[1][0], pair[0][1]];
+            canvas.dashes(pair[0], corner)?;
+            canvas.dashes(corner, pair[1])?;
+        }
+        for corner in &self.front {
+            canvas.ring(*corner)?;
+        }
+        Ok(())
+    }
+
+    /// Through the points with a place of their own, in the order of the knob, where a curve has more
+    /// than one.
+    pub(crate) fn paths(&self) -> Vec<(&'a str, Vec<[f64; 2]>)> {
+        let mut paths = Vec::new();
+        for curve in &self.plot.curves {
+            let mut own: Vec<&Placed<'a>> = self
+                .points
+                .iter()
+                .filter(|placed| placed.name == curve.name && !placed.is_pinned)
+                .collect();
+            own.sort_by(|a, b| a.point.knob.total_cmp(&b.point.knob));
+            if own.len() > 1 {
+                let path = own.iter().map(|placed| placed.at).collect();
+                paths.push((curve.name.as_str(), path));
+            }
+        }
+        paths
+    }
+
+    fn draw_point(
+        &self,
+        canvas: &Canvas<'_>,
+        placed: &Placed<'_>,
+        stroke: Stroke,
+    ) -> Result<(), ReportError> {
+        let (point, at) = (placed.point, placed.at);
+        let range = |reading: &Option<Reading>| reading.as_ref().and_then(|value| value.range);
+        if let Some(range) = range(&point.x).filter(|_| !placed.is_pinned) {
+            let [from, to] = range.map(|value| self.x.px(value));
+            canvas.whisker([from, at[1]], [to, at[1]], stroke.colour)?;
+        }
+        if let Some(range) = range(&point.y).filter(|_| !placed.is_pinned) {
+            let [from, to] = range.map(|value| self.height(value));
+            canvas.whisker([at[0], from], [at[0], to], stroke.colour)?;
+        }
+        if let Some(rms) = point.y_rms.filter(|_| !placed.is_pinned) {
+            let below = [at[0], self.height(rms)];
+            canvas.path(&[at, below], stroke.colour.mix(LINE_OPACITY), 1)?;
+            canvas.open_marker(below, stroke.colour)?;
+        }
+        if point.standing == Standing::Right {
+            canvas.marker(at, stroke)
+        } else {
+            canvas.cross(at, stroke.colour)
+        }
+    }
+
+    fn draw_labels(&self, canvas: &Canvas<'_>) -> Result<(), ReportError> {
+        let paths = self.paths();
+        let size = 2.0 * MARKER_PX + 2.0;
+        let mut taken: Vec<Rectangle> = self
+            .points
+            .iter()
+            .map(|placed| Rectangle::around(placed.at, size, size))
+            .collect();
+        for placed in &self.points {
+            let label = &placed.point.label;
+            let on_curve = paths.iter().any(|(name, _)| *name == placed.name);
+            if label.is_empty() || !(placed.is_pinned || on_curve) {
+                continue;
+            }
+            let width = text_width(label, TEXT_PX);
+            let Some((middle, radius)) = free_place(placed.at, width, self.room(), &taken) else {
+                continue;
+            };
+            if radius >= LEADER_FROM_PX {
+                canvas.path(&[placed.at, middle], INK.mix(0.3), 1)?;
+            }
+            canvas.text(label, middle, Anchor::Middle)?;
+            taken.push(Rectangle::around(middle, width, TEXT_PX + 2.0));
+        }
+        Ok(())
+    }
+
+    /// Where labels may stand: a little past the panel at the right, and up to its title.
+    fn room(&self) -> Rectangle {
+        Rectangle {
+            low: [self.frame.left - 2.0, self.frame.top - TITLE_PX + 8.0],
+            high: [self.frame.right + 20.0, self.frame.bottom + 2.0],
+        }
+    }
+}
+
+impl Upwards {
+    /// As far as the logarithm reaches.
+    fn logarithm(self, frame: Frame) -> [f64; 2] {
+        match self {
+            Self::Error => {
+                let below: f64 = ZERO_PX.iter().sum();
+                [frame.top + EDGE_PX, frame.bottom - below]
+            }
+            Self::Amount => [frame.top, frame.bottom],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::canvas::svg;
+
+    const FRAME: Frame = Frame {
+        left: 70.0,
+        right: 518.0,
+        top: 50.0,
+        bottom: 366.0,
+    };
+
+    fn point(knob: f64, x: f64, y: f64) -> Point {
+        let samples = [0.98, 0.99, 1.0, 1.01, 1.02].map(|factor| factor * x);
+        let spread = terrafill_results::spread(&samples).expect("five samples");
+        Point {
+            knob,
+            label: format!("knob {knob}"),
+            x: Some(Reading::sampled(spread, &samples)),
+            y: Some(Reading::exact(y)),
+            y_rms: None,
+            standing: Standing::Right,
+        }
+    }
+
+    fn plot(upwards: Upwards, curves: &[(&str, &[Point])]) -> WorkPrecision<'static> {
+        let curve = |(name, points): &(&str, &[Point])| Curve {
+            name: (*name).to_owned(),
+            points: points.to_vec(),
+        };
+        WorkPrecision {
+            title: "title",
+            across: "work",
+            up: "error",
+            upwards,
+            curves: curves.iter().map(curve).collect(),
+            lines: Vec::new(),
+        }
+    }
+
+    fn drawn(plot: &WorkPrecision<'_>) -> String {
+        let panel = Panel::new(plot, FRAME).expect("something to draw");
+        let names = plot.curves.iter().map(|curve| curve.name.clone());
+        let palette = Palette::new(names.collect());
+        svg("test", 600.0, 420.0, |canvas| panel.draw(canvas, &palette)).expect("draws")
+    }
+
+    #[test]
+    fn failed_points_are_on_the_edge_and_none_is_dropped() {
+        let failed = |mut point: Point| {
+            point.standing = Standing::Failed;
+            point
+        };
+        let mut costless = point(4.0, 1.0, 1.0);
+        costless.x = None;
+        let points = [
+            point(1.0, 1.0, 1e-3),
+            failed(point(2.0, 2.0, 1e-6)),
+            failed(costless.clone()),
+            failed(costless),
+        ];
+        let plot = plot(Upwards::Error, &[("route", &points)]);
+        let panel = Panel::new(&plot, FRAME).expect("something to draw");
+        assert_eq!(panel.points.len(), 4);
+        assert!(panel.points[0].at[1] > FRAME.top);
+        assert!(panel.points[1..].iter().all(|p| p.at[1] <= FRAME.top));
+        let [a, b] = [panel.points[2].at[0], panel.points[3].at[0]];
+        assert!(a > panel.points[1].at[0] && (a - b).abs() > 2.0 * MARKER_PX);
+        assert_eq!(panel.front, [panel.points[0].at]);
+        assert!(panel.paths().is_empty(), "one point is no curve");
+    }
+
+    #[test]
+    fn the_front_of_counters_is_exact_and_of_times_only_what_survives() {
+        let counted = |x, y| Point {
+            x: Some(Reading::exact(x)),
+            ..point(0.0, x, y)
+        };
+        let points = [counted(10.0, 1.0), counted(11.0, 0.9), counted(12.0, 0.95)];
+        let plot_of = |points: &[Point]| plot(Upwards::Error, &[("route", points)]);
+        let counts = plot_of(&points);
+        let panel = Panel::new(&counts, FRAME).expect("something to draw");
+        assert_eq!(panel.front.len(), 2);
+        // Twin: times that noise does not tell apart keep one of the two only.
+        let noisy = [0.7, 0.8, 1.0, 1.2, 1.3].map(|factor| factor * 10.0);
+        let spread = terrafill_results::spread(&noisy).expect("five samples");
+        let sampled = |y| Point {
+            x: Some(Reading::sampled(spread, &noisy)),
+            ..point(0.0, 10.0, y)
+        };
+        let times = plot_of(&[sampled(1.0), sampled(0.9)]);
+        let panel = Panel::new(&times, FRAME).expect("something to draw");
+        assert_eq!(panel.front.len(), 1);
+        let amounts = plot(Upwards::Amount, &[("shape", &points)]);
+        let panel = Panel::new(&amounts, FRAME).expect("something to draw");
+        assert!(panel.front.is_empty(), "what grows has no front");
+    }
+
+    #[test]
+    fn the_root_mean_square_is_an_open_mark_below_its_maximum() {
+        let mut points = [point(1.0, 1.0, 1e-3), point(2.0, 2.0, 1e-4)];
+        let without = drawn(&plot(Upwards::Error, &[("route", &points)]));
+        assert_eq!(without.matches("var(--paper)").count(), 0);
+        for point in &mut points {
+            point.y_rms = point.y.as_ref().map(|max| max.middle / 3.0);
+        }
+        let with = drawn(&plot(Upwards::Error, &[("route", &points)]));
+        assert_eq!(with.matches("var(--paper)").count(), 2);
+    }
+
+    #[test]
+    fn reference_lines_are_on_the_axis_and_named() {
+        let points = [point(1.0, 1.0, 1e-3), point(2.0, 10.0, 1e-2)];
+        let mut plot = plot(Upwards::Error, &[("route", &points)]);
+        let line = |label: &str, from_x, y, power| ReferenceLine {
+            label: label.to_owned(),
+            from_x,
+            y,
+            power,
+        };
+        plot.lines = vec![
+            line("¼ texel", None, 4.0, 0.0),
+            line("slope 1", Some(1.0), 1e-3, 1.0),
+        ];
+        let panel = Panel::new(&plot, FRAME).expect("something to draw");
+        let y = panel.y.expect("positive errors");
+        let (from, to) = panel.line_ends(&plot.lines[0], &y);
+        assert_eq!([from[0], to[0]], [FRAME.left, FRAME.right]);
+        assert!((from[1] - to[1]).abs() < 1e-9 && from[1] > FRAME.top + EDGE_PX);
+        // On two logarithmic axes it goes through the point ten times as far, ten times as high.
+        let (from, to) = panel.line_ends(&plot.lines[1], &y);
+        let through = [panel.x.px(10.0), y.px(1e-2)];
+        let slope = |a: [f64; 2], b: [f64; 2]| (b[1] - a[1]) / (b[0] - a[0]);
+        assert!((slope(from, to) - slope(from, through)).abs() < 1e-9);
+        let text = drawn(&plot);
+        assert!(text.contains("¼ texel") && text.contains("slope 1"));
+        // Twin: without the lines the axis does not reach so far.
+        plot.lines.clear();
+        let panel = Panel::new(&plot, FRAME).expect("something to draw");
+        assert!(panel.y.expect("positive errors").high() < 4.0);
+    }
+}
