@@ -19,6 +19,7 @@ mod page;
 mod pairs;
 mod picture;
 mod plot;
+mod precision;
 mod published;
 mod run_data;
 mod statistic;

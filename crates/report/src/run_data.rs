@@ -7,6 +7,7 @@
 use crate::ReportError;
 use crate::growth::{GrowthCurve, curves};
 use crate::interval::Frames;
+use crate::precision::PrecisionData;
 use crate::statistic::agrees;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -136,6 +137,8 @@ pub(crate) struct RunData {
     pub(crate) ladder: Vec<LadderRung>,
     /// Bytes of layouts.
     pub(crate) memory: Vec<MemoryRow>,
+    /// The numerical suite; empty where it was not measured.
+    pub(crate) precision: PrecisionData,
 }
 
 impl RunData {
@@ -175,6 +178,12 @@ impl RunData {
             let times = times.remove(&key).unwrap_or_default();
             cases.push(Case::new(key, Some(row), &times, &mut notes));
         }
+        let precision = PrecisionData::new(
+            run.precision_plan()?.as_ref(),
+            run.precision()?,
+            &run.precision_times()?,
+            &mut notes,
+        );
         Ok(Self {
             folder: folder.to_owned(),
             environment,
@@ -185,6 +194,7 @@ impl RunData {
             frames,
             ladder: run.ladder()?,
             memory: run.memory()?,
+            precision,
         })
     }
 

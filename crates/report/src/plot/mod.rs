@@ -12,6 +12,7 @@ mod labels;
 mod log_log;
 mod memory;
 mod palette;
+mod precision;
 mod ratio;
 mod scale;
 mod steps;
@@ -22,8 +23,10 @@ pub(crate) use error_time::error_against_time;
 pub(crate) use growth::growth;
 pub(crate) use memory::bytes_over_regions;
 pub(crate) use palette::{Palette, dark_rules};
+pub(crate) use precision::precision;
 pub(crate) use ratio::{ratio, time_over_bound};
 pub(crate) use steps::ladder_steps;
+pub(crate) use work_precision::{Curve, Point, Reading, ReferenceLine, Standing};
 
 use crate::number;
 use crate::run_data::Case;
