@@ -178,8 +178,9 @@ mod tests {
         let places = places(false);
         let names: BTreeSet<String> = places.iter().map(Place::name).collect();
         assert_eq!(names.len(), places.len());
-        // Five extents on five latitudes; of 90° three distinct ones; the globe; four heights each.
-        assert_eq!(places.len(), (5 * 5 + 3 + 1) * 4);
+        // Five extents on five latitudes; of 90° three distinct ones; the globe, anchored on the equator
+        // and at the pole; four heights each.
+        assert_eq!(places.len(), (5 * 5 + 3 + 2) * 4);
         assert!(names.contains("extent=0.001;latitude=85;heights=x10"));
         assert!(names.contains("extent=10;latitude=90;heights=-11km"));
     }

@@ -56,7 +56,7 @@ fn is_main(route: &CoordinateRoute) -> bool {
 
 fn is_quick(route: &CoordinateRoute) -> bool {
     let lean = match route {
-        CoordinateRoute::Angles { core, .. } => is_leading(core),
+        CoordinateRoute::Angles { form, core, .. } => *form != AngleForm::Near && is_leading(core),
         CoordinateRoute::Chart(Chart::Cube(size)) => size.get() <= 256,
         _ => true,
     };
