@@ -303,6 +303,7 @@ mod tests {
     use super::*;
     use crate::operations::{Arithmetic, Program};
     use crate::residual::short_way;
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
     fn core(name: &str) -> AngleCore {
         let all = AngleCore::all();
@@ -370,6 +371,308 @@ mod tests {
                 (worst / expected - 1.0).abs() < 0.1,
                 "{name}: {worst:e} {expected:e}"
             );
+        }
+    }
+
+    /// Largest error of a core on [0, 1] in `f32`.
+    fn worst_on_unit(core: AngleCore, places: u32) -> f64 {
+        let program = program(core, AngleCore::near);
+        let at = |i: u32| {
+            let t = rounded(f64::from(i) / f64::from(places));
+            let [found, _] = program.emulate(&[], [1.0, t, 0.0], Arithmetic::Fused);
+            (f64::from(found) - f64::from(t).atan()).abs()
+        };
+        (0..=places).map(at).fold(0.0, f64::max)
+    }
+
+    /// Largest error on [0, 1] as another implementation measured it, radians: entries, nearest, two
+    /// loads, sampler on R32F, sampler on R16Unorm.
+    const TABLES_MEASURED: [(u16, [f64; 4]); 4] = [
+        (16, [3.3e-2, 3.6e-4, 4.6e-4, 4.6e-4]),
+        (256, [2.0e-3, 1.3e-6, 8.1e-6, 1.3e-5]),
+        (1024, [4.9e-4, 9.9e-8, 1.9e-6, 7.8e-6]),
+        (4096, [1.2e-4, 2.7e-8, 4.8e-7, 6.4e-6]),
+    ];
+
+    #[test]
+    fn errors_of_tables_are_those_of_another_implementation() {
+        for (texels, expected) in TABLES_MEASURED {
+            let columns = [
+                (TexelFormat::R32Float, Filter::Nearest),
+                (TexelFormat::R32Float, Filter::LinearExact),
+                (TexelFormat::R32Float, Filter::Linear),
+                (TexelFormat::R16Unorm, Filter::Linear),
+            ];
+            for ((format, filter), expected) in columns.into_iter().zip(expected) {
+                let core = AngleCore::Lookup {
+                    texels,
+                    format,
+                    filter,
+                };
+                let worst = worst_on_unit(core, 200_000);
+                // The published figures have two digits and leave out the interpolation's own
+                // rounding in f32, up to 1.1e-7.
+                let within = 0.9 * expected..1.05 * expected + 1.1e-7;
+                let name = core.name();
+                assert!(within.contains(&worst), "{name}: {worst:e} {expected:e}");
+            }
+        }
+    }
+
+    /// What `f32` adds to a core on [0, 1]: a division, the last product or difference, each half a
+    /// unit in the last place of up to π/4, and as much again along the way.
+    const ROUNDING_ON_UNIT: f64 = 2e-7;
+
+    /// Whether an error is what the formula says: no larger, and no bound is idle.
+    fn as_formula(worst: f64, theory: f64) -> bool {
+        (0.7 * theory..=theory + ROUNDING_ON_UNIT).contains(&worst)
+    }
+
+    /// What the errors of a core are relative to.
+    fn is_relative(core: AngleCore) -> bool {
+        core.name().contains("-rel-")
+    }
+
+    #[test]
+    fn every_core_errs_as_its_formula_says() {
+        let mut checked = 0;
+        for core in AngleCore::all() {
+            let Some(theory) = core.theory_error() else {
+                continue;
+            };
+            // A relative error is largest at 1 as well, where the angle is π/4.
+            let scale = if is_relative(core) { FRAC_PI_4 } else { 1.0 };
+            let worst = worst_on_unit(core, 20_000);
+            assert!(
+                as_formula(worst, theory * scale),
+                "{}: {worst:e} {theory:e}",
+                core.name()
+            );
+            checked += 1;
+        }
+        assert_eq!(
+            checked,
+            AngleCore::all().len() - 1,
+            "all but the native one"
+        );
+    }
+
+    /// Largest error on [0, 1] of `t · P(t²)`.
+    fn worst_of_odd(coefficients: &[f32]) -> f64 {
+        let mut b = ProgramBuilder::new();
+        let [t, _, z] = b.offset();
+        let square = b.multiply(t, t);
+        let sum = b.polynomial(square, coefficients);
+        let angle = b.multiply(t, sum);
+        let program = b.finish(angle, z);
+        let at = |i: u32| {
+            let t = rounded(f64::from(i) / 20_000.0);
+            let [found, _] = program.emulate(&[], [t, 0.0, 0.0], Arithmetic::Fused);
+            (f64::from(found) - f64::from(t).atan()).abs()
+        };
+        (0..=20_000).map(at).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn a_mutant_coefficient_is_noticed() {
+        let core = core("odd-7");
+        let theory = core.theory_error().expect("in the table");
+        let (right, _) = core.coefficients_f32();
+        assert!(as_formula(worst_of_odd(&right), theory));
+        for place in 0..right.len() {
+            for factor in [0.999, 1.001] {
+                let mut mutant = right.clone();
+                mutant[place] *= factor;
+                assert!(
+                    !as_formula(worst_of_odd(&mutant), theory),
+                    "{place} {factor}"
+                );
+            }
+        }
+        let mut swapped = right;
+        swapped.swap(2, 3);
+        assert!(!as_formula(worst_of_odd(&swapped), theory));
+    }
+
+    #[test]
+    fn half_bits_are_those_of_the_standard() {
+        // Published bit patterns of IEEE 754 binary16.
+        let known = [
+            (0.0, 0x0000),
+            (2.0_f64.powi(-24), 0x0001),
+            (1023.0 * 2.0_f64.powi(-24), 0x03ff),
+            (2.0_f64.powi(-14), 0x0400),
+            (1.0 / 3.0, 0x3555),
+            (0.5, 0x3800),
+            (2047.0 / 2048.0, 0x3bff),
+            (1.0, 0x3c00),
+        ];
+        for (number, bits) in known {
+            assert_eq!(TexelFormat::R16Float.bits_of(number), bits, "{number}");
+        }
+        // Ties go to even, and a carry goes into the exponent.
+        assert_eq!(
+            TexelFormat::R16Float.bits_of(1.0 - 2.0_f64.powi(-12)),
+            0x3c00
+        );
+        assert_eq!(
+            TexelFormat::R16Float.bits_of(0.5 + 2.0_f64.powi(-12)),
+            0x3800
+        );
+    }
+
+    /// Jump of the texture where |y| and |x| change places, metres on Earth.
+    fn seam_m(name: &str) -> f64 {
+        let program = program(core(name), AngleCore::full);
+        let at = |y: f32| program.emulate(&[], [1.0, y, 0.0], Arithmetic::Fused)[0];
+        (f64::from(at(1.0_f32.next_up())) - f64::from(at(1.0))).abs() * 6_378_137.0
+    }
+
+    #[test]
+    fn octants_meet_where_they_are_pinned() {
+        // Twice the error elsewhere: 1.04 km and 21 m.
+        assert!((seam_m("odd-7") - 1038.0).abs() < 2.0);
+        assert!((seam_m("odd-11") - 21.2).abs() < 1.0);
+        for name in [
+            "odd-pin-5",
+            "odd-pin-7",
+            "odd-pin-9",
+            "odd-pin-11",
+            "odd-pin-13",
+            "odd-pin-15",
+        ] {
+            let found = seam_m(name);
+            // One unit in the last place of π/4 is 0.38 m; two roundings meet.
+            assert!(found < 1.6, "{name}: {found}");
+        }
+    }
+
+    #[test]
+    fn operations_are_those_of_the_formulas() {
+        // Core alone: fma and products, divisions. Reduction of a full circle: a division, two
+        // magnitudes and a negation, π/2 − r and π − r, min, max, the guard, three selects.
+        for (name, add_mul_fma, divisions) in [
+            ("odd-3", 1 + 2, 0),
+            ("odd-7", 3 + 2, 0),
+            ("odd-15", 7 + 2, 0),
+            ("dense-5", 4 + 1, 0),
+            ("rat-1-1", 2 + 2, 1),
+            ("rat-2-2", 4 + 2, 1),
+        ] {
+            let full = program(core(name), AngleCore::full).operations();
+            assert_eq!(full.add_mul_fma, add_mul_fma + 2, "{name}");
+            assert_eq!(full.divisions, divisions + 1, "{name}");
+            assert_eq!(full.compares_selects, 9, "{name}");
+            assert_eq!(full.sign_changes, 3, "{name}");
+            assert_eq!(
+                full.transcendental + full.texture_fetches + full.sqrt,
+                0,
+                "{name}"
+            );
+        }
+        let near = program(core("odd-7"), AngleCore::near).operations();
+        assert_eq!(
+            (near.add_mul_fma, near.divisions, near.compares_selects),
+            (5, 1, 0)
+        );
+        let native = program(AngleCore::Native, AngleCore::full).operations();
+        assert_eq!((native.transcendental, native.divisions), (1, 0));
+        let fetches = |name| {
+            program(core(name), AngleCore::full)
+                .operations()
+                .texture_fetches
+        };
+        let found = [
+            "lut-256-r16-nearest",
+            "lut-256-r16-linear",
+            "lut-256-r16-linear-exact",
+        ]
+        .map(fetches);
+        assert_eq!(found, [1, 1, 2]);
+    }
+
+    /// What `atan2(y, x)` must give at places where an unguarded one goes wrong.
+    const SPECIAL: [(f32, f32, f64); 20] = [
+        (0.0, 0.0, 0.0),
+        // The sign of zero may be ignored in WGSL: −0 counts as 0 everywhere.
+        (-0.0, 0.0, 0.0),
+        (0.0, -0.0, 0.0),
+        (-0.0, -0.0, 0.0),
+        (0.0, 1.0, 0.0),
+        (-0.0, 1.0, 0.0),
+        (0.0, -1.0, PI),
+        (-0.0, -1.0, PI),
+        (1.0, 0.0, FRAC_PI_2),
+        (-1.0, -0.0, -FRAC_PI_2),
+        // Subnormals: the divisor is held at 2⁻¹⁰⁰, so they are as good as 0, or π where x is below.
+        (1e-40, 0.0, FRAC_PI_2),
+        (0.0, 1e-40, 0.0),
+        (1e-40, -1e-40, PI),
+        (1e-40, 1.0, 0.0),
+        (1e-40, -1.0, PI),
+        // One infinity.
+        (f32::INFINITY, 1.0, FRAC_PI_2),
+        (f32::NEG_INFINITY, 1.0, -FRAC_PI_2),
+        (1.0, f32::INFINITY, 0.0),
+        (1.0, f32::NEG_INFINITY, PI),
+        (1e38, 1e38, FRAC_PI_4),
+    ];
+
+    #[test]
+    fn special_values_are_finite_and_what_they_should_be() {
+        for core in AngleCore::all() {
+            let Some(theory) = core.theory_error() else {
+                continue;
+            };
+            let program = program(core, AngleCore::full);
+            let allowed = 2.0 * theory.max(3e-7);
+            for (y, x, expected) in SPECIAL {
+                let [found, _] = program.emulate(&[], [x, y, 0.0], Arithmetic::Fused);
+                let error = (f64::from(found) - expected).abs();
+                // Two subnormals of one size: only that the answer is finite and to the left.
+                let coarse = y.is_subnormal() && x.is_subnormal();
+                let allowed = if coarse { 1.0 } else { allowed };
+                assert!(error < allowed, "{} ({y:e}, {x:e}): {found}", core.name());
+            }
+            // The inputs with no finite answer, for cores that calculate: two infinities. The larger
+            // of NaN and a number is the number here, and a device may do otherwise.
+            let infinity = f32::INFINITY;
+            let [both, _] = program.emulate(&[], [infinity, infinity, 0.0], Arithmetic::Fused);
+            assert!(both.is_nan(), "{}", core.name());
+            let [nan, _] = program.emulate(&[], [f32::NAN, f32::NAN, 0.0], Arithmetic::Fused);
+            assert!(nan.is_nan() || nan.abs() < 1.6, "{}", core.name());
+        }
+    }
+
+    #[test]
+    fn without_the_guard_the_origin_has_no_angle() {
+        // Twin of the special values: the same steps without `max(…, 2⁻¹⁰⁰)`.
+        let mut b = ProgramBuilder::new();
+        let [x, y, z] = b.offset();
+        let (longer, shorter) = (b.maximum(x, y), b.minimum(x, y));
+        let t = b.divide(shorter, longer);
+        let program = b.finish(t, z);
+        let [found, _] = program.emulate(&[], [0.0; 3], Arithmetic::Fused);
+        assert!(found.is_nan());
+    }
+
+    #[test]
+    fn names_are_different_and_of_the_documented_form() {
+        let names: Vec<String> = AngleCore::all().into_iter().map(AngleCore::name).collect();
+        let different: std::collections::BTreeSet<&String> = names.iter().collect();
+        assert_eq!(different.len(), names.len());
+        for name in [
+            "atan2-native",
+            "odd-11",
+            "odd-pin-7",
+            "odd-rel-9",
+            "rat-2-2",
+            "dense-5",
+            "lut-256-r16-linear",
+            "lut-4096-r8-nearest",
+            "lut-16-r16f-linear-exact",
+        ] {
+            assert!(names.iter().any(|n| n == name), "{name}");
         }
     }
 }

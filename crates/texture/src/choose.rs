@@ -6,8 +6,11 @@
 //! axis. Routes are looked at from the cheapest up, so what a scene does not need is never computed.
 //! Every route that was not taken is listed with the reason.
 
-use crate::residual::{RESIDUAL_SAMPLES, residual_of};
-use crate::{CoordinateRoute, MapRegion, Operations, Residual};
+use crate::residual::RESIDUAL_SAMPLES;
+use crate::{
+    AngleCore, Chart, CoordinateRoute, MapRegion, Operations, Program, Residual, ResidualSum,
+    Sample, Weight,
+};
 
 /// Largest root mean square error, in texels along each axis and in pixels.
 pub const RMS_TOLERANCE: f64 = 0.25;
@@ -15,8 +18,13 @@ pub const RMS_TOLERANCE: f64 = 0.25;
 /// Largest error in texels along each axis.
 pub const MAX_TOLERANCE: f64 = 0.5;
 
-/// Samples of a first look: a route that fails at these few places fails at all of them.
-const FIRST_LOOK: u32 = 48;
+/// What the suite may measure beyond a residual: a residual is the largest error of some thousand
+/// samples, and the largest of all places is up to this much larger.
+pub const SAMPLING_SLACK: f64 = 1.02;
+
+/// Samples after which a route is looked at, and by how much its root mean square must then be over
+/// the tolerance to be left out: that of few samples may lie on either side of that of all.
+const LOOKS: [(usize, f64); 3] = [(60, 4.0), (400, 1.5), (usize::MAX, 1.0)];
 
 /// What operations cost in units of one fused multiply-add.
 ///
@@ -89,7 +97,8 @@ pub struct Demand {
 pub struct SuiteFinding {
     /// The route.
     pub route: CoordinateRoute,
-    /// Largest measured error over its computed bound; above 1 the bound does not hold there.
+    /// Largest measured error over its computed bound; above [`SAMPLING_SLACK`] the bound does not
+    /// hold there.
     pub worst_over_bound: f64,
     /// Results that were not finite.
     pub non_finite: u64,
@@ -181,34 +190,72 @@ impl Choice {
 /// Chooses among candidates.
 #[derive(Debug, Clone)]
 pub struct Chooser {
-    /// Routes that may be taken.
-    pub candidates: Vec<CoordinateRoute>,
-    /// What operations cost.
-    pub costs: CostTable,
-    /// What the suite found; a route without a finding is trusted to its bound.
-    pub findings: Vec<SuiteFinding>,
+    /// With their programs and costs, the cheapest first.
+    candidates: Vec<(f64, CoordinateRoute, Program)>,
+    findings: Vec<SuiteFinding>,
 }
 
 impl Chooser {
-    /// Takes the cheapest candidate within the tolerances.
+    /// Among `candidates`; of routes with the same cost the one named first is taken.
     ///
-    /// Of routes with the same cost the one named first is taken.
+    /// - `findings`: what the suite found; a route without a finding is trusted to its bound
+    #[must_use]
+    pub fn new(
+        candidates: &[CoordinateRoute],
+        costs: &CostTable,
+        findings: Vec<SuiteFinding>,
+    ) -> Self {
+        let mut candidates: Vec<_> = candidates
+            .iter()
+            .map(|route| {
+                let program = route.program();
+                (costs.cost(&program.operations()), *route, program)
+            })
+            .collect();
+        candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Self {
+            candidates,
+            findings,
+        }
+    }
+
+    /// Routes that may be worth taking anywhere: charts, and angles in every form by the cores on the
+    /// front of error against operations.
+    ///
+    /// Left out beforehand are the device's own arctangent, whose only bound is WGSL's 4096 ULP, and
+    /// everything that reads a texture, which is dearer and less accurate.
+    #[must_use]
+    pub fn default_candidates() -> Vec<CoordinateRoute> {
+        CoordinateRoute::all()
+            .into_iter()
+            .filter(|route| match route {
+                CoordinateRoute::Chart(chart) => !matches!(chart, Chart::Cube(_)),
+                CoordinateRoute::Angles { core, .. } => matches!(
+                    core,
+                    AngleCore::Odd {
+                        weight: Weight::Absolute,
+                        ..
+                    } | AngleCore::Rational {
+                        weight: Weight::Absolute,
+                        ..
+                    }
+                ),
+            })
+            .collect()
+    }
+
+    /// Takes the cheapest candidate within the tolerances.
     #[must_use]
     pub fn choose(&self, demand: &Demand) -> Choice {
-        let mut by_cost: Vec<(f64, CoordinateRoute)> = self
-            .candidates
-            .iter()
-            .map(|route| (self.costs.cost(&route.operations()), *route))
-            .collect();
-        by_cost.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let samples: Vec<Sample> = demand.region.samples(RESIDUAL_SAMPLES).collect();
         let mut choice = Choice {
             chosen: None,
             left_out: Vec::new(),
         };
-        for (cost, route) in by_cost {
+        for (cost, route, program) in &self.candidates {
             let considered = |residual| Considered {
-                route,
-                cost,
+                route: *route,
+                cost: *cost,
                 residual,
             };
             if let Some(taken) = &choice.chosen {
@@ -216,11 +263,12 @@ impl Chooser {
                 choice.left_out.push((considered(None), reason));
                 continue;
             }
-            if let Some(reason) = self.contradicted(route) {
+            if let Some(reason) = self.contradicted(*route) {
                 choice.left_out.push((considered(None), reason));
                 continue;
             }
-            let (residual, reason) = demand.judge(route);
+            let constants = route.constants(&demand.region);
+            let (residual, reason) = demand.judge(program, &constants, &samples);
             match reason {
                 Some(reason) => choice.left_out.push((considered(Some(residual)), reason)),
                 None => choice.chosen = Some(considered(Some(residual))),
@@ -234,8 +282,11 @@ impl Chooser {
         self.findings
             .iter()
             .filter(|finding| finding.route == route)
-            // A ratio that is NaN speaks against the route too.
-            .find(|finding| finding.non_finite > 0 || !(finding.worst_over_bound <= 1.0))
+            .find(|finding| {
+                // A ratio that is NaN speaks against the route too.
+                let ratio = finding.worst_over_bound;
+                finding.non_finite > 0 || ratio > SAMPLING_SLACK || ratio.is_nan()
+            })
             .map(|finding| Reason::Suite {
                 worst_over_bound: finding.worst_over_bound,
                 non_finite: finding.non_finite,
@@ -297,26 +348,36 @@ impl Demand {
         (rad[0] * largest * widest.cos()).hypot(rad[1] * largest)
     }
 
-    /// The residual and what speaks against it.
-    fn judge(&self, route: CoordinateRoute) -> (Residual, Option<Reason>) {
-        let program = route.program();
-        let constants = route.constants(&self.region);
-        let look = |samples| {
-            let residual = residual_of(&program, &constants, &self.region, samples);
+    /// The residual and what speaks against it, from as few samples as decide it.
+    fn judge(
+        &self,
+        program: &Program,
+        constants: &[[f32; 4]],
+        samples: &[Sample],
+    ) -> (Residual, Option<Reason>) {
+        let mut sum = ResidualSum::default();
+        let mut taken = 0;
+        for (look, slack) in LOOKS {
+            let end = look.min(samples.len());
+            for sample in &samples[taken..end] {
+                sum.add(sample, program.bounded(constants, sample.offset_m));
+            }
+            taken = end;
+            let residual = sum.clone().finish();
             let reason = self.objection(&residual);
-            (residual, reason)
-        };
-        match look(FIRST_LOOK) {
-            // A root mean square of few samples may lie on either side; a maximum only grows.
-            (residual, Some(reason @ (Reason::MaxTexels { .. } | Reason::NonFinite { .. }))) => {
-                (residual, Some(reason))
+            let certain = match &reason {
+                // Maxima only grow.
+                Some(Reason::MaxTexels { .. } | Reason::NonFinite { .. }) => true,
+                Some(Reason::RmsTexels { found, .. } | Reason::RmsPixels { found, .. }) => {
+                    *found > slack * RMS_TOLERANCE
+                }
+                _ => false,
+            };
+            if certain || taken == samples.len() {
+                return (residual, reason);
             }
-            (residual, Some(reason @ (Reason::RmsTexels { found, .. } | Reason::RmsPixels { found, .. })))
-                if found > 4.0 * RMS_TOLERANCE =>
-            {
-                (residual, Some(reason))
-            }
-            _ => look(RESIDUAL_SAMPLES),
         }
+        let residual = sum.finish();
+        (residual, self.objection(&residual))
     }
 }

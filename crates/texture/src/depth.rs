@@ -7,7 +7,7 @@
 //! depth buffer", with C = 1). Reversed depth gains only with float storage, whose fine steps near
 //! 0 then meet the coarse ones of 1 / distance (Reed 2015, "Depth precision visualized").
 
-use crate::operations::{ProgramBuilder, Value};
+use crate::operations::{ProgramBuilder, Value, half_ulp};
 
 /// How a distance becomes a depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -60,9 +60,6 @@ pub struct DepthFormat {
     near_m: f64,
     far_m: f64,
 }
-
-/// Half an ULP at 1: the unit roundoff of `f32`.
-const UNIT_ROUNDOFF: f64 = 0.5 * f32::EPSILON as f64;
 
 /// Largest value of a 24-bit normalised integer.
 const UNORM24_STEPS: f64 = 16_777_215.0;
@@ -227,16 +224,17 @@ impl DepthFormat {
     pub fn stored_error(&self, distance_m: f64) -> f64 {
         let depth = self.depth(distance_m).abs();
         let storage = match self.storage {
-            DepthStorage::Float32 => UNIT_ROUNDOFF * depth,
+            DepthStorage::Float32 => half_ulp(depth),
             // Half a step, and once more a float when it is read.
-            DepthStorage::Unorm24 => 0.5 / UNORM24_STEPS + UNIT_ROUNDOFF * depth,
+            DepthStorage::Unorm24 => 0.5 / UNORM24_STEPS + half_ulp(depth),
         };
         let written = match self.mapping {
             DepthMapping::Standard | DepthMapping::Reversed => 0.0,
             // 1 + distance rounded twice, log2 by 3 ULP (WGSL), scale and product.
             DepthMapping::Logarithmic => {
-                let sum = 2.0 * UNIT_ROUNDOFF / std::f64::consts::LN_2 / self.log2_far();
-                sum + 8.0 * UNIT_ROUNDOFF * depth
+                let relative = 2.0 * half_ulp(1.0);
+                let sum = relative / std::f64::consts::LN_2 / self.log2_far();
+                sum + 6.0 * half_ulp(depth) + relative * depth
             }
         };
         storage + written
@@ -285,7 +283,12 @@ impl DepthFormat {
     ///
     /// Standard depth takes `1 − depth` first, which is exact above ½ (Sterbenz), and adds the far
     /// plane's share afterwards: `1 − (1 − near / far) · depth` would lose that share in rounding.
-    pub(crate) fn distance_steps(&self, b: &mut ProgramBuilder, slot: usize, depth: Value) -> Value {
+    pub(crate) fn distance_steps(
+        &self,
+        b: &mut ProgramBuilder,
+        slot: usize,
+        depth: Value,
+    ) -> Value {
         let one = b.literal(1.0);
         match self.mapping {
             DepthMapping::Logarithmic => {

@@ -33,7 +33,7 @@ pub use angle::{AngleCore, Weight};
 pub use charts::{Chart, ChartDegree, CubeSize};
 pub use choose::{
     Choice, Chooser, Considered, CostTable, Demand, MAX_TOLERANCE, RMS_TOLERANCE, Reason,
-    SuiteFinding,
+    SAMPLING_SLACK, SuiteFinding,
 };
 pub use cube::CubeTexture;
 pub use depth::{DepthFormat, DepthFormatError, DepthMapping, DepthStorage};

@@ -72,7 +72,7 @@ impl TexelFormat {
         clippy::cast_sign_loss,
         reason = "rounded and within 0 … 65535"
     )]
-    fn encode(self, number: f64) -> u32 {
+    pub(crate) fn bits_of(self, number: f64) -> u32 {
         match self {
             Self::R8Unorm => (number * 255.0).round_ties_even() as u32,
             Self::R16Unorm => (number * 65535.0).round_ties_even() as u32,
@@ -159,7 +159,7 @@ impl LookupTable {
     pub fn arctangent(texels: u16, format: TexelFormat, filter: Filter) -> Self {
         let last = f64::from(texels.max(2) - 1);
         let codes: Vec<u32> = (0..texels.max(2))
-            .map(|i| format.encode((f64::from(i) / last).atan() / FRAC_PI_4))
+            .map(|i| format.bits_of((f64::from(i) / last).atan() / FRAC_PI_4))
             .collect();
         Self {
             format,

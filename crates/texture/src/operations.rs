@@ -122,7 +122,8 @@ pub struct Bounded {
     pub value: f64,
     /// Bound of the difference between any conforming device and `value`, to first order.
     pub bound: f64,
-    /// Variance of that difference if every rounding were independent and even.
+    /// Variance of that difference on a device that rounds every step correctly, if the roundings are
+    /// independent and even: what to expect, not what is certain.
     pub variance: f64,
 }
 
@@ -609,7 +610,7 @@ impl Program {
                 let product = v(a).value * v(b).value;
                 let terms = [(v(a), v(b).value), (v(b), v(a).value), (v(c), 1.0)];
                 let mut sum = combine(product + v(c).value, &terms, 1.0);
-                sum.add_rounding(half_ulp(product));
+                sum.bound += half_ulp(product);
                 sum
             }
             Step::Divide(a, b) => {
@@ -791,18 +792,12 @@ impl Bounded {
     fn map(self, value: f64) -> Self {
         Self { value, ..self }
     }
-
-    /// One more rounding of at most `half`.
-    fn add_rounding(&mut self, half: f64) {
-        self.bound += half;
-        // Variance of an even distribution over ±half.
-        self.variance += half * half / 3.0;
-    }
 }
 
 /// A result whose error is its operands' by the given derivatives, and its own.
 ///
-/// - `own_half_ulps`: what the step itself may add, in halves of a unit in the last place
+/// - `own_half_ulps`: what the step itself may add to the bound, in halves of a unit in the last
+///   place; the variance is that of one correct rounding
 fn combine(value: f64, terms: &[(Bounded, f64)], own_half_ulps: f64) -> Bounded {
     let mut result = Bounded {
         value,
@@ -813,7 +808,10 @@ fn combine(value: f64, terms: &[(Bounded, f64)], own_half_ulps: f64) -> Bounded 
         result.bound += operand.bound * derivative.abs();
         result.variance += operand.variance * derivative * derivative;
     }
-    result.add_rounding(own_half_ulps * half_ulp(value));
+    let half = half_ulp(value);
+    result.bound += own_half_ulps * half;
+    // Of an even distribution over ±half.
+    result.variance += half * half / 3.0;
     result
 }
 
@@ -827,14 +825,15 @@ fn slope(derivative: f64) -> f64 {
 }
 
 /// Half the distance between neighbouring `f32` around `value`.
-fn half_ulp(value: f64) -> f64 {
-    let magnitude = value.abs();
-    if magnitude == 0.0 {
+pub(crate) fn half_ulp(value: f64) -> f64 {
+    if value == 0.0 {
         return 0.0;
     }
-    // 2⁻¹²⁶ is the smallest normal f32.
-    let exponent = magnitude.log2().floor().max(-126.0);
-    (exponent - 24.0).exp2()
+    // The exponent as f64 stores it, 1023 more than it is; 2⁻¹²⁶ is the smallest normal f32. Infinity
+    // and NaN give something finite here and are not finite already.
+    let stored = (value.to_bits() >> 52) & 0x7ff;
+    let stored = stored.max(1023 - 126);
+    f64::from_bits((stored - 24) << 52)
 }
 
 /// `f64` to the nearest `f32`.
@@ -844,4 +843,90 @@ fn half_ulp(value: f64) -> f64 {
 )]
 pub(crate) fn rounded(value: f64) -> f32 {
     value as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_a_unit_is_half_the_distance_to_the_next_number() {
+        for value in [
+            1.0_f32,
+            1.5,
+            0.1,
+            6_378_137.0,
+            3e-39,
+            1.2e-38,
+            3e38,
+            0.999_999_9,
+        ] {
+            let gap = f64::from(value.next_up()) - f64::from(value);
+            let found = half_ulp(f64::from(-value));
+            assert!((found / (0.5 * gap) - 1.0).abs() < 1e-12, "{value:e}");
+        }
+        // The distance doubles from a power of two on.
+        assert!((half_ulp(2.0) / half_ulp(1.999_999) - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn equal_steps_are_one_and_unneeded_ones_none() {
+        let mut b = ProgramBuilder::new();
+        let [x, y, z] = b.offset();
+        let once = b.multiply(x, y);
+        let again = b.multiply(x, y);
+        assert_eq!(once, again);
+        // −0 and 0 are two numbers, since a product tells them apart.
+        assert_ne!(b.literal(0.0), b.literal(-0.0));
+        let unneeded = b.divide(z, x);
+        let _ = b.square_root(unneeded);
+        let sum = b.add(once, again);
+        let program = b.finish(sum, once);
+        let count = program.operations();
+        assert_eq!((count.add_mul_fma, count.divisions, count.sqrt), (2, 0, 0));
+        let text = program.wgsl();
+        assert!(!text.contains('/') && !text.contains("sqrt"), "{text}");
+        // Twin: needed, it is there.
+        let mut b = ProgramBuilder::new();
+        let [x, _, z] = b.offset();
+        let quotient = b.divide(z, x);
+        let text = b.finish(quotient, x).wgsl();
+        assert!(text.contains("d.z / d.x"), "{text}");
+    }
+
+    #[test]
+    fn a_missing_constant_cannot_be_overlooked() {
+        let mut b = ProgramBuilder::new();
+        let [x, _, _] = b.offset();
+        let constant = b.constant(5);
+        let sum = b.add(x, constant);
+        let program = b.finish(sum, x);
+        assert_eq!(program.constant_vectors(), 2);
+        let short = [[1.0; 4]];
+        assert!(program.emulate(&short, [0.0; 3], Arithmetic::Fused)[0].is_nan());
+        assert!(program.bounded(&short, [0.0; 3])[0].value.is_nan());
+        let enough = [[1.0; 4], [2.0; 4]];
+        assert!((program.emulate(&enough, [0.5; 3], Arithmetic::Fused)[0] - 2.5).abs() < 1e-9);
+    }
+
+    #[test]
+    fn fused_and_separate_rounding_differ_and_both_are_within_the_bound() {
+        let mut b = ProgramBuilder::new();
+        let [x, y, z] = b.offset();
+        let fused = b.fma(x, y, z);
+        let program = b.finish(fused, x);
+        // (1 + ε)² − 1 − 2ε = ε², which a product rounded on its own loses.
+        let epsilon = f32::EPSILON;
+        let offset = [1.0 + epsilon, 1.0 + epsilon, -1.0 - 2.0 * epsilon];
+        let [exact, _] = program.emulate(&[], offset, Arithmetic::Fused);
+        let [lost, _] = program.emulate(&[], offset, Arithmetic::Separate);
+        assert!(exact > 0.0 && lost.abs() < exact, "{exact:e} {lost:e}");
+        let bounded = program.bounded(&[], offset)[0];
+        for found in [exact, lost] {
+            assert!((f64::from(found) - bounded.value).abs() <= bounded.bound);
+        }
+        // Twin: the product's own rounding left out of the bound would not cover the second.
+        let without = bounded.bound - half_ulp(1.0);
+        assert!((f64::from(lost) - bounded.value).abs() > without);
+    }
 }

@@ -9,7 +9,9 @@
 //!
 //! Vertices have the same problem on their way in: [`VertexFormat`].
 
-use crate::operations::{Arithmetic, Bounded, Operations, Program, ProgramBuilder, Value};
+use crate::operations::{
+    Arithmetic, Bounded, Operations, Program, ProgramBuilder, Value, half_ulp,
+};
 use crate::{DepthFormat, DepthMapping, MapRegion};
 use glam::{DMat3, DVec3};
 
@@ -78,7 +80,7 @@ impl View {
 }
 
 /// One way from pixel and depth to the offset.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum PositionRoute {
     /// Inverse view-projection matrix in `f32` to positions about the body's centre, then minus the
     /// anchor: what was published in 2007.
@@ -86,6 +88,7 @@ pub enum PositionRoute {
     /// Eye space first, then an affine map in `f32` about the body's centre, then minus the anchor.
     EyeEcef,
     /// Eye space first, then an affine map into the region's frame: the default.
+    #[default]
     EyeRegion,
 }
 
@@ -124,7 +127,18 @@ impl PositionRoute {
         Self::ALL.into_iter().find(|route| route.name() == name)
     }
 
-    /// Uniform values of a view and a region, computed in `f64`: screen, depth, then rows.
+    /// Uniform values of a view and a region, computed in `f64`: what `PositionConstants` of
+    /// [`Self::wgsl`] holds.
+    ///
+    /// | vector | what |
+    /// |---|---|
+    /// | 0 | half width, half height, pixels; slope of a pixel to the right and downwards, per metre of distance |
+    /// | 1 | near, metres; near / far; log2(1 + far) for logarithmic depth; 0 |
+    /// | 2–4 | rows of the affine map to x, y and z in meridian axes: of view space, or of clip x, clip y, depth |
+    /// | 5 | `inverse-ecef`: row of w |
+    /// | last | `inverse-ecef`, `eye-ecef`: the anchor, metres; 0 |
+    ///
+    /// The inverse is taken in `f64` and rounded: one computed in `f32` is worse.
     #[must_use]
     #[allow(
         clippy::cast_possible_truncation,
@@ -272,12 +286,7 @@ impl PositionRoute {
         clippy::cast_possible_truncation,
         reason = "pixel centres are exact in f32"
     )]
-    pub fn residual(
-        &self,
-        view: &View,
-        region: &MapRegion,
-        distance_m: f64,
-    ) -> PositionResidual {
+    pub fn residual(&self, view: &View, region: &MapRegion, distance_m: f64) -> PositionResidual {
         let constants = self.constants(view, region);
         let program = self.program(&view.depth);
         let mut residual = PositionResidual {
@@ -307,7 +316,11 @@ impl PositionRoute {
             let square: f64 = (0..3)
                 .map(|i| (all[i].value - exact[i]).powi(2) + all[i].variance)
                 .sum();
-            let inputs = [pixel[0] as f32, pixel[1] as f32, view.depth.stored(distance_m)];
+            let inputs = [
+                pixel[0] as f32,
+                pixel[1] as f32,
+                view.depth.stored(distance_m),
+            ];
             let emulated = program.emulate_all(&constants, inputs, Arithmetic::Fused);
             let emulated = DVec3::from_array([0, 1, 2].map(|i| f64::from(emulated[i])));
             let error = (emulated - exact).length();
@@ -498,7 +511,6 @@ impl VertexFormat {
     /// - `distance_m`: nor from the eye
     #[must_use]
     pub fn residual_m(&self, radius_m: f64, extent_m: f64, distance_m: f64) -> f64 {
-        let half_ulp = |x: f64| 0.5 * (x.abs().log2().floor() - 23.0).exp2();
         // Every difference is rounded once in the end.
         let difference = half_ulp(distance_m);
         match self {

@@ -86,6 +86,8 @@ pub struct Sample {
     pub angles_rad: [f64; 2],
     /// Metres on the body's surface per radian of longitude and of latitude here.
     pub metres_per_radian: [f64; 2],
+    /// Closer to the axis than the offset's last place, so that it has no longitude.
+    pub on_axis: bool,
 }
 
 impl MapRegion {
@@ -103,6 +105,28 @@ impl MapRegion {
     ) -> Result<Self, MapRegionError> {
         let longitude = 0.5 * (extent.west_rad + extent.east_rad);
         let latitude = 0.5 * (extent.south_rad + extent.north_rad);
+        Self::with_anchor(body, longitude, latitude, extent, height_range_m)
+    }
+
+    /// A region anchored at the pole that its extent touches, if it touches one, else at its centre.
+    ///
+    /// Close to a pole longitude is as exact as the offset from the axis is, and with any other anchor
+    /// that offset is a difference of `f32` numbers as large as the anchor's distance from the axis.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn anchored(
+        body: Ellipsoid,
+        extent: MapExtent,
+        height_range_m: (f64, f64),
+    ) -> Result<Self, MapRegionError> {
+        let at_pole = |latitude_rad: f64| latitude_rad.abs() >= FRAC_PI_2 - 1e-12;
+        let latitude = match (at_pole(extent.south_rad), at_pole(extent.north_rad)) {
+            (false, true) => FRAC_PI_2,
+            (true, false) => -FRAC_PI_2,
+            _ => 0.5 * (extent.south_rad + extent.north_rad),
+        };
+        let longitude = 0.5 * (extent.west_rad + extent.east_rad);
         Self::with_anchor(body, longitude, latitude, extent, height_range_m)
     }
 
@@ -255,7 +279,11 @@ impl MapRegion {
     #[must_use]
     pub fn sample(&self, position: Geodetic) -> Sample {
         let offset = self.offset_m(position).as_vec3();
+        let rounded = self.anchor_meridian() + offset.as_dvec3();
+        // Half a unit in the last place is 2⁻²⁴ of a component.
+        let last_place = f64::from(offset.abs().max_element()) * 2.0_f64.powi(-23);
         Sample {
+            on_axis: rounded.x.hypot(rounded.y) <= last_place,
             offset_m: offset.to_array(),
             angles_rad: self.exact_angles(offset.as_dvec3()),
             metres_per_radian: self.metres_per_radian(position.latitude_rad),
@@ -268,6 +296,8 @@ impl MapRegion {
     /// 2018, "The unreasonable effectiveness of quasirandom sequences"): any single coordinate
     /// takes `count` different, evenly spread values, which a grid of as many points does not, and
     /// the errors looked for mostly wave in one coordinate.
+    /// Last come the extent's edges, lowest and highest: a fitted chart is worst there, and of evenly
+    /// spread places few lie close to them.
     pub fn samples(&self, count: u32) -> impl Iterator<Item = Sample> + '_ {
         let [width, height] = self.extent.size_rad();
         let (low, high) = self.height_range_m;
@@ -288,7 +318,19 @@ impl MapRegion {
             let place = |power: i32| (0.5 + f64::from(i) * PLASTIC.powi(-power)).fract();
             at(place(1), place(2), place(3))
         });
-        corners.chain(spread)
+        // A sixteenth of all, so that a root mean square hardly knows of them.
+        let steps = (count / 128).max(1);
+        let edges = (0..8 * steps).map(move |i| {
+            let along = (f64::from(i / 8) + 0.5) / f64::from(steps);
+            let across = f64::from(i % 2);
+            let height = f64::from(i / 2 % 2);
+            if i / 4 % 2 == 0 {
+                at(across, along, height)
+            } else {
+                at(along, across, height)
+            }
+        });
+        corners.chain(spread).chain(edges)
     }
 
     /// Whether the extent holds or touches a pole, where longitude has no meaning.

@@ -255,9 +255,8 @@ impl Family {
         for (place, &error) in errors.iter().enumerate() {
             match runs.last_mut() {
                 Some(last) if last.1 * error > 0.0 => {
-                    if error.abs() > last.1.abs() {
-                        *last = (place, error);
-                    }
+                    let larger = error.abs() > last.1.abs();
+                    *last = if larger { (place, error) } else { *last };
                 }
                 _ if error.abs() > 0.0 => runs.push((place, error)),
                 _ => {}

@@ -352,11 +352,11 @@ fn recentred_program(form: AngleForm, core: AngleCore, latitude: LatitudeForm) -
             let position = [rho_change, dz];
             let scaled_rho = b.multiply(ratio, rho_change);
             let first_length = b.constant(recentred::BETA_LENGTH);
-            let mut normal = bowring_change(b, position, [scaled_rho, dz], first_length);
+            let mut normal = bowring_change(b, form, position, [scaled_rho, dz], first_length);
             for _ in 1..latitude.bowring_steps() {
                 let scaled_z = b.multiply(ratio, normal[1]);
                 let next_length = b.constant(recentred::SECOND_LENGTH);
-                normal = bowring_change(b, position, [normal[0], scaled_z], next_length);
+                normal = bowring_change(b, form, position, [normal[0], scaled_z], next_length);
             }
             normal
         }
@@ -397,6 +397,7 @@ fn turned(
 /// - `beta_length`: that vector's length at the anchor
 fn bowring_change(
     b: &mut ProgramBuilder,
+    form: AngleForm,
     position: [Value; 2],
     beta: [Value; 2],
     beta_length: Value,
@@ -408,12 +409,22 @@ fn bowring_change(
     let (across, along) = turned(b, beta, cos0, sin0, beta_length);
     let inverse = inverse_length(b, across, along);
     let (sin, cos) = (b.multiply(across, inverse), b.multiply(along, inverse));
-    // cos δβ − 1 = −sin² δβ / (1 + cos δβ), without cancelling.
+    // cos δβ − 1 = −sin² δβ / (1 + cos δβ), without cancelling; beyond 90° the difference itself does
+    // not cancel, and the fraction would.
     let one = b.literal(1.0);
     let one_more = b.add(one, cos);
     let square = b.multiply(sin, sin);
-    let fraction = b.divide(square, one_more);
-    let fall = b.negate(fraction);
+    let fall = if form == AngleForm::Near {
+        let fraction = b.divide(square, one_more);
+        b.negate(fraction)
+    } else {
+        let divisor = b.maximum(one_more, one);
+        let fraction = b.divide(square, divisor);
+        let close = b.negate(fraction);
+        let far = b.subtract(cos, one);
+        let zero = b.literal(0.0);
+        b.select_less(cos, zero, far, close)
+    };
     // sin β − sin β₀ and cos β − cos β₀.
     let part = b.multiply(sin0, fall);
     let sin_change = b.fma(cos0, sin, part);

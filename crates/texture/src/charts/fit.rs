@@ -134,7 +134,10 @@ mod tests {
     #[test]
     fn a_polynomial_is_found_again() {
         let nodes = chebyshev_nodes(-1.0, 1.0, 30);
-        let target: Vec<f64> = nodes.iter().map(|x| 3.0 - 2.0 * x + 0.5 * x.powi(5)).collect();
+        let target: Vec<f64> = nodes
+            .iter()
+            .map(|x| 3.0 - 2.0 * x + 0.5 * x.powi(5))
+            .collect();
         let rows = powers(&nodes, 6);
         let found = least_squares(&rows, &target, &vec![1.0; rows.len()]);
         for (got, want) in found.iter().zip([3.0, -2.0, 0.0, 0.0, 0.0, 0.5]) {
