@@ -126,7 +126,10 @@ impl RungData<'_> {
 
 /// Columns of the table after step and status: term of the glossary, and heading.
 pub(crate) const COLUMNS: [(&str, &str); 8] = [
-    ("time over bound", "÷\u{a0}bound [5–95\u{a0}%]"),
+    (
+        "time over bound",
+        "÷\u{a0}bound [5\u{2060}–\u{2060}95\u{a0}%]",
+    ),
     ("gain", "gain over the rung before [95\u{a0}%]"),
     ("geometry_bytes", "geometry bytes"),
     ("draws", "draws"),

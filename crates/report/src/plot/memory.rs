@@ -34,9 +34,14 @@ pub(crate) fn bytes_over_regions(
         top: TOP_PX,
         bottom: HEIGHT_PX - AXIS_PX,
     };
-    let points = || curves.iter().flat_map(|curve| &curve.points);
-    let regions = points().map(|point| point[0]);
-    let bytes = points().map(|point| point[1]);
+    // The scene itself stands beside the curves, and may be smaller than all of them.
+    let points: Vec<[f64; 2]> = curves
+        .iter()
+        .flat_map(|curve| curve.points.iter().chain(&curve.allocated))
+        .copied()
+        .collect();
+    let regions = points.iter().map(|point| point[0]);
+    let bytes = points.iter().map(|point| point[1]);
     let across = LogScale::around(regions, 1.1, frame.left, frame.right);
     let up = LogScale::around(bytes, 1.3, frame.bottom, frame.top);
     let (Some(across), Some(up)) = (across, up) else {

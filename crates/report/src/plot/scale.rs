@@ -14,6 +14,9 @@ const MANTISSAS: [&[f64]; 4] = [
 /// Fewest ticks from which an axis can be read.
 const FEWEST_TICKS: usize = 3;
 
+/// Most decades that are all labelled; of more, every second or third.
+const MOST_DECADES: usize = 10;
+
 /// Steps of a linear axis that people read without reckoning.
 const LINEAR_STEPS: [f64; 3] = [1.0, 2.0, 5.0];
 
@@ -75,7 +78,11 @@ impl LogScale {
         for mantissas in MANTISSAS {
             let ticks = self.decade_ticks(mantissas);
             if ticks.len() >= FEWEST_TICKS {
-                return ticks;
+                let step = ticks.len().div_ceil(MOST_DECADES);
+                return match mantissas {
+                    [_] => ticks.into_iter().step_by(step).collect(),
+                    _ => ticks,
+                };
             }
         }
         linear_ticks(self.low, self.high)
@@ -122,17 +129,15 @@ pub(crate) fn linear_ticks(low: f64, high: f64) -> Vec<f64> {
 /// A tick's label: as short as it can be said.
 pub(crate) fn tick_label(value: f64) -> String {
     let text = significant(value);
-    match text.split_once('.') {
-        Some((whole, fraction)) if !text.contains('e') => {
-            let fraction = fraction.trim_end_matches('0');
-            if fraction.is_empty() {
-                whole.to_owned()
-            } else {
-                format!("{whole}.{fraction}")
-            }
-        }
-        _ => text,
-    }
+    let (mantissa, exponent) = match text.split_once('e') {
+        Some((mantissa, exponent)) => (mantissa, format!("e{exponent}")),
+        None => (text.as_str(), String::new()),
+    };
+    let mantissa = match mantissa.split_once('.') {
+        Some(_) => mantissa.trim_end_matches('0').trim_end_matches('.'),
+        None => mantissa,
+    };
+    format!("{mantissa}{exponent}")
 }
 
 /// A length as a label.
@@ -174,6 +179,7 @@ mod tests {
             (3.0, 8.0),
             (0.3, 30.0),
             (1e-3, 1e6),
+            (1e-12, 1e15),
         ] {
             let scale = LogScale::around([low, high], 1.2, 0.0, 1.0).expect("positive values");
             let ticks = scale.ticks();
@@ -188,6 +194,8 @@ mod tests {
         assert_eq!(tick_label(0.5), "0.5");
         assert_eq!(tick_label(200.0), "200");
         assert_eq!(tick_label(0.05), "0.05");
+        assert_eq!(tick_label(1e-9), "1e-9");
+        assert_eq!(tick_label(1.5e8), "1.5e8");
     }
 
     #[test]

@@ -26,6 +26,12 @@ const EDGE_PX: f64 = 28.0;
 /// From the logarithm to the line of points without error, and from there to the end of the panel.
 const ZERO_PX: [f64; 2] = [30.0, 14.0];
 
+/// Between labels side by side.
+const LABEL_GAP_PX: f64 = 8.0;
+
+/// Stands where the points would, were there an error.
+const NO_ERROR: &str = "no point has an error";
+
 /// Costs that differ by less than this factor are hardly different.
 const LEAST_WORK_MARGIN: f64 = 1.2;
 /// Errors that differ by less than this factor are hardly different: keeps one pixel more or less from
@@ -301,6 +307,11 @@ impl<'a> Panel<'a> {
         if self.plot.upwards != Upwards::Error {
             return Ok(());
         }
+        if self.y.is_none() {
+            let [high, low] = reach;
+            let middle = [f64::midpoint(left, right), f64::midpoint(high, low)];
+            canvas.text(NO_ERROR, middle, Anchor::Middle)?;
+        }
         canvas.text("0", [left - 8.0, zero], Anchor::Right)?;
         canvas.rule([left, top], [right, top], 0.35)?;
         canvas.text("wrong,", [left - 8.0, top - 7.0], Anchor::Right)?;
@@ -313,10 +324,17 @@ impl<'a> Panel<'a> {
             let Some(y) = &self.y else { continue };
             let (from, to) = self.line_ends(line, y);
             canvas.dashes(from, to)?;
-            let above = [to[0] - 6.0, to[1] - 10.0];
-            canvas.text(&line.label, above, Anchor::Right)?;
+            let (middle, _) = self.line_label(line, y);
+            canvas.text(&line.label, middle, Anchor::Middle)?;
         }
         Ok(())
+    }
+
+    /// Middle and width of a reference line's label.
+    fn line_label(&self, line: &ReferenceLine, y: &LogScale) -> ([f64; 2], f64) {
+        let (_, end) = self.line_ends(line, y);
+        let width = text_width(&line.label, TEXT_PX);
+        ([end[0] - 6.0 - width * 0.5, end[1] - 10.0], width)
     }
 
     /// Ends of a reference line, cut where the vertical axis ends.
@@ -398,6 +416,14 @@ impl<'a> Panel<'a> {
             .iter()
             .map(|placed| Rectangle::around(placed.at, size, size))
             .collect();
+        // Nor does a label stand on the line of points without error.
+        let middle = f64::midpoint(self.frame.left, self.frame.right);
+        let width = self.frame.right - self.frame.left;
+        taken.push(Rectangle::around([middle, self.zero()], width, 2.0));
+        for (line, y) in self.plot.lines.iter().zip(self.y.iter().cycle()) {
+            let (middle, width) = self.line_label(line, y);
+            taken.push(Rectangle::around(middle, width, TEXT_PX + 2.0));
+        }
         for placed in &self.points {
             let label = &placed.point.label;
             let on_curve = paths.iter().any(|(name, _)| *name == placed.name);
@@ -412,7 +438,11 @@ impl<'a> Panel<'a> {
                 canvas.path(&[placed.at, middle], INK.mix(0.3), 1)?;
             }
             canvas.text(label, middle, Anchor::Middle)?;
-            taken.push(Rectangle::around(middle, width, TEXT_PX + 2.0));
+            taken.push(Rectangle::around(
+                middle,
+                width + LABEL_GAP_PX,
+                TEXT_PX + 2.0,
+            ));
         }
         Ok(())
     }
@@ -509,6 +539,17 @@ mod tests {
         assert!(a > panel.points[1].at[0] && (a - b).abs() > 2.0 * MARKER_PX);
         assert_eq!(panel.front, [panel.points[0].at]);
         assert!(panel.paths().is_empty(), "one point is no curve");
+    }
+
+    #[test]
+    fn a_panel_without_any_error_says_so() {
+        let text = drawn(&plot(Upwards::Error, &[("route", &[point(1.0, 1.0, 0.0)])]));
+        assert!(text.contains(NO_ERROR));
+        let text = drawn(&plot(
+            Upwards::Error,
+            &[("route", &[point(1.0, 1.0, 1e-9)])],
+        ));
+        assert!(!text.contains(NO_ERROR));
     }
 
     #[test]
