@@ -31,6 +31,8 @@ use timing::Times;
 pub(crate) struct Suite {
     routes: Vec<terrafill_texture::CoordinateRoute>,
     places: Vec<place::Place>,
+    /// What a frame plan takes in each of them.
+    chosen: Vec<Option<terrafill_texture::CoordinateRoute>>,
     sights: Vec<position::Sight>,
     points: u32,
     rounds: u32,
@@ -39,9 +41,18 @@ pub(crate) struct Suite {
 impl Suite {
     /// The whole suite, or enough of it to see that it works.
     pub(crate) fn new(quick: bool) -> Self {
+        let places = place::places(quick);
+        let chosen = routes::chosen(&places);
+        let mut routes = routes::coordinate_routes(quick);
+        for route in chosen.iter().flatten() {
+            if !routes.contains(route) {
+                routes.push(*route);
+            }
+        }
         Self {
-            routes: routes::coordinate_routes(quick),
-            places: place::places(quick),
+            routes,
+            places,
+            chosen,
             sights: position::sights(quick),
             points: if quick { 200 } else { 600 },
             rounds: if quick { 7 } else { 15 },
@@ -98,9 +109,9 @@ impl Suite {
                 .iter()
                 .any(|key| key.part == part && key.condition == condition)
         };
-        for place in &self.places {
+        for (place, chosen) in self.places.iter().zip(&self.chosen) {
             if is_missing(PrecisionPart::Coordinate, &place.name()) {
-                let rows = coordinate::rows(place, self.points, &kernels, &times)?;
+                let rows = coordinate::rows(place, *chosen, self.points, &kernels, &times)?;
                 folder.append_precision(&rows)?;
             }
         }
@@ -142,14 +153,17 @@ mod tests {
             "gnomonic-3",
         ];
         let places = [("0", 0.0, 0.0), ("+9km", 0.0, 9_000.0)];
+        let places: Vec<place::Place> = places
+            .iter()
+            .filter_map(|heights| place::Place::new(1.0, 45.0, *heights))
+            .collect();
+        let gnomonic = CoordinateRoute::parse("gnomonic-3");
         Suite {
+            chosen: vec![gnomonic; places.len()],
+            places,
             routes: names
                 .iter()
                 .filter_map(|name| CoordinateRoute::parse(name))
-                .collect(),
-            places: places
-                .iter()
-                .filter_map(|heights| place::Place::new(1.0, 45.0, *heights))
                 .collect(),
             sights: position::sights(true).into_iter().take(2).collect(),
             points: 60,
@@ -228,7 +242,9 @@ mod tests {
         let text = replace(&odd.program.wgsl());
         odd.device = coordinate_evaluator_of(&gpu, "odd-7", &odd.program, &text);
         let times = Times::of(&[]);
-        Some(coordinate::rows(&suite.places[0], suite.points, &kernels, &times).expect("runs"))
+        Some(
+            coordinate::rows(&suite.places[0], None, suite.points, &kernels, &times).expect("runs"),
+        )
     }
 
     #[test]

@@ -449,9 +449,10 @@ fn precision_tables(
         (
             "precision-residual",
             "Formula against measurement",
-            "Where the largest measured error and its computed bound part by more than twice, by family \
-             and reason. A bound must lie above, so the mean tells more: its column counts the rows whose \
-             root mean squares agree.",
+            "Where measured and expected error part by more than twice, by family and reason. Expected is \
+             the formula's own error and 2.5 standard deviations of its roundings, each correct and \
+             independent; the bound that no error may exceed is another, and is checked above. Of \
+             positions, root mean squares are compared.",
             take(|c| &mut c.disagreements),
         ),
         (

@@ -123,11 +123,15 @@ pub struct PrecisionRow {
     pub residual_max_rad: Option<f64>,
     /// Root mean square error by formula, radians.
     pub residual_rms_rad: Option<f64>,
-    /// Largest error on the device over that by formula.
+    /// Largest error to be expected of a device that rounds every step correctly, radians.
+    pub expected_max_rad: Option<f64>,
+    /// Largest error on the device over its bound by formula.
     pub max_over_residual: Option<f64>,
     /// Root mean square error on the device over that by formula.
     pub rms_over_residual: Option<f64>,
-    /// Why they differ by more than twice, where they do.
+    /// Measured over expected: largest errors of angles, root mean squares of lengths.
+    pub measured_over_expected: Option<f64>,
+    /// Why these differ by more than twice, where they do.
     #[serde(default)]
     pub residual_reason: String,
     /// The device's answer to a special input.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Coordinate routes over a region.
 
-use super::error::{AngleErrors, AngleFigures, ResidualSource, judge};
+use super::error::{AngleErrors, AngleFigures, judge};
 use super::kernel::{CoordinateKernel, Kernels, ask};
 use super::place::Place;
 use super::routes::family;
@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 use terrafill_results::{PrecisionPart, PrecisionRow, Status};
 use terrafill_texture::{
-    Arithmetic, Chooser, CostTable, Operations, Residual, ResidualSum, Sample,
+    Arithmetic, CoordinateRoute, CostTable, Operations, Residual, ResidualSum, Sample,
 };
 
 /// Places at which residuals are computed here: every route of a region shares them, and there are
@@ -25,9 +25,10 @@ struct OnCpu {
     errors: AngleErrors,
 }
 
-/// Rows of every route in a region.
+/// Rows of every route in a region; `chosen` is the one that a frame plan takes there.
 pub(crate) fn rows(
     place: &Place,
+    chosen: Option<CoordinateRoute>,
     points: u32,
     kernels: &Kernels,
     times: &Times,
@@ -39,7 +40,6 @@ pub(crate) fn rows(
         .par_iter()
         .map(|kernel| on_cpu(kernel, place, &samples, &residual_samples))
         .collect();
-    let chosen = chosen(place, kernels);
     let inputs: Vec<[f32; 4]> = samples.iter().map(input).collect();
     let mut rows = Vec::new();
     for (kernel, cpu) in kernels.coordinate.iter().zip(&on_cpu) {
@@ -52,21 +52,14 @@ pub(crate) fn rows(
         row.points = u32::try_from(samples.len()).unwrap_or(u32::MAX);
         row.texture_px = Some(place.texture_px());
         row.pixel_m = Some(place.pixel_m());
-        row.chosen = chosen.as_ref() == Some(&row.route);
+        row.chosen = chosen == Some(kernel.route);
         put_cpu(&mut row, cpu);
         match ask(&kernel.device, &cpu.constants, &inputs)? {
             Ok(answers) => put_device(&mut row, place, &samples, &answers.values),
             Err(why) => row.reason = why,
         }
-        let share = cpu.residual.arithmetic_max_rad / cpu.residual.max_rad;
         let unmeasured = std::mem::take(&mut row.reason);
-        judge(
-            &mut row,
-            ResidualSource {
-                operations: kernel.program.operations(),
-                rounding_share: share,
-            },
-        );
+        judge(&mut row);
         if !unmeasured.is_empty() {
             (row.status, row.reason) = (Status::Skipped, unmeasured);
         }
@@ -155,6 +148,7 @@ fn put_cpu(row: &mut PrecisionRow, cpu: &OnCpu) {
     row.residual_max_m = Some(cpu.residual.max_m);
     row.residual_max_rad = Some(cpu.residual.max_rad);
     row.residual_rms_rad = Some(cpu.residual.rms_rad);
+    row.expected_max_rad = Some(cpu.residual.expected_max_rad);
 }
 
 fn put_device(row: &mut PrecisionRow, place: &Place, samples: &[Sample], values: &[[f32; 4]]) {
@@ -170,19 +164,4 @@ fn put_device(row: &mut PrecisionRow, place: &Place, samples: &[Sample], values:
     row.rms_texels = figures.map(|f| f.rms_texels);
     row.max_px = figures.map(|f| f.max_m / place.pixel_m());
     row.rms_px = figures.map(|f| f.rms_m / place.pixel_m());
-}
-
-/// Name of the route that a frame plan would take here.
-fn chosen(place: &Place, kernels: &Kernels) -> Option<String> {
-    let chooser = Chooser {
-        candidates: kernels
-            .coordinate
-            .iter()
-            .map(|kernel| kernel.route)
-            .collect(),
-        costs: CostTable::default(),
-        findings: Vec::new(),
-    };
-    let choice = chooser.choose(&place.demand());
-    choice.chosen.map(|considered| considered.route.name())
 }

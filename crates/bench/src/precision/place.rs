@@ -9,7 +9,8 @@ use terrafill_texture::{Demand, MapExtent, MapRegion, Sample};
 const EXTENTS_DEG: [f64; 7] = [1e-3, 1e-2, 0.1, 1.0, 10.0, 90.0, 360.0];
 const QUICK_EXTENTS_DEG: [f64; 4] = [1e-2, 1.0, 10.0, 360.0];
 
-/// Latitudes of their middles, degrees. At 90 they are caps round the pole, anchored there.
+/// Latitudes of their middles, degrees. At 90 they are caps round the pole. What touches a pole is
+/// anchored there.
 const LATITUDES_DEG: [f64; 5] = [0.0, 45.0, 70.0, 85.0, 90.0];
 const QUICK_LATITUDES_DEG: [f64; 3] = [0.0, 45.0, 90.0];
 
@@ -70,7 +71,7 @@ pub(crate) fn places(quick: bool) -> Vec<Place> {
 }
 
 impl Place {
-    /// `None` only for bounds that are none.
+    /// `None` for bounds that are none, and for a cap that is the globe.
     pub(crate) fn new(
         extent_deg: f64,
         latitude_deg: f64,
@@ -78,19 +79,19 @@ impl Place {
     ) -> Option<Self> {
         let half = 0.5 * extent_deg.min(180.0);
         let is_cap = latitude_deg >= 90.0;
+        if is_cap && half >= 90.0 {
+            // The globe, which is there already.
+            return None;
+        }
         let middle = latitude_deg.clamp(half - 90.0, 90.0 - half);
-        let range = (heights.1, heights.2);
-        let body = Ellipsoid::WGS84;
-        let region = if is_cap {
-            let south = (90.0 - 0.5 * extent_deg).max(-90.0);
-            let extent = MapExtent::from_degrees(-180.0, south, 180.0, 90.0);
-            MapRegion::with_anchor(body, 0.0, FRAC_PI_2, extent, range)
+        // Away from longitude 0, so that the anchor's longitude matters.
+        let extent = if is_cap {
+            MapExtent::from_degrees(-160.0, 90.0 - half, 200.0, 90.0)
         } else {
-            // Away from longitude 0, so that the anchor's longitude matters.
             let (west, east) = (20.0 - 0.5 * extent_deg, 20.0 + 0.5 * extent_deg);
-            let extent = MapExtent::from_degrees(west, middle - half, east, middle + half);
-            MapRegion::new(body, extent, range)
+            MapExtent::from_degrees(west, middle - half, east, middle + half)
         };
+        let region = MapRegion::anchored(Ellipsoid::WGS84, extent, (heights.1, heights.2));
         Some(Self {
             extent_deg,
             latitude_deg,
@@ -178,9 +179,8 @@ mod tests {
         let places = places(false);
         let names: BTreeSet<String> = places.iter().map(Place::name).collect();
         assert_eq!(names.len(), places.len());
-        // Five extents on five latitudes; of 90° three distinct ones; the globe, anchored on the equator
-        // and at the pole; four heights each.
-        assert_eq!(places.len(), (5 * 5 + 3 + 2) * 4);
+        // Five extents on five latitudes; of 90° three distinct ones; the globe; four heights each.
+        assert_eq!(places.len(), (5 * 5 + 3 + 1) * 4);
         assert!(names.contains("extent=0.001;latitude=85;heights=x10"));
         assert!(names.contains("extent=10;latitude=90;heights=-11km"));
     }

@@ -3,7 +3,7 @@
 //! anchor.
 
 use super::coordinate::put_operations;
-use super::error::{LengthErrors, ResidualSource, judge};
+use super::error::{LengthErrors, judge};
 use super::kernel::{Kernels, ask};
 use super::place::{Place, radical_inverse};
 use super::timing::Times;
@@ -299,11 +299,7 @@ pub(crate) fn rows(
             }
             Err(why) => unmeasured = why,
         }
-        let source = ResidualSource {
-            operations: route.operations(&sight.format),
-            rounding_share: 1.0,
-        };
-        judge(&mut row, source);
+        judge(&mut row);
         if !unmeasured.is_empty() {
             (row.status, row.reason) = (Status::Skipped, unmeasured);
         }

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which coordinate routes are measured, and which of them are one curve.
 
+use super::place::Place;
+use rayon::prelude::*;
 use terrafill_texture::{
-    AngleCore, AngleForm, Chart, CoordinateRoute, Filter, LatitudeForm, TexelFormat, Weight,
+    AngleCore, AngleForm, Chart, Chooser, CoordinateRoute, CostTable, Filter, LatitudeForm,
+    TexelFormat, Weight,
 };
 
 /// Largest cube texture: the next one, 192 MiB, takes longer to compute than all else to measure.
@@ -28,6 +31,19 @@ pub(crate) fn coordinate_routes(quick: bool) -> Vec<CoordinateRoute> {
             } else {
                 is_main(route)
             }
+        })
+        .collect()
+}
+
+/// What a frame plan takes in each region.
+pub(crate) fn chosen(places: &[Place]) -> Vec<Option<CoordinateRoute>> {
+    let candidates = Chooser::default_candidates();
+    let chooser = Chooser::new(&candidates, &CostTable::default(), Vec::new());
+    places
+        .par_iter()
+        .map(|place| {
+            let choice = chooser.choose(&place.demand());
+            choice.chosen.map(|considered| considered.route)
         })
         .collect()
 }
@@ -108,9 +124,15 @@ pub(crate) fn family(route: &CoordinateRoute) -> (String, Option<f64>) {
             latitude,
         } => {
             if *latitude != LatitudeForm::Bowring1 {
-                let name = format!("{}{}, forms of latitude", form.prefix(), core.name());
-                let place = LatitudeForm::ALL.iter().position(|form| form == latitude);
-                return (name, place.map(|place| place as f64));
+                // One core through the forms of latitude; of others, those that a plan takes.
+                if *core == FINEST {
+                    let name = format!("{}{}, forms of latitude", form.prefix(), core.name());
+                    let place = LatitudeForm::ALL.iter().position(|form| form == latitude);
+                    return (name, place.map(|place| place as f64));
+                }
+                let (name, knob) = core_family(core);
+                let name = format!("{}{name}+{}", form.prefix(), latitude.name());
+                return (name, knob);
             }
             let (name, knob) = core_family(core);
             (format!("{}{name}", form.prefix()), knob)

@@ -102,6 +102,7 @@ fn row(format: VertexFormat, condition: &str, distance_m: f64, place: &Place) ->
         rms_px: figures.map(|[_, rms]| rms / pixel_m),
         residual_max_m: Some(bound),
         max_over_residual: ratio,
+        measured_over_expected: ratio,
         status: Status::Ok,
         reason: "by emulation alone: no device evaluates a vertex format by itself".to_owned(),
         ..PrecisionRow::default()
