@@ -58,4 +58,6 @@ pub struct Scene {
     pub views: Vec<View>,
     /// Boundary tolerances to sweep for error against run time, metres; may be empty.
     pub sweep_boundary_tolerance_m: Vec<f64>,
+    /// Cap steps to sweep for subdivision against wall height, degrees; may be empty.
+    pub sweep_cap_step_deg: Vec<f64>,
 }

@@ -59,7 +59,8 @@ pub(crate) fn rows(
             Err(why) => row.reason = why,
         }
         let unmeasured = std::mem::take(&mut row.reason);
-        judge(&mut row);
+        let exact = cpu.residual.approximation_max_rad / cpu.residual.expected_max_rad;
+        judge(&mut row, 1.0 - exact);
         if !unmeasured.is_empty() {
             (row.status, row.reason) = (Status::Skipped, unmeasured);
         }

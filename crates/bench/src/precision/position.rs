@@ -299,7 +299,7 @@ pub(crate) fn rows(
             }
             Err(why) => unmeasured = why,
         }
-        judge(&mut row);
+        judge(&mut row, 1.0);
         if !unmeasured.is_empty() {
             (row.status, row.reason) = (Status::Skipped, unmeasured);
         }
