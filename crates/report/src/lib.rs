@@ -23,6 +23,7 @@ mod precision;
 mod published;
 mod run_data;
 mod statistic;
+mod subdivision;
 
 pub use error::ReportError;
 

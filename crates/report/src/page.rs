@@ -11,6 +11,7 @@ use crate::picture::{Picture, embed};
 use crate::plot::{self, Palette};
 use crate::precision::{self, PrecisionChapter, Table};
 use crate::run_data::{Case, Outcome, RunData, SceneCases, ViewCases};
+use crate::subdivision::{self, SubdivisionTable};
 use crate::{ReportError, glossary, growth, published};
 use askama::Template;
 
@@ -177,6 +178,7 @@ struct Page {
     matrices: Vec<MatrixTable>,
     memory: Option<MemorySection>,
     precision: Option<PrecisionSection>,
+    subdivision: Option<SubdivisionSection>,
     exponent: Option<GrowthTable>,
     scenes: Vec<SceneSection>,
     growth: GrowthSection,
@@ -189,6 +191,12 @@ struct MemorySection {
     chapter: MemoryChapter,
     published: String,
     plots: Vec<(String, String)>,
+}
+
+/// The chapter on subdivision with its plot.
+struct SubdivisionSection {
+    plot: Option<String>,
+    tables: Vec<SubdivisionTable>,
 }
 
 /// The chapter on precision with its plots, each with its caption.
@@ -312,6 +320,7 @@ pub(crate) fn render(data: &RunData) -> Result<String, ReportError> {
         matrices: matrix::tables(data),
         memory: memory_section(data)?,
         precision: precision_section(data)?,
+        subdivision: subdivision_section(data)?,
         exponent: exponent::table(data),
         scenes,
         growth: growth_section(data)?,
@@ -400,6 +409,21 @@ fn precision_section(data: &RunData) -> Result<Option<PrecisionSection>, ReportE
     }))
 }
 
+fn subdivision_section(data: &RunData) -> Result<Option<SubdivisionSection>, ReportError> {
+    let mut tables = subdivision::tables(data);
+    if tables.is_empty() {
+        return Ok(None);
+    }
+    let mut take = |curves: fn(&mut SubdivisionTable) -> &mut Vec<plot::Curve>| {
+        tables
+            .iter_mut()
+            .flat_map(|table| std::mem::take(curves(table)))
+            .collect()
+    };
+    let plot = plot::subdivision(take(|t| &mut t.times), take(|t| &mut t.walls))?;
+    Ok(Some(SubdivisionSection { plot, tables }))
+}
+
 fn precision_caption(title: &str) -> String {
     format!(
         "{title}, terrain up to 9 km where not said otherwise. One curve per family through its knob: \
@@ -458,7 +482,7 @@ fn precision_tables(
         (
             "precision-special",
             "Where formulas break",
-            "Inputs that are special to floating point or to the map. The last five lines are no \
+            "Inputs that are special to floating point or to the map. The last six lines are no \
              fragment's: stencil and depth keep them away.",
             take(|c| &mut c.special),
         ),

@@ -330,19 +330,23 @@ fn findings(data: &PrecisionData) -> Vec<Finding> {
             ),
         ));
     }
-    let ratio = |row: &PrecisionRow| row.max_over_residual;
-    let measured = data
-        .rows
-        .iter()
-        .filter(|row| row.part != PrecisionPart::Special);
-    if let Some((ratio, row)) = largest(measured, ratio) {
+    // Where a route is no map at all there is nothing to bound.
+    let measured = || {
+        data.rows
+            .iter()
+            .filter(|row| row.measured_over_expected.is_some())
+    };
+    let above = measured().filter(|row| row.max_over_residual.is_some_and(|ratio| ratio > 1.0));
+    let above = above.count();
+    if let Some((ratio, row)) = largest(measured(), |row| row.max_over_residual) {
         findings.push(finding(
             ratio <= 1.0,
             format!(
-                "Largest measured error over its bound: {} ({}, {}).",
+                "Largest measured error over its bound: {} ({}, {}); {above} of {} rows above it.",
                 significant(ratio),
                 row.route,
-                row.condition
+                row.condition,
+                count(measured().count() as u64),
             ),
         ));
     }
@@ -511,7 +515,7 @@ fn disagreement_table(data: &PrecisionData) -> Table {
     let rows = groups.into_iter().filter_map(|((reason, family), rows)| {
         let ratios = || {
             rows.iter()
-                .filter_map(|row| Some((row.max_over_residual?, row)))
+                .filter_map(|row| Some((row.measured_over_expected?, row)))
         };
         let (least, at) = ratios().min_by(|a, b| a.0.total_cmp(&b.0))?;
         let (most, _) = ratios().max_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -663,11 +667,14 @@ fn curves(rows: &[&PrecisionRow], cost: impl Fn(&PrecisionRow) -> Option<Reading
     curves
 }
 
-/// An answer that is not finite has no place; an error above its bound has, and counts for nothing.
+/// An answer that is not finite has no place, nor has a route that is no map of the region; an error
+/// above its bound has, and counts for nothing.
 fn standing(row: &PrecisionRow) -> Standing {
     match row.status {
         Status::Ok => Standing::Right,
-        Status::Wrong if row.non_finite() == 0 && row.device_max_m.is_some() => Standing::Wrong,
+        Status::Wrong if row.non_finite() == 0 && row.measured_over_expected.is_some() => {
+            Standing::Wrong
+        }
         _ => Standing::Failed,
     }
 }
@@ -797,11 +804,12 @@ mod tests {
     fn what_is_not_finite_is_on_the_edge_and_what_is_above_its_bound_is_crossed_out() {
         let mut bad = row("gnomonic-4", "gnomonic", 4.0, 1.0);
         bad.status = Status::Wrong;
+        bad.measured_over_expected = Some(3.0);
         assert_eq!(standing(&bad), Standing::Wrong);
         bad.non_finite_device = Some(3);
         assert_eq!(standing(&bad), Standing::Failed);
         bad.non_finite_device = None;
-        bad.device_max_m = None;
+        bad.measured_over_expected = None;
         assert_eq!(standing(&bad), Standing::Failed);
         assert_eq!(standing(&row("a", "b", 1.0, 1.0)), Standing::Right);
     }

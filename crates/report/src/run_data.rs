@@ -220,13 +220,13 @@ impl RunData {
     }
 
     /// Whether a case has its place in the tables and plots of its scene: all but those that are
-    /// only a rung of a ladder or a cell of the matrix, which have chapters of their own.
+    /// only a rung of a ladder, a cell of the matrix or a cap step, which have chapters of their own.
     fn is_listed(&self, case: &Case) -> bool {
         match &case.summary {
             Some(row) => row
                 .role
                 .split('+')
-                .any(|role| !["ladder", "matrix"].contains(&role)),
+                .any(|role| !["ladder", "matrix", "subdivision"].contains(&role)),
             None => {
                 let is_rung = self.ladder.iter().any(|rung| rung.key() == case.key);
                 !is_rung && !self.plan.drawn_only.contains(&case.key)

@@ -16,6 +16,7 @@ mod precision;
 mod ratio;
 mod scale;
 mod steps;
+mod subdivision;
 mod work_precision;
 
 pub(crate) use bytes::geometry_bytes;
@@ -26,6 +27,7 @@ pub(crate) use palette::{Palette, dark_rules};
 pub(crate) use precision::precision;
 pub(crate) use ratio::{ratio, time_over_bound};
 pub(crate) use steps::ladder_steps;
+pub(crate) use subdivision::subdivision;
 pub(crate) use work_precision::{Curve, Point, Reading, ReferenceLine, Standing};
 
 use crate::number;

@@ -36,8 +36,9 @@ pub(crate) fn precision(
         curves: curves.to_vec(),
         lines: plot.lines.clone(),
     };
+    let by_time = format!("{}: error against time", plot.title);
     let plots = [
-        panel("Error against time", clock, &plot.by_time),
+        panel(&by_time, clock, &plot.by_time),
         panel(
             "Error against operations",
             "operations, weighted, in fused multiply-adds",
