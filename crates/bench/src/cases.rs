@@ -24,6 +24,8 @@ pub struct Roles {
     /// A point of the sweep through the boundary tolerance: allowed to be wrong, since its error is
     /// what the sweep is about.
     pub sweep: bool,
+    /// A point of the sweep through the cap step: right, and asked for its walls and its time.
+    pub subdivision: bool,
     /// A rung of a ladder.
     pub ladder: bool,
     /// A cell of the matrix.
@@ -38,6 +40,7 @@ impl Roles {
             (self.baseline, "baseline"),
             (self.main, "main"),
             (self.sweep, "sweep"),
+            (self.subdivision, "subdivision"),
             (self.ladder, "ladder"),
             (self.matrix, "matrix"),
         ];
@@ -50,6 +53,7 @@ impl Roles {
             baseline: self.baseline || other.baseline,
             main: self.main || other.main,
             sweep: self.sweep || other.sweep,
+            subdivision: self.subdivision || other.subdivision,
             ladder: self.ladder || other.ladder,
             matrix: self.matrix || other.matrix,
         }
@@ -67,6 +71,8 @@ pub struct BenchCase {
     pub plan: PlanOptions,
     /// Boundary tolerance of its meshes, metres; `None` for baselines.
     pub boundary_tolerance_m: Option<f64>,
+    /// Largest edge of a cap triangle, degrees; `None` for baselines.
+    pub cap_step_deg: Option<f64>,
     /// What it is for.
     pub roles: Roles,
     /// Timed frames; 0 for a case that is only drawn and compared.
@@ -165,10 +171,11 @@ impl Builder<'_> {
         for kind in [BaselineKind::Bound, BaselineKind::Floor] {
             let setting = Setting::new(Technique::Baseline(kind));
             self.cases.push(BenchCase {
-                key: self.key(&setting, None),
+                key: self.key(&setting, ""),
                 technique: setting.technique,
                 plan: setting.plan,
                 boundary_tolerance_m: None,
+                cap_step_deg: None,
                 roles: Roles {
                     baseline: true,
                     ..Roles::default()
@@ -178,11 +185,9 @@ impl Builder<'_> {
         }
     }
 
-    fn key(&self, setting: &Setting, tolerance_m: Option<f64>) -> CaseKey {
-        let mut variant = setting.variant_name();
-        if let Some(tolerance) = tolerance_m {
-            variant.push_str(&format!(",boundary-tolerance-m={tolerance}"));
-        }
+    /// `knob`: what of the mesh the variant changes, with the comma before it.
+    fn key(&self, setting: &Setting, knob: &str) -> CaseKey {
+        let variant = setting.variant_name() + knob;
         CaseKey {
             scene: self.scene.name.clone(),
             view: self.view.name.clone(),
@@ -193,7 +198,7 @@ impl Builder<'_> {
 
     /// A case that exists already takes the role on, and the larger number of frames.
     fn add(&mut self, setting: Setting, roles: Roles, frames: u32) -> CaseKey {
-        let key = self.key(&setting, None);
+        let key = self.key(&setting, "");
         match self.cases.iter_mut().find(|case| case.key == key) {
             Some(case) => {
                 case.roles = case.roles.and(roles);
@@ -204,6 +209,7 @@ impl Builder<'_> {
                 technique: setting.technique,
                 plan: setting.plan,
                 boundary_tolerance_m: Some(self.scene.mesh.boundary_tolerance_m),
+                cap_step_deg: Some(self.scene.mesh.cap_step_deg),
                 roles,
                 frames,
             }),
@@ -212,21 +218,57 @@ impl Builder<'_> {
     }
 
     fn add_sweep(&mut self, backend: &str, frames: u32) {
-        for setting in sweep_settings(backend, self.scene) {
-            for &tolerance in &self.scene.sweep_boundary_tolerance_m {
-                self.cases.push(BenchCase {
-                    key: self.key(&setting, Some(tolerance)),
-                    technique: setting.technique,
-                    plan: setting.plan,
-                    boundary_tolerance_m: Some(tolerance),
-                    roles: Roles {
-                        sweep: true,
-                        ..Roles::default()
-                    },
+        let scene = self.scene;
+        for setting in sweep_settings(backend, scene) {
+            for &tolerance in &scene.sweep_boundary_tolerance_m {
+                let role = Roles {
+                    sweep: true,
+                    ..Roles::default()
+                };
+                let knob = format!(",boundary-tolerance-m={tolerance}");
+                self.add_meshed(
+                    setting,
+                    &knob,
+                    tolerance,
+                    scene.mesh.cap_step_deg,
+                    role,
                     frames,
-                });
+                );
             }
         }
+        // One layout: what is asked is a question about meshes.
+        for setting in sweep_settings(backend, scene).into_iter().take(1) {
+            for &step in &scene.sweep_cap_step_deg {
+                let role = Roles {
+                    subdivision: true,
+                    ..Roles::default()
+                };
+                let tolerance = scene.mesh.boundary_tolerance_m;
+                let knob = format!(",cap-step-deg={step}");
+                self.add_meshed(setting, &knob, tolerance, step, role, frames);
+            }
+        }
+    }
+
+    /// A case whose meshes are its own.
+    fn add_meshed(
+        &mut self,
+        setting: Setting,
+        knob: &str,
+        boundary_tolerance_m: f64,
+        cap_step_deg: f64,
+        roles: Roles,
+        frames: u32,
+    ) {
+        self.cases.push(BenchCase {
+            key: self.key(&setting, knob),
+            technique: setting.technique,
+            plan: setting.plan,
+            boundary_tolerance_m: Some(boundary_tolerance_m),
+            cap_step_deg: Some(cap_step_deg),
+            roles,
+            frames,
+        });
     }
 }
 

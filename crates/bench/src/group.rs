@@ -17,7 +17,7 @@ use terrafill_conformance::{
     Verdict, boundary_band, compare, compare_texture, difference_rgb, filled_only, texture_verdict,
     verdict_of_moved,
 };
-use terrafill_core::RegionMesh;
+use terrafill_core::{MeshOptions, RegionMesh};
 use terrafill_frame::{
     BackendError, ColourWay, Frame, FrameInput, FrameTimes, MemoryUse, PreparedScene,
     VolumeBackend, paint,
@@ -55,6 +55,8 @@ pub(crate) struct Probe {
     pub(crate) regions_left_out: Option<u64>,
     pub(crate) left_out: String,
     pub(crate) boundary_deviation_m: Option<f64>,
+    pub(crate) wall_height_m: Option<f64>,
+    pub(crate) cap_triangles: Option<u64>,
     pub(crate) plan_cpu_ms: Option<f64>,
     pub(crate) image: String,
     pub(crate) difference_image: String,
@@ -62,8 +64,8 @@ pub(crate) struct Probe {
     pub(crate) ids_hash: String,
 }
 
-/// Boundary tolerance, and how frames are planned.
-type InputKey = (Option<f64>, PlanOptions);
+/// Mesh options where they are not the scene's, and how frames are planned.
+type InputKey = (Option<MeshOptions>, PlanOptions);
 
 /// An input and the median CPU time of planning it.
 type PlannedInput = (Rc<FrameInput>, Option<f64>);
@@ -123,7 +125,7 @@ impl<'a> GroupRun<'a> {
             source,
         };
         let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
-        let meshes = build_meshes(scene, scene.mesh.boundary_tolerance_m)?;
+        let meshes = build_meshes(scene, &scene.mesh)?;
         let prepared = PreparedScene::new(scene, meshes, surface);
         let input = FrameInput::new(&prepared, view, options.size, PlanOptions::default());
         let stage = Stage::shared(gpu, options.size).map_err(device)?;
@@ -200,7 +202,7 @@ impl<'a> GroupRun<'a> {
         probe: &Probe,
         layouts: &mut Vec<(&'a str, String)>,
     ) -> Result<(), BenchError> {
-        let plain = !case.roles.sweep && case.plan == PlanOptions::default();
+        let plain = own_mesh_options(case).is_none() && case.plan == PlanOptions::default();
         let of = (
             case.technique.backend(),
             Setting::new(case.technique).layout(),
@@ -261,16 +263,16 @@ impl<'a> GroupRun<'a> {
     }
 
     fn input_for(&self, case: &BenchCase) -> Result<PlannedInput, BenchError> {
-        let tolerance = case.boundary_tolerance_m.filter(|_| case.roles.sweep);
-        let key: InputKey = (tolerance, case.plan);
+        let options = own_mesh_options(case);
+        let key: InputKey = (options, case.plan);
         let known = self.inputs.borrow();
         if let Some((_, input)) = known.iter().find(|(known, _)| *known == key) {
             return Ok(input.clone());
         }
         drop(known);
-        let input = match tolerance {
-            Some(tolerance) => {
-                let meshes = build_meshes(&self.group.scene, tolerance)?;
+        let input = match &options {
+            Some(options) => {
+                let meshes = build_meshes(&self.group.scene, options)?;
                 let prepared = self.input.scene.with_meshes(meshes);
                 Rc::new(self.input.remeshed(&prepared, case.plan))
             }
@@ -319,6 +321,8 @@ impl<'a> GroupRun<'a> {
                 backend.note(),
             ),
             boundary_deviation_m: largest_deviation(&input.scene.meshes),
+            wall_height_m: tallest_wall(input),
+            cap_triangles: Some(cap_triangles(input)),
             mask_hash: fingerprint(frame.ids.iter().map(|&id| id.min(1))),
             ids_hash: match tells_apart {
                 true => fingerprint(frame.ids.iter().copied()),
@@ -502,6 +506,31 @@ fn draw_probe(
 fn one_at_a_time(technique: &Technique) -> bool {
     let colour = technique.switches().map(|switches| switches.colour);
     matches!(colour, Some(ColourWay::Rectangle | ColourWay::Volume))
+}
+
+/// Mesh options of a case that sweeps through them.
+fn own_mesh_options(case: &BenchCase) -> Option<MeshOptions> {
+    let is_own = case.roles.sweep || case.roles.subdivision;
+    Some(MeshOptions {
+        boundary_tolerance_m: case.boundary_tolerance_m?,
+        cap_step_deg: case.cap_step_deg?,
+    })
+    .filter(|_| is_own)
+}
+
+/// From the bottom cap to the top cap of the region drawn where they are farthest apart.
+fn tallest_wall(input: &FrameInput) -> Option<f64> {
+    let regions = input.plan.regions.iter();
+    let walls = regions.map(|region| region.heights.top_m - region.heights.bottom_m);
+    walls.reduce(f64::max)
+}
+
+/// Triangles of one cap of every region drawn.
+fn cap_triangles(input: &FrameInput) -> u64 {
+    let meshes = input.plan.regions.iter().map(|region| region.mesh);
+    meshes
+        .map(|mesh| input.scene.meshes[mesh].triangle_count() as u64)
+        .sum()
 }
 
 fn largest_deviation(meshes: &[RegionMesh]) -> Option<f64> {

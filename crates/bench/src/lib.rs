@@ -19,6 +19,7 @@ mod ladder;
 mod matrix;
 mod memory;
 mod options;
+mod precision;
 mod runner;
 mod scenes;
 mod summary;

@@ -57,6 +57,9 @@ pub struct BenchOptions {
     /// Scenes of which the matrix is drawn, or [`NO_SCENE`]; `None`: [`MATRIX_SCENES`], or none when
     /// quick.
     pub matrix: Option<Vec<String>>,
+    /// Whether the numerical suite is measured; `None`: with all scenes, as it is a figure of the
+    /// whole program.
+    pub precision: Option<bool>,
 }
 
 /// Stands for no scene at all.
@@ -108,6 +111,13 @@ impl BenchOptions {
         }
     }
 
+    /// Whether the numerical suite is asked for; of several shards the first one measures it.
+    #[must_use]
+    pub fn wants_precision(&self) -> bool {
+        let is_first = self.shard.is_none_or(|shard| shard.index == 1);
+        is_first && self.precision.unwrap_or(self.scenes.is_empty())
+    }
+
     /// Rounds drawn and dropped before.
     #[must_use]
     pub fn warm_up_count(&self) -> u32 {
@@ -129,6 +139,9 @@ impl BenchOptions {
             if let Some(scenes) = scenes {
                 lines.push(format!("{name}={}", scenes.join("+")));
             }
+        }
+        if let Some(wanted) = self.precision {
+            lines.push(format!("precision={wanted}"));
         }
         if let Some(shard) = self.shard {
             lines.push(format!("shard={}/{}", shard.index, shard.count));
@@ -177,6 +190,12 @@ pub enum BenchError {
     Growth {
         /// Its family.
         shape: &'static str,
+        /// Why.
+        message: String,
+    },
+    /// The numerical suite broke off: the device is lost, or its own figures do not fit it.
+    #[error("numerical suite: {message}")]
+    Precision {
         /// Why.
         message: String,
     },

@@ -3,6 +3,7 @@
 
 use crate::group::GroupRun;
 use crate::growth;
+use crate::precision::Suite;
 use crate::scenes::{SkippedScenes, plan_groups};
 use crate::technique::NativeGpu;
 use crate::{BACKENDS, BenchCase, BenchError, BenchOptions, SceneGroup, environment};
@@ -74,6 +75,9 @@ pub fn run(options: &BenchOptions) -> Result<BenchOutcome, BenchError> {
     };
     if measures_growth(options) {
         growth::measure(&folder, options.quick)?;
+    }
+    if options.wants_precision() {
+        Suite::new(options.quick).measure(&gpu, &folder)?;
     }
     let ladder: Vec<LadderRung> = groups.iter().flat_map(|g| g.ladder.clone()).collect();
     folder.write_ladder(&ladder)?;

@@ -90,7 +90,7 @@ fn checked_scene(
     groups: &[SceneGroup],
 ) -> Result<Scene, BenchError> {
     let scene = open_scene(name, options.data_dir.as_deref())?;
-    build_meshes(&scene, scene.mesh.boundary_tolerance_m)?;
+    build_meshes(&scene, &scene.mesh)?;
     if groups.iter().any(|group| group.scene.name == scene.name) {
         return Err(BenchError::SceneTwice { name: scene.name });
     }
@@ -112,13 +112,9 @@ pub fn open_scene(name: &str, data_dir: Option<&Path>) -> Result<Scene, SceneErr
 /// Meshes of every region, or the first errors.
 pub(crate) fn build_meshes(
     scene: &Scene,
-    boundary_tolerance_m: f64,
+    options: &MeshOptions,
 ) -> Result<Arc<[RegionMesh]>, BenchError> {
-    let options = MeshOptions {
-        boundary_tolerance_m,
-        ..scene.mesh
-    };
-    let meshes = RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &options);
+    let meshes = RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, options);
     match meshes {
         Ok(meshes) => Ok(meshes.into()),
         Err(errors) => Err(mesh_error(scene, &errors)),

@@ -89,6 +89,9 @@ impl GroupRun<'_> {
             stencil_fragments: counters.and_then(|counters| counters.stencil_fragments),
             buffer_creations: counters.map(|counters| counters.buffer_creations),
             pipeline_creations: counters.map(|counters| counters.pipeline_creations),
+            cap_step_deg: case.cap_step_deg,
+            wall_height_m: probe.wall_height_m,
+            cap_triangles: probe.cap_triangles,
         }
     }
 

@@ -25,6 +25,7 @@ fn options(out: &Path) -> BenchOptions {
         adapter: None,
         ladder: None,
         matrix: None,
+        precision: None,
     }
 }
 

@@ -9,6 +9,7 @@ mod bindings;
 #[cfg(test)]
 mod constants;
 mod covers;
+mod evaluate;
 mod fill;
 mod readback;
 mod route_table;
@@ -26,6 +27,10 @@ pub use terrafill_shaders::source_hash as shader_source_hash;
 
 pub use adapter::{DeviceFacts, Features, Gpu, GpuOptions, list_adapters, open_for_test};
 pub use baseline::{Baseline, BaselineKind};
+pub use evaluate::{
+    EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluation, EvaluationTime, Evaluator, Kernel,
+    KernelTable, TableFormat,
+};
 pub use fill::{VolumeFill, Volumes};
 pub use readback::read_buffer;
 pub use stage::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, SharedStage, Stage};

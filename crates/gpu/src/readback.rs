@@ -52,14 +52,23 @@ pub(crate) fn read_texture(
 /// # Errors
 /// [`BackendError::DeviceLost`].
 pub fn read_buffer(gpu: &Gpu, source: &wgpu::Buffer) -> Result<Vec<u8>, BackendError> {
+    read_buffer_start(gpu, source, source.size())
+}
+
+/// Its first `size` bytes.
+pub(crate) fn read_buffer_start(
+    gpu: &Gpu,
+    source: &wgpu::Buffer,
+    size: u64,
+) -> Result<Vec<u8>, BackendError> {
     let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("buffer read-back"),
-        size: source.size(),
+        size,
         usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
         mapped_at_creation: false,
     });
     let mut encoder = gpu.device.create_command_encoder(&Default::default());
-    encoder.copy_buffer_to_buffer(source, 0, &buffer, 0, source.size());
+    encoder.copy_buffer_to_buffer(source, 0, &buffer, 0, size);
     gpu.queue.submit([encoder.finish()]);
     map_whole(gpu, &buffer)
 }

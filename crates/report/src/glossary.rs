@@ -29,8 +29,8 @@ mod tests {
     use super::*;
     use crate::page::{COLUMNS, PLOT_TERMS};
     use terrafill_results::{
-        CaseKey, GrowthRow, LadderRung, MemoryRow, RunEnvironment, RunFolder, RunPlan, Sample,
-        Status, Summary,
+        CaseKey, GrowthRow, LadderRung, MemoryRow, PrecisionPart, PrecisionRow, PrecisionTime,
+        RunEnvironment, RunFolder, RunPlan, Sample, Status, Summary,
     };
 
     fn csv_columns() -> Vec<String> {
@@ -99,12 +99,27 @@ mod tests {
             region_bytes_largest: 1,
         }])
         .expect("bytes");
+        run.append_precision(&[PrecisionRow::default()])
+            .expect("a row of the numerical suite");
+        run.append_precision_times(&[PrecisionTime {
+            part: PrecisionPart::Coordinate,
+            route: "r".to_owned(),
+            round: 0,
+            evaluations: 1,
+            cpu_ms: 1.0,
+            empty_cpu_ms: 0.5,
+            gpu_ms: None,
+            empty_gpu_ms: None,
+        }])
+        .expect("a timed pass");
         [
             "samples.csv",
             "summary.csv",
             "ladder.csv",
             "memory.csv",
             "growth.csv",
+            "precision.csv",
+            "precision_times.csv",
         ]
         .iter()
         .flat_map(|file| {
@@ -126,7 +141,7 @@ mod tests {
     #[test]
     fn every_csv_column_is_explained() {
         let columns = csv_columns();
-        assert!(columns.len() > 80, "all headers were read: {columns:?}");
+        assert!(columns.len() > 130, "all headers were read: {columns:?}");
         assert!(columns.iter().any(|column| column == "mesh_cpu_ms"));
         assert_eq!(
             unexplained(columns.iter().map(String::as_str)),

@@ -19,9 +19,11 @@ mod page;
 mod pairs;
 mod picture;
 mod plot;
+mod precision;
 mod published;
 mod run_data;
 mod statistic;
+mod subdivision;
 
 pub use error::ReportError;
 

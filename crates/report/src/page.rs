@@ -9,7 +9,9 @@ use crate::number::{bytes, count, significant, utc};
 use crate::pairs::{self, PairRow};
 use crate::picture::{Picture, embed};
 use crate::plot::{self, Palette};
+use crate::precision::{self, PrecisionChapter, Table};
 use crate::run_data::{Case, Outcome, RunData, SceneCases, ViewCases};
+use crate::subdivision::{self, SubdivisionTable};
 use crate::{ReportError, glossary, growth, published};
 use askama::Template;
 
@@ -175,6 +177,8 @@ struct Page {
     pair_headings: Vec<&'static str>,
     matrices: Vec<MatrixTable>,
     memory: Option<MemorySection>,
+    precision: Option<PrecisionSection>,
+    subdivision: Option<SubdivisionSection>,
     exponent: Option<GrowthTable>,
     scenes: Vec<SceneSection>,
     growth: GrowthSection,
@@ -187,6 +191,19 @@ struct MemorySection {
     chapter: MemoryChapter,
     published: String,
     plots: Vec<(String, String)>,
+}
+
+/// The chapter on subdivision with its plot.
+struct SubdivisionSection {
+    plot: Option<String>,
+    tables: Vec<SubdivisionTable>,
+}
+
+/// The chapter on precision with its plots, each with its caption.
+struct PrecisionSection {
+    chapter: PrecisionChapter,
+    plots: Vec<(String, String)>,
+    tables: Vec<(&'static str, &'static str, &'static str, Table)>,
 }
 
 struct Verdict {
@@ -302,6 +319,8 @@ pub(crate) fn render(data: &RunData) -> Result<String, ReportError> {
         pair_headings: pairs::PAIRS.map(|pair| pair.heading).into(),
         matrices: matrix::tables(data),
         memory: memory_section(data)?,
+        precision: precision_section(data)?,
+        subdivision: subdivision_section(data)?,
         exponent: exponent::table(data),
         scenes,
         growth: growth_section(data)?,
@@ -362,6 +381,112 @@ fn memory_section(data: &RunData) -> Result<Option<MemorySection>, ReportError> 
         chapter,
         plots,
     }))
+}
+
+fn precision_section(data: &RunData) -> Result<Option<PrecisionSection>, ReportError> {
+    let Some(mut chapter) = precision::chapter(data) else {
+        return Ok(None);
+    };
+    let drawn = precision::plots(data);
+    let mut names: Vec<String> = drawn
+        .iter()
+        .flat_map(|plot| plot.by_operations.iter().map(|curve| curve.name.clone()))
+        .collect();
+    names.sort_unstable();
+    names.dedup();
+    let palette = Palette::new(names);
+    let mut plots = Vec::new();
+    for plot in &drawn {
+        if let Some(svg) = plot::precision(plot, chapter.clock, &palette)? {
+            plots.push((precision_caption(&plot.title), svg));
+        }
+    }
+    let tables = precision_tables(&mut chapter);
+    Ok(Some(PrecisionSection {
+        chapter,
+        plots,
+        tables,
+    }))
+}
+
+fn subdivision_section(data: &RunData) -> Result<Option<SubdivisionSection>, ReportError> {
+    let mut tables = subdivision::tables(data);
+    if tables.is_empty() {
+        return Ok(None);
+    }
+    let mut take = |curves: fn(&mut SubdivisionTable) -> &mut Vec<plot::Curve>| {
+        tables
+            .iter_mut()
+            .flat_map(|table| std::mem::take(curves(table)))
+            .collect()
+    };
+    let plot = plot::subdivision(take(|t| &mut t.times), take(|t| &mut t.walls))?;
+    Ok(Some(SubdivisionSection { plot, tables }))
+}
+
+fn precision_caption(title: &str) -> String {
+    format!(
+        "{title}, terrain up to 9 km where not said otherwise. One curve per family through its knob: \
+         degree, or texels of a table. Filled: largest error on the device; open: root mean square. \
+         Crosses: a route whose error has no bound here; on the upper edge: no finite answer. Ringed \
+         and dashed: the Pareto front, where 95 % of the resamples keep it. A formula cheaper than {} \
+         ns, which the clock does not tell from nothing, stands there.",
+        significant(precision::LEAST_NS)
+    )
+}
+
+fn precision_tables(
+    chapter: &mut PrecisionChapter,
+) -> Vec<(&'static str, &'static str, &'static str, Table)> {
+    let mut take = |table: fn(&mut PrecisionChapter) -> &mut Table| {
+        std::mem::replace(
+            table(chapter),
+            Table {
+                headings: Vec::new(),
+                rows: Vec::new(),
+            },
+        )
+    };
+    vec![
+        (
+            "precision-chosen",
+            "What a plan takes",
+            "The cheapest route whose computed residual is within ¼ texel and ¼ pixel RMS and ½ texel at \
+             most, for terrain up to 9 km, with its measured RMS error in texels. Columns: extent. The \
+             picture has 4096 texels a side, from 90° on 16,384; the view shows the region on 1,080 rows.",
+            take(|c| &mut c.chosen),
+        ),
+        (
+            "precision-position",
+            "Position from depth",
+            "Largest error of a fragment's offset from its region's anchor, on the device, the anchor \
+             beside it; pixels of a view of 60° on 1,080 rows. Red: more than ¼ pixel somewhere.",
+            take(|c| &mut c.positions),
+        ),
+        (
+            "precision-vertex",
+            "Position of a vertex",
+            "Largest error of one component relative to the eye, in a region of 1°, by emulation. Red: \
+             more than ¼ pixel somewhere.",
+            take(|c| &mut c.vertices),
+        ),
+        (
+            "precision-residual",
+            "Formula against measurement",
+            "Where measured and expected error part by more than twice, by family and reason. Expected is \
+             the formula's own error and 2.5 standard deviations of its roundings, each correct and \
+             independent; the bound that no error may exceed is another, and is checked above. Of \
+             positions, root mean squares are compared.",
+            take(|c| &mut c.disagreements),
+        ),
+        (
+            "precision-special",
+            "Where formulas break",
+            "Inputs that are special to floating point or to the map. The last six lines are no \
+             fragment's: stencil and depth keep them away.",
+            take(|c| &mut c.special),
+        ),
+    ]
 }
 
 fn names_of(data: &RunData, outcome: Outcome) -> Vec<String> {

@@ -7,6 +7,7 @@
 use crate::ReportError;
 use crate::growth::{GrowthCurve, curves};
 use crate::interval::Frames;
+use crate::precision::PrecisionData;
 use crate::statistic::agrees;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -136,6 +137,8 @@ pub(crate) struct RunData {
     pub(crate) ladder: Vec<LadderRung>,
     /// Bytes of layouts.
     pub(crate) memory: Vec<MemoryRow>,
+    /// The numerical suite; empty where it was not measured.
+    pub(crate) precision: PrecisionData,
 }
 
 impl RunData {
@@ -175,6 +178,12 @@ impl RunData {
             let times = times.remove(&key).unwrap_or_default();
             cases.push(Case::new(key, Some(row), &times, &mut notes));
         }
+        let precision = PrecisionData::new(
+            run.precision_plan()?.as_ref(),
+            run.precision()?,
+            &run.precision_times()?,
+            &mut notes,
+        );
         Ok(Self {
             folder: folder.to_owned(),
             environment,
@@ -185,6 +194,7 @@ impl RunData {
             frames,
             ladder: run.ladder()?,
             memory: run.memory()?,
+            precision,
         })
     }
 
@@ -210,13 +220,13 @@ impl RunData {
     }
 
     /// Whether a case has its place in the tables and plots of its scene: all but those that are
-    /// only a rung of a ladder or a cell of the matrix, which have chapters of their own.
+    /// only a rung of a ladder, a cell of the matrix or a cap step, which have chapters of their own.
     fn is_listed(&self, case: &Case) -> bool {
         match &case.summary {
             Some(row) => row
                 .role
                 .split('+')
-                .any(|role| !["ladder", "matrix"].contains(&role)),
+                .any(|role| !["ladder", "matrix", "subdivision"].contains(&role)),
             None => {
                 let is_rung = self.ladder.iter().any(|rung| rung.key() == case.key);
                 !is_rung && !self.plan.drawn_only.contains(&case.key)

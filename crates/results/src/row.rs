@@ -28,7 +28,7 @@ impl std::fmt::Display for CaseKey {
 }
 
 /// How a case ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, Default)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
     /// The picture is right and the times were measured.
@@ -36,6 +36,7 @@ pub enum Status {
     /// The picture is wrong; times, if any, count for nothing.
     Wrong,
     /// Not run, for the reason given.
+    #[default]
     Skipped,
     /// Started and broke off, for the reason given.
     Failed,
@@ -190,6 +191,15 @@ pub struct Summary {
     /// Pipelines made for the frame after `prepare`.
     #[serde(default)]
     pub pipeline_creations: Option<u64>,
+    /// Largest edge of a cap triangle, degrees.
+    #[serde(default)]
+    pub cap_step_deg: Option<f64>,
+    /// Tallest wall of a region drawn: from its bottom cap to its top cap, metres.
+    #[serde(default)]
+    pub wall_height_m: Option<f64>,
+    /// Triangles of one cap of the regions drawn.
+    #[serde(default)]
+    pub cap_triangles: Option<u64>,
 }
 
 impl Summary {
@@ -252,6 +262,9 @@ impl Summary {
             stencil_fragments: None,
             buffer_creations: None,
             pipeline_creations: None,
+            cap_step_deg: None,
+            wall_height_m: None,
+            cap_triangles: None,
         }
     }
 }

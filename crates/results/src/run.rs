@@ -2,12 +2,18 @@
 //! A run's folder: appended row by row and flushed, so that killing a run loses at most the case in
 //! hand; read back leniently at its torn end, strictly everywhere else.
 
-use crate::{CaseKey, GrowthRow, LadderRung, MemoryRow, RunEnvironment, RunPlan, Sample, Summary};
+use crate::{
+    CaseKey, GrowthRow, LadderRung, MemoryRow, PrecisionKey, PrecisionPlan, PrecisionRow,
+    PrecisionTime, RunEnvironment, RunPlan, Sample, Summary,
+};
 use serde::{Serialize, de::DeserializeOwned};
 use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+
+/// File of the numerical suite's plan.
+const PRECISION_PLAN: &str = "precision.json";
 
 /// What can be wrong with a run's folder.
 #[derive(Debug, thiserror::Error)]
@@ -173,6 +179,8 @@ impl RunFolder {
         run.rewrite("summary.csv", &summaries)?;
         run.rewrite("samples.csv", &samples)?;
         run.rewrite("memory.csv", &run.memory()?)?;
+        run.rewrite("precision.csv", &run.precision()?)?;
+        run.rewrite("precision_times.csv", &run.precision_times()?)?;
         Ok(run)
     }
 
@@ -240,6 +248,87 @@ impl RunFolder {
                 (of, row.layout.clone(), row.regions)
             },
         ))
+    }
+
+    /// Writes what the numerical suite is about to measure.
+    ///
+    /// # Errors
+    /// [`RunError::Occupied`] where the folder holds another such plan; [`RunError::Io`].
+    pub fn write_precision_plan(&self, plan: &PrecisionPlan) -> Result<(), RunError> {
+        match self.precision_plan()? {
+            Some(found) if found == *plan => Ok(()),
+            Some(_) => Err(RunError::Occupied {
+                path: self.path.join(PRECISION_PLAN),
+                message: "its plan of the numerical suite differs".to_owned(),
+            }),
+            None => self.write_json(PRECISION_PLAN, plan),
+        }
+    }
+
+    /// What the numerical suite set out to measure; `None` for a run without it.
+    ///
+    /// # Errors
+    /// [`RunError::Io`], [`RunError::Json`].
+    pub fn precision_plan(&self) -> Result<Option<PrecisionPlan>, RunError> {
+        if !self.path.join(PRECISION_PLAN).exists() {
+            return Ok(None);
+        }
+        self.read_json(PRECISION_PLAN).map(Some)
+    }
+
+    /// Appends rows of the numerical suite and flushes them to the disk.
+    ///
+    /// # Errors
+    /// [`RunError::Io`].
+    pub fn append_precision(&self, rows: &[PrecisionRow]) -> Result<(), RunError> {
+        if rows.is_empty() {
+            return Ok(());
+        }
+        self.append("precision.csv", rows)
+    }
+
+    /// Rows of the numerical suite; when one stands twice, the last one counts.
+    ///
+    /// # Errors
+    /// As [`RunFolder::samples`].
+    pub fn precision(&self) -> Result<Vec<PrecisionRow>, RunError> {
+        let rows = self.read_rows("precision.csv")?;
+        Ok(keep_last(rows, PrecisionRow::key))
+    }
+
+    /// Appends timed passes of the numerical suite and flushes them to the disk.
+    ///
+    /// # Errors
+    /// [`RunError::Io`].
+    pub fn append_precision_times(&self, rows: &[PrecisionTime]) -> Result<(), RunError> {
+        if rows.is_empty() {
+            return Ok(());
+        }
+        self.append("precision_times.csv", rows)
+    }
+
+    /// Timed passes of the numerical suite; when one stands twice, the last one counts.
+    ///
+    /// # Errors
+    /// As [`RunFolder::samples`].
+    pub fn precision_times(&self) -> Result<Vec<PrecisionTime>, RunError> {
+        let rows: Vec<PrecisionTime> = self.read_rows("precision_times.csv")?;
+        Ok(keep_last(rows, |row| {
+            (row.part, row.route.clone(), row.round)
+        }))
+    }
+
+    /// Planned rows of the numerical suite that are not there.
+    ///
+    /// # Errors
+    /// As [`RunFolder::samples`].
+    pub fn precision_missing(&self) -> Result<Vec<PrecisionKey>, RunError> {
+        let Some(plan) = self.precision_plan()? else {
+            return Ok(Vec::new());
+        };
+        let done: BTreeSet<PrecisionKey> =
+            self.precision()?.iter().map(PrecisionRow::key).collect();
+        Ok(plan.keys().filter(|key| !done.contains(key)).collect())
     }
 
     fn plan_path(&self) -> PathBuf {

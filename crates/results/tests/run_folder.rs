@@ -5,8 +5,8 @@
 use std::fs;
 use std::path::Path;
 use terrafill_results::{
-    CaseKey, LadderRung, MemoryRow, RunEnvironment, RunError, RunFolder, RunPlan, Sample, Status,
-    Summary,
+    CaseKey, LadderRung, MemoryRow, PrecisionGrid, PrecisionPart, PrecisionPlan, PrecisionRow,
+    PrecisionTime, RunEnvironment, RunError, RunFolder, RunPlan, Sample, Status, Summary,
 };
 
 /// The stable part of `summary.csv`, word for word from the design's §6.
@@ -336,4 +336,76 @@ fn ladders_and_bytes_are_kept_and_old_rows_without_new_columns_are_read() {
     )
     .expect("writable");
     assert!(run.summaries().is_err());
+}
+
+fn precision_row(route: &str, condition: &str) -> PrecisionRow {
+    PrecisionRow {
+        part: PrecisionPart::Coordinate,
+        route: route.to_owned(),
+        condition: condition.to_owned(),
+        status: Status::Ok,
+        device_max_m: Some(1.25e-7),
+        ..PrecisionRow::default()
+    }
+}
+
+#[test]
+fn a_missing_row_of_the_numerical_suite_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = RunFolder::create(
+        folder.path(),
+        &RunEnvironment::default(),
+        &RunPlan::default(),
+    )
+    .expect("an empty folder");
+    assert_eq!(run.precision_plan().expect("no plan"), None);
+    assert_eq!(run.precision_missing().expect("nothing planned"), []);
+    let plan = PrecisionPlan {
+        grids: vec![PrecisionGrid {
+            part: PrecisionPart::Coordinate,
+            routes: vec!["planes".to_owned(), "odd-7".to_owned()],
+            conditions: vec!["a".to_owned(), "b".to_owned()],
+        }],
+        rounds: 5,
+    };
+    run.write_precision_plan(&plan).expect("written");
+    assert_eq!(run.precision_missing().expect("rows").len(), 4);
+    let rows = [
+        precision_row("planes", "a"),
+        precision_row("odd-7", "a"),
+        precision_row("planes", "b"),
+        precision_row("odd-7", "b"),
+    ];
+    run.append_precision(&rows[..2]).expect("written");
+    run.append_precision(&rows[2..]).expect("written");
+    assert_eq!(run.precision().expect("rows"), rows);
+    assert_eq!(run.precision_missing().expect("rows"), []);
+    // Twin: the last row cut off.
+    let file = folder.path().join("precision.csv");
+    let whole = std::fs::read_to_string(&file).expect("text");
+    let end = whole.trim_end().rfind('\n').expect("rows") + 1;
+    std::fs::write(&file, &whole[..end]).expect("writable");
+    let missing = run.precision_missing().expect("rows");
+    let names: Vec<String> = missing.iter().map(ToString::to_string).collect();
+    assert_eq!(names, ["coordinate/odd-7/b"]);
+    // A run is not gone on with under another plan.
+    let other = PrecisionPlan { rounds: 6, ..plan };
+    let refused = run.write_precision_plan(&other).expect_err("differs");
+    assert!(refused.to_string().contains("plan of the numerical suite"));
+}
+
+#[test]
+fn times_are_those_beyond_the_empty_formula() {
+    let time = PrecisionTime {
+        part: PrecisionPart::Position,
+        route: "eye-region".to_owned(),
+        round: 0,
+        evaluations: 2_000_000,
+        cpu_ms: 5.0,
+        empty_cpu_ms: 4.0,
+        gpu_ms: Some(3.0),
+        empty_gpu_ms: None,
+    };
+    assert!((time.cpu_ns() - 0.5).abs() < 1e-12);
+    assert_eq!(time.gpu_ns(), None, "no empty pass to take away");
 }

@@ -158,7 +158,15 @@ impl Scene {
         let mesh = check.mesh(&raw.mesh)?;
         let levels = check.levels(raw.levels)?;
         let views = check.views(&raw.views)?;
-        let sweep_boundary_tolerance_m = check.sweep(raw.vary.unwrap_or_default())?;
+        let vary = raw.vary.unwrap_or_default();
+        let sweep_boundary_tolerance_m = Check::sweep(
+            "boundary_tolerance_m",
+            &vary.boundary_tolerance_m,
+            |key, value| check.positive(key, value),
+        )?;
+        let sweep_cap_step_deg = Check::sweep("cap_step_deg", &vary.cap_step_deg, |key, value| {
+            check.cap_step(key, value)
+        })?;
         let texture = raw.texture.map(|raw| check.texture(raw)).transpose()?;
         // Last, so that a wrong scene is reported as wrong even where its data is missing.
         let mut regions = source.regions(&name, data_dir)?;
@@ -184,6 +192,7 @@ impl Scene {
             views,
             sweep_boundary_tolerance_m,
             texture,
+            sweep_cap_step_deg,
         })
     }
 }
@@ -279,6 +288,8 @@ struct RawView {
 struct RawVary {
     #[serde(default)]
     boundary_tolerance_m: Vec<f64>,
+    #[serde(default)]
+    cap_step_deg: Vec<f64>,
 }
 
 #[derive(Deserialize)]
@@ -729,13 +740,7 @@ impl Check<'_> {
     fn mesh(&self, raw: &RawMesh) -> Result<MeshOptions, SceneError> {
         let default = MeshOptions::default();
         let cap_step_deg = raw.cap_step_deg.unwrap_or(default.cap_step_deg);
-        if !(cap_step_deg > 0.0 && cap_step_deg <= CAP_STEP_LIMIT_DEG) {
-            return Err(self.refuse(
-                "mesh.cap_step_deg",
-                cap_step_deg,
-                format!("greater than 0, at most {CAP_STEP_LIMIT_DEG}"),
-            ));
-        }
+        let cap_step_deg = self.cap_step("mesh.cap_step_deg", cap_step_deg)?;
         Ok(MeshOptions {
             boundary_tolerance_m: self.positive(
                 "mesh.boundary_tolerance_m",
@@ -744,6 +749,14 @@ impl Check<'_> {
             )?,
             cap_step_deg,
         })
+    }
+
+    fn cap_step(&self, key: impl Into<String>, degrees: f64) -> Result<f64, SceneError> {
+        if degrees > 0.0 && degrees <= CAP_STEP_LIMIT_DEG {
+            return Ok(degrees);
+        }
+        let allowed = format!("greater than 0, at most {CAP_STEP_LIMIT_DEG}");
+        Err(self.refuse(key, degrees, allowed))
     }
 
     /// Automatic where the scene has no `[levels]`; an empty list means level 0 alone.
@@ -809,11 +822,15 @@ impl Check<'_> {
         })
     }
 
-    fn sweep(&self, raw: RawVary) -> Result<Vec<f64>, SceneError> {
-        raw.boundary_tolerance_m
-            .into_iter()
-            .enumerate()
-            .map(|(i, value)| self.positive(format!("vary.boundary_tolerance_m[{i}]"), value))
+    /// Every value of a knob under `[vary]`, each one allowed.
+    fn sweep(
+        knob: &str,
+        values: &[f64],
+        allowed: impl Fn(String, f64) -> Result<f64, SceneError>,
+    ) -> Result<Vec<f64>, SceneError> {
+        let places = values.iter().enumerate();
+        places
+            .map(|(i, value)| allowed(format!("vary.{knob}[{i}]"), *value))
             .collect()
     }
 }

@@ -61,4 +61,6 @@ pub struct Scene {
     pub sweep_boundary_tolerance_m: Vec<f64>,
     /// What a textured fill shows; `None` where the scene is filled in plain colours only.
     pub texture: Option<Arc<SceneTexture>>,
+    /// Cap steps to sweep for subdivision against wall height, degrees; may be empty.
+    pub sweep_cap_step_deg: Vec<f64>,
 }

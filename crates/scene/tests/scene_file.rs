@@ -59,7 +59,7 @@ fn the_good_scene_loads_with_its_defaults() {
     assert_eq!(scene.edge_rule, EdgeRule::Planar);
     assert_eq!(scene.overlap, Overlap::Disjoint);
     assert_eq!(scene.surface_rows, 180);
-    assert!(scene.sweep_boundary_tolerance_m.is_empty());
+    assert!(scene.sweep_boundary_tolerance_m.is_empty() && scene.sweep_cap_step_deg.is_empty());
     assert_eq!(scene.levels, LevelChoice::Automatic);
     let pose = scene.views[0].pose;
     assert_eq!(pose.near_m, 5.0);
@@ -73,7 +73,8 @@ fn every_setting_arrives() {
         "body = \"wgs84\"",
         "body = \"moon\"\nedges = \"great-ellipse\"\noverlap = \"ordered\"",
     ) + "fov_deg = 45\nnear_m = 0.25\nnote = \"n\"\n\n[mesh]\nboundary_tolerance_m = 7\n\
-         cap_step_deg = 2\n\n[levels]\ndeviation_m = [30, 400.5]\n\n[vary]\nboundary_tolerance_m = [1, 2.5]\n";
+         cap_step_deg = 2\n\n[levels]\ndeviation_m = [30, 400.5]\n\n[vary]\nboundary_tolerance_m = [1, 2.5]\n\
+         cap_step_deg = [0.5, 10]\n";
     let scene = Scene::from_toml(&text, "t.toml", None).expect("valid");
     assert_eq!(scene.body.name(), "moon");
     assert_eq!(scene.edge_rule, EdgeRule::GreatEllipse);
@@ -82,6 +83,7 @@ fn every_setting_arrives() {
     assert_eq!(scene.mesh.cap_step_deg, 2.0);
     assert_eq!(scene.levels, LevelChoice::Given(vec![30.0, 400.5]));
     assert_eq!(scene.sweep_boundary_tolerance_m, [1.0, 2.5]);
+    assert_eq!(scene.sweep_cap_step_deg, [0.5, 10.0]);
     let view = &scene.views[0];
     assert_eq!(view.note.as_deref(), Some("n"));
     assert_eq!(
@@ -138,6 +140,10 @@ fn values_outside_what_is_allowed() {
         (
             format!("{GOOD}\n[levels]\ndeviation_m = [100, 100]\n"),
             "t.toml: levels.deviation_m[1]: found 100, allowed: greater than 100",
+        ),
+        (
+            format!("{GOOD}\n[vary]\ncap_step_deg = [10, 31]\n"),
+            "t.toml: vary.cap_step_deg[1]: found 31, allowed: greater than 0, at most 30",
         ),
         (
             format!("{GOOD}\n[vary]\nboundary_tolerance_m = [10, 0]\n"),

@@ -82,6 +82,12 @@ pub(crate) struct BenchArguments {
     pub(crate) ladder: Vec<String>,
     #[arg(long, value_name = "SCENE", help = MATRIX_HELP)]
     pub(crate) matrix: Vec<String>,
+    /// Measure the numerical suite [default: with all scenes]
+    #[arg(long, conflicts_with = "no_precision")]
+    pub(crate) precision: bool,
+    /// Leave the numerical suite out
+    #[arg(long)]
+    pub(crate) no_precision: bool,
 }
 
 const LADDER_HELP: &str = "\

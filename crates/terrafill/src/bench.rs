@@ -26,6 +26,11 @@ pub(crate) fn run(arguments: BenchArguments) -> Result<Outcome, Failure> {
         adapter: arguments.adapter,
         ladder: (!arguments.ladder.is_empty()).then_some(arguments.ladder),
         matrix: (!arguments.matrix.is_empty()).then_some(arguments.matrix),
+        precision: match (arguments.precision, arguments.no_precision) {
+            (true, _) => Some(true),
+            (_, true) => Some(false),
+            _ => None,
+        },
     };
     let outcome = terrafill_bench::run(&options).map_err(|error| match error {
         BenchError::NoDevice(_) | BenchError::Device { .. } => Failure::no_device(error),

@@ -12,9 +12,11 @@ mod labels;
 mod log_log;
 mod memory;
 mod palette;
+mod precision;
 mod ratio;
 mod scale;
 mod steps;
+mod subdivision;
 mod work_precision;
 
 pub(crate) use bytes::geometry_bytes;
@@ -22,8 +24,11 @@ pub(crate) use error_time::error_against_time;
 pub(crate) use growth::growth;
 pub(crate) use memory::bytes_over_regions;
 pub(crate) use palette::{Palette, dark_rules};
+pub(crate) use precision::precision;
 pub(crate) use ratio::{ratio, time_over_bound};
 pub(crate) use steps::ladder_steps;
+pub(crate) use subdivision::subdivision;
+pub(crate) use work_precision::{Curve, Point, Reading, ReferenceLine, Standing};
 
 use crate::number;
 use crate::run_data::Case;

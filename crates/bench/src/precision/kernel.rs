@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Routes on the device: the text of each, compiled once and asked for every region.
+
+use super::place::{Place, radical_inverse};
+use super::position::{self, MAPPINGS};
+use super::timing::LoopTime;
+use crate::BenchError;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use terrafill_gpu::{
+    EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluation, Evaluator, Gpu, Kernel, KernelTable,
+    TableFormat,
+};
+use terrafill_results::{PrecisionPart, PrecisionTime, RunFolder};
+use terrafill_texture::{
+    CoordinateRoute, DepthMapping, Filter, PositionRoute, Program, TexelFormat,
+};
+
+/// Turns of the timed loop: some milliseconds of the native arctangents on a software device.
+const TURNS: u32 = 48;
+
+/// Region whose fragments are timed, degrees: what a formula costs does not depend on its constants.
+const TIMED_EXTENT_DEG: f64 = 1.0;
+const TIMED_LATITUDE_DEG: f64 = 45.0;
+/// How far a fragment moves between two timed evaluations, metres: far enough to be another number,
+/// and all of them together far less than the region.
+const TIMED_STEP_M: f32 = 0.01;
+
+/// A coordinate route on the device.
+pub(crate) struct CoordinateKernel {
+    pub(crate) route: CoordinateRoute,
+    pub(crate) program: Program,
+    /// Or why it does not run.
+    pub(crate) device: Result<Evaluator, String>,
+}
+
+/// A position route on the device, for the depths of one mapping.
+pub(crate) struct PositionKernel {
+    pub(crate) route: PositionRoute,
+    pub(crate) mapping: DepthMapping,
+    pub(crate) device: Result<Evaluator, String>,
+}
+
+/// All of them.
+pub(crate) struct Kernels {
+    pub(crate) coordinate: Vec<CoordinateKernel>,
+    pub(crate) position: Vec<PositionKernel>,
+    empty: Result<Evaluator, String>,
+}
+
+/// A device's failure as the run's.
+pub(crate) fn lost(error: EvaluateError) -> BenchError {
+    BenchError::Precision {
+        message: error.to_string(),
+    }
+}
+
+impl Kernels {
+    pub(crate) fn new(gpu: &Arc<Gpu>, routes: &[CoordinateRoute]) -> Self {
+        let coordinate = routes.iter().map(|route| {
+            let program = route.program();
+            CoordinateKernel {
+                route: *route,
+                device: coordinate_evaluator(gpu, &route.name(), &program),
+                program,
+            }
+        });
+        let position = PositionRoute::ALL.into_iter().flat_map(|route| {
+            MAPPINGS.map(|mapping| PositionKernel {
+                route,
+                mapping,
+                device: position_evaluator(gpu, route, mapping),
+            })
+        });
+        Self {
+            coordinate: coordinate.collect(),
+            position: position.collect(),
+            empty: Evaluator::new(gpu, &Kernel::BASELINE, 0).map_err(|error| error.to_string()),
+        }
+    }
+
+    /// Times what the folder has no times of, in rounds in which every kernel takes a turn; the
+    /// first round warms up and is dropped.
+    pub(crate) fn time(&mut self, folder: &RunFolder, rounds: u32) -> Result<(), BenchError> {
+        let done: BTreeSet<u32> = folder.precision_times()?.iter().map(|t| t.round).collect();
+        if done.len() >= rounds as usize {
+            return Ok(());
+        }
+        let Ok(empty) = &mut self.empty else {
+            return Ok(());
+        };
+        let offsets = timed_offsets();
+        let of_offset = [TIMED_STEP_M; 4];
+        let depths = position::timed_inputs();
+        let of_pixel = position::TIMED_STEP;
+        empty.prepare_timing(&offsets, of_offset, TURNS);
+        let empty = &self.empty;
+        let mut timed: Vec<(PrecisionPart, String, &mut Evaluator)> = Vec::new();
+        let region = Place::new(TIMED_EXTENT_DEG, TIMED_LATITUDE_DEG, ("0", 0.0, 0.0));
+        for kernel in &mut self.coordinate {
+            if let (Ok(device), Some(place)) = (&mut kernel.device, &region) {
+                let constants = kernel.route.constants(&place.region);
+                device.set_constants(&constants).map_err(lost)?;
+                device.prepare_timing(&offsets, of_offset, TURNS);
+                timed.push((PrecisionPart::Coordinate, kernel.route.name(), device));
+            }
+        }
+        for kernel in &mut self.position {
+            if let Ok(device) = &mut kernel.device {
+                let constants = position::timed_constants(kernel.route, kernel.mapping);
+                device.set_constants(&constants).map_err(lost)?;
+                device.prepare_timing(&depths, of_pixel, TURNS);
+                let name = position::timed_name(kernel.route, kernel.mapping);
+                timed.push((PrecisionPart::Position, name, device));
+            }
+        }
+        let Ok(empty) = empty else { return Ok(()) };
+        let missing = (0..rounds).filter(|round| !done.contains(round));
+        for round in std::iter::once(None).chain(missing.map(Some)) {
+            let beside = LoopTime::of_empty(empty, TURNS)?;
+            let mut rows = Vec::new();
+            for (part, name, device) in &timed {
+                let time = device.time(TURNS).map_err(lost)?;
+                rows.push(PrecisionTime {
+                    part: *part,
+                    route: name.clone(),
+                    round: round.unwrap_or_default(),
+                    evaluations: time.evaluations,
+                    cpu_ms: time.cpu_ms,
+                    empty_cpu_ms: beside.cpu_ms,
+                    gpu_ms: time.gpu_ms,
+                    empty_gpu_ms: beside.gpu_ms,
+                });
+            }
+            if round.is_some() {
+                folder.append_precision_times(&rows)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Offsets of fragments, as many as a dispatch takes.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "offsets as a shader has them"
+)]
+fn timed_offsets() -> Vec<[f32; 4]> {
+    let metres = TIMED_EXTENT_DEG.to_radians() * 6.4e6 * 0.5;
+    let at = |index: usize, base: u32| {
+        let index = u32::try_from(index).unwrap_or(u32::MAX);
+        ((2.0 * radical_inverse(index, base) - 1.0) * metres) as f32
+    };
+    (1..=EVALUATIONS_PER_DISPATCH)
+        .map(|i| [at(i, 2), at(i, 3), at(i, 5), 0.0])
+        .collect()
+}
+
+/// The route's evaluator, or why there is none.
+pub(crate) fn coordinate_evaluator(
+    gpu: &Arc<Gpu>,
+    name: &str,
+    program: &Program,
+) -> Result<Evaluator, String> {
+    coordinate_evaluator_of(gpu, name, program, &program.wgsl())
+}
+
+/// The same with a text of its own, so that a wrong one can be shown to be noticed.
+pub(crate) fn coordinate_evaluator_of(
+    gpu: &Arc<Gpu>,
+    name: &str,
+    program: &Program,
+    wgsl: &str,
+) -> Result<Evaluator, String> {
+    let mut text = String::new();
+    let mut texels = Vec::new();
+    let mut shape = None;
+    if let Some(table) = program.table() {
+        text = table.declarations(1, 0);
+        texels = table.bytes();
+        let format = match table.format() {
+            TexelFormat::R8Unorm => TableFormat::R8Unorm,
+            TexelFormat::R16Unorm => TableFormat::R16Unorm,
+            TexelFormat::R16Float => TableFormat::R16Float,
+            TexelFormat::R32Float => TableFormat::R32Float,
+        };
+        let linear = table.filter() == Filter::Linear;
+        let width = u32::try_from(table.texels()).map_err(|error| error.to_string())?;
+        shape = Some((format, width, 1, false, linear));
+    } else if let Some(cube) = program.cube() {
+        text = cube.declarations(1, 0);
+        texels = (0..6)
+            .flat_map(|face| cube.face(face))
+            .flatten()
+            .flat_map(f32::to_le_bytes)
+            .collect();
+        let size = cube.size();
+        shape = Some((TableFormat::Rg32Float, size, size, true, true));
+    }
+    text.push_str(wgsl);
+    let kernel = Kernel {
+        name,
+        wgsl: &text,
+        constants: Some("RouteConstants"),
+        call: "vec4f(route_angles(x.xyz, constants), 0.0, 0.0)",
+        table: shape.map(|(format, width, height, cube, linear)| KernelTable {
+            format,
+            width,
+            height,
+            cube,
+            linear,
+            texels: &texels,
+        }),
+    };
+    Evaluator::new(gpu, &kernel, program.constant_vectors()).map_err(|error| error.to_string())
+}
+
+fn position_evaluator(
+    gpu: &Arc<Gpu>,
+    route: PositionRoute,
+    mapping: DepthMapping,
+) -> Result<Evaluator, String> {
+    let format = position::timed_format(mapping);
+    let kernel = Kernel {
+        name: &position::timed_name(route, mapping),
+        wgsl: &route.wgsl(&format),
+        constants: Some("PositionConstants"),
+        call: "vec4f(fragment_offset(x.xy, x.z, constants), 0.0)",
+        table: None,
+    };
+    let vectors = route.program(&format).constant_vectors();
+    Evaluator::new(gpu, &kernel, vectors).map_err(|error| error.to_string())
+}
+
+/// Asks a kernel for every input under these constants; the reason where it cannot be asked.
+pub(crate) fn ask(
+    device: &Result<Evaluator, String>,
+    constants: &[[f32; 4]],
+    inputs: &[[f32; 4]],
+) -> Result<Result<Evaluation, String>, BenchError> {
+    match device {
+        Ok(device) => {
+            device.set_constants(constants).map_err(lost)?;
+            device.evaluate(inputs).map(Ok).map_err(lost)
+        }
+        Err(why) => Ok(Err(format!("not on this device: {why}"))),
+    }
+}

@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Position routes: from pixel and depth to the offset, by distance, depth format and distance of the
+//! anchor.
+
+use super::coordinate::put_operations;
+use super::error::{LengthErrors, judge};
+use super::kernel::{Kernels, ask};
+use super::place::{Place, radical_inverse};
+use super::timing::Times;
+use crate::BenchError;
+use glam::DVec3;
+use terrafill_core::Geodetic;
+use terrafill_gpu::EVALUATIONS_PER_DISPATCH;
+use terrafill_results::{PrecisionPart, PrecisionRow, Status};
+use terrafill_texture::{DepthFormat, DepthMapping, DepthStorage, PositionRoute, View};
+
+/// From the eye to what is seen, metres, with the near plane that a camera would have there.
+const DISTANCES_M: [(f64, f64); 6] = [
+    (10.0, 0.1),
+    (20.0, 0.1),
+    (1e3, 1.0),
+    (1e5, 1.0),
+    (1e6, 1.0),
+    (3e7, 1.0),
+];
+
+/// Far plane of the formats that need one, and of those that may have one: beyond every distance.
+const FAR_M: f64 = 1e8;
+
+/// Extents of the region, degrees: the anchor close by, and so far that its offset weighs.
+const EXTENTS_DEG: [f64; 2] = [1e-3, 1.0];
+
+const IMAGE: [u32; 2] = [1920, 1080];
+const FIELD_OF_VIEW_DEG: f64 = 60.0;
+/// The view looks down by this much, turned away from north by that.
+const PITCH_DEG: f64 = 40.0;
+const HEADING_DEG: f64 = 30.0;
+
+/// Every mapping: what a route's text depends on.
+pub(crate) const MAPPINGS: [DepthMapping; 3] = [
+    DepthMapping::Standard,
+    DepthMapping::Reversed,
+    DepthMapping::Logarithmic,
+];
+
+/// How far pixel and depth move between two timed evaluations.
+pub(crate) const TIMED_STEP: [f32; 4] = [1e-3, 1e-3, 1e-7, 0.0];
+const TIMED_DISTANCE_M: f64 = 1e3;
+/// A distance is spread by this much, so that its depth meets every rounding.
+const DISTANCE_SPREAD: f64 = 0.02;
+
+/// What is seen, and how its depth is kept.
+pub(crate) struct Sight {
+    distance_m: f64,
+    extent_deg: f64,
+    format: DepthFormat,
+}
+
+/// Distance × depth format × extent.
+pub(crate) fn sights(quick: bool) -> Vec<Sight> {
+    let mut sights = Vec::new();
+    for (distance_m, near_m) in DISTANCES_M {
+        for format in formats(near_m) {
+            for extent_deg in EXTENTS_DEG {
+                let main = format.mapping() == DepthMapping::Reversed
+                    && format.storage() == DepthStorage::Float32;
+                if !quick || (main && extent_deg == EXTENTS_DEG[0]) {
+                    sights.push(Sight {
+                        distance_m,
+                        extent_deg,
+                        format,
+                    });
+                }
+            }
+        }
+    }
+    sights
+}
+
+fn formats(near_m: f64) -> Vec<DepthFormat> {
+    let mut formats = Vec::new();
+    for mapping in MAPPINGS {
+        for storage in [DepthStorage::Float32, DepthStorage::Unorm24] {
+            for far_m in [f64::INFINITY, FAR_M] {
+                // A logarithm has no end to be divided by: no such format.
+                formats.extend(DepthFormat::new(mapping, storage, near_m, far_m).ok());
+            }
+        }
+    }
+    formats
+}
+
+impl Sight {
+    /// As in the `condition` column.
+    pub(crate) fn name(&self) -> String {
+        format!(
+            "distance={};depth={};extent={}",
+            self.distance_m,
+            self.format.name(),
+            self.extent_deg
+        )
+    }
+
+    fn place(&self) -> Option<Place> {
+        Place::new(self.extent_deg, 45.0, ("0", 0.0, 0.0))
+    }
+
+    /// Looks at a point of the region half way from its anchor to its corner.
+    fn view(&self, place: &Place) -> View {
+        view_of(place, self.distance_m, self.format)
+    }
+}
+
+fn view_of(place: &Place, distance_m: f64, depth: DepthFormat) -> View {
+    let extent = place.region.extent();
+    let [width, height] = extent.size_rad();
+    let target = Geodetic {
+        longitude_rad: extent.west_rad + 0.75 * width,
+        latitude_rad: extent.south_rad + 0.75 * height,
+        height_m: 0.0,
+    };
+    let (sin_lon, cos_lon) = target.longitude_rad.sin_cos();
+    let (sin_lat, cos_lat) = target.latitude_rad.sin_cos();
+    let east = DVec3::new(-sin_lon, cos_lon, 0.0);
+    let north = DVec3::new(-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat);
+    let up = DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat);
+    let (sin_heading, cos_heading) = HEADING_DEG.to_radians().sin_cos();
+    let (sin_pitch, cos_pitch) = PITCH_DEG.to_radians().sin_cos();
+    let ahead = east * sin_heading + north * cos_heading;
+    let forward = ahead * cos_pitch - up * sin_pitch;
+    let right = forward.cross(up).normalize();
+    let half = 0.5 * FIELD_OF_VIEW_DEG.to_radians();
+    let focal_y = 1.0 / half.tan();
+    let aspect = f64::from(IMAGE[0]) / f64::from(IMAGE[1]);
+    View {
+        eye_ecef: place.region.body().geodetic_to_ecef(target) - forward * distance_m,
+        right,
+        up: right.cross(forward),
+        backward: -forward,
+        focal_x: focal_y / aspect,
+        focal_y,
+        size: IMAGE,
+        depth,
+    }
+}
+
+/// Names of the routes.
+pub(crate) fn route_names() -> Vec<String> {
+    let names = PositionRoute::ALL
+        .iter()
+        .map(|route| route.name().to_owned());
+    names.collect()
+}
+
+/// What a route of a mapping is called among the times.
+pub(crate) fn timed_name(route: PositionRoute, mapping: DepthMapping) -> String {
+    let mapping = match mapping {
+        DepthMapping::Standard => "standard",
+        DepthMapping::Reversed => "reversed",
+        DepthMapping::Logarithmic => "logarithmic",
+    };
+    format!("{}+{mapping}", route.name())
+}
+
+/// A format of the mapping: storage and planes are no part of a route's text.
+pub(crate) fn timed_format(mapping: DepthMapping) -> DepthFormat {
+    let of = |far_m| DepthFormat::new(mapping, DepthStorage::Float32, 1.0, far_m);
+    of(FAR_M).expect("a far plane beyond the near plane")
+}
+
+/// Constants under which it is timed.
+pub(crate) fn timed_constants(route: PositionRoute, mapping: DepthMapping) -> Vec<[f32; 4]> {
+    let place = Place::new(1.0, 45.0, ("0", 0.0, 0.0));
+    let of = |place: &Place| {
+        let view = view_of(place, TIMED_DISTANCE_M, timed_format(mapping));
+        route.constants(&view, &place.region)
+    };
+    place.as_ref().map_or_else(Vec::new, of)
+}
+
+/// Pixels and depths that are timed.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "inputs as a shader has them"
+)]
+pub(crate) fn timed_inputs() -> Vec<[f32; 4]> {
+    let at = |index: usize, base: u32| {
+        radical_inverse(u32::try_from(index).unwrap_or(u32::MAX), base) as f32
+    };
+    let [width, height] = [1920.0, 1080.0];
+    (1..=EVALUATIONS_PER_DISPATCH)
+        .map(|i| {
+            [
+                at(i, 2) * width,
+                at(i, 3) * height,
+                0.1 + 0.8 * at(i, 5),
+                0.0,
+            ]
+        })
+        .collect()
+}
+
+/// A pixel, its distance, its depth as read back, and where it is.
+struct Seen {
+    input: [f32; 4],
+    exact_m: DVec3,
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "pixel centres are exact in f32"
+)]
+fn seen(view: &View, place: &Place, distance_m: f64, count: u32) -> Vec<Seen> {
+    let [width, height] = IMAGE.map(f64::from);
+    (1..=count)
+        .map(|i| {
+            let pixel = [
+                (radical_inverse(i, 2) * width).floor() + 0.5,
+                (radical_inverse(i, 3) * height).floor() + 0.5,
+            ];
+            let distance_m = distance_m * (1.0 + DISTANCE_SPREAD * (radical_inverse(i, 5) - 0.5));
+            let depth = view.depth.stored(distance_m);
+            Seen {
+                input: [pixel[0] as f32, pixel[1] as f32, depth, 0.0],
+                exact_m: view.exact_offset_m(&place.region, pixel, distance_m),
+            }
+        })
+        .collect()
+}
+
+fn errors_of(seen: &[Seen], answers: impl Iterator<Item = [f32; 3]>) -> LengthErrors {
+    let mut errors = LengthErrors::default();
+    for (seen, answer) in seen.iter().zip(answers) {
+        let found = DVec3::from_array(answer.map(f64::from));
+        errors.add((found - seen.exact_m).length());
+    }
+    errors
+}
+
+/// Rows of every route for what is seen.
+pub(crate) fn rows(
+    sight: &Sight,
+    points: u32,
+    kernels: &Kernels,
+    times: &Times,
+) -> Result<Vec<PrecisionRow>, BenchError> {
+    let mut rows = Vec::new();
+    let Some(place) = sight.place() else {
+        return Ok(rows);
+    };
+    let view = sight.view(&place);
+    let seen = seen(&view, &place, sight.distance_m, points);
+    let inputs: Vec<[f32; 4]> = seen.iter().map(|seen| seen.input).collect();
+    let pixel_m = view.pixel_size_m(sight.distance_m);
+    let mapping = sight.format.mapping();
+    for kernel in kernels.position.iter().filter(|k| k.mapping == mapping) {
+        let route = kernel.route;
+        let constants = route.constants(&view, &place.region);
+        let residual = route.residual(&view, &place.region, sight.distance_m);
+        let emulated = seen.iter().map(|seen| {
+            let [x, y, depth, _] = seen.input;
+            route.emulate(&sight.format, &constants, [x, y], depth)
+        });
+        let emulated = errors_of(&seen, emulated);
+        let mut row = PrecisionRow {
+            part: PrecisionPart::Position,
+            route: route.name().to_owned(),
+            family: route.name().to_owned(),
+            condition: sight.name(),
+            extent_deg: Some(sight.extent_deg),
+            latitude_deg: Some(place.latitude_deg),
+            distance_m: Some(sight.distance_m),
+            depth_format: sight.format.name(),
+            points,
+            non_finite_emulated: Some(emulated.non_finite),
+            emulated_max_m: emulated.figures().map(|[max, _]| max),
+            emulated_rms_m: emulated.figures().map(|[_, rms]| rms),
+            pixel_m: Some(pixel_m),
+            residual_max_m: Some(residual.max_m),
+            residual_rms_m: Some(residual.rms_m),
+            ..PrecisionRow::default()
+        };
+        put_operations(&mut row, &route.operations(&sight.format));
+        times.put(
+            &mut row,
+            PrecisionPart::Position,
+            &timed_name(route, mapping),
+        );
+        let mut unmeasured = String::new();
+        match ask(&kernel.device, &constants, &inputs)? {
+            Ok(answers) => {
+                let answers = answers.values.iter().map(|[x, y, z, _]| [*x, *y, *z]);
+                let device = errors_of(&seen, answers);
+                row.non_finite_device = Some(device.non_finite);
+                row.device_max_m = device.figures().map(|[max, _]| max);
+                row.device_rms_m = device.figures().map(|[_, rms]| rms);
+                row.max_px = row.device_max_m.map(|m| m / pixel_m);
+                row.rms_px = row.device_rms_m.map(|m| m / pixel_m);
+            }
+            Err(why) => unmeasured = why,
+        }
+        judge(&mut row, 1.0);
+        if !unmeasured.is_empty() {
+            (row.status, row.reason) = (Status::Skipped, unmeasured);
+        }
+        rows.push(row);
+    }
+    Ok(rows)
+}

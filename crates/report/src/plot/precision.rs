@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Error of coordinate routes against their time and, beside it, against their operations, which no
+//! noise reaches.
+
+use super::WIDTH_PX;
+use super::canvas::svg;
+use super::log_log::{Frame, NAME_PX, draw_name, names_below};
+use super::palette::Palette;
+use super::work_precision::{Curve, Panel, Upwards, WorkPrecision};
+use crate::ReportError;
+use crate::precision::PrecisionPlot;
+
+const TOP_PX: f64 = 50.0;
+const BOTTOM_PX: f64 = 520.0;
+const LEGEND_PX: f64 = 584.0;
+const PANEL_PX: f64 = WIDTH_PX / 2.0;
+const LEFT_MARGIN_PX: f64 = 74.0;
+const RIGHT_MARGIN_PX: f64 = 22.0;
+
+/// Draws both panels; `None` when neither has a point.
+///
+/// - `clock`: what the left panel's axis says
+///
+/// # Errors
+/// [`ReportError::Plot`].
+pub(crate) fn precision(
+    plot: &PrecisionPlot,
+    clock: &str,
+    palette: &Palette,
+) -> Result<Option<String>, ReportError> {
+    let panel = |title, across, curves: &[Curve]| WorkPrecision {
+        title,
+        across,
+        up: "error, m: largest (filled), RMS (open)",
+        upwards: Upwards::Error,
+        curves: curves.to_vec(),
+        lines: plot.lines.clone(),
+    };
+    let by_time = format!("{}: error against time", plot.title);
+    let plots = [
+        panel(&by_time, clock, &plot.by_time),
+        panel(
+            "Error against operations",
+            "operations, weighted, in fused multiply-adds",
+            &plot.by_operations,
+        ),
+    ];
+    let panels: Vec<Panel<'_>> = plots
+        .iter()
+        .zip([0.0, PANEL_PX])
+        .filter_map(|(plot, left)| {
+            let frame = Frame {
+                left: left + LEFT_MARGIN_PX,
+                right: left + PANEL_PX - RIGHT_MARGIN_PX,
+                top: TOP_PX,
+                bottom: BOTTOM_PX,
+            };
+            Panel::new(plot, frame)
+        })
+        .collect();
+    if panels.is_empty() {
+        return Ok(None);
+    }
+    let names: Vec<String> = plot.by_operations.iter().map(|c| c.name.clone()).collect();
+    let legend = names_below(&names, [LEFT_MARGIN_PX, LEGEND_PX]);
+    let height = legend.last().map_or(LEGEND_PX, |(at, _)| at[1]) + NAME_PX;
+    let title = format!("{}: error against cost", plot.title);
+    svg(&title, WIDTH_PX, height, |canvas| {
+        for panel in &panels {
+            panel.draw(canvas, palette)?;
+        }
+        for ((at, text), name) in legend.iter().zip(&names) {
+            draw_name(canvas, text, *at, palette.stroke(name))?;
+        }
+        Ok(())
+    })
+    .map(Some)
+}
