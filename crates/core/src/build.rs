@@ -5,12 +5,13 @@
 //! with the same latitude become one, all vertices at a pole become one, and what that makes
 //! degenerate vanishes. A boundary edge whose reverse then exists too was a cut, not a border.
 
-use crate::crossings::{CrossingPlaces, MOST_ROUNDS, find_crossings, split_outline};
+use crate::crossings::CrossingPlaces;
 use crate::edge::{Degrees, EdgeSplitter, ROUNDING, ZoneArea, surface_point};
 use crate::geojson::feature_label;
 use crate::mesh::sagitta_m;
-use crate::outline::{OppositeEnds, Outline, OutlineEdge, edges_cross};
+use crate::outline::{OppositeEnds, Outline, OutlineEdge, share_breakpoints};
 use crate::overlaps::{OverlapPlace, RingAreas, find_overlaps, shared_edges};
+use crate::snap::snap_rounded;
 use crate::triangulate::{GroupMesh, TriangulateError, index_u32, triangulate};
 use crate::{EdgeRule, Ellipsoid, Extent, MeshOptions, Region, RegionMesh, Ring};
 use glam::DVec3;
@@ -244,14 +245,10 @@ impl RegionMesh {
         options.check().map_err(|error| vec![error])?;
         let build = |crossings| Self::build_once(region, body, rule, options, crossings);
         build(Crossings::Refused).or_else(|errors| {
-            if rule != EdgeRule::Planar || !only_parts_cross(region, &errors) {
+            if !only_parts_cross(region, rule, &errors) {
                 return Err(errors);
             }
-            // What is only a rounding wide can come out of it turned over.
-            build(Crossings::MadeVertices)
-                .ok()
-                .filter(|mesh| mesh.check_invariants(body).is_ok())
-                .ok_or(errors)
+            build(Crossings::SnappedAway)
         })
     }
 
@@ -381,7 +378,7 @@ enum Crossings {
     /// As they should be: edges of a file cross at its vertices only.
     Refused,
     /// Where [`only_parts_cross`].
-    MadeVertices,
+    SnappedAway,
 }
 
 /// A region's groups, not yet put together.
@@ -407,12 +404,15 @@ impl Meshed {
         let mut splitter = EdgeSplitter::new(body, rule, options);
         let outline = Outline::new(region, rule, &mut splitter)
             .map_err(|opposite| opposite_ends(region, opposite))?;
-        let at_splits = outline.crossings_at_splits(rule, MOST_LISTED_CROSSINGS);
-        let groups = match crossings {
-            Crossings::Refused => outline.groups,
-            Crossings::MadeVertices => {
-                let groups = outline.groups.into_iter();
-                groups.map(without_crossings).collect()
+        let (groups, at_splits) = match crossings {
+            Crossings::Refused => {
+                let at_splits = outline.crossings_at_splits(rule, MOST_LISTED_CROSSINGS);
+                (outline.groups, at_splits)
+            }
+            Crossings::SnappedAway => {
+                let mut groups = snap_rounded(&outline.groups);
+                share_breakpoints(&mut groups.iter_mut().collect::<Vec<_>>());
+                (groups, Vec::new())
             }
         };
         let groups = triangulate_groups(region, body, rule, options, groups, at_splits)?;
@@ -453,7 +453,14 @@ fn notes_on_parts(
             shared += shared_edges(&edges);
         }
         if group.in_doubt {
-            overlaps.extend(find_overlaps(edges, rule, tolerance_deg));
+            let found = find_overlaps(edges, rule, tolerance_deg).ok_or_else(|| {
+                vec![MeshError::Triangulation {
+                    feature: region.index,
+                    name: region.name.clone(),
+                    message: "parts that overlap could not be looked for".to_owned(),
+                }]
+            })?;
+            overlaps.extend(found);
         }
     }
     let plural = |count: usize| if count == 1 { "" } else { "s" };
@@ -497,26 +504,19 @@ struct TriangulatedGroup {
     is_joined: bool,
 }
 
-/// Whether all that is wrong are crossings of parts of edges that do not cross as the file has them.
+/// Whether all that is wrong are crossings of parts of edges that do not cross as the file has them,
+/// or cross by no more than a repair left of them.
 ///
 /// Where an edge is split or cut at the antimeridian is rounded, which bends it over a vertex that
 /// touches it or over another edge a rounding away.
-fn only_parts_cross(region: &Region, errors: &[MeshError]) -> bool {
-    errors.iter().all(|error| match error {
-        MeshError::SelfCrossing { first, second, .. } => {
-            let [first, second] = [first, second].map(|place| edge_at(region, *place));
-            let crosses = |(first, second)| edges_cross(first, second);
-            first.zip(second).is_some_and(|edges| !crosses(edges))
-        }
-        _ => false,
-    })
-}
-
-fn edge_at(region: &Region, place: EdgePlace) -> Option<[Degrees; 2]> {
-    let ring = ring_at(region, place)?;
-    let mut edges = ring.edges_deg().enumerate();
-    let (_, (start, end)) = edges.find(|(i, _)| ring.file_vertex(*i) == place.vertex)?;
-    Some([start, end])
+fn only_parts_cross(region: &Region, rule: EdgeRule, errors: &[MeshError]) -> bool {
+    let crossings = |error: &MeshError| {
+        matches!(
+            error,
+            MeshError::SelfCrossing { .. } | MeshError::MoreCrossings { .. }
+        )
+    };
+    errors.iter().all(crossings) && (region.repaired || !region.has_crossings(rule))
 }
 
 fn ring_at(region: &Region, place: EdgePlace) -> Option<&Ring> {
@@ -530,19 +530,6 @@ fn in_file(region: &Region, place: EdgePlace) -> EdgePlace {
         vertex: vertex.unwrap_or(place.vertex),
         ..place
     }
-}
-
-/// Makes vertices of all crossings, as far as rounding lets that end.
-fn without_crossings(mut edges: Vec<OutlineEdge>) -> Vec<OutlineEdge> {
-    for _ in 0..MOST_ROUNDS {
-        let ends: Vec<[Degrees; 2]> = edges.iter().map(|edge| [edge.start, edge.end]).collect();
-        let (found, _) = find_crossings(EdgeRule::Planar, &ends, MOST_LISTED_CROSSINGS);
-        if found.is_empty() {
-            break;
-        }
-        edges = split_outline(&edges, &found);
-    }
-    edges
 }
 
 /// Mean width of the narrowest group that is turned over, metres; `None` where none is.

@@ -46,20 +46,12 @@ impl Region {
     }
 
     fn split_once(&mut self, rule: EdgeRule) -> usize {
-        let pieces: Vec<RingPiece> = self
-            .rings()
-            .enumerate()
-            .flat_map(|(ring, found)| {
-                let pieces = pieces_as_compared(rule, found);
-                pieces
-                    .into_iter()
-                    .map(move |piece| RingPiece { ring, piece })
-            })
-            .collect();
-        let ends: Vec<[Degrees; 2]> = pieces.iter().map(RingPiece::ends).collect();
-        let (crossings, _) = find_crossings(rule, &ends, usize::MAX);
-        let (edges, at_antimeridian) = self.at_antimeridian(rule, &pieces);
-        let at_cuts = crossings_at_antimeridian(rule, &at_antimeridian, usize::MAX);
+        let FoundCrossings {
+            pieces,
+            crossings,
+            edges,
+            at_cuts,
+        } = self.find_crossings(rule, usize::MAX);
         if crossings.is_empty() && at_cuts.is_empty() {
             return 0;
         }
@@ -107,6 +99,36 @@ impl Region {
         crossings.len() + at_cuts.len()
     }
 
+    /// Whether any two edges cross, compared where they lie on the body.
+    pub(crate) fn has_crossings(&self, rule: EdgeRule) -> bool {
+        let found = self.find_crossings(rule, 1);
+        !(found.crossings.is_empty() && found.at_cuts.is_empty())
+    }
+
+    /// Up to `most` of those between cuts and as many of those on the antimeridian.
+    fn find_crossings(&self, rule: EdgeRule, most: usize) -> FoundCrossings {
+        let pieces: Vec<RingPiece> = self
+            .rings()
+            .enumerate()
+            .flat_map(|(ring, found)| {
+                let pieces = pieces_as_compared(rule, found);
+                pieces
+                    .into_iter()
+                    .map(move |piece| RingPiece { ring, piece })
+            })
+            .collect();
+        let ends: Vec<[Degrees; 2]> = pieces.iter().map(RingPiece::ends).collect();
+        let (crossings, _) = find_crossings(rule, &ends, most);
+        let (edges, at_antimeridian) = self.at_antimeridian(rule, &pieces);
+        let at_cuts = crossings_at_antimeridian(rule, &at_antimeridian, most);
+        FoundCrossings {
+            pieces,
+            crossings,
+            edges,
+            at_cuts,
+        }
+    }
+
     /// Pieces that end in a cut at the antimeridian or run along it, by their position too.
     fn at_antimeridian(
         &self,
@@ -126,6 +148,17 @@ impl Region {
         };
         (0..pieces.len()).filter_map(of_piece).unzip()
     }
+}
+
+/// Crossings of a region's edges.
+struct FoundCrossings {
+    pieces: Vec<RingPiece>,
+    /// Of two pieces.
+    crossings: Vec<Crossing>,
+    /// Pieces that are cut at the antimeridian or run along it.
+    edges: Vec<usize>,
+    /// Of two of those, on the antimeridian.
+    at_cuts: Vec<Crossing>,
 }
 
 /// Part of a ring between two cuts at the antimeridian.

@@ -12,9 +12,9 @@
 //! looked for where: in a triangulation of all edges, from triangle to triangle, counting in which
 //! rings each of them lies.
 
-use crate::crossings::{MOST_ROUNDS, find_crossings, split_outline};
 use crate::edge::{Degrees, along_pole};
 use crate::outline::OutlineEdge;
+use crate::snap::snap_rounded;
 use crate::triangulate::delaunay::{Delaunay, FRAME_CORNERS};
 use crate::triangulate::{GroupMesh, index_u32};
 use crate::{EdgePlace, EdgeRule};
@@ -129,21 +129,19 @@ fn signed_area(edges: impl Iterator<Item = [Degrees; 2]>, reference: f64) -> (f6
 
 /// Places where a polygon lies over another or a hole over what is outside its shell, one for each
 /// pair of rings; those that rounding or the chords of arcs within `tolerance_deg` can feign are
-/// left out.
+/// left out. `None` for a fault of this program.
 pub(crate) fn find_overlaps(
-    mut edges: Vec<OutlineEdge>,
+    edges: Vec<OutlineEdge>,
     rule: EdgeRule,
     tolerance_deg: f64,
-) -> Vec<OverlapPlace> {
-    for _ in 0..MOST_ROUNDS {
-        if let Some(cover) = Cover::new(&edges) {
-            return cover.overlaps(&edges, rule, tolerance_deg);
-        }
-        let ends: Vec<[Degrees; 2]> = edges.iter().map(|edge| [edge.start, edge.end]).collect();
-        let (found, _) = find_crossings(EdgeRule::Planar, &ends, usize::MAX);
-        edges = split_outline(&edges, &found);
+) -> Option<Vec<OverlapPlace>> {
+    if let Some(cover) = Cover::new(&edges) {
+        return Some(cover.overlaps(&edges, rule, tolerance_deg));
     }
-    Vec::new()
+    // Chords cross where arcs do not, and what was split may cross by a rounding.
+    let edges = snap_rounded(&[edges]).swap_remove(0);
+    let cover = Cover::new(&edges)?;
+    Some(cover.overlaps(&edges, rule, tolerance_deg))
 }
 
 /// How many edges of the file are edges of another polygon as well; the antimeridian, where cuts
