@@ -11,6 +11,7 @@
 use crate::box_tree::{AxisBox, BoxTree};
 use crate::edge::{Degrees, normal};
 use crate::outline::{OutlineEdge, Piece, edges_cross, planar_pieces};
+use crate::triangulate::without_underflow;
 use crate::{EdgePlace, EdgeRule, Region, Ring};
 use glam::DVec3;
 use std::ops::ControlFlow;
@@ -472,14 +473,22 @@ pub(crate) fn crossing_places(
 }
 
 /// Where two straight edges cross, each strictly between its ends. The decision is exact.
+///
+/// Rounded, but into the box of either edge: a repair makes a vertex of it, which must not lie
+/// beyond a pole.
 pub(crate) fn planar_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degrees> {
+    let [a, b] = [a, b].map(|ends| ends.map(|end| end.map(without_underflow)));
     let coord = |[x, y]: Degrees| robust::Coord { x, y };
     let side = |[p, q]: [Degrees; 2], r| robust::orient2d(coord(p), coord(q), coord(r));
     let (a0, a1) = (side(b, a[0]), side(b, a[1]));
     let (b0, b1) = (side(a, b[0]), side(a, b[1]));
     (opposite(a0, a1) && opposite(b0, b1)).then(|| {
         let along = a0 / (a0 - a1);
-        [0, 1].map(|i| a[0][i] + (a[1][i] - a[0][i]) * along)
+        [0, 1].map(|i| {
+            let low = a[0][i].min(a[1][i]).max(b[0][i].min(b[1][i]));
+            let high = a[0][i].max(a[1][i]).min(b[0][i].max(b[1][i]));
+            (a[0][i] + (a[1][i] - a[0][i]) * along).max(low).min(high)
+        })
     })
 }
 

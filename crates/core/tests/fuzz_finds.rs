@@ -293,3 +293,18 @@ fn rings_a_rounding_apart_do_not_cross_where_their_edges_are_split() {
         assert_eq!(mesh.check_invariants(&body), Ok(()), "{name}");
     }
 }
+
+#[test]
+fn a_crossing_beside_a_pole_is_not_made_a_vertex_beyond_it() {
+    // Edges that come together at the south pole 10⁻³²³° apart crossed at −90.00000000000001.
+    let mut region = region(
+        "[[[[2.5e-323,88.99999999999993],[-180,-61],[2.5e-323,88.99999999999997],\
+         [1e-323,88.99999999999993],[0,-90],[3.5e-323,88.99999999999983]]],\
+         [[[30,29],[-90,90],[-1.5e-323,-90],[30,29],[180,89]]]]",
+    );
+    assert!(region.split_at_crossings(EdgeRule::Planar) > 0);
+    let latitudes = || region.rings().flat_map(|ring| ring.vertices_deg());
+    assert!(latitudes().all(|vertex| vertex[1].abs() <= 90.0));
+    assert!(latitudes().any(|vertex| vertex[1] == -90.0));
+    build(&region, EdgeRule::Planar).expect("meshes");
+}
