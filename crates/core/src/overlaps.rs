@@ -425,15 +425,22 @@ fn rings_round(point: Degrees, edges: &[OutlineEdge]) -> Vec<RingKey> {
 
 /// Two of the rings that hold a place which say two things of it.
 ///
-/// A hole that goes round the axis, or whose shell does, may be on either side of it, so of such a
-/// polygon only the parity counts.
+/// Of rings round the axis the larger may be shell or hole, so of those of a polygon only the parity
+/// counts; any other hole has to lie in one of them if the shell is one.
 fn overlapping(held: &[RingKey], goes_round: &[RingKey]) -> Option<[RingKey; 2]> {
     let mut inside: Option<RingKey> = None;
     for rings in held.chunk_by(|a, b| a.0 == b.0) {
         let polygon = rings[0].0;
         let round = goes_round.iter().any(|ring| ring.0 == polygon);
         let is_inside = match rings {
-            _ if round => rings.len() % 2 == 1,
+            _ if round => {
+                let goes_round = |ring: &RingKey| goes_round.binary_search(ring).is_ok();
+                let outside = goes_round(&(polygon, 0)) && !rings.iter().any(goes_round);
+                if outside {
+                    return Some([(polygon, 0), rings[0]]);
+                }
+                rings.len() % 2 == 1
+            }
             // What lies in a hole of a hole is inside again.
             [shell, holes @ ..] if shell.1 == 0 => holes.len() % 2 == 0,
             [hole, ..] => return Some([(polygon, 0), *hole]),
