@@ -607,24 +607,30 @@ fn cut_great_ellipse(
     let span = (end[0] - start[0]).abs();
     if span < 180.0 {
         push(start, end);
-    } else if span == 180.0 {
+        return Ok(());
+    }
+    let latitude = if span == 180.0 {
         // Over the nearer pole.
         if start[1] + end[1] == 0.0 {
             return Err(vertex);
         }
-        let pole = 90.0_f64.copysign(start[1] + end[1]);
-        push(start, [start[0], pole]);
-        push([end[0], pole], end);
+        90.0_f64.copysign(start[1] + end[1])
     } else {
         let (west, east) = if start[0] > 0.0 {
             (start, end)
         } else {
             (end, start)
         };
-        let latitude = great_circle_latitude(west, [east[0] + 360.0, east[1]], 180.0);
-        push(start, [180.0_f64.copysign(start[0]), latitude]);
-        push([180.0_f64.copysign(end[0]), latitude], end);
-    }
+        great_circle_latitude(west, [east[0] + 360.0, east[1]], 180.0)
+    };
+    // Where it passes a pole by less than rounding it is a meridian on either side as well.
+    let sides = if latitude.abs() == 90.0 {
+        [start[0], end[0]]
+    } else {
+        [start, end].map(|[longitude, _]| 180.0_f64.copysign(longitude))
+    };
+    push(start, [sides[0], latitude]);
+    push([sides[1], latitude], end);
     Ok(())
 }
 

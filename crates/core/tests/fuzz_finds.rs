@@ -308,3 +308,32 @@ fn a_crossing_beside_a_pole_is_not_made_a_vertex_beyond_it() {
     assert!(latitudes().any(|vertex| vertex[1] == -90.0));
     build(&region, EdgeRule::Planar).expect("meshes");
 }
+
+#[test]
+fn an_arc_that_is_cut_at_the_antimeridian_a_rounding_from_the_pole_goes_over_the_pole() {
+    // From −90.00000000000006 to 89.99999999999997 the shorter way leads over the antimeridian, at a
+    // latitude that is rounded to 90: its halves were taken for straight lines to the pole's corners
+    // of the map, and then drawn as meridians, 11° from there.
+    let arc = "[269.99999999999994,89.75],[89.99999999999997,89.75]";
+    let body = Ellipsoid::WGS84;
+    let options = MeshOptions {
+        boundary_tolerance_m: 1e9,
+        cap_step_deg: 30.0,
+    };
+    // The radius of curvature at the pole, a²/b.
+    let radius_m = body.equatorial_radius_m().powi(2) / body.polar_radius_m();
+    let half_diagonal_m = 0.25_f64.to_radians() * radius_m;
+    for third in ["[0,89.75]", "[180,89.75]"] {
+        let region = region(&format!("[[[{arc},{third}]]]"));
+        let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options);
+        let mesh = mesh.expect("meshes");
+        assert_eq!(mesh.check_invariants(&body), Ok(()));
+        let error = mesh.area_m2 / half_diagonal_m.powi(2) - 1.0;
+        assert!(error.abs() < 1e-4, "{third}: {error}");
+        // As far as rounding allows, where it goes exactly over the pole.
+        let over = self::region(&format!("[[[[-90,89.75],[90,89.75],{third}]]]"));
+        let over = RegionMesh::build(&over, &body, EdgeRule::GreatEllipse, &options);
+        let error = mesh.area_m2 / over.expect("meshes").area_m2 - 1.0;
+        assert!(error.abs() < 1e-9, "{third}: {error}");
+    }
+}

@@ -20,6 +20,7 @@ pub const BRANCHES: &[&str] = &[
     "meshed_great_ellipse",
     "crossing_refused",
     "crossing_refused_great_ellipse",
+    "overlap_refused",
     "no_area_refused",
     "opposite_ends_refused",
     "option_refused",
@@ -300,7 +301,10 @@ fn judge_refusal(
             }
             Ok(())
         }
-        MeshError::Overlap { .. } => judge_overlap(region, case, error),
+        MeshError::Overlap { .. } => {
+            reached.hit("overlap_refused");
+            judge_overlap(region, case, error)
+        }
         MeshError::NoArea { .. } => {
             reached.hit("no_area_refused");
             judge_no_area(region, case)
