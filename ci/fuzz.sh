@@ -5,9 +5,10 @@
 #
 # usage: ci/fuzz.sh [SECONDS] [TARGET…]
 #
-# SECONDS for each target, 60 if not given; TARGET is geojson or mesh, both if not given. Starts from
-# the seeds, the regressions and whatever earlier runs left in target/fuzz. Prints the executions
-# and how often each branch was reached; exit 1 on a find or on a branch never reached.
+# SECONDS of CPU time for each target, 60 if not given, so that a busy machine looks no less far;
+# TARGET is geojson or mesh, both if not given. Starts from the seeds, the regressions and whatever
+# earlier runs left in target/fuzz. Prints the CPU time, the executions and how often each branch
+# was reached; exit 1 on a find or on a branch never reached.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -40,6 +41,14 @@ export RUSTFLAGS
 CARGO_TARGET_DIR=$build cargo build --quiet --release --locked \
     --manifest-path "$fuzz/Cargo.toml" --target "$host"
 
+# What libFuzzer exits with when it is interrupted, as it is here when its time is up.
+interrupted=72
+
+# CPU seconds of a process, user and system; nothing once it has ended.
+cpu_seconds() {
+    ps -o cputimes= -p "$1" | tr -d ' '
+}
+
 failed=0
 for target in "${targets[@]}"; do
     program=$build/$host/release/$target
@@ -53,18 +62,33 @@ for target in "${targets[@]}"; do
     log=$build/$target.log
     mkdir -p "$corpus" "$artifacts"
     rm -f "$counters"
-    echo "== $target, $seconds s"
+    echo "== $target, $seconds s of CPU time"
     # An input that takes 20 s, or 1 GiB, is a find as well.
-    if ! RUST_BACKTRACE=0 TERRAFILL_FUZZ_COUNTERS=$counters "$program" \
-        -max_total_time="$seconds" -timeout=20 -rss_limit_mb=1024 -max_len=512 \
+    RUST_BACKTRACE=0 TERRAFILL_FUZZ_COUNTERS=$counters "$program" \
+        -timeout=20 -rss_limit_mb=1024 -max_len=512 \
         -artifact_prefix="$artifacts/" -print_final_stats=1 \
-        "$corpus" "$fuzz/seeds/$target" "$fuzz/regressions/$target" >"$log" 2>&1; then
+        "$corpus" "$fuzz/seeds/$target" "$fuzz/regressions/$target" >"$log" 2>&1 &
+    fuzzer=$!
+    trap 'kill "$fuzzer" 2>/dev/null || true' EXIT
+    spent=0
+    while used=$(cpu_seconds "$fuzzer") && [ -n "$used" ]; do
+        spent=$used
+        if [ "$spent" -ge "$seconds" ]; then
+            kill -INT "$fuzzer"
+            break
+        fi
+        sleep 1
+    done
+    code=0
+    wait "$fuzzer" || code=$?
+    if [ "$code" -ne "$interrupted" ]; then
         # From the panic's message to libFuzzer's, or what libFuzzer says of a slow or large input.
         sed -n '/panicked at/,/^note:/p; /^SUMMARY/p' "$log"
         echo "$target: a find; the input is in $artifacts" >&2
         failed=1
         continue
     fi
+    echo "cpu_seconds $spent"
     grep -E '^stat::(number_of_executed_units|average_exec_per_sec|peak_rss_mb)' "$log"
     cat "$counters"
     if awk '$2 == 0 { print "'"$target"': never reached: " $1; found = 1 } END { exit !found }' \
