@@ -248,6 +248,12 @@ mod tests {
                 .wrapping_add(1);
             (self.0 >> 11) as f64 / (1_u64 << 53) as f64
         }
+
+        fn choose<T: Copy>(&mut self, from: &[T]) -> T {
+            self.next();
+            let index = usize::try_from(self.0 >> 33).expect("31 bits");
+            from[index % from.len()]
+        }
     }
 
     fn outline(ends: &[[Degrees; 2]]) -> Vec<OutlineEdge> {
@@ -270,7 +276,7 @@ mod tests {
     /// Edges a few roundings beside one line, so that they cross anywhere.
     fn bundle(random: &mut Random, count: usize) -> Vec<[Degrees; 2]> {
         let corner = |random: &mut Random| [random.next() - 0.5, random.next() - 0.5];
-        let size = [300.0, 20.0, 1e-9][(3.0 * random.next()) as usize];
+        let size = random.choose(&[300.0, 20.0, 1e-9]);
         let (a, b) = (corner(random), corner(random));
         let mut place = |share: f64| {
             [0, 1].map(|k| {
@@ -359,9 +365,10 @@ mod tests {
     #[test]
     fn a_crossing_is_in_the_cell_that_exact_fractions_say() {
         let mut random = Random(8);
+        let even: Vec<i64> = (-20..20).map(|half| 2 * half).collect();
         let (mut crossings, mut negative) = (0, 0);
         for _ in 0..2_000 {
-            let mut cell = || [0, 1].map(|_| 2 * ((random.next() - 0.5) * 40.0).floor() as i64);
+            let mut cell = || [0, 1].map(|_| random.choose(&even));
             let (a, b) = ([cell(), cell()], [cell(), cell()]);
             let Some(found) = crossing_cell(a, b) else {
                 continue;
