@@ -17,7 +17,8 @@ use glam::DVec3;
 use std::ops::ControlFlow;
 
 /// Rounds after which the search gives up: a crossing is rounded to the nearest number, which can
-/// bend an edge over another one close by, but only by the last bit.
+/// bend an edge over another one close by, but only by the last bit. What is left of them then is
+/// taken away by `snap` where the region is meshed.
 pub(crate) const MOST_ROUNDS: usize = 8;
 
 impl Region {
