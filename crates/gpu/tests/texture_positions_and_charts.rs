@@ -257,8 +257,9 @@ fn worst_angle(samples: &[Sample], results: &[[f32; 4]]) -> f64 {
     let turn = std::f64::consts::TAU;
     let mut worst = 0.0_f64;
     for (sample, result) in samples.iter().zip(results) {
-        for axis in usize::from(sample.on_axis)..2 {
-            let off = (f64::from(result[axis]) - sample.angles_rad[axis]).abs();
+        let pairs = result.iter().zip(sample.angles_rad);
+        for (got, exact) in pairs.skip(usize::from(sample.on_axis)) {
+            let off = (f64::from(*got) - exact).abs();
             // A maximum would drop NaN.
             let off = if off.is_nan() { f64::INFINITY } else { off };
             worst = worst.max(off.min((turn - off).abs()));
