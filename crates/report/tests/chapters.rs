@@ -2,12 +2,15 @@
 //! The chapters on the ladder, the matrix, memory and growth, read as a reader would. Each has a twin
 //! in which something is wrong and must be seen.
 
+mod made_up;
+
+use made_up::samples;
 use std::fs;
 use std::path::Path;
 use terrafill_report::write_report;
 use terrafill_results::{
     CaseKey, LadderRung, MemoryRow, PrecisionGrid, PrecisionPart, PrecisionPlan, PrecisionRow,
-    RunEnvironment, RunFolder, RunPlan, Sample, Status, Summary, median,
+    RunEnvironment, RunFolder, RunPlan, Status, Summary, median,
 };
 
 const BOUND_MS: f64 = 10.0;
@@ -38,23 +41,7 @@ fn start(folder: &Path, cases: &[CaseKey], drawn_only: &[CaseKey]) -> RunFolder 
 /// A right row whose frames take `ms` times the round's factor.
 fn timed(run: &RunFolder, key: &CaseKey, role: &str, ms: f64) -> Summary {
     let times = ROUNDS.map(|round| round * ms);
-    let samples: Vec<Sample> = (0..)
-        .zip(times)
-        .map(|(frame, time)| Sample {
-            scene: key.scene.clone(),
-            view: key.view.clone(),
-            backend: key.backend.clone(),
-            variant: key.variant.clone(),
-            frame,
-            surface_gpu_ms: None,
-            stencil_gpu_ms: None,
-            colour_gpu_ms: None,
-            fill_gpu_ms: None,
-            fill_cpu_ms: time,
-            fill_wall_ms: time,
-        })
-        .collect();
-    run.append_samples(&samples).expect("samples");
+    run.append_samples(&samples(key, &times)).expect("samples");
     Summary {
         fill_cpu_ms: median(&times),
         bound_cpu_ms: Some(BOUND_MS),

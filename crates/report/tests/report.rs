@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The report of a made-up run, read as a reader would: what it must say, and what it must not.
 
+mod made_up;
+
+use made_up::samples;
 use std::fs;
 use std::path::Path;
 use terrafill_report::{ReportError, ReportSummary, write_report};
 use terrafill_results::{
-    CaseKey, GrowthRow, RunEnvironment, RunFolder, RunPlan, Sample, Status, Summary, spread,
+    CaseKey, GrowthRow, RunEnvironment, RunFolder, RunPlan, Status, Summary, spread,
 };
 
 const BOUND_MS: f64 = 10.0;
@@ -42,24 +45,7 @@ fn start(folder: &Path, variants: &[&str]) -> RunFolder {
 fn measured(run: &RunFolder, variant: &str, status: Status, median: f64) -> Summary {
     let key = key(variant);
     let times = [0.9, 0.95, 1.0, 1.0, 1.05, 1.1].map(|factor| factor * median);
-    let samples: Vec<Sample> = times
-        .iter()
-        .zip(0..)
-        .map(|(&time, frame)| Sample {
-            scene: key.scene.clone(),
-            view: key.view.clone(),
-            backend: key.backend.clone(),
-            variant: key.variant.clone(),
-            frame,
-            surface_gpu_ms: None,
-            stencil_gpu_ms: None,
-            colour_gpu_ms: None,
-            fill_gpu_ms: None,
-            fill_cpu_ms: time,
-            fill_wall_ms: time,
-        })
-        .collect();
-    run.append_samples(&samples).expect("samples");
+    run.append_samples(&samples(&key, &times)).expect("samples");
     let fill = spread(&times).expect("six frames");
     Summary {
         fill_cpu_ms: Some(fill.median),

@@ -69,6 +69,7 @@ impl Fixtures {
                 self.fills[fill_index(clears, has_colour)] = fill_pass(device, clears, has_colour)?;
             }
         }
+        let both = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
         let entry = |binding, kind, stages| {
             vk::DescriptorSetLayoutBinding::default()
                 .binding(binding)
@@ -77,16 +78,8 @@ impl Fixtures {
                 .stage_flags(stages)
         };
         let bindings = [
-            entry(
-                0,
-                vk::DescriptorType::UNIFORM_BUFFER,
-                vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT,
-            ),
-            entry(
-                1,
-                vk::DescriptorType::STORAGE_BUFFER,
-                vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT,
-            ),
+            entry(0, vk::DescriptorType::UNIFORM_BUFFER, both),
+            entry(1, vk::DescriptorType::STORAGE_BUFFER, both),
         ];
         let number_bindings = [entry(
             0,
@@ -125,26 +118,25 @@ impl Fixtures {
     }
 }
 
-fn colour_attachment() -> vk::AttachmentDescription {
+/// Loaded, kept, and in the same layout before and after.
+fn kept(format: vk::Format, layout: vk::ImageLayout) -> vk::AttachmentDescription {
     vk::AttachmentDescription::default()
-        .format(COLOUR_FORMAT)
+        .format(format)
         .samples(vk::SampleCountFlags::TYPE_1)
         .load_op(vk::AttachmentLoadOp::LOAD)
         .store_op(vk::AttachmentStoreOp::STORE)
-        .initial_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
-        .final_layout(vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
+        .initial_layout(layout)
+        .final_layout(layout)
+}
+
+fn colour_attachment() -> vk::AttachmentDescription {
+    kept(COLOUR_FORMAT, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)
 }
 
 fn depth_attachment() -> vk::AttachmentDescription {
-    vk::AttachmentDescription::default()
-        .format(DEPTH_STENCIL_FORMAT)
-        .samples(vk::SampleCountFlags::TYPE_1)
-        .load_op(vk::AttachmentLoadOp::LOAD)
-        .store_op(vk::AttachmentStoreOp::STORE)
+    kept(DEPTH_STENCIL_FORMAT, DEPTH_READ_ONLY)
         .stencil_load_op(vk::AttachmentLoadOp::LOAD)
         .stencil_store_op(vk::AttachmentStoreOp::STORE)
-        .initial_layout(DEPTH_READ_ONLY)
-        .final_layout(DEPTH_READ_ONLY)
 }
 
 fn surface_pass(device: &ash::Device) -> Result<vk::RenderPass, vk::Result> {

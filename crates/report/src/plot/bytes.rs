@@ -6,7 +6,7 @@
 
 use super::canvas::{Anchor, Canvas, svg};
 use super::palette::{INK, Palette};
-use super::scale::linear_ticks;
+use super::scale::{linear_ticks, whole};
 use super::{WIDTH_PX, label, label_column};
 use crate::ReportError;
 use crate::number;
@@ -92,7 +92,7 @@ pub(crate) fn geometry_bytes(
         for tick in linear_ticks(0.0, most as f64) {
             let x = left + tick * scale;
             canvas.rule([x, TOP_PX], [x, bottom], 0.12)?;
-            let label = number::bytes(rounded(tick));
+            let label = number::bytes(whole(tick));
             canvas.text(&label, [x, bottom + 12.0], Anchor::Middle)?;
         }
         canvas.rule([left, TOP_PX], [left, bottom], 0.6)?;
@@ -156,15 +156,6 @@ fn value_label(bytes: &Bytes, base: Option<u64>) -> String {
         ),
         None => geometry,
     }
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "ticks lie between 0 and a byte count"
-)]
-fn rounded(tick: f64) -> u64 {
-    tick.round() as u64
 }
 
 #[cfg(test)]

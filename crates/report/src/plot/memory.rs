@@ -8,7 +8,7 @@ use super::log_log::{
     AxisText, Frame, LINE_OPACITY, draw_across, draw_names_aside, draw_up, names_width,
 };
 use super::palette::Palette;
-use super::scale::LogScale;
+use super::scale::{LogScale, whole};
 use crate::ReportError;
 use crate::memory::Curve;
 use crate::number;
@@ -79,13 +79,4 @@ pub(crate) fn bytes_over_regions(
         draw_names_aside(canvas, frame, ends.collect(), &palette)
     })
     .map(Some)
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "ticks are positive and far below 2^53"
-)]
-fn whole(tick: f64) -> u64 {
-    tick.round() as u64
 }

@@ -140,6 +140,16 @@ pub(crate) fn tick_label(value: f64) -> String {
     format!("{mantissa}{exponent}")
 }
 
+/// A tick of an axis of counts.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "ticks are not negative and far below 2^53"
+)]
+pub(crate) fn whole(tick: f64) -> u64 {
+    tick.round() as u64
+}
+
 /// A length as a label.
 pub(crate) fn length(metres: f64) -> String {
     if metres >= 1000.0 {

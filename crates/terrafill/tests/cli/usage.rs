@@ -221,30 +221,10 @@ fn devices_says_what_runs_and_ends_with_5_where_no_device_does() {
 #[test]
 fn without_a_device_what_needs_one_ends_with_5_and_writes_nothing() {
     let desk = Desk::new();
-    for arguments in [
-        &["bench", "california", "--quick", "--out", "run"][..],
-        &["render", "california", "--view", "globe", "--out", "a.png"],
-        &[
-            "render",
-            "california",
-            "--view",
-            "globe",
-            "--out",
-            "a.png",
-            "--backend",
-            "compute",
-        ],
-        &[
-            "render",
-            "california",
-            "--view",
-            "globe",
-            "--out",
-            "a.png",
-            "--backend",
-            "native",
-        ],
-    ] {
+    let render = ["render", "california", "--view", "globe", "--out", "a.png"];
+    let by = |backend| [&render[..], &["--backend", backend]].concat();
+    let bench = ["bench", "california", "--quick", "--out", "run"];
+    for arguments in [&bench[..], &render, &by("compute"), &by("native")] {
         let ran = desk.run_without_device(arguments);
         assert_eq!((ran.code, ran.stdout.as_str()), (5, ""), "{}", ran.stderr);
         assert_eq!(ran.stderr.lines().count(), 1, "{}", ran.stderr);
