@@ -67,20 +67,17 @@ const DRAWN: [(&str, &str); 6] = [
         "a cap of 5° round the pole",
     ),
     ("extent=90;latitude=45;heights=+9km", "90°, latitude 45°"),
-    ("extent=360;latitude=0;heights=+9km", "the globe"),
+    ("extent=360;latitude=0;heights=+9km", "The globe"),
 ];
 
 /// Families that are drawn everywhere; those of [`POLYNOMIALS`] have a plot of their own.
-const FAMILIES: [&str; 16] = [
+const FAMILIES: [&str; 13] = [
     "atan2-native",
     "recentred-atan2-native",
-    "near-atan2-native",
     "odd",
     "recentred-odd",
     "near-odd",
     "rat",
-    "recentred-rat",
-    "near-rat",
     "planes",
     "gnomonic",
     "azimuthal",
@@ -311,25 +308,39 @@ fn findings(data: &PrecisionData) -> Vec<Finding> {
         data.of(PrecisionPart::Position)
             .filter(|row| (row.route.as_str(), row.depth_format.as_str()) == DEFAULT_POSITION)
     };
-    let close = default().filter(|row| row.distance_m == Some(DEFAULT_LIMIT.0));
-    if let Some((metres, row)) = largest(close, |row| row.device_rms_m) {
+    let least_extent = default()
+        .filter_map(|row| row.extent_deg)
+        .fold(f64::INFINITY, f64::min);
+    let is_near = |row: &&PrecisionRow| row.extent_deg.is_none_or(|e| e <= least_extent);
+    let close = default().filter(is_near);
+    let at_20_m = close.filter(|row| row.distance_m == Some(DEFAULT_LIMIT.0));
+    if let Some((metres, _)) = largest(at_20_m, |row| row.device_max_m) {
         findings.push(finding(
             metres <= DEFAULT_LIMIT.1,
             format!(
-                "The default position, {}, at 20 m: {} m RMS, {} m at most, where the anchor lies \
-                 farthest ({}).",
+                "The default position, {}, at 20 m, its anchor beside what is seen: {} m at most.",
                 DEFAULT_POSITION.0,
                 significant(metres),
-                row.device_max_m.map_or_else(|| "–".to_owned(), significant),
-                row.condition,
             ),
         ));
     }
-    if let Some((pixels, row)) = largest(default(), |row| row.max_px) {
+    if let Some((pixels, row)) = largest(default().filter(is_near), |row| row.max_px) {
         findings.push(finding(
             pixels <= QUARTER,
             format!(
-                "The default position anywhere: at most {} of a pixel ({}).",
+                "The same from 10 m to 30,000 km: at most {} of a pixel ({}).",
+                significant(pixels),
+                row.condition
+            ),
+        ));
+    }
+    let far = default().filter(|row| !is_near(row));
+    if let Some((pixels, row)) = largest(far, |row| row.max_px) {
+        findings.push(finding(
+            pixels <= QUARTER,
+            format!(
+                "With the anchor in the middle of a larger region, whatever is seen of it: at most {} \
+                 of a pixel ({}). An offset in f32 is as coarse as the anchor is far.",
                 significant(pixels),
                 row.condition
             ),
@@ -621,7 +632,7 @@ pub(crate) fn plots(data: &RunData) -> Vec<PrecisionPlot> {
     plots.extend(plot(
         &data.precision,
         POLYNOMIALS_AT,
-        "every way to write the arctangent, the globe",
+        "Every way to write the arctangent, on the globe",
         &POLYNOMIALS,
         on_gpu,
     ));

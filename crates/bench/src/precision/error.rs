@@ -156,8 +156,7 @@ pub(crate) fn judge(row: &mut PrecisionRow, rounding_share: f64) {
         );
         (Status::Wrong, reason)
     } else if !is_map {
-        let reason =
-            "no map of this region: by its formula it is off by more than the body is large";
+        let reason = "no answer here: by its formula the error is as large as the body";
         (Status::Wrong, reason.to_owned())
     } else if row
         .max_over_residual

@@ -3,7 +3,7 @@
 //! anchor.
 
 use super::coordinate::put_operations;
-use super::error::{LengthErrors, judge};
+use super::error::{AGREEMENT, LengthErrors, judge};
 use super::kernel::{Kernels, ask};
 use super::place::{Place, radical_inverse};
 use super::timing::Times;
@@ -99,6 +99,20 @@ impl Sight {
             self.format.name(),
             self.extent_deg
         )
+    }
+
+    /// What the formula takes for worse than it is.
+    fn why_less_than_expected(&self, route: PositionRoute) -> &'static str {
+        if route == PositionRoute::InverseEcef {
+            "an error of the depth is in numerator and divisor alike and cancels; the formula takes \
+             them for independent"
+        } else if self.format.residual_m(self.distance_m) > DISTANCE_SPREAD * self.distance_m {
+            "a step of the depth is longer than the range of distances measured"
+        } else if self.format.mapping() == DepthMapping::Logarithmic {
+            "WGSL grants exp2 and log2 some units in the last place more than this device takes"
+        } else {
+            "no reason known"
+        }
     }
 
     fn place(&self) -> Option<Place> {
@@ -300,6 +314,12 @@ pub(crate) fn rows(
             Err(why) => unmeasured = why,
         }
         judge(&mut row, 1.0);
+        if row
+            .measured_over_expected
+            .is_some_and(|ratio| ratio < 1.0 / AGREEMENT)
+        {
+            row.residual_reason = sight.why_less_than_expected(route).to_owned();
+        }
         if !unmeasured.is_empty() {
             (row.status, row.reason) = (Status::Skipped, unmeasured);
         }
