@@ -474,8 +474,8 @@ fn precision_tables(
         (
             "precision-special",
             "Where formulas break",
-            "Inputs that are special to floating point or to the map. The last six lines are no \
-             fragment's: stencil and depth keep them away.",
+            "Inputs that are special to floating point or to the map. The last seven lines are \
+             no fragment's: stencil and depth keep them away.",
             take(|c| &mut c.special),
         ),
     ]

@@ -609,6 +609,8 @@ fn special_table(data: &PrecisionData) -> Table {
             is_bad: rows.iter().any(|row| row.status == Status::Wrong),
         }
     });
+    let mut rows: Vec<TableRow> = rows.collect();
+    rows.extend(cleared_row(data));
     let headings = [
         "input",
         "not finite, emulated",
@@ -618,8 +620,30 @@ fn special_table(data: &PrecisionData) -> Table {
     ];
     Table {
         headings: headings.map(str::to_owned).into(),
-        rows: rows.collect(),
+        rows,
     }
+}
+
+/// Position routes where nothing was drawn.
+fn cleared_row(data: &PrecisionData) -> Option<TableRow> {
+    let rows: Vec<&PrecisionRow> = data
+        .of(PrecisionPart::Position)
+        .filter(|row| row.distance_m.is_none())
+        .collect();
+    let count = |of: fn(&PrecisionRow) -> Option<u64>| {
+        let found = rows.iter().filter(|row| of(row).is_some_and(|n| n > 0));
+        format!("{} of {}", found.count(), rows.len())
+    };
+    (!rows.is_empty()).then(|| TableRow {
+        name: "cleared depth (position routes × depth formats)".to_owned(),
+        cells: vec![
+            count(|row| row.non_finite_emulated),
+            count(|row| row.non_finite_device),
+            "–".to_owned(),
+            String::new(),
+        ],
+        is_bad: false,
+    })
 }
 
 /// The plots: one for each region that is drawn and has rows, then every way to write the arctangent.
