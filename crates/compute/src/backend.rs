@@ -81,8 +81,17 @@ impl ComputeBackend {
         self.volumes.left_out(&self.fill.gpu())
     }
 
-    /// Makes what the view needs, and brings program and constants up to date.
+    /// Makes what the view needs, and brings program and constants up to date. Where that fails,
+    /// what was made for the view before is gone too.
     fn upload_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), BackendError> {
+        let made = self.make_view(input, colours);
+        if made.is_err() {
+            self.fill.forget_view();
+        }
+        made
+    }
+
+    fn make_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), BackendError> {
         let program = FillProgram::new(&input.plan, &self.variant.switches, input.scene.overlap)?;
         let stage = self.fill.stage().borrow();
         self.volumes.upload_view(&stage, input)?;
@@ -170,5 +179,57 @@ impl VolumeBackend for ComputeBackend {
         let drawn = self.fill.draw_and_read(&mut self.volumes, input, false);
         self.upload_view(input, Colours::Ids)?;
         drawn.map(|(picture, _)| picture)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compute_bytes;
+    use std::sync::Arc;
+    use terrafill_core::RegionMesh;
+    use terrafill_frame::PreparedScene;
+    use terrafill_gpu::{GpuOptions, Stage, open_for_test};
+    use terrafill_scene::{ImageSize, PlanOptions, Scene, SurfaceMesh};
+
+    #[test]
+    fn a_view_that_does_not_fit_leaves_none_prepared() {
+        let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+            return;
+        };
+        let scene = Scene::shipped("california", None).expect("it ships");
+        let (body, rule) = (&scene.body, scene.edge_rule);
+        let meshes = RegionMesh::build_all(&scene.regions, body, rule, &scene.mesh);
+        let meshes: Arc<[RegionMesh]> = meshes.expect("it meshes").into();
+        let surface = Arc::new(SurfaceMesh::ellipsoid(body, scene.surface_rows));
+        let prepared = PreparedScene::new(&scene, Arc::clone(&meshes), surface);
+        let size = ImageSize {
+            width: 16,
+            height: 16,
+        };
+        let full = FrameInput::new(&prepared, &scene.views[0], size, PlanOptions::default());
+        let mut empty = full.clone();
+        empty.plan.regions.clear();
+        // The meshes fit, and their volumes do not.
+        let bytes = compute_bytes(&meshes[0]);
+        let limits = gpu.device.limits();
+        let capacity = Capacity {
+            storage_bytes: bytes.input_vertex_bytes.max(bytes.input_index_bytes),
+            ..Capacity::of(&limits)
+        };
+        assert!(bytes.output_index_bytes > capacity.storage_bytes);
+        let stage = Stage::shared(&gpu, size).expect("a size every device has");
+        let variant = ComputeVariant::default();
+        let mut backend =
+            ComputeBackend::with_capacity(&stage, variant, capacity).expect("valid shaders");
+        backend.prepare(&empty).expect("nothing to expand");
+        backend.render(&empty).expect("prepared");
+        let error = backend.prepare(&full).expect_err("too large");
+        assert!(error.to_string().contains("expanded volumes"), "{error}");
+        let error = backend.render(&empty).expect_err("no longer prepared");
+        assert!(matches!(error, BackendError::NotPrepared { .. }), "{error}");
+        // Twin: what fits can be prepared again.
+        backend.prepare(&empty).expect("as before");
+        backend.render(&empty).expect("prepared");
     }
 }

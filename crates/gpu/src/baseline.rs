@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The two full-screen passes that fills are measured against, in the same run on the same targets.
 
-use crate::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, SharedStage, TimedPass};
-use terrafill_frame::{BackendError, CpuStopwatch, FrameTimes};
+use crate::covers::full_screen;
+use crate::stage::{attached, read_only_depth};
+use crate::volume_pipeline::{colour_state, colour_target};
+use crate::{SharedStage, TimedPass};
+use terrafill_frame::{BackendError, CpuStopwatch, FrameTimes, StencilTest};
 
 /// Which pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,82 +45,28 @@ impl Baseline {
     /// [`BackendError::Shader`].
     pub fn new(kind: BaselineKind, stage: &SharedStage) -> Result<Self, BackendError> {
         let borrowed = stage.borrow();
-        let device = &borrowed.gpu().device;
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("depth"),
-            entries: &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::FRAGMENT,
-                ty: wgpu::BindingType::Texture {
-                    sample_type: wgpu::TextureSampleType::Depth,
-                    view_dimension: wgpu::TextureViewDimension::D2,
-                    multisampled: false,
-                },
-                count: None,
-            }],
-        });
+        let gpu = borrowed.gpu();
+        let layout = gpu.texture_layout("depth", wgpu::TextureSampleType::Depth);
         let reads_depth = kind == BaselineKind::Bound;
-        let bind_group = reads_depth.then(|| {
-            device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("depth"),
-                layout: &layout,
-                entries: &[wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::TextureView(&borrowed.depth_view()),
-                }],
-            })
-        });
+        let bind_group =
+            reads_depth.then(|| gpu.bind_texture("depth", &layout, &borrowed.depth_view()));
         let path = match kind {
             BaselineKind::Bound => "baseline/bound.wgsl",
             BaselineKind::Floor => "baseline/floor.wgsl",
         };
-        let shader = borrowed.gpu().shader(path)?;
+        let shader = gpu.shader(path)?;
         let layouts: &[Option<&wgpu::BindGroupLayout>] =
             if reads_depth { &[Some(&layout)] } else { &[] };
-        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(kind.name()),
-            bind_group_layouts: layouts,
-            immediate_size: 0,
-        });
-        let face = wgpu::StencilFaceState {
-            compare: wgpu::CompareFunction::Equal,
-            ..wgpu::StencilFaceState::IGNORE
+        let pipeline_layout = gpu.pipeline_layout(kind.name(), layouts);
+        let unmarked = StencilTest {
+            is_equal: true,
+            reference: 0,
+            read_mask: 0xff,
+            zeroes: false,
         };
-        let depth_stencil = (kind == BaselineKind::Floor).then(|| wgpu::DepthStencilState {
-            format: DEPTH_STENCIL_FORMAT,
-            depth_write_enabled: Some(false),
-            depth_compare: Some(wgpu::CompareFunction::Always),
-            stencil: wgpu::StencilState {
-                front: face,
-                back: face,
-                read_mask: 0xff,
-                write_mask: 0,
-            },
-            bias: Default::default(),
-        });
-        let pipeline = borrowed
-            .gpu()
-            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(kind.name()),
-                layout: Some(&pipeline_layout),
-                vertex: wgpu::VertexState {
-                    module: &shader,
-                    entry_point: Some("vertex_main"),
-                    compilation_options: Default::default(),
-                    buffers: &[],
-                },
-                primitive: Default::default(),
-                depth_stencil,
-                multisample: Default::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &shader,
-                    entry_point: Some("fragment_main"),
-                    compilation_options: Default::default(),
-                    targets: &[Some(COLOUR_FORMAT.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
-            });
+        let depth_stencil = (kind == BaselineKind::Floor).then(|| colour_state(unmarked));
+        let (label, target) = (kind.name(), colour_target(false));
+        let pipeline = full_screen(gpu, label, &pipeline_layout, &shader, depth_stencil, target);
         drop(borrowed);
         Ok(Self {
             kind,
@@ -145,25 +94,9 @@ impl Baseline {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(self.kind.name()),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &colour,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Load,
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            depth_stencil_attachment: (self.kind == BaselineKind::Floor).then_some(
-                wgpu::RenderPassDepthStencilAttachment {
-                    view: &depth_stencil,
-                    depth_ops: None,
-                    stencil_ops: Some(wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(0),
-                        store: wgpu::StoreOp::Store,
-                    }),
-                },
-            ),
+            color_attachments: &[Some(attached(&colour, wgpu::LoadOp::Load))],
+            depth_stencil_attachment: (self.kind == BaselineKind::Floor)
+                .then(|| read_only_depth(&depth_stencil, Some(wgpu::LoadOp::Clear(0)))),
             timestamp_writes: stage.timer().map(|t| t.around(TimedPass::Baseline)),
             ..Default::default()
         });

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Bind groups of buffers, numbered in the order in which they are given.
+//! Bind groups: of buffers, numbered in the order in which they are given, and of one texture that
+//! fragments read.
 
 use crate::Gpu;
 
@@ -51,6 +52,62 @@ impl Gpu {
             label: Some(label),
             layout,
             entries: &entries,
+        })
+    }
+
+    /// A layout of one texture, read by fragments.
+    #[must_use]
+    pub fn texture_layout(
+        &self,
+        label: &str,
+        sample_type: wgpu::TextureSampleType,
+    ) -> wgpu::BindGroupLayout {
+        let texture = wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        self.fragment_layout(label, &[texture])
+    }
+
+    /// A layout of what fragments read, numbered in this order.
+    #[must_use]
+    pub fn fragment_layout(
+        &self,
+        label: &str,
+        types: &[wgpu::BindingType],
+    ) -> wgpu::BindGroupLayout {
+        let entries: Vec<_> = (0..)
+            .zip(types)
+            .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry {
+                binding,
+                visibility: wgpu::ShaderStages::FRAGMENT,
+                ty,
+                count: None,
+            })
+            .collect();
+        let descriptor = wgpu::BindGroupLayoutDescriptor {
+            label: Some(label),
+            entries: &entries,
+        };
+        self.device.create_bind_group_layout(&descriptor)
+    }
+
+    /// A texture in a layout of [`Gpu::texture_layout`].
+    #[must_use]
+    pub fn bind_texture(
+        &self,
+        label: &str,
+        layout: &wgpu::BindGroupLayout,
+        view: &wgpu::TextureView,
+    ) -> wgpu::BindGroup {
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(label),
+            layout,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::TextureView(view),
+            }],
         })
     }
 

@@ -27,21 +27,8 @@ impl Covers {
         gpu: &Gpu,
         frame_layout: &wgpu::BindGroupLayout,
     ) -> Result<Self, BackendError> {
-        let number_layout = gpu
-            .device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some("accumulated numbers"),
-                entries: &[wgpu::BindGroupLayoutEntry {
-                    binding: 0,
-                    visibility: wgpu::ShaderStages::FRAGMENT,
-                    ty: wgpu::BindingType::Texture {
-                        sample_type: wgpu::TextureSampleType::Float { filterable: false },
-                        view_dimension: wgpu::TextureViewDimension::D2,
-                        multisampled: false,
-                    },
-                    count: None,
-                }],
-            });
+        let number = wgpu::TextureSampleType::Float { filterable: false };
+        let number_layout = gpu.texture_layout("accumulated numbers", number);
         let resolved = [Some(frame_layout), Some(&number_layout)];
         Ok(Self {
             cover_shader: gpu.shader("vertex/cover.wgsl")?,
@@ -57,7 +44,7 @@ impl Covers {
     pub(crate) fn ensure_cover(&mut self, gpu: &Gpu, test: StencilTest, blends: bool) {
         let (layout, shader) = (&self.cover_layout, &self.cover_shader);
         self.covers.entry((test, blends)).or_insert_with(|| {
-            let (state, target) = (colour_state(test), colour_target(blends));
+            let (state, target) = (Some(colour_state(test)), colour_target(blends));
             full_screen(gpu, "cover", layout, shader, state, target)
         });
     }
@@ -66,10 +53,8 @@ impl Covers {
     pub(crate) fn ensure_resolve(&mut self, gpu: &Gpu) -> Result<(), BackendError> {
         if self.resolve.is_none() {
             let shader = gpu.shader("vertex/resolve.wgsl")?;
-            let (state, target) = (
-                unchanged(wgpu::CompareFunction::Always),
-                colour_target(false),
-            );
+            let state = Some(unchanged(wgpu::CompareFunction::Always));
+            let target = colour_target(false);
             let layout = &self.resolve_layout;
             self.resolve = Some(full_screen(gpu, "resolve", layout, &shader, state, target));
         }
@@ -119,14 +104,8 @@ impl Numbers {
         let sampled = wgpu::TextureUsages::TEXTURE_BINDING;
         let texture = target(gpu, size, "accumulated numbers", NUMBER_FORMAT, sampled);
         let view = texture.create_view(&Default::default());
-        let bind_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("accumulated numbers"),
-            layout: &covers.number_layout,
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::TextureView(&view),
-            }],
-        });
+        let layout = &covers.number_layout;
+        let bind_group = gpu.bind_texture("accumulated numbers", layout, &view);
         Self {
             size,
             view,
@@ -139,13 +118,13 @@ impl Numbers {
     }
 }
 
-/// One triangle over the screen.
-fn full_screen(
+/// A pipeline for one triangle over the screen, by the entry points `vertex_main` and `fragment_main`.
+pub(crate) fn full_screen(
     gpu: &Gpu,
     label: &str,
     layout: &wgpu::PipelineLayout,
     shader: &wgpu::ShaderModule,
-    depth_stencil: wgpu::DepthStencilState,
+    depth_stencil: Option<wgpu::DepthStencilState>,
     target: wgpu::ColorTargetState,
 ) -> wgpu::RenderPipeline {
     gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -158,7 +137,7 @@ fn full_screen(
             buffers: &[],
         },
         primitive: Default::default(),
-        depth_stencil: Some(depth_stencil),
+        depth_stencil,
         multisample: Default::default(),
         fragment: Some(wgpu::FragmentState {
             module: shader,

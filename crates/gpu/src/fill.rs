@@ -7,6 +7,7 @@
 //! there, and stand in passes that leave the stencil alone as well.
 
 use crate::covers::{Covers, Numbers};
+use crate::stage::{attached, read_only_depth};
 use crate::statistics::Statistics;
 use crate::textured::{BoundCover, CoverPurpose, Probe, Textured};
 use crate::volume_pipeline::check_blendable;
@@ -270,6 +271,11 @@ impl VolumeFill {
             numbers,
         });
         Ok(())
+    }
+
+    /// The backend no longer has what the view needs: nothing is prepared any more.
+    pub fn forget_view(&mut self) {
+        self.view = None;
     }
 
     /// Makes the pipelines of the program unless they are there.
@@ -678,33 +684,4 @@ fn compute_stamps<'a>(
         beginning_of_pass_write_index: writes.beginning_of_pass_write_index,
         end_of_pass_write_index: writes.end_of_pass_write_index,
     })
-}
-
-fn read_only_depth(
-    view: &wgpu::TextureView,
-    stencil: Option<wgpu::LoadOp<u32>>,
-) -> wgpu::RenderPassDepthStencilAttachment<'_> {
-    wgpu::RenderPassDepthStencilAttachment {
-        view,
-        depth_ops: None,
-        stencil_ops: stencil.map(|load| wgpu::Operations {
-            load,
-            store: wgpu::StoreOp::Store,
-        }),
-    }
-}
-
-fn attached(
-    view: &wgpu::TextureView,
-    load: wgpu::LoadOp<wgpu::Color>,
-) -> wgpu::RenderPassColorAttachment<'_> {
-    wgpu::RenderPassColorAttachment {
-        view,
-        depth_slice: None,
-        resolve_target: None,
-        ops: wgpu::Operations {
-            load,
-            store: wgpu::StoreOp::Store,
-        },
-    }
 }

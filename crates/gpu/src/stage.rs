@@ -245,15 +245,7 @@ impl Stage {
         let sky = wgpu::Color { r, g, b, a };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("surface"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &colour,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(sky),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
+            color_attachments: &[Some(attached(&colour, wgpu::LoadOp::Clear(sky)))],
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &depth_stencil,
                 depth_ops: Some(wgpu::Operations {
@@ -325,6 +317,37 @@ pub(crate) fn target(
         usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
         view_formats: &[],
     })
+}
+
+/// Depth as it is, and the stencil to be written, or without an operation as it is too.
+pub(crate) fn read_only_depth(
+    view: &wgpu::TextureView,
+    stencil: Option<wgpu::LoadOp<u32>>,
+) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: None,
+        stencil_ops: stencil.map(|load| wgpu::Operations {
+            load,
+            store: wgpu::StoreOp::Store,
+        }),
+    }
+}
+
+/// A colour target, written.
+pub(crate) fn attached(
+    view: &wgpu::TextureView,
+    load: wgpu::LoadOp<wgpu::Color>,
+) -> wgpu::RenderPassColorAttachment<'_> {
+    wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations {
+            load,
+            store: wgpu::StoreOp::Store,
+        },
+    }
 }
 
 fn surface_pipeline(

@@ -15,7 +15,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use terrafill_frame::{
     AddressMode, BackendError, FrameInput, RouteChoice, StencilTest, Switches, TexturePixel,
-    TexturedCover, TexturedPlan, TexturedRegion,
+    TexturedCover, TexturedPlan,
 };
 use terrafill_scene::{ImageSize, MipChain, MipLevel, PlannedRegion, SceneTexture, TextureShare};
 use terrafill_shaders::{RouteText, TEXTURED_COVER, TexturedParts, TexturedPlacement};
@@ -86,7 +86,7 @@ impl TexturedFill {
     /// - `frame_layout`: group 0, the view's constants at binding 0
     #[must_use]
     pub fn new(gpu: &Gpu, frame_layout: &wgpu::BindGroupLayout) -> Self {
-        let group = |label, types: &[wgpu::BindingType]| fragment_layout(gpu, label, types);
+        let group = |label, types: &[wgpu::BindingType]| gpu.fragment_layout(label, types);
         let texture = |sample_type| wgpu::BindingType::Texture {
             sample_type,
             view_dimension: wgpu::TextureViewDimension::D2,
@@ -304,13 +304,7 @@ impl TexturedFill {
             .chain(table.as_ref().map(|table| &table.layout))
             .map(Some)
             .collect();
-        let layout = gpu
-            .device
-            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some("textured cover"),
-                bind_group_layouts: &groups,
-                immediate_size: 0,
-            });
+        let layout = gpu.pipeline_layout("textured cover", &groups);
         self.shaders.push(Shader {
             parts,
             module,
@@ -618,28 +612,6 @@ fn parts(plan: &TexturedPlan, cover: &TexturedCover) -> TexturedParts {
             None => TexturedPlacement::Affine,
         },
     }
-}
-
-/// A layout of what fragments read, numbered in this order.
-pub(crate) fn fragment_layout(
-    gpu: &Gpu,
-    label: &str,
-    types: &[wgpu::BindingType],
-) -> wgpu::BindGroupLayout {
-    let entries: Vec<_> = (0..)
-        .zip(types)
-        .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::FRAGMENT,
-            ty: *ty,
-            count: None,
-        })
-        .collect();
-    gpu.device
-        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some(label),
-            entries: &entries,
-        })
 }
 
 /// All regions' constants, each at a multiple of the stride that comes with them: as long as the
