@@ -21,7 +21,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("scene", &["core", "texture"]),
     ("frame", &["core", "texture", "scene"]),
     ("shaders", &["texture"]),
-    ("gpu", &["core", "scene", "frame", "shaders"]),
+    ("gpu", &["core", "texture", "scene", "frame", "shaders"]),
     ("vulkan", &["core", "scene", "frame", "shaders"]),
     ("vertex", &["core", "scene", "frame", "shaders", "gpu"]),
     ("compute", &["core", "scene", "frame", "shaders", "gpu"]),

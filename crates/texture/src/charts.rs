@@ -185,10 +185,10 @@ impl Chart {
     }
 }
 
-/// `row · (d, 1)`, the row being the four constants from `first`.
-fn affine(b: &mut ProgramBuilder, first: usize, d: [Value; 3]) -> Value {
+/// `row · (vector, 1)`, the row being the four constants from `first`.
+pub(crate) fn affine(b: &mut ProgramBuilder, first: usize, vector: [Value; 3]) -> Value {
     let mut sum = b.constant(first + 3);
-    for (lane, component) in d.into_iter().enumerate().rev() {
+    for (lane, component) in vector.into_iter().enumerate().rev() {
         let factor = b.constant(first + lane);
         sum = b.fma(component, factor, sum);
     }

@@ -5,12 +5,19 @@
 //! each axis and a quarter of a pixel on the ground, and its maximum within half a texel along each
 //! axis. Routes are looked at from the cheapest up, so what a scene does not need is never computed.
 //! Every route that was not taken is listed with the reason.
+//!
+//! The region asked about need not be all that a texture covers: what a view can see of it is enough,
+//! with the anchor below the eye. Offsets and angles are then small where pixels are small, and a
+//! picture of a whole continent keeps a hundredth of a pixel 20 m above the ground, where an anchor
+//! one degree away loses a pixel (`tests/choose_from_pixels.rs`). The difference between that anchor
+//! and the texture's edge is a constant, computed in `f64`.
 
 use crate::residual::RESIDUAL_SAMPLES;
 use crate::{
     AngleCore, Chart, CoordinateRoute, MapRegion, Operations, Program, Residual, ResidualSum,
     Sample, Weight,
 };
+use std::fmt;
 
 /// Largest root mean square error, in texels along each axis and in pixels.
 pub const RMS_TOLERANCE: f64 = 0.25;
@@ -146,6 +153,31 @@ pub enum Reason {
         /// Cost of the route taken.
         taken: f64,
     },
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::RmsTexels { found, allowed } => {
+                write!(f, "RMS {found:.3} texels, allowed {allowed}")
+            }
+            Self::MaxTexels { found, allowed } => {
+                write!(f, "maximum {found:.3} texels, allowed {allowed}")
+            }
+            Self::RmsPixels { found, allowed } => {
+                write!(f, "RMS {found:.3} pixels, allowed {allowed}")
+            }
+            Self::NonFinite { found } => write!(f, "not finite at {found} places"),
+            Self::Suite {
+                worst_over_bound,
+                non_finite,
+            } => write!(
+                f,
+                "measured {worst_over_bound:.3} of its bound, {non_finite} results not finite"
+            ),
+            Self::Dearer { taken } => write!(f, "costs no less than {taken:.0}"),
+        }
+    }
 }
 
 /// A route that was looked at.

@@ -29,6 +29,47 @@ pub enum DepthStorage {
     Float32,
 }
 
+impl DepthMapping {
+    /// Every mapping.
+    pub const ALL: [Self; 3] = [Self::Standard, Self::Reversed, Self::Logarithmic];
+
+    /// Stable name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Standard => "standard",
+            Self::Reversed => "reversed",
+            Self::Logarithmic => "logarithmic",
+        }
+    }
+
+    /// The mapping called `name`.
+    #[must_use]
+    pub fn parse(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|mapping| mapping.name() == name)
+    }
+}
+
+impl DepthStorage {
+    /// Every storage.
+    pub const ALL: [Self; 2] = [Self::Unorm24, Self::Float32];
+
+    /// Stable name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unorm24 => "unorm24",
+            Self::Float32 => "float32",
+        }
+    }
+
+    /// The storage called `name`.
+    #[must_use]
+    pub fn parse(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|storage| storage.name() == name)
+    }
+}
+
 /// Why a depth format is none.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -111,15 +152,7 @@ impl DepthFormat {
     /// Stable name, such as `reversed-float32-infinite`.
     #[must_use]
     pub fn name(&self) -> String {
-        let mapping = match self.mapping {
-            DepthMapping::Standard => "standard",
-            DepthMapping::Reversed => "reversed",
-            DepthMapping::Logarithmic => "logarithmic",
-        };
-        let storage = match self.storage {
-            DepthStorage::Unorm24 => "unorm24",
-            DepthStorage::Float32 => "float32",
-        };
+        let (mapping, storage) = (self.mapping.name(), self.storage.name());
         let far = if self.far_m.is_finite() {
             "finite"
         } else {

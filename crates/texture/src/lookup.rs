@@ -151,6 +151,8 @@ pub struct LookupTable {
     filter: Filter,
     codes: Vec<u32>,
     values: Vec<f32>,
+    /// Largest difference of neighbouring texels.
+    steepest: f64,
 }
 
 impl LookupTable {
@@ -161,11 +163,17 @@ impl LookupTable {
         let codes: Vec<u32> = (0..texels.max(2))
             .map(|i| format.bits_of((f64::from(i) / last).atan() / FRAC_PI_4))
             .collect();
+        let values: Vec<f32> = codes.iter().map(|code| format.decode(*code)).collect();
+        let steepest = values
+            .windows(2)
+            .map(|pair| f64::from(pair[1]) - f64::from(pair[0]))
+            .fold(0.0, f64::max);
         Self {
             format,
             filter,
-            values: codes.iter().map(|code| format.decode(*code)).collect(),
             codes,
+            values,
+            steepest,
         }
     }
 
@@ -248,12 +256,20 @@ impl LookupTable {
     /// Steepest change of a sample with its texture coordinate.
     #[must_use]
     pub(crate) fn slope(&self) -> f64 {
-        let steepest = self
-            .values
-            .windows(2)
-            .map(|pair| f64::from(pair[1]) - f64::from(pair[0]))
-            .fold(0.0, f64::max);
-        steepest * to_f64(self.values.len())
+        self.steepest * to_f64(self.values.len())
+    }
+
+    /// How far another device's sampler may be from [`Self::sample`]: finer weights or truncated ones
+    /// are off by half a step of them, and a filter that calculates in the format itself rounds once
+    /// more. Mesa's software rasterizer does both: floats are filtered with `f32` weights, 8-bit
+    /// texels in 8 bits, which made an error of 2.9e-3 rad out of 1.5e-3.
+    #[must_use]
+    pub(crate) fn sampler_freedom(&self) -> f64 {
+        let own_format = match self.format {
+            TexelFormat::R8Unorm | TexelFormat::R16Unorm => self.format.rounding(),
+            TexelFormat::R16Float | TexelFormat::R32Float => 0.0,
+        };
+        self.steepest / 512.0 + own_format
     }
 
     #[allow(

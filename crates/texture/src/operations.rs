@@ -8,7 +8,8 @@
 //! A device may differ from the emulation where WGSL leaves it free (WGSL §15.7.4 "Floating point
 //! accuracy"): `fma` may be a product and a sum with two roundings ([`Arithmetic::Separate`] does
 //! that), a division may be off by 2.5 ULP, an inverse square root by 2 ULP, `atan` and `atan2` by
-//! 4096 ULP, subnormals may be flushed, and minima of NaN are anything. The bounds of
+//! 4096 ULP, a sampler may weigh more finely or round to the format it reads, subnormals may be
+//! flushed, and minima of NaN are anything. The bounds of
 //! [`Program::bounded`] cover all of these but the flush and the NaN.
 
 use crate::cube::CubeTexture;
@@ -679,7 +680,9 @@ impl Program {
             }),
             Step::SampleTable(a) => self.table.as_ref().map_or(exact(f64::NAN), |table| {
                 let value = f64::from(table.sample(rounded(v(a).value)));
-                combine(value, &[(v(a), table.slope())], 1.0)
+                let mut sample = combine(value, &[(v(a), table.slope())], 1.0);
+                sample.bound += table.sampler_freedom();
+                sample
             }),
         }
     }

@@ -9,6 +9,7 @@
 //!
 //! Vertices have the same problem on their way in: [`VertexFormat`].
 
+use crate::charts::affine;
 use crate::operations::{
     Arithmetic, Bounded, Operations, Program, ProgramBuilder, Value, half_ulp,
 };
@@ -343,16 +344,6 @@ impl PositionRoute {
         }
         residual
     }
-}
-
-/// `row · (vector, 1)`, the row being the four constants from `first`.
-fn affine(b: &mut ProgramBuilder, first: usize, vector: [Value; 3]) -> Value {
-    let mut sum = b.constant(first + 3);
-    for (lane, component) in vector.into_iter().enumerate().rev() {
-        let factor = b.constant(first + lane);
-        sum = b.fma(component, factor, sum);
-    }
-    sum
 }
 
 fn minus_anchor(b: &mut ProgramBuilder, slot: usize, position: [Value; 3]) -> [Value; 3] {

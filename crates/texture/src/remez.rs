@@ -49,7 +49,7 @@ pub enum RemezError {
         core: String,
         /// Relative difference.
         found: f64,
-        /// [`LEVEL`]
+        /// What would do.
         required: f64,
     },
 }

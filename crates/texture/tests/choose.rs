@@ -279,3 +279,41 @@ fn texture_fetches_are_dearest_and_changes_of_sign_free() {
     assert!(one(|o| o.sign_changes = 9).abs() < 1e-12);
     assert!((one(|o| o.add_mul_fma = 7) - 7.0).abs() < 1e-12);
 }
+
+#[test]
+fn reasons_are_written_with_what_was_found_and_what_is_allowed() {
+    for (reason, text) in [
+        (
+            Reason::RmsTexels {
+                found: 1.23456,
+                allowed: 0.25,
+            },
+            "RMS 1.235 texels, allowed 0.25",
+        ),
+        (
+            Reason::MaxTexels {
+                found: 0.6,
+                allowed: 0.5,
+            },
+            "maximum 0.600 texels, allowed 0.5",
+        ),
+        (
+            Reason::RmsPixels {
+                found: f64::INFINITY,
+                allowed: 0.25,
+            },
+            "RMS inf pixels, allowed 0.25",
+        ),
+        (Reason::NonFinite { found: 7 }, "not finite at 7 places"),
+        (
+            Reason::Suite {
+                worst_over_bound: 1.5,
+                non_finite: 2,
+            },
+            "measured 1.500 of its bound, 2 results not finite",
+        ),
+        (Reason::Dearer { taken: 22.0 }, "costs no less than 22"),
+    ] {
+        assert_eq!(reason.to_string(), text);
+    }
+}

@@ -6,8 +6,8 @@
 use glam::DVec3;
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_texture::{
-    Arithmetic, Chooser, CostTable, Demand, DepthFormat, MAX_TOLERANCE, MapExtent, MapRegion,
-    PositionRoute, RMS_TOLERANCE, View,
+    Arithmetic, Chooser, CoordinateRoute, CostTable, Demand, DepthFormat, MAX_TOLERANCE, MapExtent,
+    MapRegion, PositionRoute, RMS_TOLERANCE, View,
 };
 
 const SIZE: [u32; 2] = [1920, 1080];
@@ -156,4 +156,76 @@ fn positions_about_the_bodys_centre_do_not_close_to_the_ground() {
     let far = region(45.0, 8.0);
     let (rms, _, _) = texel_errors(&far, 1e6, PositionRoute::InverseEcef);
     assert!(rms <= RMS_TOLERANCE, "{rms}");
+}
+
+/// Largest error in pixels of a view from 20 m above 45° N that looks along the ground, with the
+/// region's anchor `away_deg` to the east of the point below the eye, and what was looked at.
+///
+/// The region is what can be seen from there, not all that the picture covers: how far a picture
+/// goes on beyond the horizon is nothing to the route.
+fn pixel_errors_along_the_ground(route: &str, away_deg: f64) -> (f64, u32) {
+    let body = Ellipsoid::WGS84;
+    let (lon, lat) = (10.0, 45.0);
+    let west = lon - 0.2 + away_deg.min(0.0);
+    let extent = MapExtent::from_degrees(west, lat - 0.2, lon + 0.2 + away_deg, lat + 0.2);
+    let (anchor_lon, anchor_lat) = ((lon + away_deg).to_radians(), lat.to_radians());
+    let region = MapRegion::with_anchor(body, anchor_lon, anchor_lat, extent, (-1.0, 1.0));
+    let region = region.expect("a region");
+    let eye = Geodetic::from_degrees(lon, lat, 20.0);
+    let up = body.geodetic_surface_normal(eye.longitude_rad, eye.latitude_rad);
+    let right = DVec3::new(-eye.longitude_rad.sin(), eye.longitude_rad.cos(), 0.0);
+    let north = up.cross(right);
+    // 20° below the horizon, so that the lower edge is 17 m away and the upper one is the sky.
+    let backward = up * 20_f64.to_radians().sin() - north * 20_f64.to_radians().cos();
+    let mut view = view_from_above(&region, 20.0);
+    view.eye_ecef = body.geodetic_to_ecef(eye);
+    (view.right, view.up, view.backward) = (right, backward.cross(right), backward);
+    let route = CoordinateRoute::parse(route).expect("a route");
+    let (position, program) = (PositionRoute::default(), route.program());
+    let (to_offset, constants) = (position.program(&view.depth), route.constants(&region));
+    let offset_constants = position.constants(&view, &region);
+    let (mut worst, mut count) = (0.0_f64, 0);
+    for (i, j) in (0..40_u8).flat_map(|i| (0..9_u8).map(move |j| (i, j))) {
+        let ahead_m = 20.0 * (f64::from(i) * 0.16).exp();
+        let aside_m = ahead_m * (f64::from(j) - 4.0) / 6.0;
+        let ground = Geodetic {
+            longitude_rad: eye.longitude_rad + aside_m / (6.4e6 * eye.latitude_rad.cos()),
+            latitude_rad: eye.latitude_rad + ahead_m / 6.4e6,
+            height_m: 0.0,
+        };
+        let Some((pixel, distance_m)) = pixel_of(&view, &body, ground) else {
+            continue;
+        };
+        let exact_offset = view.exact_offset_m(&region, pixel.map(f64::from), distance_m);
+        let exact = region.exact_angles(exact_offset);
+        let inputs = [pixel[0], pixel[1], view.depth.stored(distance_m)];
+        let offset = to_offset.emulate_all(&offset_constants, inputs, Arithmetic::Separate);
+        let offset = [offset[0], offset[1], offset[2]];
+        let got = program.emulate(&constants, offset, Arithmetic::Separate);
+        let metres = region.sample(ground).metres_per_radian;
+        let off = [0, 1].map(|axis: usize| (f64::from(got[axis]) - exact[axis]) * metres[axis]);
+        worst = worst.max(off[0].hypot(off[1]) / view.pixel_size_m(distance_m));
+        count += 1;
+    }
+    (worst, count)
+}
+
+#[test]
+fn an_anchor_below_the_eye_keeps_every_pixel_and_one_a_degree_away_does_not() {
+    for (route, allowed_px) in [
+        ("gnomonic-3", 0.01),
+        ("gnomonic-5", 0.001),
+        ("recentred-odd-15", 0.01),
+    ] {
+        let (below, count) = pixel_errors_along_the_ground(route, 0.0);
+        assert!(
+            count > 100 && below < allowed_px,
+            "{route}: {below} px, {count} pixels"
+        );
+        let (away, _) = pixel_errors_along_the_ground(route, 1.0);
+        assert!(away > RMS_TOLERANCE, "{route}: {away} px");
+    }
+    // Absolute angles have steps of metres wherever the anchor is.
+    let (absolute, _) = pixel_errors_along_the_ground("odd-15", 0.0);
+    assert!(absolute > 1.0, "{absolute} px");
 }

@@ -507,6 +507,14 @@ fn names_return() {
         assert_eq!(PositionRoute::parse(route.name()), Some(route));
     }
     assert_eq!(PositionRoute::parse("eye-regio"), None);
+    for mapping in DepthMapping::ALL {
+        assert_eq!(DepthMapping::parse(mapping.name()), Some(mapping));
+    }
+    for storage in DepthStorage::ALL {
+        assert_eq!(DepthStorage::parse(storage.name()), Some(storage));
+    }
+    assert_eq!(DepthMapping::parse("float32"), None);
+    assert_eq!(DepthStorage::parse("reversed"), None);
     let names: std::collections::BTreeSet<_> =
         all_formats(1.0).iter().map(DepthFormat::name).collect();
     assert_eq!(names.len(), 10);

@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_texture::{
     AngleCore, AngleForm, Arithmetic, CoordinateRoute, LatitudeForm, MapExtent, MapRegion,
-    MapRegionError, Residual,
+    MapRegionError, Residual, ResidualSum, Sample,
 };
 
 fn route(name: &str) -> CoordinateRoute {
@@ -445,15 +445,24 @@ fn special_offsets(region: &MapRegion) -> Vec<(&'static str, [f32; 3])> {
 
 #[test]
 fn finite_offsets_have_finite_angles_everywhere() {
-    let homes = [
+    let centred = [
         (0.0, 1.0),
         (45.0, 1.0),
         (-70.0, 360.0),
         (90.0, 10.0),
         (-90.0, 10.0),
     ];
+    let mut homes: Vec<MapRegion> = centred.map(|(lat, size)| region(lat, size)).into();
+    // Anchored at a pole, where the anchor has no distance from the axis and the opposite pole is
+    // as far away as a place can be.
+    for latitude in [90.0, -90.0] {
+        let cap = region(latitude, 10.0);
+        let (extent, heights) = (*cap.extent(), cap.height_range_m());
+        let anchored = MapRegion::anchored(Ellipsoid::WGS84, extent, heights);
+        homes.push(anchored.expect("a region"));
+    }
     let mut checked = 0;
-    for home in homes.map(|(latitude, size)| region(latitude, size)) {
+    for home in homes {
         for route in angle_routes() {
             let CoordinateRoute::Angles { form, core, .. } = route else {
                 continue;
@@ -571,5 +580,41 @@ fn regions_that_are_none_are_refused() {
     };
     for refused in [with(nan, (0.0, 0.0)), with(good, (0.0, f64::INFINITY))] {
         assert!(matches!(refused, Err(MapRegionError::NotFinite { .. })));
+    }
+}
+
+#[test]
+fn a_route_beyond_its_domain_says_so() {
+    // The near form has no octants: past 45° its core is beyond 1, and at the axis it divides by 0.
+    for (latitude, size) in [(90.0, 10.0), (0.0, 179.0)] {
+        let home = region(latitude, size);
+        for name in ["near-odd-15", "near-rat-2-2", "near-lut-256-r16-linear"] {
+            let residual = route(name).residual(&home);
+            assert!(residual.max_rad > 0.05, "{name}: {}", residual.max_rad);
+        }
+        // The twin: with octants the same cores hold.
+        for name in ["recentred-odd-15", "recentred-rat-2-2"] {
+            let residual = route(name).residual(&home);
+            assert!(residual.max_rad < 1e-3, "{name}: {}", residual.max_rad);
+        }
+    }
+    // On the axis itself nothing finite comes out, and that is counted and makes the maximum infinite.
+    let home = region(45.0, 1.0);
+    let on_axis = Sample {
+        offset_m: [-home.anchor_meridian().as_vec3().x, 0.0, 0.0],
+        angles_rad: [0.0; 2],
+        metres_per_radian: [1.0; 2],
+        on_axis: true,
+    };
+    for (name, non_finite) in [("near-odd-15", 1), ("recentred-odd-15", 0)] {
+        let route = route(name);
+        let answer = route
+            .program()
+            .bounded(&route.constants(&home), on_axis.offset_m);
+        let mut sum = ResidualSum::default();
+        sum.add(&on_axis, [answer[0], answer[1]]);
+        let residual = sum.finish();
+        assert_eq!(residual.non_finite, non_finite, "{name}");
+        assert_eq!(residual.max_rad.is_infinite(), non_finite > 0, "{name}");
     }
 }
