@@ -363,9 +363,13 @@ impl Sight {
         let (nearest_m, farthest_m) = bounds.map_or((0.0, f64::INFINITY), |bounds| {
             distances_m(&bounds.bounds, input.camera.eye_ecef)
         });
-        let near_m = input.camera.near_m;
+        let camera = &input.camera;
+        let body = &input.scene.body;
+        // A box holds the region's caps too, and the eye may be in it; the ground is further away.
+        let above_m =
+            body.ecef_to_geodetic(camera.eye_ecef).height_m - input.scene.terrain().highest_m;
         Self {
-            nearest_m: nearest_m.max(near_m),
+            nearest_m: nearest_m.max(above_m).max(camera.near_m),
             // No finite box: as far as anything on the body can be.
             farthest_m: farthest_m
                 .min(input.camera.eye_ecef.length() + 2.0 * input.scene.body.equatorial_radius_m()),
