@@ -21,6 +21,7 @@ mod steps;
 mod switches;
 mod texture;
 mod textured;
+mod textured_device;
 mod work;
 
 pub use adapter::{
@@ -46,4 +47,5 @@ pub use switches::{
 };
 pub use texture::{AddressMode, Pattern, PlannedTexture, TextureCoordinates, TexturePixel};
 pub use textured::{RouteChoice, RouteNote, TexturedCover, TexturedPlan, TexturedRegion};
+pub use textured_device::{Probed, RouteTexelFormat, RouteTexels};
 pub use work::{WorkCounters, WorkDone};
