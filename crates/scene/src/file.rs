@@ -193,6 +193,7 @@ impl Scene {
             sweep_boundary_tolerance_m,
             texture,
             sweep_cap_step_deg,
+            sweep_positions: vary.positions,
         })
     }
 }
@@ -290,6 +291,8 @@ struct RawVary {
     boundary_tolerance_m: Vec<f64>,
     #[serde(default)]
     cap_step_deg: Vec<f64>,
+    #[serde(default)]
+    positions: bool,
 }
 
 #[derive(Deserialize)]
