@@ -32,7 +32,9 @@ pub use backend::{Backend, BackendError, Capabilities, Picture, TimedBackend, Vo
 pub use batches::{RegionClasses, XOR_NUMBERS, XorBatches, overlap_depth};
 pub use clock::CpuStopwatch;
 pub use constants::{RegionConstants, RegionPlace, ViewConstants};
-pub use fixed_point::{EyeInUnits, FixedPoint, PositionFormat, eye_relative_m};
+pub use fixed_point::{
+    EyeInUnits, FixedPoint, PositionFormat, eye_relative_m, two_float, two_float_difference_m,
+};
 pub use frame::{Counters, Frame, FrameTimes, MemoryUse, NO_REGION};
 pub use geometry::{GeometryBytes, IndexLists, boundary_edges};
 pub use input::{FrameInput, PreparedScene};
