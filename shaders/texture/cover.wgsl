@@ -46,6 +46,8 @@ struct TexturedRegion {
 override FADES: bool = false;
 // Whether nothing is drawn beyond the picture's edges; otherwise the sampler says what is there.
 override ENDS_AT_EDGES: bool = false;
+// Whether a vector of length 1 is normalised once more, for its price to be measured (Cozzi, 2007).
+override NORMALIZES_TWICE: bool = false;
 
 @vertex
 fn vertex_main(@builtin(vertex_index) vertex_index: u32) -> @builtin(position) vec4<f32> {
@@ -69,7 +71,10 @@ fn angles_per_pixel(offset_m: vec3<f32>, depth: f32) -> vec4<f32> {
     let q = offset_m - textured.eye_m;
     let distance = view.near_m / depth;
     // On the ellipsoid this is along the geodetic normal; at 10 km height it is 5e-6 rad off.
-    let n = normalize(p * view.normal_scale);
+    var n = normalize(p * view.normal_scale);
+    if NORMALIZES_TWICE {
+        n = normalize(n);
+    }
     // Seen edge on, a pixel's footprint has no end, and the coarsest level is right for it.
     let facing = min(dot(q, n), -1e-6 * distance);
     let right = textured.right * distance;

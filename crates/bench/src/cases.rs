@@ -4,6 +4,7 @@
 use crate::ladder::ladder;
 use crate::matrix::matrix_row;
 use crate::technique::BACKENDS;
+use crate::textured::{ShownPicture, is_picture_scene, textured_settings};
 use crate::{BenchOptions, Setting, Technique};
 use std::sync::Arc;
 use terrafill_compute::{ComputeVariant, Expansion, Transform};
@@ -30,6 +31,8 @@ pub struct Roles {
     pub ladder: bool,
     /// A cell of the matrix.
     pub matrix: bool,
+    /// A textured fill.
+    pub texture: bool,
 }
 
 impl Roles {
@@ -43,6 +46,7 @@ impl Roles {
             (self.subdivision, "subdivision"),
             (self.ladder, "ladder"),
             (self.matrix, "matrix"),
+            (self.texture, "texture"),
         ];
         let held = names.into_iter().filter(|(held, _)| *held);
         held.map(|(_, name)| name).collect::<Vec<_>>().join("+")
@@ -56,6 +60,7 @@ impl Roles {
             subdivision: self.subdivision || other.subdivision,
             ladder: self.ladder || other.ladder,
             matrix: self.matrix || other.matrix,
+            texture: self.texture || other.texture,
         }
     }
 }
@@ -73,6 +78,8 @@ pub struct BenchCase {
     pub boundary_tolerance_m: Option<f64>,
     /// Largest edge of a cap triangle, degrees; `None` for baselines.
     pub cap_step_deg: Option<f64>,
+    /// Which picture it shows; plain fills show none.
+    pub shown: ShownPicture,
     /// What it is for.
     pub roles: Roles,
     /// Timed frames; 0 for a case that is only drawn and compared.
@@ -101,6 +108,9 @@ pub fn group_cases(scene: &Arc<Scene>, view: &View, options: &BenchOptions) -> S
         cases: Vec::new(),
     };
     let frames = options.frame_count();
+    if is_picture_scene(scene) {
+        return group.of_pictures(scene, options);
+    }
     group.add_baselines(frames);
     let backends = BACKENDS.iter().filter(|name| options.wants_backend(name));
     let mut rungs = Vec::new();
@@ -115,6 +125,7 @@ pub fn group_cases(scene: &Arc<Scene>, view: &View, options: &BenchOptions) -> S
                 frames,
             );
         }
+        group.add_textured(backend, options.quick, frames);
         if !options.quick {
             group.add_sweep(backend, frames);
         }
@@ -167,6 +178,44 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
+    /// Textured fills only, drawn and compared but not timed.
+    fn of_pictures(mut self, scene: &Arc<Scene>, options: &BenchOptions) -> SceneGroup {
+        for backend in BACKENDS.iter().filter(|name| options.wants_backend(name)) {
+            self.add_textured(backend, options.quick, 0);
+        }
+        SceneGroup {
+            scene: Arc::clone(scene),
+            view: self.view.clone(),
+            cases: self.cases,
+            ladder: Vec::new(),
+        }
+    }
+
+    fn add_textured(&mut self, backend: &str, quick: bool, frames: u32) {
+        let Some(main) = Technique::main(backend, self.scene.overlap) else {
+            return;
+        };
+        let plain = Setting::new(main);
+        for (setting, shown) in textured_settings(plain, self.scene, self.view, quick) {
+            self.cases.push(BenchCase {
+                key: self.key(
+                    &setting,
+                    &shown.name().map_or(String::new(), |n| format!(",{n}")),
+                ),
+                technique: setting.technique,
+                plan: setting.plan,
+                boundary_tolerance_m: Some(self.scene.mesh.boundary_tolerance_m),
+                cap_step_deg: Some(self.scene.mesh.cap_step_deg),
+                shown,
+                roles: Roles {
+                    texture: true,
+                    ..Roles::default()
+                },
+                frames,
+            });
+        }
+    }
+
     fn add_baselines(&mut self, frames: u32) {
         for kind in [BaselineKind::Bound, BaselineKind::Floor] {
             let setting = Setting::new(Technique::Baseline(kind));
@@ -176,6 +225,7 @@ impl Builder<'_> {
                 plan: setting.plan,
                 boundary_tolerance_m: None,
                 cap_step_deg: None,
+                shown: ShownPicture::Scene,
                 roles: Roles {
                     baseline: true,
                     ..Roles::default()
@@ -210,6 +260,7 @@ impl Builder<'_> {
                 plan: setting.plan,
                 boundary_tolerance_m: Some(self.scene.mesh.boundary_tolerance_m),
                 cap_step_deg: Some(self.scene.mesh.cap_step_deg),
+                shown: ShownPicture::Scene,
                 roles,
                 frames,
             }),
@@ -266,6 +317,7 @@ impl Builder<'_> {
             plan: setting.plan,
             boundary_tolerance_m: Some(boundary_tolerance_m),
             cap_step_deg: Some(cap_step_deg),
+            shown: ShownPicture::Scene,
             roles,
             frames,
         });

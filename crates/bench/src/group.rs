@@ -7,19 +7,19 @@ use crate::memory::LayoutOfScene;
 use crate::scenes::{build_meshes, mesh_error};
 use crate::summary::baselines;
 use crate::technique::{SharedNativeGpu, Stages};
+use crate::textured::{ShownPicture, TexturedReferences, write_cut_out};
 use crate::{BenchCase, BenchError, BenchOptions, SceneGroup, Setting, Technique};
 use indicatif::ProgressBar;
-use std::cell::{OnceCell, RefCell};
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_conformance::{
-    Verdict, boundary_band, compare, compare_texture, difference_rgb, filled_only, texture_verdict,
-    verdict_of_moved,
+    TextureErrors, Verdict, boundary_band, compare, difference_rgb, filled_only, verdict_of_moved,
 };
 use terrafill_core::{MeshOptions, RegionMesh};
 use terrafill_frame::{
-    BackendError, ColourWay, Frame, FrameInput, FrameTimes, MemoryUse, PreparedScene,
+    BackendError, ColourWay, Frame, FrameInput, FrameTimes, MemoryUse, PreparedScene, RouteChoice,
     VolumeBackend, paint,
 };
 use terrafill_gpu::{Baseline, CpuStopwatch, Gpu, Stage};
@@ -62,10 +62,16 @@ pub(crate) struct Probe {
     pub(crate) difference_image: String,
     pub(crate) mask_hash: String,
     pub(crate) ids_hash: String,
+    /// Reference beside it where it is the textured one.
+    pub(crate) reference_image: Option<String>,
+    pub(crate) texture_route: String,
+    pub(crate) texture_errors: Option<TextureErrors>,
+    pub(crate) colour_max: Option<u64>,
+    pub(crate) colour_mean: Option<f64>,
 }
 
-/// Mesh options where they are not the scene's, and how frames are planned.
-type InputKey = (Option<MeshOptions>, PlanOptions);
+/// Mesh options where they are not the scene's, how frames are planned, and which picture is shown.
+type InputKey = (Option<MeshOptions>, PlanOptions, ShownPicture);
 
 /// An input and the median CPU time of planning it.
 type PlannedInput = (Rc<FrameInput>, Option<f64>);
@@ -97,8 +103,8 @@ pub(crate) struct GroupRun<'a> {
     pub(crate) reference: Frame,
     /// The reference with all regions as one.
     filled_reference: Frame,
-    /// The reference with the scene's picture, drawn when it is first asked for.
-    textured_reference: OnceCell<Option<Frame>>,
+    /// The reference with pictures.
+    textured_references: TexturedReferences,
     /// Inputs of other mesh or plan options, with how long their plans take.
     inputs: RefCell<Vec<(InputKey, PlannedInput)>>,
     leveled: RefCell<Option<PreparedScene>>,
@@ -151,7 +157,7 @@ impl<'a> GroupRun<'a> {
             judgements: RefCell::default(),
             disagreements: (judged.disagreement_px(), outside),
             filled_reference: filled_only(&judged.frame),
-            textured_reference: OnceCell::new(),
+            textured_references: TexturedReferences::default(),
             reference: judged.frame,
             reference_image,
         })
@@ -264,7 +270,7 @@ impl<'a> GroupRun<'a> {
 
     fn input_for(&self, case: &BenchCase) -> Result<PlannedInput, BenchError> {
         let options = own_mesh_options(case);
-        let key: InputKey = (options, case.plan);
+        let key: InputKey = (options, case.plan, case.shown);
         let known = self.inputs.borrow();
         if let Some((_, input)) = known.iter().find(|(known, _)| *known == key) {
             return Ok(input.clone());
@@ -281,6 +287,11 @@ impl<'a> GroupRun<'a> {
                 Rc::new(self.input.remeshed(&self.leveled()?, case.plan))
             }
             None => Rc::new(self.input.remeshed(&self.input.scene, case.plan)),
+        };
+        // Where there is no picture to show, the backend says so.
+        let input = match case.shown {
+            ShownPicture::Scene => input,
+            other => other.input(&input).map_or(input, Rc::new),
         };
         let plan_cpu_ms = plan_cpu_ms(&input, case.plan);
         let planned = (input, plan_cpu_ms);
@@ -316,10 +327,8 @@ impl<'a> GroupRun<'a> {
             memory: Some(memory),
             regions_drawn: Some(input.plan.regions.len() as u64),
             regions_left_out: Some(input.plan.left_out.len() as u64),
-            left_out: with_note(
-                input.plan.left_out_summary(&input.scene.meshes),
-                backend.note(),
-            ),
+            left_out: input.plan.left_out_summary(&input.scene.meshes),
+            texture_route: backend.note().unwrap_or_default(),
             boundary_deviation_m: largest_deviation(&input.scene.meshes),
             wall_height_m: tallest_wall(input),
             cap_triangles: Some(cap_triangles(input)),
@@ -337,7 +346,11 @@ impl<'a> GroupRun<'a> {
                     Verdict::Pass => Vec::new(),
                     Verdict::Fail(reasons) => reasons,
                 };
-                reasons.extend(self.texture_objections(&frame));
+                if is_textured(&case.technique) {
+                    let (errors, objections) = self.textured_references.judge(input, &frame);
+                    probe.texture_errors = errors;
+                    reasons.extend(objections);
+                }
                 probe.status = Some(match reasons.is_empty() {
                     true => Status::Ok,
                     false => Status::Wrong,
@@ -358,31 +371,11 @@ impl<'a> GroupRun<'a> {
         if is_main || is_wrong {
             self.write_pictures(case, backend, input, &frame, &mut probe)?;
         }
+        if is_textured(&case.technique) && (is_wrong || shows_chosen(case)) {
+            self.write_textured_pictures(case, backend, input, &frame, &mut probe)?;
+        }
         probe.frame = Some(frame);
         Ok(probe)
-    }
-
-    /// What speaks against the places that a textured frame's texels come from.
-    fn texture_objections(&self, frame: &Frame) -> Vec<String> {
-        if frame.texture.is_none() {
-            return Vec::new();
-        }
-        let judge = || {
-            let judged = ReferenceBackend::textured().judge(&self.input);
-            judged.map(|judged| judged.frame)
-        };
-        let reference = self.textured_reference.get_or_init(|| judge().ok());
-        let errors = reference
-            .as_ref()
-            .map(|reference| compare_texture(reference, frame));
-        match errors {
-            Some(Ok(errors)) => match texture_verdict(&errors) {
-                Verdict::Pass => Vec::new(),
-                Verdict::Fail(reasons) => reasons,
-            },
-            Some(Err(error)) => vec![error.to_string()],
-            None => vec!["the reference has no texture coordinates".to_owned()],
-        }
     }
 
     /// How the frame differs from the reference; a fill in one colour is judged as a mask.
@@ -421,6 +414,38 @@ impl<'a> GroupRun<'a> {
         }
         if let Ok(rgb) = difference_rgb(&self.reference, frame) {
             probe.difference_image = write_rgb(folder, &format!("{stem}_difference"), size, &rgb)?;
+        }
+        Ok(())
+    }
+
+    /// Cut-outs of the reference's picture, the backend's, and their difference ten times.
+    fn write_textured_pictures(
+        &self,
+        case: &BenchCase,
+        backend: &mut dyn VolumeBackend,
+        input: &FrameInput,
+        frame: &Frame,
+        probe: &mut Probe,
+    ) -> Result<(), BenchError> {
+        let (folder, stem, size) = (self.folder.path(), file_stem(&case.key), self.options.size);
+        let picture = match backend.picture(input) {
+            Ok(picture) => picture,
+            Err(error) => {
+                probe.remark(&error.to_string());
+                return Ok(());
+            }
+        };
+        match self.textured_references.pictures(input, frame, &picture) {
+            Ok(pictures) => {
+                let write = |name: &str, rgb: &[u8]| write_cut_out(folder, name, size, rgb);
+                probe.image = write(&format!("{stem}_cut"), &pictures.found)?;
+                probe.difference_image = write(&format!("{stem}_cut_x10"), &pictures.difference)?;
+                let reference = format!("{stem}_cut_reference");
+                probe.reference_image = Some(write(&reference, &pictures.reference)?);
+                probe.colour_max = pictures.largest;
+                probe.colour_mean = pictures.mean;
+            }
+            Err(why) => probe.remark(&why),
         }
         Ok(())
     }
@@ -500,6 +525,17 @@ fn draw_probe(
     let memory = backend.prepare(input)?;
     let frame = backend.render(input)?;
     Ok((backend, memory, frame))
+}
+
+/// Whether regions are filled with a picture.
+fn is_textured(technique: &Technique) -> bool {
+    technique.switches().is_some_and(|s| s.texture.is_some())
+}
+
+/// Whether the case is a textured fill as it should be used.
+fn shows_chosen(case: &BenchCase) -> bool {
+    let route = case.technique.switches().and_then(|s| s.texture);
+    route == Some(RouteChoice::Chosen) && case.shown == ShownPicture::Scene
 }
 
 /// Whether stencil and colour share a pass.
@@ -593,14 +629,6 @@ fn sample(key: &CaseKey, frame: u32, surface_gpu_ms: Option<f64>, times: &FrameT
         fill_gpu_ms: times.fill_gpu_ms,
         fill_cpu_ms: times.fill_cpu_ms,
         fill_wall_ms: times.fill_wall_ms,
-    }
-}
-
-fn with_note(left_out: String, note: Option<String>) -> String {
-    match note {
-        Some(note) if left_out.is_empty() => format!("texture: {note}"),
-        Some(note) => format!("{left_out}; texture: {note}"),
-        None => left_out,
     }
 }
 

@@ -5,9 +5,10 @@
 //! compared with it; then all cases and the two baselines are timed in rounds, so that whatever
 //! else the machine does falls on all of them alike. Every sample is kept and flushed.
 //!
-//! Three things are asked beside: the *ladder*, from the un-optimised method to the full plan one
-//! switch at a time; the *matrix*, every backend, layout and switch on the same view, drawn once;
-//! and the bytes of every layout, by formula and as allocated.
+//! Four things are asked beside: the *ladder*, from the un-optimised method to the full plan one
+//! switch at a time; the *matrix*, every backend, layout and switch on the same view, drawn once; the
+//! bytes of every layout, by formula and as allocated; and the *textured fill* of scenes with a picture,
+//! held against their plain one.
 
 mod cases;
 mod environment;
@@ -24,6 +25,7 @@ mod runner;
 mod scenes;
 mod summary;
 mod technique;
+mod textured;
 
 pub use cases::{BenchCase, Roles, SceneGroup, group_cases};
 pub use environment::environment;
@@ -31,3 +33,4 @@ pub use options::{BenchError, BenchOptions, LADDER_SCENE, MATRIX_SCENES, NO_SCEN
 pub use runner::{BenchOutcome, run};
 pub use scenes::open_scene;
 pub use technique::{BACKENDS, Setting, Technique};
+pub use textured::{PICTURE_SCENES, ShownPicture};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! From names to scenes that can be measured.
 
+use crate::textured::left_out_of_quick_runs;
 use crate::{BenchError, BenchOptions, NO_SCENE, SceneGroup, group_cases};
 use std::path::Path;
 use std::sync::Arc;
@@ -25,7 +26,12 @@ pub(crate) fn plan_groups(
     let mut groups: Vec<SceneGroup> = Vec::new();
     let mut skipped = Vec::new();
     let mut errors = Vec::new();
+    let is_quick_run = options.quick && options.scenes.is_empty();
     for name in &names {
+        if let Some(why) = left_out_of_quick_runs(name).filter(|_| is_quick_run) {
+            skipped.push((name.clone(), why));
+            continue;
+        }
         match checked_scene(name, options, &groups) {
             Ok(scene) => {
                 let scene = Arc::new(scene);

@@ -31,6 +31,9 @@ impl GroupRun<'_> {
             .then(|| Some(fill_cpu_ms? / baselines.bound_cpu_ms?))
             .flatten();
         let figures = probe.figures;
+        let errors = probe.texture_errors;
+        // Of no pixel there is no error, which is not 0.
+        let compared = errors.filter(|errors| errors.compared_px > 0);
         let counters = probe.frame.as_ref().and_then(|frame| frame.counters);
         let is_baseline = matches!(case.technique, Technique::Baseline(_));
         Summary {
@@ -81,7 +84,10 @@ impl GroupRun<'_> {
             fragment_shader_invocations: counters.and_then(|c| c.fragment_shader_invocations),
             image: probe.image.clone(),
             difference_image: probe.difference_image.clone(),
-            reference_image: self.reference_image.clone(),
+            reference_image: probe
+                .reference_image
+                .clone()
+                .unwrap_or_else(|| self.reference_image.clone()),
             plan_cpu_ms: probe.plan_cpu_ms,
             role: case.roles.name(),
             mask_hash: probe.mask_hash.clone(),
@@ -92,6 +98,17 @@ impl GroupRun<'_> {
             cap_step_deg: case.cap_step_deg,
             wall_height_m: probe.wall_height_m,
             cap_triangles: probe.cap_triangles,
+            texture_route: probe.texture_route.clone(),
+            texel_rms: compared.map(|errors| worse(errors.rms_texels)),
+            texel_max: compared.map(|errors| worse(errors.max_texels)),
+            texel_non_finite: errors.map(|errors| errors.non_finite),
+            texel_compared_px: errors.map(|errors| errors.compared_px),
+            texture_bytes: probe
+                .memory
+                .map(|memory| memory.texture_bytes)
+                .filter(|_| case.roles.texture),
+            colour_max: probe.colour_max,
+            colour_mean: probe.colour_mean,
         }
     }
 
@@ -113,6 +130,14 @@ impl GroupRun<'_> {
         }
         reasons.join("; ")
     }
+}
+
+/// Of two axes; a NaN is worse than any number.
+fn worse([u, v]: [f64; 2]) -> f64 {
+    if u.is_nan() || v.is_nan() {
+        return f64::NAN;
+    }
+    u.max(v)
 }
 
 /// Medians of the two full-screen passes of this scene and view.

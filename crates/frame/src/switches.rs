@@ -130,6 +130,8 @@ pub struct Switches {
     pub texture: Option<RouteChoice>,
     /// How a textured fill's fragments find their position; by way of the region's frame without.
     pub position: Option<PositionRoute>,
+    /// A textured fill's fragments normalise their unit normal once more, as the shaders of 2007 did.
+    pub superfluous_normalize: bool,
 }
 
 /// Switches that do not go together, or not with the scene.
@@ -150,7 +152,7 @@ impl Switches {
     pub const KEYS: &str = "bottom-cap=always|where-needed, \
         colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes|id-accumulation, \
         cover-faces=both|culled, depth-rule=zfail|zpass|automatic, faces=two-sided|two-pass, \
-        position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
+        normalize=needed|superfluous, position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
         stencil-clear=at-start|by-colour, texture=plain|chosen|a route such as gnomonic-3";
 
     /// What is right and usually cheapest for a scene of this kind.
@@ -189,6 +191,9 @@ impl Switches {
         }
         if self.faces != default.faces {
             names.push("faces=two-pass".to_owned());
+        }
+        if self.superfluous_normalize {
+            names.push("normalize=superfluous".to_owned());
         }
         if let Some(position) = self.position {
             names.push(format!("position={}", position.name()));
@@ -253,6 +258,10 @@ impl Switches {
                         ("two-pass", FacePasses::TwoPass),
                     ],
                 )?;
+            }
+            "normalize" => {
+                let choices = [("needed", false), ("superfluous", true)];
+                self.superfluous_normalize = pick("normalize", value, &choices)?;
             }
             "position" => {
                 let routes = PositionRoute::ALL.map(|route| (route.name(), route));
@@ -321,6 +330,13 @@ impl Switches {
                 allowed: "none, or texture=chosen or a route".to_owned(),
             });
         }
+        if self.superfluous_normalize && self.texture.is_none() {
+            return Err(SwitchError {
+                switch: "normalize",
+                found: "superfluous for a plain fill, which has no normal".to_owned(),
+                allowed: "needed, or texture=chosen or a route".to_owned(),
+            });
+        }
         let covers_clear = matches!(
             self.colour,
             ColourWay::OneColour | ColourWay::Rectangle | ColourWay::Volume
@@ -377,6 +393,7 @@ mod tests {
             depth_bounds: true,
             texture: Some(RouteChoice::Chosen),
             position: Some(PositionRoute::EyeEcef),
+            superfluous_normalize: true,
         }
     }
 
@@ -385,7 +402,7 @@ mod tests {
         assert_eq!(Switches::default().names(), Vec::<String>::new());
         let changed = all_changed();
         let names = changed.names();
-        assert_eq!(names.len(), 10);
+        assert_eq!(names.len(), 11);
         assert!(names.is_sorted());
         let mut read = Switches::default();
         for name in &names {
@@ -414,6 +431,7 @@ mod tests {
         let plain = Switches {
             texture: None,
             position: None,
+            superfluous_normalize: false,
             ..all_changed()
         };
         assert!(plain.check(Overlap::Ordered).is_ok());
@@ -440,6 +458,14 @@ mod tests {
             ..Switches::default()
         };
         assert!(lost.check(Overlap::Disjoint).is_err());
+        let mut normalised = Switches {
+            superfluous_normalize: true,
+            ..Switches::default()
+        };
+        let error = normalised.check(Overlap::Disjoint).expect_err("plain");
+        assert_eq!(error.switch, "normalize");
+        normalised.texture = Some(RouteChoice::Chosen);
+        assert!(normalised.check(Overlap::Disjoint).is_ok());
     }
 
     #[test]

@@ -133,6 +133,8 @@ pub struct RouteNote {
     pub regions: usize,
     /// Largest computed error over those regions, metres.
     pub max_m: f64,
+    /// The same in texels of the picture, along the axis where it is larger.
+    pub max_texels: f64,
     /// Whether every one of them is within the tolerances.
     pub is_within: bool,
     /// Cheaper routes that were left out for one of them, each with the reason.
@@ -222,13 +224,36 @@ impl TexturedPlan {
                 ", beyond tolerance"
             };
             let computed = if note.max_m.is_finite() {
-                format!(", computed ≤ {:.3e} m{within}", note.max_m)
+                format!(
+                    ", computed ≤ {:.3e} m, {:.3} texels{within}",
+                    note.max_m, note.max_texels
+                )
             } else {
                 String::new()
             };
-            format!("{} ({} regions{computed})", note.route, note.regions)
+            let plural = if note.regions == 1 { "" } else { "s" };
+            format!("{} ({} region{plural}{computed})", note.route, note.regions)
         });
-        routes.collect::<Vec<_>>().join("; ")
+        let left_out = self.left_out_note();
+        routes.chain(left_out).collect::<Vec<_>>().join("; ")
+    }
+
+    /// The cheapest routes that were left out, each with its first reason.
+    fn left_out_note(&self) -> Option<String> {
+        let mut reasons: Vec<&str> = Vec::new();
+        let route = |reason: &str| reason.split(':').next().map(str::to_owned);
+        for reason in self.notes.iter().flat_map(|note| &note.left_out) {
+            if !reasons.iter().any(|known| route(known) == route(reason)) {
+                reasons.push(reason);
+            }
+        }
+        let more = reasons.len().saturating_sub(LEFT_OUT_NAMED);
+        reasons.truncate(LEFT_OUT_NAMED);
+        let more = (more > 0).then(|| format!("and {more} more"));
+        (!reasons.is_empty()).then(|| {
+            let all: Vec<&str> = reasons.into_iter().chain(more.as_deref()).collect();
+            format!("cheaper ones left out: {}", all.join(", "))
+        })
     }
 
     /// The places that a device's probe found, as the comparison takes them.
@@ -252,6 +277,9 @@ impl TexturedPlan {
     }
 }
 
+/// Routes that a row names as left out: beyond those nobody reads on.
+const LEFT_OUT_NAMED: usize = 5;
+
 fn chosen(chooser: &Chooser, demand: &Demand) -> Option<(CoordinateRoute, RouteNote)> {
     let choice = chooser.choose(demand);
     let taken = choice.best_effort()?;
@@ -267,6 +295,13 @@ fn chosen(chooser: &Chooser, demand: &Demand) -> Option<(CoordinateRoute, RouteN
         route: taken.route.name(),
         regions: 1,
         max_m: taken.residual.map_or(f64::NAN, |residual| residual.max_m),
+        max_texels: taken.residual.map_or(f64::NAN, |residual| {
+            let size_rad = demand.region.extent().size_rad();
+            let texels = |axis: usize| {
+                residual.max_axis_rad[axis] * f64::from(demand.texture_size[axis]) / size_rad[axis]
+            };
+            texels(0).max(texels(1))
+        }),
         is_within: choice.chosen.is_some(),
         left_out,
     };
@@ -278,6 +313,7 @@ fn forced(route: CoordinateRoute) -> RouteNote {
         route: route.name(),
         regions: 1,
         max_m: f64::NAN,
+        max_texels: f64::NAN,
         is_within: true,
         left_out: Vec::new(),
     }
@@ -301,6 +337,7 @@ fn add_note(notes: &mut Vec<RouteNote>, note: RouteNote) {
     };
     there.regions += note.regions;
     there.max_m = there.max_m.max(note.max_m);
+    there.max_texels = there.max_texels.max(note.max_texels);
     there.is_within &= note.is_within;
     for reason in note.left_out {
         if !there.left_out.contains(&reason) {

@@ -53,6 +53,8 @@ pub struct TexturedFill {
     images: Vec<wgpu::Texture>,
     /// Whether the pictures hide what lies under them.
     images_are_opaque: bool,
+    /// Whether fragments normalise their unit normal once more.
+    normalizes_twice: bool,
     image_groups: HashMap<ImageKey, wgpu::BindGroup>,
     view: Option<TexturedView>,
 }
@@ -110,6 +112,7 @@ impl TexturedFill {
             pipelines: HashMap::new(),
             images: Vec::new(),
             images_are_opaque: true,
+            normalizes_twice: false,
             image_groups: HashMap::new(),
             view: None,
         }
@@ -386,6 +389,10 @@ impl TexturedFill {
         let constants = [
             ("FADES", f64::from(u8::from(key.fades))),
             ("ENDS_AT_EDGES", f64::from(u8::from(key.ends_at_edges))),
+            (
+                "NORMALIZES_TWICE",
+                f64::from(u8::from(self.normalizes_twice)),
+            ),
         ];
         gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("textured cover"),
@@ -442,7 +449,10 @@ impl Textured {
         switches.texture.map(|choice| Self {
             choice,
             position: switches.position.unwrap_or(PositionRoute::EyeRegion),
-            covers: TexturedFill::new(gpu, frame_layout),
+            covers: TexturedFill {
+                normalizes_twice: switches.superfluous_normalize,
+                ..TexturedFill::new(gpu, frame_layout)
+            },
             image: None,
             planned: None,
         })

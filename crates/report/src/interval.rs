@@ -65,6 +65,8 @@ pub(crate) enum Claim {
     Nothing,
     /// It gains less than this factor.
     LessThan(f64),
+    /// It gains this factor or more.
+    AtLeast(f64),
 }
 
 impl Claim {
@@ -78,6 +80,7 @@ impl Claim {
                 gain.low > NOTHING || gain.high < least,
             ),
             Self::LessThan(limit) => (gain.high < limit, gain.low > limit),
+            Self::AtLeast(limit) => (gain.low >= limit, gain.high < limit),
         };
         match (holds, fails) {
             (true, false) => Standing::Holds,
@@ -197,6 +200,9 @@ mod tests {
             (Claim::LessThan(1.5), interval(1.1, 1.4), Holds),
             (Claim::LessThan(1.5), interval(1.6, 1.9), DoesNot),
             (Claim::LessThan(1.5), interval(1.4, 1.6), CannotTell),
+            (Claim::AtLeast(2.0), interval(2.0, 2.2), Holds),
+            (Claim::AtLeast(2.0), interval(1.2, 1.9), DoesNot),
+            (Claim::AtLeast(2.0), interval(1.9, 2.1), CannotTell),
         ];
         for (claim, gain, standing) in cases {
             assert_eq!(claim.standing(gain), standing, "{claim:?} {gain:?}");

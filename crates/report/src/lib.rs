@@ -24,6 +24,7 @@ mod published;
 mod run_data;
 mod statistic;
 mod subdivision;
+mod textured;
 
 pub use error::ReportError;
 

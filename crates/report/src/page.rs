@@ -12,6 +12,7 @@ use crate::plot::{self, Palette};
 use crate::precision::{self, PrecisionChapter, Table};
 use crate::run_data::{Case, Outcome, RunData, SceneCases, ViewCases};
 use crate::subdivision::{self, SubdivisionTable};
+use crate::textured::{self, TexturedChapter};
 use crate::{ReportError, glossary, growth, published};
 use askama::Template;
 
@@ -179,6 +180,7 @@ struct Page {
     memory: Option<MemorySection>,
     precision: Option<PrecisionSection>,
     subdivision: Option<SubdivisionSection>,
+    textured: Option<TexturedChapter>,
     exponent: Option<GrowthTable>,
     scenes: Vec<SceneSection>,
     growth: GrowthSection,
@@ -322,6 +324,7 @@ pub(crate) fn render(data: &RunData) -> Result<String, ReportError> {
         memory: memory_section(data)?,
         precision: precision_section(data)?,
         subdivision: subdivision_section(data)?,
+        textured: textured::chapter(data),
         exponent: exponent::table(data),
         scenes,
         growth: growth_section(data)?,

@@ -9,6 +9,7 @@ use crate::growth::{GrowthCurve, curves};
 use crate::interval::Frames;
 use crate::precision::PrecisionData;
 use crate::statistic::agrees;
+use crate::textured::is_textured;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use terrafill_results::{
@@ -220,16 +221,17 @@ impl RunData {
     }
 
     /// Whether a case has its place in the tables and plots of its scene: all but those that are
-    /// only a rung of a ladder, a cell of the matrix or a cap step, which have chapters of their own.
+    /// only a rung of a ladder, a cell of the matrix, a cap step or a textured fill, which have
+    /// chapters of their own.
     fn is_listed(&self, case: &Case) -> bool {
         match &case.summary {
             Some(row) => row
                 .role
                 .split('+')
-                .any(|role| !["ladder", "matrix", "subdivision"].contains(&role)),
+                .any(|role| !["ladder", "matrix", "subdivision", "texture"].contains(&role)),
             None => {
                 let is_rung = self.ladder.iter().any(|rung| rung.key() == case.key);
-                !is_rung && !self.plan.drawn_only.contains(&case.key)
+                !is_rung && !is_textured(&case.key) && !self.plan.drawn_only.contains(&case.key)
             }
         }
     }

@@ -172,8 +172,8 @@ pub struct Summary {
     /// CPU time of planning one frame (culling, heights, screen rectangles), milliseconds; not part
     /// of the fill's times, since an unchanged view is not planned again.
     pub plan_cpu_ms: Option<f64>,
-    /// What the case is measured for: `main`, `sweep`, `ladder`, `matrix`, `baseline`, joined by
-    /// `+`. A case of the matrix alone draws its probe frame and is not timed.
+    /// What the case is measured for: `main`, `sweep`, `ladder`, `matrix`, `texture`, `baseline`,
+    /// joined by `+`. A case of the matrix alone draws its probe frame and is not timed.
     #[serde(default)]
     pub role: String,
     /// Hash of which pixels are filled: equal for equal masks.
@@ -200,6 +200,31 @@ pub struct Summary {
     /// Triangles of one cap of the regions drawn.
     #[serde(default)]
     pub cap_triangles: Option<u64>,
+    /// Routes that a textured fill's fragments take to their texture coordinates, each with the
+    /// regions that take it and its computed residual, and what was left out for them.
+    #[serde(default)]
+    pub texture_route: String,
+    /// Root mean square error of the texture coordinates, texels, of the worse axis.
+    #[serde(default)]
+    pub texel_rms: Option<f64>,
+    /// Largest error of the texture coordinates, texels, of the worse axis.
+    #[serde(default)]
+    pub texel_max: Option<f64>,
+    /// Pixels with a texture coordinate or level that is NaN or infinite.
+    #[serde(default)]
+    pub texel_non_finite: Option<u64>,
+    /// Pixels whose texture coordinates were compared with the reference's.
+    #[serde(default)]
+    pub texel_compared_px: Option<u64>,
+    /// Pictures and tables on the device, bytes.
+    #[serde(default)]
+    pub texture_bytes: Option<u64>,
+    /// Largest difference of a colour channel from the reference's picture over filled pixels, of 255.
+    #[serde(default)]
+    pub colour_max: Option<u64>,
+    /// Mean of those differences.
+    #[serde(default)]
+    pub colour_mean: Option<f64>,
 }
 
 impl Summary {
@@ -265,6 +290,14 @@ impl Summary {
             cap_step_deg: None,
             wall_height_m: None,
             cap_triangles: None,
+            texture_route: String::new(),
+            texel_rms: None,
+            texel_max: None,
+            texel_non_finite: None,
+            texel_compared_px: None,
+            texture_bytes: None,
+            colour_max: None,
+            colour_mean: None,
         }
     }
 }

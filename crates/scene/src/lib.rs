@@ -33,4 +33,5 @@ pub use shipped::shipped_scene_names;
 pub use surface::SurfaceMesh;
 pub use texture::{
     MipChain, MipLevel, Outside, SceneTexture, TextureAnchor, TexturePlacement, TextureShare,
+    checker,
 };

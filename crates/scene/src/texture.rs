@@ -305,7 +305,9 @@ fn srgb_of_linear(value: f32) -> f32 {
 /// row, and green alternates, so that an axis that is swapped or turned shows in one texel.
 ///
 /// - `size`: texels of a side, a multiple of `cells`
-pub(crate) fn checker(size: u32, cells: u32) -> Option<MipChain> {
+/// - returns: `None` where it is none
+#[must_use]
+pub fn checker(size: u32, cells: u32) -> Option<MipChain> {
     let cell = size.checked_div(cells).filter(|&cell| cell > 0)?;
     let ramp = |index: u32| {
         // 30 to 230: 64 cells are three apart, and none is black or white.
