@@ -307,7 +307,6 @@ fn parts(plan: &TexturedPlan, cover: &TexturedCover) -> TexturedParts {
             wgsl: cover.route_wgsl(),
             constants: cover.route_constants.len(),
         },
-        route_room: cover.route_constants.len(),
         placement: match cover.texture.pattern {
             Some(_) => TexturedPlacement::Pattern,
             None => TexturedPlacement::Affine,
