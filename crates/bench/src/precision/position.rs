@@ -71,7 +71,7 @@ pub(crate) fn sights(quick: bool) -> Vec<Sight> {
             for extent_deg in EXTENTS_DEG {
                 let main = format.mapping() == DepthMapping::Reversed
                     && format.storage() == DepthStorage::Float32;
-                if !quick || (main && extent_deg == EXTENTS_DEG[0]) {
+                if !quick || (main && extent_deg <= EXTENTS_DEG[0]) {
                     sights.push(Sight {
                         distance_m: Some(distance_m),
                         extent_deg,
