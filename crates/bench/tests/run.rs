@@ -2,7 +2,8 @@
 //! Whole small runs: started, killed, resumed; with ladder, matrix and bytes.
 
 use std::path::Path;
-use terrafill_bench::{BACKENDS, BenchError, BenchOptions, run};
+use std::sync::Arc;
+use terrafill_bench::{BACKENDS, BenchError, BenchOptions, group_cases, open_scene, run};
 use terrafill_native::Technique;
 use terrafill_results::{CaseKey, RunFolder, Status, Summary};
 use terrafill_scene::ImageSize;
@@ -248,5 +249,43 @@ fn ladder_matrix_and_bytes_of_every_backend() {
     assert_eq!(
         std::fs::read(out.join("summary.csv")).expect("rows"),
         before
+    );
+}
+
+#[test]
+fn cap_steps_are_swept_in_cases_of_their_own() {
+    let scene = Arc::new(open_scene("california", None).expect("shipped"));
+    let whole = BenchOptions {
+        quick: false,
+        ..options(Path::new("nowhere"))
+    };
+    let cases = |options: &BenchOptions| group_cases(&scene, &scene.views[0], options).cases;
+    let all = cases(&whole);
+    let (swept, others): (Vec<_>, Vec<_>) = all.iter().partition(|case| case.roles.subdivision);
+    let steps: Vec<Option<f64>> = swept.iter().map(|case| case.cap_step_deg).collect();
+    assert_eq!(steps, [0.3, 1.0, 3.0, 10.0].map(Some));
+    for case in swept {
+        let knob = format!(",cap-step-deg={}", case.cap_step_deg.unwrap_or_default());
+        assert!(case.key.variant.ends_with(&knob), "{}", case.key);
+        assert_eq!(
+            case.boundary_tolerance_m,
+            Some(scene.mesh.boundary_tolerance_m)
+        );
+        assert_eq!(case.roles.name(), "subdivision");
+    }
+    for case in others.iter().filter(|case| !case.roles.baseline) {
+        assert_eq!(
+            case.cap_step_deg,
+            Some(scene.mesh.cap_step_deg),
+            "{}",
+            case.key
+        );
+    }
+    // Twin: a quick run sweeps nothing.
+    let quick = cases(&options(Path::new("nowhere")));
+    assert!(
+        quick
+            .iter()
+            .all(|case| !case.roles.subdivision && !case.roles.sweep)
     );
 }
