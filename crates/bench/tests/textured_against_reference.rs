@@ -16,6 +16,7 @@ use terrafill_frame::{
     BackendError, ColourWay, Frame, FrameInput, PreparedScene, RouteChoice, Switches, VolumeBackend,
 };
 use terrafill_gpu::{Gpu, GpuOptions, SharedStage, Stage, open_for_test};
+use terrafill_native::{NativeBackend, NativeVariant, Technique};
 use terrafill_reference::{ReferenceBackend, ReferenceFrame};
 use terrafill_scene::{
     ImageSize, MipChain, Outside, Overlap, PlanOptions, Scene, SceneError, SceneTexture,
@@ -51,6 +52,23 @@ fn compute(stage: &SharedStage, switches: Switches) -> Box<dyn VolumeBackend> {
         ..ComputeVariant::default()
     };
     Box::new(ComputeBackend::new(stage, variant).expect("valid shaders"))
+}
+
+fn native(
+    stage: &terrafill_vulkan::SharedStage,
+    technique: Technique,
+    switches: Switches,
+) -> Box<dyn VolumeBackend> {
+    let variant = NativeVariant {
+        technique,
+        switches,
+    };
+    Box::new(NativeBackend::new(stage, variant).expect("has the features"))
+}
+
+fn vulkan_stage(input: &FrameInput) -> terrafill_vulkan::SharedStage {
+    let gpu = terrafill_vulkan::open_for_test(&Default::default()).expect("as through wgpu");
+    terrafill_vulkan::Stage::shared(&gpu, input.size).expect("small targets")
 }
 
 fn stage(gpu: &Arc<Gpu>, input: &FrameInput) -> SharedStage {
@@ -289,6 +307,7 @@ fn every_placement_is_right_at_every_latitude() {
             ),
         ];
         let mut known: Option<SharedStage> = None;
+        let mut known_vulkan: Option<terrafill_vulkan::SharedStage> = None;
         for (name, placement) in placements {
             // Metres east of an anchor are degrees of its own latitude: beyond a pole they mean
             // nothing, and the picture is as torn as the longitude.
@@ -316,6 +335,19 @@ fn every_placement_is_right_at_every_latitude() {
             // The same shader over the same depth: the same places to the bit.
             for frame in &frames[1..] {
                 assert_eq!(frame.texture, frames[0].texture, "{place}, {name}");
+            }
+            let vulkan = known_vulkan.get_or_insert_with(|| vulkan_stage(&input));
+            for technique in Technique::ALL {
+                let way = if technique == Technique::GsLine {
+                    planes
+                } else {
+                    xor
+                };
+                let mut backend = native(vulkan, technique, way);
+                let frame = draw(&mut *backend, &input);
+                let what = format!("{place}, {name}, native/{}", technique.name());
+                assert_right(&what, &reference.frame, &frame);
+                assert_eq!(backend.note(), backends[0].1.note(), "{what}");
             }
             let picture = backends[0].1.picture(&input).expect("draws");
             let (largest, mean) = colours_apart(&reference, &frames[0], &picture.rgba);

@@ -143,7 +143,7 @@ impl Textured {
             }
             _ => {
                 let label = "textured regions";
-                let constants = Arc::new(Buffer::upload(gpu, label, bytes, BufferUse::Storage)?);
+                let constants = Arc::new(Buffer::upload(gpu, label, bytes, BufferUse::Constants)?);
                 let bindings = stage.bind_depth(&constants, stride)?;
                 (constants, bindings)
             }
@@ -307,7 +307,6 @@ fn parts(plan: &TexturedPlan, cover: &TexturedCover) -> TexturedParts {
             wgsl: cover.route_wgsl(),
             constants: cover.route_constants.len(),
         },
-        route_room: cover.route_constants.len(),
         placement: match cover.texture.pattern {
             Some(_) => TexturedPlacement::Pattern,
             None => TexturedPlacement::Affine,

@@ -364,8 +364,7 @@ impl<'a> PassRecorder<'a, '_> {
     pub fn cover(&mut self, state: &CoverState<'a>, planned: usize) {
         if self.bind_cover(state, planned) {
             let device = &self.fill.gpu.device;
-            // SAFETY: all state is bound and fits. The region's constants are bound at its offset, so
-            // its number among them is 0.
+            // SAFETY: all state is bound and fits; the region's constants are bound at its offset.
             unsafe { device.cmd_draw(self.fill.commands, 3, 1, 0, 0) };
         }
     }

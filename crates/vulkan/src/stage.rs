@@ -375,7 +375,7 @@ impl Stage {
 
     /// The depth that the surface leaves and regions' constants, for textured covers on this stage.
     ///
-    /// - `regions`: a storage buffer of one region's constants after the other, `stride` bytes each,
+    /// - `regions`: constants of one region after the other, `stride` bytes each,
     ///   a multiple of [`DepthBindings::alignment`]
     ///
     /// # Errors
