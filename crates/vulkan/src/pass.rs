@@ -214,7 +214,7 @@ impl<'a> FillRecorder<'a> {
     /// One pass over the stage's targets for textured covers, which writes neither depth nor stencil.
     pub fn textured(&mut self, record: impl FnOnce(&mut PassRecorder<'a, '_>)) {
         let render_pass = self.gpu.fixtures.textured;
-        let framebuffer = self.targets.framebuffer(true);
+        let framebuffer = self.targets.textured_framebuffer();
         self.run(PassTarget::Textured, render_pass, framebuffer, record);
     }
 
