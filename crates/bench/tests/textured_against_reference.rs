@@ -16,6 +16,7 @@ use terrafill_frame::{
     BackendError, ColourWay, Frame, FrameInput, PreparedScene, RouteChoice, Switches, VolumeBackend,
 };
 use terrafill_gpu::{Gpu, GpuOptions, SharedStage, Stage, open_for_test};
+use terrafill_native::{NativeBackend, NativeVariant, Technique};
 use terrafill_reference::{ReferenceBackend, ReferenceFrame};
 use terrafill_scene::{
     ImageSize, MipChain, Outside, Overlap, PlanOptions, Scene, SceneError, SceneTexture,
@@ -51,6 +52,23 @@ fn compute(stage: &SharedStage, switches: Switches) -> Box<dyn VolumeBackend> {
         ..ComputeVariant::default()
     };
     Box::new(ComputeBackend::new(stage, variant).expect("valid shaders"))
+}
+
+fn native(
+    stage: &terrafill_vulkan::SharedStage,
+    technique: Technique,
+    switches: Switches,
+) -> Box<dyn VolumeBackend> {
+    let variant = NativeVariant {
+        technique,
+        switches,
+    };
+    Box::new(NativeBackend::new(stage, variant).expect("has the features"))
+}
+
+fn vulkan_stage(input: &FrameInput) -> terrafill_vulkan::SharedStage {
+    let gpu = terrafill_vulkan::open_for_test(&Default::default()).expect("as through wgpu");
+    terrafill_vulkan::Stage::shared(&gpu, input.size).expect("small targets")
 }
 
 fn stage(gpu: &Arc<Gpu>, input: &FrameInput) -> SharedStage {
@@ -289,6 +307,7 @@ fn every_placement_is_right_at_every_latitude() {
             ),
         ];
         let mut known: Option<SharedStage> = None;
+        let mut known_vulkan: Option<terrafill_vulkan::SharedStage> = None;
         for (name, placement) in placements {
             // Metres east of an anchor are degrees of its own latitude: beyond a pole they mean
             // nothing, and the picture is as torn as the longitude.
@@ -316,6 +335,26 @@ fn every_placement_is_right_at_every_latitude() {
             // The same shader over the same depth: the same places to the bit.
             for frame in &frames[1..] {
                 assert_eq!(frame.texture, frames[0].texture, "{place}, {name}");
+            }
+            let vulkan = known_vulkan.get_or_insert_with(|| vulkan_stage(&input));
+            // The covers are the same whatever marks their pixels: every technique in one place.
+            let all = Technique::ALL;
+            let techniques = if place.starts_with("45") {
+                &all[..]
+            } else {
+                &[Technique::GsDegenerate]
+            };
+            for &technique in techniques {
+                let way = if technique == Technique::GsLine {
+                    planes
+                } else {
+                    xor
+                };
+                let mut backend = native(vulkan, technique, way);
+                let frame = draw(&mut *backend, &input);
+                let what = format!("{place}, {name}, native/{}", technique.name());
+                assert_right(&what, &reference.frame, &frame);
+                assert_eq!(backend.note(), backends[0].1.note(), "{what}");
             }
             let picture = backends[0].1.picture(&input).expect("draws");
             let (largest, mean) = colours_apart(&reference, &frames[0], &picture.rgba);
@@ -494,6 +533,151 @@ fn a_second_frame_of_a_textured_fill_makes_and_writes_nothing_more() {
     // What compute makes anew it makes for its volumes, textured or not.
     let by_compute = |switches| second(compute(&stage, switches));
     assert_eq!(by_compute(chosen), by_compute(plain));
+}
+
+#[test]
+fn native_shows_the_picture_that_vertex_shows_and_notices_another_anchor() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let scene = around(12.0, 45.0, 2.5);
+    let at = |longitude: f64| {
+        let placement = TexturePlacement::Anchor {
+            anchor: anchor(longitude, 44.8, 25.0),
+            width_m: 9e4,
+            height_m: 6e4,
+            outside: Outside::Transparent,
+        };
+        let mut scene = textured(&scene, placement);
+        let mut picture = (**scene.texture.as_ref().expect("textured")).clone();
+        picture.alpha = 0.75;
+        picture.fade_m = Some([2e5, 6e5]);
+        picture.share = TextureShare::Each;
+        scene.texture = Some(Arc::new(picture));
+        look(&scene, (12.0, 44.0, 1.5e5, 0.0, -40.0), 1e3, SIZE)
+    };
+    let input = at(12.1);
+    let reference = judge(&input).frame;
+    let (stage, vulkan) = (stage(&gpu, &input), vulkan_stage(&input));
+    let chosen = switches("chosen", ColourWay::Xor);
+    let mut by_vertex = vertex(&stage, Layout::Doubled, chosen);
+    by_vertex.prepare(&input).expect("fits");
+    let wanted = by_vertex.picture(&input).expect("draws").rgba;
+    let mut by_native = native(&vulkan, Technique::GsDegenerate, chosen);
+    let frame = draw(&mut *by_native, &input);
+    let errors = compare_texture(&reference, &frame).expect("comparable");
+    eprintln!("native: {errors:?}");
+    assert!(texture_verdict(&errors).is_pass(), "{errors:?}");
+    let largest = |rgba: &[u8]| {
+        let apart = wanted.iter().zip(rgba).map(|(a, b)| a.abs_diff(*b));
+        apart.max().expect("pixels")
+    };
+    let apart = largest(&by_native.picture(&input).expect("draws").rgba);
+    assert!(apart <= 2, "{apart}");
+    // Twin: the picture a hundredth of a degree beside, 800 m where a texel is 700 m wide.
+    let beside = at(12.11);
+    let moved = draw(&mut *by_native, &beside);
+    let errors = compare_texture(&reference, &moved).expect("comparable");
+    assert!(
+        matches!(texture_verdict(&errors), Verdict::Fail(_)),
+        "{errors:?}"
+    );
+    assert!(largest(&by_native.picture(&beside).expect("draws").rgba) > 2);
+}
+
+#[test]
+fn a_plain_fill_by_native_knows_nothing_of_the_scenes_picture() {
+    let Some(_) = terrafill_vulkan::open_for_test(&Default::default()) else {
+        return;
+    };
+    let bare = around(12.0, 45.0, 2.5);
+    let dressed = textured(&bare, TexturePlacement::Extents);
+    let pose = (12.0, 45.0, 3e5, 0.0, -90.0);
+    let used = |scene: &PreparedScene, technique: Technique, switches: Switches| {
+        let input = look(scene, pose, 1e3, SIZE);
+        let stage = vulkan_stage(&input);
+        let mut backend = native(&stage, technique, switches);
+        let memory = backend.prepare(&input).expect("fits");
+        let frame = backend.render(&input).expect("draws");
+        let again = backend.render(&input).expect("draws");
+        let again = again.counters.expect("counted");
+        let made = [
+            again.buffer_creations,
+            again.pipeline_creations,
+            again.uploads,
+        ];
+        assert_eq!(made, [0; 3], "{}", backend.variant_name());
+        assert!(backend.time_frame(&input).expect("draws").fill_cpu_ms > 0.0);
+        (memory, frame.counters, frame.ids, frame.texture)
+    };
+    for technique in [Technique::GsDegenerate, Technique::VsControl] {
+        let plain = |scene| used(scene, technique, Switches::default());
+        let (with, without) = (plain(&dressed), plain(&bare));
+        assert_eq!(with, without, "{technique:?}");
+        assert_eq!((with.0.texture_bytes, with.3), (0, None), "{technique:?}");
+        // Twin: the textured fill costs memory and a buffer, and as many draws.
+        let chosen = switches("chosen", ColourWay::Xor);
+        let (memory, counters, ..) = used(&dressed, technique, chosen);
+        let image_bytes = dressed.texture.as_ref().expect("a picture").image.bytes();
+        assert_eq!(memory.texture_bytes, image_bytes);
+        assert_eq!(memory.buffers, with.0.buffers + 1);
+        assert!(memory.constant_bytes > with.0.constant_bytes);
+        let (textured, plain) = (counters.expect("counted"), with.1.expect("counted"));
+        assert_eq!(
+            (textured.draws, textured.vertices),
+            (plain.draws, plain.vertices)
+        );
+        assert_eq!(textured.buffer_creations, plain.buffer_creations + 1);
+    }
+}
+
+/// Routes that read a table: by number, filtered, and a cube.
+const TABLES: [&str; 4] = [
+    "lut-1024-r32f-linear-exact",
+    "lut-64-r8-nearest",
+    "lut-256-r16f-linear",
+    "cube-256",
+];
+
+#[test]
+fn tables_are_read_by_native_as_by_vertex() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let scene = textured(&around(12.0, 45.0, 2.5), TexturePlacement::Extents);
+    let input = look(&scene, (12.0, 45.0, 3e5, 0.0, -90.0), 1e3, SIZE);
+    let (stage, vulkan) = (stage(&gpu, &input), vulkan_stage(&input));
+    let places = |frame: Frame| frame.texture.expect("textured").pixels;
+    let farthest = |route: &str, other: &str| {
+        let by_vertex = vertex(&stage, Layout::Doubled, switches(route, ColourWay::Xor));
+        let by_native = native(
+            &vulkan,
+            Technique::VsControl,
+            switches(other, ColourWay::Xor),
+        );
+        let frames = [by_vertex, by_native].map(|mut backend| {
+            let frame = draw(&mut *backend, &input);
+            let memory = backend.prepare(&input).expect("fits");
+            (memory.texture_bytes, places(frame))
+        });
+        let [(bytes, one), (other_bytes, two)] = frames;
+        assert_eq!(bytes == other_bytes, route == other);
+        let mut largest = 0.0_f64;
+        for (a, b) in one.iter().zip(&two) {
+            assert_eq!(a.is_some(), b.is_some());
+            if let (Some(a), Some(b)) = (a, b) {
+                largest = largest.max((a.uv[0] - b.uv[0]).abs().max((a.uv[1] - b.uv[1]).abs()));
+            }
+        }
+        largest
+    };
+    for route in TABLES {
+        let found = farthest(route, route);
+        eprintln!("{route}: {found:e}");
+        assert!(found < 1e-6, "{route}: {found:e}");
+    }
+    // Twin: a table of fewer and coarser texels leads elsewhere.
+    assert!(farthest(TABLES[0], TABLES[1]) > 1e-6);
 }
 
 #[test]

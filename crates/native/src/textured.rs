@@ -143,7 +143,7 @@ impl Textured {
             }
             _ => {
                 let label = "textured regions";
-                let constants = Arc::new(Buffer::upload(gpu, label, bytes, BufferUse::Storage)?);
+                let constants = Arc::new(Buffer::upload(gpu, label, bytes, BufferUse::Constants)?);
                 let bindings = stage.bind_depth(&constants, stride)?;
                 (constants, bindings)
             }

@@ -23,7 +23,7 @@ pub(crate) const PROBE_FORMAT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// How a textured region's constants are bound: one after the other in a buffer, and each draw says
 /// where its region's begin.
-pub(crate) const REGION_KIND: vk::DescriptorType = vk::DescriptorType::STORAGE_BUFFER_DYNAMIC;
+pub(crate) const REGION_KIND: vk::DescriptorType = vk::DescriptorType::UNIFORM_BUFFER_DYNAMIC;
 
 /// Depth after the surface pass. Its depth may be read by shaders while it is attached.
 pub(crate) const DEPTH_READ_ONLY: vk::ImageLayout =

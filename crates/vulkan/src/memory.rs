@@ -18,6 +18,8 @@ pub enum BufferUse {
     Index,
     /// A uniform block.
     Uniform,
+    /// Uniform blocks one after the other, of which each draw reads one.
+    Constants,
     /// An array that shaders read.
     Storage,
 }
@@ -27,7 +29,7 @@ impl BufferUse {
         match self {
             Self::Vertex => vk::BufferUsageFlags::VERTEX_BUFFER,
             Self::Index => vk::BufferUsageFlags::INDEX_BUFFER,
-            Self::Uniform => vk::BufferUsageFlags::UNIFORM_BUFFER,
+            Self::Uniform | Self::Constants => vk::BufferUsageFlags::UNIFORM_BUFFER,
             Self::Storage => vk::BufferUsageFlags::STORAGE_BUFFER,
         }
     }
@@ -156,7 +158,8 @@ impl Buffer {
         let allowed = match use_for {
             BufferUse::Uniform => u64::from(gpu.limits.max_uniform_buffer_range),
             BufferUse::Storage => u64::from(gpu.limits.max_storage_buffer_range),
-            BufferUse::Vertex | BufferUse::Index => u64::MAX,
+            // What is bound of constants at a time is checked when it is.
+            BufferUse::Vertex | BufferUse::Index | BufferUse::Constants => u64::MAX,
         };
         if size > allowed {
             return Err(BackendError::OverCapacity {

@@ -214,7 +214,7 @@ impl<'a> FillRecorder<'a> {
     /// One pass over the stage's targets for textured covers, which writes neither depth nor stencil.
     pub fn textured(&mut self, record: impl FnOnce(&mut PassRecorder<'a, '_>)) {
         let render_pass = self.gpu.fixtures.textured;
-        let framebuffer = self.targets.framebuffer(true);
+        let framebuffer = self.targets.textured_framebuffer();
         self.run(PassTarget::Textured, render_pass, framebuffer, record);
     }
 
@@ -364,8 +364,7 @@ impl<'a> PassRecorder<'a, '_> {
     pub fn cover(&mut self, state: &CoverState<'a>, planned: usize) {
         if self.bind_cover(state, planned) {
             let device = &self.fill.gpu.device;
-            // SAFETY: all state is bound and fits. The region's constants are bound at its offset, so
-            // its number among them is 0.
+            // SAFETY: all state is bound and fits; the region's constants are bound at its offset.
             unsafe { device.cmd_draw(self.fill.commands, 3, 1, 0, 0) };
         }
     }

@@ -60,8 +60,8 @@ pub(crate) struct Targets {
     colour: Image,
     /// Shared with whoever reads its depth in shaders.
     depth_stencil: Arc<Image>,
-    /// Depth and stencil only, and with colour.
-    framebuffers: [vk::Framebuffer; 2],
+    /// Depth and stencil only, with colour, and with colour for textured covers.
+    framebuffers: [vk::Framebuffer; 3],
     numbers: Option<Numbers>,
 }
 
@@ -185,27 +185,36 @@ impl Targets {
                 },
                 vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL,
             )?),
-            framebuffers: [vk::Framebuffer::null(); 2],
+            framebuffers: [vk::Framebuffer::null(); 3],
             numbers: None,
         };
         let views = [targets.colour.view, targets.depth_stencil.view];
-        for has_colour in [false, true] {
+        let fixtures = &gpu.fixtures;
+        let passes = [
+            (fixtures.fill(false, false), &views[1..]),
+            (fixtures.fill(false, true), &views[..]),
+            (fixtures.textured, &views[..]),
+        ];
+        for (framebuffer, (render_pass, views)) in targets.framebuffers.iter_mut().zip(passes) {
             let info = vk::FramebufferCreateInfo::default()
-                .render_pass(gpu.fixtures.fill(false, has_colour))
-                .attachments(&views[usize::from(!has_colour)..])
+                .render_pass(render_pass)
+                .attachments(views)
                 .width(extent.width)
                 .height(extent.height)
                 .layers(1);
             // SAFETY: the views are of the pass's formats and of this size.
-            let framebuffer = unsafe { gpu.device.create_framebuffer(&info, None) }
+            *framebuffer = unsafe { gpu.device.create_framebuffer(&info, None) }
                 .map_err(|error| failure(error, "framebuffer", 0))?;
-            targets.framebuffers[usize::from(has_colour)] = framebuffer;
         }
         Ok(targets)
     }
 
     pub(crate) fn framebuffer(&self, has_colour: bool) -> vk::Framebuffer {
         self.framebuffers[usize::from(has_colour)]
+    }
+
+    pub(crate) fn textured_framebuffer(&self) -> vk::Framebuffer {
+        self.framebuffers[2]
     }
 
     pub(crate) fn numbers(&self) -> Option<&Numbers> {
@@ -375,7 +384,7 @@ impl Stage {
 
     /// The depth that the surface leaves and regions' constants, for textured covers on this stage.
     ///
-    /// - `regions`: a storage buffer of one region's constants after the other, `stride` bytes each,
+    /// - `regions`: constants of one region after the other, `stride` bytes each,
     ///   a multiple of [`DepthBindings::alignment`]
     ///
     /// # Errors

@@ -233,9 +233,10 @@ impl DepthBindings {
         }
         let alignment = Self::alignment(gpu);
         let fits = regions.is_on(gpu)
-            && regions.use_for() == Some(BufferUse::Storage)
+            && regions.use_for() == Some(BufferUse::Constants)
             && stride > 0
             && stride.is_multiple_of(alignment)
+            && stride as u64 <= u64::from(gpu.limits.max_uniform_buffer_range)
             && regions.size() >= stride as u64;
         let bytes = u32::try_from(stride).ok().filter(|_| fits);
         let Some(bytes) = bytes else {
@@ -295,7 +296,7 @@ impl DepthBindings {
     /// What a region's constants must begin at a multiple of, bytes.
     #[must_use]
     pub fn alignment(gpu: &Gpu) -> usize {
-        let alignment = gpu.limits.min_storage_buffer_offset_alignment;
+        let alignment = gpu.limits.min_uniform_buffer_offset_alignment;
         usize::try_from(alignment).unwrap_or(usize::MAX)
     }
 

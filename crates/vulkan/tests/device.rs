@@ -8,13 +8,16 @@ mod globe;
 use globe::{SIZE, assert_depth_of_the_ellipsoid, globe_from};
 use std::sync::Arc;
 use terrafill_frame::{
-    BackendError, DepthRule, FaceSet, RegionConstants, StencilOperation, StencilRule, StencilTest,
+    AddressMode, BackendError, DepthRule, FaceSet, RegionConstants, RouteTexelFormat, RouteTexels,
+    StencilOperation, StencilRule, StencilTest, TexturedRegion,
 };
-use terrafill_scene::{ImageSize, PixelRect};
+use terrafill_scene::{ImageSize, MipChain, PixelRect};
 use terrafill_vulkan::{
-    BindGroup, Buffer, BufferUse, DrawState, Fragments, Geometry, Gpu, GpuOptions, IndexWidth,
-    Measured, POSITIVE_CONTROL, Pipeline, PipelineDescriptor, PipelineState, Stage, Topology,
-    VertexFormat, VertexStage, list_adapters, make_deliberate_error, messages, open_for_test,
+    BindGroup, Buffer, BufferUse, CoverPurpose, CoverState, DepthBindings, DrawState, Fragments,
+    Geometry, Gpu, GpuOptions, ImageBindings, IndexWidth, Measured, POSITIVE_CONTROL, Pipeline,
+    PipelineDescriptor, PipelineState, RouteText, SampledImage, Stage, TexturedDescriptor,
+    TexturedParts, TexturedPipeline, TexturedPlacement, Topology, VertexFormat, VertexStage,
+    list_adapters, make_deliberate_error, messages, open_for_test,
 };
 
 /// A stage with the globe drawn on it.
@@ -408,4 +411,173 @@ fn two_devices_do_not_mix() {
         recorder.pass(false, true, |pass| pass.draw(&state, 3, 0));
     });
     assert!(outcome.is_err());
+}
+
+/// A textured cover whose place in the picture is the pixel's own, times the constants' u and v.
+fn pixel_parts() -> TexturedParts {
+    TexturedParts {
+        position: RouteText {
+            wgsl: "struct PositionConstants { c0: vec4f }\n\
+                   fn fragment_offset(pixel: vec2f, depth: f32, constants: PositionConstants) -> \
+                   vec3f { return vec3f(depth, pixel); }"
+                .to_owned(),
+            constants: 1,
+        },
+        route: RouteText {
+            wgsl: "struct RouteConstants { c0: vec4f }\n\
+                   fn route_angles(d: vec3f, constants: RouteConstants) -> vec2f { return d.yz; }"
+                .to_owned(),
+            constants: 0,
+        },
+        placement: TexturedPlacement::Affine,
+    }
+}
+
+/// Constants of regions with these ids, and how far one is from the next.
+fn textured_regions(gpu: &Gpu, ids: &[f32]) -> (Vec<u8>, usize) {
+    let needed = size_of::<TexturedRegion>() + 32;
+    let stride = needed.next_multiple_of(DepthBindings::alignment(gpu));
+    let mut bytes = Vec::new();
+    for &id in ids {
+        let mut region: TexturedRegion = bytemuck::Zeroable::zeroed();
+        region.id = id;
+        region.u = [0.25, 0.0, 3.0];
+        region.v = [0.0, 0.5, 0.0];
+        bytes.extend_from_slice(bytemuck::bytes_of(&region));
+        bytes.resize(bytes.len().next_multiple_of(stride), 0);
+    }
+    (bytes, stride)
+}
+
+#[test]
+fn the_probe_finds_every_pixel_of_the_surface_and_none_of_the_sky() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let allocated = gpu.allocated_bytes();
+    let stage = drawn(&gpu);
+    let plain = cover(&gpu, &stage);
+    let (bytes, stride) = textured_regions(&gpu, &[7.0, 9.0]);
+    let upload = |use_for| Buffer::upload(&gpu, "regions", &bytes, use_for).map(Arc::new);
+    let regions = upload(BufferUse::Constants).expect("fits");
+    let depth = stage.bind_depth(&regions, stride).expect("fits");
+    let out_of_step = stage.bind_depth(&regions, stride + 4);
+    assert!(out_of_step.is_err(), "constants out of step");
+    let wrong_use = upload(BufferUse::Storage).expect("fits");
+    assert!(stage.bind_depth(&wrong_use, stride).is_err());
+    let picture = MipChain::new(2, 2, vec![255; 16]).expect("four texels");
+    let image = Arc::new(SampledImage::picture(&gpu, &picture).expect("fits"));
+    assert_eq!(image.bytes(), picture.bytes());
+    let repeat = [AddressMode::Repeat; 2];
+    let picture = ImageBindings::picture(&image, repeat).expect("fits");
+    let parts = pixel_parts();
+    let pipeline = |test, purpose| {
+        let descriptor = TexturedDescriptor {
+            parts: &parts,
+            table_is_sampled: None,
+            test,
+            purpose,
+        };
+        TexturedPipeline::new(&gpu, &descriptor)
+    };
+    let probing = pipeline(EVERYWHERE, CoverPurpose::Probe).expect("valid");
+    let zeroing = StencilTest {
+        zeroes: true,
+        ..EVERYWHERE
+    };
+    let error = pipeline(zeroing, CoverPurpose::Probe).expect_err("depth and stencil are read");
+    assert!(error.to_string().contains("writes the stencil"), "{error}");
+    let state = CoverState {
+        pipeline: &probing,
+        bindings: &plain.bindings,
+        depth: &depth,
+        picture: &picture,
+        table: None,
+    };
+    let probe = stage.probe().expect("fits");
+    assert_eq!(probe.read().expect("reads"), None, "nothing is drawn yet");
+    let right = PixelRect {
+        left: 50,
+        top: 0,
+        right: SIZE.width,
+        bottom: SIZE.height,
+    };
+    // The second pass adds to what the first has cleared.
+    let drawn_into = stage.fill(2, Measured::Nothing, |recorder| {
+        recorder.probe(&probe, |pass| pass.cover(&state, 0));
+        recorder.probe(&probe, |pass| {
+            pass.scissor(right);
+            pass.cover(&state, 1);
+        });
+    });
+    drawn_into.expect("draws");
+    let [places, sizes] = probe.read().expect("reads").expect("drawn");
+    let depths = stage.read().expect("reads").depth;
+    let (mut on_surface, mut in_sky) = (0, 0);
+    for (index, (place, depth)) in places.iter().zip(&depths).enumerate() {
+        let (x, y) = (index % SIZE.width as usize, index / SIZE.width as usize);
+        if *depth > 0.0 {
+            on_surface += 1;
+            let id = if x < 50 { 7.0 } else { 9.0 };
+            let uv = [x, y].map(|at| at as f32 + 0.5);
+            assert_eq!((place[0], place[1]), (0.25 * uv[0] + 3.0, 0.5 * uv[1]));
+            assert_eq!(place[3], id, "{x} {y}");
+            assert!(sizes[index][2] > 0.0, "a distance");
+        } else {
+            in_sky += 1;
+            assert_eq!(*place, [0.0; 4], "{x} {y}");
+        }
+    }
+    assert!(on_surface > 500 && in_sky > 500, "{on_surface} {in_sky}");
+
+    // What does not fit is refused.
+    let other_stage = drawn(&gpu);
+    let other_probe = other_stage.probe().expect("fits");
+    let error = stage.fill(1, Measured::Nothing, |recorder| {
+        recorder.probe(&other_probe, |_| {});
+    });
+    assert!(error.is_err(), "a probe of another stage");
+    let error = stage.fill(1, Measured::Nothing, |recorder| {
+        recorder.textured(|pass| pass.cover(&state, 0));
+    });
+    assert!(error.is_err(), "a probing cover in a pass for colours");
+    let error = stage.fill(1, Measured::Nothing, |recorder| {
+        recorder.probe(&probe, |pass| pass.cover(&state, 2));
+    });
+    assert!(error.is_err(), "a region beyond the last");
+    let error = other_stage.fill(1, Measured::Nothing, |recorder| {
+        recorder.probe(&other_probe, |pass| pass.cover(&state, 0));
+    });
+    assert!(error.is_err(), "the depth of another stage");
+    let with_table = CoverState {
+        table: Some(&picture),
+        ..state
+    };
+    let error = stage.fill(1, Measured::Nothing, |recorder| {
+        recorder.probe(&probe, |pass| pass.cover(&with_table, 0));
+    });
+    assert!(error.is_err(), "a table that the route does not read");
+    drop((probe, other_probe, other_stage, depth, regions, wrong_use));
+    drop((picture, image, probing, plain, stage));
+    assert_eq!(gpu.allocated_bytes(), allocated);
+}
+
+#[test]
+fn a_picture_that_no_device_holds_is_refused() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let route = |width| RouteTexels {
+        format: RouteTexelFormat::R8Unorm,
+        is_filtered: false,
+        size: [width, 1],
+        is_cube: false,
+        bytes: vec![7; width as usize],
+    };
+    assert_eq!(
+        SampledImage::route(&gpu, &route(64)).expect("fits").bytes(),
+        64
+    );
+    let error = SampledImage::route(&gpu, &route(1 << 20)).expect_err("too wide");
+    assert!(error.to_string().contains("found 1048576"), "{error}");
 }
