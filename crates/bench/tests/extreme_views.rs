@@ -140,7 +140,8 @@ fn ten_metres_from_several_eyes() {
             two_float.mismatched_px <= 8 && verdict(&two_float).is_pass(),
             "{two_float:?}"
         );
-        assert!(naive.mismatched_px > 300, "{naive:?}");
+        // 230 to 2,785 on llvmpipe.
+        assert!(naive.mismatched_px > 100, "{naive:?}");
         most = most.max(naive.mismatched_px_outside_band);
     }
     // Twin: where luck fails, it is far beyond the band.
