@@ -5,6 +5,10 @@
 //! region, so backends differ in how they find those two angles and in nothing else. Radians and
 //! metres, `f64`; whoever rounds to `f32` does so after subtracting. The reference reads the scene's
 //! placement itself and never the affine map made here.
+//!
+//! Colours: texels are decoded from sRGB, filtered in linear light and encoded again; then they are
+//! blended over what the target holds as it stands, by the texel's alpha times the scene's times what
+//! the distance leaves of it.
 
 use crate::{Frame, PreparedScene};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -102,14 +106,24 @@ impl PlannedTexture {
         }
     }
 
-    /// The textures of all regions of `scene`, by region; empty where it has none.
+    /// The textures of all regions of `scene`, in their order, which also numbers the copies of the
+    /// picture where each region has one; empty where the scene has no texture.
     #[must_use]
     pub fn of_scene(scene: &PreparedScene) -> Vec<Self> {
-        let regions = scene.texture.iter().flat_map(|texture| {
-            let plan = |region| Self::new(texture, region, scene.edge_rule, &scene.body);
-            scene.regions.iter().map(plan)
-        });
-        regions.collect()
+        let Some(texture) = &scene.texture else {
+            return Vec::new();
+        };
+        let plan = |(place, region)| {
+            let planned = Self::new(texture, region, scene.edge_rule, &scene.body);
+            match texture.share {
+                TextureShare::One => planned,
+                TextureShare::Each => Self {
+                    image: place,
+                    ..planned
+                },
+            }
+        };
+        scene.regions.iter().enumerate().map(plan).collect()
     }
 
     /// Texture coordinates at angles from [`PlannedTexture::anchor_lon_lat_rad`]; of a pattern, those
