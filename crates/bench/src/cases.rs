@@ -199,9 +199,10 @@ impl Builder<'_> {
         };
         let plain = Setting::new(main);
         for (setting, shown) in textured_settings(plain, self.scene, self.view, quick) {
+            let switches = setting.technique.switches();
             let is_varied = shown != ShownPicture::Scene
                 || !matches!(main, Technique::Vertex(_))
-                || setting.variant_name().contains("normalize=");
+                || switches.is_some_and(|switches| switches.superfluous_normalize);
             self.cases.push(BenchCase {
                 key: self.key(
                     &setting,
