@@ -28,25 +28,60 @@ struct RegionConstants {
 
 @group(0) @binding(1) var<storage, read> regions: array<RegionConstants>;
 
-// 0: three i32 in units; 1: three f32 in metres from the region's origin, for comparison only.
-override POSITIONS_ARE_LOCAL_F32: bool = false;
+// How positions are stored: three i32 in units. The others are for comparison only: three f32 metres
+// from the region's origin; three f32 metres from the body's centre; those and three more f32 for
+// what they rounded away.
+const FIXED: u32 = 0u;
+const LOCAL_F32: u32 = 1u;
+const ECEF_F32: u32 = 2u;
+const TWO_FLOAT: u32 = 3u;
+override POSITIONS: u32 = FIXED;
 
 fn eye_relative_m(stored: vec3<i32>, region_index: u32, height_m: f32) -> vec3<f32> {
     let shift = vec3<u32>(regions[region_index].shift);
     let origin = regions[region_index].origin_ecef_m;
     var relative: vec3<f32>;
     var ecef: vec3<f32>;
-    if POSITIONS_ARE_LOCAL_F32 {
+    if POSITIONS == LOCAL_F32 {
         let local = bitcast<vec3<f32>>(stored);
         relative = local - regions[region_index].eye_remainder_m;
         ecef = origin + local;
+    } else if POSITIONS == ECEF_F32 {
+        ecef = bitcast<vec3<f32>>(stored);
+        relative = ecef - view.eye_ecef;
     } else {
         let difference = (stored >> shift) - regions[region_index].eye;
         relative = vec3<f32>(difference) * regions[region_index].scale_m
             - regions[region_index].eye_remainder_m;
         ecef = origin + vec3<f32>(stored) * regions[region_index].unit_m;
     }
-    // The vertex lies on the ellipsoid, where (x, y, z a²/b²) is parallel to the geodetic normal.
-    let normal = normalize(ecef * view.normal_scale);
-    return relative + normal * height_m;
+    return relative + normal_at(ecef) * height_m;
+}
+
+// The vertex lies on the ellipsoid, where (x, y, z a²/b²) is parallel to the geodetic normal.
+fn normal_at(ecef: vec3<f32>) -> vec3<f32> {
+    return normalize(ecef * view.normal_scale);
+}
+
+// Parts of like size first: the high ones' difference is exact close up, and the low ones put back
+// what they rounded away. WGSL lets compilers add up in another order, which would lose the low
+// parts; a test on the device shows whether its compiler does.
+fn two_float_difference_m(
+    high: vec3<f32>,
+    low: vec3<f32>,
+    eye_high: vec3<f32>,
+    eye_low: vec3<f32>,
+) -> vec3<f32> {
+    return (high - eye_high) + (low - eye_low);
+}
+
+fn two_float_relative_m(
+    high: vec3<f32>,
+    low: vec3<f32>,
+    region_index: u32,
+    height_m: f32,
+) -> vec3<f32> {
+    let eye_low = regions[region_index].eye_remainder_m;
+    let relative = two_float_difference_m(high, low, view.eye_ecef, eye_low);
+    return relative + normal_at(high) * height_m;
 }

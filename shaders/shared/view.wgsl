@@ -4,7 +4,7 @@
 struct ViewConstants {
     // Columns of the rotation from ECEF axes to view axes (x right, y up, z towards the viewer).
     view_from_ecef: mat3x3<f32>,
-    // Eye, ECEF metres; only for shading, where f32 is enough.
+    // Eye, ECEF metres, rounded to f32: too coarse to subtract from positions by itself.
     eye_ecef: vec3<f32>,
     near_m: f32,
     // (1, 1, a²/b²): turns an ECEF position into a multiple of the geodetic normal there.

@@ -36,7 +36,9 @@ struct TexturedRegion {
 };
 
 @group(1) @binding(0) var surface_depth: texture_depth_2d;
-@group(1) @binding(1) var<storage, read> textured: array<TexturedRegion>;
+// The region that is covered. Constants at fixed places are the same for a whole draw to a compiler;
+// elements of an array by instance number are loaded lane by lane on some devices (llvmpipe).
+@group(1) @binding(1) var<uniform> textured: TexturedRegion;
 @group(2) @binding(0) var image: texture_2d<f32>;
 @group(2) @binding(1) var image_sampler: sampler;
 
@@ -47,19 +49,11 @@ override ENDS_AT_EDGES: bool = false;
 // Whether a vector of length 1 is normalised once more, for its price to be measured (Cozzi, 2007).
 override NORMALIZES_TWICE: bool = false;
 
-struct Varying {
-    @builtin(position) clip: vec4<f32>,
-    @location(0) @interpolate(flat) region_index: u32,
-};
-
 @vertex
-fn vertex_main(
-    @builtin(vertex_index) vertex_index: u32,
-    @builtin(instance_index) region_index: u32,
-) -> Varying {
+fn vertex_main(@builtin(vertex_index) vertex_index: u32) -> @builtin(position) vec4<f32> {
     let x = f32(i32(vertex_index & 1u) * 4 - 1);
     let y = f32(i32(vertex_index >> 1u) * 4 - 1);
-    return Varying(vec4<f32>(x, y, 1.0, 1.0), region_index);
+    return vec4<f32>(x, y, 1.0, 1.0);
 }
 
 //#insert position
@@ -72,9 +66,9 @@ fn vertex_main(
 // (N + h) cos φ is the distance from the axis; h = p·n − a √(1 − e² sin² φ) with n the geodetic normal,
 // and M = a (1 − e²) / (1 − e² sin² φ)^(3/2). Lines of sight meet the plane where
 // (q + s)·n stays the same, q being the way from the eye and s a step of the image plane.
-fn angles_per_pixel(region_index: u32, offset_m: vec3<f32>, depth: f32) -> vec4<f32> {
-    let p = textured[region_index].anchor_m + offset_m;
-    let q = offset_m - textured[region_index].eye_m;
+fn angles_per_pixel(offset_m: vec3<f32>, depth: f32) -> vec4<f32> {
+    let p = textured.anchor_m + offset_m;
+    let q = offset_m - textured.eye_m;
     let distance = view.near_m / depth;
     // On the ellipsoid this is along the geodetic normal; at 10 km height it is 5e-6 rad off.
     var n = normalize(p * view.normal_scale);
@@ -83,16 +77,16 @@ fn angles_per_pixel(region_index: u32, offset_m: vec3<f32>, depth: f32) -> vec4<
     }
     // Seen edge on, a pixel's footprint has no end, and the coarsest level is right for it.
     let facing = min(dot(q, n), -1e-6 * distance);
-    let right = textured[region_index].right * distance;
-    let down = textured[region_index].down * distance;
+    let right = textured.right * distance;
+    let down = textured.down * distance;
     let on_right = right - q * (dot(right, n) / facing);
     let on_down = down - q * (dot(down, n) / facing);
     // At the pole itself longitude has no derivative; its place is in the coarsest level too.
     let axis_distance = sqrt(max(dot(p.xy, p.xy), 1e-12));
     let outward = p.xy / axis_distance;
     let cos_latitude = length(n.xy);
-    let a = textured[region_index].equatorial_radius_m;
-    let e2 = textured[region_index].eccentricity_squared;
+    let a = textured.equatorial_radius_m;
+    let e2 = textured.eccentricity_squared;
     let w2 = 1.0 - e2 * n.z * n.z;
     let w = sqrt(w2);
     let height_m = dot(p, n) - a * w;
@@ -116,15 +110,15 @@ struct Place {
     footprint_texels: f32,
 };
 
-fn uv_of(region_index: u32, angles: vec2<f32>) -> vec2<f32> {
+fn uv_of(angles: vec2<f32>) -> vec2<f32> {
     let at = vec3<f32>(angles, 1.0);
-    return vec2<f32>(dot(textured[region_index].u, at), dot(textured[region_index].v, at));
+    return vec2<f32>(dot(textured.u, at), dot(textured.v, at));
 }
 
 // The longer of the footprints in the picture of a step to the right and of one down, texels.
-fn footprint_of(region_index: u32, steps: vec4<f32>) -> f32 {
-    let u = textured[region_index].u.xy;
-    let v = textured[region_index].v.xy;
+fn footprint_of(steps: vec4<f32>) -> f32 {
+    let u = textured.u.xy;
+    let v = textured.v.xy;
     let texels = vec2<f32>(textureDimensions(image));
     let right = vec2<f32>(dot(u, steps.xy), dot(v, steps.xy)) * texels;
     let down = vec2<f32>(dot(u, steps.zw), dot(v, steps.zw)) * texels;
@@ -139,18 +133,18 @@ struct Found {
 };
 
 // Everything up to the sampling of the picture: what the probe writes is what the colour pass uses.
-fn find(pixel: vec2<f32>, region_index: u32) -> Found {
+fn find(pixel: vec2<f32>) -> Found {
     let depth = textureLoad(surface_depth, vec2<i32>(pixel), 0);
     // The cleared depth is no surface. The stencil keeps such pixels out, and so does this should it
     // not: nothing finite comes of a distance without end.
     if !(depth > 0.0) {
         discard;
     }
-    let offset_m = offset_of(pixel, depth, region_index);
-    let angles = angles_of(offset_m, region_index);
-    let steps = angles_per_pixel(region_index, offset_m, depth);
-    let distance_m = length(offset_m - textured[region_index].eye_m);
-    return Found(place(region_index, angles, steps, distance_m), distance_m);
+    let offset_m = offset_of(pixel, depth);
+    let angles = angles_of(offset_m);
+    let steps = angles_per_pixel(offset_m, depth);
+    let distance_m = length(offset_m - textured.eye_m);
+    return Found(place(angles, steps, distance_m), distance_m);
 }
 
 fn is_outside(uv: vec2<f32>) -> bool {
@@ -164,13 +158,13 @@ fn srgb_of_linear(linear: vec3<f32>) -> vec3<f32> {
 }
 
 @fragment
-fn fragment_main(in: Varying) -> @location(0) vec4<f32> {
-    let found = find(in.clip.xy, in.region_index);
+fn fragment_main(@builtin(position) pixel: vec4<f32>) -> @location(0) vec4<f32> {
+    let found = find(pixel.xy);
     let texel = picture(found.place);
-    var alpha = texel.w * textured[in.region_index].alpha;
+    var alpha = texel.w * textured.alpha;
     if FADES {
-        let left = (textured[in.region_index].fade_end_m - found.distance_m)
-            * textured[in.region_index].fade_per_m;
+        let left = (textured.fade_end_m - found.distance_m)
+            * textured.fade_per_m;
         alpha *= clamp(left, 0.0, 1.0);
     }
     if ENDS_AT_EDGES && is_outside(found.place.uv) {
@@ -185,11 +179,11 @@ struct Probed {
 };
 
 @fragment
-fn probe_main(in: Varying) -> Probed {
-    let found = find(in.clip.xy, in.region_index);
+fn probe_main(@builtin(position) pixel: vec4<f32>) -> Probed {
+    let found = find(pixel.xy);
     let place = found.place;
     return Probed(
-        vec4<f32>(place.uv, place.level, textured[in.region_index].id),
+        vec4<f32>(place.uv, place.level, textured.id),
         vec4<f32>(place.pattern_level, place.footprint_texels, found.distance_m, 0.0),
     );
 }

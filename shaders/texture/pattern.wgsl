@@ -2,11 +2,11 @@
 // pixel; the pictures of the two whole k next to it are mixed, so that the pattern neither comes apart
 // close up nor clumps far away. `u` and `v` hold the map for k = 0.
 
-fn place(region_index: u32, angles: vec2<f32>, steps: vec4<f32>, distance_m: f32) -> Place {
-    let k = log2(distance_m * textured[region_index].texel_per_m);
-    let footprint = footprint_of(region_index, steps);
+fn place(angles: vec2<f32>, steps: vec4<f32>, distance_m: f32) -> Place {
+    let k = log2(distance_m * textured.texel_per_m);
+    let footprint = footprint_of(steps);
     let level = log2(max(footprint * exp2(-floor(k)), 1.0));
-    return Place(uv_of(region_index, angles), level, k, footprint);
+    return Place(uv_of(angles), level, k, footprint);
 }
 
 fn picture(at: Place) -> vec4<f32> {

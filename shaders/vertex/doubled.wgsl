@@ -5,12 +5,16 @@
 #import shared/region.wgsl
 #import shared/volume.wgsl
 
-fn extrude(position: vec3<i32>, is_bottom: u32, region_index: u32) -> vec4<f32> {
-    let height_m = select(
+fn cap_height_m(is_bottom: u32, region_index: u32) -> f32 {
+    return select(
         regions[region_index].top_m,
         regions[region_index].bottom_m,
         is_bottom != 0u,
     );
+}
+
+fn extrude(position: vec3<i32>, is_bottom: u32, region_index: u32) -> vec4<f32> {
+    let height_m = cap_height_m(is_bottom, region_index);
     return clip_from_eye_relative(eye_relative_m(position, region_index, height_m));
 }
 
@@ -39,4 +43,50 @@ fn numbered_main(
     @builtin(instance_index) region_index: u32,
 ) -> Numbered {
     return numbered(extrude(position, is_bottom, region_index), region_index);
+}
+
+// The same for positions of two floats, which need an attribute more.
+fn extrude_two_float(
+    high: vec3<i32>,
+    low: vec3<i32>,
+    is_bottom: u32,
+    region_index: u32,
+) -> vec4<f32> {
+    return clip_from_eye_relative(two_float_relative_m(
+        bitcast<vec3<f32>>(high),
+        bitcast<vec3<f32>>(low),
+        region_index,
+        cap_height_m(is_bottom, region_index),
+    ));
+}
+
+@vertex
+fn two_float_main(
+    @location(0) high: vec3<i32>,
+    @location(1) is_bottom: u32,
+    @location(2) low: vec3<i32>,
+    @builtin(instance_index) region_index: u32,
+) -> @invariant @builtin(position) vec4<f32> {
+    return extrude_two_float(high, low, is_bottom, region_index);
+}
+
+@vertex
+fn coloured_two_float(
+    @location(0) high: vec3<i32>,
+    @location(1) is_bottom: u32,
+    @location(2) low: vec3<i32>,
+    @builtin(instance_index) region_index: u32,
+) -> Coloured {
+    let clip = extrude_two_float(high, low, is_bottom, region_index);
+    return Coloured(clip, regions[region_index].colour);
+}
+
+@vertex
+fn numbered_two_float(
+    @location(0) high: vec3<i32>,
+    @location(1) is_bottom: u32,
+    @location(2) low: vec3<i32>,
+    @builtin(instance_index) region_index: u32,
+) -> Numbered {
+    return numbered(extrude_two_float(high, low, is_bottom, region_index), region_index);
 }

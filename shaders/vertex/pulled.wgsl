@@ -11,7 +11,7 @@
 #import shared/region.wgsl
 #import shared/volume.wgsl
 
-// x, y, z of vertex i at 3i, 3i + 1, 3i + 2.
+// x, y, z of vertex i at 3i, 3i + 1, 3i + 2; of two floats the high parts at 6i, then the low ones.
 @group(1) @binding(0) var<storage, read> positions: array<i32>;
 // 32-bit indices, or two 16-bit ones a word, low half first.
 @group(1) @binding(1) var<storage, read> indices: array<u32>;
@@ -27,8 +27,7 @@ fn fetch_index(region_index: u32, element: u32) -> u32 {
     return select(half, NO_VERTEX, half == 0xffffu);
 }
 
-fn fetch_position(region_index: u32, vertex: u32) -> vec3<i32> {
-    let first = 3u * (regions[region_index].first_vertex + vertex);
+fn fetch_words(first: u32) -> vec3<i32> {
     return vec3<i32>(positions[first], positions[first + 1u], positions[first + 2u]);
 }
 
@@ -38,7 +37,13 @@ fn extrude(region_index: u32, vertex: u32, is_bottom: bool) -> vec4<f32> {
         regions[region_index].bottom_m,
         is_bottom,
     );
-    let position = fetch_position(region_index, vertex);
+    let stored = regions[region_index].first_vertex + vertex;
+    if POSITIONS == TWO_FLOAT {
+        let high = bitcast<vec3<f32>>(fetch_words(6u * stored));
+        let low = bitcast<vec3<f32>>(fetch_words(6u * stored + 3u));
+        return clip_from_eye_relative(two_float_relative_m(high, low, region_index, height_m));
+    }
+    let position = fetch_words(3u * stored);
     return clip_from_eye_relative(eye_relative_m(position, region_index, height_m));
 }
 

@@ -366,14 +366,32 @@ fn layouts(backend: &str, scene: &Scene) -> Vec<Setting> {
     }
 }
 
-/// Layouts whose error is drawn against their time.
+/// Layouts, and position formats where the scene asks for them, whose error is drawn against their
+/// time.
 fn sweep_settings(backend: &str, scene: &Scene) -> Vec<Setting> {
     match backend {
-        "vertex" => [Layout::Doubled, Layout::Pulled]
-            .map(|layout| vertex(layout, scene))
-            .into(),
+        "vertex" => {
+            let layouts = [Layout::Doubled, Layout::Pulled].map(|layout| vertex(layout, scene));
+            layouts.into_iter().chain(position_formats(scene)).collect()
+        }
         _ => Vec::new(),
     }
+}
+
+/// Where a scene asks for it, every other way to store positions; all but the default may be wrong.
+fn position_formats(scene: &Scene) -> Vec<Setting> {
+    let formats = PositionFormat::ALL.into_iter();
+    formats
+        .filter(|format| scene.sweep_positions && *format != PositionFormat::default())
+        .map(|format| with_positions(vertex(Layout::Doubled, scene), format))
+        .collect()
+}
+
+fn with_positions(mut setting: Setting, positions: PositionFormat) -> Setting {
+    if let Technique::Vertex(variant) = &mut setting.technique {
+        variant.positions = positions;
+    }
+    setting
 }
 
 /// Layouts as they should be used; beside them, one switch at a time, what is compared everywhere.
@@ -395,11 +413,10 @@ fn main_settings(backend: &str, scene: &Scene, quick: bool) -> Vec<Setting> {
         if Switches::for_overlap(scene.overlap).colour != ColourWay::Rectangle {
             settings.push(main.with(|switches| switches.colour = ColourWay::Rectangle));
         }
-        let mut local = main;
-        if let Technique::Vertex(variant) = &mut local.technique {
-            variant.positions = PositionFormat::LocalF32;
+        // A scene that sweeps through the formats has it there, where it may be wrong.
+        if !scene.sweep_positions {
+            settings.push(with_positions(main, PositionFormat::LocalF32));
         }
-        settings.push(local);
     }
     settings
 }

@@ -123,6 +123,33 @@ impl<'a> BoxTree<'a> {
         ControlFlow::Continue(())
     }
 
+    /// Calls `visit` with each box that `may_meet` holds for, as it does for those around it.
+    pub(crate) fn visit(
+        &self,
+        may_meet: &mut impl FnMut(&AxisBox) -> bool,
+        visit: &mut impl FnMut(usize),
+    ) {
+        let mut waiting = Vec::new();
+        if !self.nodes.is_empty() {
+            waiting.push(0);
+        }
+        while let Some(at) = waiting.pop() {
+            let node = &self.nodes[at];
+            if !may_meet(&node.bounds) {
+                continue;
+            }
+            if let Some(second) = node.second_child {
+                waiting.extend([at + 1, second]);
+                continue;
+            }
+            for &index in &self.order[node.first..node.past] {
+                if may_meet(&self.boxes[index]) {
+                    visit(index);
+                }
+            }
+        }
+    }
+
     fn compare_leaves(
         &self,
         left: &Node,

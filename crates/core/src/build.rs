@@ -5,12 +5,13 @@
 //! with the same latitude become one, all vertices at a pole become one, and what that makes
 //! degenerate vanishes. A boundary edge whose reverse then exists too was a cut, not a border.
 
-use crate::crossings::{CrossingPlaces, MOST_ROUNDS, find_crossings, split_outline};
+use crate::crossings::CrossingPlaces;
 use crate::edge::{Degrees, EdgeSplitter, ROUNDING, ZoneArea, surface_point};
 use crate::geojson::feature_label;
 use crate::mesh::sagitta_m;
-use crate::outline::{OppositeEnds, Outline, OutlineEdge, edges_cross};
+use crate::outline::{OppositeEnds, Outline, OutlineEdge, share_breakpoints};
 use crate::overlaps::{OverlapPlace, RingAreas, find_overlaps, shared_edges};
+use crate::snap::snap_rounded;
 use crate::triangulate::{GroupMesh, TriangulateError, index_u32, triangulate};
 use crate::{EdgeRule, Ellipsoid, Extent, MeshOptions, Region, RegionMesh, Ring};
 use glam::DVec3;
@@ -244,14 +245,19 @@ impl RegionMesh {
         options.check().map_err(|error| vec![error])?;
         let build = |crossings| Self::build_once(region, body, rule, options, crossings);
         build(Crossings::Refused).or_else(|errors| {
-            if rule != EdgeRule::Planar || !only_parts_cross(region, &errors) {
+            if !only_parts_cross(region, rule, &errors) {
                 return Err(errors);
             }
-            // What is only a rounding wide can come out of it turned over.
-            build(Crossings::MadeVertices)
-                .ok()
-                .filter(|mesh| mesh.check_invariants(body).is_ok())
-                .ok_or(errors)
+            let mesh = build(Crossings::SnappedAway)?;
+            // Rare enough to be looked at again: what was a rounding wide has been moved by as much.
+            mesh.check_invariants(body).map_err(|violation| {
+                vec![MeshError::Triangulation {
+                    feature: region.index,
+                    name: region.name.clone(),
+                    message: violation.to_string(),
+                }]
+            })?;
+            Ok(mesh)
         })
     }
 
@@ -381,7 +387,7 @@ enum Crossings {
     /// As they should be: edges of a file cross at its vertices only.
     Refused,
     /// Where [`only_parts_cross`].
-    MadeVertices,
+    SnappedAway,
 }
 
 /// A region's groups, not yet put together.
@@ -407,12 +413,15 @@ impl Meshed {
         let mut splitter = EdgeSplitter::new(body, rule, options);
         let outline = Outline::new(region, rule, &mut splitter)
             .map_err(|opposite| opposite_ends(region, opposite))?;
-        let at_splits = outline.crossings_at_splits(rule, MOST_LISTED_CROSSINGS);
-        let groups = match crossings {
-            Crossings::Refused => outline.groups,
-            Crossings::MadeVertices => {
-                let groups = outline.groups.into_iter();
-                groups.map(without_crossings).collect()
+        let (groups, at_splits) = match crossings {
+            Crossings::Refused => {
+                let at_splits = outline.crossings_at_splits(rule, MOST_LISTED_CROSSINGS);
+                (outline.groups, at_splits)
+            }
+            Crossings::SnappedAway => {
+                let mut groups = snap_rounded(&outline.groups);
+                share_breakpoints(&mut groups.iter_mut().collect::<Vec<_>>());
+                (groups, Vec::new())
             }
         };
         let groups = triangulate_groups(region, body, rule, options, groups, at_splits)?;
@@ -453,7 +462,14 @@ fn notes_on_parts(
             shared += shared_edges(&edges);
         }
         if group.in_doubt {
-            overlaps.extend(find_overlaps(edges, rule, tolerance_deg));
+            let found = find_overlaps(edges, rule, tolerance_deg).ok_or_else(|| {
+                vec![MeshError::Triangulation {
+                    feature: region.index,
+                    name: region.name.clone(),
+                    message: "parts that overlap could not be looked for".to_owned(),
+                }]
+            })?;
+            overlaps.extend(found);
         }
     }
     let plural = |count: usize| if count == 1 { "" } else { "s" };
@@ -497,26 +513,19 @@ struct TriangulatedGroup {
     is_joined: bool,
 }
 
-/// Whether all that is wrong are crossings of parts of edges that do not cross as the file has them.
+/// Whether all that is wrong are crossings of parts of edges that do not cross as the file has them,
+/// or cross by no more than a repair left of them.
 ///
 /// Where an edge is split or cut at the antimeridian is rounded, which bends it over a vertex that
 /// touches it or over another edge a rounding away.
-fn only_parts_cross(region: &Region, errors: &[MeshError]) -> bool {
-    errors.iter().all(|error| match error {
-        MeshError::SelfCrossing { first, second, .. } => {
-            let [first, second] = [first, second].map(|place| edge_at(region, *place));
-            let crosses = |(first, second)| edges_cross(first, second);
-            first.zip(second).is_some_and(|edges| !crosses(edges))
-        }
-        _ => false,
-    })
-}
-
-fn edge_at(region: &Region, place: EdgePlace) -> Option<[Degrees; 2]> {
-    let ring = ring_at(region, place)?;
-    let mut edges = ring.edges_deg().enumerate();
-    let (_, (start, end)) = edges.find(|(i, _)| ring.file_vertex(*i) == place.vertex)?;
-    Some([start, end])
+fn only_parts_cross(region: &Region, rule: EdgeRule, errors: &[MeshError]) -> bool {
+    let crossings = |error: &MeshError| {
+        matches!(
+            error,
+            MeshError::SelfCrossing { .. } | MeshError::MoreCrossings { .. }
+        )
+    };
+    errors.iter().all(crossings) && (region.repaired || !region.has_crossings(rule))
 }
 
 fn ring_at(region: &Region, place: EdgePlace) -> Option<&Ring> {
@@ -530,19 +539,6 @@ fn in_file(region: &Region, place: EdgePlace) -> EdgePlace {
         vertex: vertex.unwrap_or(place.vertex),
         ..place
     }
-}
-
-/// Makes vertices of all crossings, as far as rounding lets that end.
-fn without_crossings(mut edges: Vec<OutlineEdge>) -> Vec<OutlineEdge> {
-    for _ in 0..MOST_ROUNDS {
-        let ends: Vec<[Degrees; 2]> = edges.iter().map(|edge| [edge.start, edge.end]).collect();
-        let (found, _) = find_crossings(EdgeRule::Planar, &ends, MOST_LISTED_CROSSINGS);
-        if found.is_empty() {
-            break;
-        }
-        edges = split_outline(&edges, &found);
-    }
-    edges
 }
 
 /// Mean width of the narrowest group that is turned over, metres; `None` where none is.
@@ -849,8 +845,79 @@ impl Stitcher {
 }
 
 #[cfg(test)]
+#[path = "../../scene/src/shape_family.rs"]
+#[allow(
+    unreachable_pub,
+    dead_code,
+    reason = "public in the crate that it is shared with, of which one family is used here"
+)]
+mod shape_family;
+
+#[cfg(test)]
 mod tests {
+    use super::shape_family::ShapeFamily;
     use super::*;
+
+    fn groups(region: &Region) -> Vec<TriangulatedGroup> {
+        let (body, rule, options) = (Ellipsoid::WGS84, EdgeRule::Planar, MeshOptions::default());
+        let mut splitter = EdgeSplitter::new(&body, rule, &options);
+        let Ok(outline) = Outline::new(region, rule, &mut splitter) else {
+            panic!("planar edges have no opposite ends");
+        };
+        let groups = triangulate_groups(region, &body, rule, &options, outline.groups, Vec::new());
+        groups.expect("crosses nowhere")
+    }
+
+    /// Groups of which overlaps and shared edges are looked for.
+    fn searched(groups: &[TriangulatedGroup]) -> usize {
+        let searched = groups
+            .iter()
+            .filter(|group| group.in_doubt || group.is_joined);
+        searched.count()
+    }
+
+    /// `−∮ (φ − φ₀) dλ` and the sum of its terms' sizes, added up as they come.
+    fn plain_area(edges: impl Iterator<Item = [Degrees; 2]>, reference: f64) -> [f64; 2] {
+        let term = |[start, end]: [Degrees; 2]| {
+            0.5 * ((start[1] - reference) + (end[1] - reference)) * (start[0] - end[0])
+        };
+        edges.fold([0.0, 0.0], |[sum, scale], edge| {
+            [sum + term(edge), scale + term(edge).abs()]
+        })
+    }
+
+    #[test]
+    fn very_many_holes_are_not_searched_for_overlaps() {
+        let text = ShapeFamily::Holes.geojson(300_000);
+        let mut regions = crate::parse_regions(text.as_bytes(), "holes").expect("valid");
+        let mut region = regions.remove(0);
+        assert!(region.vertex_count() > 290_000 && region.rings().count() > 37_000);
+        let found = groups(&region);
+        assert_eq!((searched(&found), found.len()), (0, 1));
+        // Twin: by plain sums it would have been.
+        let mesh = &found[0].mesh;
+        let boundary = mesh
+            .boundary
+            .iter()
+            .map(|ends| ends.map(|i| mesh.vertices[i as usize]));
+        let [together, terms] = plain_area(boundary, mesh.vertices[0][1]);
+        let (mut one_by_one, mut scale) = (0.0, 0.0);
+        for (index, ring) in region.rings().enumerate() {
+            let edges = ring.edges_deg().map(|(start, end)| [start, end]);
+            let [area, terms] = plain_area(edges, ring.vertices_deg()[0][1]);
+            one_by_one += if index == 0 { area.abs() } else { -area.abs() };
+            scale += terms;
+        }
+        let difference = (one_by_one - together.abs()).abs();
+        assert!(difference > 1e-14 * (scale + terms), "{difference}");
+        // Twin: one hole, a 37,000th of them, outside of the shell.
+        let outside = |[x, y]: Degrees| [x + 40.0, y];
+        let hole = region.polygons[0].holes.pop().expect("holes");
+        let moved = hole.vertices_deg().iter().copied().map(outside).collect();
+        let moved = Ring::from_checked(moved, 0.0);
+        region.polygons[0].holes.push(moved);
+        assert_eq!(searched(&groups(&region)), 1);
+    }
 
     #[test]
     fn a_compensated_sum_keeps_what_a_plain_one_loses() {

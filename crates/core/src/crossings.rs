@@ -11,12 +11,14 @@
 use crate::box_tree::{AxisBox, BoxTree};
 use crate::edge::{Degrees, normal};
 use crate::outline::{OutlineEdge, Piece, edges_cross, planar_pieces};
+use crate::triangulate::without_underflow;
 use crate::{EdgePlace, EdgeRule, Region, Ring};
 use glam::DVec3;
 use std::ops::ControlFlow;
 
 /// Rounds after which the search gives up: a crossing is rounded to the nearest number, which can
-/// bend an edge over another one close by, but only by the last bit.
+/// bend an edge over another one close by, but only by the last bit. What is left of them then is
+/// taken away by `snap` where the region is meshed.
 pub(crate) const MOST_ROUNDS: usize = 8;
 
 impl Region {
@@ -46,20 +48,12 @@ impl Region {
     }
 
     fn split_once(&mut self, rule: EdgeRule) -> usize {
-        let pieces: Vec<RingPiece> = self
-            .rings()
-            .enumerate()
-            .flat_map(|(ring, found)| {
-                let pieces = pieces_as_compared(rule, found);
-                pieces
-                    .into_iter()
-                    .map(move |piece| RingPiece { ring, piece })
-            })
-            .collect();
-        let ends: Vec<[Degrees; 2]> = pieces.iter().map(RingPiece::ends).collect();
-        let (crossings, _) = find_crossings(rule, &ends, usize::MAX);
-        let (edges, at_antimeridian) = self.at_antimeridian(rule, &pieces);
-        let at_cuts = crossings_at_antimeridian(rule, &at_antimeridian, usize::MAX);
+        let FoundCrossings {
+            pieces,
+            crossings,
+            edges,
+            at_cuts,
+        } = self.find_crossings(rule, usize::MAX);
         if crossings.is_empty() && at_cuts.is_empty() {
             return 0;
         }
@@ -107,6 +101,36 @@ impl Region {
         crossings.len() + at_cuts.len()
     }
 
+    /// Whether any two edges cross, compared where they lie on the body.
+    pub(crate) fn has_crossings(&self, rule: EdgeRule) -> bool {
+        let found = self.find_crossings(rule, 1);
+        !(found.crossings.is_empty() && found.at_cuts.is_empty())
+    }
+
+    /// Up to `most` of those between cuts and as many of those on the antimeridian.
+    fn find_crossings(&self, rule: EdgeRule, most: usize) -> FoundCrossings {
+        let pieces: Vec<RingPiece> = self
+            .rings()
+            .enumerate()
+            .flat_map(|(ring, found)| {
+                let pieces = pieces_as_compared(rule, found);
+                pieces
+                    .into_iter()
+                    .map(move |piece| RingPiece { ring, piece })
+            })
+            .collect();
+        let ends: Vec<[Degrees; 2]> = pieces.iter().map(RingPiece::ends).collect();
+        let (crossings, _) = find_crossings(rule, &ends, most);
+        let (edges, at_antimeridian) = self.at_antimeridian(rule, &pieces);
+        let at_cuts = crossings_at_antimeridian(rule, &at_antimeridian, most);
+        FoundCrossings {
+            pieces,
+            crossings,
+            edges,
+            at_cuts,
+        }
+    }
+
     /// Pieces that end in a cut at the antimeridian or run along it, by their position too.
     fn at_antimeridian(
         &self,
@@ -126,6 +150,17 @@ impl Region {
         };
         (0..pieces.len()).filter_map(of_piece).unzip()
     }
+}
+
+/// Crossings of a region's edges.
+struct FoundCrossings {
+    pieces: Vec<RingPiece>,
+    /// Of two pieces.
+    crossings: Vec<Crossing>,
+    /// Pieces that are cut at the antimeridian or run along it.
+    edges: Vec<usize>,
+    /// Of two of those, on the antimeridian.
+    at_cuts: Vec<Crossing>,
 }
 
 /// Part of a ring between two cuts at the antimeridian.
@@ -439,14 +474,22 @@ pub(crate) fn crossing_places(
 }
 
 /// Where two straight edges cross, each strictly between its ends. The decision is exact.
+///
+/// Rounded, but into the box of either edge: a repair makes a vertex of it, which must not lie
+/// beyond a pole.
 pub(crate) fn planar_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degrees> {
+    let [a, b] = [a, b].map(|ends| ends.map(|end| end.map(without_underflow)));
     let coord = |[x, y]: Degrees| robust::Coord { x, y };
     let side = |[p, q]: [Degrees; 2], r| robust::orient2d(coord(p), coord(q), coord(r));
     let (a0, a1) = (side(b, a[0]), side(b, a[1]));
     let (b0, b1) = (side(a, b[0]), side(a, b[1]));
     (opposite(a0, a1) && opposite(b0, b1)).then(|| {
         let along = a0 / (a0 - a1);
-        [0, 1].map(|i| a[0][i] + (a[1][i] - a[0][i]) * along)
+        [0, 1].map(|i| {
+            let low = a[0][i].min(a[1][i]).max(b[0][i].min(b[1][i]));
+            let high = a[0][i].max(a[1][i]).min(b[0][i].max(b[1][i]));
+            (a[0][i] + (a[1][i] - a[0][i]) * along).max(low).min(high)
+        })
     })
 }
 

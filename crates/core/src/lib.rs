@@ -17,6 +17,7 @@ mod mesh;
 mod outline;
 mod overlaps;
 mod region;
+mod snap;
 mod triangulate;
 mod volume;
 mod volume_invariants;

@@ -130,7 +130,8 @@ impl Outline {
             return Err(builder.opposite);
         }
         builder.close_along_antimeridian();
-        builder.share_breakpoints();
+        let edges = builder.parts.iter_mut().map(|part| &mut part.edges);
+        share_breakpoints(&mut edges.collect::<Vec<_>>());
         let mut whole = Bounds::EMPTY;
         for part in &builder.parts {
             whole.join(&part.bounds);
@@ -333,54 +334,6 @@ impl Builder<'_, '_> {
         });
     }
 
-    /// Splits edges along the antimeridian wherever either side has a vertex, so that the two sides
-    /// cancel edge by edge when they are stitched: a file may have vertices on one side only.
-    fn share_breakpoints(&mut self) {
-        let mut latitudes: Vec<f64> = Vec::new();
-        for edge in self.parts.iter().flat_map(|part| &part.edges) {
-            for end in [edge.start, edge.end] {
-                if end[0].abs() == 180.0 {
-                    latitudes.push(end[1]);
-                }
-            }
-        }
-        if latitudes.is_empty() {
-            return;
-        }
-        latitudes.sort_by(f64::total_cmp);
-        latitudes.dedup();
-        for part in &mut self.parts {
-            if !part.edges.iter().any(is_along_antimeridian) {
-                continue;
-            }
-            let mut edges = Vec::with_capacity(part.edges.len());
-            for edge in part.edges.drain(..) {
-                if !is_along_antimeridian(&edge) {
-                    edges.push(edge);
-                    continue;
-                }
-                let (low, high) = (
-                    edge.start[1].min(edge.end[1]),
-                    edge.start[1].max(edge.end[1]),
-                );
-                let first = latitudes.partition_point(|latitude| *latitude <= low);
-                let past = latitudes.partition_point(|latitude| *latitude < high);
-                // The direction does not matter to a chain modulo 2.
-                let mut from = [edge.start[0], low];
-                for latitude in latitudes[first..past.max(first)].iter().chain([&high]) {
-                    let to = [edge.start[0], *latitude];
-                    edges.push(OutlineEdge {
-                        start: from,
-                        end: to,
-                        place: edge.place,
-                    });
-                    from = to;
-                }
-            }
-            part.edges = edges;
-        }
-    }
-
     /// Joins the parts that cross the antimeridian into one and closes it on both sides.
     fn close_along_antimeridian(&mut self) {
         if self.crossings.is_empty() {
@@ -413,6 +366,51 @@ impl Builder<'_, '_> {
             }
         }
         self.parts.push(joined);
+    }
+}
+
+/// Splits edges along the antimeridian wherever either side has a vertex, so that the two sides
+/// cancel edge by edge when they are stitched: a file may have vertices on one side only.
+pub(crate) fn share_breakpoints(lists: &mut [&mut Vec<OutlineEdge>]) {
+    let mut latitudes: Vec<f64> = Vec::new();
+    for edge in lists.iter().flat_map(|edges| edges.iter()) {
+        for end in [edge.start, edge.end] {
+            if end[0].abs() == 180.0 {
+                latitudes.push(end[1]);
+            }
+        }
+    }
+    if latitudes.is_empty() {
+        return;
+    }
+    latitudes.sort_by(f64::total_cmp);
+    latitudes.dedup();
+    for list in lists {
+        if !list.iter().any(is_along_antimeridian) {
+            continue;
+        }
+        let mut edges = Vec::with_capacity(list.len());
+        for edge in list.drain(..) {
+            if !is_along_antimeridian(&edge) {
+                edges.push(edge);
+                continue;
+            }
+            let [low, high] = in_order(edge.start[1], edge.end[1]);
+            let first = latitudes.partition_point(|latitude| *latitude <= low);
+            let past = latitudes.partition_point(|latitude| *latitude < high);
+            // The direction does not matter to a chain modulo 2.
+            let mut from = [edge.start[0], low];
+            for latitude in latitudes[first..past.max(first)].iter().chain([&high]) {
+                let to = [edge.start[0], *latitude];
+                edges.push(OutlineEdge {
+                    start: from,
+                    end: to,
+                    place: edge.place,
+                });
+                from = to;
+            }
+        }
+        **list = edges;
     }
 }
 
@@ -609,24 +607,30 @@ fn cut_great_ellipse(
     let span = (end[0] - start[0]).abs();
     if span < 180.0 {
         push(start, end);
-    } else if span == 180.0 {
+        return Ok(());
+    }
+    let latitude = if span == 180.0 {
         // Over the nearer pole.
         if start[1] + end[1] == 0.0 {
             return Err(vertex);
         }
-        let pole = 90.0_f64.copysign(start[1] + end[1]);
-        push(start, [start[0], pole]);
-        push([end[0], pole], end);
+        90.0_f64.copysign(start[1] + end[1])
     } else {
         let (west, east) = if start[0] > 0.0 {
             (start, end)
         } else {
             (end, start)
         };
-        let latitude = great_circle_latitude(west, [east[0] + 360.0, east[1]], 180.0);
-        push(start, [180.0_f64.copysign(start[0]), latitude]);
-        push([180.0_f64.copysign(end[0]), latitude], end);
-    }
+        great_circle_latitude(west, [east[0] + 360.0, east[1]], 180.0)
+    };
+    // Where it passes a pole by less than rounding it is a meridian on either side as well.
+    let sides = if latitude.abs() == 90.0 {
+        [start[0], end[0]]
+    } else {
+        [start, end].map(|[longitude, _]| 180.0_f64.copysign(longitude))
+    };
+    push(start, [sides[0], latitude]);
+    push([sides[1], latitude], end);
     Ok(())
 }
 

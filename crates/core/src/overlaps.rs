@@ -12,9 +12,9 @@
 //! looked for where: in a triangulation of all edges, from triangle to triangle, counting in which
 //! rings each of them lies.
 
-use crate::crossings::{MOST_ROUNDS, find_crossings, split_outline};
 use crate::edge::{Degrees, along_pole};
 use crate::outline::OutlineEdge;
+use crate::snap::snap_rounded;
 use crate::triangulate::delaunay::{Delaunay, FRAME_CORNERS};
 use crate::triangulate::{GroupMesh, index_u32};
 use crate::{EdgePlace, EdgeRule};
@@ -129,21 +129,19 @@ fn signed_area(edges: impl Iterator<Item = [Degrees; 2]>, reference: f64) -> (f6
 
 /// Places where a polygon lies over another or a hole over what is outside its shell, one for each
 /// pair of rings; those that rounding or the chords of arcs within `tolerance_deg` can feign are
-/// left out.
+/// left out. `None` for a fault of this program.
 pub(crate) fn find_overlaps(
-    mut edges: Vec<OutlineEdge>,
+    edges: Vec<OutlineEdge>,
     rule: EdgeRule,
     tolerance_deg: f64,
-) -> Vec<OverlapPlace> {
-    for _ in 0..MOST_ROUNDS {
-        if let Some(cover) = Cover::new(&edges) {
-            return cover.overlaps(&edges, rule, tolerance_deg);
-        }
-        let ends: Vec<[Degrees; 2]> = edges.iter().map(|edge| [edge.start, edge.end]).collect();
-        let (found, _) = find_crossings(EdgeRule::Planar, &ends, usize::MAX);
-        edges = split_outline(&edges, &found);
+) -> Option<Vec<OverlapPlace>> {
+    if let Some(cover) = Cover::new(&edges) {
+        return Some(cover.overlaps(&edges, rule, tolerance_deg));
     }
-    Vec::new()
+    // Chords cross where arcs do not, and what was split may cross by a rounding.
+    let edges = snap_rounded(&[edges]).swap_remove(0);
+    let cover = Cover::new(&edges)?;
+    Some(cover.overlaps(&edges, rule, tolerance_deg))
 }
 
 /// How many edges of the file are edges of another polygon as well; the antimeridian, where cuts
@@ -427,15 +425,22 @@ fn rings_round(point: Degrees, edges: &[OutlineEdge]) -> Vec<RingKey> {
 
 /// Two of the rings that hold a place which say two things of it.
 ///
-/// A hole that goes round the axis, or whose shell does, may be on either side of it, so of such a
-/// polygon only the parity counts.
+/// Of rings round the axis the larger may be shell or hole, so of those of a polygon only the parity
+/// counts; any other hole has to lie in one of them if the shell is one.
 fn overlapping(held: &[RingKey], goes_round: &[RingKey]) -> Option<[RingKey; 2]> {
     let mut inside: Option<RingKey> = None;
     for rings in held.chunk_by(|a, b| a.0 == b.0) {
         let polygon = rings[0].0;
         let round = goes_round.iter().any(|ring| ring.0 == polygon);
         let is_inside = match rings {
-            _ if round => rings.len() % 2 == 1,
+            _ if round => {
+                let goes_round = |ring: &RingKey| goes_round.binary_search(ring).is_ok();
+                let outside = goes_round(&(polygon, 0)) && !rings.iter().any(goes_round);
+                if outside {
+                    return Some([(polygon, 0), rings[0]]);
+                }
+                rings.len() % 2 == 1
+            }
             // What lies in a hole of a hole is inside again.
             [shell, holes @ ..] if shell.1 == 0 => holes.len() % 2 == 0,
             [hole, ..] => return Some([(polygon, 0), *hole]),

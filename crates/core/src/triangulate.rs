@@ -29,7 +29,7 @@ const LATTICE_CLEARANCE_STEPS: f64 = 0.5;
 const MOST_ROUNDS: usize = 16;
 /// Coordinates below this are 0, since the exact predicates must not underflow. A billionth of an
 /// atom, in degrees of the Earth.
-const SMALLEST_COORDINATE_DEG: f64 = 1e-25;
+pub(crate) const SMALLEST_COORDINATE_DEG: f64 = 1e-25;
 
 /// Triangles of one group of edges.
 pub(crate) struct GroupMesh {

@@ -419,18 +419,22 @@ fn a_hole_may_lie_in_the_other_hemisphere_than_the_pole_its_shell_holds() {
     ] {
         let body = terrafill_core::Ellipsoid::WGS84;
         // By jumps at ±180 where longitudes are read as they stand.
-        let area_m2 = |rings: &[&str]| {
+        let build = |rings: &[&str], repaired: bool| {
             let text = format!(
                 r#"{{"type":"Polygon","coordinates":[{}]}}"#,
                 rings.join(",")
             );
             let text = text.replace("[300,-10]]", "[300,-10],[360,20]]");
             let regions = terrafill_core::parse_regions(text.as_bytes(), "hole").expect("valid");
-            let mesh = RegionMesh::build(&regions[0], &body, rule, &MeshOptions::default())
-                .expect("meshes");
+            let mut region = regions[0].clone();
+            if repaired {
+                assert_eq!(region.split_at_crossings(rule), 0);
+            }
+            let mesh = RegionMesh::build(&region, &body, rule, &MeshOptions::default())?;
             assert_eq!(mesh.check_invariants(&body), Ok(()));
-            mesh.area_m2
+            Ok(mesh.area_m2)
         };
+        let area_m2 = |rings: &[&str]| -> f64 { build(rings, false).expect("meshes") };
         let (whole, small) = (area_m2(&[shell]), area_m2(&[hole]));
         // More than what is north of 20°, less than what is north of 10° south.
         let north_of = |latitude_deg: f64| {
@@ -447,8 +451,12 @@ fn a_hole_may_lie_in_the_other_hemisphere_than_the_pole_its_shell_holds() {
             "{}",
             rule.name()
         );
-        // Twin: south of the shell's edge the same ring would add its area.
-        let added = area_m2(&[shell, outside]) - whole;
+        // Twin: south of the shell's edge the same ring is refused; filled by the even-odd rule it
+        // adds its area.
+        let refused: Result<f64, MeshError> = build(&[shell, outside], false);
+        let refused = refused.expect_err("outside").to_string();
+        assert!(refused.contains("ring 1 is a hole outside"), "{refused}");
+        let added = build(&[shell, outside], true).expect("repaired") - whole;
         assert!((added / area_m2(&[outside]) - 1.0).abs() < 1e-6);
     }
 }

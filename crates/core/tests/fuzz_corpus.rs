@@ -230,6 +230,35 @@ fn a_refusal_without_a_reason_is_found_out() {
     for error in [crossing, opposite, option, fault, no_area, overlap] {
         assert!(find(&sound, &Err(error.clone())).is_err(), "{error}");
     }
+    // Edges that come together where the refusal says, but at a vertex of both.
+    let touching = case(vec![vec![vec![
+        [0.0, 0.0],
+        [1.0, 1.0],
+        [2.0, 2.0],
+        [2.0, 0.0],
+        [1.0, 1.0],
+        [0.0, 2.0],
+    ]]]);
+    let vertex = |vertex| terrafill_core::EdgePlace {
+        vertex,
+        ..terrafill_core::EdgePlace::default()
+    };
+    let feigned = MeshError::SelfCrossing {
+        feature: 0,
+        name: name(),
+        first: vertex(0),
+        second: vertex(3),
+        longitude_deg: 1.0,
+        latitude_deg: 1.0,
+    };
+    for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
+        let touching = Case {
+            rule,
+            ..touching.clone()
+        };
+        let said = find(&touching, &Err(feigned.clone())).expect_err("crosses nowhere");
+        assert!(said.ends_with("no crossing to repair"), "{said}");
+    }
     let mut repaired = bow_tie.clone();
     repaired.repair = true;
     let crossing = refused(&bow_tie);

@@ -244,3 +244,96 @@ fn an_arc_that_passes_a_pole_by_a_rounding_is_not_split_at_the_pole() {
     let error = mesh.area_m2 / half_diagonal_m.powi(2) - 1.0;
     assert!(error.abs() < 1e-5, "{error}");
 }
+
+#[test]
+fn rings_a_rounding_apart_do_not_cross_where_their_edges_are_split() {
+    // Repaired, so that no edges of the rings cross. Their splits and cuts are rounded, and parts of
+    // lines a rounding apart then cross again and again: all three were refused as crossing
+    // themselves, and a repair found nothing to mend.
+    let options = |boundary_tolerance_m: f64, cap_step_deg: f64| MeshOptions {
+        boundary_tolerance_m,
+        cap_step_deg,
+    };
+    let regions = [
+        (
+            "needles side by side",
+            "[[[[-87.041235015,-30],[-157.04123501499998,-70],[-141.4897646365862,-61.11344549804926]],\
+             [[51.931648194935406,49.41307611996308],[-157.04123501499998,-70],[-57.041235015,-60]],\
+             [[-7.041235014999998,50],[-157.04123501499998,50],[-157.04123501499998,90],\
+             [-7.041235014999998,90]],[[-17.041235014999998,-40],[-157.04123501499998,-80],\
+             [-7.041235014999998,60],[-77.0329946751881,0],[-157.04123501499998,-80]]]]",
+            Ellipsoid::SATURN_LIKE,
+            options(2.2e10, 22.964_053_099_992_9),
+        ),
+        (
+            "rings a rounding apart",
+            "[[[[-20,30],[50,50],[-19.989906982518733,30.002883719280362]],\
+             [[-20,30],[50,50],[35.51790551748127,45.862258719281364]],\
+             [[20,-20],[-50,40],[-30,-80],[-19.999999999999993,30.000000000000018],[124.375,71.25],\
+             [35.51790551748127,45.862258719281364]],[[14.999999999999996,39.999999999999986],\
+             [15.00504650874063,40.00144185964017],[-19.994953491259373,30.001441859640174]]]]",
+            Ellipsoid::UNIT_SPHERE,
+            options(6.074_577_889_183_029e-6, 14.531_25),
+        ),
+        (
+            "edges to the pole and to a rounding off it",
+            "[[[[10.25,90],[-229.75,90],[23.77589179528877,-1e-9]]],\
+             [[[0,90],[120,0],[240,-90],[360,90]]],\
+             [[[-69.75,89.99999999999999],[-229.75,89.99999999999999],\
+             [-145.2413694015704,59.99999999966666],[19.26726119685918,29.99999999933333]]]]",
+            Ellipsoid::UNIT_SPHERE,
+            options(1.0, 7.0),
+        ),
+    ];
+    for (name, coordinates, body, options) in regions {
+        let mut region = region(coordinates);
+        assert!(region.split_at_crossings(EdgeRule::Planar) > 0, "{name}");
+        assert_eq!(region.clone().split_at_crossings(EdgeRule::Planar), 0);
+        let mesh = RegionMesh::build(&region, &body, EdgeRule::Planar, &options).expect(name);
+        assert_eq!(mesh.check_invariants(&body), Ok(()), "{name}");
+    }
+}
+
+#[test]
+fn a_crossing_beside_a_pole_is_not_made_a_vertex_beyond_it() {
+    // Edges that come together at the south pole 10⁻³²³° apart crossed at −90.00000000000001.
+    let mut region = region(
+        "[[[[2.5e-323,88.99999999999993],[-180,-61],[2.5e-323,88.99999999999997],\
+         [1e-323,88.99999999999993],[0,-90],[3.5e-323,88.99999999999983]]],\
+         [[[30,29],[-90,90],[-1.5e-323,-90],[30,29],[180,89]]]]",
+    );
+    assert!(region.split_at_crossings(EdgeRule::Planar) > 0);
+    let latitudes = || region.rings().flat_map(|ring| ring.vertices_deg());
+    assert!(latitudes().all(|vertex| vertex[1].abs() <= 90.0));
+    assert!(latitudes().any(|vertex| vertex[1] == -90.0));
+    build(&region, EdgeRule::Planar).expect("meshes");
+}
+
+#[test]
+fn an_arc_that_is_cut_at_the_antimeridian_a_rounding_from_the_pole_goes_over_the_pole() {
+    // From −90.00000000000006 to 89.99999999999997 the shorter way leads over the antimeridian, at a
+    // latitude that is rounded to 90: its halves were taken for straight lines to the pole's corners
+    // of the map, and then drawn as meridians, 11° from there.
+    let arc = "[269.99999999999994,89.75],[89.99999999999997,89.75]";
+    let body = Ellipsoid::WGS84;
+    let options = MeshOptions {
+        boundary_tolerance_m: 1e9,
+        cap_step_deg: 30.0,
+    };
+    // The radius of curvature at the pole, a²/b.
+    let radius_m = body.equatorial_radius_m().powi(2) / body.polar_radius_m();
+    let half_diagonal_m = 0.25_f64.to_radians() * radius_m;
+    for third in ["[0,89.75]", "[180,89.75]"] {
+        let region = region(&format!("[[[{arc},{third}]]]"));
+        let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options);
+        let mesh = mesh.expect("meshes");
+        assert_eq!(mesh.check_invariants(&body), Ok(()));
+        let error = mesh.area_m2 / half_diagonal_m.powi(2) - 1.0;
+        assert!(error.abs() < 1e-4, "{third}: {error}");
+        // As far as rounding allows, where it goes exactly over the pole.
+        let over = self::region(&format!("[[[[-90,89.75],[90,89.75],{third}]]]"));
+        let over = RegionMesh::build(&over, &body, EdgeRule::GreatEllipse, &options);
+        let error = mesh.area_m2 / over.expect("meshes").area_m2 - 1.0;
+        assert!(error.abs() < 1e-9, "{third}: {error}");
+    }
+}

@@ -190,3 +190,34 @@ fn parts_and_holes_are_told_apart_across_the_antimeridian_and_at_poles() {
     assert!(build(&with(&island), EdgeRule::Planar).is_ok());
     assert!(build(&with(&on_zone), EdgeRule::Planar).is_err());
 }
+
+#[test]
+fn a_hole_outside_a_shell_that_goes_round_the_axis_is_refused() {
+    let words = "polygon 0, ring 1 is a hole outside its shell at longitude 1";
+    let cap = "[[0,60],[120,62],[240,60],[360,60]]";
+    let by_jump = "[[-180,60],[-60,62],[60,60],[180,60]]";
+    let zone = "[[0,80],[120,80],[240,80],[360,80]]";
+    for rule in RULES {
+        for shell in [cap, by_jump] {
+            let with = |holes: &str| region(&format!("[[{shell},{holes}]]"));
+            for outside in [[10.0, 20.0, 20.0, 40.0], [10.0, -70.0, 20.0, -60.0]] {
+                let hole = with(&ring(outside));
+                let errors = build(&hole, rule).map(|mesh| mesh.area_m2);
+                let errors = errors.expect_err(words);
+                assert!(errors[0].to_string().contains(words), "{}", errors[0]);
+                let mut repaired = hole.clone();
+                repaired.split_at_crossings(rule);
+                assert_eq!(build(&repaired, rule).expect("repaired").warnings.len(), 1);
+            }
+            // Twins: inside; a hole round the pole, alone and with an island in it.
+            let inside = ring([10.0, 84.0, 20.0, 86.0]);
+            for holes in [&inside, zone, &format!("{zone},{inside}")] {
+                assert_eq!(build(&with(holes), rule).expect(holes).warnings, [""; 0]);
+            }
+        }
+    }
+    // Of a shell round the axis either side can be meant, so a hole round it lies on neither.
+    let other_side =
+        region("[[[[0,80],[120,80],[240,80],[360,80]],[[0,60],[120,60],[240,60],[360,60]]]]");
+    build(&other_side, EdgeRule::Planar).expect("a zone");
+}

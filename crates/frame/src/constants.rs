@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Rust twins of the constants in `shaders/shared/`; tests hold the layouts together.
 
-use crate::{Colours, FixedPoint, FrameInput, PositionFormat};
+use crate::{Colours, FixedPoint, FrameInput, PositionFormat, two_float};
 use bytemuck::{Pod, Zeroable};
 use terrafill_scene::PlannedRegion;
 
@@ -11,7 +11,7 @@ use terrafill_scene::PlannedRegion;
 pub struct ViewConstants {
     /// Columns of the rotation, each padded to 16 bytes.
     pub view_from_ecef: [[f32; 4]; 3],
-    /// Eye, ECEF metres, rounded.
+    /// Eye, ECEF metres, rounded: the high part of two floats.
     pub eye_ecef: [f32; 3],
     /// Near plane, metres.
     pub near_m: f32,
@@ -61,7 +61,8 @@ pub struct RegionConstants {
     pub eye: [i32; 3],
     /// Bits dropped from stored positions.
     pub shift: u32,
-    /// What is left of the eye below one unit of `scale_m`; for local f32 the whole eye, metres.
+    /// What is left of the eye below one unit of `scale_m`, metres; for local f32 the whole eye from
+    /// the region's origin, for f32 ECEF and two floats what the view's eye rounded away.
     pub eye_remainder_m: [f32; 3],
     /// `unit_m · 2^shift`.
     pub scale_m: f32,
@@ -125,6 +126,10 @@ impl RegionConstants {
         let remainder_m = match positions {
             PositionFormat::Fixed => eye.remainder_m,
             PositionFormat::LocalF32 => input.camera.eye_ecef - fixed.origin_ecef,
+            // The view has the eye in f32; this is what that rounded away.
+            PositionFormat::EcefF32 | PositionFormat::TwoFloat => {
+                two_float(input.camera.eye_ecef)[1].as_dvec3()
+            }
         };
         Self {
             eye: eye.eye.to_array(),

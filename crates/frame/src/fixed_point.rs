@@ -5,17 +5,63 @@
 //! a region as large as Russia, 10⁻⁸ m for a square of 10 m. The eye is subtracted in integers, so
 //! neighbouring vertices keep their exact difference however far from the body's centre they lie.
 
-use glam::{DVec3, IVec3};
+use glam::{DVec3, IVec3, Vec3};
 use terrafill_core::RegionMesh;
 
-/// How a position is stored; both take 12 bytes.
+/// How a position is stored. All but the first are variants to be measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum PositionFormat {
-    /// Three i32 in the region's units.
+    /// Three i32 in the region's units: 12 bytes.
     #[default]
     Fixed,
-    /// Three f32 metres from the region's origin: a variant to be measured.
+    /// Three f32 metres from the region's origin: 12 bytes.
     LocalF32,
+    /// Three f32 metres from the body's centre: 12 bytes, the naive way. On the Earth both position
+    /// and eye are off by up to 0.25 m along each axis.
+    EcefF32,
+    /// The same and three more f32 for what they rounded away: 24 bytes.
+    TwoFloat,
+}
+
+impl PositionFormat {
+    /// Every format.
+    pub const ALL: [Self; 4] = [Self::Fixed, Self::LocalF32, Self::EcefF32, Self::TwoFloat];
+
+    /// Name in variants and reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fixed => "fixed",
+            Self::LocalF32 => "local-f32",
+            Self::EcefF32 => "ecef-f32",
+            Self::TwoFloat => "two-float",
+        }
+    }
+
+    /// Words of 4 bytes that a position takes.
+    #[must_use]
+    pub fn words(self) -> usize {
+        match self {
+            Self::Fixed | Self::LocalF32 | Self::EcefF32 => 3,
+            Self::TwoFloat => 6,
+        }
+    }
+}
+
+/// An `f64` vector as the `f32` nearest to it and the `f32` nearest to what is left: 48 bits.
+#[must_use]
+pub fn two_float(value: DVec3) -> [Vec3; 2] {
+    let high = value.as_vec3();
+    [high, (value - high.as_dvec3()).as_vec3()]
+}
+
+/// Twin of `two_float_difference_m` in `shaders/shared/region.wgsl`, and as that in `f32`: parts of
+/// like size are subtracted first. The difference of the high parts is exact where they are within
+/// a factor of two of each other (Sterbenz, 1974), and the low parts then put back what was
+/// rounded away; summed up the other way round, they would be lost before anything is subtracted.
+#[must_use]
+pub fn two_float_difference_m([high, low]: [Vec3; 2], [eye_high, eye_low]: [Vec3; 2]) -> Vec3 {
+    (high - eye_high) + (low - eye_low)
 }
 
 /// A region's origin and unit.
@@ -178,5 +224,29 @@ mod tests {
         eye.shift += 1;
         let wrong = eye_relative_m(stored, &eye, fixed.unit_m);
         assert!((right - wrong).length() > 1e5);
+    }
+
+    #[test]
+    fn two_floats_keep_what_one_loses_and_only_in_the_right_order() {
+        let eye = DVec3::new(4_120_345.678_9, 731_234.567_8, 4_801_234.543_2);
+        let offset = DVec3::new(3.141_592_653, -2.718_281_828, 1.414_213_562);
+        let [vertex_parts, eye_parts] = [two_float(eye + offset), two_float(eye)];
+        let error = |found: Vec3| (found.as_dvec3() - offset).abs().max_element();
+        let right = error(two_float_difference_m(vertex_parts, eye_parts));
+        assert!(right < 1e-6, "{right}");
+        // Twins: one float alone, and the sums first.
+        let [high, low] = vertex_parts;
+        let [eye_high, eye_low] = eye_parts;
+        assert!(error(high - eye_high) > 0.01);
+        assert!(error((high + low) - (eye_high + eye_low)) > 0.01);
+    }
+
+    #[test]
+    fn formats_have_names_of_their_own() {
+        let names = PositionFormat::ALL.map(PositionFormat::name);
+        for (i, name) in names.iter().enumerate() {
+            assert!(!names[..i].contains(name), "{name}");
+        }
+        assert_eq!(PositionFormat::ALL.map(PositionFormat::words), [3, 3, 3, 6]);
     }
 }

@@ -21,6 +21,7 @@ mod steps;
 mod switches;
 mod texture;
 mod textured;
+mod textured_device;
 mod work;
 
 pub use adapter::{
@@ -31,7 +32,9 @@ pub use backend::{Backend, BackendError, Capabilities, Picture, TimedBackend, Vo
 pub use batches::{RegionClasses, XOR_NUMBERS, XorBatches, overlap_depth};
 pub use clock::CpuStopwatch;
 pub use constants::{RegionConstants, RegionPlace, ViewConstants};
-pub use fixed_point::{EyeInUnits, FixedPoint, PositionFormat, eye_relative_m};
+pub use fixed_point::{
+    EyeInUnits, FixedPoint, PositionFormat, eye_relative_m, two_float, two_float_difference_m,
+};
 pub use frame::{Counters, Frame, FrameTimes, MemoryUse, NO_REGION};
 pub use geometry::{GeometryBytes, IndexLists, boundary_edges};
 pub use input::{FrameInput, PreparedScene};
@@ -46,4 +49,5 @@ pub use switches::{
 };
 pub use texture::{AddressMode, Pattern, PlannedTexture, TextureCoordinates, TexturePixel};
 pub use textured::{RouteChoice, RouteNote, TexturedCover, TexturedPlan, TexturedRegion};
+pub use textured_device::{Probed, RouteTexelFormat, RouteTexels};
 pub use work::{WorkCounters, WorkDone};

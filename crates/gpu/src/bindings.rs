@@ -62,18 +62,33 @@ impl Gpu {
         label: &str,
         sample_type: wgpu::TextureSampleType,
     ) -> wgpu::BindGroupLayout {
+        let texture = wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        self.fragment_layout(label, &[texture])
+    }
+
+    /// A layout of what fragments read, numbered in this order.
+    #[must_use]
+    pub fn fragment_layout(
+        &self,
+        label: &str,
+        types: &[wgpu::BindingType],
+    ) -> wgpu::BindGroupLayout {
+        let entries: Vec<_> = (0..)
+            .zip(types)
+            .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry {
+                binding,
+                visibility: wgpu::ShaderStages::FRAGMENT,
+                ty,
+                count: None,
+            })
+            .collect();
         let descriptor = wgpu::BindGroupLayoutDescriptor {
             label: Some(label),
-            entries: &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::FRAGMENT,
-                ty: wgpu::BindingType::Texture {
-                    sample_type,
-                    view_dimension: wgpu::TextureViewDimension::D2,
-                    multisampled: false,
-                },
-                count: None,
-            }],
+            entries: &entries,
         };
         self.device.create_bind_group_layout(&descriptor)
     }

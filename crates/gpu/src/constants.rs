@@ -72,7 +72,6 @@ mod tests {
                     .to_owned(),
                 constants: 2,
             },
-            route_room: 3,
             placement: TexturedPlacement::Affine,
         };
         let layout = parts.region_layout().expect("valid");
@@ -87,7 +86,7 @@ mod tests {
         let fixed = size_of::<TexturedRegion>();
         assert_eq!(shader[rust.len()], ("position".to_owned(), fixed));
         assert_eq!(shader[rust.len() + 1], ("route".to_owned(), fixed + 16));
-        assert_eq!(layout.stride as usize, fixed + 16 * (1 + 3));
+        assert_eq!(layout.stride as usize, fixed + 16 * (1 + 2));
         assert_eq!(TexturedRegion::VECTORS * 16, fixed);
     }
 

@@ -3,7 +3,6 @@
 //! of longitude and latitude. Group 3 of a textured cover.
 
 use crate::Gpu;
-use crate::textured::fragment_layout;
 use terrafill_frame::BackendError;
 use terrafill_texture::{CubeTexture, Filter, LookupTable, Program, TexelFormat};
 
@@ -94,7 +93,7 @@ impl RouteTable {
         };
         let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
         let types = [texture, sampler];
-        let layout = fragment_layout(gpu, "route", &types[..1 + usize::from(is_sampled)]);
+        let layout = gpu.fragment_layout("route", &types[..1 + usize::from(is_sampled)]);
         let linear = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("route"),
             mag_filter: wgpu::FilterMode::Linear,
@@ -128,10 +127,7 @@ fn require(gpu: &Gpu, needed: wgpu::Features, capability: &str) -> Result<(), Ba
     if gpu.device.features().contains(needed) {
         return Ok(());
     }
-    Err(BackendError::Unsupported {
-        capability: capability.to_owned(),
-        adapter: gpu.facts.name.clone(),
-    })
+    Err(BackendError::unsupported(capability, &gpu.facts.name))
 }
 
 fn upload(

@@ -15,7 +15,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use terrafill_frame::{
     AddressMode, BackendError, FrameInput, RouteChoice, StencilTest, Switches, TexturePixel,
-    TexturedCover, TexturedPlan, TexturedRegion,
+    TexturedCover, TexturedPlan,
 };
 use terrafill_scene::{ImageSize, MipChain, MipLevel, PlannedRegion, SceneTexture, TextureShare};
 use terrafill_shaders::{RouteText, TEXTURED_COVER, TexturedParts, TexturedPlacement};
@@ -75,6 +75,8 @@ struct Shader {
 struct TexturedView {
     constants: wgpu::Buffer,
     written: Vec<[f32; 4]>,
+    /// Bytes from one region's constants to the next one's.
+    stride: u32,
     bind_group: wgpu::BindGroup,
     /// By planned region, with the place of its shader in `TexturedFill::shaders`.
     covers: Vec<(TexturedCover, usize)>,
@@ -86,15 +88,15 @@ impl TexturedFill {
     /// - `frame_layout`: group 0, the view's constants at binding 0
     #[must_use]
     pub fn new(gpu: &Gpu, frame_layout: &wgpu::BindGroupLayout) -> Self {
-        let group = |label, types: &[wgpu::BindingType]| fragment_layout(gpu, label, types);
+        let group = |label, types: &[wgpu::BindingType]| gpu.fragment_layout(label, types);
         let texture = |sample_type| wgpu::BindingType::Texture {
             sample_type,
             view_dimension: wgpu::TextureViewDimension::D2,
             multisampled: false,
         };
         let regions = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only: true },
-            has_dynamic_offset: false,
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: true,
             min_binding_size: None,
         };
         let depth = texture(wgpu::TextureSampleType::Depth);
@@ -170,10 +172,11 @@ impl TexturedFill {
             covers.push((cover.clone(), self.shader(gpu, plan, cover)?));
             self.ensure_image_group(gpu, (cover.texture.image, cover.texture.address));
         }
-        let written = constants_of(plan);
+        let alignment = gpu.device.limits().min_uniform_buffer_offset_alignment;
+        let (written, stride) = constants_of(plan, alignment);
         let there = self.view.take();
         let (constants, bind_group) = match there {
-            Some(view) if view.written.len() == written.len() => {
+            Some(view) if (view.written.len(), view.stride) == (written.len(), stride) => {
                 if view.written != written {
                     gpu.write_buffer(&view.constants, 0, bytemuck::cast_slice(&written));
                 }
@@ -181,15 +184,16 @@ impl TexturedFill {
             }
             _ => {
                 let bytes = bytemuck::cast_slice(&written);
-                let usage = wgpu::BufferUsages::STORAGE;
+                let usage = wgpu::BufferUsages::UNIFORM;
                 let constants = stage.upload("textured regions", bytes, usage)?;
-                let bind_group = self.bind_constants(stage, &constants);
+                let bind_group = self.bind_constants(stage, &constants, stride);
                 (constants, bind_group)
             }
         };
         self.view = Some(TexturedView {
             constants,
             written,
+            stride,
             bind_group,
             covers,
         });
@@ -215,8 +219,7 @@ impl TexturedFill {
         }
     }
 
-    /// Binds what covers one planned region, three vertices in the instance of its number; group 0
-    /// and the stencil reference are the caller's. What the pass has bound already stays: `bound`
+    /// Binds what covers one planned region with a triangle of three vertices; group 0 and the stencil reference are the caller's. What the pass has bound already stays: `bound`
     /// says what the last call left. False where [`TexturedFill::ensure`] was not called for it.
     pub fn bind(
         &self,
@@ -236,9 +239,6 @@ impl TexturedFill {
         };
         if bound.key != Some(key) {
             pass.set_pipeline(pipeline);
-            if bound.key.is_none() {
-                pass.set_bind_group(1, &view.bind_group, &[]);
-            }
             if let Some(table) = &self.shaders[key.shader].table {
                 pass.set_bind_group(3, &table.group, &[]);
             }
@@ -247,6 +247,11 @@ impl TexturedFill {
         if bound.image != Some(image) {
             pass.set_bind_group(2, image_group, &[]);
             bound.image = Some(image);
+        }
+        if bound.planned != Some(planned) {
+            let index = u32::try_from(planned).unwrap_or(u32::MAX);
+            pass.set_bind_group(1, &view.bind_group, &[index.saturating_mul(view.stride)]);
+            bound.planned = Some(planned);
         }
         true
     }
@@ -302,13 +307,7 @@ impl TexturedFill {
             .chain(table.as_ref().map(|table| &table.layout))
             .map(Some)
             .collect();
-        let layout = gpu
-            .device
-            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some("textured cover"),
-                bind_group_layouts: &groups,
-                immediate_size: 0,
-            });
+        let layout = gpu.pipeline_layout("textured cover", &groups);
         self.shaders.push(Shader {
             parts,
             module,
@@ -354,7 +353,12 @@ impl TexturedFill {
         self.image_groups.insert(key, group);
     }
 
-    fn bind_constants(&self, stage: &Stage, constants: &wgpu::Buffer) -> wgpu::BindGroup {
+    fn bind_constants(
+        &self,
+        stage: &Stage,
+        constants: &wgpu::Buffer,
+        stride: u32,
+    ) -> wgpu::BindGroup {
         let device = &stage.gpu().device;
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("depth and textured regions"),
@@ -366,7 +370,11 @@ impl TexturedFill {
                 },
                 wgpu::BindGroupEntry {
                     binding: 1,
-                    resource: constants.as_entire_binding(),
+                    resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                        buffer: constants,
+                        offset: 0,
+                        size: std::num::NonZeroU64::new(u64::from(stride)),
+                    }),
                 },
             ],
         })
@@ -499,6 +507,7 @@ impl Textured {
 pub struct BoundCover {
     key: Option<CoverKey>,
     image: Option<ImageKey>,
+    planned: Option<usize>,
 }
 
 /// Targets of the covers' probe.
@@ -608,7 +617,6 @@ fn parts(plan: &TexturedPlan, cover: &TexturedCover) -> TexturedParts {
             wgsl: wgsl + &program.wgsl(),
             constants: cover.route_constants.len(),
         },
-        route_room: route_room(plan),
         placement: match cover.texture.pattern {
             Some(_) => TexturedPlacement::Pattern,
             None => TexturedPlacement::Affine,
@@ -616,53 +624,29 @@ fn parts(plan: &TexturedPlan, cover: &TexturedCover) -> TexturedParts {
     }
 }
 
-fn route_room(plan: &TexturedPlan) -> usize {
-    let lengths = plan.covers.iter().map(|cover| cover.route_constants.len());
-    // A shader's array is never empty: see `TexturedParts::compose`.
-    lengths.max().unwrap_or(0).max(1)
-}
-
-/// A layout of what fragments read, numbered in this order.
-pub(crate) fn fragment_layout(
-    gpu: &Gpu,
-    label: &str,
-    types: &[wgpu::BindingType],
-) -> wgpu::BindGroupLayout {
-    let entries: Vec<_> = (0..)
-        .zip(types)
-        .map(|(binding, ty)| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::FRAGMENT,
-            ty: *ty,
-            count: None,
-        })
-        .collect();
-    gpu.device
-        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some(label),
-            entries: &entries,
-        })
-}
-
-/// All regions' constants one after the other, each as long as the longest.
-fn constants_of(plan: &TexturedPlan) -> Vec<[f32; 4]> {
-    let route_room = route_room(plan);
-    let padded = |constants: &[[f32; 4]], room: usize| {
-        let mut padded = constants.to_vec();
-        padded.resize(room.max(constants.len()), [0.0; 4]);
-        padded
-    };
-    let mut all = Vec::new();
-    for cover in &plan.covers {
-        all.extend_from_slice(bytemuck::cast_slice(&[cover.region]));
-        all.extend(padded(&cover.position_constants, 1));
-        all.extend(padded(&cover.route_constants, route_room));
-    }
-    if all.is_empty() {
-        // A storage binding may not be empty.
-        all.resize(TexturedRegion::VECTORS + 1 + route_room, [0.0; 4]);
-    }
-    all
+/// All regions' constants, each at a multiple of the stride that comes with them: as long as the
+/// longest, and aligned.
+fn constants_of(plan: &TexturedPlan, alignment: u32) -> (Vec<[f32; 4]>, u32) {
+    let constants = plan.covers.iter().map(|cover| {
+        let mut all = bytemuck::cast_slice(&[cover.region]).to_vec();
+        for constants in [&cover.position_constants, &cover.route_constants] {
+            all.extend_from_slice(constants);
+            // A shader's array is never empty: see `TexturedParts::compose`.
+            all.resize(all.len() + usize::from(constants.is_empty()), [0.0; 4]);
+        }
+        all
+    });
+    let constants: Vec<Vec<[f32; 4]>> = constants.collect();
+    let vectors = constants.iter().map(Vec::len).max().unwrap_or(1);
+    let stride = (vectors * 16).next_multiple_of(alignment.max(16) as usize);
+    let padded = constants.into_iter().flat_map(|mut region| {
+        region.resize(stride / 16, [0.0; 4]);
+        region
+    });
+    let mut written: Vec<[f32; 4]> = padded.collect();
+    // A binding may not be empty.
+    written.resize(written.len().max(stride / 16), [0.0; 4]);
+    (written, u32::try_from(stride).unwrap_or(u32::MAX))
 }
 
 fn picture(gpu: &Gpu, image: &MipChain) -> wgpu::Texture {

@@ -4,6 +4,7 @@
 use crate::Technique;
 use crate::layout::{RegionSlice, SceneGeometry};
 use crate::pass::{Drawing, pipelines_of};
+use crate::textured::{Purpose, Textured, probed};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
@@ -14,7 +15,7 @@ use terrafill_frame::{
     SwitchError, Switches, TimedBackend, VolumeBackend, WorkDone, pick,
 };
 use terrafill_vulkan::{
-    BindGroup, Buffer, BufferUse, FillReport, Gpu, Measured, Pipeline, PipelineDescriptor,
+    BindGroup, Buffer, BufferUse, FillReport, Gpu, Measured, Pipeline, PipelineDescriptor, Probe,
     SharedStage,
 };
 
@@ -65,6 +66,8 @@ pub struct NativeBackend {
     variant: NativeVariant,
     capabilities: Capabilities,
     pipelines: Pipelines,
+    /// Of a textured fill; its covers stand where the plain ones would.
+    textured: Option<Textured>,
     scene: Option<SceneBuffers>,
     view: Option<ViewBuffers>,
     /// Asked of the device for the frame that comes next.
@@ -108,8 +111,8 @@ impl NativeBackend {
     /// A backend on `stage`.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] when the device lacks `geometryShader` or `depthBounds` and
-    /// the variant needs it.
+    /// [`BackendError::Unsupported`] when the device lacks `geometryShader`, `depthBounds` or
+    /// depth that shaders can read, and the variant needs it.
     pub fn new(stage: &SharedStage, variant: NativeVariant) -> Result<Self, BackendError> {
         let gpu = Arc::clone(stage.borrow().gpu());
         let features = gpu.facts.features;
@@ -117,8 +120,12 @@ impl NativeBackend {
         if variant.technique.needs_geometry_shader() && !features.geometry_shader {
             return Err(lacks("geometryShader"));
         }
-        if variant.switches.texture.is_some() {
-            return Err(BackendError::unsupported("a textured fill", "native"));
+        if variant.switches.texture.is_some() && !features.samples_depth {
+            return Err(lacks("reading depth in shaders"));
+        }
+        if variant.switches.superfluous_normalize {
+            let lacks = "a superfluous normalize, which is priced on wgpu only";
+            return Err(BackendError::unsupported(lacks, BACKEND));
         }
         if variant.switches.depth_bounds && !features.depth_bounds {
             return Err(lacks("depthBounds"));
@@ -133,6 +140,7 @@ impl NativeBackend {
                 pipeline_statistics: features.pipeline_statistics,
             },
             pipelines: Pipelines::new(),
+            textured: Textured::new(&variant.switches),
             scene: None,
             view: None,
             work: WorkDone::default(),
@@ -155,7 +163,7 @@ impl NativeBackend {
         self.stage.borrow_mut().prepare(input)?;
         self.stage.borrow_mut().draw_surface()?;
         let before = gpu.work_done();
-        let (report, mut counters) = self.draw(input, Measured::Statistics)?;
+        let (report, mut counters) = self.draw(input, Measured::Statistics, None)?;
         let prepared = std::mem::take(&mut self.work);
         WorkDone::write_into(&mut counters, prepared, gpu.work_done() - before);
         if let Some(statistics) = report.statistics {
@@ -169,15 +177,17 @@ impl NativeBackend {
         Ok((picture, counters))
     }
 
-    /// Draws the fill over the surface that the stage holds.
+    /// Draws the fill over the surface that the stage holds; textured covers into `probe`, if there
+    /// is one.
     fn draw(
         &self,
         input: &FrameInput,
         measured: Measured,
+        probe: Option<&Probe>,
     ) -> Result<(FillReport, Counters), BackendError> {
         let mut counters = Counters::default();
         let stage = self.stage.borrow();
-        let Some(drawing) = self.drawing(input) else {
+        let Some(drawing) = self.drawing(input, probe) else {
             return Ok((FillReport::default(), counters));
         };
         let passes = drawing.view.program.passes.len();
@@ -187,10 +197,16 @@ impl NativeBackend {
         Ok((report, counters))
     }
 
-    fn drawing<'a>(&'a self, input: &'a FrameInput) -> Option<Drawing<'a>> {
+    fn drawing<'a>(
+        &'a self,
+        input: &'a FrameInput,
+        probe: Option<&'a Probe>,
+    ) -> Option<Drawing<'a>> {
         Some(Drawing {
             variant: self.variant,
             pipelines: &self.pipelines,
+            textured: self.textured.as_ref(),
+            probe,
             scene: self.scene.as_ref()?,
             view: self.view.as_ref()?,
             input,
@@ -209,7 +225,7 @@ impl NativeBackend {
         }
         self.ensure_pipelines(wanted)?;
         let stage = self.stage.borrow();
-        let Some(drawing) = self.drawing(input) else {
+        let Some(drawing) = self.drawing(input, None) else {
             return Ok(None);
         };
         let report = stage.fill(1, Measured::Samples, |recorder| {
@@ -266,6 +282,9 @@ impl NativeBackend {
         if program.accumulates() {
             self.stage.borrow_mut().ensure_numbers()?;
         }
+        if let Some(textured) = &mut self.textured {
+            textured.upload(&self.stage.borrow(), input)?;
+        }
         let place = |mesh: usize| scene.regions[mesh].place();
         let positions = PositionFormat::Fixed;
         let written = RegionConstants::bytes_of_all(input, positions, colours, place);
@@ -308,12 +327,41 @@ impl NativeBackend {
     }
 
     fn ensure_program_pipelines(&mut self) -> Result<(), BackendError> {
+        let is_textured = self.textured.is_some();
         let steps = |view: &ViewBuffers| {
             let all = view.program.passes.iter().flat_map(FillPass::steps);
-            descriptors(self.variant, all)
+            let is_plain =
+                |step: &FillStep<'_>| !is_textured || !matches!(step, FillStep::Cover { .. });
+            descriptors(self.variant, all.filter(is_plain))
         };
         let wanted = self.view.as_ref().map(steps).unwrap_or_default();
-        self.ensure_pipelines(wanted)
+        self.ensure_pipelines(wanted)?;
+        self.ensure_textured(Purpose::Colour)
+    }
+
+    fn ensure_textured(&mut self, purpose: Purpose) -> Result<(), BackendError> {
+        let gpu = self.gpu();
+        let (Some(textured), Some(view)) = (&mut self.textured, &self.view) else {
+            return Ok(());
+        };
+        textured.ensure(&gpu, view.program.passes.iter(), purpose)
+    }
+
+    /// The frame with ids and places from the textured covers, drawn once more with what they write
+    /// for the probe, by the same functions; a plain fill's frame as it is.
+    fn probed(&mut self, input: &FrameInput, plain: Frame) -> Result<Frame, BackendError> {
+        if self.textured.is_none() {
+            return Ok(plain);
+        }
+        self.ensure_textured(Purpose::Probe)?;
+        let probe = self.stage.borrow().probe()?;
+        self.draw(input, Measured::Nothing, Some(&probe))?;
+        let found = probed(&probe, input.size.pixel_count())?;
+        let plan = self.textured.as_ref().and_then(Textured::plan);
+        Ok(match plan {
+            Some(plan) => plan.frame(input, plain, &found),
+            None => plain,
+        })
     }
 
     fn ensure_pipelines(&mut self, wanted: Vec<PipelineDescriptor>) -> Result<(), BackendError> {
@@ -385,13 +433,15 @@ impl Backend for NativeBackend {
             &scene.long_indices,
             &view.constants,
         ];
+        let textured = self.textured.as_ref();
         Ok(MemoryUse {
             vertex_bytes: scene.vertex_bytes,
             index_bytes: scene.index_bytes,
-            constant_bytes: RegionConstants::byte_count(input),
+            constant_bytes: RegionConstants::byte_count(input)
+                + textured.map_or(0, Textured::constant_bytes),
             target_bytes: self.stage.borrow().number_bytes(&view.program),
-            texture_bytes: 0,
-            buffers: used.len() as u64,
+            texture_bytes: textured.map_or(0, Textured::texture_bytes),
+            buffers: used.len() as u64 + u64::from(textured.is_some()),
             upload_bytes,
         })
     }
@@ -399,7 +449,7 @@ impl Backend for NativeBackend {
     fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError> {
         let (picture, mut counters) = self.draw_and_read(input)?;
         counters.stencil_fragments = self.count_fragments(input)?;
-        Ok(Frame::from_picture(&picture, counters))
+        self.probed(input, Frame::from_picture(&picture, counters))
     }
 }
 
@@ -411,7 +461,7 @@ impl TimedBackend for NativeBackend {
             return Err(input.not_prepared(BACKEND));
         }
         let watch = CpuStopwatch::start();
-        let (report, _) = self.draw(input, Measured::Times)?;
+        let (report, _) = self.draw(input, Measured::Times, None)?;
         Ok(FrameTimes {
             surface_gpu_ms: None,
             stencil_gpu_ms: report.times.stencil_ms,
@@ -430,6 +480,11 @@ impl VolumeBackend for NativeBackend {
 
     fn tells_regions_apart(&self) -> bool {
         self.variant.switches.colour.tells_regions_apart()
+    }
+
+    fn note(&self) -> Option<String> {
+        let plan = self.textured.as_ref().and_then(Textured::plan);
+        plan.map(|plan| plan.note())
     }
 
     fn picture(&mut self, input: &FrameInput) -> Result<Picture, BackendError> {

@@ -13,6 +13,7 @@ mod layout;
 mod pass;
 mod ring_order;
 mod technique;
+mod textured;
 
 pub use backend::{NativeBackend, NativeVariant};
 pub use depth_bounds::{DepthRange, depth_range};

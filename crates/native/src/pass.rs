@@ -4,10 +4,13 @@
 use crate::backend::{NativeVariant, Pipelines, SceneBuffers, ViewBuffers};
 use crate::depth_range;
 use crate::technique::{Part, Technique, cover_pipeline};
-use terrafill_frame::{Counters, FaceSet, FillStep, FrameInput, VolumeDraw, VolumeState};
+use crate::textured::{Purpose, Textured};
+use terrafill_frame::{
+    Counters, FaceSet, FillStep, FrameInput, StencilTest, VolumeDraw, VolumeState,
+};
 use terrafill_vulkan::{
     BindGroup, DrawState, FillRecorder, Geometry, IndexWidth, PassRecorder, Pipeline,
-    PipelineDescriptor, PipelineState,
+    PipelineDescriptor, PipelineState, Probe,
 };
 
 /// Widths of indices, short ones first.
@@ -54,6 +57,9 @@ pub(crate) fn pipelines_of(variant: NativeVariant, step: &FillStep<'_>) -> Vec<P
 pub(crate) struct Drawing<'a> {
     pub(crate) variant: NativeVariant,
     pub(crate) pipelines: &'a Pipelines,
+    pub(crate) textured: Option<&'a Textured>,
+    /// Textured covers write where their texels came from into this instead of colours.
+    pub(crate) probe: Option<&'a Probe>,
     pub(crate) scene: &'a SceneBuffers,
     pub(crate) view: &'a ViewBuffers,
     pub(crate) input: &'a FrameInput,
@@ -70,6 +76,12 @@ impl<'a> Drawing<'a> {
             };
             if pass.accumulates() {
                 recorder.accumulate(|recorder| steps(recorder));
+            } else if pass.has_colour && self.textured.is_some() {
+                // Depth is read in this pass, which holds covers only and writes no stencil.
+                match self.probe {
+                    Some(probe) => recorder.probe(probe, |recorder| steps(recorder)),
+                    None => recorder.textured(|recorder| steps(recorder)),
+                }
             } else {
                 recorder.pass(pass.clears_stencil, pass.has_colour, |recorder| {
                     steps(recorder)
@@ -88,6 +100,18 @@ impl<'a> Drawing<'a> {
     }
 
     fn step(&self, pass: &mut PassRecorder<'a, '_>, step: &FillStep<'_>, counters: &mut Counters) {
+        if let (
+            Some(textured),
+            FillStep::Cover {
+                test,
+                scissor,
+                regions,
+            },
+        ) = (self.textured, step)
+        {
+            self.textured_covers(pass, textured, *test, *scissor, regions, counters);
+            return;
+        }
         let pipeline = cover_state(step).map(cover_pipeline);
         let pipeline = pipeline.and_then(|key| self.pipelines.get(&key));
         match (step, pipeline) {
@@ -145,6 +169,30 @@ impl<'a> Drawing<'a> {
             pass.draw(&state, 3, instance(planned));
             counters.draws += 1;
             counters.vertices += 3;
+        }
+    }
+
+    /// The same with the picture.
+    fn textured_covers(
+        &self,
+        pass: &mut PassRecorder<'a, '_>,
+        textured: &'a Textured,
+        test: StencilTest,
+        scissor: bool,
+        regions: &[usize],
+        counters: &mut Counters,
+    ) {
+        let purpose = match self.probe {
+            Some(_) => Purpose::Probe,
+            None => Purpose::Colour,
+        };
+        for &planned in regions {
+            if let Some(state) = textured.cover(&self.view.bindings, test, purpose, planned) {
+                pass.scissor(self.input.rect(planned, scissor));
+                pass.cover(&state, planned);
+                counters.draws += 1;
+                counters.vertices += 3;
+            }
         }
     }
 

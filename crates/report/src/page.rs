@@ -204,6 +204,7 @@ struct SubdivisionSection {
 /// The chapter on precision with its plots, each with its caption.
 struct PrecisionSection {
     chapter: PrecisionChapter,
+    least_ns: String,
     plots: Vec<(String, String)>,
     tables: Vec<(&'static str, &'static str, &'static str, Table)>,
 }
@@ -401,12 +402,13 @@ fn precision_section(data: &RunData) -> Result<Option<PrecisionSection>, ReportE
     let mut plots = Vec::new();
     for plot in &drawn {
         if let Some(svg) = plot::precision(plot, chapter.clock, &palette)? {
-            plots.push((precision_caption(&plot.title), svg));
+            plots.push((format!("{}.", plot.title), svg));
         }
     }
     let tables = precision_tables(&mut chapter);
     Ok(Some(PrecisionSection {
         chapter,
+        least_ns: significant(precision::LEAST_NS),
         plots,
         tables,
     }))
@@ -427,17 +429,6 @@ fn subdivision_section(data: &RunData) -> Result<Option<SubdivisionSection>, Rep
     Ok(Some(SubdivisionSection { plot, tables }))
 }
 
-fn precision_caption(title: &str) -> String {
-    format!(
-        "{title}, terrain up to 9 km where not said otherwise. One curve per family through its knob: \
-         degree, or texels of a table. Filled: largest error on the device; open: root mean square. \
-         Crosses: a route whose error has no bound here; on the upper edge: no finite answer. Ringed \
-         and dashed: the Pareto front, where 95 % of the resamples keep it. A formula cheaper than {} \
-         ns, which the clock does not tell from nothing, stands there.",
-        significant(precision::LEAST_NS)
-    )
-}
-
 fn precision_tables(
     chapter: &mut PrecisionChapter,
 ) -> Vec<(&'static str, &'static str, &'static str, Table)> {
@@ -456,7 +447,8 @@ fn precision_tables(
             "What a plan takes",
             "The cheapest route whose computed residual is within ¼ texel and ¼ pixel RMS and ½ texel at \
              most, for terrain up to 9 km, with its measured RMS error in texels. Columns: extent. The \
-             picture has 4096 texels a side, from 90° on 16,384; the view shows the region on 1,080 rows.",
+             picture has 4096 texels a side, from 90° on 16,384; the view shows the region on 1,080 rows. \
+             A dash: a region that is another one's already.",
             take(|c| &mut c.chosen),
         ),
         (
@@ -485,8 +477,8 @@ fn precision_tables(
         (
             "precision-special",
             "Where formulas break",
-            "Inputs that are special to floating point or to the map. The last six lines are no \
-             fragment's: stencil and depth keep them away.",
+            "Inputs that are special to floating point or to the map. The last seven lines are \
+             no fragment's: stencil and depth keep them away.",
             take(|c| &mut c.special),
         ),
     ]

@@ -9,7 +9,8 @@ use std::fs;
 use std::path::Path;
 use terrafill_report::write_report;
 use terrafill_results::{
-    CaseKey, LadderRung, MemoryRow, RunEnvironment, RunFolder, RunPlan, Status, Summary, median,
+    CaseKey, LadderRung, MemoryRow, PrecisionGrid, PrecisionPart, PrecisionPlan, PrecisionRow,
+    RunEnvironment, RunFolder, RunPlan, Status, Summary, median,
 };
 
 const BOUND_MS: f64 = 10.0;
@@ -527,4 +528,106 @@ fn pictures_of_a_textured_fill_are_shown_or_missed_by_name() {
     let chapter = section(&html, "textured");
     assert_eq!(chapter.matches("<img ").count(), 0);
     assert!(chapter.contains("could not be shown: california, top-down: images/b.png"));
+}
+
+/// Rows of a sweep through the cap step: coarser is faster by as much as asked.
+fn swept(folder: &Path, faster: f64) -> String {
+    let steps = [
+        ("0.3", 1.0, 900.0),
+        ("3", faster, 4_000.0),
+        ("10", faster, 40_000.0),
+    ];
+    let name = |step: &str| format!("doubled,cap-step-deg={step}");
+    let keys: Vec<CaseKey> = steps
+        .iter()
+        .map(|(step, ..)| key("s", "v", "vertex", &name(step)))
+        .collect();
+    let run = start(folder, &keys, &[]);
+    for (key, (_, factor, wall_m)) in keys.iter().zip(steps) {
+        let row = Summary {
+            wall_height_m: Some(wall_m),
+            cap_triangles: Some(1_234),
+            ..timed(&run, key, "subdivision", 12.0 / factor)
+        };
+        run.append_summary(&row).expect("a row");
+    }
+    write_report(folder).expect("a report");
+    fs::read_to_string(folder.join("report.html")).expect("the report")
+}
+
+#[test]
+fn coarse_caps_with_tall_walls_stand_beside_fine_ones_and_are_judged() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let html = swept(&folder.path().join("faster"), 1.5);
+    assert!(html.contains("id=\"subdivision\"") && html.contains("tallest wall drawn, m"));
+    assert!(html.contains("10° fills 1.50 times as fast as 0.3°"));
+    assert!(html.contains("<b class=\"holds\">holds</b>"));
+    assert!(
+        !html.contains("<h3 id=\"s-v\">"),
+        "no case table of its own"
+    );
+    // Twin: where coarse is not faster, the expectation does not hold.
+    let html = swept(&folder.path().join("equal"), 1.0);
+    assert!(html.contains("<b class=\"does-not\">does not hold</b>"));
+}
+
+fn precision_row(route: &str, knob: f64, error_m: f64) -> PrecisionRow {
+    PrecisionRow {
+        route: route.to_owned(),
+        family: "gnomonic".to_owned(),
+        knob: Some(knob),
+        condition: "extent=1;latitude=45;heights=+9km".to_owned(),
+        extent_deg: Some(1.0),
+        latitude_deg: Some(45.0),
+        highest_m: Some(9_000.0),
+        status: Status::Ok,
+        points: 10,
+        device_max_m: Some(error_m),
+        device_rms_m: Some(0.3 * error_m),
+        texture_px: Some(4096),
+        max_texels: Some(0.4),
+        rms_texels: Some(0.1),
+        max_over_residual: Some(0.9),
+        measured_over_expected: Some(0.9),
+        operations_cost: Some(10.0 + knob),
+        chosen: true,
+        ..PrecisionRow::default()
+    }
+}
+
+/// A report of these rows, planned as `planned` routes.
+fn precision_report(folder: &Path, rows: &[PrecisionRow], planned: &[&str]) -> String {
+    let run = start(folder, &[], &[]);
+    let plan = PrecisionPlan {
+        grids: vec![PrecisionGrid {
+            part: PrecisionPart::Coordinate,
+            routes: planned.iter().map(|route| (*route).to_owned()).collect(),
+            conditions: vec![rows[0].condition.clone()],
+        }],
+        rounds: 1,
+    };
+    run.write_precision_plan(&plan).expect("a plan");
+    run.append_precision(rows).expect("rows");
+    write_report(folder).expect("a report");
+    fs::read_to_string(folder.join("report.html")).expect("the report")
+}
+
+#[test]
+fn the_numerical_suite_has_its_chapter_and_says_what_is_missing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = [precision_row("gnomonic-3", 3.0, 0.25)];
+    let html = precision_report(&folder.path().join("whole"), &rows, &["gnomonic-3"]);
+    assert!(html.contains("id=\"precision\"") && html.contains("Error against operations"));
+    assert!(html.contains("gnomonic-3 · 0.100"), "what a plan takes");
+    assert!(html.contains("at most 0.100 texel RMS"));
+    assert!(!html.contains("planned rows are missing"));
+    // Twins: a row that was planned and is not there; one that is too coarse for a plan.
+    let html = precision_report(&folder.path().join("cut"), &rows, &["gnomonic-3", "odd-7"]);
+    assert!(html.contains("1 planned rows are missing, among them coordinate/odd-7/extent=1"));
+    let coarse = PrecisionRow {
+        rms_texels: Some(0.26),
+        ..rows[0].clone()
+    };
+    let html = precision_report(&folder.path().join("coarse"), &[coarse], &["gnomonic-3"]);
+    assert!(html.contains("<b class=\"does-not\">does not hold</b>"));
 }

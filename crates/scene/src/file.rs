@@ -167,6 +167,11 @@ impl Scene {
         let sweep_cap_step_deg = Check::sweep("cap_step_deg", &vary.cap_step_deg, |key, value| {
             check.cap_step(key, value)
         })?;
+        let sweep_positions = vary.positions;
+        if sweep_positions && sweep_boundary_tolerance_m.is_empty() {
+            let allowed = "false, or a list vary.boundary_tolerance_m that is not empty";
+            return Err(check.refuse("vary.positions", true, allowed));
+        }
         let texture = raw.texture.map(|raw| check.texture(raw)).transpose()?;
         // Last, so that a wrong scene is reported as wrong even where its data is missing.
         let mut regions = source.regions(&name, data_dir)?;
@@ -193,6 +198,7 @@ impl Scene {
             sweep_boundary_tolerance_m,
             texture,
             sweep_cap_step_deg,
+            sweep_positions,
         })
     }
 }
@@ -290,6 +296,8 @@ struct RawVary {
     boundary_tolerance_m: Vec<f64>,
     #[serde(default)]
     cap_step_deg: Vec<f64>,
+    #[serde(default)]
+    positions: bool,
 }
 
 #[derive(Deserialize)]

@@ -63,4 +63,6 @@ pub struct Scene {
     pub texture: Option<Arc<SceneTexture>>,
     /// Cap steps to sweep for subdivision against wall height, degrees; may be empty.
     pub sweep_cap_step_deg: Vec<f64>,
+    /// Whether every way to store positions is tried through the boundary tolerances, right or wrong.
+    pub sweep_positions: bool,
 }

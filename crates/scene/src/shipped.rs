@@ -15,6 +15,8 @@ macro_rules! file {
 const SCENES: &[(&str, &str)] = &[
     file!("planet-134.toml"),
     file!("california.toml"),
+    file!("square-10m.toml"),
+    file!("square-200km.toml"),
     file!("countries-110m.toml"),
     file!("countries-50m.toml"),
     file!("us-states.toml"),
@@ -22,7 +24,11 @@ const SCENES: &[(&str, &str)] = &[
 ];
 
 /// Region files that scenes name by `embedded`.
-const DATA: &[(&str, &str)] = &[file!("california.geojson")];
+const DATA: &[(&str, &str)] = &[
+    file!("california.geojson"),
+    file!("square-10m.geojson"),
+    file!("square-200km.geojson"),
+];
 
 /// Names of the scenes that ship with the program, those without need of data first.
 #[must_use]

@@ -60,6 +60,7 @@ fn the_good_scene_loads_with_its_defaults() {
     assert_eq!(scene.overlap, Overlap::Disjoint);
     assert_eq!(scene.surface_rows, 180);
     assert!(scene.sweep_boundary_tolerance_m.is_empty() && scene.sweep_cap_step_deg.is_empty());
+    assert!(!scene.sweep_positions);
     assert_eq!(scene.levels, LevelChoice::Automatic);
     let pose = scene.views[0].pose;
     assert_eq!(pose.near_m, 5.0);
@@ -74,7 +75,7 @@ fn every_setting_arrives() {
         "body = \"moon\"\nedges = \"great-ellipse\"\noverlap = \"ordered\"",
     ) + "fov_deg = 45\nnear_m = 0.25\nnote = \"n\"\n\n[mesh]\nboundary_tolerance_m = 7\n\
          cap_step_deg = 2\n\n[levels]\ndeviation_m = [30, 400.5]\n\n[vary]\nboundary_tolerance_m = [1, 2.5]\n\
-         cap_step_deg = [0.5, 10]\n";
+         cap_step_deg = [0.5, 10]\npositions = true\n";
     let scene = Scene::from_toml(&text, "t.toml", None).expect("valid");
     assert_eq!(scene.body.name(), "moon");
     assert_eq!(scene.edge_rule, EdgeRule::GreatEllipse);
@@ -84,6 +85,7 @@ fn every_setting_arrives() {
     assert_eq!(scene.levels, LevelChoice::Given(vec![30.0, 400.5]));
     assert_eq!(scene.sweep_boundary_tolerance_m, [1.0, 2.5]);
     assert_eq!(scene.sweep_cap_step_deg, [0.5, 10.0]);
+    assert!(scene.sweep_positions);
     let view = &scene.views[0];
     assert_eq!(view.note.as_deref(), Some("n"));
     assert_eq!(
@@ -174,7 +176,8 @@ fn region_sources_that_are_not_exactly_one() {
         ),
         (
             broken(embedded, "embedded = \"nevada.geojson\""),
-            "t.toml: regions.embedded: found \"nevada.geojson\", allowed: california.geojson",
+            "t.toml: regions.embedded: found \"nevada.geojson\", allowed: california.geojson, \
+             square-10m.geojson, square-200km.geojson",
         ),
         (
             broken(embedded, &FILE_SOURCE.replace("a.geojson", "../a.geojson")),
@@ -469,4 +472,18 @@ fn a_picture_is_read_by_its_hash_and_refused_if_it_is_none() {
         error.to_string().starts_with("a.png: is no picture"),
         "{error}"
     );
+}
+
+#[test]
+fn formats_are_swept_through_tolerances_and_not_without() {
+    let with = |more: &str| broken("[surface]", &format!("[vary]\n{more}\n[surface]"));
+    assert_eq!(
+        message(&with("positions = true")),
+        "t.toml: vary.positions: found true, allowed: false, or a list vary.boundary_tolerance_m that \
+         is not empty"
+    );
+    let text = with("positions = true\nboundary_tolerance_m = [1]");
+    assert!(Scene::from_toml(&text, "t.toml", None).is_ok());
+    let text = with("positions = false");
+    assert!(Scene::from_toml(&text, "t.toml", None).is_ok());
 }

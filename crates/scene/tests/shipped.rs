@@ -115,6 +115,8 @@ struct Picture {
     filled_deg: Vec<[f64; 2]>,
     /// Whether the body reaches the image's border.
     touches_image_edge: bool,
+    /// How often filled and empty follow one another along the image's border.
+    changes_along_image_edge: usize,
     /// Whether two neighbouring samples of the body differ in region.
     has_boundary: bool,
 }
@@ -148,11 +150,27 @@ fn picture(scene: &Scene, view: &View) -> Picture {
             let last = columns - 1;
             id.is_some() && (column == 0 || row == 0 || column == last || row == last)
         }),
+        changes_along_image_edge: changes_along_image_edge(&ids),
         has_boundary: ids
             .chunks(columns)
             .any(|row| row.windows(2).any(|w| differ(&w[0], &w[1])))
             || ids.windows(columns + 1).any(|w| differ(&w[0], &w[columns])),
     }
+}
+
+/// Once round the image, along its first and last rows and columns; sky is empty.
+fn changes_along_image_edge(ids: &[Option<Option<usize>>]) -> usize {
+    let (columns, rows) = (SIZE.width as usize, SIZE.height as usize);
+    let top = (0..columns).map(|column| (column, 0));
+    let right = (0..rows).map(|row| (columns - 1, row));
+    let bottom = (0..columns).rev().map(|column| (column, rows - 1));
+    let left = (0..rows).rev().map(|row| (0, row));
+    let round = top.chain(right).chain(bottom).chain(left);
+    let is_filled: Vec<bool> = round
+        .map(|(column, row)| ids[row * columns + column].flatten().is_some())
+        .collect();
+    let next = is_filled.iter().cycle().skip(1);
+    is_filled.iter().zip(next).filter(|(a, b)| a != b).count()
 }
 
 /// Whether a view named after a place shows it, in a region.
@@ -195,6 +213,25 @@ fn complaints(view: &View, seen: &Picture) -> Vec<&'static str> {
             ),
             (view.pose.eye.height_m <= 10_000.0, "the eye is high"),
         ],
+        "down-50m" | "oblique-50m" | "down-500km" => vec![
+            (seen.body == 1.0, "sky is in view"),
+            (
+                seen.changes_along_image_edge == 0,
+                "the region is not wholly in view",
+            ),
+            (seen.largest > 0.02, "the region is a speck"),
+        ],
+        "edge-1m5" | "edge-50m" | "along-50m" => vec![
+            (
+                seen.changes_along_image_edge == 2,
+                "not one edge alone crosses the image",
+            ),
+            (
+                (0.1..0.9).contains(&(seen.largest / seen.body)),
+                "one side of the edge is hardly in view",
+            ),
+            (view.pose.eye.height_m <= 50.0, "the eye is high"),
+        ],
         "equator" | "latitude-45" | "latitude-85" | "antimeridian" | "antimeridian-south"
         | "pole" => vec![(
             looks_at_its_place(view, seen),
@@ -213,9 +250,14 @@ fn complaints(view: &View, seen: &Picture) -> Vec<&'static str> {
         .collect()
 }
 
-/// Three cameras everywhere but in the scene that has one for each place where textures are hard.
+/// Three cameras nearly everywhere; one for each place where textures are hard, and one more along an
+/// edge.
 fn view_count(scene: &str) -> usize {
-    if scene == "blue-marble" { 6 } else { 3 }
+    match scene {
+        "blue-marble" => 6,
+        "square-200km" => 4,
+        _ => 3,
+    }
 }
 
 #[test]
@@ -226,6 +268,8 @@ fn every_shipped_scene_loads_or_is_skipped_for_its_data() {
         [
             "planet-134",
             "california",
+            "square-10m",
+            "square-200km",
             "countries-110m",
             "countries-50m",
             "us-states",
@@ -236,7 +280,7 @@ fn every_shipped_scene_loads_or_is_skipped_for_its_data() {
         .iter()
         .filter(|name| Scene::shipped(name, None).is_ok())
         .count();
-    assert_eq!(without_data, 2, "the embedded scenes need nothing");
+    assert_eq!(without_data, 4, "the embedded scenes need nothing");
     for name in names {
         let Some(scene) = load_or_skip(name) else {
             continue;
@@ -289,8 +333,8 @@ fn a_scene_that_is_not_shipped_is_named_with_those_that_are() {
     let error = Scene::shipped("planet-135", None).expect_err("unknown");
     assert_eq!(
         error.to_string(),
-        "scene \"planet-135\" is not shipped, allowed: planet-134, california, countries-110m, \
-         countries-50m, us-states, blue-marble"
+        "scene \"planet-135\" is not shipped, allowed: planet-134, california, square-10m, \
+         square-200km, countries-110m, countries-50m, us-states, blue-marble"
     );
 }
 
@@ -335,6 +379,53 @@ fn views_that_break_their_promise_are_noticed() {
             .iter()
             .any(|view| !complaints(view, &picture(&scene, view)).is_empty());
         assert!(noticed, "{to} went unnoticed");
+    }
+}
+
+#[test]
+fn views_of_squares_that_break_their_promise_are_noticed() {
+    for (name, from, to) in [
+        // From so near that sides leave the image, and from so far that little is left.
+        (
+            "square-10m",
+            "height_m = 50\nheading_deg = 0",
+            "height_m = 5\nheading_deg = 0",
+        ),
+        (
+            "square-10m",
+            "height_m = 50\nheading_deg = 0",
+            "height_m = 500\nheading_deg = 0",
+        ),
+        // A corner in view, no edge in view, and the horizon where none is promised.
+        ("square-10m", "height_m = 1.5", "height_m = 15"),
+        (
+            "square-200km",
+            "height_m = 1.5\nheading_deg = 340",
+            "height_m = 1.5\nheading_deg = 160",
+        ),
+        (
+            "square-200km",
+            "height_m = 500000\nheading_deg = 0\npitch_deg = -90",
+            "height_m = 500000\nheading_deg = 0\npitch_deg = -10",
+        ),
+        (
+            "square-200km",
+            "heading_deg = 70",
+            "heading_deg = 250\nfov_deg = 1",
+        ),
+    ] {
+        let text = match name {
+            "square-10m" => include_str!("../../../bench-scenes/square-10m.toml"),
+            _ => include_str!("../../../bench-scenes/square-200km.toml"),
+        };
+        let changed = text.replacen(from, to, 1);
+        assert_ne!(text, changed, "{from} is not in the scene");
+        let scene = Scene::from_toml(&changed, name, None).expect("a valid scene");
+        let noticed = scene
+            .views
+            .iter()
+            .any(|view| !complaints(view, &picture(&scene, view)).is_empty());
+        assert!(noticed, "{name}: {to} went unnoticed");
     }
 }
 

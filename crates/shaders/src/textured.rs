@@ -46,9 +46,6 @@ pub struct TexturedParts {
     pub position: RouteText,
     /// From there to the angles.
     pub route: RouteText,
-    /// Room that every region's constants have for the angles' route: the most of any region, so
-    /// that all regions of a frame lie in one array.
-    pub route_room: usize,
     /// From there to the picture.
     pub placement: TexturedPlacement,
 }
@@ -73,7 +70,7 @@ impl TexturedParts {
         let counts = format!(
             "const POSITION_CONSTANTS: u32 = {}u;\nconst ROUTE_CONSTANTS: u32 = {}u;\n",
             self.position.constants.max(1),
-            self.route_room.max(self.route.constants).max(1)
+            self.route.constants.max(1)
         );
         let mut composed = part(TEXTURED_COVER)? + &counts;
         for (name, text) in [
@@ -101,14 +98,14 @@ impl RouteText {
     fn text(&self, member: &str) -> String {
         let (outer, inner, given, ty, returned) = match member {
             "position" => (
-                "offset_of(pixel: vec2<f32>, depth: f32, region_index: u32)",
+                "offset_of(pixel: vec2<f32>, depth: f32)",
                 "fragment_offset",
                 "pixel, depth",
                 "PositionConstants",
                 "vec3<f32>",
             ),
             _ => (
-                "angles_of(offset_m: vec3<f32>, region_index: u32)",
+                "angles_of(offset_m: vec3<f32>)",
                 "route_angles",
                 "offset_m",
                 "RouteConstants",
@@ -116,7 +113,7 @@ impl RouteText {
             ),
         };
         let constants: Vec<String> = (0..self.constants.max(1))
-            .map(|i| format!("textured[region_index].{member}[{i}]"))
+            .map(|i| format!("textured.{member}[{i}]"))
             .collect();
         format!(
             "{}\nfn {outer} -> {returned} {{\n    return {inner}({given}, {ty}(\n        {},\n    \
@@ -153,7 +150,6 @@ mod tests {
                     .to_owned(),
                 constants: 0,
             },
-            route_room: 3,
             placement,
         }
     }
@@ -181,8 +177,8 @@ mod tests {
         };
         let (position, size) = find("position").expect("there");
         assert_eq!(size, 32);
-        assert_eq!(find("route"), Some((position + 32, 48)));
-        assert_eq!(layout.stride, position + 80);
+        assert_eq!(find("route"), Some((position + 32, 16)));
+        assert_eq!(layout.stride, position + 48);
     }
 
     #[test]

@@ -163,6 +163,7 @@ fn vulkan_verdict(facts: &terrafill_vulkan::DeviceFacts) -> String {
             "blending of R32_SFLOAT",
             "no colour=id-accumulation",
         ),
+        (has.samples_depth, "depth read in shaders", "no texture="),
     ];
     verdict(&facts.lacks, &features)
 }
@@ -226,6 +227,7 @@ mod tests {
                 depth_clamp: true,
                 timestamps: true,
                 blends_float: true,
+                samples_depth: true,
             },
             lacks: Vec::new(),
         }

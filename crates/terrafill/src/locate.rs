@@ -5,7 +5,7 @@ use crate::arguments::LocateArguments;
 use crate::regions::{Leniency, Meshed, read_and_mesh, report_skipped};
 use crate::{Failure, Outcome, print};
 use std::path::Path;
-use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions};
+use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh};
 use terrafill_reference::Locator;
 
 /// As for regions: one turn past the antimeridian is written on purpose, more is another unit.
@@ -25,12 +25,15 @@ pub(crate) fn run(arguments: &LocateArguments) -> Result<Outcome, Failure> {
         skip_invalid: arguments.skip_invalid,
     };
     let Meshed {
-        regions, skipped, ..
+        regions,
+        meshes,
+        skipped,
     } = read_and_mesh(path, leniency, body, edges, &options)?;
     let locator = Locator::new(&regions, edges)
         .map_err(|error| Failure::bad_input(format!("{}: {error}", path.display())))?;
     let points = read_points(&arguments.points)?;
     report_skipped(&skipped);
+    report_repairs(&meshes);
     let mut text = "lon,lat,regions\n".to_owned();
     let mut undecided = 0;
     for point in points {
@@ -48,6 +51,22 @@ pub(crate) fn run(arguments: &LocateArguments) -> Result<Outcome, Failure> {
     }
     print(&text);
     Ok(Outcome::Done)
+}
+
+/// Says on standard error what a repair filled, a line each; standard output is a table.
+fn report_repairs(meshes: &[RegionMesh]) {
+    for mesh in meshes {
+        let number = format!("feature {}", mesh.region_index);
+        let label = if mesh.name.is_empty() || mesh.name == number {
+            number
+        } else {
+            format!("{number} ({})", mesh.name)
+        };
+        let is_repair = |text: &&String| text.ends_with("filled by the even-odd rule");
+        for repair in mesh.warnings.iter().filter(is_repair) {
+            eprintln!("repaired: {label}: {repair}");
+        }
+    }
 }
 
 struct NamedPoint {

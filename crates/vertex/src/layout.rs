@@ -4,12 +4,12 @@
 //! Indices are 16 bits where a region's vertices fit and 32 where they do not, region by region.
 
 use crate::{IndexOrder, Layout, VertexVariant, cache_ordered};
-use glam::{DVec3, IVec3};
+use glam::{DVec3, IVec3, Vec3};
 use std::borrow::Cow;
 use std::collections::HashSet;
 use terrafill_core::RegionMesh;
 use terrafill_frame::{
-    FixedPoint, GeometryBytes, IndexLists, PositionFormat, RegionPlace, boundary_edges,
+    FixedPoint, GeometryBytes, IndexLists, PositionFormat, RegionPlace, boundary_edges, two_float,
 };
 
 /// Largest number of distinct indices in 16 bits: 0xffff restarts strips and separates loops.
@@ -46,6 +46,9 @@ pub fn layout_bytes(layout: Layout, mesh: &RegionMesh) -> GeometryBytes {
 ///   of 4 would be 18 without restarts ([`per_triangle_volume_bytes`], as the 2007 document counts
 ///   them) and 21 with them;
 /// - `pulled`: 12·v + i·(3t + e + 2l), the loops closed and followed by a separator.
+///
+/// Positions of two floats take 24 bytes for 12: 12·v more where vertices are stored once, 2·12·v
+/// where they are stored twice.
 #[must_use]
 pub fn variant_bytes(variant: &VertexVariant, mesh: &RegionMesh) -> GeometryBytes {
     let (vertices, triangles) = (mesh.vertices_ecef.len(), mesh.triangles.len());
@@ -138,8 +141,8 @@ impl SceneGeometry {
         let fixed = FixedPoint::for_mesh(mesh);
         let first_vertex = (self.vertices.len() / variant.vertex_words()) as u32;
         for vertex in &mesh.vertices_ecef {
-            let stored = store(&fixed, variant.positions, *vertex).to_array();
-            self.push_vertex(variant, stored);
+            let stored = store(&fixed, variant.positions, *vertex);
+            self.push_vertex(variant, &stored[..variant.positions.words()]);
         }
         let triangles = match variant.index_order {
             IndexOrder::Mesh => Cow::Borrowed(mesh.triangles.as_slice()),
@@ -169,8 +172,8 @@ impl SceneGeometry {
         });
     }
 
-    fn push_vertex(&mut self, variant: &VertexVariant, position: [i32; 3]) {
-        let padding = variant.vertex_words().saturating_sub(4);
+    fn push_vertex(&mut self, variant: &VertexVariant, position: &[i32]) {
+        let padding = variant.vertex_words().saturating_sub(position.len() + 1);
         match variant.layout {
             Layout::Doubled | Layout::PerTriangle => {
                 for flag in [0, 1] {
@@ -273,18 +276,27 @@ fn wall_triangles(start: u32, end: u32) -> [[u32; 3]; 2] {
     ]
 }
 
+/// A position's words; of those only the first [`PositionFormat::words`] are stored.
+fn store(fixed: &FixedPoint, format: PositionFormat, ecef: DVec3) -> [i32; 6] {
+    let (first, second) = match format {
+        PositionFormat::Fixed => (fixed.quantize(ecef), IVec3::ZERO),
+        PositionFormat::LocalF32 => (bits((ecef - fixed.origin_ecef).as_vec3()), IVec3::ZERO),
+        PositionFormat::EcefF32 => (bits(ecef.as_vec3()), IVec3::ZERO),
+        PositionFormat::TwoFloat => {
+            let [high, low] = two_float(ecef);
+            (bits(high), bits(low))
+        }
+    };
+    let [[x, y, z], [u, v, w]] = [first.to_array(), second.to_array()];
+    [x, y, z, u, v, w]
+}
+
 #[allow(
     clippy::cast_possible_wrap,
     reason = "the bits of a float are carried in an integer attribute"
 )]
-fn store(fixed: &FixedPoint, format: PositionFormat, ecef: DVec3) -> IVec3 {
-    match format {
-        PositionFormat::Fixed => fixed.quantize(ecef),
-        PositionFormat::LocalF32 => {
-            let local = (ecef - fixed.origin_ecef).as_vec3();
-            IVec3::from_array(local.to_array().map(|value| value.to_bits() as i32))
-        }
-    }
+fn bits(value: Vec3) -> IVec3 {
+    IVec3::from_array(value.to_array().map(|value| value.to_bits() as i32))
 }
 
 #[cfg(test)]
@@ -330,7 +342,7 @@ mod tests {
     fn every_storage() -> Vec<VertexVariant> {
         let mut all = Vec::new();
         for layout in Layout::ALL {
-            for positions in [PositionFormat::Fixed, PositionFormat::LocalF32] {
+            for positions in PositionFormat::ALL {
                 for walls in [Walls::Strip, Walls::List] {
                     for index_order in [IndexOrder::Mesh, IndexOrder::Cache] {
                         for vertex_size in [VertexSize::Bytes16, VertexSize::Bytes20] {
@@ -353,7 +365,8 @@ mod tests {
 
     #[test]
     fn the_formula_and_the_buffers_agree() {
-        assert_eq!(every_storage().len(), 2 * 2 * (4 + 2 + 1 + 1));
+        // Orders, and with each the layouts' choices; none of 20 bytes has two floats.
+        assert_eq!(every_storage().len(), 2 * (4 * (4 + 2 + 1 + 1) - 2));
         for count in [3, 100, 32_765, 32_767, 65_534, 65_600] {
             let meshes = [disc(count), disc(7)];
             for variant in every_storage() {
@@ -474,5 +487,39 @@ mod tests {
             assert_eq!(pair, [[0, 0, 0, 0], [255, 0, 0, 0]]);
         }
         assert_eq!(geometry.flags.len(), 8);
+    }
+
+    #[test]
+    fn two_floats_cost_twelve_bytes_a_stored_vertex_and_bring_back_the_position() {
+        let mesh = disc(5);
+        let vertices = mesh.vertices_ecef.len() as u64;
+        for layout in Layout::ALL {
+            let bytes = |positions| {
+                let variant = VertexVariant {
+                    layout,
+                    positions,
+                    ..VertexVariant::default()
+                };
+                variant_bytes(&variant, &mesh)
+            };
+            let fixed = bytes(PositionFormat::Fixed);
+            assert_eq!(bytes(PositionFormat::LocalF32), fixed);
+            assert_eq!(bytes(PositionFormat::EcefF32), fixed);
+            let copies = if layout.is_doubled() { 2 } else { 1 };
+            let two_float = bytes(PositionFormat::TwoFloat);
+            let more = two_float.vertex_bytes - fixed.vertex_bytes;
+            assert_eq!(more, 12 * copies * vertices);
+            assert_eq!(two_float.index_bytes, fixed.index_bytes);
+        }
+        let fixed = FixedPoint::for_mesh(&mesh);
+        let ecef = mesh.vertices_ecef[0];
+        let error = |format| {
+            let part = |word: i32| f64::from(f32::from_bits(word.cast_unsigned()));
+            let [x, y, z, u, v, w] = store(&fixed, format, ecef).map(part);
+            (DVec3::new(x + u, y + v, z + w) - ecef).length()
+        };
+        assert!(error(PositionFormat::TwoFloat) < 1e-7);
+        // Twin: one float is off by decimetres, and so would two be whose second is lost.
+        assert!(error(PositionFormat::EcefF32) > 1e-3);
     }
 }

@@ -89,7 +89,12 @@ impl Pipelines {
     }
 
     fn volume_pipeline(&self, gpu: &Gpu, key: PipelineKey) -> wgpu::RenderPipeline {
-        let attributes = wgpu::vertex_attr_array![0 => Sint32x3, 1 => Uint32];
+        let has_low_part = self.variant.positions == PositionFormat::TwoFloat;
+        let short = wgpu::vertex_attr_array![0 => Sint32x3, 1 => Uint32];
+        let long = wgpu::vertex_attr_array![0 => Sint32x3, 2 => Sint32x3, 1 => Uint32];
+        let attributes: &[wgpu::VertexAttribute] = if has_low_part { &long } else { &short };
+        // Without the flag, which comes last.
+        let position = &attributes[..attributes.len() - 1];
         let buffer = |stride: usize, attributes| {
             Some(wgpu::VertexBufferLayout {
                 array_stride: stride as u64,
@@ -101,16 +106,19 @@ impl Pipelines {
         let flags = wgpu::vertex_attr_array![1 => Uint32];
         let buffers = match self.variant.layout {
             Layout::Pulled => vec![],
-            Layout::Separate => vec![buffer(stride, &attributes[..1]), buffer(FLAG_BYTES, &flags)],
-            Layout::Doubled | Layout::PerTriangle => vec![buffer(stride, &attributes)],
+            Layout::Separate => vec![buffer(stride, position), buffer(FLAG_BYTES, &flags)],
+            Layout::Doubled | Layout::PerTriangle => vec![buffer(stride, attributes)],
         };
-        let is_doubled = self.variant.layout.is_doubled();
-        let local_f32 = self.variant.positions == PositionFormat::LocalF32;
+        let vertices = match (self.variant.layout.is_doubled(), has_low_part) {
+            (true, false) => Vertices::Stored,
+            (true, true) => Vertices::StoredTwoFloat,
+            (false, _) => Vertices::Pulled,
+        };
         let shader = VolumeShader {
             module: &self.shader,
             layout: &self.layout,
-            vertex_entry: entry_point(is_doubled, key.part, HandedOn::of(key.state)),
-            constants: &[("POSITIONS_ARE_LOCAL_F32", f64::from(u8::from(local_f32)))],
+            vertex_entry: entry_point(vertices, key.part, HandedOn::of(key.state)),
+            constants: &[("POSITIONS", positions_number(self.variant.positions))],
             buffers: &buffers,
             strip_index_format: self.strip_format(key.part),
         };
@@ -118,16 +126,41 @@ impl Pipelines {
     }
 }
 
-fn entry_point(is_doubled: bool, part: Part, handed_on: HandedOn) -> &'static str {
-    match (is_doubled, part, handed_on) {
-        (true, _, HandedOn::Nothing) => "vertex_main",
-        (true, _, HandedOn::Colour) => "coloured_main",
-        (true, _, HandedOn::Number) => "numbered_main",
-        (false, Part::Caps, HandedOn::Nothing) => "caps_main",
-        (false, Part::Caps, HandedOn::Colour) => "coloured_caps",
-        (false, Part::Caps, HandedOn::Number) => "numbered_caps",
-        (false, Part::Walls { .. }, HandedOn::Nothing) => "walls_main",
-        (false, Part::Walls { .. }, HandedOn::Colour) => "coloured_walls",
-        (false, Part::Walls { .. }, HandedOn::Number) => "numbered_walls",
+/// `POSITIONS` of `shared/region.wgsl`.
+fn positions_number(positions: PositionFormat) -> f64 {
+    match positions {
+        PositionFormat::Fixed => 0.0,
+        PositionFormat::LocalF32 => 1.0,
+        PositionFormat::EcefF32 => 2.0,
+        PositionFormat::TwoFloat => 3.0,
+    }
+}
+
+/// What hands vertices to the shader.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Vertices {
+    /// Attributes.
+    Stored,
+    /// Attributes, one more of them.
+    StoredTwoFloat,
+    /// The shader takes them from buffers.
+    Pulled,
+}
+
+fn entry_point(vertices: Vertices, part: Part, handed_on: HandedOn) -> &'static str {
+    use Vertices::{Pulled, Stored, StoredTwoFloat};
+    match (vertices, part, handed_on) {
+        (Stored, _, HandedOn::Nothing) => "vertex_main",
+        (Stored, _, HandedOn::Colour) => "coloured_main",
+        (Stored, _, HandedOn::Number) => "numbered_main",
+        (StoredTwoFloat, _, HandedOn::Nothing) => "two_float_main",
+        (StoredTwoFloat, _, HandedOn::Colour) => "coloured_two_float",
+        (StoredTwoFloat, _, HandedOn::Number) => "numbered_two_float",
+        (Pulled, Part::Caps, HandedOn::Nothing) => "caps_main",
+        (Pulled, Part::Caps, HandedOn::Colour) => "coloured_caps",
+        (Pulled, Part::Caps, HandedOn::Number) => "numbered_caps",
+        (Pulled, Part::Walls { .. }, HandedOn::Nothing) => "walls_main",
+        (Pulled, Part::Walls { .. }, HandedOn::Colour) => "coloured_walls",
+        (Pulled, Part::Walls { .. }, HandedOn::Number) => "numbered_walls",
     }
 }

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A variant of the vertex backend: how geometry lies in buffers, and the switches of the fill.
 
-use terrafill_frame::{ColourWay, PositionFormat, SwitchError, Switches, pick};
+use terrafill_frame::{ColourWay, DepthRuleChoice, PositionFormat, SwitchError, Switches, pick};
 use terrafill_scene::Overlap;
 
 /// Where a volume's vertices come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
 pub enum Layout {
     /// Every vertex stored twice, 16 bytes each: position and a flag that sends the copy to the
-    /// bottom cap. Both caps and the walls are indexed.
+    /// bottom cap. Both caps and the walls are indexed. (Here and below, positions of two floats
+    /// take 12 bytes more.)
     #[default]
     Doubled,
     /// Positions stored twice, 12 bytes each; the flags lie in a buffer of their own that all
@@ -121,15 +122,15 @@ impl VertexVariant {
     /// Every key of its own that [`VertexVariant::set`] takes, with its values; the others are
     /// [`Switches::KEYS`].
     pub const KEYS: &str = "layout=doubled|separate|per-triangle|pulled, \
-        positions=fixed|local-f32, walls=strip|list, index-order=mesh|cache, vertex-bytes=16|20, \
+        positions=fixed|local-f32|ecef-f32|two-float, walls=strip|list, index-order=mesh|cache, vertex-bytes=16|20, \
         opacity=1…100";
 
     /// Layout first, then what differs from the default, `key=value`, in alphabetical order.
     #[must_use]
     pub fn name(&self) -> String {
         let mut names = self.switches.names();
-        if self.positions == PositionFormat::LocalF32 {
-            names.push("positions=local-f32".to_owned());
+        if self.positions != PositionFormat::default() {
+            names.push(format!("positions={}", self.positions.name()));
         }
         if self.walls == Walls::List {
             names.push("walls=list".to_owned());
@@ -160,10 +161,7 @@ impl VertexVariant {
                 self.layout = pick("layout", value, &layouts)?;
             }
             "positions" => {
-                let formats = [
-                    ("fixed", PositionFormat::Fixed),
-                    ("local-f32", PositionFormat::LocalF32),
-                ];
+                let formats = PositionFormat::ALL.map(|format| (format.name(), format));
                 self.positions = pick("positions", value, &formats)?;
             }
             "walls" => {
@@ -197,6 +195,7 @@ impl VertexVariant {
     /// [`SwitchError`].
     pub fn check(&self, overlap: Overlap) -> Result<(), SwitchError> {
         self.check_layout()?;
+        self.check_depth_rule()?;
         self.check_opacity()?;
         self.switches.check(overlap)
     }
@@ -221,7 +220,30 @@ impl VertexVariant {
                 allowed: "none, or layout=doubled".to_owned(),
             });
         }
+        if self.vertex_size == VertexSize::Bytes20 && self.positions.words() > 3 {
+            return Err(SwitchError {
+                switch: "vertex-bytes",
+                found: format!("20 with positions={}", self.positions.name()),
+                allowed: "none, or positions of 12 bytes".to_owned(),
+            });
+        }
         Ok(())
+    }
+
+    /// Whether volumes lie where the plan knows them to be: it allows for a share of a region's
+    /// extent, and `ecef-f32` moves them by a share of the body's radius.
+    fn check_depth_rule(&self) -> Result<(), SwitchError> {
+        let is_known = self.positions != PositionFormat::EcefF32;
+        if is_known || self.switches.depth_rule != DepthRuleChoice::Automatic {
+            return Ok(());
+        }
+        Err(SwitchError {
+            switch: "depth-rule",
+            found:
+                "automatic with positions=ecef-f32, whose volumes are not where the plan has them"
+                    .to_owned(),
+            allowed: "zfail or zpass, or other positions".to_owned(),
+        })
     }
 
     /// Whether regions may be translucent with this way of colouring.
@@ -258,11 +280,12 @@ impl VertexVariant {
 
     /// Words of 4 bytes of a stored vertex.
     pub(crate) fn vertex_words(&self) -> usize {
-        match (self.layout, self.vertex_size) {
-            (Layout::Doubled, VertexSize::Bytes20) => 5,
-            (Layout::Doubled | Layout::PerTriangle, _) => 4,
-            (Layout::Separate | Layout::Pulled, _) => 3,
-        }
+        let flag_and_padding = match (self.layout, self.vertex_size) {
+            (Layout::Doubled, VertexSize::Bytes20) => 2,
+            (Layout::Doubled | Layout::PerTriangle, _) => 1,
+            (Layout::Separate | Layout::Pulled, _) => 0,
+        };
+        self.positions.words() + flag_and_padding
     }
 }
 
@@ -299,6 +322,42 @@ mod tests {
         }
         assert_eq!(read, variant);
         assert!(variant.check(Overlap::Ordered).is_ok());
+    }
+
+    #[test]
+    fn every_position_format_has_a_name_that_can_be_set_again() {
+        for positions in PositionFormat::ALL {
+            let variant = VertexVariant {
+                positions,
+                ..VertexVariant::default()
+            };
+            let name = variant.name();
+            assert!(VertexVariant::KEYS.contains(positions.name()));
+            let mut read = VertexVariant::default();
+            assert_eq!(read.set("positions", positions.name()), Ok(true));
+            assert_eq!(read, variant);
+            let said = name == format!("doubled,positions={}", positions.name());
+            assert_eq!(said, positions != PositionFormat::Fixed, "{name}");
+            assert_eq!(variant.vertex_words(), positions.words() + 1);
+        }
+    }
+
+    #[test]
+    fn positions_refuse_what_they_cannot_have() {
+        for positions in PositionFormat::ALL {
+            let mut variant = VertexVariant {
+                positions,
+                ..VertexVariant::default()
+            };
+            assert!(variant.check(Overlap::Disjoint).is_ok());
+            variant.switches.depth_rule = DepthRuleChoice::Automatic;
+            let is_placed = variant.check(Overlap::Disjoint).is_ok();
+            assert_eq!(is_placed, positions != PositionFormat::EcefF32);
+            variant.switches.depth_rule = DepthRuleChoice::Fail;
+            variant.vertex_size = VertexSize::Bytes20;
+            let has_room = variant.check(Overlap::Disjoint).is_ok();
+            assert_eq!(has_room, positions != PositionFormat::TwoFloat);
+        }
     }
 
     #[test]

@@ -22,13 +22,16 @@ use terrafill_core::{
     ClosedSurface, EdgeRule, Ellipsoid, MeshOptions, RegionMesh, VolumeHeights, check_closed,
     parse_regions,
 };
-use terrafill_frame::PositionFormat;
+use terrafill_frame::{PositionFormat, two_float, two_float_difference_m};
 
 /// Every way to store geometry.
 fn storages() -> Vec<VertexVariant> {
     let choices: [(&str, &[&str]); 5] = [
         ("layout", &["doubled", "separate", "per-triangle", "pulled"]),
-        ("positions", &["fixed", "local-f32"]),
+        (
+            "positions",
+            &["fixed", "local-f32", "ecef-f32", "two-float"],
+        ),
         ("walls", &["strip", "list"]),
         ("index-order", &["mesh", "cache"]),
         ("vertex-bytes", &["16", "20"]),
@@ -48,7 +51,8 @@ fn storages() -> Vec<VertexVariant> {
     all.retain(|variant| variant.check_layout().is_ok());
     assert_eq!(
         all.len(),
-        2 * 2 * (4 + 2 + 1 + 1),
+        // No vertex of 20 bytes has two floats.
+        2 * (4 * (4 + 2 + 1 + 1) - 2),
         "a way to store is missing"
     );
     all
@@ -84,7 +88,8 @@ fn has_strips(variant: &VertexVariant) -> bool {
 /// What the vertex stage knows of a corner.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Corner {
-    words: [i32; 3],
+    /// Zeros beyond what the format has.
+    words: [i32; 6],
     is_bottom: bool,
 }
 
@@ -150,10 +155,18 @@ impl Reader<'_> {
 
     /// Bytes from one vertex to the next, in words.
     fn stride(&self) -> usize {
-        match (self.variant.layout, self.variant.vertex_size) {
-            (Layout::Separate | Layout::Pulled, _) => 3,
-            (_, VertexSize::Bytes16) => 4,
-            (_, VertexSize::Bytes20) => 5,
+        let behind = match (self.variant.layout, self.variant.vertex_size) {
+            (Layout::Separate | Layout::Pulled, _) => 0,
+            (_, VertexSize::Bytes16) => 1,
+            (_, VertexSize::Bytes20) => 2,
+        };
+        self.position_words() + behind
+    }
+
+    fn position_words(&self) -> usize {
+        match self.variant.positions {
+            PositionFormat::TwoFloat => 6,
+            _ => 3,
         }
     }
 
@@ -169,10 +182,11 @@ impl Reader<'_> {
 
     /// −0 is 0 to arithmetic.
     fn corner(&self, words: &[i32], is_bottom: bool) -> Corner {
-        let words = [words[0], words[1], words[2]];
+        let mut stored = [0; 6];
+        stored[..self.position_words()].copy_from_slice(&words[..self.position_words()]);
         let words = match self.variant.positions {
-            PositionFormat::LocalF32 => words.map(|word| if word == i32::MIN { 0 } else { word }),
-            PositionFormat::Fixed => words,
+            PositionFormat::Fixed => stored,
+            _ => stored.map(|word| if word == i32::MIN { 0 } else { word }),
         };
         Corner { words, is_bottom }
     }
@@ -199,7 +213,7 @@ impl Reader<'_> {
             let flag = flag.ok_or_else(|| format!("flag {index} is beyond the buffer"))?;
             u32::from_le_bytes(*flag) != 0
         } else {
-            words[3] != 0
+            words[self.position_words()] != 0
         };
         Ok(self.corner(words, flag))
     }
@@ -327,7 +341,7 @@ impl Reader<'_> {
             self.fetch(self.fetch_index(element)?, is_bottom)
         };
         let nowhere = Corner {
-            words: [0; 3],
+            words: [0; 6],
             is_bottom: false,
         };
         let wall = |vertex_index: u32| -> Result<Corner, String> {
@@ -352,10 +366,13 @@ impl Reader<'_> {
     /// Metres from the region's origin, at height 0.
     fn local_m(&self, corner: Corner) -> DVec3 {
         match self.variant.positions {
-            PositionFormat::Fixed => {
-                IVec3::from_array(corner.words).as_dvec3() * self.slice.place.fixed.unit_m
+            PositionFormat::Fixed => integers(corner).as_dvec3() * self.slice.place.fixed.unit_m,
+            PositionFormat::LocalF32 => floats(corner)[0].as_dvec3(),
+            // What is not stored is 0.
+            PositionFormat::EcefF32 | PositionFormat::TwoFloat => {
+                let [high, low] = floats(corner).map(|part| part.as_dvec3());
+                high + low - self.slice.place.fixed.origin_ecef
             }
-            PositionFormat::LocalF32 => f32_words(corner).as_dvec3(),
         }
     }
 
@@ -368,14 +385,23 @@ impl Reader<'_> {
         let fixed = &self.slice.place.fixed;
         let origin = fixed.origin_ecef.as_vec3();
         let (relative, ecef) = match self.variant.positions {
+            PositionFormat::EcefF32 => {
+                let [ecef, _] = floats(corner);
+                (ecef - eye_ecef.as_vec3(), ecef)
+            }
+            PositionFormat::TwoFloat => {
+                let parts = floats(corner);
+                let relative = two_float_difference_m(parts, two_float(eye_ecef));
+                (relative, parts[0])
+            }
             PositionFormat::LocalF32 => {
-                let local = f32_words(corner);
+                let local = floats(corner)[0];
                 let eye = (eye_ecef - fixed.origin_ecef).as_vec3();
                 (local - eye, origin + local)
             }
             PositionFormat::Fixed => {
                 let eye = fixed.eye(eye_ecef);
-                let stored = IVec3::from_array(corner.words);
+                let stored = integers(corner);
                 let difference = (stored >> eye.shift) - eye.eye;
                 let scale = (fixed.unit_m * f64::from(eye.shift).exp2()) as f32;
                 let relative = difference.as_vec3() * scale - eye.remainder_m.as_vec3();
@@ -397,8 +423,14 @@ impl Reader<'_> {
     clippy::cast_sign_loss,
     reason = "the bits of a float are carried in an integer attribute"
 )]
-fn f32_words(corner: Corner) -> Vec3 {
-    Vec3::from_array(corner.words.map(|word| f32::from_bits(word as u32)))
+fn floats(corner: Corner) -> [Vec3; 2] {
+    let [x, y, z, u, v, w] = corner.words.map(|word| f32::from_bits(word as u32));
+    [Vec3::new(x, y, z), Vec3::new(u, v, w)]
+}
+
+fn integers(corner: Corner) -> IVec3 {
+    let [x, y, z, ..] = corner.words;
+    IVec3::new(x, y, z)
 }
 
 /// Meshes in one set of buffers.
@@ -546,6 +578,9 @@ impl Scene {
         let step_m = match reader.variant.positions {
             PositionFormat::Fixed => reader.slice.place.fixed.unit_m,
             PositionFormat::LocalF32 => reader.slice.place.fixed.unit_m * 128.0,
+            // Half a step of f32 at the body's radius; and of what that leaves.
+            PositionFormat::EcefF32 => a * f64::from(f32::EPSILON) * 0.5,
+            PositionFormat::TwoFloat => a * f64::from(f32::EPSILON).powi(2),
         };
         let thickness_m = self.heights.top_m - self.heights.bottom_m;
         let length_m: f64 = mesh
@@ -806,15 +841,27 @@ fn every_flag_that_is_wrong_is_noticed() {
     let has_own =
         |variant: &VertexVariant| matches!(variant.layout, Layout::Doubled | Layout::PerTriangle);
     for size in [VertexSize::Bytes16, VertexSize::Bytes20] {
-        let stride = if size == VertexSize::Bytes16 { 4 } else { 5 };
-        each_noticed(
-            in_mesh_order().filter(|variant| has_own(variant) && variant.vertex_size == size),
-            &|geometry| geometry.vertices.len() / stride,
-            &|_, geometry, place| {
-                geometry.vertices[stride * place + 3] ^= 1;
-                true
-            },
-        );
+        for position_words in [3, 6] {
+            let behind = if size == VertexSize::Bytes16 { 1 } else { 2 };
+            let stride = position_words + behind;
+            let is_so = |variant: &VertexVariant| {
+                has_own(variant)
+                    && variant.vertex_size == size
+                    && variant.positions.words() == position_words
+            };
+            if position_words == 6 && size == VertexSize::Bytes20 {
+                assert!(!in_mesh_order().any(|variant| is_so(&variant)));
+                continue;
+            }
+            each_noticed(
+                in_mesh_order().filter(is_so),
+                &|geometry| geometry.vertices.len() / stride,
+                &|_, geometry, place| {
+                    geometry.vertices[stride * place + position_words] ^= 1;
+                    true
+                },
+            );
+        }
     }
     let separate = || in_mesh_order().filter(|variant| variant.layout == Layout::Separate);
     each_noticed(
@@ -849,7 +896,7 @@ fn offsets_of_another_region_are_noticed() {
         ];
         for (i, mutant) in mutants.iter().enumerate() {
             // Floats have no unit.
-            if i == 5 && variant.positions == PositionFormat::LocalF32 {
+            if i == 5 && variant.positions != PositionFormat::Fixed {
                 continue;
             }
             let mut geometry = scene.build(&variant);

@@ -43,6 +43,8 @@ pub struct Features {
     pub timestamps: bool,
     /// Blending into `R32_SFLOAT`.
     pub blends_float: bool,
+    /// Shaders can read the depth that the surface left.
+    pub samples_depth: bool,
 }
 
 /// What a device is, for reports.
@@ -77,8 +79,9 @@ pub struct Gpu {
     /// What it is.
     pub facts: DeviceFacts,
     queue: Mutex<Queue>,
+    physical: vk::PhysicalDevice,
     // Dropped last: fields go in the order in which they are written.
-    _api: Api,
+    api: Api,
 }
 
 impl std::fmt::Debug for Gpu {
@@ -257,6 +260,9 @@ impl Adapter {
                     depth_bounds: is(features.depth_bounds),
                     depth_clamp: is(features.depth_clamp),
                     blends_float: numbers.optimal_tiling_features.contains(blends_and_reads),
+                    samples_depth: format
+                        .optimal_tiling_features
+                        .contains(vk::FormatFeatureFlags::SAMPLED_IMAGE),
                     timestamps: family.is_some_and(|(_, family)| family.timestamp_valid_bits > 0),
                 },
                 lacks,
@@ -341,7 +347,8 @@ impl Gpu {
             shader_modules: ShaderModules::default(),
             facts: adapter.facts.clone(),
             queue: Mutex::new(queue),
-            _api: api,
+            physical: adapter.raw,
+            api,
         }))
     }
 
@@ -355,6 +362,17 @@ impl Gpu {
     #[must_use]
     pub fn allocated_bytes(&self) -> u64 {
         self.allocated_bytes.load(Ordering::Relaxed)
+    }
+
+    /// What images of `format`, tiled as the driver likes, can be used for.
+    pub(crate) fn format_features(&self, format: vk::Format) -> vk::FormatFeatureFlags {
+        // SAFETY: the adapter is the instance's.
+        let properties = unsafe {
+            self.api
+                .instance
+                .get_physical_device_format_properties(self.physical, format)
+        };
+        properties.optimal_tiling_features
     }
 
     /// Nanoseconds per timestamp tick.

@@ -26,19 +26,23 @@ mod pass;
 mod pipeline;
 mod queries;
 mod readback;
+mod sampled;
 mod stage;
+mod textured;
 mod validation;
 
 pub use adapter::{DeviceFacts, Features, Gpu, GpuOptions, list_adapters, open_for_test};
 pub use bindings::BindGroup;
-pub use terrafill_shaders::HandsOn;
+pub use terrafill_shaders::{HandsOn, RouteText, TexturedParts, TexturedPlacement};
 
 pub use memory::{Buffer, BufferUse};
-pub use pass::{DrawState, FillRecorder, Geometry, IndexWidth, PassRecorder};
+pub use pass::{CoverState, DrawState, FillRecorder, Geometry, IndexWidth, PassRecorder};
 pub use pipeline::{
     Fragments, GeometryStage, Pipeline, PipelineDescriptor, PipelineState, Topology, VertexFormat,
     VertexStage,
 };
 pub use queries::{FillTimes, PassStatistics};
+pub use sampled::{ImageBindings, SampledImage};
 pub use stage::{FillReport, Measured, SharedStage, Stage};
+pub use textured::{CoverPurpose, DepthBindings, Probe, TexturedDescriptor, TexturedPipeline};
 pub use validation::{POSITIVE_CONTROL, ValidationMessage, make_deliberate_error, messages};

@@ -170,8 +170,7 @@ impl Buffer {
         buffer.use_for = Some(use_for);
         gpu.work.count_buffer();
         if !bytes.is_empty() {
-            let staging = Self::new(gpu, label, size, vk::BufferUsageFlags::TRANSFER_SRC, HOST)?;
-            staging.write(bytes)?;
+            let staging = Self::staging(gpu, label, bytes)?;
             gpu.work.count_upload(bytes.len() as u64);
             let region = [vk::BufferCopy::default().size(size)];
             // SAFETY: both buffers have this size and live until the submission is done. Fewer than 4
@@ -212,6 +211,14 @@ impl Buffer {
         }
         self.gpu.work.count_upload(bytes.len() as u64);
         Ok(())
+    }
+
+    /// A buffer that carries bytes to images.
+    pub(crate) fn staging(gpu: &Arc<Gpu>, label: &str, bytes: &[u8]) -> Result<Self, BackendError> {
+        let size = bytes.len().max(4) as u64;
+        let staging = Self::new(gpu, label, size, vk::BufferUsageFlags::TRANSFER_SRC, HOST)?;
+        staging.write(bytes)?;
+        Ok(staging)
     }
 
     /// A buffer that the device writes and the host reads.
@@ -332,7 +339,7 @@ impl Drop for Buffer {
     }
 }
 
-/// A render target with its view.
+/// An image with a view of all of it.
 #[derive(Debug)]
 pub(crate) struct Image {
     gpu: Arc<Gpu>,
@@ -341,8 +348,35 @@ pub(crate) struct Image {
     memory: Memory,
 }
 
+/// What an image is made of.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ImageKind {
+    pub(crate) extent: vk::Extent2D,
+    pub(crate) format: vk::Format,
+    pub(crate) usage: vk::ImageUsageFlags,
+    pub(crate) aspects: vk::ImageAspectFlags,
+    pub(crate) levels: u32,
+    /// The six faces of a cube, or one flat picture.
+    pub(crate) is_cube: bool,
+}
+
+impl ImageKind {
+    pub(crate) fn layers(&self) -> u32 {
+        if self.is_cube { 6 } else { 1 }
+    }
+
+    /// All levels and layers.
+    pub(crate) fn whole(&self) -> vk::ImageSubresourceRange {
+        vk::ImageSubresourceRange::default()
+            .aspect_mask(self.aspects)
+            .level_count(self.levels)
+            .layer_count(self.layers())
+    }
+}
+
 impl Image {
-    pub(crate) fn new(
+    /// A target, which can be read back.
+    pub(crate) fn target(
         gpu: &Arc<Gpu>,
         label: &str,
         extent: vk::Extent2D,
@@ -350,19 +384,37 @@ impl Image {
         usage: vk::ImageUsageFlags,
         aspects: vk::ImageAspectFlags,
     ) -> Result<Self, BackendError> {
+        let kind = ImageKind {
+            extent,
+            format,
+            usage: usage | vk::ImageUsageFlags::TRANSFER_SRC,
+            aspects,
+            levels: 1,
+            is_cube: false,
+        };
+        Self::new(gpu, label, &kind)
+    }
+
+    /// The extent is within the device's limits, and the format can be used so.
+    pub(crate) fn new(gpu: &Arc<Gpu>, label: &str, kind: &ImageKind) -> Result<Self, BackendError> {
         let info = vk::ImageCreateInfo::default()
+            .flags(if kind.is_cube {
+                vk::ImageCreateFlags::CUBE_COMPATIBLE
+            } else {
+                vk::ImageCreateFlags::empty()
+            })
             .image_type(vk::ImageType::TYPE_2D)
-            .format(format)
-            .extent(extent.into())
-            .mip_levels(1)
-            .array_layers(1)
+            .format(kind.format)
+            .extent(kind.extent.into())
+            .mip_levels(kind.levels)
+            .array_layers(kind.layers())
             .samples(vk::SampleCountFlags::TYPE_1)
             .tiling(vk::ImageTiling::OPTIMAL)
-            .usage(usage | vk::ImageUsageFlags::TRANSFER_SRC)
+            .usage(kind.usage)
             .sharing_mode(vk::SharingMode::EXCLUSIVE)
             .initial_layout(vk::ImageLayout::UNDEFINED);
-        // SAFETY: the extent is within the device's limits (checked by the stage) and the format
-        // can be a target (checked when the device was chosen, or guaranteed).
+        // SAFETY: extent, format and usage are the device's (checked by whoever makes the image, or
+        // when the device was chosen, or guaranteed).
         let raw = unsafe { gpu.device.create_image(&info, None) }
             .map_err(|error| failure(error, label, 0))?;
         // SAFETY: the image is the device's.
@@ -370,14 +422,13 @@ impl Image {
         let bound = Memory::new(gpu, label, needs, DEVICE).and_then(|memory| {
             let view_info = vk::ImageViewCreateInfo::default()
                 .image(raw)
-                .view_type(vk::ImageViewType::TYPE_2D)
-                .format(format)
-                .subresource_range(
-                    vk::ImageSubresourceRange::default()
-                        .aspect_mask(aspects)
-                        .level_count(1)
-                        .layer_count(1),
-                );
+                .view_type(if kind.is_cube {
+                    vk::ImageViewType::CUBE
+                } else {
+                    vk::ImageViewType::TYPE_2D
+                })
+                .format(kind.format)
+                .subresource_range(kind.whole());
             // SAFETY: fresh memory of the type and size that the image asked for; the view is of
             // all of the image, in its own format.
             let view = unsafe {

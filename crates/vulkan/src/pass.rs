@@ -7,7 +7,10 @@
 use crate::pipeline::PassTarget;
 use crate::queries::{Queries, QueryKind};
 use crate::stage::Targets;
-use crate::{BindGroup, Buffer, BufferUse, Gpu, Pipeline};
+use crate::{
+    BindGroup, Buffer, BufferUse, DepthBindings, Gpu, ImageBindings, Pipeline, Probe,
+    TexturedPipeline,
+};
 use ash::vk;
 use std::sync::Arc;
 use terrafill_frame::BackendError;
@@ -55,6 +58,21 @@ pub struct DrawState<'a> {
     pub geometry: Option<Geometry<'a>>,
 }
 
+/// What the draw of a textured cover uses.
+#[derive(Debug, Clone, Copy)]
+pub struct CoverState<'a> {
+    /// Shaders and tests.
+    pub pipeline: &'a TexturedPipeline,
+    /// Constants of the view.
+    pub bindings: &'a BindGroup,
+    /// The surface's depth and the regions' constants.
+    pub depth: &'a DepthBindings,
+    /// The picture.
+    pub picture: &'a ImageBindings,
+    /// The table of the route, if it reads one.
+    pub table: Option<&'a ImageBindings>,
+}
+
 /// Records the passes of one fill. Whatever is drawn with outlives `'a`, and thereby the fill.
 pub struct FillRecorder<'a> {
     gpu: &'a Arc<Gpu>,
@@ -66,6 +84,8 @@ pub struct FillRecorder<'a> {
     stamps: Option<vk::QueryPool>,
     /// Numbers were accumulated in this fill.
     has_numbers: bool,
+    /// Of the probe that was cleared in this fill.
+    probed: vk::Framebuffer,
     passes: u32,
     refused: Option<BackendError>,
 }
@@ -86,6 +106,9 @@ struct Bound {
     vertices: vk::Buffer,
     indices: vk::Buffer,
     scissor: Option<PixelRect>,
+    /// Of textured covers: set 1 with the region's offset, and sets 2 and 3.
+    region: Option<(vk::DescriptorSet, u32)>,
+    images: [vk::DescriptorSet; 2],
 }
 
 impl<'a> FillRecorder<'a> {
@@ -108,6 +131,7 @@ impl<'a> FillRecorder<'a> {
             }),
             stamps: stamps.map(|queries| queries.raw),
             has_numbers: false,
+            probed: vk::Framebuffer::null(),
             passes: 0,
             refused: None,
         }
@@ -187,6 +211,28 @@ impl<'a> FillRecorder<'a> {
         self.has_numbers = true;
     }
 
+    /// One pass over the stage's targets for textured covers, which writes neither depth nor stencil.
+    pub fn textured(&mut self, record: impl FnOnce(&mut PassRecorder<'a, '_>)) {
+        let render_pass = self.gpu.fixtures.textured;
+        let framebuffer = self.targets.framebuffer(true);
+        self.run(PassTarget::Textured, render_pass, framebuffer, record);
+    }
+
+    /// One pass over the probe's targets in place of one over the stage's; the first clears them.
+    pub fn probe(&mut self, probe: &'a Probe, record: impl FnOnce(&mut PassRecorder<'a, '_>)) {
+        if !probe.is_beside(self.targets) {
+            self.refused.get_or_insert(BackendError::unsupported(
+                "drawing: a probe of another stage",
+                &self.gpu.facts.name,
+            ));
+            return;
+        }
+        let render_pass = self.gpu.fixtures.probe(self.probed != probe.framebuffer);
+        self.run(PassTarget::Probe, render_pass, probe.framebuffer, record);
+        self.probed = probe.framebuffer;
+        probe.is_drawn.set(true);
+    }
+
     fn run(
         &mut self,
         target: PassTarget,
@@ -196,18 +242,13 @@ impl<'a> FillRecorder<'a> {
     ) {
         let device = &self.gpu.device;
         let query = self.counted.filter(|(_, _, count)| self.passes < *count);
-        let clears = [
-            vk::ClearValue::default(),
-            vk::ClearValue {
-                depth_stencil: vk::ClearDepthStencilValue::default(),
-            },
-        ];
+        // All bits 0, whatever an attachment is.
+        let clears = [vk::ClearValue::default(); 3];
         let begin = vk::RenderPassBeginInfo::default()
             .render_pass(render_pass)
             .framebuffer(framebuffer)
             .render_area(self.targets.area())
-            // By attachment number: depth and stencil come last.
-            .clear_values(&clears[usize::from(target == PassTarget::Stencil)..]);
+            .clear_values(&clears);
         // SAFETY: recording is under way (the stage begins it), framebuffer and pass are
         // compatible, and no pass is open: passes are closed below.
         unsafe {
@@ -319,6 +360,75 @@ impl<'a> PassRecorder<'a, '_> {
         }
     }
 
+    /// Covers one planned region with a picture: a triangle over the screen.
+    pub fn cover(&mut self, state: &CoverState<'a>, planned: usize) {
+        if self.bind_cover(state, planned) {
+            let device = &self.fill.gpu.device;
+            // SAFETY: all state is bound and fits. The region's constants are bound at its offset, so
+            // its number among them is 0.
+            unsafe { device.cmd_draw(self.fill.commands, 3, 1, 0, 0) };
+        }
+    }
+
+    fn bind_cover(&mut self, state: &CoverState<'a>, planned: usize) -> bool {
+        let pipeline = state.pipeline;
+        let wanted = if pipeline.is_probe() {
+            PassTarget::Probe
+        } else {
+            PassTarget::Textured
+        };
+        let gpu = self.fill.gpu;
+        if !pipeline.is_on(gpu) || wanted != self.target {
+            self.refuse("a textured cover of another device or made for another kind of pass");
+            return false;
+        }
+        let images_fit = state.picture.is_on(gpu)
+            && state.picture.is_sampled()
+            && state.table.is_none_or(|table| table.is_on(gpu))
+            && pipeline.takes_table(state.table);
+        if !images_fit || !state.depth.reads(self.fill.targets) {
+            self.refuse("a picture, table or depth that a textured cover cannot read");
+            return false;
+        }
+        let Some(offset) = state.depth.offset(planned) else {
+            self.refuse("a textured cover of a region without constants");
+            return false;
+        };
+        let point = vk::PipelineBindPoint::GRAPHICS;
+        let (device, commands) = (&gpu.device, self.fill.commands);
+        if pipeline.raw != self.bound.pipeline {
+            // SAFETY: made on this device for a compatible pass.
+            unsafe { device.cmd_bind_pipeline(commands, point, pipeline.raw) };
+            self.bound.pipeline = pipeline.raw;
+        }
+        if state.bindings.set() != self.bound.set && !self.bind_constants(state.bindings) {
+            return false;
+        }
+        let layout = pipeline.layout();
+        let region = Some((state.depth.set(), offset));
+        if self.bound.region != region {
+            // SAFETY: of this device and of the layout that every textured cover has there; the
+            // offset is one of a region inside the buffer.
+            unsafe {
+                let sets = [state.depth.set()];
+                device.cmd_bind_descriptor_sets(commands, point, layout, 1, &sets, &[offset]);
+            }
+            self.bound.region = region;
+        }
+        let images = [Some(state.picture), state.table];
+        for (number, (image, bound)) in (2..).zip(images.iter().zip(&mut self.bound.images)) {
+            if let Some(image) = image.filter(|image| image.set() != *bound) {
+                let sets = [image.set()];
+                // SAFETY: of this device and of the layout that the pipeline has there.
+                unsafe {
+                    device.cmd_bind_descriptor_sets(commands, point, layout, number, &sets, &[]);
+                }
+                *bound = image.set();
+            }
+        }
+        true
+    }
+
     fn refuse(&mut self, what: &str) {
         let adapter = self.fill.gpu.facts.name.clone();
         self.fill.refused.get_or_insert(BackendError::Unsupported {
@@ -345,7 +455,7 @@ impl<'a> PassRecorder<'a, '_> {
                 bottom: extent.height,
             });
         }
-        if state.bindings.set != self.bound.set && !self.bind_constants(state.bindings) {
+        if state.bindings.set() != self.bound.set && !self.bind_constants(state.bindings) {
             return false;
         }
         match &state.geometry {
@@ -386,8 +496,8 @@ impl<'a> PassRecorder<'a, '_> {
             return false;
         }
         // SAFETY: of this device and of the layout that every pipeline here has.
-        unsafe { self.bind_set(0, bindings.set) };
-        self.bound.set = bindings.set;
+        unsafe { self.bind_set(0, bindings.set()) };
+        self.bound.set = bindings.set();
         true
     }
 

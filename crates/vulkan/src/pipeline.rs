@@ -128,6 +128,9 @@ pub(crate) enum PassTarget {
     Stencil,
     Colour,
     Numbers,
+    /// As `Colour`, shaders reading depth.
+    Textured,
+    Probe,
 }
 
 impl PipelineState {
@@ -237,7 +240,7 @@ impl ShaderModules {
     }
 }
 
-fn entry_name(name: &str) -> Result<CString, BackendError> {
+pub(crate) fn entry_name(name: &str) -> Result<CString, BackendError> {
     CString::new(name).map_err(|error| BackendError::Shader {
         name: name.to_owned(),
         message: error.to_string(),
@@ -303,10 +306,6 @@ impl Drop for Pipeline {
     }
 }
 
-#[allow(
-    clippy::too_many_lines,
-    reason = "one structure for each part of the pipeline, in the order of the specification"
-)]
 fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, BackendError> {
     let device = &gpu.device;
     let vertex_name = entry_name(descriptor.vertex.entry_point)?;
@@ -352,38 +351,6 @@ fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, Ba
             &fragment_name,
         ));
     }
-    let (bindings, attributes) = vertex_input(descriptor.format);
-    let input = vk::PipelineVertexInputStateCreateInfo::default()
-        .vertex_binding_descriptions(&bindings)
-        .vertex_attribute_descriptions(&attributes);
-    let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
-        .topology(match descriptor.topology {
-            Topology::Triangles => vk::PrimitiveTopology::TRIANGLE_LIST,
-            Topology::Strips => vk::PrimitiveTopology::TRIANGLE_STRIP,
-            Topology::LineStrips => vk::PrimitiveTopology::LINE_STRIP,
-            Topology::TrianglesWithAdjacency => vk::PrimitiveTopology::TRIANGLE_LIST_WITH_ADJACENCY,
-        })
-        .primitive_restart_enable(matches!(
-            descriptor.topology,
-            Topology::Strips | Topology::LineStrips
-        ));
-    let viewport = vk::PipelineViewportStateCreateInfo::default()
-        .viewport_count(1)
-        .scissor_count(1);
-    let rasterization = vk::PipelineRasterizationStateCreateInfo::default()
-        .polygon_mode(vk::PolygonMode::FILL)
-        .cull_mode(match descriptor.state.faces() {
-            FaceSet::Both => vk::CullModeFlags::NONE,
-            FaceSet::Front => vk::CullModeFlags::BACK,
-            FaceSet::Back => vk::CullModeFlags::FRONT,
-        })
-        // The viewport's negative height turns y up, as WGSL has it.
-        .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
-        .line_width(1.0);
-    let multisample = vk::PipelineMultisampleStateCreateInfo::default()
-        .rasterization_samples(vk::SampleCountFlags::TYPE_1);
-    let depth_stencil =
-        depth_stencil(descriptor.state).depth_bounds_test_enable(descriptor.depth_bounds);
     let write_mask = match descriptor.state {
         PipelineState::Mark { .. } | PipelineState::Count { .. } => {
             vk::ColorComponentFlags::empty()
@@ -398,37 +365,102 @@ fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, Ba
         .dst_color_blend_factor(vk::BlendFactor::ONE)
         .color_blend_op(vk::BlendOp::ADD)];
     let has_colour = target != PassTarget::Stencil;
-    let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(if has_colour {
-        &blends
-    } else {
-        &[]
-    });
-    let dynamic_states = [
-        vk::DynamicState::VIEWPORT,
-        vk::DynamicState::SCISSOR,
-        vk::DynamicState::DEPTH_BOUNDS,
-    ];
-    let dynamic_count = if descriptor.depth_bounds { 3 } else { 2 };
-    let dynamic = vk::PipelineDynamicStateCreateInfo::default()
-        .dynamic_states(&dynamic_states[..dynamic_count]);
-    let info = [vk::GraphicsPipelineCreateInfo::default()
-        .stages(&stages)
-        .vertex_input_state(&input)
-        .input_assembly_state(&assembly)
-        .viewport_state(&viewport)
-        .rasterization_state(&rasterization)
-        .multisample_state(&multisample)
-        .depth_stencil_state(&depth_stencil)
-        .color_blend_state(&blend)
-        .dynamic_state(&dynamic)
-        .layout(gpu.fixtures.pipeline_layout)
-        .render_pass(render_pass(&gpu.fixtures, descriptor.state))
-        .subpass(0)];
-    // SAFETY: the structures live through the call; the stages' interfaces fit each other, which
-    // the tests with the validation layer on hold down.
-    let made = unsafe { device.create_graphics_pipelines(vk::PipelineCache::null(), &info, None) };
-    let pipelines = made.map_err(|(_, error)| failure(error, "pipeline", 0))?;
-    Ok(pipelines.first().copied().unwrap_or_default())
+    Assembly {
+        stages: &stages,
+        format: descriptor.format,
+        topology: descriptor.topology,
+        faces: descriptor.state.faces(),
+        depth_stencil: depth_stencil(descriptor.state),
+        depth_bounds: descriptor.depth_bounds,
+        blends: if has_colour { &blends } else { &[] },
+        layout: gpu.fixtures.pipeline_layout,
+        render_pass: render_pass(&gpu.fixtures, descriptor.state),
+    }
+    .create(gpu)
+}
+
+/// All that makes a pipeline, its shaders made.
+pub(crate) struct Assembly<'a> {
+    pub(crate) stages: &'a [vk::PipelineShaderStageCreateInfo<'a>],
+    pub(crate) format: VertexFormat,
+    pub(crate) topology: Topology,
+    pub(crate) faces: FaceSet,
+    pub(crate) depth_stencil: vk::PipelineDepthStencilStateCreateInfo<'a>,
+    pub(crate) depth_bounds: bool,
+    /// One for each colour target.
+    pub(crate) blends: &'a [vk::PipelineColorBlendAttachmentState],
+    pub(crate) layout: vk::PipelineLayout,
+    pub(crate) render_pass: vk::RenderPass,
+}
+
+impl Assembly<'_> {
+    pub(crate) fn create(&self, gpu: &Gpu) -> Result<vk::Pipeline, BackendError> {
+        let (bindings, attributes) = vertex_input(self.format);
+        let input = vk::PipelineVertexInputStateCreateInfo::default()
+            .vertex_binding_descriptions(&bindings)
+            .vertex_attribute_descriptions(&attributes);
+        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
+            .topology(match self.topology {
+                Topology::Triangles => vk::PrimitiveTopology::TRIANGLE_LIST,
+                Topology::Strips => vk::PrimitiveTopology::TRIANGLE_STRIP,
+                Topology::LineStrips => vk::PrimitiveTopology::LINE_STRIP,
+                Topology::TrianglesWithAdjacency => {
+                    vk::PrimitiveTopology::TRIANGLE_LIST_WITH_ADJACENCY
+                }
+            })
+            .primitive_restart_enable(matches!(
+                self.topology,
+                Topology::Strips | Topology::LineStrips
+            ));
+        let viewport = vk::PipelineViewportStateCreateInfo::default()
+            .viewport_count(1)
+            .scissor_count(1);
+        let rasterization = vk::PipelineRasterizationStateCreateInfo::default()
+            .polygon_mode(vk::PolygonMode::FILL)
+            .cull_mode(match self.faces {
+                FaceSet::Both => vk::CullModeFlags::NONE,
+                FaceSet::Front => vk::CullModeFlags::BACK,
+                FaceSet::Back => vk::CullModeFlags::FRONT,
+            })
+            // The viewport's negative height turns y up, as WGSL has it.
+            .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
+            .line_width(1.0);
+        let multisample = vk::PipelineMultisampleStateCreateInfo::default()
+            .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+        let depth_stencil = self
+            .depth_stencil
+            .depth_bounds_test_enable(self.depth_bounds);
+        let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(self.blends);
+        let dynamic_states = [
+            vk::DynamicState::VIEWPORT,
+            vk::DynamicState::SCISSOR,
+            vk::DynamicState::DEPTH_BOUNDS,
+        ];
+        let dynamic_count = if self.depth_bounds { 3 } else { 2 };
+        let dynamic = vk::PipelineDynamicStateCreateInfo::default()
+            .dynamic_states(&dynamic_states[..dynamic_count]);
+        let info = [vk::GraphicsPipelineCreateInfo::default()
+            .stages(self.stages)
+            .vertex_input_state(&input)
+            .input_assembly_state(&assembly)
+            .viewport_state(&viewport)
+            .rasterization_state(&rasterization)
+            .multisample_state(&multisample)
+            .depth_stencil_state(&depth_stencil)
+            .color_blend_state(&blend)
+            .dynamic_state(&dynamic)
+            .layout(self.layout)
+            .render_pass(self.render_pass)
+            .subpass(0)];
+        // SAFETY: the structures live through the call; the stages' interfaces fit each other, which
+        // the tests with the validation layer on hold down.
+        let made = unsafe {
+            let none = vk::PipelineCache::null();
+            gpu.device.create_graphics_pipelines(none, &info, None)
+        };
+        let pipelines = made.map_err(|(_, error)| failure(error, "pipeline", 0))?;
+        Ok(pipelines.first().copied().unwrap_or_default())
+    }
 }
 
 /// Passes that differ in what they load are compatible.
@@ -499,30 +531,34 @@ fn depth_stencil(state: PipelineState) -> vk::PipelineDepthStencilStateCreateInf
                 DepthRule::Pass => vk::CompareOp::GREATER,
             })
         }
-        PipelineState::Colour { test, .. } => {
-            let face = vk::StencilOpState {
-                fail_op: vk::StencilOp::KEEP,
-                pass_op: if test.zeroes {
-                    vk::StencilOp::ZERO
-                } else {
-                    vk::StencilOp::KEEP
-                },
-                depth_fail_op: vk::StencilOp::KEEP,
-                compare_op: if test.is_equal {
-                    vk::CompareOp::EQUAL
-                } else {
-                    vk::CompareOp::NOT_EQUAL
-                },
-                compare_mask: u32::from(test.read_mask),
-                write_mask: if test.zeroes { 0xff } else { 0 },
-                reference: u32::from(test.reference),
-            };
-            base.depth_compare_op(vk::CompareOp::ALWAYS)
-                .stencil_test_enable(true)
-                .front(face)
-                .back(face)
-        }
+        PipelineState::Colour { test, .. } => stencil_test(test),
     }
+}
+
+/// Whatever the depth, where the stencil says so.
+pub(crate) fn stencil_test(test: StencilTest) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
+    let face = vk::StencilOpState {
+        fail_op: vk::StencilOp::KEEP,
+        pass_op: if test.zeroes {
+            vk::StencilOp::ZERO
+        } else {
+            vk::StencilOp::KEEP
+        },
+        depth_fail_op: vk::StencilOp::KEEP,
+        compare_op: if test.is_equal {
+            vk::CompareOp::EQUAL
+        } else {
+            vk::CompareOp::NOT_EQUAL
+        },
+        compare_mask: u32::from(test.read_mask),
+        write_mask: if test.zeroes { 0xff } else { 0 },
+        reference: u32::from(test.reference),
+    };
+    vk::PipelineDepthStencilStateCreateInfo::default()
+        .depth_compare_op(vk::CompareOp::ALWAYS)
+        .stencil_test_enable(true)
+        .front(face)
+        .back(face)
 }
 
 fn mark_face(depth: DepthRule, effect: FaceEffect, mask: u8) -> vk::StencilOpState {

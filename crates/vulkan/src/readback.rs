@@ -2,6 +2,7 @@
 //! Reading the targets back to the CPU, rows tightly packed.
 
 use crate::fixtures::DEPTH_READ_ONLY;
+use crate::memory::Image;
 use crate::stage::Targets;
 use crate::{Buffer, Gpu};
 use ash::vk;
@@ -30,7 +31,7 @@ pub(crate) fn read_targets(
             &colour,
         ),
         (
-            targets.depth_stencil(),
+            targets.depth_stencil().raw,
             DEPTH_AND_STENCIL,
             vk::ImageAspectFlags::DEPTH,
             DEPTH_READ_ONLY,
@@ -42,33 +43,99 @@ pub(crate) fn read_targets(
     unsafe {
         gpu.submit(|device, commands| {
             for (image, aspects, copied, layout, buffer) in images {
-                let region = vk::BufferImageCopy::default()
-                    .image_subresource(
-                        vk::ImageSubresourceLayers::default()
-                            .aspect_mask(copied)
-                            .layer_count(1),
-                    )
-                    .image_extent(extent.into());
-                let source = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
-                change_layout(device, commands, image, aspects, layout, source);
-                device.cmd_copy_image_to_buffer(commands, image, source, buffer.raw, &[region]);
-                change_layout(device, commands, image, aspects, source, layout);
+                copy_out(
+                    device,
+                    commands,
+                    extent,
+                    image,
+                    (aspects, copied),
+                    layout,
+                    buffer,
+                );
             }
-            let for_host = [vk::MemoryBarrier::default()
-                .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
-                .dst_access_mask(vk::AccessFlags::HOST_READ)];
-            device.cmd_pipeline_barrier(
-                commands,
-                vk::PipelineStageFlags::TRANSFER,
-                vk::PipelineStageFlags::HOST,
-                vk::DependencyFlags::empty(),
-                &for_host,
-                &[],
-                &[],
-            );
+            let_host_read(device, commands);
         })?;
     }
     Ok((colour.read()?, depth.read()?))
+}
+
+/// What the covers' probe wrote into one of its targets, row 0 at the top.
+pub(crate) fn read_probed(
+    gpu: &Arc<Gpu>,
+    extent: vk::Extent2D,
+    image: &Image,
+) -> Result<Vec<[f32; 4]>, BackendError> {
+    let size = u64::from(extent.width) * u64::from(extent.height) * 16;
+    let buffer = Buffer::for_reading(gpu, "probe read-back", size)?;
+    let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;
+    let aspects = vk::ImageAspectFlags::COLOR;
+    // SAFETY: image and buffer live until the submission is done; the layout is the one that the
+    // probe's passes leave.
+    unsafe {
+        gpu.submit(|device, commands| {
+            copy_out(
+                device,
+                commands,
+                extent,
+                image.raw,
+                (aspects, aspects),
+                layout,
+                &buffer,
+            );
+            let_host_read(device, commands);
+        })?;
+    }
+    Ok(bytemuck::pod_collect_to_vec(&buffer.read()?))
+}
+
+/// Copies one aspect of an image that has these, and puts its layout back.
+///
+/// # Safety
+/// Image and buffer live until the submission is done, the image is in `layout`, and the buffer is
+/// large enough.
+unsafe fn copy_out(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    extent: vk::Extent2D,
+    image: vk::Image,
+    (aspects, copied): (vk::ImageAspectFlags, vk::ImageAspectFlags),
+    layout: vk::ImageLayout,
+    buffer: &Buffer,
+) {
+    let region = vk::BufferImageCopy::default()
+        .image_subresource(
+            vk::ImageSubresourceLayers::default()
+                .aspect_mask(copied)
+                .layer_count(1),
+        )
+        .image_extent(extent.into());
+    let source = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+    // SAFETY: the caller's promise.
+    unsafe {
+        change_layout(device, commands, image, aspects, layout, source);
+        device.cmd_copy_image_to_buffer(commands, image, source, buffer.raw, &[region]);
+        change_layout(device, commands, image, aspects, source, layout);
+    }
+}
+
+/// # Safety
+/// Recording is under way, outside of a pass.
+unsafe fn let_host_read(device: &ash::Device, commands: vk::CommandBuffer) {
+    let for_host = [vk::MemoryBarrier::default()
+        .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
+        .dst_access_mask(vk::AccessFlags::HOST_READ)];
+    // SAFETY: the caller's promise.
+    unsafe {
+        device.cmd_pipeline_barrier(
+            commands,
+            vk::PipelineStageFlags::TRANSFER,
+            vk::PipelineStageFlags::HOST,
+            vk::DependencyFlags::empty(),
+            &for_host,
+            &[],
+            &[],
+        );
+    }
 }
 
 /// # Safety

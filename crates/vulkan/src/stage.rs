@@ -11,8 +11,9 @@ use crate::memory::Image;
 use crate::queries::{Queries, QueryKind, span_ms};
 use crate::readback::read_targets;
 use crate::{
-    BindGroup, Buffer, BufferUse, FillRecorder, FillTimes, Fragments, Gpu, PassStatistics,
-    Pipeline, PipelineDescriptor, PipelineState, Topology, VertexFormat, VertexStage,
+    BindGroup, Buffer, BufferUse, DepthBindings, FillRecorder, FillTimes, Fragments, Gpu,
+    PassStatistics, Pipeline, PipelineDescriptor, PipelineState, Probe, Topology, VertexFormat,
+    VertexStage,
 };
 use ash::vk;
 use std::cell::RefCell;
@@ -57,7 +58,8 @@ pub(crate) struct Targets {
     gpu: Arc<Gpu>,
     extent: vk::Extent2D,
     colour: Image,
-    depth_stencil: Image,
+    /// Shared with whoever reads its depth in shaders.
+    depth_stencil: Arc<Image>,
     /// Depth and stencil only, and with colour.
     framebuffers: [vk::Framebuffer; 2],
     numbers: Option<Numbers>,
@@ -76,7 +78,7 @@ pub(crate) struct Numbers {
 impl Numbers {
     fn new(targets: &Targets) -> Result<Self, BackendError> {
         let gpu = &targets.gpu;
-        let image = Image::new(
+        let image = Image::target(
             gpu,
             "accumulated numbers",
             targets.extent,
@@ -162,7 +164,7 @@ impl Targets {
         let mut targets = Self {
             gpu: Arc::clone(gpu),
             extent,
-            colour: Image::new(
+            colour: Image::target(
                 gpu,
                 "colour",
                 extent,
@@ -170,14 +172,19 @@ impl Targets {
                 vk::ImageUsageFlags::COLOR_ATTACHMENT,
                 vk::ImageAspectFlags::COLOR,
             )?,
-            depth_stencil: Image::new(
+            depth_stencil: Arc::new(Image::target(
                 gpu,
                 "depth and stencil",
                 extent,
                 DEPTH_STENCIL_FORMAT,
-                vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
+                // As on wgpu, whether or not a fill reads depth: one surface serves all fills.
+                if gpu.facts.features.samples_depth {
+                    vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED
+                } else {
+                    vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT
+                },
                 vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL,
-            )?,
+            )?),
             framebuffers: [vk::Framebuffer::null(); 2],
             numbers: None,
         };
@@ -213,8 +220,8 @@ impl Targets {
         self.colour.raw
     }
 
-    pub(crate) fn depth_stencil(&self) -> vk::Image {
-        self.depth_stencil.raw
+    pub(crate) fn depth_stencil(&self) -> &Arc<Image> {
+        &self.depth_stencil
     }
 
     /// Of negative height: WGSL has y up, Vulkan down.
@@ -366,6 +373,30 @@ impl Stage {
         }
     }
 
+    /// The depth that the surface leaves and regions' constants, for textured covers on this stage.
+    ///
+    /// - `regions`: a storage buffer of one region's constants after the other, `stride` bytes each,
+    ///   a multiple of [`DepthBindings::alignment`]
+    ///
+    /// # Errors
+    /// [`BackendError::Unsupported`] when the device's shaders cannot read depth, or the buffer does
+    /// not fit; [`BackendError::OutOfMemory`].
+    pub fn bind_depth(
+        &self,
+        regions: &Arc<Buffer>,
+        stride: usize,
+    ) -> Result<DepthBindings, BackendError> {
+        DepthBindings::new(&self.targets, &self.gpu, regions, stride)
+    }
+
+    /// Targets of a textured fill's probe.
+    ///
+    /// # Errors
+    /// [`BackendError::OutOfMemory`].
+    pub fn probe(&self) -> Result<Probe, BackendError> {
+        Probe::new(&self.targets, &self.gpu)
+    }
+
     /// Uploads the view and its surface, unless they are there already.
     ///
     /// # Errors
@@ -457,7 +488,7 @@ impl Stage {
                     graphics,
                     self.gpu.fixtures.pipeline_layout,
                     0,
-                    &[prepared.bindings.set],
+                    &[prepared.bindings.set()],
                     &[],
                 );
                 device.cmd_bind_vertex_buffers(commands, 0, &[prepared.vertices.raw], &[0]);

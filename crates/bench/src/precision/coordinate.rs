@@ -14,9 +14,9 @@ use terrafill_texture::{
     Arithmetic, CoordinateRoute, CostTable, Operations, Residual, ResidualSum, Sample,
 };
 
-/// Places at which residuals are computed here: every route of a region shares them, and there are
-/// half as many as `CoordinateRoute::residual` takes by itself.
-const RESIDUAL_PLACES: u32 = 2048;
+/// Places at which residuals are computed: as many as `CoordinateRoute::residual` takes, found once for
+/// all routes of a region.
+const RESIDUAL_PLACES: u32 = 4096;
 
 /// What a region's rows need of a route on the CPU.
 struct OnCpu {

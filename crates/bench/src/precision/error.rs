@@ -3,7 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 use terrafill_results::{PrecisionRow, Status};
-use terrafill_texture::Sample;
+use terrafill_texture::{SAMPLING_SLACK, Sample};
 
 /// Measured and computed error that differ by more need a reason.
 pub(crate) const AGREEMENT: f64 = 2.0;
@@ -156,10 +156,12 @@ pub(crate) fn judge(row: &mut PrecisionRow, rounding_share: f64) {
         );
         (Status::Wrong, reason)
     } else if !is_map {
-        let reason =
-            "no map of this region: by its formula it is off by more than the body is large";
+        let reason = "no answer here: by its formula the error is as large as the body";
         (Status::Wrong, reason.to_owned())
-    } else if row.max_over_residual.is_some_and(|ratio| ratio > 1.0) {
+    } else if row
+        .max_over_residual
+        .is_some_and(|ratio| ratio > SAMPLING_SLACK)
+    {
         (Status::Wrong, "the error is above its bound".to_owned())
     } else {
         (Status::Ok, String::new())

@@ -3,7 +3,7 @@
 //! anchor.
 
 use super::coordinate::put_operations;
-use super::error::{LengthErrors, judge};
+use super::error::{AGREEMENT, LengthErrors, judge};
 use super::kernel::{Kernels, ask};
 use super::place::{Place, radical_inverse};
 use super::timing::Times;
@@ -46,17 +46,24 @@ pub(crate) const MAPPINGS: [DepthMapping; 3] = [
 /// How far pixel and depth move between two timed evaluations.
 pub(crate) const TIMED_STEP: [f32; 4] = [1e-3, 1e-3, 1e-7, 0.0];
 const TIMED_DISTANCE_M: f64 = 1e3;
+/// Where nothing was drawn: off the middle, so that no term is 0.
+const CLEARED_PIXEL: [f32; 2] = [1200.5, 300.5];
+
 /// A distance is spread by this much, so that its depth meets every rounding.
 const DISTANCE_SPREAD: f64 = 0.02;
 
 /// What is seen, and how its depth is kept.
 pub(crate) struct Sight {
-    distance_m: f64,
+    /// `None`: nothing was drawn, and the depth is as it was cleared.
+    distance_m: Option<f64>,
     extent_deg: f64,
     format: DepthFormat,
 }
 
-/// Distance × depth format × extent.
+/// Near plane of the views in which nothing was drawn, metres.
+const CLEARED_NEAR_M: f64 = 1.0;
+
+/// Distance × depth format × extent, then cleared depth in every format.
 pub(crate) fn sights(quick: bool) -> Vec<Sight> {
     let mut sights = Vec::new();
     for (distance_m, near_m) in DISTANCES_M {
@@ -66,7 +73,7 @@ pub(crate) fn sights(quick: bool) -> Vec<Sight> {
                     && format.storage() == DepthStorage::Float32;
                 if !quick || (main && extent_deg == EXTENTS_DEG[0]) {
                     sights.push(Sight {
-                        distance_m,
+                        distance_m: Some(distance_m),
                         extent_deg,
                         format,
                     });
@@ -74,6 +81,12 @@ pub(crate) fn sights(quick: bool) -> Vec<Sight> {
             }
         }
     }
+    let cleared = formats(CLEARED_NEAR_M).into_iter().map(|format| Sight {
+        distance_m: None,
+        extent_deg: EXTENTS_DEG[0],
+        format,
+    });
+    sights.extend(cleared);
     sights
 }
 
@@ -93,12 +106,41 @@ fn formats(near_m: f64) -> Vec<DepthFormat> {
 impl Sight {
     /// As in the `condition` column.
     pub(crate) fn name(&self) -> String {
-        format!(
-            "distance={};depth={};extent={}",
-            self.distance_m,
-            self.format.name(),
-            self.extent_deg
-        )
+        let depth = self.format.name();
+        match self.distance_m {
+            Some(distance_m) => {
+                format!(
+                    "distance={distance_m};depth={depth};extent={}",
+                    self.extent_deg
+                )
+            }
+            None => format!("cleared;depth={depth};extent={}", self.extent_deg),
+        }
+    }
+
+    /// What the depth buffer is cleared to: as far as it goes.
+    fn cleared_depth(&self) -> f32 {
+        match self.format.mapping() {
+            DepthMapping::Reversed => 0.0,
+            DepthMapping::Standard | DepthMapping::Logarithmic => 1.0,
+        }
+    }
+
+    /// What the formula takes for worse than it is.
+    fn why_less_than_expected(&self, route: PositionRoute) -> &'static str {
+        if route == PositionRoute::InverseEcef {
+            "an error of the depth is in numerator and divisor alike and cancels; the formula takes \
+             them for independent"
+        } else if self
+            .distance_m
+            .is_some_and(|distance| self.format.residual_m(distance) > DISTANCE_SPREAD * distance)
+        {
+            "a step of the depth is longer than the range of distances measured"
+        } else if self.format.mapping() == DepthMapping::Logarithmic {
+            "WGSL grants exp2 and log2 some units in the last place more than this device takes"
+        } else {
+            "no reason known"
+        }
     }
 
     fn place(&self) -> Option<Place> {
@@ -107,7 +149,11 @@ impl Sight {
 
     /// Looks at a point of the region half way from its anchor to its corner.
     fn view(&self, place: &Place) -> View {
-        view_of(place, self.distance_m, self.format)
+        view_of(
+            place,
+            self.distance_m.unwrap_or(TIMED_DISTANCE_M),
+            self.format,
+        )
     }
 }
 
@@ -244,33 +290,95 @@ pub(crate) fn rows(
     kernels: &Kernels,
     times: &Times,
 ) -> Result<Vec<PrecisionRow>, BenchError> {
-    let mut rows = Vec::new();
     let Some(place) = sight.place() else {
-        return Ok(rows);
+        return Ok(Vec::new());
     };
-    let view = sight.view(&place);
-    let seen = seen(&view, &place, sight.distance_m, points);
-    let inputs: Vec<[f32; 4]> = seen.iter().map(|seen| seen.input).collect();
-    let pixel_m = view.pixel_size_m(sight.distance_m);
+    match sight.distance_m {
+        Some(distance_m) => drawn_rows(sight, &place, distance_m, points, kernels, times),
+        None => cleared_rows(sight, &place, kernels, times),
+    }
+}
+
+/// A row with what does not depend on what is measured.
+fn blank_row(sight: &Sight, place: &Place, route: PositionRoute, times: &Times) -> PrecisionRow {
+    let mut row = PrecisionRow {
+        part: PrecisionPart::Position,
+        route: route.name().to_owned(),
+        family: route.name().to_owned(),
+        condition: sight.name(),
+        extent_deg: Some(sight.extent_deg),
+        latitude_deg: Some(place.latitude_deg),
+        distance_m: sight.distance_m,
+        depth_format: sight.format.name(),
+        ..PrecisionRow::default()
+    };
+    put_operations(&mut row, &route.operations(&sight.format));
+    let name = timed_name(route, sight.format.mapping());
+    times.put(&mut row, PrecisionPart::Position, &name);
+    row
+}
+
+/// What the routes make of a pixel in which nothing was drawn. No fragment is there, so nothing is
+/// wrong: the rows say what would come of asking.
+fn cleared_rows(
+    sight: &Sight,
+    place: &Place,
+    kernels: &Kernels,
+    times: &Times,
+) -> Result<Vec<PrecisionRow>, BenchError> {
+    let mut rows = Vec::new();
+    let view = sight.view(place);
+    let depth = sight.cleared_depth();
     let mapping = sight.format.mapping();
     for kernel in kernels.position.iter().filter(|k| k.mapping == mapping) {
         let route = kernel.route;
         let constants = route.constants(&view, &place.region);
-        let residual = route.residual(&view, &place.region, sight.distance_m);
+        let mut row = blank_row(sight, place, route, times);
+        row.points = 1;
+        row.status = Status::Ok;
+        row.reason = "cleared depth: no fragment is there".to_owned();
+        let non_finite = |answer: [f32; 3]| u64::from(answer.iter().any(|v| !v.is_finite()));
+        let emulated = route.emulate(&sight.format, &constants, CLEARED_PIXEL, depth);
+        row.emulated_answer = format!("{emulated:?}");
+        row.non_finite_emulated = Some(non_finite(emulated));
+        let [x, y] = CLEARED_PIXEL;
+        match ask(&kernel.device, &constants, &[[x, y, depth, 0.0]])? {
+            Ok(answers) => {
+                let [x, y, z, _] = answers.values[0];
+                row.device_answer = format!("{:?}", [x, y, z]);
+                row.non_finite_device = Some(non_finite([x, y, z]));
+            }
+            Err(why) => (row.status, row.reason) = (Status::Skipped, why),
+        }
+        rows.push(row);
+    }
+    Ok(rows)
+}
+
+fn drawn_rows(
+    sight: &Sight,
+    place: &Place,
+    distance_m: f64,
+    points: u32,
+    kernels: &Kernels,
+    times: &Times,
+) -> Result<Vec<PrecisionRow>, BenchError> {
+    let mut rows = Vec::new();
+    let view = sight.view(place);
+    let seen = seen(&view, place, distance_m, points);
+    let inputs: Vec<[f32; 4]> = seen.iter().map(|seen| seen.input).collect();
+    let pixel_m = view.pixel_size_m(distance_m);
+    let mapping = sight.format.mapping();
+    for kernel in kernels.position.iter().filter(|k| k.mapping == mapping) {
+        let route = kernel.route;
+        let constants = route.constants(&view, &place.region);
+        let residual = route.residual(&view, &place.region, distance_m);
         let emulated = seen.iter().map(|seen| {
             let [x, y, depth, _] = seen.input;
             route.emulate(&sight.format, &constants, [x, y], depth)
         });
         let emulated = errors_of(&seen, emulated);
         let mut row = PrecisionRow {
-            part: PrecisionPart::Position,
-            route: route.name().to_owned(),
-            family: route.name().to_owned(),
-            condition: sight.name(),
-            extent_deg: Some(sight.extent_deg),
-            latitude_deg: Some(place.latitude_deg),
-            distance_m: Some(sight.distance_m),
-            depth_format: sight.format.name(),
             points,
             non_finite_emulated: Some(emulated.non_finite),
             emulated_max_m: emulated.figures().map(|[max, _]| max),
@@ -278,14 +386,8 @@ pub(crate) fn rows(
             pixel_m: Some(pixel_m),
             residual_max_m: Some(residual.max_m),
             residual_rms_m: Some(residual.rms_m),
-            ..PrecisionRow::default()
+            ..blank_row(sight, place, route, times)
         };
-        put_operations(&mut row, &route.operations(&sight.format));
-        times.put(
-            &mut row,
-            PrecisionPart::Position,
-            &timed_name(route, mapping),
-        );
         let mut unmeasured = String::new();
         match ask(&kernel.device, &constants, &inputs)? {
             Ok(answers) => {
@@ -300,6 +402,12 @@ pub(crate) fn rows(
             Err(why) => unmeasured = why,
         }
         judge(&mut row, 1.0);
+        if row
+            .measured_over_expected
+            .is_some_and(|ratio| ratio < 1.0 / AGREEMENT)
+        {
+            row.residual_reason = sight.why_less_than_expected(route).to_owned();
+        }
         if !unmeasured.is_empty() {
             (row.status, row.reason) = (Status::Skipped, unmeasured);
         }

@@ -20,6 +20,7 @@ pub const BRANCHES: &[&str] = &[
     "meshed_great_ellipse",
     "crossing_refused",
     "crossing_refused_great_ellipse",
+    "overlap_refused",
     "no_area_refused",
     "opposite_ends_refused",
     "option_refused",
@@ -59,9 +60,6 @@ pub struct Case {
 
 /// Largest number of vertices of a case: the checks here are quadratic.
 const MOST_VERTICES: usize = 60;
-
-/// Largest number of vertices after a repair that is repaired again, to see that nothing is left.
-const MOST_SPLIT_AGAIN: usize = 300;
 
 /// Draws, meshes and judges.
 ///
@@ -303,7 +301,10 @@ fn judge_refusal(
             }
             Ok(())
         }
-        MeshError::Overlap { .. } => judge_overlap(region, case, error),
+        MeshError::Overlap { .. } => {
+            reached.hit("overlap_refused");
+            judge_overlap(region, case, error)
+        }
         MeshError::NoArea { .. } => {
             reached.hit("no_area_refused");
             judge_no_area(region, case)
@@ -400,7 +401,6 @@ fn judge_crossing(region: &Region, case: &Case, error: &MeshError) -> Result<(),
     else {
         return Ok(());
     };
-    let mut edges = Vec::new();
     for place in [first, second] {
         let polygon = region.polygons.get(place.polygon);
         let edge = polygon
@@ -413,7 +413,6 @@ fn judge_crossing(region: &Region, case: &Case, error: &MeshError) -> Result<(),
         let Some((start, end)) = edge else {
             return Err(format!("{error}: no such edge"));
         };
-        edges.push([start, end]);
         if case.rule == EdgeRule::GreatEllipse {
             continue;
         }
@@ -425,20 +424,11 @@ fn judge_crossing(region: &Region, case: &Case, error: &MeshError) -> Result<(),
             return Err(format!("{error}: {away_deg}° from the edge at {place}"));
         }
     }
-    if !case.repair {
-        return Ok(());
-    }
-    // Where rounding makes new crossings in every round, there can be twice as many in each.
-    let few = region.vertex_count() <= MOST_SPLIT_AGAIN;
-    if few && case.rule == EdgeRule::Planar && region.clone().split_at_crossings(case.rule) == 0 {
-        return Err(format!("{error}: and yet no crossing to repair"));
-    }
-    let deep = TURNS_DEG.iter().any(|turn| {
-        let moved = edges[1].map(|[x, y]| [x + turn, y]);
-        crossing_depth(edges[0], moved).is_some_and(|depth| depth > CERTAIN_DEG)
-    });
-    if deep && case.rule == EdgeRule::Planar {
+    if case.repair {
         return Err(format!("{error}: after its crossings were made vertices"));
+    }
+    if region.clone().split_at_crossings(case.rule) == 0 {
+        return Err(format!("{error}: and yet no crossing to repair"));
     }
     Ok(())
 }

@@ -76,3 +76,63 @@ pub(crate) fn precision(
     })
     .map(Some)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::{Point, Reading, ReferenceLine, Standing};
+
+    fn plot(points: usize) -> PrecisionPlot {
+        let point = |i: usize| Point {
+            knob: i as f64,
+            label: format!("degree {i}"),
+            x: Some(Reading::exact(10.0 + i as f64)),
+            y: Some(Reading::exact(100.0 / (1.0 + i as f64))),
+            y_rms: Some(10.0 / (1.0 + i as f64)),
+            standing: Standing::Right,
+        };
+        let curves = vec![Curve {
+            name: "gnomonic".to_owned(),
+            points: (0..points).map(point).collect(),
+        }];
+        PrecisionPlot {
+            title: "1°".to_owned(),
+            by_time: curves.clone(),
+            by_operations: curves,
+            lines: vec![ReferenceLine {
+                label: "¼ texel".to_owned(),
+                from_x: None,
+                y: 5.0,
+                power: 0.0,
+            }],
+        }
+    }
+
+    fn drawn(points: usize) -> Option<String> {
+        let palette = Palette::new(vec!["gnomonic".to_owned()]);
+        precision(&plot(points), "ns", &palette).expect("draws")
+    }
+
+    #[test]
+    fn every_point_stands_in_both_panels_with_its_line_and_name() {
+        let three = drawn(3).expect("points");
+        for word in [
+            "gnomonic",
+            "¼ texel",
+            "error against time",
+            "Error against operations",
+        ] {
+            assert!(three.contains(word), "{word}");
+        }
+        let marks = |svg: &str| svg.matches("<circle").count();
+        // Twin: a point less is a filled and an open mark less in each panel.
+        let two = drawn(2).expect("points");
+        assert!(
+            marks(&three) >= marks(&two) + 4,
+            "{} {}",
+            marks(&three),
+            marks(&two)
+        );
+        assert_eq!(drawn(0), None);
+    }
+}

@@ -9,6 +9,15 @@ fn locate(desk: &Desk, arguments: &[&str], points: &str) -> String {
     desk.run(&all).succeeded()
 }
 
+/// With `--repair even-odd`, which says what it filled; those lines as well.
+fn locate_repaired(desk: &Desk, arguments: &[&str], points: &str) -> (String, Vec<String>) {
+    desk.write("points.csv", points);
+    let fixed = ["locate", "--points", "points.csv", "--repair", "even-odd"];
+    let ran = desk.run(&[&fixed[..], arguments].concat());
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    (ran.stdout, ran.stderr.lines().map(str::to_owned).collect())
+}
+
 /// Regions found for each point, as printed.
 fn found(text: &str) -> Vec<&str> {
     let mut lines = text.lines();
@@ -82,11 +91,19 @@ fn crossing_rings_are_judged_by_the_even_odd_rule_when_asked_for() {
     );
     let points = "lon,lat\n0.25,0.4\n0.5,0.25\n0.75,0.4\n1.5,1.5\n2.5,2.5\n";
     for edges in ["planar", "great-ellipse"] {
-        let options = ["r.geojson", "--repair", "even-odd", "--edges", edges];
-        let text = locate(&desk, &options, points);
+        let (text, repairs) = locate_repaired(&desk, &["r.geojson", "--edges", edges], points);
         // In order: the western wing; below the knot, in the square alone; the eastern wing; where
         // both squares are; in the second square.
         assert_eq!(found(&text), ["0;1", "1", "0;1", "", "1"], "{edges}");
+        let expected = [
+            "feature 0 (tie): 1 crossing of edges",
+            "feature 1 (two): 2 crossings of edges",
+            "feature 1 (two): 1 overlap of parts",
+        ];
+        assert_eq!(repairs.len(), expected.len(), "{repairs:?}");
+        for (repair, expected) in repairs.iter().zip(expected) {
+            assert!(repair.contains(expected), "{repair}");
+        }
     }
     desk.run(&["locate", "r.geojson", "--points", "points.csv"])
         .refused(&[
@@ -132,12 +149,17 @@ fn overlapping_parts_are_refused_until_even_odd_is_asked_for() {
                 "polygon 0 and polygon 1 overlap",
                 "--repair even-odd",
             ]]);
-        let options = ["--repair", "even-odd", "--edges", edges];
-        let text = locate(&desk, &[&["over.geojson"], &options[..]].concat(), points);
+        let arguments = ["over.geojson", "--edges", edges];
+        let (text, repairs) = locate_repaired(&desk, &arguments, points);
         assert_eq!(found(&text), ["0", "", ""], "{edges}");
+        let listed = "repaired: feature 0 (over): 1 overlap of parts: filled by the even-odd rule";
+        assert_eq!(repairs, [listed], "{edges}");
         // Twin: parts that do not overlap are located without being asked twice.
-        let text = locate(&desk, &["apart.geojson", "--edges", edges], points);
-        assert_eq!(found(&text), ["0", "0", "0"], "{edges}");
+        let arguments = ["apart.geojson", "--edges", edges];
+        assert_eq!(found(&locate(&desk, &arguments, points)), ["0", "0", "0"]);
+        // Nor is anything said of them when it is asked for.
+        let (text, repairs) = locate_repaired(&desk, &arguments, points);
+        assert_eq!((found(&text), repairs.len()), (vec!["0", "0", "0"], 0));
     }
 }
 
@@ -155,8 +177,10 @@ fn knots_on_the_antimeridian_and_rings_beyond_a_hemisphere_are_located() {
             "longitude 180.0000000, latitude 5.0000000",
             "--repair even-odd",
         ]]);
-    let text = locate(&desk, &["tie.geojson", "--repair", "even-odd"], points);
+    let (text, repairs) = locate_repaired(&desk, &["tie.geojson"], points);
     assert_eq!(found(&text), ["", "", "0"]);
+    let listed = "repaired: feature 0 (tie): 1 crossing of edges: filled by the even-odd rule";
+    assert_eq!(repairs, [listed]);
     // Round the axis and over the equator: in no hemisphere.
     let wide = "[[0,30],[60,-10],[120,30],[180,-10],[240,30],[300,-10],[0,30]]";
     desk.write("wide.geojson", collection(&[("wide", polygon(wide))]));
@@ -191,7 +215,21 @@ fn cities_lie_in_their_countries() {
     for (longitude, latitude, _) in places {
         points += &format!("{longitude},{latitude}\n");
     }
-    let text = locate(&desk, &[&file, "--repair", "even-odd"], &points);
+    let (text, repairs) = locate_repaired(&desk, &[&file], &points);
+    // What `mesh` lists of the same file.
+    let regions = json["regions"].as_array().expect("regions");
+    let warnings = regions
+        .iter()
+        .filter_map(|region| region["warnings"].as_array());
+    let listed = warnings.flatten().filter_map(|warning| warning.as_str());
+    let listed: Vec<&str> = listed.filter(|text| text.contains("even-odd")).collect();
+    assert!(
+        !listed.is_empty() && listed.len() == repairs.len(),
+        "{repairs:?}"
+    );
+    for (repair, warning) in repairs.iter().zip(listed) {
+        assert!(repair.starts_with("repaired: feature ") && repair.ends_with(warning));
+    }
     for (cell, (longitude, latitude, name)) in found(&text).into_iter().zip(places) {
         let index: Option<usize> = cell.parse().ok();
         let found = index.and_then(|index| json["regions"][index]["name"].as_str());

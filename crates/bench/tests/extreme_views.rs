@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Squares of 10 m and of 200 km seen from close by, where positions are hardest: the default is wrong
+//! in no pixel farther than one from a boundary, and the naive format, the twin, in thousands.
+//!
+//! The surface is drawn relative to the eye exactly, so all that is wrong is the volumes' doing. The
+//! scenes are the shipped ones, at the size that the bench draws them in. Skipped without a device;
+//! see `vertex_against_reference.rs`.
+
+mod drawing;
+
+use drawing::{Devices, Stages, differing, figures, judge, shipped};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+use terrafill_bench::{BenchOptions, Technique, group_cases, open_scene};
+use terrafill_conformance::verdict;
+use terrafill_frame::{FrameInput, PositionFormat, Switches};
+use terrafill_results::ErrorFigures;
+use terrafill_scene::{ImageSize, PlanOptions};
+use terrafill_vertex::{Layout, VertexVariant};
+
+const SIZE: ImageSize = ImageSize {
+    width: 1024,
+    height: 1024,
+};
+
+fn variant(layout: Layout, positions: PositionFormat) -> VertexVariant {
+    VertexVariant {
+        layout,
+        positions,
+        switches: Switches::default(),
+        ..VertexVariant::default()
+    }
+}
+
+/// Figures of every format in every view, layouts compared with one another on the way.
+fn figures_of(name: &str) -> Option<BTreeMap<(String, &'static str), ErrorFigures>> {
+    let devices = Devices::open()?;
+    let (prepared, views) = shipped(name).expect("ships with the project");
+    let stages = Stages::new(&devices, SIZE);
+    let mut all = BTreeMap::new();
+    for view in &views {
+        let input = FrameInput::new(&prepared, view, SIZE, PlanOptions::default());
+        let judged = judge(&input);
+        for positions in PositionFormat::ALL {
+            let draw = |layout| {
+                let technique = Technique::Vertex(variant(layout, positions));
+                stages.draw(&input, technique)
+            };
+            let [frame, pulled] = [Layout::Doubled, Layout::Pulled].map(draw);
+            // How vertices are found is nothing that moves them.
+            assert_eq!(differing(&frame, &pulled), 0, "{name}/{}", view.name);
+            let found = figures(&judged, &frame);
+            eprintln!("{name}/{} {}: {found:?}", view.name, positions.name());
+            all.insert((view.name.clone(), positions.name()), found);
+        }
+    }
+    Some(all)
+}
+
+/// Far away, half a metre is nothing.
+fn is_close(view: &str) -> bool {
+    view != "down-500km"
+}
+
+fn assert_only_the_naive_format_is_wrong(name: &str) {
+    let Some(all) = figures_of(name) else {
+        return;
+    };
+    let mut naive = ErrorFigures::default();
+    for ((view, positions), found) in &all {
+        let is_pass = verdict(found).is_pass();
+        match *positions {
+            "fixed" | "two-float" => assert!(is_pass, "{name}/{view} {positions}: {found:?}"),
+            // The twin.
+            "ecef-f32" => {
+                let default = &all[&(view.clone(), "fixed")];
+                let hundredfold = found.mismatched_px > 100 * default.mismatched_px.max(4);
+                assert_eq!(hundredfold, is_close(view), "{name}/{view}: {found:?}");
+                naive.mismatched_px += found.mismatched_px;
+                naive.mismatched_px_outside_band += found.mismatched_px_outside_band;
+            }
+            _ => {}
+        }
+    }
+    assert_eq!(all.keys().filter(|(view, _)| is_close(view)).count(), 3 * 4);
+    assert!(naive.mismatched_px > 5_000, "{name}: {naive:?}");
+    assert!(
+        naive.mismatched_px_outside_band > 1_000,
+        "{name}: {naive:?}"
+    );
+}
+
+#[test]
+fn ten_metres_from_close_by() {
+    assert_only_the_naive_format_is_wrong("square-10m");
+}
+
+#[test]
+fn two_hundred_kilometres_from_close_by() {
+    assert_only_the_naive_format_is_wrong("square-200km");
+}
+
+/// How far `f32` moves an eye depends on where it is, so one eye may be lucky: eight of them, decimetres
+/// apart.
+#[test]
+fn ten_metres_from_several_eyes() {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    let (prepared, views) = shipped("square-10m").expect("ships with the project");
+    let stages = Stages::new(&devices, SIZE);
+    let mut most = 0;
+    for (i, view) in (0_u32..8).zip(views[..2].iter().cycle()) {
+        let mut moved = view.clone();
+        // 0.37 m to the east each time and 0.23 m to the north.
+        moved.pose.eye.longitude_rad += (f64::from(i) * 4.7e-6).to_radians();
+        moved.pose.eye.latitude_rad += (f64::from(i) * 2.1e-6).to_radians();
+        let input = FrameInput::new(&prepared, &moved, SIZE, PlanOptions::default());
+        let judged = judge(&input);
+        let figures_of = |positions| {
+            let technique = Technique::Vertex(variant(Layout::Doubled, positions));
+            figures(&judged, &stages.draw(&input, technique))
+        };
+        let [fixed, two_float, naive] = [
+            PositionFormat::Fixed,
+            PositionFormat::TwoFloat,
+            PositionFormat::EcefF32,
+        ]
+        .map(figures_of);
+        eprintln!(
+            "eye {i}, {}: fixed {fixed:?}, ecef-f32 {naive:?}",
+            view.name
+        );
+        assert!(
+            fixed.mismatched_px <= 8 && verdict(&fixed).is_pass(),
+            "{fixed:?}"
+        );
+        assert!(
+            two_float.mismatched_px <= 8 && verdict(&two_float).is_pass(),
+            "{two_float:?}"
+        );
+        assert!(naive.mismatched_px > 300, "{naive:?}");
+        most = most.max(naive.mismatched_px_outside_band);
+    }
+    // Twin: where luck fails, it is far beyond the band.
+    assert!(most > 1_000, "{most}");
+}
+
+#[test]
+fn the_bench_sweeps_through_the_formats_where_a_scene_asks_for_it() {
+    let options = BenchOptions {
+        scenes: Vec::new(),
+        backends: Vec::new(),
+        quick: false,
+        out: PathBuf::new(),
+        resume: false,
+        data_dir: None,
+        frames: None,
+        size: SIZE,
+        shard: None,
+        adapter: None,
+        ladder: None,
+        matrix: None,
+        precision: None,
+    };
+    for (name, is_asked) in [
+        ("square-10m", true),
+        ("square-200km", true),
+        ("california", false),
+    ] {
+        let scene = open_scene(name, None)
+            .expect("ships with the project")
+            .into();
+        let group = group_cases(&scene, &scene.views[0], &options);
+        let named = |format: PositionFormat| {
+            let part = format!("positions={}", format.name());
+            let cases = group.cases.iter();
+            cases
+                .filter(|case| case.key.variant.contains(&part))
+                .collect::<Vec<_>>()
+        };
+        for format in [
+            PositionFormat::LocalF32,
+            PositionFormat::EcefF32,
+            PositionFormat::TwoFloat,
+        ] {
+            let cases = named(format);
+            let in_sweep = cases.iter().filter(|case| case.roles.sweep).count();
+            let tolerances = scene.sweep_boundary_tolerance_m.len();
+            assert_eq!(
+                in_sweep,
+                if is_asked { tolerances } else { 0 },
+                "{name} {format:?}"
+            );
+            // Outside the sweep a wrong picture fails the run.
+            let is_main = cases.iter().any(|case| case.roles.main);
+            assert_eq!(is_main, !is_asked && format == PositionFormat::LocalF32);
+        }
+        let default = group
+            .cases
+            .iter()
+            .find(|case| case.key.variant == "doubled");
+        assert!(default.is_some_and(|case| case.roles.main && !case.roles.sweep));
+    }
+}
