@@ -125,7 +125,8 @@ pub fn group_cases(scene: &Arc<Scene>, view: &View, options: &BenchOptions) -> S
                 frames,
             );
         }
-        group.add_textured(backend, options.quick, frames);
+        let few = options.ladder_frame_count();
+        group.add_textured(backend, options.quick, [frames, few]);
         if !options.quick {
             group.add_sweep(backend, frames);
         }
@@ -181,7 +182,7 @@ impl Builder<'_> {
     /// Textured fills only, drawn and compared but not timed.
     fn of_pictures(mut self, scene: &Arc<Scene>, options: &BenchOptions) -> SceneGroup {
         for backend in BACKENDS.iter().filter(|name| options.wants_backend(name)) {
-            self.add_textured(backend, options.quick, 0);
+            self.add_textured(backend, options.quick, [0, 0]);
         }
         SceneGroup {
             scene: Arc::clone(scene),
@@ -191,12 +192,17 @@ impl Builder<'_> {
         }
     }
 
-    fn add_textured(&mut self, backend: &str, quick: bool, frames: u32) {
+    /// - `frames`: of the two routes, which are held against a bound, and of what varies them
+    fn add_textured(&mut self, backend: &str, quick: bool, frames: [u32; 2]) {
         let Some(main) = Technique::main(backend, self.scene.overlap) else {
             return;
         };
         let plain = Setting::new(main);
         for (setting, shown) in textured_settings(plain, self.scene, self.view, quick) {
+            let switches = setting.technique.switches();
+            let is_varied = shown != ShownPicture::Scene
+                || !matches!(main, Technique::Vertex(_))
+                || switches.is_some_and(|switches| switches.superfluous_normalize);
             self.cases.push(BenchCase {
                 key: self.key(
                     &setting,
@@ -211,7 +217,7 @@ impl Builder<'_> {
                     texture: true,
                     ..Roles::default()
                 },
-                frames,
+                frames: frames[usize::from(is_varied)],
             });
         }
     }

@@ -650,4 +650,95 @@ mod tests {
         assert_eq!(firsts.len(), 5, "every case comes first at some time");
         assert_eq!(round_order(0, 3), Vec::<usize>::new());
     }
+
+    #[test]
+    fn what_has_no_picture_is_skipped_with_that_reason() {
+        let error = BackendError::Switch(terrafill_frame::SwitchError {
+            switch: "texture",
+            found: "chosen for a scene without a picture".to_owned(),
+            allowed: "plain".to_owned(),
+        });
+        let probe = failed_probe(&error);
+        assert_eq!(probe.status, Some(Status::Skipped));
+        assert!(probe.reason.contains("without a picture"));
+        assert!(probe.texture_errors.is_none() && probe.image.is_empty());
+        // Twin: what breaks has failed.
+        let lost = failed_probe(&BackendError::DeviceLost("gone".to_owned()));
+        assert_eq!(lost.status, Some(Status::Failed));
+    }
+
+    #[test]
+    fn coordinates_that_are_shifted_make_the_row_wrong() {
+        let gpu = match Gpu::open(&terrafill_gpu::GpuOptions::default()) {
+            Ok(gpu) => gpu,
+            Err(why) => {
+                let required = std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_some();
+                assert!(!required, "{why}");
+                eprintln!("skipped: {why}");
+                return;
+            }
+        };
+        let place = tempfile::tempdir().expect("a folder");
+        let options = BenchOptions {
+            scenes: vec!["california".to_owned()],
+            backends: vec!["vertex".to_owned()],
+            quick: true,
+            out: place.path().join("run"),
+            resume: false,
+            data_dir: None,
+            frames: Some(1),
+            size: terrafill_scene::ImageSize {
+                width: 96,
+                height: 96,
+            },
+            shard: None,
+            adapter: None,
+            ladder: None,
+            matrix: None,
+            precision: Some(false),
+        };
+        let scene = Arc::new(terrafill_scene::Scene::shipped("california", None).expect("a scene"));
+        let view = &scene.views[1];
+        let group = crate::group_cases(&scene, view, &options);
+        let folder =
+            RunFolder::create(&options.out, &Default::default(), &Default::default()).expect("new");
+        let native = crate::technique::NativeGpu::new(None);
+        let progress = ProgressBar::hidden();
+        let run = GroupRun::new(&gpu, native, &options, &folder, &group, &progress).expect("a run");
+        let case = group
+            .cases
+            .iter()
+            .find(|case| shows_chosen(case))
+            .expect("textured");
+        let judged = |shift_texels: f64| {
+            let (input, _) = run.input_for(case).expect("an input");
+            let backend = case
+                .technique
+                .open(&run.stages)
+                .expect("no full-screen pass");
+            let drawn = draw_probe(backend.expect("opens"), &input).expect("draws");
+            let (mut backend, memory, mut frame) = drawn;
+            let texture = frame.texture.as_mut().expect("textured");
+            let columns = f64::from(texture.texels[0]);
+            for pixel in texture.pixels.iter_mut().flatten() {
+                pixel.uv[0] += shift_texels / columns;
+            }
+            run.judge(case, &mut *backend, &input, memory, frame)
+                .expect("judged")
+        };
+        let right = judged(0.0);
+        assert_eq!(
+            (right.status, right.reason.as_str()),
+            (Some(Status::Ok), "")
+        );
+        let wrong = judged(1.0);
+        assert_eq!(wrong.status, Some(Status::Wrong));
+        assert!(
+            wrong.reason.contains("texels, allowed 0.25"),
+            "{}",
+            wrong.reason
+        );
+        let errors = wrong.texture_errors.expect("compared");
+        assert!((errors.rms_texels[0] - 1.0).abs() < 0.1, "{errors:?}");
+    }
 }

@@ -54,14 +54,15 @@ fn a_run_is_measured_killed_and_resumed_without_measuring_twice() {
         return;
     }
     let outcome = result.expect("runs");
-    assert_eq!((outcome.ok, outcome.wrong, outcome.failed), (21, 0, 0));
+    assert_eq!((outcome.ok, outcome.wrong, outcome.failed), (23, 0, 0));
     let whole = RunFolder::open(&out).expect("a run");
     let (summaries, samples) = (
         whole.summaries().expect("rows"),
         whole.samples().expect("rows"),
     );
-    // Three views of two baselines and seven techniques, three frames each.
-    assert_eq!((summaries.len(), samples.len()), (27, 81));
+    // Three views of two baselines and seven techniques, and two textured fills from above; three
+    // frames each.
+    assert_eq!((summaries.len(), samples.len()), (29, 87));
     assert!(summaries.iter().all(|row| row.status == Status::Ok));
     assert!(summaries.iter().all(|row| row.samples == 3));
 
@@ -80,15 +81,15 @@ fn a_run_is_measured_killed_and_resumed_without_measuring_twice() {
     let mut resumed = options(&out);
     resumed.resume = true;
     let outcome = run(&resumed).expect("resumes");
-    assert_eq!(outcome.ok, 21);
+    assert_eq!(outcome.ok, 23);
     let run_again = RunFolder::open(&out).expect("a run");
     let after = run_again.samples().expect("rows");
-    assert_eq!(after.len(), 81);
+    assert_eq!(after.len(), 87);
     assert_eq!(after[..39], samples[..39], "what was measured stays");
     let mut keys: Vec<_> = after.iter().map(|row| (row.key(), row.frame)).collect();
     keys.sort();
     keys.dedup();
-    assert_eq!(keys.len(), 81, "no frame of a case stands twice");
+    assert_eq!(keys.len(), 87, "no frame of a case stands twice");
     assert!(run_again.missing().expect("a plan").is_empty());
 }
 
@@ -287,5 +288,100 @@ fn cap_steps_are_swept_in_cases_of_their_own() {
         quick
             .iter()
             .all(|case| !case.roles.subdivision && !case.roles.sweep)
+    );
+}
+
+/// The same with a picture over it.
+fn textured_scene(texture: &str) -> String {
+    SMALL_SCENE.replace("[[views]]", &format!("[texture]\n{texture}\n\n[[views]]"))
+}
+
+#[test]
+fn textured_fills_are_judged_by_their_coordinates_beside_the_plain_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = folder.path().join("small.toml");
+    let checker = "checker = { size = 512, cells = 16 }\nplacement = \"extents\"";
+    std::fs::write(&scene, textured_scene(checker)).expect("writable");
+    let out = folder.path().join("run");
+    let mut asked = options(&out);
+    asked.scenes = vec![scene.to_string_lossy().into_owned()];
+    asked.backends = vec!["vertex".to_owned(), "compute".to_owned()];
+    asked.quick = false;
+    asked.precision = Some(false);
+    let result = run(&asked);
+    if !has_device(&result) {
+        return;
+    }
+    let outcome = result.expect("runs");
+    assert_eq!((outcome.wrong, outcome.failed), (0, 0));
+    let rows = RunFolder::open(&out)
+        .expect("a run")
+        .summaries()
+        .expect("rows");
+    let (textured, plain): (Vec<_>, Vec<_>) = rows
+        .iter()
+        .partition(|row| row.variant.contains("texture="));
+    assert_eq!(textured.len(), 6, "five by vertex shader, one by compute");
+    for row in &textured {
+        let name = row.key();
+        assert_eq!((row.role.as_str(), row.samples), ("texture", 3), "{name}");
+        assert!(row.texel_rms.expect("compared") <= 0.25, "{name}");
+        assert!(row.texel_max.expect("compared") <= 0.5, "{name}");
+        assert_eq!(row.texel_non_finite, Some(0), "{name}");
+        assert!(row.texel_compared_px.expect("compared") > 100, "{name}");
+        let is_chosen = row.variant.contains("texture=chosen");
+        assert_eq!(row.texture_route.contains(" texels"), is_chosen, "{name}");
+        // Only the fill as it should be used is shown.
+        let is_shown = is_chosen && !row.variant.contains("picture=");
+        assert_eq!(row.colour_max.is_some(), is_shown, "{name}");
+        if is_shown {
+            for image in [&row.image, &row.reference_image, &row.difference_image] {
+                assert!(out.join(image).is_file(), "{name}: {image}");
+            }
+            assert!(row.colour_mean.expect("compared") < 2.0, "{name}");
+        }
+    }
+    let bytes = |variant: &str| {
+        let row = textured.iter().find(|row| row.variant == variant);
+        row.and_then(|row| row.texture_bytes).expect("counted")
+    };
+    assert!(bytes("doubled,texture=chosen,picture=32") < bytes("doubled,texture=chosen"));
+    for row in plain {
+        let cells = (row.texel_rms, row.texture_bytes, row.colour_max);
+        assert_eq!(cells, (None, None, None), "{}", row.key());
+        assert!(row.texture_route.is_empty());
+    }
+}
+
+#[test]
+fn a_scene_whose_picture_is_missing_is_skipped_for_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = folder.path().join("small.toml");
+    let lost = format!(
+        "image = {{ path = \"textures/lost.png\", sha256 = \"{}\", how = \"paint it\" }}\n\
+         placement = \"extents\"",
+        "0".repeat(64)
+    );
+    std::fs::write(&scene, textured_scene(&lost)).expect("writable");
+    let mut asked = options(&folder.path().join("run"));
+    asked.scenes = vec![
+        "california".to_owned(),
+        scene.to_string_lossy().into_owned(),
+    ];
+    asked.data_dir = Some(folder.path().to_owned());
+    asked.backends = vec!["vertex".to_owned()];
+    asked.size = ImageSize {
+        width: 32,
+        height: 32,
+    };
+    let result = run(&asked);
+    if !has_device(&result) {
+        return;
+    }
+    let skipped = result.expect("runs").skipped_scenes;
+    assert_eq!(skipped.len(), 1);
+    assert!(
+        skipped[0].1.contains("textures/lost.png") && skipped[0].1.contains("paint it"),
+        "{skipped:?}"
     );
 }

@@ -11,8 +11,10 @@ use crate::{
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
+use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 use std::hash::{Hash, Hasher};
+use std::sync::{Mutex, PoisonError};
 use terrafill_core::{Ellipsoid, OrientedBox};
 use terrafill_scene::{PlannedRegion, SceneTexture};
 use terrafill_texture::{
@@ -192,7 +194,7 @@ impl TexturedPlan {
                 RouteChoice::Route(route) => (route, forced(route)),
                 RouteChoice::Chosen => {
                     let demand = sight.demand(map, &texture, scene_texture);
-                    chosen(&chooser, &demand)
+                    chosen_once(&chooser, &demand)
                         .ok_or_else(|| refuse(named("none is finite".to_owned()), "plain"))?
                 }
             };
@@ -279,6 +281,30 @@ impl TexturedPlan {
 
 /// Routes that a row names as left out: beyond those nobody reads on.
 const LEFT_OUT_NAMED: usize = 5;
+
+/// What [`chosen`] said, by the demand as written, which tells apart what differs in the last bit.
+/// Choosing for a planet of islands takes seconds, and a bench asks the same for every case of a view.
+static KNOWN: Mutex<BTreeMap<String, Option<(CoordinateRoute, RouteNote)>>> =
+    Mutex::new(BTreeMap::new());
+
+/// Demands remembered: those of a dozen views of a planet, a kilobyte each.
+const MOST_KNOWN: usize = 2048;
+
+/// [`chosen`] by the default candidates.
+fn chosen_once(chooser: &Chooser, demand: &Demand) -> Option<(CoordinateRoute, RouteNote)> {
+    let key = format!("{demand:?}");
+    let lock = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(known) = lock().get(&key) {
+        return known.clone();
+    }
+    let found = chosen(chooser, demand);
+    let mut known = lock();
+    if known.len() >= MOST_KNOWN {
+        known.clear();
+    }
+    known.insert(key, found.clone());
+    found
+}
 
 fn chosen(chooser: &Chooser, demand: &Demand) -> Option<(CoordinateRoute, RouteNote)> {
     let choice = chooser.choose(demand);

@@ -388,13 +388,146 @@ fn a_run_without_them_has_none_of_these_chapters() {
     let row = timed(&run, &case, "", 10.0);
     run.append_summary(&row).expect("a row");
     let html = report(&run);
-    for id in ["ladder", "pairs", "matrix", "memory", "exponent"] {
+    for id in [
+        "ladder", "pairs", "matrix", "memory", "exponent", "textured",
+    ] {
         assert!(!html.contains(&format!("<h2 id=\"{id}\">")), "{id}");
     }
     assert!(
         html.contains("<table class=\"cases\">"),
         "a row of no role is listed"
     );
+}
+
+const NATIVE: &str = "doubled,texture=atan2-native+bowring-1";
+const CHOSEN: &str = "doubled,texture=chosen";
+
+/// Plain, chosen and native fills that take these times; the reader of the report wants to know why.
+fn textured(folder: &Path, times: [f64; 3]) -> RunFolder {
+    let of = |variant: &str| key("california", "top-down", "vertex", variant);
+    let keys = ["doubled", CHOSEN, NATIVE].map(of);
+    let run = start(folder, &keys, &[]);
+    for (key, ms) in keys.iter().zip(times) {
+        let role = match key.variant.as_str() {
+            "doubled" => "main",
+            _ => "texture",
+        };
+        let mut row = timed(&run, key, role, ms);
+        if role == "texture" {
+            row.texture_route = "gnomonic-3 (1 region, computed ≤ 1.000e1 m, 0.010 texels); \
+                                 cheaper ones left out: gnomonic-1: 3.00 texels of 0.5"
+                .to_owned();
+            row.texel_rms = Some(0.0625);
+            row.texel_max = Some(0.125);
+            row.texel_non_finite = Some(0);
+            row.texel_compared_px = Some(4_321);
+        }
+        run.append_summary(&row).expect("a row");
+    }
+    run
+}
+
+#[test]
+fn textured_fill_is_held_against_plain_fill_and_the_document() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let html = report(&textured(folder.path(), [10.0, 12.0, 30.0]));
+    let chapter = section(&html, "textured");
+    for cell in [
+        "3.00 × [3.00–3.00]",
+        "1.20 × [1.20–1.20]",
+        "2.50 × [2.50–2.50]",
+    ] {
+        assert!(chapter.contains(&format!("<td>{cell}</td>")), "{cell}");
+    }
+    let standings = |chapter: &str| {
+        ["holds", "does-not", "cannot-tell"]
+            .map(|class| chapter.matches(&format!("<b class=\"{class}\">")).count())
+    };
+    assert_eq!(standings(chapter), [3, 0, 0], "{chapter}");
+    for text in [
+        "0.0625",
+        "0.125",
+        "4\u{202f}321",
+        "gnomonic-1: 3.00 texels of 0.5",
+    ] {
+        assert!(chapter.contains(text), "{text}");
+    }
+    // Textured fills stand in their chapter, not among the layouts.
+    assert!(!section(&html, "california").contains("texture=chosen"));
+    // Three of six comparisons were not made: they are named, and are no 0.
+    assert_eq!(chapter.matches("<td>–</td>").count(), 3 + 1 + 5 + 2);
+    assert!(chapter.contains("in the same rounds, for a picture each ÷ one for all"));
+
+    // Twin: other times, other answers.
+    let folder = tempfile::tempdir().expect("a folder");
+    let html = report(&textured(folder.path(), [10.0, 20.0, 20.0]));
+    assert_eq!(standings(section(&html, "textured")), [0, 3, 0]);
+}
+
+#[test]
+fn a_wrong_textured_fill_has_no_time_and_what_is_absent_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = textured(folder.path(), [10.0, 12.0, 30.0]);
+    let mut wrong = drawn(
+        &key("california", "top-down", "vertex", CHOSEN),
+        "texture",
+        "m",
+        "i",
+    );
+    wrong.status = Status::Wrong;
+    wrong.reason = "RMS error 0.900 texels, allowed 0.25".to_owned();
+    wrong.samples = 8;
+    wrong.texel_rms = Some(0.9);
+    run.append_summary(&wrong).expect("the last row counts");
+    let html = report(&run);
+    let chapter = section(&html, "textured");
+    assert!(!chapter.contains("2.50 ×"), "a wrong fill is never fast");
+    assert!(chapter.contains(
+        "<li>california/top-down/vertex/doubled,texture=chosen: wrong: RMS error 0.900 texels, \
+         allowed 0.25</li>"
+    ));
+    assert!(chapter.contains("<b class=\"cannot-tell\">not measured</b>"));
+
+    let mut skipped = wrong.clone();
+    skipped.status = Status::Skipped;
+    skipped.reason =
+        "texture: found chosen for a scene without a picture, allowed: plain".to_owned();
+    run.append_summary(&skipped).expect("the last row counts");
+    let html = report(&run);
+    assert!(section(&html, "textured").contains("skipped: texture: found chosen for a scene"));
+}
+
+#[test]
+fn pictures_of_a_textured_fill_are_shown_or_missed_by_name() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = textured(folder.path(), [10.0, 12.0, 30.0]);
+    let key = key("california", "top-down", "vertex", CHOSEN);
+    let mut row = drawn(&key, "texture", "m", "i");
+    row.samples = 8;
+    row.texel_compared_px = Some(1);
+    row.colour_max = Some(3);
+    row.colour_mean = Some(0.5);
+    for (cell, name) in [
+        (&mut row.reference_image, "images/a.png"),
+        (&mut row.image, "images/b.png"),
+        (&mut row.difference_image, "images/c.png"),
+    ] {
+        *cell = name.to_owned();
+        image::RgbImage::from_pixel(8, 4, image::Rgb([1, 2, 3]))
+            .save(folder.path().join(name))
+            .expect("a picture");
+    }
+    run.append_summary(&row).expect("the last row counts");
+    let html = report(&run);
+    let chapter = section(&html, "textured");
+    assert_eq!(chapter.matches("<img ").count(), 3);
+    assert!(chapter.contains("colours differ by 0.500 of 255 on average, 3 at most"));
+    // Twin: a picture that is gone is named, and the others do not pass for the row's.
+    fs::remove_file(folder.path().join("images/b.png")).expect("there");
+    let html = report(&run);
+    let chapter = section(&html, "textured");
+    assert_eq!(chapter.matches("<img ").count(), 0);
+    assert!(chapter.contains("could not be shown: california, top-down: images/b.png"));
 }
 
 /// Rows of a sweep through the cap step: coarser is faster by as much as asked.
