@@ -219,7 +219,7 @@ fn complaints(view: &View, seen: &Picture) -> Vec<&'static str> {
                 seen.changes_along_image_edge == 0,
                 "the region is not wholly in view",
             ),
-            (seen.largest > 0.02, "the region is a speck"),
+            (seen.largest > 0.01, "the region is a speck"),
         ],
         "edge-1m5" | "edge-50m" | "along-50m" => vec![
             (
