@@ -219,7 +219,7 @@ fn complaints(view: &View, seen: &Picture) -> Vec<&'static str> {
                 seen.changes_along_image_edge == 0,
                 "the region is not wholly in view",
             ),
-            (seen.largest > 0.02, "the region is a speck"),
+            (seen.largest > 0.01, "the region is a speck"),
         ],
         "edge-1m5" | "edge-50m" | "along-50m" => vec![
             (
@@ -397,7 +397,7 @@ fn views_of_squares_that_break_their_promise_are_noticed() {
             "height_m = 500\nheading_deg = 0",
         ),
         // A corner in view, no edge in view, and the horizon where none is promised.
-        ("square-10m", "height_m = 1.5", "height_m = 15"),
+        ("square-10m", "height_m = 1.5", "height_m = 4"),
         (
             "square-200km",
             "height_m = 1.5\nheading_deg = 340",
