@@ -188,6 +188,8 @@ struct Adapter {
     limits: vk::PhysicalDeviceLimits,
     features: vk::PhysicalDeviceFeatures,
     queue_family: Option<u32>,
+    /// Attachments need not be stored.
+    has_no_store: bool,
     facts: DeviceFacts,
 }
 
@@ -246,6 +248,7 @@ impl Adapter {
             limits: plain.limits,
             features,
             queue_family: family.map(|(index, _)| index),
+            has_no_store: plain.api_version >= vk::API_VERSION_1_3,
             facts: DeviceFacts {
                 name: text(plain.device_name_as_c_str()),
                 device_type: device_type.name(),
@@ -320,7 +323,7 @@ impl Gpu {
         let device = unsafe { api.instance.create_device(adapter.raw, &info, None) }
             .map_err(|error| failure(error, "device", 0))?;
         let made = Queue::new(&device, family).and_then(|queue| {
-            Fixtures::new(&device)
+            Fixtures::new(&device, adapter.has_no_store)
                 .inspect_err(|_| queue.destroy(&device))
                 .map(|fixtures| (queue, fixtures))
         });

@@ -64,7 +64,8 @@ fn fill_index(clears_stencil: bool, has_colour: bool) -> usize {
 }
 
 impl Fixtures {
-    pub(crate) fn new(device: &ash::Device) -> Result<Self, BackendError> {
+    /// - `has_no_store`: the device knows `VK_ATTACHMENT_STORE_OP_NONE` (Vulkan 1.3)
+    pub(crate) fn new(device: &ash::Device, has_no_store: bool) -> Result<Self, BackendError> {
         // Null handles may be destroyed, so that whatever was made until an error goes again.
         let mut fixtures = Self {
             surface: vk::RenderPass::null(),
@@ -79,7 +80,7 @@ impl Fixtures {
             image_set_layouts: [vk::DescriptorSetLayout::null(); 2],
             textured_layouts: [vk::PipelineLayout::null(); 3],
         };
-        match fixtures.fill_in(device) {
+        match fixtures.fill_in(device, has_no_store) {
             Ok(()) => Ok(fixtures),
             Err(error) => {
                 fixtures.destroy(device);
@@ -88,7 +89,7 @@ impl Fixtures {
         }
     }
 
-    fn fill_in(&mut self, device: &ash::Device) -> Result<(), vk::Result> {
+    fn fill_in(&mut self, device: &ash::Device, has_no_store: bool) -> Result<(), vk::Result> {
         self.surface = surface_pass(device)?;
         self.numbers = number_pass(device)?;
         for clears in [false, true] {
@@ -96,9 +97,10 @@ impl Fixtures {
                 self.fills[fill_index(clears, has_colour)] = fill_pass(device, clears, has_colour)?;
             }
         }
-        self.textured = textured_pass(device)?;
+        let read = read_depth_attachment(has_no_store);
+        self.textured = textured_pass(device, read)?;
         for clears in [false, true] {
-            self.probes[usize::from(clears)] = probe_pass(device, clears)?;
+            self.probes[usize::from(clears)] = probe_pass(device, read, clears)?;
         }
         let both = vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT;
         let entry = |binding, kind, stages| {
@@ -229,6 +231,18 @@ fn depth_attachment() -> vk::AttachmentDescription {
         .stencil_store_op(vk::AttachmentStoreOp::STORE)
 }
 
+/// Depth and stencil of a pass that writes neither, in which shaders read depth. A store counts as a
+/// write after those reads, whatever it leaves unchanged; so there is none, where the device knows how.
+fn read_depth_attachment(has_no_store: bool) -> vk::AttachmentDescription {
+    let kept = depth_attachment();
+    if has_no_store {
+        kept.store_op(vk::AttachmentStoreOp::NONE)
+            .stencil_store_op(vk::AttachmentStoreOp::NONE)
+    } else {
+        kept
+    }
+}
+
 fn surface_pass(device: &ash::Device) -> Result<vk::RenderPass, vk::Result> {
     let attachments = [
         colour_attachment()
@@ -244,12 +258,19 @@ fn surface_pass(device: &ash::Device) -> Result<vk::RenderPass, vk::Result> {
 }
 
 /// Neither depth nor stencil is written, and shaders read depth.
-fn textured_pass(device: &ash::Device) -> Result<vk::RenderPass, vk::Result> {
-    let attachments = [colour_attachment(), depth_attachment()];
+fn textured_pass(
+    device: &ash::Device,
+    depth: vk::AttachmentDescription,
+) -> Result<vk::RenderPass, vk::Result> {
+    let attachments = [colour_attachment(), depth];
     render_pass(device, &attachments, DEPTH_READ_ONLY, true)
 }
 
-fn probe_pass(device: &ash::Device, clears: bool) -> Result<vk::RenderPass, vk::Result> {
+fn probe_pass(
+    device: &ash::Device,
+    depth: vk::AttachmentDescription,
+    clears: bool,
+) -> Result<vk::RenderPass, vk::Result> {
     let kept = colour_attachment().format(PROBE_FORMAT);
     let probed = if clears {
         kept.load_op(vk::AttachmentLoadOp::CLEAR)
@@ -257,7 +278,7 @@ fn probe_pass(device: &ash::Device, clears: bool) -> Result<vk::RenderPass, vk::
     } else {
         kept
     };
-    let attachments = [probed, probed, depth_attachment()];
+    let attachments = [probed, probed, depth];
     render_pass(device, &attachments, DEPTH_READ_ONLY, true)
 }
 
@@ -342,12 +363,21 @@ fn render_pass(
         .src_access_mask(vk::AccessFlags::COLOR_ATTACHMENT_WRITE)
         .dst_stage_mask(vk::PipelineStageFlags::FRAGMENT_SHADER)
         .dst_access_mask(vk::AccessFlags::SHADER_READ);
+    // What was read is stored over by later passes.
+    let after_reading = vk::SubpassDependency::default()
+        .src_subpass(0)
+        .dst_subpass(vk::SUBPASS_EXTERNAL)
+        .src_stage_mask(vk::PipelineStageFlags::FRAGMENT_SHADER)
+        .src_access_mask(vk::AccessFlags::SHADER_READ)
+        .dst_stage_mask(stages)
+        .dst_access_mask(vk::AccessFlags::DEPTH_STENCIL_ATTACHMENT_WRITE);
     // Passes of fills must agree in their dependencies to be compatible; only numbers are read.
     let is_read = attachments
         .iter()
         .any(|attachment| attachment.final_layout == vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
-    let dependencies = [before, after];
-    let dependencies = &dependencies[..1 + usize::from(is_read)];
+    let later = if reads_depth { after_reading } else { after };
+    let dependencies = [before, later];
+    let dependencies = &dependencies[..1 + usize::from(is_read || reads_depth)];
     let info = vk::RenderPassCreateInfo::default()
         .attachments(attachments)
         .subpasses(&subpasses)

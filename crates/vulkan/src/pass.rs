@@ -393,6 +393,7 @@ impl<'a> PassRecorder<'a, '_> {
             self.refuse("a textured cover of a region without constants");
             return false;
         };
+        self.ensure_scissor();
         let point = vk::PipelineBindPoint::GRAPHICS;
         let (device, commands) = (&gpu.device, self.fill.commands);
         if pipeline.raw != self.bound.pipeline {
@@ -445,15 +446,7 @@ impl<'a> PassRecorder<'a, '_> {
             self.refuse("depth bounds are tested and not set");
             return false;
         }
-        if self.bound.scissor.is_none() {
-            let extent = self.fill.targets.area().extent;
-            self.scissor(PixelRect {
-                left: 0,
-                top: 0,
-                right: extent.width,
-                bottom: extent.height,
-            });
-        }
+        self.ensure_scissor();
         if state.bindings.set() != self.bound.set && !self.bind_constants(state.bindings) {
             return false;
         }
@@ -464,6 +457,19 @@ impl<'a> PassRecorder<'a, '_> {
                 false
             }
             None => true,
+        }
+    }
+
+    /// The whole image, unless draws were cut to something.
+    fn ensure_scissor(&mut self) {
+        if self.bound.scissor.is_none() {
+            let extent = self.fill.targets.area().extent;
+            self.scissor(PixelRect {
+                left: 0,
+                top: 0,
+                right: extent.width,
+                bottom: extent.height,
+            });
         }
     }
 
