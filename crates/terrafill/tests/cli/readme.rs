@@ -32,16 +32,16 @@ fn clone() -> Desk {
 }
 
 /// Runs a line in a shell that finds the program first in its path. Runs of the bench are cut to a
-/// moment by a small picture, one frame, and no ladder and matrix where the line asks for none; all
-/// else is as written.
+/// moment by a small picture, one frame, no numerical suite, and no ladder and matrix where the line
+/// asks for none; all else is as written.
 fn run_line(desk: &Desk, line: &str) -> Result<(), String> {
     let program = Path::new(env!("CARGO_BIN_EXE_terrafill"));
     let folder = program.parent().expect("a folder").display();
     let path = std::env::var("PATH").unwrap_or_default();
     let is_bench = line.starts_with("terrafill bench");
     let haste = match is_bench {
-        true if line.contains("--matrix") => " --size 48 --frames 1",
-        true => " --size 48 --frames 1 --ladder none --matrix none",
+        true if line.contains("--matrix") => " --size 48 --frames 1 --no-precision",
+        true => " --size 48 --frames 1 --ladder none --matrix none --no-precision",
         false => "",
     };
     let ran = ran(Command::new("sh")
