@@ -11,7 +11,6 @@ mod drawing;
 use drawing::{Devices, Stages, checks, differing, figures, judge, shipped, sights, with_colour};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::Arc;
 use terrafill_bench::{BenchOptions, Technique, group_cases, open_scene};
 use terrafill_conformance::verdict;
 use terrafill_frame::{ColourWay, FrameInput, PositionFormat, Switches};

@@ -143,6 +143,9 @@ fn shipped(name: &str) -> Option<(Scene, PreparedScene)> {
     Some((scene, prepared))
 }
 
+/// Makes a backend on the given targets.
+type Maker<'a> = &'a dyn Fn(&SharedStage) -> Box<dyn VolumeBackend>;
+
 #[test]
 fn shipped_scenes_show_their_picture_where_the_reference_does() {
     let Some(gpu) = open_for_test(&GpuOptions::default()) else {
@@ -478,8 +481,7 @@ fn a_plain_fill_knows_nothing_of_the_scenes_picture() {
         };
         let by_vertex = |stage: &SharedStage| vertex(stage, Layout::Doubled, plain);
         let by_compute = |stage: &SharedStage| compute(stage, plain);
-        let makers: [&dyn Fn(&SharedStage) -> Box<dyn VolumeBackend>; 2] =
-            [&by_vertex, &by_compute];
+        let makers: [Maker<'_>; 2] = [&by_vertex, &by_compute];
         for make in makers {
             let (with, without) = (used(&dressed, make), used(&bare, make));
             assert_eq!(with, without, "{colour:?}");
