@@ -229,7 +229,7 @@ mod tests {
     #[test]
     fn two_floats_keep_what_one_loses_and_only_in_the_right_order() {
         let eye = DVec3::new(4_120_345.678_9, 731_234.567_8, 4_801_234.543_2);
-        let offset = DVec3::new(3.141_592_653, -2.718_281_828, 1.414_213_562);
+        let offset = DVec3::new(3.276_543_211, -2.612_345_678, 1.398_765_432);
         let [vertex_parts, eye_parts] = [two_float(eye + offset), two_float(eye)];
         let error = |found: Vec3| (found.as_dvec3() - offset).abs().max_element();
         let right = error(two_float_difference_m(vertex_parts, eye_parts));
