@@ -437,7 +437,9 @@ impl<'a> GroupRun<'a> {
         };
         match self.textured_references.pictures(input, frame, &picture) {
             Ok(pictures) => {
-                let write = |name: &str, rgb: &[u8]| write_cut_out(folder, name, size, rgb);
+                let write = |name: &str, rgb: &[u8]| {
+                    write_cut_out(folder, name, size, pictures.centre, rgb)
+                };
                 probe.image = write(&format!("{stem}_cut"), &pictures.found)?;
                 probe.difference_image = write(&format!("{stem}_cut_x10"), &pictures.difference)?;
                 let reference = format!("{stem}_cut_reference");

@@ -208,6 +208,7 @@ impl TexturedReferences {
             &frame.ids,
             &reference.rgb,
             found,
+            input.size.width as usize,
         ))
     }
 }
@@ -221,11 +222,13 @@ pub(crate) struct Pictures {
     /// no pixel was.
     pub(crate) largest: Option<u64>,
     pub(crate) mean: Option<f64>,
+    /// Column and row of the middle of the pixels compared.
+    pub(crate) centre: [usize; 2],
 }
 
 impl Pictures {
     /// Pixels count that both fill with the same region: `expected` and `ids` say with which.
-    fn new(expected: &[u32], ids: &[u32], reference: &[u8], found: Vec<u8>) -> Self {
+    fn new(expected: &[u32], ids: &[u32], reference: &[u8], found: Vec<u8>, width: usize) -> Self {
         let mut difference = Vec::with_capacity(found.len());
         let (mut largest, mut sum, mut count) = (0, 0_u64, 0_u64);
         let pixels = reference.chunks_exact(3).zip(found.chunks_exact(3));
@@ -248,20 +251,34 @@ impl Pictures {
             found,
             reference: reference.to_vec(),
             difference,
+            centre: centre(expected, ids, width),
             largest: is_compared.then_some(u64::from(largest)),
             mean: is_compared.then(|| sum as f64 / count as f64),
         }
     }
 }
 
-/// The middle of an RGB picture, at most [`CUT_OUT_PX`] a side.
-pub(crate) fn cut_out(size: ImageSize, rgb: &[u8]) -> (ImageSize, Vec<u8>) {
+/// Mean column and row of the pixels that both fill with the same region.
+fn centre(expected: &[u32], ids: &[u32], width: usize) -> [usize; 2] {
+    let alike = (0..ids.len()).filter(|&at| ids[at] != NO_REGION && ids[at] == expected[at]);
+    let (count, columns, rows) = alike.fold((0, 0, 0), |(count, columns, rows), at| {
+        (count + 1, columns + at % width, rows + at / width)
+    });
+    [columns, rows].map(|sum| sum / count.max(1))
+}
+
+/// Part of an RGB picture round `centre`, at most [`CUT_OUT_PX`] a side.
+pub(crate) fn cut_out(size: ImageSize, centre: [usize; 2], rgb: &[u8]) -> (ImageSize, Vec<u8>) {
     let smaller = ImageSize {
         width: size.width.min(CUT_OUT_PX),
         height: size.height.min(CUT_OUT_PX),
     };
-    let left = ((size.width - smaller.width) / 2) as usize;
-    let top = ((size.height - smaller.height) / 2) as usize;
+    let start = |centre: usize, whole: u32, part: u32| {
+        let furthest = (whole - part) as usize;
+        centre.saturating_sub(part as usize / 2).min(furthest)
+    };
+    let left = start(centre[0], size.width, smaller.width);
+    let top = start(centre[1], size.height, smaller.height);
     let rows = rgb.chunks_exact(3 * size.width as usize);
     let cut = rows
         .skip(top)
@@ -283,9 +300,10 @@ pub(crate) fn write_cut_out(
     folder: &std::path::Path,
     name: &str,
     size: ImageSize,
+    centre: [usize; 2],
     rgb: &[u8],
 ) -> Result<String, BenchError> {
-    let (size, rgb) = cut_out(size, rgb);
+    let (size, rgb) = cut_out(size, centre, rgb);
     crate::images::write_rgb(folder, name, size, &rgb)
 }
 
@@ -349,7 +367,7 @@ mod tests {
         found[4] = 101;
         found[6] = 0;
         found[9] = 0;
-        let pictures = Pictures::new(&[1, 1, 1, 0], &[1, 1, 2, 0], &reference, found.clone());
+        let pictures = Pictures::new(&[1, 1, 1, 0], &[1, 1, 2, 0], &reference, found.clone(), 2);
         assert_eq!(pictures.difference[..6], [0, 0, 0, 0, 10, 0]);
         assert_eq!(
             pictures.difference[6..],
@@ -361,14 +379,16 @@ mod tests {
         );
         // Twins: a difference that the third pixel has counts once it is the same region; with none
         // alike there is no figure, which is not 0.
-        let alike = Pictures::new(&[1, 1, 2, 0], &[1, 1, 2, 0], &reference, found.clone());
+        let alike = Pictures::new(&[1, 1, 2, 0], &[1, 1, 2, 0], &reference, found.clone(), 2);
         assert_eq!(alike.largest, Some(100));
-        let none = Pictures::new(&[1; 4], &[2; 4], &reference, found);
+        let none = Pictures::new(&[1; 4], &[2; 4], &reference, found, 2);
         assert_eq!((none.largest, none.mean), (None, None));
     }
 
     #[test]
-    fn a_cut_out_is_the_middle() {
+    fn a_cut_out_lies_round_what_is_filled() {
+        assert_eq!(centre(&[0, 1, 0, 1], &[0, 1, 0, 1], 2), [1, 0]);
+        assert_eq!(centre(&[0, 0, 2, 2], &[0, 0, 1, 2], 2), [1, 1]);
         let size = ImageSize {
             width: CUT_OUT_PX + 2,
             height: 3,
@@ -376,15 +396,18 @@ mod tests {
         let mut rgb = vec![0; 3 * size.pixel_count()];
         rgb[..3].fill(1);
         rgb[3..6].fill(2);
-        let (cut, pixels) = cut_out(size, &rgb);
+        let (cut, pixels) = cut_out(size, [CUT_OUT_PX as usize / 2 + 1, 1], &rgb);
         assert_eq!((cut.width, cut.height), (CUT_OUT_PX, 3));
         assert_eq!(pixels.len(), 3 * cut.pixel_count());
         assert_eq!(pixels[..3], [2; 3], "a column is cut off on the left");
+        // At a rim it stays inside.
+        let (cut, pixels) = cut_out(size, [0, 2], &rgb);
+        assert_eq!((cut.width, pixels[..3].to_vec()), (CUT_OUT_PX, vec![1; 3]));
         // One that is small enough stays whole.
         let small = ImageSize {
             width: 2,
             height: 1,
         };
-        assert_eq!(cut_out(small, &[7; 6]), (small, vec![7; 6]));
+        assert_eq!(cut_out(small, [1, 0], &[7; 6]), (small, vec![7; 6]));
     }
 }

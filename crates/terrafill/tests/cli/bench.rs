@@ -47,7 +47,7 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
         .run(&[&QUICK[..], &["--frames", "2"]].concat())
         .succeeded();
     assert!(
-        text.starts_with("21 right, 0 wrong, 0 failed, 0 skipped"),
+        text.starts_with("23 right, 0 wrong, 0 failed, 0 skipped"),
         "{text}"
     );
     assert!(text.ends_with("report: run/report.html\n"), "{text}");
@@ -81,6 +81,11 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
         ] {
             expected.insert(format!("california/{view}/{technique}"));
         }
+    }
+    for route in ["chosen", "atan2-native+bowring-1"] {
+        expected.insert(format!(
+            "california/top-down/vertex/doubled,texture={route}"
+        ));
     }
     assert_eq!(cases, expected);
     assert_eq!(rows(&desk, "run/samples.csv").len(), 2 * expected.len());
@@ -158,8 +163,8 @@ fn a_folder_without_a_run_has_no_report_and_cannot_be_resumed() {
 
 /// Frames of each case in the run that is killed: a few seconds of work on a software driver.
 const FRAMES: u32 = 120;
-/// Cases of the run: three views of two full-screen passes and two layouts.
-const CASES: usize = 27;
+/// Cases of the run: three views of two full-screen passes and seven techniques, and two textured fills.
+const CASES: usize = 29;
 
 fn long_run(desk: &Desk, more: &[&str]) -> std::process::Command {
     let frames = FRAMES.to_string();
@@ -276,7 +281,7 @@ fn a_killed_run_is_reported_and_resumed_without_measuring_anything_twice() {
 
     let text = ran_to_the_end(&desk);
     assert!(
-        text.starts_with("21 right, 0 wrong, 0 failed, 0 skipped"),
+        text.starts_with("23 right, 0 wrong, 0 failed, 0 skipped"),
         "{text}"
     );
     let all = desk.read("run/samples.csv");
