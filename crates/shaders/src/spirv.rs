@@ -227,7 +227,7 @@ mod tests {
     #[test]
     fn an_override_changes_the_code() {
         let with = |value| {
-            let constants = [("POSITIONS_ARE_LOCAL_F32", value)];
+            let constants = [("POSITIONS", value)];
             let path = "vertex/doubled.wgsl";
             wgsl_to_spirv(path, SpirvStage::Vertex, "vertex_main", &constants).expect("valid")
         };
