@@ -49,6 +49,9 @@ override ENDS_AT_EDGES: bool = false;
 // Whether a vector of length 1 is normalised once more, for its price to be measured (Cozzi, 2007).
 override NORMALIZES_TWICE: bool = false;
 
+// Whether no pixel of the region spans more than a texel: its level is 0 without looking.
+override IS_MAGNIFIED: bool = false;
+
 @vertex
 fn vertex_main(@builtin(vertex_index) vertex_index: u32) -> @builtin(position) vec4<f32> {
     let x = f32(i32(vertex_index & 1u) * 4 - 1);
@@ -133,6 +136,7 @@ struct Found {
 };
 
 // Everything up to the sampling of the picture: what the probe writes is what the colour pass uses.
+// Only the level is computed by every probe, so that one that is not 0 in a magnified region shows.
 fn find(pixel: vec2<f32>) -> Found {
     let depth = textureLoad(surface_depth, vec2<i32>(pixel), 0);
     // The cleared depth is no surface. The stencil keeps such pixels out, and so does this should it
@@ -142,8 +146,11 @@ fn find(pixel: vec2<f32>) -> Found {
     }
     let offset_m = offset_of(pixel, depth);
     let angles = angles_of(offset_m);
-    let steps = angles_per_pixel(offset_m, depth);
     let distance_m = length(offset_m - textured.eye_m);
+    if IS_MAGNIFIED {
+        return Found(Place(uv_of(angles), 0.0, 0.0, 0.0), distance_m);
+    }
+    let steps = angles_per_pixel(offset_m, depth);
     return Found(place(angles, steps, distance_m), distance_m);
 }
 
@@ -152,8 +159,14 @@ fn is_outside(uv: vec2<f32>) -> bool {
 }
 
 // IEC 61966-2-1: the sampler gives linear light, the target holds what a screen is sent.
+//
+// Instead of the standard's 1.055 x^(1/2.4) − 0.055 the cubic in y = x^(1/4) that is nearest to it
+// between the join and 1: 0.055 levels of 255 off at most. It alternates there five times between
+// that error and its opposite, by which a test knows it (Chebyshev), and two square roots cost less
+// than a power.
 fn srgb_of_linear(linear: vec3<f32>) -> vec3<f32> {
-    let curved = 1.055 * pow(linear, vec3<f32>(1.0 / 2.4)) - 0.055;
+    let y = sqrt(sqrt(linear));
+    let curved = ((-0.13682347 * y + 0.9525713) * y + 0.25579907) * y - 0.07176167;
     return select(curved, linear * 12.92, linear <= vec3<f32>(0.0031308));
 }
 

@@ -12,6 +12,7 @@ mod batches;
 mod clock;
 mod constants;
 mod fixed_point;
+mod footprint;
 mod frame;
 mod geometry;
 mod input;

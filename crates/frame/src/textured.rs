@@ -6,6 +6,7 @@
 //! anchors, the chosen routes with their residuals, and what a shader reads, rounded last. The
 //! layout is that of `TexturedRegion` in `texture/cover.wgsl`; a test holds the two together.
 
+use crate::footprint::is_magnified;
 use crate::{
     AddressMode, FrameInput, PlannedTexture, SwitchError, TextureCoordinates, TexturePixel,
 };
@@ -110,6 +111,9 @@ pub struct TexturedCover {
     pub position_constants: Vec<[f32; 4]>,
     /// Constants of the coordinate route.
     pub route_constants: Vec<[f32; 4]>,
+    /// Whether no pixel of it spans more than a texel of the picture, by a bound: the level of detail
+    /// is 0 everywhere, and the shader need not look for it.
+    pub is_magnified: bool,
 }
 
 impl TexturedCover {
@@ -205,6 +209,13 @@ impl TexturedPlan {
                 region: fixed_part(input, &view, &map, &texture, &sight, planned.region),
                 position_constants: position.constants(&view, &map),
                 route_constants: route.constants(&map),
+                is_magnified: is_magnified(
+                    input,
+                    planned,
+                    &texture,
+                    scene_texture.image.size_px(),
+                    sight.farthest_m,
+                ),
             });
         }
         notes.sort_by_key(|note| std::cmp::Reverse(note.regions));

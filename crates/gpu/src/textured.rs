@@ -40,6 +40,7 @@ struct CoverKey {
     purpose: CoverPurpose,
     ends_at_edges: bool,
     fades: bool,
+    is_magnified: bool,
     blends: bool,
 }
 
@@ -271,6 +272,7 @@ impl TexturedFill {
             purpose,
             ends_at_edges: colours && cover.ends_at_edges(),
             fades: colours && cover.texture.fade_m.is_some(),
+            is_magnified: colours && cover.is_magnified,
             blends: colours && (cover.is_translucent() || !self.images_are_opaque),
         };
         Some((key, cover))
@@ -389,6 +391,7 @@ impl TexturedFill {
         let constants = [
             ("FADES", f64::from(u8::from(key.fades))),
             ("ENDS_AT_EDGES", f64::from(u8::from(key.ends_at_edges))),
+            ("IS_MAGNIFIED", f64::from(u8::from(key.is_magnified))),
             (
                 "NORMALIZES_TWICE",
                 f64::from(u8::from(self.normalizes_twice)),

@@ -653,6 +653,52 @@ fn no_seam_runs_along_the_antimeridian() {
 }
 
 #[test]
+fn a_magnified_region_looks_the_same_without_looking_for_levels() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let mut kinds = [0; 2];
+    for (height_m, pitch_deg) in [
+        (1e3, -90.0),
+        (1e5, -90.0),
+        (1e5, -60.0),
+        (1e5, -20.0),
+        (5e5, -90.0),
+        (1e6, -90.0),
+    ] {
+        let sight = Sight::new(
+            "closer",
+            eye(10.0, 45.0, height_m, pitch_deg),
+            bounds(8.0, 43.0, 12.0, 47.0),
+            TexturePlacement::Extents,
+        );
+        let mut plan = plan_of(&sight.input, "chosen");
+        let is_magnified = plan.covers[0].is_magnified;
+        let said = draw(&gpu, &sight.input, &plan).expect("draws");
+        plan.covers[0].is_magnified = !is_magnified;
+        let other = draw(&gpu, &sight.input, &plan).expect("draws");
+        // The probe looks for the level in either.
+        assert_eq!(said.probed, other.probed);
+        let places = said.probed.iter().flatten().map(|probed| probed.place);
+        let largest = places.fold(0.0, |largest: f64, at| largest.max(at.footprint_texels));
+        let told = format!("{height_m} m, {pitch_deg}°: {largest} texels");
+        eprintln!("{told}, magnified: {is_magnified}");
+        kinds[usize::from(is_magnified)] += 1;
+        if is_magnified {
+            assert!(largest < 1.0, "{told}");
+            assert_eq!(said.rgba, other.rgba, "{told}");
+        } else if largest > 2.0 {
+            // Twin: level 0 where a pixel spans more than its texels shows.
+            assert_ne!(said.rgba, other.rgba, "{told}");
+        }
+        // The bound says so of what is looked at from straight above, well before it is so.
+        let is_plain = pitch_deg == -90.0 && largest < 0.5;
+        assert!(is_magnified || !is_plain, "{told}");
+    }
+    assert!(kinds.iter().all(|&count| count >= 2), "{kinds:?}");
+}
+
+#[test]
 fn cleared_depth_never_reaches_the_map() {
     let Some(gpu) = open_for_test(&GpuOptions::default()) else {
         return;

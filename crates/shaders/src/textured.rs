@@ -190,4 +190,62 @@ mod tests {
         wrong.route.wgsl = wrong.route.wgsl.replace("route_angles", "angles");
         assert!(wrong.region_layout().is_err(), "no such function");
     }
+
+    /// The coefficients of y³, y², y and 1 in `srgb_of_linear`, as the shader has them.
+    fn encoding_coefficients() -> Vec<f64> {
+        let cover = PARTS.iter().find(|source| source.path == TEXTURED_COVER);
+        let text = cover.expect("embedded").text;
+        let line = text.lines().find(|line| line.contains("let curved ="));
+        let (_, right) = line.expect("there").split_once('=').expect("a definition");
+        let spaced = right.replace("- ", "-");
+        let numbers = spaced.split(|c: char| !(c.is_ascii_digit() || ".-".contains(c)));
+        numbers.filter_map(|number| number.parse().ok()).collect()
+    }
+
+    /// Extremes of the encoding's error between the standard's join and 1, in levels of 255.
+    fn extremes(coefficients: &[f64]) -> Vec<f64> {
+        const STEPS: i32 = 20_000;
+        let error = |step: i32| {
+            let join = 0.003_130_8_f64.powf(0.25);
+            let y = join + (1.0 - join) * f64::from(step) / f64::from(STEPS);
+            let fitted = coefficients.iter().fold(0.0, |sum, c| sum * y + c);
+            255.0 * (fitted - (1.055 * y.powf(4.0 / 2.4) - 0.055))
+        };
+        let is_extreme = |&step: &i32| {
+            let [before, here, after] = [step - 1, step, step + 1].map(error);
+            let is_end = step == 0 || step == STEPS;
+            is_end || (here - before) * (after - here) <= 0.0
+        };
+        (0..=STEPS).filter(is_extreme).map(error).collect()
+    }
+
+    /// A polynomial of degree n is the one with the least largest error if and only if the error
+    /// takes that size n + 2 times with alternating signs (Chebyshev; the condition that Remez's
+    /// exchange ends at).
+    fn is_best(coefficients: &[f64]) -> bool {
+        let found = extremes(coefficients);
+        let largest = found.iter().copied().map(f64::abs).fold(0.0, f64::max);
+        found.len() == coefficients.len() + 1
+            && found.iter().all(|error| error.abs() > 0.99 * largest)
+            && found.windows(2).all(|pair| pair[0] * pair[1] < 0.0)
+    }
+
+    #[test]
+    fn the_screens_encoding_is_the_best_cubic_and_near_enough() {
+        let coefficients = encoding_coefficients();
+        assert_eq!(coefficients.len(), 4, "{coefficients:?}");
+        let found = extremes(&coefficients);
+        assert!(found.iter().all(|error| error.abs() < 0.056), "{found:?}");
+        assert!(is_best(&coefficients), "{found:?}");
+        // Twins: each coefficient a five-thousandth beside.
+        for i in 0..4 {
+            let mut wrong = coefficients.clone();
+            wrong[i] += 2e-4;
+            assert!(!is_best(&wrong), "{i}");
+            assert!(
+                extremes(&wrong).iter().any(|error| error.abs() > 0.056),
+                "{i}"
+            );
+        }
+    }
 }
