@@ -180,17 +180,20 @@ pub(crate) fn pieces_as_compared(rule: EdgeRule, ring: &Ring) -> Vec<Piece> {
     match rule {
         EdgeRule::Planar => planar_pieces(ring),
         // Arcs are compared by their normals, for which all turns are one.
-        EdgeRule::GreatEllipse => ring
-            .edges_deg()
-            .enumerate()
-            .map(|(vertex, (start, end))| Piece {
-                start,
-                end,
+        EdgeRule::GreatEllipse => (0..ring.vertices_deg().len())
+            .map(|vertex| Piece {
+                start: as_written(ring, vertex),
+                end: as_written(ring, (vertex + 1) % ring.vertices_deg().len()),
                 vertex,
                 turns: 0.0,
             })
             .collect(),
     }
+}
+
+fn as_written(ring: &Ring, vertex: usize) -> Degrees {
+    let [_, latitude] = ring.vertices_deg()[vertex];
+    [ring.written_longitude_deg(vertex), latitude]
 }
 
 /// A place on a piece as its file would write it.
@@ -250,22 +253,26 @@ type Insertion = (usize, Along, Degrees);
 
 fn with_insertions(ring: &Ring, insertions: &[Insertion]) -> Ring {
     let mut waiting = insertions.iter().peekable();
-    let mut vertices = Vec::with_capacity(ring.vertices_deg().len() + insertions.len());
+    // With their longitudes as the file has them.
+    let mut vertices: Vec<(Degrees, f64)> =
+        Vec::with_capacity(ring.vertices_deg().len() + insertions.len());
     for (vertex, start) in ring.vertices_deg().iter().enumerate() {
-        vertices.push(*start);
+        vertices.push((*start, ring.written_longitude_deg(vertex)));
         while let Some((_, _, at)) = waiting.next_if(|insertion| insertion.0 == vertex) {
-            vertices.push(*at);
+            vertices.push((*at, at[0]));
         }
     }
     // Rounding may put a crossing on the end of its edge.
-    vertices.dedup();
+    vertices.dedup_by_key(|(position, _)| *position);
     let winding_deg = ring.winding_deg();
+    let ([west, first_latitude], _) = vertices[0];
     while vertices.len() > 1
-        && vertices[vertices.len() - 1] == [vertices[0][0] + winding_deg, vertices[0][1]]
+        && vertices[vertices.len() - 1].0 == [west + winding_deg, first_latitude]
     {
         vertices.pop();
     }
-    Ring::from_checked(vertices, winding_deg)
+    let (vertices, written) = vertices.into_iter().unzip();
+    Ring::from_checked(vertices, winding_deg).with_written_longitudes(written)
 }
 
 /// A box that holds the edge, in degrees or in unit normals.

@@ -564,8 +564,8 @@ impl Reader {
         if !(closed || ends_one_turn_on) {
             self.normalised.open_rings += 1;
         }
-        let winding_deg = if turns == 0 {
-            0.0
+        let (winding_deg, written) = if turns == 0 {
+            (0.0, Vec::new())
         } else {
             unroll(&mut positions, &mut file_vertices)
         };
@@ -579,7 +579,9 @@ impl Reader {
             self.problem(None, RegionProblemKind::TooFewVertices { found, required });
             return None;
         }
-        let ring = Ring::from_checked(positions, winding_deg).with_file_vertices(file_vertices);
+        let ring = Ring::from_checked(positions, winding_deg)
+            .with_file_vertices(file_vertices)
+            .with_written_longitudes(written);
         self.normalised.long_edges += ring
             .edges_deg()
             .filter(|(start, end)| {
@@ -645,9 +647,11 @@ fn net_jumps(positions: &[[f64; 2]]) -> isize {
 }
 
 /// Shifts what follows each jump by one turn, drops the position that this repeats, and returns how
-/// far from the start the ring ends. The same positions are dropped from `file_vertices`.
-fn unroll(positions: &mut Vec<[f64; 2]>, file_vertices: &mut Vec<usize>) -> f64 {
+/// far from the start the ring ends, and the longitudes before they were shifted. The same positions
+/// are dropped from `file_vertices`.
+fn unroll(positions: &mut Vec<[f64; 2]>, file_vertices: &mut Vec<usize>) -> (f64, Vec<f64>) {
     let mut offset = 0.0;
+    let mut written: Vec<f64> = Vec::with_capacity(positions.len());
     let mut unrolled: Vec<[f64; 2]> = Vec::with_capacity(positions.len());
     let mut kept: Vec<usize> = Vec::with_capacity(positions.len());
     let next = positions.iter().cycle().skip(1);
@@ -657,8 +661,12 @@ fn unroll(positions: &mut Vec<[f64; 2]>, file_vertices: &mut Vec<usize>) -> f64 
         if after_jump {
             // The edge to come starts from the position that repeats the one before the jump.
             kept.pop();
+            if let Some(kept) = written.last_mut() {
+                *kept = nearer_spelling(*kept, start[0]);
+            }
         } else {
             unrolled.push([start[0] + offset, start[1]]);
+            written.push(start[0]);
         }
         kept.push(file_vertex);
         let turns = jump(*start, *end);
@@ -669,10 +677,21 @@ fn unroll(positions: &mut Vec<[f64; 2]>, file_vertices: &mut Vec<usize>) -> f64 
         // The closing edge was the jump: the first position repeats the last.
         unrolled.pop();
         kept.pop();
+        if let Some(last) = written.pop()
+            && let Some(first) = written.first_mut()
+        {
+            *first = nearer_spelling(*first, last);
+        }
     }
     *positions = unrolled;
     *file_vertices = kept;
-    offset
+    (offset, written)
+}
+
+/// Of a place's longitudes on either side of a jump, the one that a ring in the other direction
+/// keeps as well: a turn apart to the nearest number, they may be a last bit apart on the body.
+fn nearer_spelling(a: f64, b: f64) -> f64 {
+    if b.abs() < a.abs() { b } else { a }
 }
 
 /// Number of distinct positions, counting no further than 3.

@@ -324,12 +324,14 @@ fn goes_round(rule: EdgeRule, ring: &Ring) -> bool {
 
 /// The ring with the kept vertices only.
 fn thinned(ring: &RingVertices<'_>, kept: &[bool]) -> Ring {
+    let written = (0..ring.vertices.len()).map(|k| ring.ring.written_longitude_deg(k));
     let stays = ring.vertices.iter().zip(ring.ring.vertices_deg());
-    let vertices = stays
-        .filter(|(vertex, _)| kept[**vertex as usize])
-        .map(|(_, position)| *position)
-        .collect();
-    Ring::from_checked(vertices, ring.ring.winding_deg())
+    let (vertices, written) = stays
+        .zip(written)
+        .filter(|((vertex, _), _)| kept[**vertex as usize])
+        .map(|((_, position), written)| (*position, written))
+        .unzip();
+    Ring::from_checked(vertices, ring.ring.winding_deg()).with_written_longitudes(written)
 }
 
 /// Of the original vertices that edge `edge` of the simplified ring stands for, the one farthest

@@ -448,11 +448,12 @@ pub(crate) fn planar_pieces(ring: &Ring) -> Vec<Piece> {
         return pieces;
     }
     let turns = (ring.winding_deg() / 360.0).round();
-    for (vertex, start) in vertices.iter().enumerate() {
-        let start = Turned::new(*start, 0.0);
-        let end = match vertices.get(vertex + 1) {
-            Some(end) => Turned::new(*end, 0.0),
-            None => Turned::new(vertices[0], turns),
+    for vertex in 0..vertices.len() {
+        let start = Turned::of_vertex(ring, vertex, 0.0);
+        let end = if vertex + 1 < vertices.len() {
+            Turned::of_vertex(ring, vertex + 1, 0.0)
+        } else {
+            Turned::of_vertex(ring, 0, turns)
         };
         let first = pieces.len();
         if end.is_west_of(&start) {
@@ -495,6 +496,13 @@ impl Turned {
             degrees: [longitude, position[1]],
             turns: turns + extra_turns,
         }
+    }
+
+    fn of_vertex(ring: &Ring, vertex: usize, extra_turns: f64) -> Self {
+        let [longitude, latitude] = ring.vertices_deg()[vertex];
+        let written = ring.written_longitude_deg(vertex);
+        let shifted_by = ((longitude - written) / 360.0).round();
+        Self::new([written, latitude], extra_turns + shifted_by)
     }
 
     fn is_west_of(&self, other: &Self) -> bool {
@@ -546,10 +554,8 @@ fn cut_planar(mut west: Turned, mut east: Turned, vertex: usize, pieces: &mut Ve
 }
 
 fn great_ellipse_pieces(ring: &Ring) -> Result<Vec<Piece>, Vec<usize>> {
-    let vertices: Vec<Degrees> = ring
-        .vertices_deg()
-        .iter()
-        .map(|vertex| Turned::new(*vertex, 0.0).degrees)
+    let vertices: Vec<Degrees> = (0..ring.vertices_deg().len())
+        .map(|vertex| Turned::of_vertex(ring, vertex, 0.0).degrees)
         .collect();
     let mut pieces: Vec<Piece> = Vec::with_capacity(vertices.len());
     let mut opposite = Vec::new();
@@ -832,6 +838,44 @@ mod tests {
         };
         assert_eq!(cuts(&a).len(), 2);
         assert_eq!(cuts(&a), cuts(&b));
+    }
+
+    #[test]
+    fn which_vertices_are_turned_moves_none_by_a_bit() {
+        let ring = [
+            [-180.0, 10.1],
+            [-0.3, 20.7],
+            [8e-5, 15.0],
+            [77.7, -3.0],
+            [180.0, 10.1],
+        ];
+        let mut reversed = ring;
+        reversed.reverse();
+        let mut rotated = ring;
+        rotated.rotate_left(2);
+        let read = |ring: [Degrees; 5]| {
+            let text = format!(r#"{{"type":"Polygon","coordinates":[{ring:?}]}}"#);
+            let mut regions = crate::parse_regions(text.as_bytes(), "ring").expect("valid");
+            regions.remove(0).polygons.remove(0).shell
+        };
+        for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
+            let longitudes = |ring: &Ring| {
+                let pieces = ring_pieces(rule, ring).expect("no opposite ends");
+                let ends = pieces.iter().flat_map(|piece| [piece.start, piece.end]);
+                let mut off: Vec<f64> = ends.map(|[x, _]| x).filter(|x| x.abs() < 180.0).collect();
+                off.sort_by(f64::total_cmp);
+                off
+            };
+            let expected = [-0.3, -0.3, 8e-5, 8e-5, 77.7, 77.7];
+            for ring in [ring, reversed, rotated] {
+                let ring = read(ring);
+                assert_eq!(ring.winding_deg().abs(), 360.0);
+                assert_eq!(longitudes(&ring), expected, "{rule:?}");
+            }
+            // Twin: without their longitudes in the file they are moved.
+            let forgotten = Ring::from_checked(read(rotated).vertices_deg().to_vec(), 360.0);
+            assert_ne!(longitudes(&forgotten), expected);
+        }
     }
 
     #[test]

@@ -48,9 +48,11 @@ pub struct Ring {
     winding_deg: f64,
     /// Position in the file of each vertex, ascending; empty where no position was dropped.
     file_vertices: Vec<usize>,
+    /// Longitude in the file of each vertex; empty where none was shifted by a turn.
+    written_longitudes_deg: Vec<f64>,
 }
 
-/// Where in its file a ring's vertices stand is no part of what it is.
+/// Where in its file a ring's vertices stand is no part of what it is, nor in which turn.
 impl PartialEq for Ring {
     fn eq(&self, other: &Self) -> bool {
         self.vertices_deg == other.vertices_deg && self.winding_deg == other.winding_deg
@@ -64,6 +66,7 @@ impl Ring {
             vertices_deg,
             winding_deg,
             file_vertices: Vec::new(),
+            written_longitudes_deg: Vec::new(),
         }
     }
 
@@ -74,6 +77,28 @@ impl Ring {
             file_vertices,
             ..self
         }
+    }
+
+    /// With the longitude in the file of each vertex; none if none was shifted.
+    pub(crate) fn with_written_longitudes(self, written_longitudes_deg: Vec<f64>) -> Self {
+        debug_assert!(
+            written_longitudes_deg.is_empty()
+                || written_longitudes_deg.len() == self.vertices_deg.len()
+        );
+        Self {
+            written_longitudes_deg,
+            ..self
+        }
+    }
+
+    /// A vertex's longitude to the last bit, in whichever turn the file has it.
+    ///
+    /// A whole turn cannot be added without rounding, and which vertices one is added to depends on
+    /// where the ring starts and which way it goes. What a place on the body is taken from must
+    /// not: of a ring that goes there and back over a pole, one last bit makes a lune.
+    pub(crate) fn written_longitude_deg(&self, vertex: usize) -> f64 {
+        let written = self.written_longitudes_deg.get(vertex).copied();
+        written.unwrap_or_else(|| self.vertices_deg[vertex][0])
     }
 
     /// Position in the file's ring, from 0, of a vertex: repeated ones are not among the vertices

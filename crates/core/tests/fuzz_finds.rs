@@ -337,3 +337,45 @@ fn an_arc_that_is_cut_at_the_antimeridian_a_rounding_from_the_pole_goes_over_the
         assert!(error.abs() < 1e-9, "{third}: {error}");
     }
 }
+
+#[test]
+fn a_ring_there_and_back_over_a_pole_encloses_nothing_either_way() {
+    // It goes round the axis, and read from the other end the turns were added to its other
+    // vertices. That cost their last bits: one way it had no area, the other way it was a lune.
+    let body = Ellipsoid::SATURN_LIKE;
+    let options = MeshOptions {
+        boundary_tolerance_m: 378_675.012_093_099_3,
+        cap_step_deg: 30.0,
+    };
+    let build = |rings: &[&[[f64; 2]]]| {
+        let polygons: Vec<_> = rings.iter().map(|ring| [ring]).collect();
+        let region = region(&format!("{polygons:?}"));
+        RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options)
+    };
+    let mut first = [
+        [-180.0, -33.000_08],
+        [0.0, -33.000_07],
+        [180.0, -33.000_08],
+        [180.0, -33.000_05],
+        [-180.0, -33.000_05],
+    ];
+    let mut second = [
+        [-180.000_08, -33.000_119_999_999_995],
+        [-8e-5, -33.000_11],
+        [179.999_92, -33.000_119_999_999_995],
+        [179.999_92, -33.000_09],
+        [-180.000_08, -33.000_09],
+    ];
+    for _ in 0..2 {
+        for rings in [&[&second[..]][..], &[&first[..], &second[..]]] {
+            let error = build(rings).err();
+            assert!(matches!(error, Some(MeshError::NoArea { .. })), "{error:?}");
+        }
+        first.reverse();
+        second.reverse();
+    }
+    // Twin: one last bit further east, there and back are two meridians.
+    second[2][0] = second[2][0].next_up();
+    let lune = build(&[&second]).expect("meshes");
+    assert!(lune.area_m2 > 1.0, "{} m²", lune.area_m2);
+}

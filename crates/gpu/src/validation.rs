@@ -27,6 +27,20 @@ static MESSAGES: Mutex<Vec<ValidationMessage>> = Mutex::new(Vec::new());
 /// Message id that [`make_deliberate_error`] must bring about.
 pub const POSITIVE_CONTROL: &str = "VUID-VkBufferCreateInfo-size-00912";
 
+/// Id given to synchronisation messages about depth that a pass attaches read-only and its fragment
+/// shaders read as well. wgpu-hal 30 ends every such pass with the store operation `STORE`, which
+/// counts as a write though the bits are those that were loaded; Vulkan 1.3 has `STORE_OP_NONE` for it,
+/// and wgpu no way to ask for that. Where the project speaks to Vulkan itself the same message would be
+/// a fault of its own, so the id says who is meant.
+const STORES_READ_ONLY_DEPTH: &str = "wgpu-stores-read-only-depth";
+
+/// Parts of the layer's sentence about it.
+const STORE_AFTER_READ: [&str; 3] = [
+    "depth aspect during store with storeOp VK_ATTACHMENT_STORE_OP_STORE",
+    "usage: SYNC_LATE_FRAGMENT_TESTS_DEPTH_STENCIL_ATTACHMENT_WRITE",
+    "prior_usage: SYNC_FRAGMENT_SHADER_SHADER_SAMPLED_READ",
+];
+
 /// Messages so far in this process.
 #[must_use]
 pub fn messages() -> Vec<ValidationMessage> {
@@ -94,6 +108,10 @@ fn parse(text: &str, level: log::Level) -> Option<ValidationMessage> {
     }
     let (head, body) = text.split_once('\n')?;
     let id = head.split_once('[')?.1.split_once(" (0x")?.0;
+    let is_store = STORE_AFTER_READ.iter().all(|part| body.contains(part));
+    if id == "SYNC-HAZARD-WRITE-AFTER-READ" && is_store {
+        return message(STORES_READ_ONLY_DEPTH, body);
+    }
     message(id, body)
 }
 
@@ -156,6 +174,21 @@ mod tests {
         assert_eq!(message.id, POSITIVE_CONTROL);
         assert_eq!(message.severity, "ERROR");
         assert_eq!(message.text, "Validation Error: bad");
+    }
+
+    #[test]
+    fn stores_of_read_only_depth_are_told_from_other_hazards() {
+        let hazard = |body: &str| {
+            let text = format!("VALIDATION [SYNC-HAZARD-WRITE-AFTER-READ (0x376bc9df)]\n\t{body}");
+            parse(&text, log::Level::Error).expect("has an id").id
+        };
+        let body = STORE_AFTER_READ.join(" ");
+        assert_eq!(hazard(&body), STORES_READ_ONLY_DEPTH);
+        // Twins: a store that clears, a write of another stage, a copy that read.
+        for part in STORE_AFTER_READ {
+            let other = hazard(&body.replace(part, "something else"));
+            assert_eq!(other, "SYNC-HAZARD-WRITE-AFTER-READ");
+        }
     }
 
     #[test]
