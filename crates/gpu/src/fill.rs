@@ -16,7 +16,7 @@ use std::sync::Arc;
 use terrafill_core::RegionMesh;
 use terrafill_frame::{
     BackendError, Capabilities, Counters, CpuStopwatch, FillPass, FillProgram, FillStep, Frame,
-    FrameInput, FrameTimes, NO_REGION, Picture, Switches, VolumeDraw, VolumeState, WorkDone,
+    FrameInput, FrameTimes, Picture, Switches, VolumeDraw, VolumeState, WorkDone,
 };
 
 /// Volumes of a backend, as the passes of a fill draw them.
@@ -378,17 +378,11 @@ impl VolumeFill {
         };
         self.fill(&self.stage.borrow(), volumes, input, recording)?;
         let probed = probe.read(&gpu)?;
-        let places: Vec<_> = probed.iter().map(|at| at.map(|at| at.place)).collect();
-        let wrong = places.iter().flatten().filter(|place| !place.is_finite());
         let plan = self.textured.as_ref().and_then(Textured::plan);
-        Ok(Frame {
-            ids: probed
-                .iter()
-                .map(|at| at.map_or(NO_REGION, |at| at.id))
-                .collect(),
-            non_finite: plain.non_finite + wrong.count() as u64,
-            texture: plan.map(|plan| plan.coordinates(input, places)),
-            ..plain
+        // What was drawn was planned.
+        Ok(match plan {
+            Some(plan) => plan.frame(input, plain, &probed),
+            None => plain,
         })
     }
 

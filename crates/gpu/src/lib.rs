@@ -34,7 +34,7 @@ pub use evaluate::{
 pub use fill::{VolumeFill, Volumes};
 pub use readback::read_buffer;
 pub use stage::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, SharedStage, Stage};
-pub use textured::{BoundCover, CoverPurpose, Probe, Probed, TexturedFill};
+pub use textured::{BoundCover, CoverPurpose, Probe, TexturedFill};
 pub use timing::{PassTimer, Stamps, TimedPass};
 pub use validation::{POSITIVE_CONTROL, ValidationMessage, make_deliberate_error, messages};
 pub use volume_pass::VolumePass;

@@ -3,8 +3,7 @@
 //! of longitude and latitude. Group 3 of a textured cover.
 
 use crate::Gpu;
-use terrafill_frame::BackendError;
-use terrafill_texture::{CubeTexture, Filter, LookupTable, Program, TexelFormat};
+use terrafill_frame::{BackendError, RouteTexelFormat, RouteTexels, TexturedCover};
 
 /// A route's texture, bound.
 #[derive(Debug)]
@@ -16,68 +15,58 @@ pub(crate) struct RouteTable {
 }
 
 impl RouteTable {
-    /// The table of `program`; `None` if it reads none.
+    /// The table that a cover's route reads; `None` if it reads none.
     ///
     /// # Errors
     /// [`BackendError::Unsupported`] when the device lacks the format or its filtering.
-    pub(crate) fn new(gpu: &Gpu, program: &Program) -> Result<Option<Self>, BackendError> {
-        if let Some(table) = program.table() {
-            return Self::lookup(gpu, table).map(Some);
-        }
-        program.cube().map(|cube| Self::cube(gpu, cube)).transpose()
+    pub(crate) fn new(gpu: &Gpu, cover: &TexturedCover) -> Result<Option<Self>, BackendError> {
+        let table = |texels| Self::upload(gpu, &texels);
+        cover.route_texels().map(table).transpose()
     }
 
-    fn lookup(gpu: &Gpu, table: &LookupTable) -> Result<Self, BackendError> {
-        let format = match table.format() {
-            TexelFormat::R8Unorm => wgpu::TextureFormat::R8Unorm,
-            TexelFormat::R16Unorm => wgpu::TextureFormat::R16Unorm,
-            TexelFormat::R16Float => wgpu::TextureFormat::R16Float,
-            TexelFormat::R32Float => wgpu::TextureFormat::R32Float,
+    fn upload(gpu: &Gpu, texels: &RouteTexels) -> Result<Self, BackendError> {
+        let format = match texels.format {
+            RouteTexelFormat::R8Unorm => wgpu::TextureFormat::R8Unorm,
+            RouteTexelFormat::R16Unorm => wgpu::TextureFormat::R16Unorm,
+            RouteTexelFormat::R16Float => wgpu::TextureFormat::R16Float,
+            RouteTexelFormat::R32Float => wgpu::TextureFormat::R32Float,
+            RouteTexelFormat::Rg32Float => wgpu::TextureFormat::Rg32Float,
         };
         if format == wgpu::TextureFormat::R16Unorm {
             let needed = wgpu::Features::TEXTURE_FORMAT_16BIT_NORM;
             require(gpu, needed, "textures of 16-bit fractions")?;
         }
-        let is_sampled = table.filter() == Filter::Linear;
-        if is_sampled && format == wgpu::TextureFormat::R32Float {
+        let is_wide = [RouteTexelFormat::R32Float, RouteTexelFormat::Rg32Float];
+        if texels.is_filtered && is_wide.contains(&texels.format) {
             let needed = wgpu::Features::FLOAT32_FILTERABLE;
             require(gpu, needed, "filtering of 32-bit floats")?;
         }
-        let size = wgpu::Extent3d {
-            width: u32::try_from(table.texels()).unwrap_or(u32::MAX),
-            height: 1,
-            depth_or_array_layers: 1,
+        let (faces, dimension) = if texels.is_cube {
+            (6, wgpu::TextureViewDimension::Cube)
+        } else {
+            (1, wgpu::TextureViewDimension::D2)
         };
-        let bytes = table.bytes();
-        let texture = upload(gpu, format, size, &bytes);
-        let view = texture.create_view(&Default::default());
-        Ok(Self::bound(gpu, &view, bytes.len() as u64, is_sampled))
-    }
-
-    fn cube(gpu: &Gpu, cube: &CubeTexture) -> Result<Self, BackendError> {
-        let needed = wgpu::Features::FLOAT32_FILTERABLE;
-        require(gpu, needed, "filtering of 32-bit floats")?;
         let size = wgpu::Extent3d {
-            width: cube.size(),
-            height: cube.size(),
-            depth_or_array_layers: 6,
+            width: texels.size[0],
+            height: texels.size[1],
+            depth_or_array_layers: faces,
         };
-        let faces: Vec<[f32; 2]> = (0..6).flat_map(|face| cube.face(face)).collect();
-        let bytes = bytemuck::cast_slice(&faces);
-        let texture = upload(gpu, wgpu::TextureFormat::Rg32Float, size, bytes);
+        let texture = upload(gpu, format, size, &texels.bytes);
         let view = texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::Cube),
+            dimension: Some(dimension),
             ..Default::default()
         });
-        let layout_view = wgpu::TextureViewDimension::Cube;
-        Ok(Self::bound_as(gpu, &view, cube.bytes(), layout_view, true))
+        let bytes = texels.bytes.len() as u64;
+        Ok(Self::bound(
+            gpu,
+            &view,
+            bytes,
+            dimension,
+            texels.is_filtered,
+        ))
     }
 
-    fn bound(gpu: &Gpu, view: &wgpu::TextureView, bytes: u64, is_sampled: bool) -> Self {
-        Self::bound_as(gpu, view, bytes, wgpu::TextureViewDimension::D2, is_sampled)
-    }
-
-    fn bound_as(
+    fn bound(
         gpu: &Gpu,
         view: &wgpu::TextureView,
         bytes: u64,

@@ -14,7 +14,7 @@ use crate::{Gpu, Stage};
 use std::collections::HashMap;
 use std::sync::Arc;
 use terrafill_frame::{
-    AddressMode, BackendError, FrameInput, RouteChoice, StencilTest, Switches, TexturePixel,
+    AddressMode, BackendError, FrameInput, Probed, RouteChoice, StencilTest, Switches,
     TexturedCover, TexturedPlan,
 };
 use terrafill_scene::{ImageSize, MipChain, MipLevel, PlannedRegion, SceneTexture, TextureShare};
@@ -174,7 +174,8 @@ impl TexturedFill {
             self.ensure_image_group(gpu, (cover.texture.image, cover.texture.address));
         }
         let alignment = gpu.device.limits().min_uniform_buffer_offset_alignment;
-        let (written, stride) = constants_of(plan, alignment);
+        let (written, stride) = plan.aligned_constants(alignment as usize);
+        let stride = u32::try_from(stride).unwrap_or(u32::MAX);
         let there = self.view.take();
         let (constants, bind_group) = match there {
             Some(view) if (view.written.len(), view.stride) == (written.len(), stride) => {
@@ -302,7 +303,7 @@ impl TexturedFill {
                 label: Some(TEXTURED_COVER),
                 source: wgpu::ShaderSource::Wgsl(composed.into()),
             });
-        let table = RouteTable::new(gpu, &cover.route.program())?;
+        let table = RouteTable::new(gpu, cover)?;
         let groups: Vec<_> = self
             .bindings
             .iter()
@@ -519,15 +520,6 @@ pub struct Probe {
     textures: [wgpu::Texture; 2],
 }
 
-/// What the probe found at a pixel.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Probed {
-    /// Index of the region, and 1.
-    pub id: u32,
-    /// Where its texels come from.
-    pub place: TexturePixel,
-}
-
 impl Probe {
     /// Targets as large as the image.
     #[must_use]
@@ -568,30 +560,9 @@ impl Probe {
             let bytes = read_texture(gpu, texture, wgpu::TextureAspect::All)?;
             Ok(bytemuck::pod_collect_to_vec(&bytes))
         };
-        let (places, sizes) = (read(&self.textures[0])?, read(&self.textures[1])?);
-        let probed = |(place, size): ([f32; 4], [f32; 4])| {
-            // Cleared to 0, which is no region's id.
-            let id = region_id(place[3])?;
-            let place = TexturePixel {
-                uv: [place[0], place[1]].map(f64::from),
-                pattern_level: f64::from(size[0]),
-                footprint_texels: f64::from(size[1]),
-                level: f64::from(place[2]),
-                distance_m: f64::from(size[2]),
-            };
-            Some(Probed { id, place })
-        };
-        Ok(places.into_iter().zip(sizes).map(probed).collect())
+        let [places, sizes] = &self.textures;
+        Ok(Probed::of_targets(&read(places)?, &read(sizes)?))
     }
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "ids are whole and below 2²⁴"
-)]
-fn region_id(stored: f32) -> Option<u32> {
-    (stored > 0.0).then_some(stored as u32)
 }
 
 fn sampled(mode: AddressMode) -> wgpu::AddressMode {
@@ -603,21 +574,13 @@ fn sampled(mode: AddressMode) -> wgpu::AddressMode {
 
 /// The shader of one cover; what tells it from the others of its plan is its route.
 fn parts(plan: &TexturedPlan, cover: &TexturedCover) -> TexturedParts {
-    let program = cover.route.program();
-    let mut wgsl = String::new();
-    if let Some(table) = program.table() {
-        wgsl += &table.declarations(3, 0);
-    }
-    if let Some(cube) = program.cube() {
-        wgsl += &cube.declarations(3, 0);
-    }
     TexturedParts {
         position: RouteText {
-            wgsl: plan.position.wgsl(&plan.depth),
+            wgsl: plan.position_wgsl(),
             constants: cover.position_constants.len(),
         },
         route: RouteText {
-            wgsl: wgsl + &program.wgsl(),
+            wgsl: cover.route_wgsl(),
             constants: cover.route_constants.len(),
         },
         placement: match cover.texture.pattern {
@@ -625,31 +588,6 @@ fn parts(plan: &TexturedPlan, cover: &TexturedCover) -> TexturedParts {
             None => TexturedPlacement::Affine,
         },
     }
-}
-
-/// All regions' constants, each at a multiple of the stride that comes with them: as long as the
-/// longest, and aligned.
-fn constants_of(plan: &TexturedPlan, alignment: u32) -> (Vec<[f32; 4]>, u32) {
-    let constants = plan.covers.iter().map(|cover| {
-        let mut all = bytemuck::cast_slice(&[cover.region]).to_vec();
-        for constants in [&cover.position_constants, &cover.route_constants] {
-            all.extend_from_slice(constants);
-            // A shader's array is never empty: see `TexturedParts::compose`.
-            all.resize(all.len() + usize::from(constants.is_empty()), [0.0; 4]);
-        }
-        all
-    });
-    let constants: Vec<Vec<[f32; 4]>> = constants.collect();
-    let vectors = constants.iter().map(Vec::len).max().unwrap_or(1);
-    let stride = (vectors * 16).next_multiple_of(alignment.max(16) as usize);
-    let padded = constants.into_iter().flat_map(|mut region| {
-        region.resize(stride / 16, [0.0; 4]);
-        region
-    });
-    let mut written: Vec<[f32; 4]> = padded.collect();
-    // A binding may not be empty.
-    written.resize(written.len().max(stride / 16), [0.0; 4]);
-    (written, u32::try_from(stride).unwrap_or(u32::MAX))
 }
 
 fn picture(gpu: &Gpu, image: &MipChain) -> wgpu::Texture {

@@ -7,11 +7,11 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Geodetic, parse_regions};
 use terrafill_frame::{
-    AddressMode, BackendError, FrameInput, PreparedScene, RouteChoice, StencilTest, TexturedPlan,
-    TexturedRegion,
+    AddressMode, BackendError, FrameInput, PreparedScene, Probed, RouteChoice, StencilTest,
+    TexturedPlan, TexturedRegion,
 };
 use terrafill_gpu::{
-    BoundCover, CoverPurpose, Gpu, GpuOptions, Probe, Probed, Stage, TexturedFill, open_for_test,
+    BoundCover, CoverPurpose, Gpu, GpuOptions, Probe, Stage, TexturedFill, open_for_test,
 };
 use terrafill_scene::{
     CameraPose, ImageSize, MipChain, Outside, Overlap, PixelRect, PlanOptions, PlannedRegion,
