@@ -346,6 +346,7 @@ impl<'a> GroupRun<'a> {
                     Verdict::Pass => Vec::new(),
                     Verdict::Fail(reasons) => reasons,
                 };
+                let is_mask_right = reasons.is_empty();
                 if is_textured(&case.technique) {
                     let (errors, objections) = self.textured_references.judge(input, &frame);
                     probe.texture_errors = errors;
@@ -356,6 +357,18 @@ impl<'a> GroupRun<'a> {
                     false => Status::Wrong,
                 });
                 probe.reason = reasons.join("; ");
+                if let Some(errors) = probe.texture_errors
+                    && is_mask_right
+                    && is_all_silhouette(&errors)
+                {
+                    // Nothing speaks against the texels, and nothing for them: not a pass.
+                    probe.status = Some(Status::Skipped);
+                    probe.reason = format!(
+                        "all {} filled pixels lie at a silhouette: no texel to judge at this size",
+                        errors.silhouette_px
+                    );
+                    probe.texture_errors = None;
+                }
                 probe.figures = Some(figures);
             }
             Err(error) => {
@@ -634,9 +647,49 @@ fn sample(key: &CaseKey, frame: u32, surface_gpu_ms: Option<f64>, times: &FrameT
     }
 }
 
+/// Whether every texel of a picture was left out of the comparison because a silhouette is near, as in
+/// a very small image.
+fn is_all_silhouette(errors: &TextureErrors) -> bool {
+    let TextureErrors {
+        compared_px,
+        silhouette_px,
+        missing_px,
+        non_finite,
+        ..
+    } = *errors;
+    (compared_px, missing_px, non_finite) == (0, 0, 0) && silhouette_px > 0
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn texels_that_are_all_at_silhouettes_are_no_verdict() {
+        let all = TextureErrors {
+            silhouette_px: 12,
+            ..TextureErrors::default()
+        };
+        assert!(is_all_silhouette(&all));
+        // Twins: no pixel at all, one without coordinates, one that is not finite, one compared.
+        for other in [
+            TextureErrors::default(),
+            TextureErrors {
+                missing_px: 1,
+                ..all
+            },
+            TextureErrors {
+                non_finite: 1,
+                ..all
+            },
+            TextureErrors {
+                compared_px: 1,
+                ..all
+            },
+        ] {
+            assert!(!is_all_silhouette(&other), "{other:?}");
+        }
+    }
 
     #[test]
     fn each_round_measures_every_case_once_and_the_order_changes() {
