@@ -525,20 +525,8 @@ impl Probe {
     #[must_use]
     pub fn new(gpu: &Gpu, size: ImageSize) -> Self {
         let target = |label| {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d {
-                    width: size.width,
-                    height: size.height,
-                    depth_or_array_layers: 1,
-                },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: PROBE_FORMAT,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-                view_formats: &[],
-            })
+            let usage = wgpu::TextureUsages::COPY_SRC;
+            crate::stage::target(gpu, size, label, PROBE_FORMAT, usage)
         };
         Self {
             textures: [target("probed places"), target("probed sizes")],
