@@ -302,40 +302,15 @@ fn bits(value: Vec3) -> IVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::by_hand::{circle_deg, mesh};
     use crate::{VertexSize, Walls};
-    use terrafill_core::{Ellipsoid, Extent, Geodetic};
 
     /// A fan of `count` boundary vertices around one interior vertex.
     fn disc(count: u32) -> RegionMesh {
-        let body = Ellipsoid::WGS84;
-        let place = |i: u32| {
-            let angle = f64::from(i) / f64::from(count) * std::f64::consts::TAU;
-            [10.0 + angle.cos(), 50.0 + angle.sin()]
-        };
-        let mut vertices_deg: Vec<_> = (0..count).map(place).collect();
+        let mut vertices_deg = circle_deg(count, 1.0);
         vertices_deg.push([10.0, 50.0]);
-        RegionMesh {
-            region_index: 0,
-            name: "disc".to_owned(),
-            vertices_ecef: vertices_deg
-                .iter()
-                .map(|d| body.geodetic_to_ecef(Geodetic::from_degrees(d[0], d[1], 0.0)))
-                .collect(),
-            vertices_deg,
-            triangles: (0..count).map(|i| [i, (i + 1) % count, count]).collect(),
-            boundary_loops: vec![(0..count).collect()],
-            holes: 0,
-            area_m2: 1.0,
-            extent: Extent {
-                west_deg: 9.0,
-                south_deg: 49.0,
-                east_deg: 11.0,
-                north_deg: 51.0,
-            },
-            boundary_deviation_m: 0.0,
-            cap_sagitta_m: 1000.0,
-            warnings: Vec::new(),
-        }
+        let fan = (0..count).map(|i| [i, (i + 1) % count, count]).collect();
+        mesh(vertices_deg, fan, vec![(0..count).collect()])
     }
 
     /// Every way to store geometry.
