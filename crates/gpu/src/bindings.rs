@@ -13,24 +13,13 @@ impl Gpu {
         visibility: wgpu::ShaderStages,
         types: &[wgpu::BufferBindingType],
     ) -> wgpu::BindGroupLayout {
-        let entries: Vec<_> = (0..)
-            .zip(types)
-            .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry {
-                binding,
-                visibility,
-                ty: wgpu::BindingType::Buffer {
-                    ty,
-                    has_dynamic_offset: false,
-                    min_binding_size: None,
-                },
-                count: None,
-            })
-            .collect();
-        let descriptor = wgpu::BindGroupLayoutDescriptor {
-            label: Some(label),
-            entries: &entries,
+        let whole = |&ty: &_| wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset: false,
+            min_binding_size: None,
         };
-        self.device.create_bind_group_layout(&descriptor)
+        let types: Vec<_> = types.iter().map(whole).collect();
+        self.layout(label, visibility, &types)
     }
 
     /// Whole buffers in a layout of [`Gpu::buffer_layout`].
@@ -77,11 +66,20 @@ impl Gpu {
         label: &str,
         types: &[wgpu::BindingType],
     ) -> wgpu::BindGroupLayout {
+        self.layout(label, wgpu::ShaderStages::FRAGMENT, types)
+    }
+
+    fn layout(
+        &self,
+        label: &str,
+        visibility: wgpu::ShaderStages,
+        types: &[wgpu::BindingType],
+    ) -> wgpu::BindGroupLayout {
         let entries: Vec<_> = (0..)
             .zip(types)
             .map(|(binding, &ty)| wgpu::BindGroupLayoutEntry {
                 binding,
-                visibility: wgpu::ShaderStages::FRAGMENT,
+                visibility,
                 ty,
                 count: None,
             })

@@ -356,6 +356,11 @@ fn every_view_shows_what_its_name_promises() {
     }
 }
 
+fn breaks_a_promise(scene: &Scene) -> bool {
+    let mut views = scene.views.iter();
+    views.any(|view| !complaints(view, &picture(scene, view)).is_empty())
+}
+
 #[test]
 fn views_that_break_their_promise_are_noticed() {
     // Twin of the test above: each change below must draw a complaint.
@@ -374,11 +379,7 @@ fn views_that_break_their_promise_are_noticed() {
         let changed = text.replacen(from, to, 1);
         assert_ne!(text, changed, "{from} is not in the scene");
         let scene = Scene::from_toml(&changed, "california.toml", None).expect("a valid scene");
-        let noticed = scene
-            .views
-            .iter()
-            .any(|view| !complaints(view, &picture(&scene, view)).is_empty());
-        assert!(noticed, "{to} went unnoticed");
+        assert!(breaks_a_promise(&scene), "{to} went unnoticed");
     }
 }
 
@@ -421,11 +422,7 @@ fn views_of_squares_that_break_their_promise_are_noticed() {
         let changed = text.replacen(from, to, 1);
         assert_ne!(text, changed, "{from} is not in the scene");
         let scene = Scene::from_toml(&changed, name, None).expect("a valid scene");
-        let noticed = scene
-            .views
-            .iter()
-            .any(|view| !complaints(view, &picture(&scene, view)).is_empty());
-        assert!(noticed, "{name}: {to} went unnoticed");
+        assert!(breaks_a_promise(&scene), "{name}: {to} went unnoticed");
     }
 }
 
@@ -456,11 +453,7 @@ fn views_of_places_where_textures_are_hard_must_show_them() {
             }
             Err(error) => panic!("{error}"),
         };
-        let noticed = scene
-            .views
-            .iter()
-            .any(|view| !complaints(view, &picture(&scene, view)).is_empty());
-        assert!(noticed, "{to} went unnoticed");
+        assert!(breaks_a_promise(&scene), "{to} went unnoticed");
     }
 }
 
