@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The backend: buffers of a scene, constants of a view, and the passes of a frame.
 
-use crate::Technique;
 use crate::layout::{RegionSlice, SceneGeometry};
 use crate::pass::{Drawing, pipelines_of};
 use crate::textured::{Purpose, Textured, probed};
+use crate::{Indices, Technique};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
@@ -14,6 +14,7 @@ use terrafill_frame::{
     FillStep, Frame, FrameInput, FrameTimes, MemoryUse, Picture, PositionFormat, RegionConstants,
     SwitchError, Switches, TimedBackend, VolumeBackend, WorkDone, pick,
 };
+use terrafill_scene::Overlap;
 use terrafill_vulkan::{
     BindGroup, Buffer, BufferUse, FillReport, Gpu, Measured, Pipeline, PipelineDescriptor, Probe,
     SharedStage,
@@ -24,6 +25,8 @@ use terrafill_vulkan::{
 pub struct NativeVariant {
     /// How volumes come about.
     pub technique: Technique,
+    /// How triangles are indexed.
+    pub indices: Indices,
     /// What the fill does.
     pub switches: Switches,
 }
@@ -33,13 +36,17 @@ impl NativeVariant {
     #[must_use]
     pub fn name(&self) -> String {
         let mut names = self.switches.names();
+        if self.indices != Indices::default() {
+            names.push(format!("indices={}", self.indices.name()));
+        }
+        names.sort_unstable();
         names.insert(0, self.technique.name().to_owned());
         names.join(",")
     }
 
     /// Every key of its own that [`NativeVariant::set`] takes, with its values.
     pub const KEYS: &str = "technique=vs-control|gs-degenerate|gs-two-edges|gs-line|gs-adjacency|\
-        gs-per-triangle, depth-bounds=off|on";
+        gs-per-triangle, indices=list|strip, depth-bounds=off|on";
 
     /// Sets the switch `key` to `value`; with `technique=` the inverse of [`NativeVariant::name`].
     ///
@@ -47,12 +54,42 @@ impl NativeVariant {
     /// [`SwitchError`] when the value is none of the switch's; `Ok(false)` when there is no such
     /// switch.
     pub fn set(&mut self, key: &str, value: &str) -> Result<bool, SwitchError> {
-        if key != "technique" {
-            return self.switches.set(key, value);
+        match key {
+            "technique" => {
+                let techniques = Technique::ALL.map(|technique| (technique.name(), technique));
+                self.technique = pick("technique", value, &techniques)?;
+            }
+            "indices" => {
+                let kinds = Indices::ALL.map(|indices| (indices.name(), indices));
+                self.indices = pick("indices", value, &kinds)?;
+            }
+            _ => return self.switches.set(key, value),
         }
-        let techniques = Technique::ALL.map(|technique| (technique.name(), technique));
-        self.technique = pick("technique", value, &techniques)?;
         Ok(true)
+    }
+
+    /// Whether technique and switches go together, and with a scene of this kind.
+    ///
+    /// # Errors
+    /// [`SwitchError`].
+    pub fn check(&self, overlap: Overlap) -> Result<(), SwitchError> {
+        self.check_indices()?;
+        self.switches.check(overlap)
+    }
+
+    fn check_indices(&self) -> Result<(), SwitchError> {
+        if self.technique.indices(self.indices) == self.indices {
+            return Ok(());
+        }
+        Err(SwitchError {
+            switch: "indices",
+            found: format!(
+                "{} with technique={}, whose triangles are never strips",
+                self.indices.name(),
+                self.technique.name()
+            ),
+            allowed: "none, or technique=gs-degenerate or gs-adjacency".to_owned(),
+        })
     }
 }
 
@@ -242,7 +279,7 @@ impl NativeBackend {
 
     fn upload_scene(&mut self, input: &FrameInput) -> Result<(), BackendError> {
         let technique = self.variant.technique;
-        let geometry = SceneGeometry::build(technique, &input.scene.meshes);
+        let geometry = SceneGeometry::build(technique, self.variant.indices, &input.scene.meshes);
         let vertices = geometry.vertex_count(technique);
         check_numbers(technique, vertices)?;
         let bytes = geometry.bytes();
@@ -524,6 +561,7 @@ mod tests {
         for technique in Technique::ALL {
             let variant = NativeVariant {
                 technique,
+                indices: Indices::Strip,
                 switches: Switches {
                     depth_bounds: true,
                     scissor: true,
@@ -542,7 +580,20 @@ mod tests {
             assert_eq!(read, variant);
             assert!(NativeVariant::KEYS.contains(technique.name()));
         }
+        for technique in Technique::ALL {
+            let mut variant = NativeVariant {
+                technique,
+                ..NativeVariant::default()
+            };
+            assert_eq!(variant.set("indices", "strip"), Ok(true));
+            let allowed = variant.check(Overlap::Disjoint).is_ok();
+            assert_eq!(allowed, technique.has_index_choice(), "{}", variant.name());
+            assert_eq!(variant.set("indices", "list"), Ok(true));
+            assert_eq!(variant.check(Overlap::Disjoint), Ok(()));
+        }
         let mut variant = NativeVariant::default();
+        let error = variant.set("indices", "fan").expect_err("no such one");
+        assert!(error.to_string().contains("list, strip"), "{error}");
         let error = variant.set("technique", "gs").expect_err("no such one");
         assert!(
             error.to_string().contains("gs-degenerate, gs-two-edges"),

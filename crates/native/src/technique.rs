@@ -31,6 +31,31 @@ pub enum Technique {
     GsPerTriangle,
 }
 
+/// How triangles are indexed, where the technique leaves a choice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Indices {
+    /// Lists: every triangle says all of its corners.
+    #[default]
+    List,
+    /// Strips with restarts: a triangle takes one index, or two with its neighbours, and an edge of
+    /// the boundary two instead of three where it takes any.
+    Strip,
+}
+
+impl Indices {
+    /// Every way.
+    pub const ALL: [Self; 2] = [Self::List, Self::Strip];
+
+    /// Name in variants and reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::List => "list",
+            Self::Strip => "strip",
+        }
+    }
+}
+
 /// What one draw of a region holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Part {
@@ -70,6 +95,21 @@ impl Technique {
         self != Self::VsControl
     }
 
+    /// Whether triangles may be lists or strips; the others have one way only.
+    #[must_use]
+    pub fn has_index_choice(self) -> bool {
+        matches!(self, Self::GsDegenerate | Self::GsAdjacency)
+    }
+
+    /// What is stored where `wanted` is asked for.
+    pub(crate) fn indices(self, wanted: Indices) -> Indices {
+        if self.has_index_choice() {
+            wanted
+        } else {
+            Indices::List
+        }
+    }
+
     pub(crate) fn parts(self) -> &'static [Part] {
         match self {
             Self::VsControl | Self::GsLine => &[Part::Caps, Part::Walls],
@@ -79,11 +119,13 @@ impl Technique {
         }
     }
 
-    fn topology(self, part: Part) -> Topology {
-        match (self, part) {
-            (Self::VsControl, Part::Walls) => Topology::Strips,
-            (Self::GsLine, Part::Walls) => Topology::LineStrips,
-            (Self::GsAdjacency, _) => Topology::TrianglesWithAdjacency,
+    fn topology(self, part: Part, indices: Indices) -> Topology {
+        match (self, part, self.indices(indices)) {
+            (Self::VsControl, Part::Walls, _) => Topology::Strips,
+            (Self::GsLine, Part::Walls, _) => Topology::LineStrips,
+            (Self::GsAdjacency, _, Indices::Strip) => Topology::StripsWithAdjacency,
+            (Self::GsAdjacency, ..) => Topology::TrianglesWithAdjacency,
+            (_, _, Indices::Strip) => Topology::Strips,
             _ => Topology::Triangles,
         }
     }
@@ -104,6 +146,7 @@ impl Technique {
     pub(crate) fn volume_pipeline(
         self,
         part: Part,
+        indices: Indices,
         state: VolumeState,
         without_bottom: bool,
         depth_bounds: bool,
@@ -150,7 +193,7 @@ impl Technique {
                 Self::VsControl => VertexFormat::FixedAndFlag,
                 _ => VertexFormat::Fixed,
             },
-            topology: self.topology(part),
+            topology: self.topology(part, indices),
             state: state.into(),
             depth_bounds: depth_bounds
                 && matches!(

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 use terrafill_compute::{compute_bytes, placed_bytes};
 use terrafill_core::{EdgeRule, MeshOptions, Region, RegionMesh};
-use terrafill_native::{Technique, native_bytes};
+use terrafill_native::{Indices, Technique, native_bytes};
 use terrafill_vertex::{Layout, layout_bytes, shared_flag_bytes};
 
 #[derive(Serialize)]
@@ -101,9 +101,15 @@ fn bytes(mesh: &RegionMesh) -> BTreeMap<String, u64> {
     let compute = compute_bytes(mesh);
     let vertex =
         Layout::ALL.map(|layout| (layout_name(layout), layout_bytes(layout, mesh).total()));
-    let native = Technique::ALL.map(|technique| {
+    let lists = Technique::ALL.map(|technique| {
         let name = format!("native/{}", technique.name());
-        (name, native_bytes(technique, mesh).total())
+        (name, native_bytes(technique, Indices::List, mesh).total())
+    });
+    let own = Technique::ALL.into_iter();
+    let strips = own.filter(|technique| technique.has_index_choice());
+    let strips = strips.map(|technique| {
+        let name = format!("native/{}/{}", technique.name(), Indices::Strip.name());
+        (name, native_bytes(technique, Indices::Strip, mesh).total())
     });
     let compute = [
         ("compute/input", compute.input()),
@@ -114,6 +120,7 @@ fn bytes(mesh: &RegionMesh) -> BTreeMap<String, u64> {
         ),
     ];
     let compute = compute.map(|(name, bytes)| (name.to_owned(), bytes));
+    let native = lists.into_iter().chain(strips);
     vertex.into_iter().chain(compute).chain(native).collect()
 }
 
