@@ -6,7 +6,7 @@
 use crate::neighbours::{Neighbours, Side};
 use crate::ring_order::RingOrder;
 use crate::strips::{StripCorner, Strips};
-use crate::{Indices, Technique};
+use crate::{Indices, StripCounts, Technique, strip_counts};
 use terrafill_core::RegionMesh;
 use terrafill_frame::{FixedPoint, GeometryBytes, IndexLists, RegionPlace, boundary_edges};
 
@@ -38,6 +38,33 @@ fn has_short_indices(technique: Technique, indices: Indices, vertices: usize) ->
 ///   an edge.
 #[must_use]
 pub fn native_bytes(technique: Technique, indices: Indices, mesh: &RegionMesh) -> GeometryBytes {
+    bytes_with(technique, indices, mesh, || strip_counts(mesh))
+}
+
+/// The same of every technique, in lists by its name, and where it has strips in those, with
+/// `/strip` after it. Strips are found once.
+#[must_use]
+pub fn native_layouts(mesh: &RegionMesh) -> Vec<(String, GeometryBytes)> {
+    let counts = strip_counts(mesh);
+    let bytes = |technique, indices| bytes_with(technique, indices, mesh, || counts);
+    let mut layouts = Vec::new();
+    for technique in Technique::ALL {
+        let name = technique.name().to_owned();
+        layouts.push((name, bytes(technique, Indices::List)));
+        if technique.has_index_choice() {
+            let name = format!("{}/{}", technique.name(), Indices::Strip.name());
+            layouts.push((name, bytes(technique, Indices::Strip)));
+        }
+    }
+    layouts
+}
+
+fn bytes_with(
+    technique: Technique,
+    indices: Indices,
+    mesh: &RegionMesh,
+    strips: impl FnOnce() -> StripCounts,
+) -> GeometryBytes {
     let (vertices, triangles) = (mesh.vertex_count(), mesh.triangle_count());
     let (edges, loops) = (mesh.boundary_edge_count(), mesh.boundary_loops.len());
     let indices = technique.indices(indices);
@@ -51,15 +78,14 @@ pub fn native_bytes(technique: Technique, indices: Indices, mesh: &RegionMesh) -
     } else {
         12
     };
-    let strips = || Strips::over(&Neighbours::of(mesh));
     let index_count = match (technique, indices) {
         (Technique::GsDegenerate, Indices::Strip) => {
-            let strips = strips();
-            strips.corner_count() + strips.count() + 2 * (edges + loops)
+            let counts = strips();
+            counts.corners() + counts.strips + 2 * (edges + loops)
         }
         (Technique::GsAdjacency, Indices::Strip) => {
-            let strips = strips();
-            2 * strips.corner_count() + strips.count()
+            let counts = strips();
+            2 * counts.corners() + counts.strips
         }
         (Technique::VsControl, _) => 6 * triangles + 2 * (edges + loops) + loops,
         (Technique::GsDegenerate, _) => 3 * triangles + 3 * edges,
@@ -336,9 +362,9 @@ fn with_neighbours(mesh: &RegionMesh) -> Vec<u32> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::strip_counts;
     use std::collections::BTreeSet;
     use terrafill_core::{Ellipsoid, Extent, Geodetic};
+    use terrafill_scene::Scene;
 
     /// A ring of `count` vertices on each of two circles, and the triangles between them: a disc
     /// with a hole, every vertex on the boundary.
@@ -397,6 +423,17 @@ pub(crate) mod tests {
         mesh
     }
 
+    /// Of the scenes that need no data.
+    pub(crate) fn real_meshes() -> Vec<RegionMesh> {
+        let meshes = |name| {
+            let scene = Scene::shipped(name, None).expect("it ships");
+            RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh)
+                .expect("it meshes")
+        };
+        let names = ["california", "planet-134"].into_iter();
+        names.flat_map(meshes).collect()
+    }
+
     /// Every technique with every kind of indices that it has.
     fn storages() -> Vec<(Technique, Indices)> {
         let kinds = |technique: Technique| {
@@ -412,12 +449,14 @@ pub(crate) mod tests {
         // Around the limits of 16 bits as well: 2·count vertices, and twice that when doubled.
         for count in [3, 4, 101, 16_383, 16_384, 32_767, 32_768, 32_769] {
             let mesh = annulus(count);
-            for (technique, indices) in storages() {
+            let layouts = native_layouts(&mesh);
+            assert_eq!(layouts.len(), storages().len());
+            for ((technique, indices), (_, listed)) in storages().into_iter().zip(layouts) {
                 let meshes = std::slice::from_ref(&mesh);
                 let built = SceneGeometry::build(technique, indices, meshes).bytes();
                 let name = (technique.name(), indices);
                 let formula = native_bytes(technique, indices, &mesh);
-                assert_eq!(built, formula, "{name:?} {count}");
+                assert_eq!((built, built), (formula, listed), "{name:?} {count}");
             }
         }
     }
@@ -527,7 +566,11 @@ pub(crate) mod tests {
 
         /// As `adjacency.geom` does.
         fn by_adjacency(inputs: &[[u32; 6]]) -> Self {
-            let drawn = || inputs.iter().filter(|i| i[4] != i[0] && i[4] != i[2]);
+            let drawn = || {
+                inputs
+                    .iter()
+                    .filter(|i| i[0] != i[2] && i[2] != i[4] && i[4] != i[0])
+            };
             let caps = drawn().map(|input| [input[0], input[2], input[4]]);
             let walls = drawn().flat_map(|input| {
                 let sides = [(0, 1, 2, 4), (2, 3, 4, 0), (4, 5, 0, 2)].into_iter();
@@ -575,7 +618,7 @@ pub(crate) mod tests {
 
     #[test]
     fn strips_make_what_lists_make() {
-        for mesh in meshes_for_strips() {
+        for mesh in meshes_for_strips().into_iter().chain(real_meshes()) {
             let expected = Made::of_mesh(&mesh);
             let list: Vec<[u32; 6]> = with_neighbours(&mesh)
                 .chunks_exact(6)
@@ -586,8 +629,13 @@ pub(crate) mod tests {
             let made = Made::by_degenerate(&strip_inputs(&indices, [2, 1]));
             assert_eq!(made, expected, "{indices:?}");
             let indices = strip_indices(Technique::GsAdjacency, &mesh);
-            let made = Made::by_adjacency(&adjacent_strip_inputs(&indices));
-            assert_eq!(made, expected, "{indices:?}");
+            let mut inputs = adjacent_strip_inputs(&indices);
+            assert_eq!(Made::by_adjacency(&inputs), expected, "{indices:?}");
+            // Whichever corner a driver begins every second one with.
+            for input in inputs.iter_mut().skip(1).step_by(2) {
+                input.rotate_left(2);
+            }
+            assert_eq!(Made::by_adjacency(&inputs), expected, "{indices:?}");
         }
     }
 

@@ -19,7 +19,7 @@ mod textured;
 
 pub use backend::{NativeBackend, NativeVariant};
 pub use depth_bounds::{DepthRange, depth_range};
-pub use layout::native_bytes;
+pub use layout::{native_bytes, native_layouts};
 pub use ring_order::walls_with_other_diagonal;
 pub use strips::{StripCounts, strip_counts};
 pub use technique::{Indices, Technique};

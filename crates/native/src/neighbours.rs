@@ -2,7 +2,8 @@
 //! Which triangle of a mesh lies across which side of another.
 //!
 //! Side *k* of a triangle runs from its corner *k* to the next. Sides are sorted into buckets by the
-//! vertex that they begin at, so that the side back is found among a handful, without hashing.
+//! vertex that they begin at, and there by the one they end at, so that the side back is found among
+//! a handful without hashing, and among thousands around one vertex without looking at each.
 
 use terrafill_core::RegionMesh;
 use terrafill_frame::boundary_edges;
@@ -34,7 +35,7 @@ pub(crate) struct Neighbours<'a> {
 }
 
 impl<'a> Neighbours<'a> {
-    /// - cost: O(triangles), but for vertices with very many of them
+    /// - cost: O(triangles), times the logarithm of how many of them meet at a vertex
     pub(crate) fn of(mesh: &'a RegionMesh) -> Self {
         let triangles = mesh.triangles.as_slice();
         let sides = Sides::of(triangles, mesh.vertex_count());
@@ -114,6 +115,10 @@ impl<'a> Sides<'a> {
                 *place += 1;
             }
         }
+        for bucket in first.windows(2) {
+            let end = |side: &Side| (end_of(triangles, *side), side.triangle);
+            sides[bucket[0]..bucket[1]].sort_unstable_by_key(end);
+        }
         Self {
             triangles,
             first,
@@ -125,7 +130,13 @@ impl<'a> Sides<'a> {
     fn between(&self, from: u32, to: u32) -> impl Iterator<Item = Side> {
         let from = from as usize;
         let sides = &self.sides[self.first[from]..self.first[from + 1]];
-        let end = |side: &Side| self.triangles[side.triangle][(side.number + 1) % 3];
-        sides.iter().copied().filter(move |side| end(side) == to)
+        let end = |side: &Side| end_of(self.triangles, *side);
+        let begin = sides.partition_point(|side| end(side) < to);
+        let found = sides[begin..].iter().copied();
+        found.take_while(move |side| end(side) == to)
     }
+}
+
+fn end_of(triangles: &[[u32; 3]], side: Side) -> u32 {
+    triangles[side.triangle][(side.number + 1) % 3]
 }

@@ -43,17 +43,24 @@ pub struct StripCounts {
     pub repeated: usize,
 }
 
+impl StripCounts {
+    /// Corners of all strips.
+    pub(crate) fn corners(self) -> usize {
+        self.triangles + 2 * self.strips + self.repeated
+    }
+}
+
 /// Finds the strips over `mesh` and counts.
 ///
 /// - cost: O(triangles)
 #[must_use]
 pub fn strip_counts(mesh: &RegionMesh) -> StripCounts {
     let strips = Strips::over(&Neighbours::of(mesh));
-    let (triangles, count) = (mesh.triangle_count(), strips.count());
+    let (triangles, count) = (mesh.triangle_count(), strips.ends.len());
     StripCounts {
         triangles,
         strips: count,
-        repeated: strips.corner_count() - triangles - 2 * count,
+        repeated: strips.corners.len() - triangles - 2 * count,
     }
 }
 
@@ -90,16 +97,6 @@ impl Strips {
         starts
             .zip(&self.ends)
             .map(|(&start, &end)| &self.corners[start..end])
-    }
-
-    /// Strips.
-    pub(crate) fn count(&self) -> usize {
-        self.ends.len()
-    }
-
-    /// Corners of all strips, those that are said again included.
-    pub(crate) fn corner_count(&self) -> usize {
-        self.corners.len()
     }
 
     /// Writes a path as a strip, from the end at which its first turn costs nothing, if there is one.
@@ -382,9 +379,8 @@ impl Paths {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::tests::{annulus, planar};
+    use crate::layout::tests::{annulus, planar, real_meshes};
     use std::collections::BTreeSet;
-    use terrafill_scene::Scene;
 
     /// Triangles of strips as Vulkan makes them ("Triangle Strips"), those with equal corners left
     /// out; `odd` are the places of the last two corners in every second one.
@@ -408,18 +404,6 @@ mod tests {
         let mut turned: Vec<_> = triangles.iter().filter_map(smallest_first).collect();
         turned.sort_unstable();
         turned
-    }
-
-    fn real_meshes() -> Vec<RegionMesh> {
-        let meshes = |name| {
-            let scene = Scene::shipped(name, None).expect("it ships");
-            RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh)
-                .expect("it meshes")
-        };
-        ["california", "planet-134"]
-            .into_iter()
-            .flat_map(meshes)
-            .collect()
     }
 
     #[test]
