@@ -54,6 +54,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         for &variant in &variants {
             let mut backend = NativeBackend::new(&stage, variant)?;
             backend.prepare(&input)?;
+            let counted = backend.render(&input)?.counters.unwrap_or_default();
+            println!(
+                "{:>10} {:>28}: {} indices, {:?} vertices shaded, {:?} inputs and {:?} primitives \
+                 of geometry shaders",
+                view.name,
+                variant.name(),
+                counted.vertices,
+                counted.vertex_shader_invocations,
+                inputs(variant, &input),
+                counted.geometry_shader_primitives,
+            );
             backends.push((backend, Vec::new()));
         }
         stage.borrow_mut().draw_surface()?;
@@ -83,6 +94,28 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     Ok(())
+}
+
+/// Inputs of the geometry shaders of the regions in view, as a test holds them to be; `None` for
+/// techniques without strips.
+fn inputs(variant: NativeVariant, input: &FrameInput) -> Option<usize> {
+    let of = |mesh: &RegionMesh| {
+        let (triangles, edges) = (mesh.triangle_count(), mesh.boundary_edge_count());
+        let in_strips = triangles + strip_counts(mesh).repeated;
+        match (variant.technique, variant.indices) {
+            (Technique::GsDegenerate, Indices::List) => Some(triangles + edges),
+            (Technique::GsDegenerate, Indices::Strip) => {
+                Some(in_strips + 2 * edges - mesh.boundary_loops.len())
+            }
+            (Technique::GsAdjacency, Indices::List) => Some(triangles),
+            (Technique::GsAdjacency, Indices::Strip) => Some(in_strips),
+            _ => None,
+        }
+    };
+    let planned = input.plan.regions.iter();
+    planned
+        .map(|region| of(&input.scene.meshes[region.mesh]))
+        .sum()
 }
 
 /// Every technique in lists, and in strips where it has them.

@@ -346,7 +346,7 @@ fn wrong_switches_are_refused_and_nothing_is_written() {
 }
 
 /// Variants of every backend of volumes: switches and the name that they make.
-const VARIANTS: [(&str, &[&str], &str); 22] = [
+const VARIANTS: [(&str, &[&str], &str); 25] = [
     ("vertex", &[], "doubled"),
     ("vertex", &["layout=pulled"], "pulled"),
     ("compute", &[], "per-frame"),
