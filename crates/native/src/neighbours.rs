@@ -16,15 +16,34 @@ pub(crate) struct Side {
     pub(crate) number: usize,
 }
 
-/// What lies across a side.
+/// A side in 4 bytes: large meshes have millions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Across {
+struct Packed(u32);
+
+/// What lies across a side: the same side, seen from a neighbour; or one of two constants.
+type Across = Packed;
+
+impl Packed {
     /// The boundary: a wall stands on the side.
-    Wall,
-    /// The same side, seen from a neighbour.
-    Neighbour(Side),
-    /// Neither, as in a mesh from which triangles were taken.
-    Nothing,
+    const WALL: Self = Self(u32::MAX);
+    /// Neither a wall nor a neighbour, as in a mesh from which triangles were taken.
+    const NOTHING: Self = Self(u32::MAX - 1);
+
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "a mesh has far fewer than 2^32 sides, or no device would hold its indices"
+    )]
+    fn of(side: Side) -> Self {
+        Self((3 * side.triangle + side.number) as u32)
+    }
+
+    fn side(self) -> Side {
+        let place = self.0 as usize;
+        Side {
+            triangle: place / 3,
+            number: place % 3,
+        }
+    }
 }
 
 /// A mesh's triangles with what lies across their sides.
@@ -41,13 +60,13 @@ impl<'a> Neighbours<'a> {
         let sides = Sides::of(triangles, mesh.vertex_count());
         let neighbour = |from: u32, to: u32| {
             let back = sides.between(to, from).last();
-            back.map_or(Across::Nothing, Across::Neighbour)
+            back.map_or(Across::NOTHING, Across::of)
         };
         let around = |&[a, b, c]: &[u32; 3]| [neighbour(a, b), neighbour(b, c), neighbour(c, a)];
         let mut across: Vec<_> = triangles.iter().map(around).collect();
         for [from, to] in boundary_edges(mesh) {
             for side in sides.between(from, to) {
-                across[side.triangle][side.number] = Across::Wall;
+                across[side.triangle][side.number] = Across::WALL;
             }
         }
         Self { triangles, across }
@@ -68,19 +87,20 @@ impl<'a> Neighbours<'a> {
     /// there is neither, as in no whole mesh, an end of the side, which says "no wall".
     pub(crate) fn told_across(&self, side: Side) -> u32 {
         match self.across[side.triangle][side.number] {
-            Across::Wall => self.opposite(side),
-            Across::Neighbour(back) => self.opposite(back),
-            Across::Nothing => self.corner(side.triangle, side.number),
+            Across::WALL => self.opposite(side),
+            Across::NOTHING => self.corner(side.triangle, side.number),
+            back => self.opposite(back.side()),
         }
     }
 
     /// The same side seen from the neighbour that a strip may go on to: one that has this triangle
     /// for its neighbour, with no wall between and another third corner.
     pub(crate) fn beyond(&self, side: Side) -> Option<Side> {
-        let Across::Neighbour(back) = self.across[side.triangle][side.number] else {
-            return None;
+        let back = match self.across[side.triangle][side.number] {
+            Across::WALL | Across::NOTHING => return None,
+            back => back.side(),
         };
-        let is_mutual = self.across[back.triangle][back.number] == Across::Neighbour(side);
+        let is_mutual = self.across[back.triangle][back.number] == Across::of(side);
         (is_mutual && self.opposite(back) != self.opposite(side)).then_some(back)
     }
 }
@@ -90,7 +110,7 @@ struct Sides<'a> {
     triangles: &'a [[u32; 3]],
     /// By vertex, where its sides begin in `sides`; one more at the end.
     first: Vec<usize>,
-    sides: Vec<Side>,
+    sides: Vec<Packed>,
 }
 
 impl<'a> Sides<'a> {
@@ -103,20 +123,16 @@ impl<'a> Sides<'a> {
             first[vertex + 1] += first[vertex];
         }
         let mut next = first.clone();
-        let none = Side {
-            triangle: 0,
-            number: 0,
-        };
-        let mut sides = vec![none; 3 * triangles.len()];
+        let mut sides = vec![Packed::NOTHING; 3 * triangles.len()];
         for (triangle, corners) in triangles.iter().enumerate() {
             for (number, &corner) in corners.iter().enumerate() {
                 let place = &mut next[corner as usize];
-                sides[*place] = Side { triangle, number };
+                sides[*place] = Packed::of(Side { triangle, number });
                 *place += 1;
             }
         }
         for bucket in first.windows(2) {
-            let end = |side: &Side| (end_of(triangles, *side), side.triangle);
+            let end = |side: &Packed| (end_of(triangles, *side), side.0);
             sides[bucket[0]..bucket[1]].sort_unstable_by_key(end);
         }
         Self {
@@ -130,13 +146,16 @@ impl<'a> Sides<'a> {
     fn between(&self, from: u32, to: u32) -> impl Iterator<Item = Side> {
         let from = from as usize;
         let sides = &self.sides[self.first[from]..self.first[from + 1]];
-        let end = |side: &Side| end_of(self.triangles, *side);
+        let end = |side: &Packed| end_of(self.triangles, *side);
         let begin = sides.partition_point(|side| end(side) < to);
-        let found = sides[begin..].iter().copied();
-        found.take_while(move |side| end(side) == to)
+        let found = sides[begin..]
+            .iter()
+            .take_while(move |side| end(side) == to);
+        found.map(|side| side.side())
     }
 }
 
-fn end_of(triangles: &[[u32; 3]], side: Side) -> u32 {
+fn end_of(triangles: &[[u32; 3]], side: Packed) -> u32 {
+    let side = side.side();
     triangles[side.triangle][(side.number + 1) % 3]
 }

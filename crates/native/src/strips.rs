@@ -218,25 +218,27 @@ const NEVER: u32 = u32::MAX / 2;
 
 /// A tree over the triangles that a mesh's neighbourhood joins, or several.
 #[derive(Debug)]
-struct Forest {
+struct Forest<'a> {
+    neighbours: &'a Neighbours<'a>,
     /// Parents before children.
     order: Vec<usize>,
     /// By triangle, the side towards the root.
     parent_side: Vec<Option<usize>>,
-    /// By triangle and side, the child across.
-    children: Vec<[Option<usize>; 3]>,
+    /// By triangle and side, whether a child lies across.
+    has_child: Vec<[bool; 3]>,
     /// By triangle and [`Upward::place`], the cost of the paths from there on downwards. One that
     /// goes on upwards is counted where it ends.
     costs: Vec<[u32; 4]>,
 }
 
-impl Forest {
-    fn over(neighbours: &Neighbours<'_>) -> Self {
+impl<'a> Forest<'a> {
+    fn over(neighbours: &'a Neighbours<'a>) -> Self {
         let count = neighbours.triangles.len();
         let mut forest = Self {
+            neighbours,
             order: Vec::with_capacity(count),
             parent_side: vec![None; count],
-            children: vec![[None; 3]; count],
+            has_child: vec![[false; 3]; count],
             costs: vec![[0; 4]; count],
         };
         let mut is_reached = vec![false; count];
@@ -250,7 +252,7 @@ impl Forest {
                 forest.order.push(triangle);
                 forest.parent_side[triangle] = parent_side;
                 if let Some(side) = parent {
-                    forest.children[side.triangle][side.number] = Some(triangle);
+                    forest.has_child[side.triangle][side.number] = true;
                 }
                 for number in 0..3 {
                     let side = Side { triangle, number };
@@ -265,14 +267,21 @@ impl Forest {
     }
 
     fn settle_costs(&mut self) {
-        for &triangle in self.order.iter().rev() {
+        for place in (0..self.order.len()).rev() {
+            let triangle = self.order[place];
             self.costs[triangle] = Upward::ALL.map(|upward| self.best(triangle, upward).0);
         }
     }
 
+    fn child(&self, triangle: usize, number: usize) -> Option<usize> {
+        let has_child = self.has_child[triangle][number];
+        let across = || self.neighbours.beyond(Side { triangle, number });
+        has_child.then(across)?.map(|back| back.triangle)
+    }
+
     /// The cheapest way to join a triangle with its children, and what it costs.
     fn best(&self, triangle: usize, upward: Upward) -> (u32, Joined) {
-        let children = self.children[triangle];
+        let children = [0, 1, 2].map(|side| self.child(triangle, side));
         let closed = |child: usize| self.costs[child][Upward::Closed.place()];
         let apart: u32 = children.into_iter().flatten().map(closed).sum();
         // The path of the child across a side, if it goes on with this turn of the triangle's own.
@@ -341,7 +350,7 @@ impl Paths {
             let (_, joined) = forest.best(triangle, upward[triangle]);
             for (side, way) in joined.into_iter().flatten() {
                 goes_on[triangle][side] = true;
-                if let Some(child) = forest.children[triangle][side] {
+                if let Some(child) = forest.child(triangle, side) {
                     upward[child] = way;
                     if let Some(back) = forest.parent_side[child] {
                         goes_on[child][back] = true;
