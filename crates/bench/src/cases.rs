@@ -10,7 +10,7 @@ use std::sync::Arc;
 use terrafill_compute::{ComputeVariant, Expansion, Transform};
 use terrafill_frame::{ColourWay, PositionFormat, Switches};
 use terrafill_gpu::BaselineKind;
-use terrafill_native::{NativeVariant, Technique as Native};
+use terrafill_native::{Indices, NativeVariant, Technique as Native};
 use terrafill_results::{CaseKey, LadderRung};
 use terrafill_scene::{PlanOptions, Scene, View};
 use terrafill_vertex::{Layout, VertexVariant};
@@ -345,7 +345,15 @@ fn native(technique: Native, scene: &Scene) -> Setting {
     Setting::new(Technique::Native(NativeVariant {
         technique,
         switches: Switches::for_overlap(scene.overlap),
+        ..NativeVariant::default()
     }))
+}
+
+fn in_strips(mut setting: Setting) -> Setting {
+    if let Technique::Native(variant) = &mut setting.technique {
+        variant.indices = Indices::Strip;
+    }
+    setting
 }
 
 /// Every layout of a backend, as it should be used.
@@ -401,7 +409,13 @@ fn main_settings(backend: &str, scene: &Scene, quick: bool) -> Vec<Setting> {
         "compute" => return compute_settings(scene, quick),
         "native" => {
             let techniques = [Native::VsControl, Native::GsDegenerate, Native::GsLine];
-            return techniques.map(|technique| native(technique, scene)).into();
+            let mut settings = techniques
+                .map(|technique| native(technique, scene))
+                .to_vec();
+            if !quick {
+                settings.push(in_strips(native(Native::GsDegenerate, scene)));
+            }
+            return settings;
         }
         _ => return layouts(backend, scene),
     }

@@ -12,7 +12,7 @@ use crate::matrix::LOD_PX;
 use crate::technique::{Setting, Technique};
 use terrafill_compute::{ComputeVariant, Expansion};
 use terrafill_frame::{BottomCap, ColourWay, DepthRuleChoice, FacePasses, Switches};
-use terrafill_native::{NativeVariant, Technique as Native};
+use terrafill_native::{Indices, NativeVariant, Technique as Native};
 use terrafill_scene::{Overlap, PlanOptions};
 use terrafill_vertex::{IndexOrder, Layout, VertexSize, VertexVariant, Walls};
 
@@ -112,10 +112,17 @@ impl Climb {
         })
     }
 
-    fn native(&mut self, step: &'static str, change: &'static str, technique: Native) -> &mut Self {
+    fn native(
+        &mut self,
+        step: &'static str,
+        change: &'static str,
+        technique: Native,
+        indices: Indices,
+    ) -> &mut Self {
         self.step(step, change, |setting| {
             if let Technique::Native(variant) = &mut setting.technique {
                 variant.technique = technique;
+                variant.indices = indices;
             }
         })
     }
@@ -266,17 +273,26 @@ fn native_ladder(overlap: Overlap) -> Vec<Rung> {
             "one-volume",
             "one volume for each region: two caps of each triangle, a wall of each boundary edge",
             Native::GsDegenerate,
+            Indices::List,
         )
         .culling()
         .native(
+            "strips",
+            "triangles and boundary edges in strips instead of lists",
+            Native::GsDegenerate,
+            Indices::Strip,
+        )
+        .native(
             "two-edges",
-            "two boundary edges in each index triangle instead of one",
+            "lists again, with two boundary edges in each index triangle",
             Native::GsTwoEdges,
+            Indices::List,
         )
         .native(
             "lines",
             "boundary edges as line strips in a draw of their own instead of among the triangles",
             Native::GsLine,
+            Indices::List,
         )
         .rest_of_the_way(overlap)
         // Last, since where the device has none the rungs after it would have no result either.
@@ -320,10 +336,11 @@ mod tests {
                 );
                 for pair in rungs.windows(2) {
                     // A value that becomes another one is two parts. Three: walls of single
-                    // triangles are lists always, flags of their own have no vertex size, and which
-                    // faces are drawn as covers has no meaning where none are.
+                    // triangles are lists always, flags of their own have no vertex size, two edges
+                    // in a triangle are never strips, and which faces are drawn as covers has no
+                    // meaning where none are.
                     let allowed = match pair[1].step {
-                        "one-volume" | "buffer-layout" | "screen-cover" => 3,
+                        "one-volume" | "buffer-layout" | "two-edges" | "screen-cover" => 3,
                         _ => 2,
                     };
                     let found = differences(&pair[0], &pair[1]);

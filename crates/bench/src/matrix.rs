@@ -9,6 +9,7 @@ use terrafill_compute::{ComputeVariant, GpuCulling, Transform};
 use terrafill_frame::{
     BottomCap, ColourWay, DepthRuleChoice, FacePasses, PositionFormat, StencilClear, Switches,
 };
+use terrafill_native::{Indices, NativeVariant};
 use terrafill_scene::Overlap;
 use terrafill_vertex::{IndexOrder, VertexSize, VertexVariant, Walls};
 
@@ -19,7 +20,14 @@ pub(crate) const LOD_PX: f64 = 0.5;
 /// Switches that only this technique has, one at a time.
 fn own_switches(base: Setting) -> Vec<Setting> {
     match base.technique {
-        Technique::Baseline(_) | Technique::Native(_) => Vec::new(),
+        Technique::Baseline(_) => Vec::new(),
+        Technique::Native(variant) => vec![Setting {
+            technique: Technique::Native(NativeVariant {
+                indices: Indices::Strip,
+                ..variant
+            }),
+            ..base
+        }],
         Technique::Vertex(variant) => [
             VertexVariant {
                 walls: Walls::List,
@@ -129,6 +137,7 @@ mod tests {
     use super::*;
     use std::collections::BTreeSet;
     use terrafill_compute::Expansion;
+    use terrafill_native::Technique as Native;
 
     fn names_of(technique: Technique, overlap: Overlap) -> Vec<String> {
         let row = matrix_row(Setting::new(technique), overlap);
@@ -161,6 +170,22 @@ mod tests {
             assert_eq!(found, count, "{names:?}");
             assert!(names.contains(&own[2]), "{names:?}");
         }
+    }
+
+    #[test]
+    fn strips_are_asked_of_the_techniques_that_have_them() {
+        for technique in Native::ALL {
+            let variant = NativeVariant {
+                technique,
+                ..NativeVariant::default()
+            };
+            let names = names_of(Technique::Native(variant), Overlap::Disjoint);
+            let strips = format!("{},indices=strip", technique.name());
+            let has_choice = technique.has_index_choice();
+            assert_eq!(names.contains(&strips), has_choice, "{names:?}");
+        }
+        let chosen = Native::ALL.into_iter().filter(|t| t.has_index_choice());
+        assert_eq!(chosen.count(), 2);
     }
 
     #[test]

@@ -6,7 +6,7 @@
 
 use crate::Technique;
 use terrafill_core::RegionMesh;
-use terrafill_frame::MemoryUse;
+use terrafill_frame::{GeometryBytes, MemoryUse};
 use terrafill_results::MemoryRow;
 
 /// Numbers of regions for which the formula is worked out.
@@ -29,22 +29,33 @@ impl LayoutOfScene<'_> {
     /// The scene as it is, then [`REGION_COUNTS`]; none for a technique without geometry.
     pub(crate) fn rows(&self) -> Vec<MemoryRow> {
         let count = self.meshes.len();
+        // Each mesh once, however often it is repeated: some formulas ask for strips to be found.
+        let formulas = |all_drawn: bool| -> Option<Vec<GeometryBytes>> {
+            let meshes = self.meshes.iter().zip(self.is_drawn);
+            let of =
+                |(mesh, is_drawn): (_, &bool)| self.technique.formula(mesh, all_drawn || *is_drawn);
+            meshes.map(of).collect()
+        };
+        let (Some(own), Some(drawn)) = (formulas(false), formulas(true)) else {
+            return Vec::new();
+        };
+        let scene = self.row(count, &own);
         let others = REGION_COUNTS
             .into_iter()
             .filter(|&regions| regions != count);
-        let counts = std::iter::once(count).chain(others);
-        counts.filter_map(|regions| self.row(regions)).collect()
+        let others = others.filter_map(|regions| self.row(regions, &drawn));
+        scene.into_iter().chain(others).collect()
     }
 
-    fn row(&self, regions: usize) -> Option<MemoryRow> {
+    /// - `formulas`: bytes of each mesh
+    fn row(&self, regions: usize, formulas: &[GeometryBytes]) -> Option<MemoryRow> {
         let distinct = &self.meshes[..regions.min(self.meshes.len())];
         let mut total = self.technique.shared_formula(distinct);
         let mut each = Vec::with_capacity(regions);
         let [mut vertices, mut triangles, mut edges, mut loops] = [0_u64; 4];
         let is_scene = regions == self.meshes.len();
-        let meshes = self.meshes.iter().zip(self.is_drawn).cycle();
-        for (mesh, is_drawn) in meshes.take(regions) {
-            let bytes = self.technique.formula(mesh, *is_drawn || !is_scene)?;
+        let meshes = self.meshes.iter().zip(formulas).cycle();
+        for (mesh, &bytes) in meshes.take(regions) {
             total = total + bytes;
             each.push(bytes.total());
             vertices += mesh.vertex_count() as u64;

@@ -10,7 +10,7 @@ use terrafill_frame::{
     BackendError, GeometryBytes, SwitchError, Switches, THIS_MACHINE, VolumeBackend,
 };
 use terrafill_gpu::{BaselineKind, SharedStage};
-use terrafill_native::{NativeBackend, NativeVariant, native_bytes};
+use terrafill_native::{Indices, NativeBackend, NativeVariant, native_bytes};
 use terrafill_scene::{ImageSize, Overlap, PlanOptions};
 use terrafill_vertex::{VertexBackend, VertexVariant, shared_flag_bytes, variant_bytes};
 
@@ -227,7 +227,7 @@ impl Technique {
                     index_bytes: bytes.input_index_bytes + output,
                 })
             }
-            Self::Native(variant) => Some(native_bytes(variant.technique, mesh)),
+            Self::Native(variant) => Some(native_bytes(variant.technique, variant.indices, mesh)),
         }
     }
 
@@ -255,7 +255,7 @@ impl Technique {
                 variant.check()?;
                 variant.switches.check(overlap)
             }
-            Self::Native(variant) => variant.switches.check(overlap),
+            Self::Native(variant) => variant.check(overlap),
         }
     }
 
@@ -356,10 +356,17 @@ impl Setting {
         names.join(",")
     }
 
-    /// First part of the variant: how geometry is stored.
+    /// How geometry is stored: the first part of the variant, and after it how triangles are indexed
+    /// where that is not the default.
     pub(crate) fn layout(&self) -> String {
         let name = self.technique.variant_name();
-        name.split(',').next().unwrap_or_default().to_owned()
+        let layout = name.split(',').next().unwrap_or_default();
+        match self.technique {
+            Technique::Native(variant) if variant.indices != Indices::default() => {
+                format!("{layout}/{}", variant.indices.name())
+            }
+            _ => layout.to_owned(),
+        }
     }
 }
 

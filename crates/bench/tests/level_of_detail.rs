@@ -9,8 +9,10 @@ mod drawing;
 
 use drawing::{Devices, differing, draw, figures, judge, vertex};
 use std::sync::Arc;
+use terrafill_bench::Technique;
 use terrafill_conformance::verdict_of_moved;
 use terrafill_frame::{Frame, FrameInput, NO_REGION, PreparedScene, Switches};
+use terrafill_native::{Indices, NativeVariant, Technique as Native};
 use terrafill_scene::{
     ImageSize, LevelChoice, LeveledMeshes, PlanOptions, Scene, SurfaceMesh, View, data_dir_from_env,
 };
@@ -205,4 +207,35 @@ fn neighbours_at_different_levels_part_and_the_count_of_unowned_pixels_shows_it(
     let unowned = unowned_on_borders(&fine, FINE, &frame);
     eprintln!("us-states: {apart} pixels without an owner parted, {unowned} together");
     assert!(apart > 50 && unowned * 3 < apart, "{apart}, {unowned}");
+}
+
+/// Levels are ranges of the same buffers, and strips end in each of them.
+#[test]
+fn strips_of_every_level_show_what_doubled_vertices_show() {
+    let Some(devices) = Devices::open_both() else {
+        return;
+    };
+    let (scene, prepared) =
+        leveled("planet-134", LevelChoice::Automatic).expect("ships with the project");
+    let mut coarser = 0;
+    for view in &scene.views {
+        let full = FrameInput::new(&prepared, view, SIZE, options(None));
+        let input = full.remeshed(&prepared, options(Some(0.5)));
+        let levels = input.plan.regions.iter();
+        coarser += levels
+            .filter(|planned| planned.mesh != planned.region)
+            .count();
+        let expected = draw_plain(&devices, &input);
+        for technique in [Native::GsDegenerate, Native::GsAdjacency] {
+            let strips = Technique::Native(NativeVariant {
+                technique,
+                indices: Indices::Strip,
+                ..NativeVariant::default()
+            });
+            let frame = draw(&devices, &input, strips);
+            let what = format!("{}, {}", view.name, technique.name());
+            assert_eq!(differing(&frame, &expected), 0, "{what}");
+        }
+    }
+    assert!(coarser > 40, "hardly a coarser level: {coarser}");
 }

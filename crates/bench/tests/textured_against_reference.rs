@@ -16,7 +16,7 @@ use terrafill_frame::{
     BackendError, ColourWay, Frame, FrameInput, PreparedScene, RouteChoice, Switches, VolumeBackend,
 };
 use terrafill_gpu::{Gpu, GpuOptions, SharedStage, Stage, open_for_test};
-use terrafill_native::{NativeBackend, NativeVariant, Technique};
+use terrafill_native::{Indices, NativeBackend, NativeVariant, Technique};
 use terrafill_reference::{ReferenceBackend, ReferenceFrame};
 use terrafill_scene::{
     ImageSize, MipChain, Outside, Overlap, PlanOptions, Scene, SceneError, SceneTexture,
@@ -59,8 +59,17 @@ fn native(
     technique: Technique,
     switches: Switches,
 ) -> Box<dyn VolumeBackend> {
+    stored(stage, (technique, Indices::List), switches)
+}
+
+fn stored(
+    stage: &terrafill_vulkan::SharedStage,
+    (technique, indices): (Technique, Indices),
+    switches: Switches,
+) -> Box<dyn VolumeBackend> {
     let variant = NativeVariant {
         technique,
+        indices,
         switches,
     };
     Box::new(NativeBackend::new(stage, variant).expect("has the features"))
@@ -341,21 +350,23 @@ fn every_placement_is_right_at_every_latitude() {
             }
             let vulkan = known_vulkan.get_or_insert_with(|| vulkan_stage(&input));
             // The covers are the same whatever marks their pixels: every technique in one place.
-            let all = Technique::ALL;
+            let mut all: Vec<_> = Technique::ALL.map(|t| (t, Indices::List)).into();
+            let strips = Technique::ALL.map(|t| (t, Indices::Strip)).into_iter();
+            all.extend(strips.filter(|(technique, _)| technique.has_index_choice()));
             let techniques = if place.starts_with("45") {
                 &all[..]
             } else {
-                &[Technique::GsDegenerate]
+                &[(Technique::GsDegenerate, Indices::List)]
             };
-            for &technique in techniques {
+            for &(technique, indices) in techniques {
                 let way = if technique == Technique::GsLine {
                     planes
                 } else {
                     xor
                 };
-                let mut backend = native(vulkan, technique, way);
+                let mut backend = stored(vulkan, (technique, indices), way);
                 let frame = draw(&mut *backend, &input);
-                let what = format!("{place}, {name}, native/{}", technique.name());
+                let what = format!("{place}, {name}, native/{}", backend.variant_name());
                 assert_right(&what, &reference.frame, &frame);
                 assert_eq!(backend.note(), backends[0].1.note(), "{what}");
             }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The backend: buffers of a scene, constants of a view, and the passes of a frame.
 
-use crate::Technique;
 use crate::layout::{RegionSlice, SceneGeometry};
 use crate::pass::{Drawing, pipelines_of};
 use crate::textured::{Purpose, Textured, probed};
+use crate::{Indices, Technique};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
@@ -14,6 +14,7 @@ use terrafill_frame::{
     FillStep, Frame, FrameInput, FrameTimes, MemoryUse, Picture, PositionFormat, RegionConstants,
     SwitchError, Switches, TimedBackend, VolumeBackend, WorkDone, pick,
 };
+use terrafill_scene::Overlap;
 use terrafill_vulkan::{
     BindGroup, Buffer, BufferUse, FillReport, Gpu, Measured, Pipeline, PipelineDescriptor, Probe,
     SharedStage,
@@ -24,6 +25,8 @@ use terrafill_vulkan::{
 pub struct NativeVariant {
     /// How volumes come about.
     pub technique: Technique,
+    /// How triangles are indexed.
+    pub indices: Indices,
     /// What the fill does.
     pub switches: Switches,
 }
@@ -33,13 +36,17 @@ impl NativeVariant {
     #[must_use]
     pub fn name(&self) -> String {
         let mut names = self.switches.names();
+        if self.indices != Indices::default() {
+            names.push(format!("indices={}", self.indices.name()));
+        }
+        names.sort_unstable();
         names.insert(0, self.technique.name().to_owned());
         names.join(",")
     }
 
     /// Every key of its own that [`NativeVariant::set`] takes, with its values.
     pub const KEYS: &str = "technique=vs-control|gs-degenerate|gs-two-edges|gs-line|gs-adjacency|\
-        gs-per-triangle, depth-bounds=off|on";
+        gs-per-triangle, indices=list|strip, depth-bounds=off|on";
 
     /// Sets the switch `key` to `value`; with `technique=` the inverse of [`NativeVariant::name`].
     ///
@@ -47,12 +54,42 @@ impl NativeVariant {
     /// [`SwitchError`] when the value is none of the switch's; `Ok(false)` when there is no such
     /// switch.
     pub fn set(&mut self, key: &str, value: &str) -> Result<bool, SwitchError> {
-        if key != "technique" {
-            return self.switches.set(key, value);
+        match key {
+            "technique" => {
+                let techniques = Technique::ALL.map(|technique| (technique.name(), technique));
+                self.technique = pick("technique", value, &techniques)?;
+            }
+            "indices" => {
+                let kinds = Indices::ALL.map(|indices| (indices.name(), indices));
+                self.indices = pick("indices", value, &kinds)?;
+            }
+            _ => return self.switches.set(key, value),
         }
-        let techniques = Technique::ALL.map(|technique| (technique.name(), technique));
-        self.technique = pick("technique", value, &techniques)?;
         Ok(true)
+    }
+
+    /// Whether technique and switches go together, and with a scene of this kind.
+    ///
+    /// # Errors
+    /// [`SwitchError`].
+    pub fn check(&self, overlap: Overlap) -> Result<(), SwitchError> {
+        self.check_indices()?;
+        self.switches.check(overlap)
+    }
+
+    fn check_indices(&self) -> Result<(), SwitchError> {
+        if self.technique.indices(self.indices) == self.indices {
+            return Ok(());
+        }
+        Err(SwitchError {
+            switch: "indices",
+            found: format!(
+                "{} with technique={}, whose triangles are never strips",
+                self.indices.name(),
+                self.technique.name()
+            ),
+            allowed: "none, or technique=gs-degenerate or gs-adjacency".to_owned(),
+        })
     }
 }
 
@@ -237,8 +274,17 @@ impl NativeBackend {
     }
 
     fn upload_scene(&mut self, input: &FrameInput) -> Result<(), BackendError> {
+        let (technique, indices) = (self.variant.technique, self.variant.indices);
+        let geometry = SceneGeometry::build(technique, indices, &input.scene.meshes);
+        self.upload_geometry(input, geometry)
+    }
+
+    fn upload_geometry(
+        &mut self,
+        input: &FrameInput,
+        geometry: SceneGeometry,
+    ) -> Result<(), BackendError> {
         let technique = self.variant.technique;
-        let geometry = SceneGeometry::build(technique, &input.scene.meshes);
         let vertices = geometry.vertex_count(technique);
         check_numbers(technique, vertices)?;
         let bytes = geometry.bytes();
@@ -500,6 +546,9 @@ impl VolumeBackend for NativeBackend {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::strip_counts;
+    use terrafill_frame::{ColourWay, PreparedScene};
+    use terrafill_scene::{ImageSize, PlanOptions, Scene, SurfaceMesh};
 
     #[test]
     fn vertices_whose_numbers_a_float_would_round_are_refused() {
@@ -515,11 +564,141 @@ mod tests {
         assert_eq!(largest.next_up(), MAX_VERTICES as f32);
     }
 
+    /// California from the side: from above, walls turned against caps are hardly seen.
+    fn california() -> FrameInput {
+        let scene = Scene::shipped("california", None).expect("it ships");
+        let meshes =
+            RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh);
+        let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
+        let prepared = PreparedScene::new(&scene, meshes.expect("meshes").into(), surface);
+        let mut views = scene.views.iter();
+        let view = views.find(|view| view.name == "horizon").expect("a view");
+        let size = ImageSize {
+            width: 256,
+            height: 256,
+        };
+        FrameInput::new(&prepared, view, size, PlanOptions::default())
+    }
+
+    /// Takes the strips of the only region apart and puts them together again, changed.
+    fn change_strips(geometry: &mut SceneGeometry, change: impl FnOnce(&mut Vec<Vec<u16>>)) {
+        let indices = std::mem::take(&mut geometry.indices.short);
+        let strips = indices.split(|&index| index == u16::MAX);
+        let mut strips: Vec<Vec<u16>> = strips.map(<[u16]>::to_vec).collect();
+        change(&mut strips);
+        geometry.indices.short = strips.join(&u16::MAX);
+        let region = geometry.regions.first_mut().expect("one region");
+        region.index_count = geometry.indices.count(true);
+    }
+
+    /// Of whole strips a device makes what it makes of lists, and of broken ones it does not.
+    #[test]
+    fn broken_strips_are_seen() {
+        let Some(gpu) = terrafill_vulkan::open_for_test(&Default::default()) else {
+            return;
+        };
+        // Regions that are counted: to bits that flip, all faces are alike.
+        let switches = Switches {
+            colour: ColourWay::Rectangle,
+            ..Switches::default()
+        };
+        let input = california();
+        let stage = terrafill_vulkan::Stage::shared(&gpu, input.size).expect("small targets");
+        // How many indices stand for a corner.
+        for (technique, step) in [(Technique::GsDegenerate, 1), (Technique::GsAdjacency, 2)] {
+            let drawn = |indices, change: &dyn Fn(&mut SceneGeometry)| {
+                let variant = NativeVariant {
+                    technique,
+                    indices,
+                    switches,
+                };
+                let mut backend = NativeBackend::new(&stage, variant).expect("has the features");
+                backend.prepare(&input).expect("fits");
+                let mut geometry = SceneGeometry::build(technique, indices, &input.scene.meshes);
+                change(&mut geometry);
+                backend.upload_geometry(&input, geometry).expect("fits");
+                backend.render(&input).expect("draws").ids
+            };
+            let list = drawn(Indices::List, &|_| {});
+            let filled = list.iter().filter(|id| **id > 0).count();
+            assert!(filled > 1000, "{filled}");
+            let differing = |change: &dyn Fn(&mut Vec<Vec<u16>>)| {
+                let ids = drawn(Indices::Strip, &|geometry| change_strips(geometry, change));
+                let both = ids.iter().zip(&list);
+                both.filter(|(found, expected)| found != expected).count()
+            };
+            let name = technique.name();
+            assert_eq!(differing(&|_| {}), 0, "{name}");
+            let turned_over = differing(&|strips| {
+                for strip in strips.iter_mut().filter(|strip| !strip.is_empty()) {
+                    strip.splice(0..0, strip[..step].to_vec());
+                }
+            });
+            assert!(turned_over > 100, "{name}, parity: {turned_over}");
+            let joined = differing(&|strips| *strips = vec![strips.concat()]);
+            assert!(joined > 100, "{name}, restarts missing: {joined}");
+            if technique == Technique::GsAdjacency {
+                let swapped = differing(&|strips| {
+                    for strip in strips.iter_mut().filter(|strip| !strip.is_empty()) {
+                        strip.swap(1, 3);
+                    }
+                });
+                assert!(swapped > 100, "neighbours swapped: {swapped}");
+            }
+        }
+    }
+
+    /// A device that took a restart for a vertex, or turned a strip otherwise, would be given more.
+    #[test]
+    fn geometry_shaders_are_given_what_the_strips_hold() {
+        let Some(gpu) = terrafill_vulkan::open_for_test(&Default::default()) else {
+            return;
+        };
+        if !gpu.facts.features.pipeline_statistics {
+            eprintln!("skipped: no pipeline statistics");
+            return;
+        }
+        let input = california();
+        let mesh = &input.scene.meshes[0];
+        let (triangles, edges) = (mesh.triangle_count(), mesh.boundary_edge_count());
+        let in_strips = triangles + strip_counts(mesh).repeated;
+        let between = edges - mesh.boundary_loops.len();
+        let stage = terrafill_vulkan::Stage::shared(&gpu, input.size).expect("small targets");
+        let (list, strip) = (Indices::List, Indices::Strip);
+        for (technique, indices, expected) in [
+            (Technique::GsDegenerate, list, triangles + edges),
+            (Technique::GsDegenerate, strip, in_strips + edges + between),
+            (Technique::GsAdjacency, list, triangles),
+            (Technique::GsAdjacency, strip, in_strips),
+        ] {
+            let variant = NativeVariant {
+                technique,
+                indices,
+                ..NativeVariant::default()
+            };
+            let mut backend = NativeBackend::new(&stage, variant).expect("has the features");
+            backend.prepare(&input).expect("fits");
+            backend.render(&input).expect("draws");
+            let (report, _) = backend
+                .draw(&input, Measured::Statistics, None)
+                .expect("draws");
+            let given = report.statistics.expect("has the feature");
+            let what = (technique.name(), indices.name());
+            let found = given.geometry_shader_invocations;
+            assert_eq!(found, Some(expected as u64), "{what:?}");
+            let made = 2 * (triangles + edges) as u64;
+            assert_eq!(given.geometry_shader_primitives, Some(made), "{what:?}");
+        }
+        // Twin: some corners are said again, and some edges are not the first of their loop.
+        assert!(in_strips > triangles && between > 0);
+    }
+
     #[test]
     fn what_is_named_can_be_set_again() {
         for technique in Technique::ALL {
             let variant = NativeVariant {
                 technique,
+                indices: Indices::Strip,
                 switches: Switches {
                     depth_bounds: true,
                     scissor: true,
@@ -538,7 +717,20 @@ mod tests {
             assert_eq!(read, variant);
             assert!(NativeVariant::KEYS.contains(technique.name()));
         }
+        for technique in Technique::ALL {
+            let mut variant = NativeVariant {
+                technique,
+                ..NativeVariant::default()
+            };
+            assert_eq!(variant.set("indices", "strip"), Ok(true));
+            let allowed = variant.check(Overlap::Disjoint).is_ok();
+            assert_eq!(allowed, technique.has_index_choice(), "{}", variant.name());
+            assert_eq!(variant.set("indices", "list"), Ok(true));
+            assert_eq!(variant.check(Overlap::Disjoint), Ok(()));
+        }
         let mut variant = NativeVariant::default();
+        let error = variant.set("indices", "fan").expect_err("no such one");
+        assert!(error.to_string().contains("list, strip"), "{error}");
         let error = variant.set("technique", "gs").expect_err("no such one");
         assert!(
             error.to_string().contains("gs-degenerate, gs-two-edges"),

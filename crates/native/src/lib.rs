@@ -10,13 +10,16 @@
 mod backend;
 mod depth_bounds;
 mod layout;
+mod neighbours;
 mod pass;
 mod ring_order;
+mod strips;
 mod technique;
 mod textured;
 
 pub use backend::{NativeBackend, NativeVariant};
 pub use depth_bounds::{DepthRange, depth_range};
-pub use layout::native_bytes;
+pub use layout::{native_bytes, native_layouts};
 pub use ring_order::walls_with_other_diagonal;
-pub use technique::Technique;
+pub use strips::{StripCounts, strip_counts};
+pub use technique::{Indices, Technique};

@@ -31,6 +31,34 @@ pub enum Technique {
     GsPerTriangle,
 }
 
+/// How triangles are indexed, where the technique leaves a choice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Indices {
+    /// Lists: every triangle says all of its corners. `gs-degenerate` takes 3 indices a triangle and
+    /// 3 an edge of the boundary, `gs-adjacency` 6 a triangle: with one of each for a vertex, and
+    /// indices of 2 bytes, 24 bytes a vertex.
+    #[default]
+    List,
+    /// Strips with restarts. `gs-degenerate` takes 1 index a triangle, 2 an edge and 3 more a strip,
+    /// `gs-adjacency` 2 a triangle and 5 more a strip; and 1 or 2 where a strip turns the same way
+    /// twice. With 6 triangles a strip that is 19 and 18 bytes a vertex.
+    Strip,
+}
+
+impl Indices {
+    /// Every way.
+    pub const ALL: [Self; 2] = [Self::List, Self::Strip];
+
+    /// Name in variants and reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::List => "list",
+            Self::Strip => "strip",
+        }
+    }
+}
+
 /// What one draw of a region holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Part {
@@ -70,6 +98,21 @@ impl Technique {
         self != Self::VsControl
     }
 
+    /// Whether triangles may be lists or strips; the others have one way only.
+    #[must_use]
+    pub fn has_index_choice(self) -> bool {
+        matches!(self, Self::GsDegenerate | Self::GsAdjacency)
+    }
+
+    /// What is stored where `wanted` is asked for.
+    pub(crate) fn indices(self, wanted: Indices) -> Indices {
+        if self.has_index_choice() {
+            wanted
+        } else {
+            Indices::List
+        }
+    }
+
     pub(crate) fn parts(self) -> &'static [Part] {
         match self {
             Self::VsControl | Self::GsLine => &[Part::Caps, Part::Walls],
@@ -79,11 +122,13 @@ impl Technique {
         }
     }
 
-    fn topology(self, part: Part) -> Topology {
-        match (self, part) {
-            (Self::VsControl, Part::Walls) => Topology::Strips,
-            (Self::GsLine, Part::Walls) => Topology::LineStrips,
-            (Self::GsAdjacency, _) => Topology::TrianglesWithAdjacency,
+    fn topology(self, part: Part, indices: Indices) -> Topology {
+        match (self, part, self.indices(indices)) {
+            (Self::VsControl, Part::Walls, _) => Topology::Strips,
+            (Self::GsLine, Part::Walls, _) => Topology::LineStrips,
+            (Self::GsAdjacency, _, Indices::Strip) => Topology::StripsWithAdjacency,
+            (Self::GsAdjacency, ..) => Topology::TrianglesWithAdjacency,
+            (_, _, Indices::Strip) => Topology::Strips,
             _ => Topology::Triangles,
         }
     }
@@ -104,6 +149,7 @@ impl Technique {
     pub(crate) fn volume_pipeline(
         self,
         part: Part,
+        indices: Indices,
         state: VolumeState,
         without_bottom: bool,
         depth_bounds: bool,
@@ -150,7 +196,7 @@ impl Technique {
                 Self::VsControl => VertexFormat::FixedAndFlag,
                 _ => VertexFormat::Fixed,
             },
-            topology: self.topology(part),
+            topology: self.topology(part, indices),
             state: state.into(),
             depth_bounds: depth_bounds
                 && matches!(

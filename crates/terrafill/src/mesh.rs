@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 use terrafill_compute::{compute_bytes, placed_bytes};
 use terrafill_core::{EdgeRule, MeshOptions, Region, RegionMesh};
-use terrafill_native::{Technique, native_bytes};
+use terrafill_native::native_layouts;
 use terrafill_vertex::{Layout, layout_bytes, shared_flag_bytes};
 
 #[derive(Serialize)]
@@ -74,12 +74,13 @@ pub(crate) fn run(arguments: &MeshArguments) -> Result<Outcome, Failure> {
         skipped,
     } = read_and_mesh(path, leniency, body, edges, &options)?;
     report_skipped(&skipped);
+    let meshed: Vec<MeshedRegion> = meshes.iter().map(describe).collect();
     let output = MeshOutput {
         file: path.display().to_string(),
         edges: edges.name(),
         body: body.name(),
-        totals: totals(&regions, &meshes),
-        regions: meshes.iter().map(describe).collect(),
+        totals: totals(&regions, &meshes, &meshed),
+        regions: meshed,
         errors: skipped,
         elapsed_ms: start.elapsed().as_secs_f64() * 1e3,
     };
@@ -101,10 +102,8 @@ fn bytes(mesh: &RegionMesh) -> BTreeMap<String, u64> {
     let compute = compute_bytes(mesh);
     let vertex =
         Layout::ALL.map(|layout| (layout_name(layout), layout_bytes(layout, mesh).total()));
-    let native = Technique::ALL.map(|technique| {
-        let name = format!("native/{}", technique.name());
-        (name, native_bytes(technique, mesh).total())
-    });
+    let native = native_layouts(mesh).into_iter();
+    let native = native.map(|(name, bytes)| (format!("native/{name}"), bytes.total()));
     let compute = [
         ("compute/input", compute.input()),
         ("compute/total", compute.total()),
@@ -117,10 +116,10 @@ fn bytes(mesh: &RegionMesh) -> BTreeMap<String, u64> {
     vertex.into_iter().chain(compute).chain(native).collect()
 }
 
-fn total_bytes(meshes: &[RegionMesh]) -> BTreeMap<String, u64> {
+fn total_bytes(meshed: &[MeshedRegion]) -> BTreeMap<String, u64> {
     let mut totals = BTreeMap::new();
-    for (layout, bytes) in meshes.iter().flat_map(bytes) {
-        *totals.entry(layout).or_default() += bytes;
+    for (layout, bytes) in meshed.iter().flat_map(|region| &region.bytes) {
+        *totals.entry(layout.clone()).or_default() += bytes;
     }
     totals
 }
@@ -152,7 +151,7 @@ fn describe(mesh: &RegionMesh) -> MeshedRegion {
     }
 }
 
-fn totals(regions: &[Region], meshes: &[RegionMesh]) -> Totals {
+fn totals(regions: &[Region], meshes: &[RegionMesh], meshed: &[MeshedRegion]) -> Totals {
     let sum = |count: fn(&RegionMesh) -> usize| meshes.iter().map(count).sum();
     Totals {
         regions: meshes.len(),
@@ -162,7 +161,7 @@ fn totals(regions: &[Region], meshes: &[RegionMesh]) -> Totals {
         boundary_edges: sum(RegionMesh::boundary_edge_count),
         holes: sum(|mesh| mesh.holes),
         area_m2: meshes.iter().map(|mesh| mesh.area_m2).sum(),
-        bytes: total_bytes(meshes),
+        bytes: total_bytes(meshed),
         shared_bytes: shared_bytes(meshes),
     }
 }

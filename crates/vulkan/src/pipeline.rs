@@ -74,6 +74,18 @@ pub enum Topology {
     LineStrips,
     /// Six each: corners, and between them those of the neighbours.
     TrianglesWithAdjacency,
+    /// Strips of triangles that the largest index ends: after each corner one of a neighbour.
+    StripsWithAdjacency,
+}
+
+impl Topology {
+    /// Whether the largest index ends a primitive and begins another.
+    fn restarts(self) -> bool {
+        match self {
+            Self::Triangles | Self::TrianglesWithAdjacency => false,
+            Self::Strips | Self::LineStrips | Self::StripsWithAdjacency => true,
+        }
+    }
 }
 
 /// What a pipeline draws into, and when.
@@ -407,11 +419,11 @@ impl Assembly<'_> {
                 Topology::TrianglesWithAdjacency => {
                     vk::PrimitiveTopology::TRIANGLE_LIST_WITH_ADJACENCY
                 }
+                Topology::StripsWithAdjacency => {
+                    vk::PrimitiveTopology::TRIANGLE_STRIP_WITH_ADJACENCY
+                }
             })
-            .primitive_restart_enable(matches!(
-                self.topology,
-                Topology::Strips | Topology::LineStrips
-            ));
+            .primitive_restart_enable(self.topology.restarts());
         let viewport = vk::PipelineViewportStateCreateInfo::default()
             .viewport_count(1)
             .scissor_count(1);

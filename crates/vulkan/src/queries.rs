@@ -26,6 +26,8 @@ pub struct FillTimes {
 pub struct PassStatistics {
     /// Vertices shaded.
     pub vertex_shader_invocations: u64,
+    /// Primitives that geometry shaders were given; none where the device has no such shaders.
+    pub geometry_shader_invocations: Option<u64>,
     /// Primitives that geometry shaders made; none where the device has no such shaders.
     pub geometry_shader_primitives: Option<u64>,
     /// Primitives that reached clipping.
@@ -60,7 +62,9 @@ fn statistics(gpu: &Gpu) -> vk::QueryPipelineStatisticFlags {
         | vk::QueryPipelineStatisticFlags::CLIPPING_PRIMITIVES
         | vk::QueryPipelineStatisticFlags::FRAGMENT_SHADER_INVOCATIONS;
     if gpu.facts.features.geometry_shader {
-        counted | vk::QueryPipelineStatisticFlags::GEOMETRY_SHADER_PRIMITIVES
+        counted
+            | vk::QueryPipelineStatisticFlags::GEOMETRY_SHADER_INVOCATIONS
+            | vk::QueryPipelineStatisticFlags::GEOMETRY_SHADER_PRIMITIVES
     } else {
         counted
     }
@@ -120,7 +124,7 @@ impl Queries {
         let read = match words_per_query {
             1 => read_as::<1>(device, raw, first, count, flags),
             4 => read_as::<4>(device, raw, first, count, flags),
-            _ => read_as::<5>(device, raw, first, count, flags),
+            _ => read_as::<6>(device, raw, first, count, flags),
         };
         read.map_err(|error| failure(error, "reading queries", 0))
     }
@@ -147,12 +151,13 @@ fn read_as<const N: usize>(
 }
 
 fn sum_statistics(values: &[u64], has_geometry: bool) -> PassStatistics {
-    let words = if has_geometry { 5 } else { 4 };
+    let words = if has_geometry { 6 } else { 4 };
     let sum = |which: usize| values.iter().skip(which).step_by(words).sum();
     let after = words - 4;
     PassStatistics {
         vertex_shader_invocations: sum(0),
-        geometry_shader_primitives: has_geometry.then(|| sum(1)),
+        geometry_shader_invocations: has_geometry.then(|| sum(1)),
+        geometry_shader_primitives: has_geometry.then(|| sum(2)),
         clipper_invocations: sum(1 + after),
         clipper_primitives_out: sum(2 + after),
         fragment_shader_invocations: sum(3 + after),
@@ -186,14 +191,16 @@ mod tests {
 
     #[test]
     fn passes_are_added_up_each_counter_on_its_own() {
-        let five = [1, 2, 3, 4, 5, 10, 20, 30, 40, 50];
-        let summed = sum_statistics(&five, true);
+        let six = [1, 6, 2, 3, 4, 5, 10, 60, 20, 30, 40, 50];
+        let summed = sum_statistics(&six, true);
         assert_eq!(summed.vertex_shader_invocations, 11);
+        assert_eq!(summed.geometry_shader_invocations, Some(66));
         assert_eq!(summed.geometry_shader_primitives, Some(22));
         assert_eq!(summed.clipper_invocations, 33);
         assert_eq!(summed.clipper_primitives_out, 44);
         assert_eq!(summed.fragment_shader_invocations, 55);
         let four = sum_statistics(&[1, 2, 3, 4, 10, 20, 30, 40], false);
+        assert_eq!(four.geometry_shader_invocations, None);
         assert_eq!(four.geometry_shader_primitives, None);
         assert_eq!(four.clipper_invocations, 22);
         assert_eq!(four.fragment_shader_invocations, 44);

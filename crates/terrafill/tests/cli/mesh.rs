@@ -83,7 +83,7 @@ const TOTAL_KEYS: [&str; 9] = [
     "bytes",
     "shared_bytes",
 ];
-const LAYOUTS: [&str; 13] = [
+const LAYOUTS: [&str; 15] = [
     "vertex/doubled",
     "vertex/separate",
     "vertex/per-triangle",
@@ -93,9 +93,11 @@ const LAYOUTS: [&str; 13] = [
     "compute/total,transform=compute",
     "native/vs-control",
     "native/gs-degenerate",
+    "native/gs-degenerate/strip",
     "native/gs-two-edges",
     "native/gs-line",
     "native/gs-adjacency",
+    "native/gs-adjacency/strip",
     "native/gs-per-triangle",
 ];
 
@@ -578,6 +580,20 @@ fn bytes_follow_from_vertices_triangles_and_boundary() {
             ("native/gs-per-triangle", 12 * v + 2 * 3 * t),
         ] {
             assert_eq!(count(&region["bytes"], layout), expected, "{layout}");
+        }
+        // Of s strips with w corners said again: t + 3s + w indices and the walls', or 2t + 5s + 2w.
+        let indices = |layout| (count(&region["bytes"], layout) - 12 * v) / 2;
+        let caps = indices("native/gs-degenerate/strip") - 2 * (e + 1);
+        let strips = 2 * caps - indices("native/gs-adjacency/strip");
+        assert!(
+            (1..=t).contains(&strips),
+            "{strips} strips of {t} triangles"
+        );
+        assert!(caps >= t + 3 * strips, "{caps} indices in {strips} strips");
+        for technique in ["gs-degenerate", "gs-adjacency"] {
+            let list = format!("native/{technique}");
+            let strip = format!("{list}/strip");
+            assert!(count(&region["bytes"], &strip) < count(&region["bytes"], &list));
         }
     }
     // The flags are as many as the largest region needs, whatever the others.

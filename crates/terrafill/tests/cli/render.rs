@@ -346,7 +346,7 @@ fn wrong_switches_are_refused_and_nothing_is_written() {
 }
 
 /// Variants of every backend of volumes: switches and the name that they make.
-const VARIANTS: [(&str, &[&str], &str); 22] = [
+const VARIANTS: [(&str, &[&str], &str); 25] = [
     ("vertex", &[], "doubled"),
     ("vertex", &["layout=pulled"], "pulled"),
     ("compute", &[], "per-frame"),
@@ -381,6 +381,13 @@ const VARIANTS: [(&str, &[&str], &str); 22] = [
     ("native", &["technique=gs-line"], "gs-line"),
     ("native", &["technique=gs-adjacency"], "gs-adjacency"),
     ("native", &["technique=gs-per-triangle"], "gs-per-triangle"),
+    ("native", &["indices=list"], "gs-degenerate"),
+    ("native", &["indices=strip"], "gs-degenerate,indices=strip"),
+    (
+        "native",
+        &["indices=strip", "technique=gs-adjacency"],
+        "gs-adjacency,indices=strip",
+    ),
     (
         "native",
         &["colour=bit-planes", "technique=gs-line"],
@@ -505,6 +512,7 @@ fn switches_of_another_backend_are_refused_with_the_backends_own() {
             "technique=gs",
             "technique=vs-control, gs-degenerate",
         ),
+        ("native", "indices=fan", "indices=list, strip"),
         ("native", "depth-bounds=maybe", "depth-bounds=off, on"),
         ("native", "faces=three", "faces=two-sided, two-pass"),
         ("vertex", "technique=gs-line", "layout=doubled|separate"),
@@ -533,6 +541,16 @@ fn switches_of_another_backend_are_refused_with_the_backends_own() {
     ];
     desk.run(&[&SCENE[..], &more].concat())
         .refused(&[&["--variant: gpu-culling: found triangles"]]);
+    let more = [
+        "--backend",
+        "native",
+        "--variant",
+        "technique=gs-line",
+        "--variant",
+        "indices=strip",
+    ];
+    desk.run(&[&SCENE[..], &more].concat())
+        .refused(&[&["--variant: indices: found strip with technique=gs-line"]]);
     assert_eq!(desk.names(), before);
 }
 

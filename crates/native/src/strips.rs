@@ -1,0 +1,580 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Triangle strips over a mesh.
+//!
+//! A strip is a path from triangle to neighbour. Three corners begin it, each further triangle takes
+//! one more while the path turns left and right in turn, and where it turns the same way twice a
+//! corner is said again: the triangle that comes of it has two equal corners, and shaders pass it
+//! over. A new strip costs two corners and a restart, as many indices as it can spare repeated
+//! corners, so the fewest indices are those of the fewest paths and, among them, of the fewest
+//! repeated corners.
+//!
+//! Greedy strips (Akeley, Haeberli and Burns, 1990; Evans, Skiena and Varshney, 1996) leave triangles
+//! alone that later strips have to collect one by one. The general problem is NP-complete, but hardly
+//! a vertex of a country lies inside, so the triangles' neighbourhood is nearly a tree, and over a
+//! tree the best paths are found exactly, from the leaves to the root. Of what is no tree a
+//! depth-first search keeps one whose paths are long.
+
+use crate::neighbours::{Neighbours, Side};
+use terrafill_core::RegionMesh;
+
+/// What a strip costs, a repeated corner being 1. Ending a path between two triangles takes away their
+/// turns, and with them three repeated corners at most: before, between and after. Two corners and a
+/// restart are as many; more than that, and the fewer of two equal numbers of strips are taken, since
+/// drivers may draw each restart on its own. With adjacency the three are six indices and the new
+/// strip five; for that one the paths are not ended.
+const STRIP_COST: u32 = 4;
+
+/// A corner of a strip, as index of a vertex, and what a geometry shader with adjacency is told
+/// after it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct StripCorner {
+    pub(crate) vertex: u32,
+    pub(crate) beside: u32,
+}
+
+/// What the strips over a mesh come to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct StripCounts {
+    /// Triangles, each in one strip.
+    pub triangles: usize,
+    /// Strips, each with two corners more than triangles.
+    pub strips: usize,
+    /// Corners said again, where a strip turns the same way twice.
+    pub repeated: usize,
+}
+
+impl StripCounts {
+    /// Corners of all strips.
+    pub(crate) fn corners(self) -> usize {
+        self.triangles + 2 * self.strips + self.repeated
+    }
+}
+
+/// Finds the strips over `mesh` and counts.
+///
+/// - cost: O(triangles)
+#[must_use]
+pub fn strip_counts(mesh: &RegionMesh) -> StripCounts {
+    let strips = Strips::over(&Neighbours::of(mesh));
+    let (triangles, count) = (mesh.triangle_count(), strips.ends.len());
+    StripCounts {
+        triangles,
+        strips: count,
+        repeated: strips.corners.len() - triangles - 2 * count,
+    }
+}
+
+/// Strips that hold every triangle of a mesh once, winding kept.
+#[derive(Debug, Default)]
+pub(crate) struct Strips {
+    corners: Vec<StripCorner>,
+    /// Where each strip ends in `corners`.
+    ends: Vec<usize>,
+}
+
+impl Strips {
+    /// - cost: O(triangles)
+    pub(crate) fn over(neighbours: &Neighbours<'_>) -> Self {
+        let mut strips = Self::default();
+        let mut path = Vec::new();
+        let paths = Paths::over(neighbours);
+        let mut is_walked = vec![false; neighbours.triangles.len()];
+        for triangle in 0..neighbours.triangles.len() {
+            if !is_walked[triangle] && paths.ends_at(triangle) {
+                paths.walk(neighbours, triangle, &mut path);
+                for step in &path {
+                    is_walked[step.triangle] = true;
+                }
+                strips.push(neighbours, &mut path);
+            }
+        }
+        strips
+    }
+
+    /// One after the other.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &[StripCorner]> {
+        let starts = std::iter::once(&0).chain(&self.ends);
+        starts
+            .zip(&self.ends)
+            .map(|(&start, &end)| &self.corners[start..end])
+    }
+
+    /// Writes a path as a strip, from the end at which its first turn costs nothing, if there is one.
+    fn push(&mut self, neighbours: &Neighbours<'_>, path: &mut [Step]) {
+        let turn_after = |step: Option<&Step>| step.and_then(Step::turn);
+        let backwards = turn_after(path.iter().rev().nth(1)).map(|turn| 3 - turn);
+        if turn_after(path.get(1)) != Some(ODD_TURN) && backwards == Some(ODD_TURN) {
+            path.reverse();
+            for step in path.iter_mut() {
+                std::mem::swap(&mut step.enters, &mut step.leaves);
+            }
+        }
+        let Some((first, others)) = path.split_first() else {
+            return;
+        };
+        let side = |step: &Step, number: usize| Side {
+            triangle: step.triangle,
+            number: number % 3,
+        };
+        let told = |step: &Step, number: usize| neighbours.told_across(side(step, number));
+        let start = self.corners.len();
+        let leaves = first.leaves.unwrap_or(1);
+        for (number, beside) in [(2, 2), (0, 1), (1, 0)] {
+            self.corners.push(StripCorner {
+                vertex: neighbours.corner(first.triangle, leaves + number),
+                beside: told(first, leaves + beside),
+            });
+        }
+        for step in others {
+            let Some(enters) = step.enters else { continue };
+            if step
+                .turn()
+                .is_some_and(|turn| turn != self.free_turn(start))
+            {
+                let again = self.corners[self.corners.len() - 2].vertex;
+                self.push_corner(again, again, again);
+            }
+            // The side by which a strip goes on, and the one that it passes by.
+            let leaves = enters + self.free_turn(start);
+            let passed = enters + 3 - self.free_turn(start);
+            let vertex = neighbours.corner(step.triangle, enters + 2);
+            self.push_corner(vertex, told(step, passed), told(step, leaves));
+        }
+        self.ends.push(self.corners.len());
+    }
+
+    /// - `passed`: what is told across the side that the new triangle has beside the strip
+    /// - `ahead`: and across the one by which the strip would go on
+    fn push_corner(&mut self, vertex: u32, passed: u32, ahead: u32) {
+        if let Some(last) = self.corners.last_mut() {
+            last.beside = passed;
+        }
+        self.corners.push(StripCorner {
+            vertex,
+            beside: ahead,
+        });
+    }
+
+    /// Which turn the next triangle of the strip that begins at `start` makes by itself.
+    fn free_turn(&self, start: usize) -> usize {
+        if (self.corners.len() - start).is_multiple_of(2) {
+            EVEN_TURN
+        } else {
+            ODD_TURN
+        }
+    }
+}
+
+/// Sides from the one a path comes in by to the one it leaves by, in the first, third, … triangle of
+/// a strip.
+const EVEN_TURN: usize = 1;
+
+/// The same in the second, fourth, …
+const ODD_TURN: usize = 2;
+
+/// A triangle of a path.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    triangle: usize,
+    enters: Option<usize>,
+    leaves: Option<usize>,
+}
+
+impl Step {
+    fn turn(&self) -> Option<usize> {
+        Some((self.leaves? + 3 - self.enters?) % 3)
+    }
+}
+
+/// How the path through a triangle goes on towards the root of its tree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Upward {
+    /// The triangle is the path's end.
+    Ends,
+    /// The path comes from a child, with this turn.
+    Turns(usize),
+    /// It does not.
+    Closed,
+}
+
+impl Upward {
+    const ALL: [Self; 4] = [Self::Ends, Self::Turns(1), Self::Turns(2), Self::Closed];
+    const OPEN: [Self; 3] = [Self::Ends, Self::Turns(1), Self::Turns(2)];
+
+    fn place(self) -> usize {
+        match self {
+            Self::Ends => 0,
+            Self::Turns(turn) => turn,
+            Self::Closed => 3,
+        }
+    }
+}
+
+/// Children that a triangle's path goes to: across which side, and how their paths come up to it.
+type Joined = [Option<(usize, Upward)>; 2];
+
+/// More than any mesh costs.
+const NEVER: u32 = u32::MAX / 2;
+
+/// A tree over the triangles that a mesh's neighbourhood joins, or several.
+#[derive(Debug)]
+struct Forest<'a> {
+    neighbours: &'a Neighbours<'a>,
+    /// Parents before children.
+    order: Vec<usize>,
+    /// By triangle, the side towards the root.
+    parent_side: Vec<Option<usize>>,
+    /// By triangle and side, whether a child lies across.
+    has_child: Vec<[bool; 3]>,
+    /// By triangle and [`Upward::place`], the cost of the paths from there on downwards. One that
+    /// goes on upwards is counted where it ends.
+    costs: Vec<[u32; 4]>,
+}
+
+impl<'a> Forest<'a> {
+    fn over(neighbours: &'a Neighbours<'a>) -> Self {
+        let count = neighbours.triangles.len();
+        let mut forest = Self {
+            neighbours,
+            order: Vec::with_capacity(count),
+            parent_side: vec![None; count],
+            has_child: vec![[false; 3]; count],
+            costs: vec![[0; 4]; count],
+        };
+        let mut is_reached = vec![false; count];
+        let mut waiting: Vec<(usize, Option<Side>, Option<usize>)> = Vec::new();
+        for root in 0..count {
+            waiting.push((root, None, None));
+            while let Some((triangle, parent, parent_side)) = waiting.pop() {
+                if std::mem::replace(&mut is_reached[triangle], true) {
+                    continue;
+                }
+                forest.order.push(triangle);
+                forest.parent_side[triangle] = parent_side;
+                if let Some(side) = parent {
+                    forest.has_child[side.triangle][side.number] = true;
+                }
+                for number in 0..3 {
+                    let side = Side { triangle, number };
+                    if let Some(back) = neighbours.beyond(side) {
+                        waiting.push((back.triangle, Some(side), Some(back.number)));
+                    }
+                }
+            }
+        }
+        forest.settle_costs();
+        forest
+    }
+
+    fn settle_costs(&mut self) {
+        for place in (0..self.order.len()).rev() {
+            let triangle = self.order[place];
+            self.costs[triangle] = Upward::ALL.map(|upward| self.best(triangle, upward).0);
+        }
+    }
+
+    fn child(&self, triangle: usize, number: usize) -> Option<usize> {
+        let has_child = self.has_child[triangle][number];
+        let across = || self.neighbours.beyond(Side { triangle, number });
+        has_child.then(across)?.map(|back| back.triangle)
+    }
+
+    /// The cheapest way to join a triangle with its children, and what it costs.
+    fn best(&self, triangle: usize, upward: Upward) -> (u32, Joined) {
+        let children = [0, 1, 2].map(|side| self.child(triangle, side));
+        let closed = |child: usize| self.costs[child][Upward::Closed.place()];
+        let apart: u32 = children.into_iter().flatten().map(closed).sum();
+        // The path of the child across a side, if it goes on with this turn of the triangle's own.
+        let joined = |side: usize, turn: Option<usize>| {
+            let child = children[side]?;
+            let cost = |way: Upward| {
+                let repeats = turn.is_some_and(|turn| way == Upward::Turns(turn));
+                (self.costs[child][way.place()] + u32::from(repeats), way)
+            };
+            let [first, others @ ..] = Upward::OPEN.map(cost);
+            let (cost, way) =
+                others.into_iter().fold(
+                    first,
+                    |best, other| {
+                        if other.0 < best.0 { other } else { best }
+                    },
+                );
+            Some((cost, closed(child), (side, way)))
+        };
+        match (upward, self.parent_side[triangle]) {
+            (Upward::Ends, _) => (apart, [None, None]),
+            (Upward::Turns(turn), Some(parent)) => {
+                match joined((parent + 3 - turn) % 3, Some(turn)) {
+                    Some((cost, closed, link)) => (apart - closed + cost, [Some(link), None]),
+                    None => (NEVER, [None, None]),
+                }
+            }
+            (Upward::Turns(_), None) => (NEVER, [None, None]),
+            (Upward::Closed, _) => {
+                let mut best = (apart, [None, None]);
+                for side in 0..3 {
+                    let next = (side + 1) % 3;
+                    // From this side to the next is a turn of 1, and back one of 2.
+                    let pair = joined(side, Some(1)).zip(joined(next, Some(2)));
+                    let alone = joined(side, None)
+                        .map(|(cost, closed, link)| (apart - closed + cost, [Some(link), None]));
+                    let both = pair.map(|(one, other)| {
+                        let cost = apart - one.1 - other.1 + one.0 + other.0;
+                        (cost, [Some(one.2), Some(other.2)])
+                    });
+                    for found in alone.into_iter().chain(both) {
+                        if found.0 < best.0 {
+                            best = found;
+                        }
+                    }
+                }
+                (best.0 + STRIP_COST, best.1)
+            }
+        }
+    }
+}
+
+/// The paths.
+#[derive(Debug)]
+struct Paths {
+    /// By triangle and side, whether the path goes on across it.
+    goes_on: Vec<[bool; 3]>,
+}
+
+impl Paths {
+    fn over(neighbours: &Neighbours<'_>) -> Self {
+        let forest = Forest::over(neighbours);
+        let mut goes_on = vec![[false; 3]; neighbours.triangles.len()];
+        let mut upward = vec![Upward::Closed; neighbours.triangles.len()];
+        for &triangle in &forest.order {
+            let (_, joined) = forest.best(triangle, upward[triangle]);
+            for (side, way) in joined.into_iter().flatten() {
+                goes_on[triangle][side] = true;
+                if let Some(child) = forest.child(triangle, side) {
+                    upward[child] = way;
+                    if let Some(back) = forest.parent_side[child] {
+                        goes_on[child][back] = true;
+                    }
+                }
+            }
+        }
+        Self { goes_on }
+    }
+
+    fn ends_at(&self, triangle: usize) -> bool {
+        self.goes_on[triangle].iter().filter(|&&on| on).count() < 2
+    }
+
+    /// The path with an end at `triangle`, from there on.
+    fn walk(&self, neighbours: &Neighbours<'_>, triangle: usize, path: &mut Vec<Step>) {
+        path.clear();
+        let mut next = Some((triangle, None));
+        while let Some((triangle, enters)) = next {
+            let mut sides = (0..3).filter(|&side| self.goes_on[triangle][side]);
+            let leaves = sides.find(|&side| Some(side) != enters);
+            path.push(Step {
+                triangle,
+                enters,
+                leaves,
+            });
+            next = leaves.and_then(|number| {
+                let back = neighbours.beyond(Side { triangle, number })?;
+                Some((back.triangle, Some(back.number)))
+            });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::tests::{annulus, planar, real_meshes};
+    use std::collections::BTreeSet;
+
+    /// Triangles of strips as Vulkan makes them ("Triangle Strips"), those with equal corners left
+    /// out; `odd` are the places of the last two corners in every second one.
+    fn triangles_of(strips: &Strips, odd: [usize; 2]) -> Vec<[u32; 3]> {
+        let of_strip = |strip: &[StripCorner]| -> Vec<[u32; 3]> {
+            let windows = strip.windows(3).enumerate();
+            let corners = windows.map(|(i, window)| {
+                let [second, third] = if i % 2 == 0 { [1, 2] } else { odd };
+                [0, second, third].map(|place| window[place].vertex)
+            });
+            corners.collect()
+        };
+        let all = strips.iter().flat_map(of_strip);
+        all.filter(|[a, b, c]| a != b && b != c && c != a).collect()
+    }
+
+    /// The same triangles, whichever corner they begin with.
+    fn turned(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+        let smallest_first =
+            |&[a, b, c]: &[u32; 3]| [[a, b, c], [b, c, a], [c, a, b]].into_iter().min();
+        let mut turned: Vec<_> = triangles.iter().filter_map(smallest_first).collect();
+        turned.sort_unstable();
+        turned
+    }
+
+    #[test]
+    fn every_triangle_is_in_one_strip_with_its_winding() {
+        let mut meshes = real_meshes();
+        meshes.extend([3, 4, 10, 101].map(annulus));
+        meshes.push(planar(&[], &[]));
+        let mut would_differ = 0;
+        for mesh in &meshes {
+            let strips = Strips::over(&Neighbours::of(mesh));
+            let found = turned(&triangles_of(&strips, [2, 1]));
+            assert_eq!(found, turned(&mesh.triangles), "{}", mesh.name);
+            // Twin: every second triangle wound like the others.
+            let wrong = turned(&triangles_of(&strips, [1, 2]));
+            would_differ += usize::from(wrong != found);
+        }
+        // A region of one triangle after the other has none that is second.
+        assert!(would_differ + 2 >= meshes.len(), "{would_differ}");
+    }
+
+    #[test]
+    fn strips_stop_at_walls_and_at_what_is_behind() {
+        // Two triangles with a wall on the side between them, as where a loop runs along both.
+        let triangles = [[0, 1, 2], [2, 1, 3]];
+        let open = planar(&triangles, &[&[0, 1, 3, 2]]);
+        let walled = planar(&triangles, &[&[0, 1, 2], &[2, 1, 3]]);
+        // One triangle and the same from behind.
+        let folded = planar(&[[0, 1, 2], [2, 1, 0]], &[]);
+        for (mesh, strips) in [(open, 1), (walled, 2), (folded, 2)] {
+            assert_eq!(strip_counts(&mesh).strips, strips, "{:?}", mesh.triangles);
+        }
+    }
+
+    #[test]
+    fn zigzags_repeat_no_corner_and_fans_nearly_every_one() {
+        for count in 1..12 {
+            let zigzag: Vec<[u32; 3]> = (0..count)
+                .map(|i| {
+                    if i % 2 == 0 {
+                        [i, i + 1, i + 2]
+                    } else {
+                        [i, i + 2, i + 1]
+                    }
+                })
+                .collect();
+            let fan: Vec<[u32; 3]> = (0..count).map(|i| [0, i + 1, i + 2]).collect();
+            let repeated = |triangles| {
+                let counts = strip_counts(&planar(triangles, &[]));
+                assert_eq!((counts.triangles, counts.strips), (count as usize, 1));
+                counts.repeated
+            };
+            assert_eq!(repeated(&zigzag), 0, "{count}");
+            // The first and the last triangle turn nowhere, and the first turn may be free.
+            assert_eq!(
+                repeated(&fan),
+                (count as usize).saturating_sub(3),
+                "{count}"
+            );
+        }
+    }
+
+    /// Triangles of a convex polygon of `count` corners, split at the whim of `random`.
+    fn polygon(count: u32, random: &mut impl FnMut(u32) -> u32) -> Vec<[u32; 3]> {
+        let mut triangles = Vec::new();
+        let mut parts = vec![(0, count - 1)];
+        while let Some((from, to)) = parts.pop() {
+            if to - from >= 2 {
+                let between = from + 1 + random(to - from - 1);
+                triangles.push([from, between, to]);
+                parts.extend([(from, between), (between, to)]);
+            }
+        }
+        triangles
+    }
+
+    /// Fewest indices, but for what first turns cost, of all ways to join neighbours to paths.
+    fn fewest_indices(neighbours: &Neighbours<'_>) -> usize {
+        let count = neighbours.triangles.len();
+        let all = (0..count).flat_map(|triangle| [0, 1, 2].map(|number| Side { triangle, number }));
+        let joints: Vec<(Side, Side)> = all
+            .filter_map(|side| Some((side, neighbours.beyond(side)?)))
+            .filter(|(side, back)| side.triangle < back.triangle)
+            .collect();
+        let cost_of = |chosen: u32| {
+            let mut goes_on = vec![[false; 3]; count];
+            for (bit, (side, back)) in joints.iter().enumerate() {
+                if chosen & (1 << bit) != 0 {
+                    goes_on[side.triangle][side.number] = true;
+                    goes_on[back.triangle][back.number] = true;
+                }
+            }
+            let paths = Paths { goes_on };
+            let is_path = paths
+                .goes_on
+                .iter()
+                .all(|on| on.iter().filter(|&&on| on).count() < 3);
+            let mut path = Vec::new();
+            let mut cost = 0;
+            for triangle in (0..count).filter(|&triangle| is_path && paths.ends_at(triangle)) {
+                paths.walk(neighbours, triangle, &mut path);
+                let other_end = path.last().map_or(triangle, |step| step.triangle);
+                if triangle <= other_end {
+                    let turns: Vec<_> = path.iter().filter_map(Step::turn).collect();
+                    let same = turns.windows(2).filter(|pair| pair[0] == pair[1]).count();
+                    cost += 3 + same;
+                }
+            }
+            is_path.then_some(cost)
+        };
+        let least = (0..1_u32 << joints.len()).filter_map(cost_of).min();
+        count + least.expect("apart they are paths")
+    }
+
+    #[test]
+    fn over_a_tree_no_other_strips_take_fewer_indices() {
+        let mut state = 1_u64;
+        let mut random = |below: u32| {
+            // Knuth's MMIX constants.
+            state = state.wrapping_mul(6_364_136_223_846_793_005);
+            state = state.wrapping_add(1_442_695_040_888_963_407);
+            u32::try_from((state >> 33) % u64::from(below)).expect("below it")
+        };
+        let mut branched = 0;
+        for round in 0..300 {
+            let triangles = polygon(3 + round % 9, &mut random);
+            let mesh = planar(&triangles, &[]);
+            let neighbours = Neighbours::of(&mesh);
+            let paths = Paths::over(&neighbours);
+            let counts = strip_counts(&mesh);
+            let found = counts.triangles + 3 * counts.strips + counts.repeated;
+            let least = fewest_indices(&neighbours);
+            // A strip whose first turn is the other one at both ends repeats a corner for it.
+            assert!(
+                (least..=least + counts.strips).contains(&found),
+                "{found}, {least}"
+            );
+            let mut path = Vec::new();
+            let ends: Vec<usize> = (0..triangles.len()).filter(|&t| paths.ends_at(t)).collect();
+            let longest = ends.iter().map(|&end| {
+                paths.walk(&neighbours, end, &mut path);
+                path.len()
+            });
+            branched += usize::from(longest.max() < Some(triangles.len()));
+            // Twin: each triangle for itself is too much, where there are two.
+            let apart = 4 * triangles.len();
+            let allowed = least..=least + triangles.len();
+            assert!(triangles.len() < 2 || !allowed.contains(&apart), "{least}");
+        }
+        assert!(branched > 50, "hardly a choice to make: {branched}");
+    }
+
+    #[test]
+    fn real_regions_take_less_than_two_indices_a_triangle() {
+        let counts: Vec<StripCounts> = real_meshes().iter().map(strip_counts).collect();
+        let sum = |of: fn(&StripCounts) -> usize| counts.iter().map(of).sum::<usize>();
+        let triangles = sum(|counts| counts.triangles);
+        let indices = triangles + 3 * sum(|counts| counts.strips) + sum(|counts| counts.repeated);
+        let each = indices as f64 / triangles as f64;
+        eprintln!("{each:.3} indices a triangle");
+        assert!(each < 1.8, "{each}");
+        // What no strips can do without, one corner a triangle, is far from all.
+        let names: BTreeSet<usize> = counts.iter().map(|counts| counts.strips).collect();
+        assert!(each > 1.2 && names.len() > 10, "{each}");
+    }
+}
