@@ -349,9 +349,9 @@ fn native(technique: Native, scene: &Scene) -> Setting {
     }))
 }
 
-fn in_strips(mut setting: Setting) -> Setting {
+fn in_lists(mut setting: Setting) -> Setting {
     if let Technique::Native(variant) = &mut setting.technique {
-        variant.indices = Indices::Strip;
+        variant.indices = Some(Indices::List);
     }
     setting
 }
@@ -413,7 +413,7 @@ fn main_settings(backend: &str, scene: &Scene, quick: bool) -> Vec<Setting> {
                 .map(|technique| native(technique, scene))
                 .to_vec();
             if !quick {
-                settings.push(in_strips(native(Native::GsDegenerate, scene)));
+                settings.push(in_lists(native(Native::GsDegenerate, scene)));
             }
             return settings;
         }

@@ -122,7 +122,7 @@ impl Climb {
         self.step(step, change, |setting| {
             if let Technique::Native(variant) = &mut setting.technique {
                 variant.technique = technique;
-                variant.indices = indices;
+                variant.indices = Some(indices);
             }
         })
     }

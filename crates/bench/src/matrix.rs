@@ -23,7 +23,7 @@ fn own_switches(base: Setting) -> Vec<Setting> {
         Technique::Baseline(_) => Vec::new(),
         Technique::Native(variant) => vec![Setting {
             technique: Technique::Native(NativeVariant {
-                indices: Indices::Strip,
+                indices: Some(Indices::List),
                 ..variant
             }),
             ..base
@@ -173,16 +173,16 @@ mod tests {
     }
 
     #[test]
-    fn strips_are_asked_of_the_techniques_that_have_them() {
+    fn lists_are_asked_of_the_techniques_that_have_strips() {
         for technique in Native::ALL {
             let variant = NativeVariant {
                 technique,
                 ..NativeVariant::default()
             };
             let names = names_of(Technique::Native(variant), Overlap::Disjoint);
-            let strips = format!("{},indices=strip", technique.name());
+            let lists = format!("{},indices=list", technique.name());
             let has_choice = technique.has_index_choice();
-            assert_eq!(names.contains(&strips), has_choice, "{names:?}");
+            assert_eq!(names.contains(&lists), has_choice, "{names:?}");
         }
         let chosen = Native::ALL.into_iter().filter(|t| t.has_index_choice());
         assert_eq!(chosen.count(), 2);

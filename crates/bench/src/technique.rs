@@ -10,7 +10,7 @@ use terrafill_frame::{
     BackendError, GeometryBytes, SwitchError, Switches, THIS_MACHINE, VolumeBackend,
 };
 use terrafill_gpu::{BaselineKind, SharedStage};
-use terrafill_native::{Indices, NativeBackend, NativeVariant, native_bytes};
+use terrafill_native::{NativeBackend, NativeVariant, native_bytes};
 use terrafill_scene::{ImageSize, Overlap, PlanOptions};
 use terrafill_vertex::{VertexBackend, VertexVariant, shared_flag_bytes, variant_bytes};
 
@@ -227,7 +227,7 @@ impl Technique {
                     index_bytes: bytes.input_index_bytes + output,
                 })
             }
-            Self::Native(variant) => Some(native_bytes(variant.technique, variant.indices, mesh)),
+            Self::Native(variant) => Some(native_bytes(variant.technique, variant.indices(), mesh)),
         }
     }
 
@@ -362,8 +362,10 @@ impl Setting {
         let name = self.technique.variant_name();
         let layout = name.split(',').next().unwrap_or_default();
         match self.technique {
-            Technique::Native(variant) if variant.indices != Indices::default() => {
-                format!("{layout}/{}", variant.indices.name())
+            Technique::Native(variant)
+                if variant.indices() != variant.technique.default_indices() =>
+            {
+                format!("{layout}/{}", variant.indices().name())
             }
             _ => layout.to_owned(),
         }

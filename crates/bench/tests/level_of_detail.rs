@@ -211,7 +211,7 @@ fn neighbours_at_different_levels_part_and_the_count_of_unowned_pixels_shows_it(
 
 /// Levels are ranges of the same buffers, and strips end in each of them.
 #[test]
-fn strips_of_every_level_show_what_doubled_vertices_show() {
+fn every_level_in_lists_and_strips_shows_what_doubled_vertices_show() {
     let Some(devices) = Devices::open_both() else {
         return;
     };
@@ -227,14 +227,16 @@ fn strips_of_every_level_show_what_doubled_vertices_show() {
             .count();
         let expected = draw_plain(&devices, &input);
         for technique in [Native::GsDegenerate, Native::GsAdjacency] {
-            let strips = Technique::Native(NativeVariant {
-                technique,
-                indices: Indices::Strip,
-                ..NativeVariant::default()
-            });
-            let frame = draw(&devices, &input, strips);
-            let what = format!("{}, {}", view.name, technique.name());
-            assert_eq!(differing(&frame, &expected), 0, "{what}");
+            for indices in Indices::ALL {
+                let stored = Technique::Native(NativeVariant {
+                    technique,
+                    indices: Some(indices),
+                    ..NativeVariant::default()
+                });
+                let frame = draw(&devices, &input, stored);
+                let what = format!("{}, {}/{}", view.name, technique.name(), indices.name());
+                assert_eq!(differing(&frame, &expected), 0, "{what}");
+            }
         }
     }
     assert!(coarser > 40, "hardly a coarser level: {coarser}");

@@ -56,7 +56,7 @@ fn techniques(switches: Switches) -> Vec<Technique> {
 fn stored(technique: Native, indices: Indices, switches: Switches) -> Technique {
     Technique::Native(NativeVariant {
         technique,
-        indices,
+        indices: Some(indices),
         switches,
     })
 }
@@ -73,7 +73,7 @@ fn plain(technique: Native) -> Technique {
 fn backend_of(stages: &Stages<'_>, technique: Native, indices: Indices) -> NativeBackend {
     let variant = NativeVariant {
         technique,
-        indices,
+        indices: Some(indices),
         ..NativeVariant::default()
     };
     NativeBackend::new(stages.vulkan(), variant).expect("has the features")
@@ -387,7 +387,7 @@ fn times_are_measured_and_pictures_in_the_regions_colours() {
     let pose = (5.0, 5.0, 2e6, 0.0, -90.0);
     let input = three_regions_from(pose);
     let stages = Stages::new(&devices, SIZE);
-    let mut backend = backend_of(&stages, Native::default(), Indices::default());
+    let mut backend = backend_of(&stages, Native::default(), Indices::Strip);
     assert_eq!(backend.variant_name(), "gs-degenerate");
     backend.prepare(&input).expect("fits");
     backend.draw_own_surface(&input).expect("draws");
@@ -413,7 +413,7 @@ fn what_the_device_lacks_is_refused_by_name() {
     let stages = Stages::new(&devices, SIZE);
     let bounded = NativeVariant {
         technique: Native::GsDegenerate,
-        indices: Indices::List,
+        indices: None,
         switches: Switches {
             depth_bounds: true,
             ..Switches::default()
@@ -459,7 +459,7 @@ fn depth_bounds_hold_every_pixel_of_their_region() {
     for pose in POSES {
         let input = three_regions_from(pose);
         let stages = Stages::new(&devices, SIZE);
-        let mut backend = backend_of(&stages, Native::default(), Indices::default());
+        let mut backend = backend_of(&stages, Native::default(), Indices::Strip);
         backend.prepare(&input).expect("fits");
         let ids = backend.render(&input).expect("draws").ids;
         let depth = stages.vulkan().borrow().read().expect("reads").depth;

@@ -69,7 +69,7 @@ fn stored(
 ) -> Box<dyn VolumeBackend> {
     let variant = NativeVariant {
         technique,
-        indices,
+        indices: Some(indices),
         switches,
     };
     Box::new(NativeBackend::new(stage, variant).expect("has the features"))

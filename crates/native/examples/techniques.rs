@@ -41,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let variants = variants(Switches::for_overlap(scene.overlap));
     let mut control = None;
     for variant in &variants {
-        let bytes = |mesh| native_bytes(variant.technique, variant.indices, mesh).total();
+        let bytes = |mesh| native_bytes(variant.technique, variant.indices(), mesh).total();
         let bytes: u64 = prepared.meshes.iter().map(bytes).sum();
         let share = bytes as f64 / *control.get_or_insert(bytes as f64);
         println!("{:>28}: {bytes} bytes, {share:.3}", variant.name());
@@ -102,7 +102,7 @@ fn inputs(variant: NativeVariant, input: &FrameInput) -> Option<usize> {
     let of = |mesh: &RegionMesh| {
         let (triangles, edges) = (mesh.triangle_count(), mesh.boundary_edge_count());
         let in_strips = triangles + strip_counts(mesh).repeated;
-        match (variant.technique, variant.indices) {
+        match (variant.technique, variant.indices()) {
             (Technique::GsDegenerate, Indices::List) => Some(triangles + edges),
             (Technique::GsDegenerate, Indices::Strip) => {
                 Some(in_strips + 2 * edges - mesh.boundary_loops.len())
@@ -122,7 +122,7 @@ fn inputs(variant: NativeVariant, input: &FrameInput) -> Option<usize> {
 fn variants(switches: Switches) -> Vec<NativeVariant> {
     let of = |technique, indices| NativeVariant {
         technique,
-        indices,
+        indices: Some(indices),
         switches,
     };
     let lists = Technique::ALL.map(|technique| of(technique, Indices::List));

@@ -25,8 +25,8 @@ use terrafill_vulkan::{
 pub struct NativeVariant {
     /// How volumes come about.
     pub technique: Technique,
-    /// How triangles are indexed.
-    pub indices: Indices,
+    /// How triangles are indexed; `None`: as [`Technique::default_indices`] says.
+    pub indices: Option<Indices>,
     /// What the fill does.
     pub switches: Switches,
 }
@@ -36,8 +36,8 @@ impl NativeVariant {
     #[must_use]
     pub fn name(&self) -> String {
         let mut names = self.switches.names();
-        if self.indices != Indices::default() {
-            names.push(format!("indices={}", self.indices.name()));
+        if self.indices() != self.technique.default_indices() {
+            names.push(format!("indices={}", self.indices().name()));
         }
         names.sort_unstable();
         names.insert(0, self.technique.name().to_owned());
@@ -61,7 +61,7 @@ impl NativeVariant {
             }
             "indices" => {
                 let kinds = Indices::ALL.map(|indices| (indices.name(), indices));
-                self.indices = pick("indices", value, &kinds)?;
+                self.indices = Some(pick("indices", value, &kinds)?);
             }
             _ => return self.switches.set(key, value),
         }
@@ -77,15 +77,21 @@ impl NativeVariant {
         self.switches.check(overlap)
     }
 
+    /// How triangles are indexed.
+    #[must_use]
+    pub fn indices(&self) -> Indices {
+        self.indices.unwrap_or(self.technique.default_indices())
+    }
+
     fn check_indices(&self) -> Result<(), SwitchError> {
-        if self.technique.indices(self.indices) == self.indices {
+        if self.indices() == Indices::List || self.technique.has_index_choice() {
             return Ok(());
         }
         Err(SwitchError {
             switch: "indices",
             found: format!(
                 "{} with technique={}, whose triangles are never strips",
-                self.indices.name(),
+                self.indices().name(),
                 self.technique.name()
             ),
             allowed: "none, or technique=gs-degenerate or gs-adjacency".to_owned(),
@@ -274,7 +280,7 @@ impl NativeBackend {
     }
 
     fn upload_scene(&mut self, input: &FrameInput) -> Result<(), BackendError> {
-        let (technique, indices) = (self.variant.technique, self.variant.indices);
+        let (technique, indices) = (self.variant.technique, self.variant.indices());
         let geometry = SceneGeometry::build(technique, indices, &input.scene.meshes);
         self.upload_geometry(input, geometry)
     }
@@ -609,7 +615,7 @@ mod tests {
             let drawn = |indices, change: &dyn Fn(&mut SceneGeometry)| {
                 let variant = NativeVariant {
                     technique,
-                    indices,
+                    indices: Some(indices),
                     switches,
                 };
                 let mut backend = NativeBackend::new(&stage, variant).expect("has the features");
@@ -673,7 +679,7 @@ mod tests {
         ] {
             let variant = NativeVariant {
                 technique,
-                indices,
+                indices: Some(indices),
                 ..NativeVariant::default()
             };
             let mut backend = NativeBackend::new(&stage, variant).expect("has the features");
@@ -698,7 +704,7 @@ mod tests {
         for technique in Technique::ALL {
             let variant = NativeVariant {
                 technique,
-                indices: Indices::Strip,
+                indices: technique.has_index_choice().then_some(Indices::List),
                 switches: Switches {
                     depth_bounds: true,
                     scissor: true,

@@ -24,7 +24,7 @@ fn volume_pipelines(
 ) -> impl Iterator<Item = (Part, PipelineDescriptor)> {
     let technique = variant.technique;
     technique.parts().iter().map(move |&part| {
-        let (indices, depth_bounds) = (variant.indices, variant.switches.depth_bounds);
+        let (indices, depth_bounds) = (variant.indices(), variant.switches.depth_bounds);
         let pipeline =
             technique.volume_pipeline(part, indices, state, without_bottom, depth_bounds);
         (part, pipeline)

@@ -32,12 +32,11 @@ pub enum Technique {
 }
 
 /// How triangles are indexed, where the technique leaves a choice.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Indices {
     /// Lists: every triangle says all of its corners. `gs-degenerate` takes 3 indices a triangle and
     /// 3 an edge of the boundary, `gs-adjacency` 6 a triangle: with one of each for a vertex, and
     /// indices of 2 bytes, 24 bytes a vertex.
-    #[default]
     List,
     /// Strips with restarts. `gs-degenerate` takes 1 index a triangle, 2 an edge and 3 more a strip,
     /// `gs-adjacency` 2 a triangle and 5 more a strip; and 1 or 2 where a strip turns the same way
@@ -104,6 +103,13 @@ impl Technique {
         matches!(self, Self::GsDegenerate | Self::GsAdjacency)
     }
 
+    /// What is stored where nothing else is asked for: the fewest bytes, which geometry shaders are
+    /// chosen for (Cozzi, 2007).
+    #[must_use]
+    pub fn default_indices(self) -> Indices {
+        self.indices(Indices::Strip)
+    }
+
     /// What is stored where `wanted` is asked for.
     pub(crate) fn indices(self, wanted: Indices) -> Indices {
         if self.has_index_choice() {
@@ -123,7 +129,7 @@ impl Technique {
     }
 
     fn topology(self, part: Part, indices: Indices) -> Topology {
-        match (self, part, self.indices(indices)) {
+        match (self, part, indices) {
             (Self::VsControl, Part::Walls, _) => Topology::Strips,
             (Self::GsLine, Part::Walls, _) => Topology::LineStrips,
             (Self::GsAdjacency, _, Indices::Strip) => Topology::StripsWithAdjacency,

@@ -93,11 +93,11 @@ const LAYOUTS: [&str; 15] = [
     "compute/total,transform=compute",
     "native/vs-control",
     "native/gs-degenerate",
-    "native/gs-degenerate/strip",
+    "native/gs-degenerate/list",
     "native/gs-two-edges",
     "native/gs-line",
     "native/gs-adjacency",
-    "native/gs-adjacency/strip",
+    "native/gs-adjacency/list",
     "native/gs-per-triangle",
 ];
 
@@ -574,25 +574,25 @@ fn bytes_follow_from_vertices_triangles_and_boundary() {
                 read + 24 * (t + e) + 32 * v,
             ),
             ("native/vs-control", 32 * v + 2 * (6 * t + 2 * (e + 1) + 1)),
-            ("native/gs-degenerate", 12 * v + 2 * (3 * t + 3 * e)),
+            ("native/gs-degenerate/list", 12 * v + 2 * (3 * t + 3 * e)),
             ("native/gs-line", 12 * v + 2 * (3 * t + e + 2)),
-            ("native/gs-adjacency", 12 * v + 2 * 6 * t),
+            ("native/gs-adjacency/list", 12 * v + 2 * 6 * t),
             ("native/gs-per-triangle", 12 * v + 2 * 3 * t),
         ] {
             assert_eq!(count(&region["bytes"], layout), expected, "{layout}");
         }
         // Of s strips with w corners said again: t + 3s + w indices and the walls', or 2t + 5s + 2w.
         let indices = |layout| (count(&region["bytes"], layout) - 12 * v) / 2;
-        let caps = indices("native/gs-degenerate/strip") - 2 * (e + 1);
-        let strips = 2 * caps - indices("native/gs-adjacency/strip");
+        let caps = indices("native/gs-degenerate") - 2 * (e + 1);
+        let strips = 2 * caps - indices("native/gs-adjacency");
         assert!(
             (1..=t).contains(&strips),
             "{strips} strips of {t} triangles"
         );
         assert!(caps >= t + 3 * strips, "{caps} indices in {strips} strips");
         for technique in ["gs-degenerate", "gs-adjacency"] {
-            let list = format!("native/{technique}");
-            let strip = format!("{list}/strip");
+            let strip = format!("native/{technique}");
+            let list = format!("{strip}/list");
             assert!(count(&region["bytes"], &strip) < count(&region["bytes"], &list));
         }
     }

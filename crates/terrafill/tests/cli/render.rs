@@ -381,12 +381,12 @@ const VARIANTS: [(&str, &[&str], &str); 25] = [
     ("native", &["technique=gs-line"], "gs-line"),
     ("native", &["technique=gs-adjacency"], "gs-adjacency"),
     ("native", &["technique=gs-per-triangle"], "gs-per-triangle"),
-    ("native", &["indices=list"], "gs-degenerate"),
-    ("native", &["indices=strip"], "gs-degenerate,indices=strip"),
+    ("native", &["indices=strip"], "gs-degenerate"),
+    ("native", &["indices=list"], "gs-degenerate,indices=list"),
     (
         "native",
-        &["indices=strip", "technique=gs-adjacency"],
-        "gs-adjacency,indices=strip",
+        &["indices=list", "technique=gs-adjacency"],
+        "gs-adjacency,indices=list",
     ),
     (
         "native",
