@@ -81,6 +81,9 @@ pub struct PrecisionRow {
     /// Depth format.
     #[serde(default)]
     pub depth_format: String,
+    /// Of a position: where the region's anchor stands: `plan`, where a frame plan puts it, or `middle`.
+    #[serde(default)]
+    pub anchor: String,
     /// How it ended; `wrong`: an answer that is not finite, or an error above the residual.
     pub status: Status,
     /// Why, unless `ok`.

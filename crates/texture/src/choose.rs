@@ -15,7 +15,7 @@
 use crate::residual::RESIDUAL_SAMPLES;
 use crate::{
     AngleCore, Chart, CoordinateRoute, MapRegion, Operations, Program, Residual, ResidualSum,
-    Sample, Weight,
+    Sample, SuiteCell, SuiteFinding, Weight,
 };
 use std::fmt;
 
@@ -99,18 +99,6 @@ pub struct Demand {
     pub pixel_m: f64,
 }
 
-/// What the numerical suite found about a route, on whichever device.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SuiteFinding {
-    /// The route.
-    pub route: CoordinateRoute,
-    /// Largest measured error over its computed bound; above [`SAMPLING_SLACK`] the bound does not
-    /// hold there.
-    pub worst_over_bound: f64,
-    /// Results that were not finite.
-    pub non_finite: u64,
-}
-
 /// Why a route was not taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -147,6 +135,8 @@ pub enum Reason {
         worst_over_bound: f64,
         /// Results that were not finite.
         non_finite: u64,
+        /// Where.
+        cell: SuiteCell,
     },
     /// Costs at least as much as the route taken; its residual was not computed.
     Dearer {
@@ -171,9 +161,11 @@ impl fmt::Display for Reason {
             Self::Suite {
                 worst_over_bound,
                 non_finite,
+                cell,
             } => write!(
                 f,
-                "measured {worst_over_bound:.3} of its bound, {non_finite} results not finite"
+                "the suite measured {worst_over_bound:.3} of its bound, {non_finite} results not finite \
+                 ({cell})"
             ),
             Self::Dearer { taken } => write!(f, "costs no less than {taken:.0}"),
         }
@@ -276,6 +268,16 @@ impl Chooser {
             .collect()
     }
 
+    /// What a frame plan asks: the default candidates, less what the suite has against them.
+    #[must_use]
+    pub fn of_plan() -> Self {
+        Self::new(
+            &Self::default_candidates(),
+            &CostTable::default(),
+            SuiteFinding::checked_in(),
+        )
+    }
+
     /// Takes the cheapest candidate within the tolerances.
     #[must_use]
     pub fn choose(&self, demand: &Demand) -> Choice {
@@ -295,7 +297,7 @@ impl Chooser {
                 choice.left_out.push((considered(None), reason));
                 continue;
             }
-            if let Some(reason) = self.contradicted(*route) {
+            if let Some(reason) = self.contradicted(*route, &demand.region) {
                 choice.left_out.push((considered(None), reason));
                 continue;
             }
@@ -309,19 +311,16 @@ impl Chooser {
         choice
     }
 
-    /// What the suite has against a route.
-    fn contradicted(&self, route: CoordinateRoute) -> Option<Reason> {
+    /// What the suite has against a route in regions like this one.
+    fn contradicted(&self, route: CoordinateRoute, region: &MapRegion) -> Option<Reason> {
         self.findings
             .iter()
-            .filter(|finding| finding.route == route)
-            .find(|finding| {
-                // A ratio that is NaN speaks against the route too.
-                let ratio = finding.worst_over_bound;
-                finding.non_finite > 0 || ratio > SAMPLING_SLACK || ratio.is_nan()
-            })
+            .filter(|finding| finding.route == route && finding.cell.covers(region))
+            .find(|finding| finding.contradicts())
             .map(|finding| Reason::Suite {
                 worst_over_bound: finding.worst_over_bound,
                 non_finite: finding.non_finite,
+                cell: finding.cell,
             })
     }
 }
@@ -405,6 +404,13 @@ impl Demand {
                 }
                 _ => false,
             };
+            if reason.is_none() && taken == samples.len() {
+                // What is said of a route that is taken is said of all places.
+                sum.raise_to_peak(&self.region, |sample| {
+                    program.bounded(constants, sample.offset_m)
+                });
+                return (sum.finish(), None);
+            }
             if certain || taken == samples.len() {
                 return (residual, reason);
             }

@@ -112,6 +112,9 @@ fn on_cpu(
     for sample in residual_samples {
         residual.add(sample, kernel.program.bounded(&constants, sample.offset_m));
     }
+    residual.raise_to_peak(&place.region, |sample| {
+        kernel.program.bounded(&constants, sample.offset_m)
+    });
     let answers = samples.iter().map(|sample| {
         let offset = sample.offset_m;
         kernel

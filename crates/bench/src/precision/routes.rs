@@ -4,8 +4,8 @@
 use super::place::Place;
 use rayon::prelude::*;
 use terrafill_texture::{
-    AngleCore, AngleForm, Chart, Chooser, CoordinateRoute, CostTable, Filter, LatitudeForm,
-    TexelFormat, Weight,
+    AngleCore, AngleForm, Chart, Chooser, CoordinateRoute, Filter, LatitudeForm, TexelFormat,
+    Weight,
 };
 
 /// Largest cube texture: the next one, 192 MiB, takes longer to compute than all else to measure.
@@ -37,8 +37,7 @@ pub(crate) fn coordinate_routes(quick: bool) -> Vec<CoordinateRoute> {
 
 /// What a frame plan takes in each region.
 pub(crate) fn chosen(places: &[Place]) -> Vec<Option<CoordinateRoute>> {
-    let candidates = Chooser::default_candidates();
-    let chooser = Chooser::new(&candidates, &CostTable::default(), Vec::new());
+    let chooser = Chooser::of_plan();
     places
         .par_iter()
         .map(|place| {
