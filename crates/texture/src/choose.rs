@@ -2,7 +2,7 @@
 //! The chooser: the cheapest route that is accurate enough for a region, a texture and a view.
 //!
 //! Accurate enough: the computed residual's root mean square is within a quarter of a texel along
-//! each axis and a quarter of a pixel on the ground, and its maximum within half a texel along each
+//! each axis and a quarter of a pixel on the ground (longitudes on their own parallel), and its maximum within half a texel along each
 //! axis. Routes are looked at from the cheapest up, so what a scene does not need is never computed.
 //! Every route that was not taken is listed with the reason.
 //!
@@ -344,7 +344,7 @@ impl Demand {
         let texels = |rad: [f64; 2]| (rad[0] / texel[0]).max(rad[1] / texel[1]);
         let rms = texels(residual.rms_axis_rad);
         let max = texels(residual.max_axis_rad);
-        let pixels = self.ground_m(residual.rms_axis_rad) / self.pixel_m;
+        let pixels = residual.rms_m / self.pixel_m;
         if rms > RMS_TOLERANCE {
             Some(Reason::RmsTexels {
                 found: rms,
@@ -363,20 +363,6 @@ impl Demand {
         } else {
             None
         }
-    }
-
-    /// Angles as a distance on the ground, along the widest parallel of the extent, metres.
-    fn ground_m(&self, rad: [f64; 2]) -> f64 {
-        let extent = self.region.extent();
-        let widest = if extent.south_rad < 0.0 && extent.north_rad > 0.0 {
-            0.0
-        } else {
-            extent.south_rad.abs().min(extent.north_rad.abs())
-        };
-        let radius = self.region.body().equatorial_radius_m();
-        // The largest radius of curvature, a²/b: of the prime vertical and the meridian at a pole.
-        let largest = radius * radius / self.region.body().polar_radius_m();
-        (rad[0] * largest * widest.cos()).hypot(rad[1] * largest)
     }
 
     /// The residual and what speaks against it, from as few samples as decide it.

@@ -30,6 +30,9 @@ pub struct Residual {
     pub rms_rad: f64,
     /// Largest distance on the body's surface, metres.
     pub max_m: f64,
+    /// Root mean square distance on the body's surface, metres, on a device that rounds every step
+    /// correctly.
+    pub rms_m: f64,
     /// Largest error of longitude and of latitude, radians.
     pub max_axis_rad: [f64; 2],
     /// Root mean square error of longitude and of latitude, radians.
@@ -49,6 +52,7 @@ pub struct Residual {
 pub struct ResidualSum {
     residual: Residual,
     squares: [f64; 2],
+    squares_m: f64,
     /// Where longitude, latitude and both together are farthest off on the ground, and by how much.
     worst: [Option<(f64, Sample)>; 3],
 }
@@ -82,7 +86,9 @@ impl ResidualSum {
             let expected = difference + deviations.min(found.bound);
             r.expected_max_rad = r.expected_max_rad.max(expected);
             r.arithmetic_max_rad = r.arithmetic_max_rad.max(found.bound);
-            self.squares[axis] += difference * difference + found.variance;
+            let square = difference * difference + found.variance;
+            self.squares[axis] += square;
+            self.squares_m += square * sample.metres_per_radian[axis].powi(2);
             off_m[axis] = error * sample.metres_per_radian[axis];
         }
         let both_m = off_m[0].hypot(off_m[1]);
@@ -148,7 +154,9 @@ impl ResidualSum {
         let mut r = self.residual;
         let finite = f64::from(r.samples - r.non_finite).max(1.0);
         r.rms_axis_rad = self.squares.map(|sum| (sum / finite).sqrt());
+        r.rms_m = (self.squares_m / finite).sqrt();
         if r.non_finite > 0 || r.samples == 0 {
+            r.rms_m = f64::INFINITY;
             r.max_axis_rad = [f64::INFINITY; 2];
             r.rms_axis_rad = [f64::INFINITY; 2];
             r.max_m = f64::INFINITY;

@@ -10,9 +10,10 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use terrafill_core::Ellipsoid;
 
 impl MapRegion {
-    /// The part of `extent` that the body does not hide from the eye, anchored in its middle; over a pole at
-    /// the pole, where charts are smooth; and below the eye where an `f32` offset from the middle would be
-    /// rounded to more than [`ROUNDED_PX`]: what is nearest to the eye is then nearest to the anchor.
+    /// The part of `extent` that the body does not hide from the eye, anchored in its middle, or at the
+    /// pole that it touches, where charts are smooth; and below the eye where an `f32` offset from there
+    /// would be rounded by more than [`ROUNDED_PX`]: what is nearest to the eye is then nearest to the
+    /// anchor.
     ///
     /// - `height_range_m`: of the surface as drawn
     /// - `pixel_m`: size of a pixel on the ground at the nearest point of the region
@@ -27,20 +28,26 @@ impl MapRegion {
         pixel_m: f64,
     ) -> Result<Self, MapRegionError> {
         let extent = visible_part(&body, eye_ecef, height_range_m, extent);
-        let map = Self::new(body, extent, height_range_m)?;
-        if map.touches_pole() {
-            let pole = FRAC_PI_2.copysign(map.anchor_latitude_rad());
-            let longitude = map.anchor_longitude_rad();
-            return Self::with_anchor(body, longitude, pole, extent, height_range_m);
+        let mut middle = Self::new(body, extent, height_range_m)?;
+        if middle.touches_pole() {
+            let pole = FRAC_PI_2.copysign(middle.anchor_latitude_rad());
+            let longitude = middle.anchor_longitude_rad();
+            middle = Self::with_anchor(body, longitude, pole, extent, height_range_m)?;
         }
-        let [width, height] = extent.size_rad();
-        let to_the_corner_m = 0.5 * width.hypot(height) * body.equatorial_radius_m();
-        let rounded_m = to_the_corner_m * f64::from(f32::EPSILON) / 2.0;
-        if rounded_m <= ROUNDED_PX * pixel_m {
-            return Ok(map);
+        let is_unseen =
+            |longest_m: f64| longest_m * f64::from(f32::EPSILON) / 2.0 <= ROUNDED_PX * pixel_m;
+        let longest_m = if middle.touches_pole() {
+            // What is nearest to the eye lies below it, wherever the extent ends.
+            eye_ecef.x.hypot(eye_ecef.y)
+        } else {
+            let [width, height] = extent.size_rad();
+            0.5 * width.hypot(height) * body.equatorial_radius_m()
+        };
+        if is_unseen(longest_m) {
+            return Ok(middle);
         }
         let eye = body.ecef_to_geodetic(eye_ecef);
-        let longitude = unwrapped(eye.longitude_rad, map.anchor_longitude_rad());
+        let longitude = unwrapped(eye.longitude_rad, middle.anchor_longitude_rad());
         Self::with_anchor(
             body,
             longitude.clamp(extent.west_rad, extent.east_rad),
@@ -51,9 +58,10 @@ impl MapRegion {
     }
 }
 
-/// Rounding of an offset that no texel and no pixel shows, pixels: a quarter of the bound for all of
-/// position and coordinate route.
-const ROUNDED_PX: f64 = 1.0 / 16.0;
+/// Rounding of an offset that is left to an anchor away from the eye, pixels. Some four such roundings
+/// meet in a position, and from 20 m, where a pixel is 2 cm, they are to stay below a tenth of a
+/// millimetre.
+const ROUNDED_PX: f64 = 1.0 / 512.0;
 
 /// The angle closest to `near` that is `angle` but for whole turns, radians.
 fn unwrapped(angle: f64, near: f64) -> f64 {
@@ -219,5 +227,87 @@ mod tests {
             north_rad: -0.9,
         };
         assert_eq!(visible_part(&body, eye(20.0), (0.0, 0.0), far), far);
+    }
+
+    const WHOLE: MapExtent = MapExtent {
+        west_rad: -PI,
+        south_rad: -FRAC_PI_2,
+        east_rad: PI,
+        north_rad: FRAC_PI_2,
+    };
+
+    fn eye(latitude_rad: f64, height_m: f64) -> DVec3 {
+        Ellipsoid::WGS84.geodetic_to_ecef(terrafill_core::Geodetic {
+            longitude_rad: 0.2,
+            latitude_rad,
+            height_m,
+        })
+    }
+
+    /// Degrees from the point below the eye to the anchor.
+    fn away_deg(latitude_rad: f64, height_m: f64, extent: MapExtent) -> f64 {
+        // A pixel of 60° over 1080 rows.
+        let pixel_m = height_m * 1.07e-3;
+        let eye_ecef = eye(latitude_rad, height_m);
+        let seen = MapRegion::seen_from(Ellipsoid::WGS84, extent, (0.0, 0.0), eye_ecef, pixel_m);
+        let anchor = seen.expect("bounds").anchor_ecef();
+        let below = eye(latitude_rad, 0.0);
+        (anchor.distance(below) / 6.37e6).to_degrees()
+    }
+
+    #[test]
+    fn an_anchor_comes_below_the_eye_where_its_distance_would_be_seen() {
+        let square = MapExtent::from_degrees(0.0, 30.0, 20.0, 50.0);
+        for height_m in [2.0, 20.0, 200.0, 2_000.0] {
+            let away = away_deg(0.7, height_m, square);
+            assert!(away < 1e-6, "{height_m} m: {away}°");
+        }
+        let close_to_a_pole = FRAC_PI_2 - 2e-4;
+        for height_m in [2.0, 20.0] {
+            let away = away_deg(close_to_a_pole, height_m, WHOLE);
+            assert!(away < 1e-6, "1.3 km from the pole, {height_m} m: {away}°");
+        }
+        // From where a pixel is larger than what the middle's distance loses, it stays there, and over a
+        // pole at the pole.
+        assert!(away_deg(0.62, 3e6, square) > 1.0);
+        assert!((away_deg(close_to_a_pole, 2e5, WHOLE) - 2e-4_f64.to_degrees()).abs() < 1e-3);
+    }
+
+    #[test]
+    fn close_to_a_pole_a_route_still_holds_with_the_anchor_below_the_eye() {
+        let chooser = crate::Chooser::of_plan();
+        let mut below = 0_u32;
+        for from_pole_rad in [1e-6, 1e-5, 1e-4, 5e-4, 2e-3] {
+            for height_m in [5.0, 13.0, 100.0, 2e3] {
+                let latitude_rad = FRAC_PI_2 - from_pole_rad;
+                let pixel_m = height_m * 1.07e-3;
+                let eye_ecef = eye(latitude_rad, height_m);
+                let body = Ellipsoid::WGS84;
+                let cap = MapExtent::from_degrees(-180.0, 85.0, 180.0, 90.0);
+                let region = MapRegion::seen_from(body, cap, (0.0, 0.0), eye_ecef, pixel_m);
+                let region = region.expect("bounds");
+                below += u32::from(
+                    region.touches_pole() && region.anchor_latitude_rad() < FRAC_PI_2 - 1e-9,
+                );
+                let texels = |axis: usize| {
+                    let share = region.extent().size_rad()[axis] / cap.size_rad()[axis];
+                    (1..=4096).rev().find(|n| f64::from(*n) <= 4096.0 * share)
+                };
+                let choice = chooser.choose(&crate::Demand {
+                    region,
+                    texture_size: [0, 1].map(|axis| texels(axis).unwrap_or(1)),
+                    pixel_m,
+                });
+                assert!(
+                    choice.chosen.is_some(),
+                    "{from_pole_rad} {height_m}: {:?}",
+                    choice.left_out
+                );
+            }
+        }
+        assert!(
+            below >= 5,
+            "{below} regions with the pole in sight and the anchor below the eye"
+        );
     }
 }

@@ -205,6 +205,14 @@ impl Sight {
         }
     }
 
+    /// Whether it is seen from here by the depth that is drawn with.
+    #[cfg(test)]
+    pub(crate) fn is_default(&self, distance_m: f64, anchor: Anchor) -> bool {
+        self.distance_m == Some(distance_m)
+            && self.anchor == anchor
+            && DepthFormat::reversed(self.format.near_m()) == Ok(self.format)
+    }
+
     fn place(&self) -> Option<Place> {
         Place::new(self.extent_deg, self.latitude_deg, ON_THE_SURFACE)
     }
