@@ -2,9 +2,9 @@
 //! The chooser: the cheapest route that is accurate enough for a region, a texture and a view.
 //!
 //! Accurate enough: the computed residual's root mean square is within a quarter of a texel along
-//! each axis and a quarter of a pixel on the ground (longitudes on their own parallel), and its maximum within half a texel along each
-//! axis. Routes are looked at from the cheapest up, so what a scene does not need is never computed.
-//! Every route that was not taken is listed with the reason.
+//! each axis and a quarter of a pixel on the ground, longitudes on their own parallels, and its maximum
+//! within half a texel along each axis. Routes are looked at from the cheapest up, so what a scene does
+//! not need is never computed. Every route that was not taken is listed with the reason.
 //!
 //! The region asked about need not be all that a texture covers: what a view can see of it is enough,
 //! with the anchor below the eye. Offsets and angles are then small where pixels are small, and a

@@ -59,6 +59,8 @@ fn is_main(route: &CoordinateRoute) -> bool {
             (AngleForm::Recentred, latitude) if *latitude != LatitudeForm::Bowring1 => {
                 *core == FINEST
             }
+            // As the web globe has it: the geocentric latitude for the geodetic one.
+            (AngleForm::Absolute, LatitudeForm::Geocentric) => *core == AngleCore::CesiumCubic,
             (_, LatitudeForm::Bowring1) => match form {
                 AngleForm::Absolute => is_measured_table(core),
                 _ => is_leading(core),
@@ -161,6 +163,7 @@ fn core_family(core: &AngleCore) -> (String, Option<f64>) {
             (name, Some(f64::from(*degree)))
         }
         AngleCore::Dense { degree } => ("dense".to_owned(), Some(f64::from(*degree))),
+        AngleCore::CesiumCubic => (core.name(), None),
         AngleCore::Rational {
             numerator,
             denominator,
@@ -193,6 +196,8 @@ mod tests {
             "odd-rel",
             "odd-pin",
             "dense",
+            "cubic-cesium",
+            "cubic-cesium+geocentric",
             "rat",
             "rat-rel",
             "near-odd",
