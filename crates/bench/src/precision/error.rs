@@ -125,7 +125,7 @@ fn short_way(difference: f64) -> f64 {
 }
 
 /// From here on an error is as large as the body: half the Earth's circumference, metres.
-pub(crate) const NO_MAP_M: f64 = 2e7;
+const NO_MAP_M: f64 = 2e7;
 
 /// Sets status, ratios and reasons of a row whose errors are in it.
 ///
