@@ -44,7 +44,7 @@ pub use findings::{
 };
 pub use geodetic::ExactGeodetic;
 pub use latitude::LatitudeForm;
-pub use lookup::{Filter, LookupTable, TexelFormat};
+pub use lookup::{Filter, LookupTable, Sampler, TexelFormat};
 pub use operations::{Arithmetic, Bounded, Operations, Program, ProgramBuilder, Step, Value};
 pub use position::{PositionResidual, PositionRoute, VertexFormat, View};
 pub use region::{MapExtent, MapRegion, MapRegionError, Sample};
