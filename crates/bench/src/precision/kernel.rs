@@ -123,7 +123,8 @@ fn sampled(gpu: &Arc<Gpu>, table: &LookupTable) -> Option<Vec<(f32, f32)>> {
     Some(places.into_iter().zip(values).collect())
 }
 
-/// The way of weighing that the answers are closer to, and what they are off by beyond it.
+/// The way of weighing that leaves the answers in the narrower range, and what they are off by beyond it:
+/// an error of the filter's own is as wide for both.
 fn sampler_of(table: &LookupTable, answers: &[(f32, f32)]) -> Sampler {
     let model = |weighs_exactly| {
         let sampler = Sampler {
@@ -132,12 +133,11 @@ fn sampler_of(table: &LookupTable, answers: &[(f32, f32)]) -> Sampler {
         };
         let table = table.clone().on(sampler);
         let off = |(u, answer): &(f32, f32)| f64::from(*answer) - f64::from(table.sample(*u));
-        let square: f64 = answers.iter().map(|answer| off(answer).powi(2)).sum();
         let low = answers.iter().map(off).fold(f64::INFINITY, f64::min);
         let high = answers.iter().map(off).fold(f64::NEG_INFINITY, f64::max);
         let seen = |off: f64| if off.abs() > ROUNDED { off } else { 0.0 };
         let off = [seen(low), seen(high)];
-        (square, Sampler { off, ..sampler })
+        (high - low, Sampler { off, ..sampler })
     };
     let ((common, by_steps), (exact, exactly)) = (model(false), model(true));
     if exact < common { exactly } else { by_steps }
