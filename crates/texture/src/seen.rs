@@ -12,7 +12,7 @@ use terrafill_core::Ellipsoid;
 impl MapRegion {
     /// The part of `extent` that the body does not hide from the eye, anchored in its middle, or at the
     /// pole that it touches, where charts are smooth; and below the eye where an `f32` offset from there
-    /// would be rounded by more than [`ROUNDED_PX`]: what is nearest to the eye is then nearest to the
+    /// would be rounded by more than 1/512 of a pixel: what is nearest to the eye is then nearest to the
     /// anchor.
     ///
     /// - `height_range_m`: of the surface as drawn

@@ -54,8 +54,8 @@ fn find<'a>(cells: &'a mut [SuiteFinding], like: &SuiteFinding) -> Option<&'a mu
 }
 
 fn add(there: &mut SuiteFinding, found: &SuiteFinding) {
-    // A ratio that is NaN stays.
-    if !there.worst_over_bound.is_nan() && !(found.worst_over_bound <= there.worst_over_bound) {
+    // A ratio that is NaN is the worst, and stays: no number is above it.
+    if found.worst_over_bound.is_nan() || found.worst_over_bound > there.worst_over_bound {
         there.worst_over_bound = found.worst_over_bound;
     }
     there.non_finite += found.non_finite;
@@ -101,6 +101,9 @@ mod tests {
             ("odd-7+bowring-1".to_owned(), 0.9, 1),
         ];
         assert_eq!(of, expected);
+        let mut unknown = rows.clone();
+        unknown[1].max_over_residual = Some(f64::NAN);
+        assert!(suite_findings(&unknown)[0].worst_over_bound.is_nan());
         // Twin: where the formula says itself that it is no map, nobody has to be told.
         let beyond = rows.map(|row| PrecisionRow {
             residual_max_m: Some(f64::INFINITY),
