@@ -52,6 +52,10 @@ override NORMALIZES_TWICE: bool = false;
 // Whether no pixel of the region spans more than a texel: its level is 0 without looking.
 override IS_MAGNIFIED: bool = false;
 
+// Whether the picture is sampled once at a place that depends on the depth and means nothing: what is
+// left is what any textured fill must pay that looks at depth.
+override IS_FLOOR: bool = false;
+
 @vertex
 fn vertex_main(@builtin(vertex_index) vertex_index: u32) -> @builtin(position) vec4<f32> {
     let x = f32(i32(vertex_index & 1u) * 4 - 1);
@@ -144,6 +148,10 @@ fn find(pixel: vec2<f32>) -> Found {
     if !(depth > 0.0) {
         discard;
     }
+    if IS_FLOOR {
+        let uv = vec2<f32>(depth) + pixel / vec2<f32>(textureDimensions(surface_depth));
+        return Found(Place(uv, 0.0, 0.0, 0.0), 0.0);
+    }
     let offset_m = offset_of(pixel, depth);
     let angles = angles_of(offset_m);
     let distance_m = length(offset_m - textured.eye_m);
@@ -173,6 +181,9 @@ fn srgb_of_linear(linear: vec3<f32>) -> vec3<f32> {
 @fragment
 fn fragment_main(@builtin(position) pixel: vec4<f32>) -> @location(0) vec4<f32> {
     let found = find(pixel.xy);
+    if IS_FLOOR {
+        return textureSampleLevel(image, image_sampler, found.place.uv, 0.0);
+    }
     let texel = picture(found.place);
     var alpha = texel.w * textured.alpha;
     if FADES {

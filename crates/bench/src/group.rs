@@ -82,6 +82,10 @@ type Judgement = Result<ErrorFigures, String>;
 const ALTERNATING: &str =
     "stencil and colour alternate region by region: no GPU times of their own";
 
+/// Why the texels of a floor are not judged.
+const NOT_MAPPED: &str = "a floor: its fragments read their depth and sample the picture once, \
+                          nowhere in particular, so that its texels have no error";
+
 impl Probe {
     fn remark(&mut self, remark: &str) {
         if !self.reason.is_empty() {
@@ -347,7 +351,7 @@ impl<'a> GroupRun<'a> {
                     Verdict::Fail(reasons) => reasons,
                 };
                 let is_mask_right = reasons.is_empty();
-                if is_textured(&case.technique) {
+                if is_mapped(&case.technique) {
                     let (errors, objections) = self.textured_references.judge(input, &frame);
                     probe.texture_errors = errors;
                     reasons.extend(objections);
@@ -375,6 +379,9 @@ impl<'a> GroupRun<'a> {
                 probe.status = Some(Status::Failed);
                 probe.reason = error;
             }
+        }
+        if is_textured(&case.technique) && !is_mapped(&case.technique) {
+            probe.remark(NOT_MAPPED);
         }
         if case.frames > 0 && one_at_a_time(&case.technique) {
             probe.remark(ALTERNATING);
@@ -545,6 +552,12 @@ fn draw_probe(
 /// Whether regions are filled with a picture.
 fn is_textured(technique: &Technique) -> bool {
     technique.switches().is_some_and(|s| s.texture.is_some())
+}
+
+/// Whether what they are filled with has its place on the ground.
+fn is_mapped(technique: &Technique) -> bool {
+    let route = technique.switches().and_then(|switches| switches.texture);
+    route.is_some_and(|route| route != RouteChoice::Floor)
 }
 
 /// Whether the case is a textured fill as it should be used.

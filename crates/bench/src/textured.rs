@@ -120,6 +120,7 @@ pub(crate) fn textured_settings(
         let normalized = setting.with(|switches| switches.superfluous_normalize = true);
         settings.extend([
             (setting, shown),
+            by(RouteChoice::Floor),
             (normalized, shown),
             (chosen.0, ShownPicture::Each),
             (chosen.0, ShownPicture::Small),
@@ -336,6 +337,7 @@ mod tests {
             [
                 "doubled,texture=chosen",
                 "doubled,texture=atan2-native+bowring-1",
+                "doubled,texture=floor",
                 "doubled,normalize=superfluous,texture=atan2-native+bowring-1",
                 "doubled,texture=chosen,picture=each",
                 "doubled,texture=chosen,picture=32",

@@ -321,7 +321,21 @@ fn textured_fills_are_judged_by_their_coordinates_beside_the_plain_one() {
     let (textured, plain): (Vec<_>, Vec<_>) = rows
         .iter()
         .partition(|row| row.variant.contains("texture="));
+    let (floors, textured): (Vec<_>, Vec<_>) = textured
+        .into_iter()
+        .partition(|row| row.variant.contains("texture=floor"));
     assert_eq!(textured.len(), 6, "five by vertex shader, one by compute");
+    let [floor] = floors[..] else {
+        panic!("{} floors", floors.len());
+    };
+    assert_eq!((floor.status, floor.samples), (Status::Ok, 3));
+    assert_eq!((floor.texel_rms, floor.texel_compared_px), (None, None));
+    assert!(
+        floor.reason.contains("its texels have no error"),
+        "{}",
+        floor.reason
+    );
+    assert_eq!(floor.mismatched_px_outside_band, Some(0));
     for row in &textured {
         let name = row.key();
         assert_eq!((row.role.as_str(), row.samples), ("texture", 3), "{name}");

@@ -49,6 +49,8 @@ pub use switches::{
     BottomCap, ColourWay, DepthRuleChoice, FacePasses, StencilClear, SwitchError, Switches, pick,
 };
 pub use texture::{AddressMode, Pattern, PlannedTexture, TextureCoordinates, TexturePixel};
-pub use textured::{RouteChoice, RouteNote, TexturedCover, TexturedPlan, TexturedRegion};
+pub use textured::{
+    CoverOverrides, RouteChoice, RouteNote, TexturedCover, TexturedPlan, TexturedRegion,
+};
 pub use textured_device::{Probed, RouteTexelFormat, RouteTexels};
 pub use work::{WorkCounters, WorkDone};

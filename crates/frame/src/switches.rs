@@ -153,7 +153,7 @@ impl Switches {
         colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes|id-accumulation, \
         cover-faces=both|culled, depth-rule=zfail|zpass|automatic, faces=two-sided|two-pass, \
         normalize=needed|superfluous, position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
-        stencil-clear=at-start|by-colour, texture=plain|chosen|a route such as gnomonic-3";
+        stencil-clear=at-start|by-colour, texture=plain|chosen|floor|a route such as gnomonic-3";
 
     /// What is right and usually cheapest for a scene of this kind.
     #[must_use]
@@ -273,7 +273,7 @@ impl Switches {
                 let choice = RouteChoice::parse(value).ok_or_else(|| SwitchError {
                     switch: "texture",
                     found: value.to_owned(),
-                    allowed: "plain, chosen, or a route such as recentred-odd-7, gnomonic-3"
+                    allowed: "plain, chosen, floor, or a route such as recentred-odd-7, gnomonic-3"
                         .to_owned(),
                 })?;
                 self.texture = Some(choice);

@@ -18,9 +18,15 @@ use std::sync::{Mutex, PoisonError};
 use terrafill_core::{Ellipsoid, OrientedBox};
 use terrafill_scene::{PlannedRegion, SceneTexture};
 use terrafill_texture::{
-    Chooser, CoordinateRoute, Demand, DepthFormat, MapExtent, MapRegion, PositionRoute, Reason,
-    View,
+    Chart, Chooser, CoordinateRoute, Demand, DepthFormat, MapExtent, MapRegion, PositionRoute,
+    Reason, View,
 };
+
+/// Name of a textured fill without a route.
+const FLOOR: &str = "floor";
+
+/// What stands in its shader all the same: the fewest steps there are.
+const UNTAKEN: CoordinateRoute = CoordinateRoute::Chart(Chart::Planes);
 
 /// How a textured fill's coordinate routes are picked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,6 +35,9 @@ pub enum RouteChoice {
     Chosen,
     /// This one for all regions, whatever its residual.
     Route(CoordinateRoute),
+    /// None: what any textured fill must pay, whose fragments read their depth and sample a picture
+    /// once. It draws colours that stand nowhere in particular, and is there to be measured.
+    Floor,
 }
 
 impl Hash for RouteChoice {
@@ -44,6 +53,7 @@ impl RouteChoice {
         match self {
             Self::Chosen => "chosen".to_owned(),
             Self::Route(route) => route.name(),
+            Self::Floor => FLOOR.to_owned(),
         }
     }
 
@@ -52,6 +62,9 @@ impl RouteChoice {
     pub fn parse(name: &str) -> Option<Self> {
         if name == "chosen" {
             return Some(Self::Chosen);
+        }
+        if name == FLOOR {
+            return Some(Self::Floor);
         }
         CoordinateRoute::parse(name).map(Self::Route)
     }
@@ -113,6 +126,47 @@ pub struct TexturedCover {
     /// Whether no pixel of it spans more than a texel of the picture, by a bound: the level of detail
     /// is 0 everywhere, and the shader need not look for it.
     pub is_magnified: bool,
+    /// Whether a normal of length 1 is normalised once more, for its price to be measured.
+    pub normalizes_twice: bool,
+    /// Whether it is [`RouteChoice::Floor`]: the route is not taken.
+    pub is_floor: bool,
+}
+
+/// What the shader of one cover's colour pass has in it and what not: its `override` constants.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct CoverOverrides {
+    fades: bool,
+    ends_at_edges: bool,
+    is_magnified: bool,
+    normalizes_twice: bool,
+    is_floor: bool,
+}
+
+impl CoverOverrides {
+    /// Of the probe of the same cover, which finds level and place of everything and colours nothing.
+    #[must_use]
+    pub fn of_probe(self) -> Self {
+        Self {
+            fades: false,
+            ends_at_edges: false,
+            is_magnified: false,
+            normalizes_twice: false,
+            is_floor: self.is_floor,
+        }
+    }
+
+    /// By the shader's names, 1 where it is so.
+    #[must_use]
+    pub fn constants(self) -> [(&'static str, f64); 5] {
+        [
+            ("FADES", self.fades),
+            ("ENDS_AT_EDGES", self.ends_at_edges),
+            ("IS_MAGNIFIED", self.is_magnified),
+            ("NORMALIZES_TWICE", self.normalizes_twice),
+            ("IS_FLOOR", self.is_floor),
+        ]
+        .map(|(name, is_so)| (name, f64::from(u8::from(is_so))))
+    }
 }
 
 impl TexturedCover {
@@ -120,6 +174,18 @@ impl TexturedCover {
     #[must_use]
     pub fn ends_at_edges(&self) -> bool {
         self.texture.address.contains(&AddressMode::Transparent)
+    }
+
+    /// What its colour pass has in it.
+    #[must_use]
+    pub fn overrides(&self) -> CoverOverrides {
+        CoverOverrides {
+            fades: self.texture.fade_m.is_some(),
+            ends_at_edges: self.ends_at_edges(),
+            is_magnified: self.is_magnified,
+            normalizes_twice: self.normalizes_twice,
+            is_floor: self.is_floor,
+        }
     }
 
     /// Whether something of what lies under the fill shows, whatever the picture's own alpha.
@@ -187,17 +253,18 @@ impl TexturedPlan {
         let chooser = Chooser::of_plan();
         for planned in &input.plan.regions {
             let texture = textures[planned.region];
-            let named =
+            let told =
                 |what: String| format!("{} for region {}: {what}", choice.name(), planned.region);
             let sight = Sight::new(input, planned);
             let map = map_region(input, &texture, &sight)
-                .map_err(|error| refuse(named(error.to_string()), "plain"))?;
+                .map_err(|error| refuse(told(error.to_string()), "plain"))?;
             let (route, note) = match choice {
-                RouteChoice::Route(route) => (route, forced(route)),
+                RouteChoice::Route(route) => (route, named(route.name())),
+                RouteChoice::Floor => (UNTAKEN, named(FLOOR.to_owned())),
                 RouteChoice::Chosen => {
                     let demand = sight.demand(map, &texture, scene_texture);
                     chosen_once(&chooser, &demand)
-                        .ok_or_else(|| refuse(named("none is finite".to_owned()), "plain"))?
+                        .ok_or_else(|| refuse(told("none is finite".to_owned()), "plain"))?
                 }
             };
             add_note(&mut notes, note);
@@ -214,6 +281,8 @@ impl TexturedPlan {
                     scene_texture.image.size_px(),
                     sight.farthest_m,
                 ),
+                normalizes_twice: false,
+                is_floor: choice == RouteChoice::Floor,
             });
         }
         notes.sort_by_key(|note| std::cmp::Reverse(note.regions));
@@ -343,9 +412,10 @@ fn chosen(chooser: &Chooser, demand: &Demand) -> Option<(CoordinateRoute, RouteN
     Some((taken.route, note))
 }
 
-fn forced(route: CoordinateRoute) -> RouteNote {
+/// Of a route that was asked for by name.
+fn named(route: String) -> RouteNote {
     RouteNote {
-        route: route.name(),
+        route,
         regions: 1,
         max_m: f64::NAN,
         max_texels: f64::NAN,

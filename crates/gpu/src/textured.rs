@@ -14,12 +14,11 @@ use crate::{Gpu, Stage};
 use std::collections::HashMap;
 use std::sync::Arc;
 use terrafill_frame::{
-    AddressMode, BackendError, FrameInput, Probed, RouteChoice, StencilTest, Switches,
+    AddressMode, BackendError, CoverOverrides, FrameInput, Probed, StencilTest, Switches,
     TexturedCover, TexturedPlan,
 };
 use terrafill_scene::{ImageSize, MipChain, MipLevel, PlannedRegion, SceneTexture, TextureShare};
 use terrafill_shaders::{RouteText, TEXTURED_COVER, TexturedParts, TexturedPlacement};
-use terrafill_texture::PositionRoute;
 
 /// Format of the probe's targets: what the shader computes, unrounded.
 const PROBE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
@@ -38,9 +37,7 @@ struct CoverKey {
     shader: usize,
     test: StencilTest,
     purpose: CoverPurpose,
-    ends_at_edges: bool,
-    fades: bool,
-    is_magnified: bool,
+    overrides: CoverOverrides,
     blends: bool,
 }
 
@@ -54,8 +51,6 @@ pub struct TexturedFill {
     images: Vec<wgpu::Texture>,
     /// Whether the pictures hide what lies under them.
     images_are_opaque: bool,
-    /// Whether fragments normalise their unit normal once more.
-    normalizes_twice: bool,
     image_groups: HashMap<ImageKey, wgpu::BindGroup>,
     view: Option<TexturedView>,
 }
@@ -113,7 +108,6 @@ impl TexturedFill {
             pipelines: HashMap::new(),
             images: Vec::new(),
             images_are_opaque: true,
-            normalizes_twice: false,
             image_groups: HashMap::new(),
             view: None,
         }
@@ -271,9 +265,10 @@ impl TexturedFill {
             shader: *shader,
             test,
             purpose,
-            ends_at_edges: colours && cover.ends_at_edges(),
-            fades: colours && cover.texture.fade_m.is_some(),
-            is_magnified: colours && cover.is_magnified,
+            overrides: match purpose {
+                CoverPurpose::Colour => cover.overrides(),
+                CoverPurpose::Probe => cover.overrides().of_probe(),
+            },
             blends: colours && (cover.is_translucent() || !self.images_are_opaque),
         };
         Some((key, cover))
@@ -389,15 +384,7 @@ impl TexturedFill {
             CoverPurpose::Colour => ("fragment_main", vec![Some(colour_target(key.blends))]),
             CoverPurpose::Probe => ("probe_main", vec![Some(PROBE_FORMAT.into()); 2]),
         };
-        let constants = [
-            ("FADES", f64::from(u8::from(key.fades))),
-            ("ENDS_AT_EDGES", f64::from(u8::from(key.ends_at_edges))),
-            ("IS_MAGNIFIED", f64::from(u8::from(key.is_magnified))),
-            (
-                "NORMALIZES_TWICE",
-                f64::from(u8::from(self.normalizes_twice)),
-            ),
-        ];
+        let constants = key.overrides.constants();
         gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("textured cover"),
             layout: Some(layout),
@@ -428,8 +415,7 @@ impl TexturedFill {
 /// The textured side of a backend's fill: what was planned last, and what the device holds of it.
 #[derive(Debug)]
 pub(crate) struct Textured {
-    choice: RouteChoice,
-    position: PositionRoute,
+    switches: Switches,
     pub(crate) covers: TexturedFill,
     image: Option<Arc<SceneTexture>>,
     planned: Option<Planned>,
@@ -450,13 +436,9 @@ impl Textured {
         frame_layout: &wgpu::BindGroupLayout,
         switches: &Switches,
     ) -> Option<Self> {
-        switches.texture.map(|choice| Self {
-            choice,
-            position: switches.position.unwrap_or(PositionRoute::EyeRegion),
-            covers: TexturedFill {
-                normalizes_twice: switches.superfluous_normalize,
-                ..TexturedFill::new(gpu, frame_layout)
-            },
+        switches.texture.map(|_| Self {
+            switches: *switches,
+            covers: TexturedFill::new(gpu, frame_layout),
             image: None,
             planned: None,
         })
@@ -476,7 +458,9 @@ impl Textured {
         if self.planned.as_ref().is_some_and(is_same) && self.holds_image(input) {
             return Ok(());
         }
-        let plan = TexturedPlan::new(input, self.choice, self.position)?;
+        let Some(plan) = TexturedPlan::of_switches(input, &self.switches)? else {
+            return Ok(());
+        };
         if let Some(texture) = input
             .scene
             .texture

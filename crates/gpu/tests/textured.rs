@@ -8,7 +8,7 @@ use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Geodetic, parse_regions};
 use terrafill_frame::{
     AddressMode, BackendError, FrameInput, PreparedScene, Probed, RouteChoice, StencilTest,
-    TexturedPlan, TexturedRegion,
+    Switches, TexturedPlan, TexturedRegion,
 };
 use terrafill_gpu::{
     BoundCover, CoverPurpose, Gpu, GpuOptions, Probe, Stage, TexturedFill, open_for_test,
@@ -696,6 +696,77 @@ fn a_magnified_region_looks_the_same_without_looking_for_levels() {
         assert!(is_magnified || !is_plain, "{told}");
     }
     assert!(kinds.iter().all(|&count| count >= 2), "{kinds:?}");
+}
+
+#[test]
+fn a_second_normalize_is_priced_only_where_there_is_a_first() {
+    let mut switches = Switches {
+        texture: RouteChoice::parse("chosen"),
+        superfluous_normalize: true,
+        ..Switches::default()
+    };
+    let mut told = Vec::new();
+    for height_m in [1e4, 5e6] {
+        let sight = Sight::new(
+            "closer",
+            eye(10.0, 45.0, height_m, -90.0),
+            bounds(8.0, 43.0, 12.0, 47.0),
+            TexturePlacement::Extents,
+        );
+        let planned = TexturedPlan::of_switches(&sight.input, &switches);
+        told.push(match planned.map(|plan| plan.expect("textured").covers) {
+            Ok(covers) => Ok(covers[0].overrides().constants()),
+            Err(error) => Err(error.to_string()),
+        });
+        // Twin: without it both are planned.
+        switches.superfluous_normalize = false;
+        let once = TexturedPlan::of_switches(&sight.input, &switches).expect("planned");
+        let once = once.expect("textured").covers[0].overrides().constants();
+        assert!(once.contains(&("NORMALIZES_TWICE", 0.0)), "{once:?}");
+        switches.superfluous_normalize = true;
+    }
+    let refused = told[0].as_ref().expect_err("no normal");
+    assert!(refused.contains("no normal is computed"), "{refused}");
+    let twice = told[1].as_ref().expect("a normal");
+    for constant in [("IS_MAGNIFIED", 0.0), ("NORMALIZES_TWICE", 1.0)] {
+        assert!(twice.contains(&constant), "{twice:?}");
+    }
+}
+
+#[test]
+fn a_floor_reads_its_depth_and_samples_once_where_another_fill_would() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let sight = Sight::new(
+        "horizon",
+        eye(10.0, 45.0, 3e6, -50.0),
+        bounds(-50.0, 0.0, 70.0, 89.0),
+        TexturePlacement::Extents,
+    );
+    let [floor, chosen] = ["floor", "chosen"].map(|choice| plan_of(&sight.input, choice));
+    assert_eq!(floor.note(), "floor (1 region)");
+    let drawn = draw(&gpu, &sight.input, &floor).expect("draws");
+    let mapped = draw(&gpu, &sight.input, &chosen).expect("draws");
+    let sizes = [SIZE.width, SIZE.height].map(f64::from);
+    let mut elsewhere = 0;
+    for (index, (probed, other)) in drawn.probed.iter().zip(&mapped.probed).enumerate() {
+        assert_eq!(probed.is_some(), other.is_some(), "the same pixels");
+        let (Some(probed), Some(other)) = (probed, other) else {
+            continue;
+        };
+        let width = SIZE.width as usize;
+        let pixel = [index % width, index / width].map(|at| at as f64 + 0.5);
+        let depth = f64::from(drawn.depth[index]);
+        let expected = [0, 1].map(|axis| depth + pixel[axis] / sizes[axis]);
+        let found = probed.place.uv;
+        let off = [0, 1].map(|axis| (found[axis] - expected[axis]).abs());
+        assert!(off.iter().all(|&off| off < 1e-6), "{found:?} {expected:?}");
+        elsewhere += usize::from((found[0] - other.place.uv[0]).abs() > 1e-3);
+    }
+    // Twin: where it samples is not where the map would.
+    assert!(elsewhere > 1000, "{elsewhere}");
+    assert_ne!(drawn.rgba, mapped.rgba);
 }
 
 #[test]

@@ -123,10 +123,6 @@ impl NativeBackend {
         if variant.switches.texture.is_some() && !features.samples_depth {
             return Err(lacks("reading depth in shaders"));
         }
-        if variant.switches.superfluous_normalize {
-            let lacks = "a superfluous normalize, which is priced on wgpu only";
-            return Err(BackendError::unsupported(lacks, BACKEND));
-        }
         if variant.switches.depth_bounds && !features.depth_bounds {
             return Err(lacks("depthBounds"));
         }

@@ -258,11 +258,12 @@ impl Textured {
             .zip(view.shaders.get(planned))?;
         let purpose = match purpose {
             Purpose::Colour => CoverPurpose::Colour {
-                ends_at_edges: cover.ends_at_edges(),
-                fades: cover.texture.fade_m.is_some(),
+                overrides: cover.overrides(),
                 blends: cover.is_translucent() || !self.images_are_opaque,
             },
-            Purpose::Probe => CoverPurpose::Probe,
+            Purpose::Probe => CoverPurpose::Probe {
+                overrides: cover.overrides().of_probe(),
+            },
         };
         Some(((*shader, test, purpose), cover))
     }

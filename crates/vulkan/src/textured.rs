@@ -15,7 +15,7 @@ use crate::{Buffer, BufferUse, Gpu, ImageBindings, Topology, VertexFormat};
 use ash::vk;
 use std::cell::Cell;
 use std::sync::Arc;
-use terrafill_frame::{BackendError, FaceSet, StencilTest};
+use terrafill_frame::{BackendError, CoverOverrides, FaceSet, StencilTest};
 use terrafill_shaders::{SpirvStage, TEXTURED_COVER, TexturedParts, composed_to_spirv};
 
 /// What a textured cover is drawn for.
@@ -23,15 +23,22 @@ use terrafill_shaders::{SpirvStage, TEXTURED_COVER, TexturedParts, composed_to_s
 pub enum CoverPurpose {
     /// The picture's colours.
     Colour {
-        /// Nothing is drawn beyond the picture's edges.
-        ends_at_edges: bool,
-        /// It fades with the distance.
-        fades: bool,
+        /// What its shader has in it.
+        overrides: CoverOverrides,
         /// It is blended over what lies under it.
         blends: bool,
     },
     /// Where the picture's texels came from, into the targets of a [`Probe`].
-    Probe,
+    Probe {
+        /// What its shader has in it.
+        overrides: CoverOverrides,
+    },
+}
+
+impl CoverPurpose {
+    fn is_probe(self) -> bool {
+        matches!(self, Self::Probe { .. })
+    }
 }
 
 /// All that makes the pipeline of a textured cover.
@@ -75,7 +82,7 @@ impl TexturedPipeline {
             gpu: Arc::clone(gpu),
             raw,
             table_is_sampled: descriptor.table_is_sampled,
-            is_probe: descriptor.purpose == CoverPurpose::Probe,
+            is_probe: descriptor.purpose.is_probe(),
         })
     }
 
@@ -136,18 +143,11 @@ fn create(gpu: &Gpu, descriptor: &TexturedDescriptor<'_>) -> Result<vk::Pipeline
         message: error.to_string(),
     };
     let composed = descriptor.parts.compose().map_err(failed)?;
-    let (entry_point, fades, ends_at_edges, blends) = match descriptor.purpose {
-        CoverPurpose::Colour {
-            ends_at_edges,
-            fades,
-            blends,
-        } => ("fragment_main", fades, ends_at_edges, blends),
-        CoverPurpose::Probe => ("probe_main", false, false, false),
+    let (entry_point, overrides, blends) = match descriptor.purpose {
+        CoverPurpose::Colour { overrides, blends } => ("fragment_main", overrides, blends),
+        CoverPurpose::Probe { overrides } => ("probe_main", overrides, false),
     };
-    let constants = [
-        ("FADES", f64::from(u8::from(fades))),
-        ("ENDS_AT_EDGES", f64::from(u8::from(ends_at_edges))),
-    ];
+    let constants = overrides.constants();
     let mut modules = Modules {
         gpu,
         made: Vec::new(),
@@ -187,7 +187,7 @@ fn create(gpu: &Gpu, descriptor: &TexturedDescriptor<'_>) -> Result<vk::Pipeline
         .src_alpha_blend_factor(vk::BlendFactor::ONE)
         .dst_alpha_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
         .alpha_blend_op(vk::BlendOp::ADD);
-    let is_probe = descriptor.purpose == CoverPurpose::Probe;
+    let is_probe = descriptor.purpose.is_probe();
     Assembly {
         stages: &stages,
         format: VertexFormat::Number,

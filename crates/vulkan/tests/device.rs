@@ -8,8 +8,8 @@ mod globe;
 use globe::{SIZE, assert_depth_of_the_ellipsoid, globe_from};
 use std::sync::Arc;
 use terrafill_frame::{
-    AddressMode, BackendError, DepthRule, FaceSet, RegionConstants, RouteTexelFormat, RouteTexels,
-    StencilOperation, StencilRule, StencilTest, TexturedRegion,
+    AddressMode, BackendError, CoverOverrides, DepthRule, FaceSet, RegionConstants,
+    RouteTexelFormat, RouteTexels, StencilOperation, StencilRule, StencilTest, TexturedRegion,
 };
 use terrafill_scene::{ImageSize, MipChain, PixelRect};
 use terrafill_vulkan::{
@@ -480,12 +480,15 @@ fn the_probe_finds_every_pixel_of_the_surface_and_none_of_the_sky() {
         };
         TexturedPipeline::new(&gpu, &descriptor)
     };
-    let probing = pipeline(EVERYWHERE, CoverPurpose::Probe).expect("valid");
+    let probe = CoverPurpose::Probe {
+        overrides: CoverOverrides::default(),
+    };
+    let probing = pipeline(EVERYWHERE, probe).expect("valid");
     let zeroing = StencilTest {
         zeroes: true,
         ..EVERYWHERE
     };
-    let error = pipeline(zeroing, CoverPurpose::Probe).expect_err("depth and stencil are read");
+    let error = pipeline(zeroing, probe).expect_err("depth and stencil are read");
     assert!(error.to_string().contains("writes the stencil"), "{error}");
     let state = CoverState {
         pipeline: &probing,

@@ -519,7 +519,7 @@ fn switches_of_another_backend_are_refused_with_the_backends_own() {
         let more = ["--backend", backend, "--variant", "speed=fast"];
         let ends = "faces=two-sided|two-pass, normalize=needed|superfluous, \
             position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
-            stencil-clear=at-start|by-colour, texture=plain|chosen|a route such as gnomonic-3, \
+            stencil-clear=at-start|by-colour, texture=plain|chosen|floor|a route such as gnomonic-3, \
             boundary-tolerance-m=METRES";
         desk.run(&[&SCENE[..], &more].concat()).refused(&[&[ends]]);
     }
