@@ -30,6 +30,7 @@ mod textured;
 pub use cases::{BenchCase, Roles, SceneGroup, group_cases};
 pub use environment::environment;
 pub use options::{BenchError, BenchOptions, LADDER_SCENE, MATRIX_SCENES, NO_SCENE, Shard};
+pub use precision::{measure_suite, suite_findings};
 pub use runner::{BenchOutcome, run};
 pub use scenes::open_scene;
 pub use technique::{BACKENDS, Setting, Technique};

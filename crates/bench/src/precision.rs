@@ -11,6 +11,7 @@
 
 mod coordinate;
 mod error;
+mod findings;
 mod kernel;
 mod place;
 mod position;
@@ -23,9 +24,15 @@ use crate::BenchError;
 use kernel::Kernels;
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use terrafill_gpu::Gpu;
+use terrafill_gpu::{Gpu, GpuOptions};
 use terrafill_results::{PrecisionGrid, PrecisionKey, PrecisionPart, PrecisionPlan, RunFolder};
 use timing::Times;
+
+pub use findings::suite_findings;
+
+/// Places of a region and of a view at which errors are measured.
+const POINTS: u32 = 600;
+const QUICK_POINTS: u32 = 200;
 
 /// What is measured.
 pub(crate) struct Suite {
@@ -54,9 +61,14 @@ impl Suite {
             places,
             chosen,
             sights: position::sights(quick),
-            points: if quick { 200 } else { 600 },
+            points: if quick { QUICK_POINTS } else { POINTS },
             rounds: if quick { 7 } else { 15 },
         }
+    }
+
+    /// Errors alone: no formula is timed.
+    fn untimed(self) -> Self {
+        Self { rounds: 0, ..self }
     }
 
     /// Its rows to be.
@@ -135,13 +147,28 @@ impl Suite {
     }
 }
 
+/// Measures the errors of the whole numerical suite into a run's folder, without times.
+///
+/// - `adapter`: part of the adapter's name
+///
+/// # Errors
+/// No device, a folder that cannot be read or written, a device that is lost.
+pub fn measure_suite(adapter: Option<String>, folder: &RunFolder) -> Result<(), BenchError> {
+    let gpu = Gpu::open(&GpuOptions {
+        adapter,
+        ..GpuOptions::default()
+    })
+    .map_err(BenchError::NoDevice)?;
+    Suite::new(false).untimed().measure(&gpu, folder)
+}
+
 #[cfg(test)]
 mod tests {
     use super::kernel::coordinate_evaluator_of;
     use super::*;
-    use terrafill_gpu::{GpuOptions, open_for_test};
+    use terrafill_gpu::open_for_test;
     use terrafill_results::{PrecisionRow, RunEnvironment, RunPlan, Status};
-    use terrafill_texture::CoordinateRoute;
+    use terrafill_texture::{Chooser, CoordinateRoute, CostTable, SuiteFinding};
 
     /// A few routes in two regions, seen from two distances.
     fn small() -> Suite {
@@ -285,5 +312,142 @@ mod tests {
         let odd = row(&broken, "odd-7", "");
         assert_eq!(odd.status, Status::Skipped);
         assert!(odd.reason.contains("not on this device") && odd.emulated_max_m.is_some());
+    }
+
+    /// Every row of these routes at one extent and latitude, whatever the heights, and at the special
+    /// inputs; the device's text of each route as `replace` has it.
+    fn cell_rows(
+        routes: &[CoordinateRoute],
+        cell: (f64, f64),
+        replace: impl Fn(&str) -> String,
+    ) -> Option<Vec<PrecisionRow>> {
+        let gpu = open_for_test(&GpuOptions::default())?;
+        let mut kernels = Kernels::new(&gpu, routes);
+        for kernel in &mut kernels.coordinate {
+            let text = replace(&kernel.program.wgsl());
+            kernel.device = coordinate_evaluator_of(&gpu, "replaced", &kernel.program, &text);
+        }
+        let times = Times::of(&[]);
+        let places = place::places(false).into_iter();
+        let here = places.filter(|place| (place.extent_deg, place.latitude_deg) == cell);
+        let mut rows = Vec::new();
+        for place in here {
+            let of_place = coordinate::rows(&place, None, POINTS, &kernels, &times);
+            rows.extend(of_place.expect("runs"));
+        }
+        for name in special::names() {
+            rows.extend(special::rows(&name, &kernels, &times).expect("runs"));
+        }
+        Some(rows)
+    }
+
+    #[test]
+    fn a_part_of_the_checked_in_findings_is_found_again() {
+        let routes = [
+            "near-odd-7+bowring-1",
+            "near-rat-0-1+bowring-1",
+            "odd-11+bowring-1",
+            "planes",
+        ];
+        let routes = routes.map(|name| CoordinateRoute::parse(name).expect("a route"));
+        let mut listed = 0;
+        for cell in [(90.0, 45.0), (10.0, 45.0)] {
+            let Some(rows) = cell_rows(&routes, cell, str::to_owned) else {
+                return;
+            };
+            let found = suite_findings(&rows);
+            let of_cell = |finding: &SuiteFinding| {
+                routes.contains(&finding.route)
+                    && (finding.cell.extent_deg, finding.cell.latitude_deg) == cell
+            };
+            let checked_in = SuiteFinding::checked_in().into_iter();
+            let checked_in: Vec<SuiteFinding> = checked_in.filter(of_cell).collect();
+            assert_eq!(
+                SuiteFinding::table(&found),
+                SuiteFinding::table(&checked_in)
+            );
+            listed += checked_in.len();
+        }
+        assert!(listed > 0, "nothing was compared");
+    }
+
+    #[test]
+    fn a_route_that_the_device_gets_wrong_is_listed_and_the_next_one_is_taken() {
+        let place = place::Place::new(1.0, 45.0, ("+9km", 0.0, 9_000.0)).expect("bounds");
+        let demand = place.demand();
+        let chosen = |findings: Vec<SuiteFinding>| {
+            let candidates = Chooser::default_candidates();
+            let chooser = Chooser::new(&candidates, &CostTable::default(), findings);
+            chooser.choose(&demand).chosen.expect("a route").route
+        };
+        let first = chosen(Vec::new());
+        let rows = |replace: fn(&str) -> String| cell_rows(&[first], (1.0, 45.0), replace);
+        let Some(right) = rows(str::to_owned) else {
+            return;
+        };
+        assert_eq!(suite_findings(&right), []);
+        for planted in [
+            (|text| text.replace("return vec2f(", "return 1.01 * vec2f(")) as fn(&str) -> String,
+            |text| text.replace("return vec2f(", "return sqrt(-1.0 - abs(d.x)) * vec2f("),
+        ] {
+            let found = suite_findings(&rows(planted).expect("a device"));
+            assert_eq!(found.len(), 1, "{found:?}");
+            // As a file holds it.
+            let found = SuiteFinding::parse(&SuiteFinding::table(&found)).expect("a table");
+            assert_ne!(chosen(found), first);
+        }
+        assert_eq!(chosen(suite_findings(&right)), first);
+    }
+
+    /// Largest errors on the device of the default position, in metres and pixels.
+    fn default_positions(
+        distance_m: f64,
+        anchor: position::Anchor,
+    ) -> Option<Vec<(String, f64, f64)>> {
+        let gpu = open_for_test(&GpuOptions::default())?;
+        let kernels = Kernels::new(&gpu, &[]);
+        let times = Times::of(&[]);
+        let sights = position::sights(false);
+        let here = sights.iter().filter(|s| s.is_default(distance_m, anchor));
+        let rows = here
+            .flat_map(|sight| position::rows(sight, QUICK_POINTS, &kernels, &times).expect("runs"));
+        let default = rows.filter(|row| row.route == "eye-region");
+        let figures = default.map(|row| {
+            let (metres, pixels) = (row.device_max_m, row.max_px);
+            (
+                row.condition,
+                metres.expect("asked"),
+                pixels.expect("asked"),
+            )
+        });
+        Some(figures.collect())
+    }
+
+    #[test]
+    fn where_a_plan_puts_the_anchor_positions_hold_everywhere() {
+        use position::Anchor::{Middle, Plan};
+        for distance_m in [10.0, 20.0, 1e3, 1e6, 3e7] {
+            let Some(found) = default_positions(distance_m, Plan) else {
+                return;
+            };
+            assert!(found.len() >= 12, "{}", found.len());
+            for (condition, metres, pixels) in found {
+                assert!(pixels <= 0.25, "{condition}: {pixels} px");
+                assert!(
+                    distance_m > 20.0 || metres <= 1e-4,
+                    "{condition}: {metres} m"
+                );
+            }
+        }
+        // Twin: anchored in the middle of a region that goes on beyond the horizon, both are exceeded.
+        let middle = default_positions(10.0, Middle).expect("a device");
+        assert!(
+            middle.iter().any(|(_, _, pixels)| *pixels > 0.25),
+            "{middle:?}"
+        );
+        assert!(
+            middle.iter().any(|(_, metres, _)| *metres > 1e-3),
+            "{middle:?}"
+        );
     }
 }

@@ -13,14 +13,13 @@ use crate::{
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
 use std::collections::BTreeMap;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::hash::{Hash, Hasher};
 use std::sync::{Mutex, PoisonError};
 use terrafill_core::{Ellipsoid, OrientedBox};
 use terrafill_scene::{PlannedRegion, SceneTexture};
 use terrafill_texture::{
-    Chart, Chooser, CoordinateRoute, CostTable, Demand, DepthFormat, MapExtent, MapRegion,
-    PositionRoute, Reason, View,
+    Chart, Chooser, CoordinateRoute, Demand, DepthFormat, MapExtent, MapRegion, PositionRoute,
+    Reason, View,
 };
 
 /// Name of a textured fill without a route.
@@ -251,8 +250,7 @@ impl TexturedPlan {
         let textures = PlannedTexture::of_scene(&input.scene);
         let mut covers = Vec::with_capacity(input.plan.regions.len());
         let mut notes: Vec<RouteNote> = Vec::new();
-        let candidates = Chooser::default_candidates();
-        let chooser = Chooser::new(&candidates, &CostTable::default(), Vec::new());
+        let chooser = Chooser::of_plan();
         for planned in &input.plan.regions {
             let texture = textures[planned.region];
             let told =
@@ -432,7 +430,7 @@ fn why(reason: &Reason) -> String {
         Reason::MaxTexels { found, allowed } => format!("{found:.2} texels of {allowed}"),
         Reason::RmsPixels { found, allowed } => format!("{found:.2} pixels RMS of {allowed}"),
         Reason::NonFinite { found } => format!("not finite at {found} places"),
-        other => format!("{other:?}"),
+        other => other.to_string(),
     }
 }
 
@@ -453,9 +451,7 @@ fn add_note(notes: &mut Vec<RouteNote>, note: RouteNote) {
     }
 }
 
-/// The part of a region that the body does not hide from the eye, anchored in its middle; over a pole at
-/// the pole, where charts are smooth; and below the eye where an `f32` offset from the middle would be
-/// rounded to more than [`ROUNDED_PX`]: what is nearest to the eye is then nearest to the anchor.
+/// What a frame asks of a region: the part in sight, anchored where offsets are short for the eye.
 fn map_region(
     input: &FrameInput,
     texture: &PlannedTexture,
@@ -468,88 +464,11 @@ fn map_region(
         east_rad,
         north_rad,
     };
-    let body = &input.scene.body;
     let terrain = input.scene.terrain();
     let heights = (terrain.lowest_m, terrain.highest_m);
-    let extent = visible_part(body, input.camera.eye_ecef, heights, whole);
-    let map = MapRegion::new(*body, extent, heights)?;
-    if map.touches_pole() {
-        let pole = FRAC_PI_2.copysign(map.anchor_latitude_rad());
-        let longitude = map.anchor_longitude_rad();
-        return MapRegion::with_anchor(*body, longitude, pole, extent, heights);
-    }
-    let [width, height] = extent.size_rad();
-    let to_the_corner_m = 0.5 * width.hypot(height) * body.equatorial_radius_m();
-    let rounded_m = to_the_corner_m * f64::from(f32::EPSILON) / 2.0;
-    if rounded_m <= ROUNDED_PX * sight.pixel * sight.nearest_m {
-        return Ok(map);
-    }
-    let eye = body.ecef_to_geodetic(input.camera.eye_ecef);
-    let longitude = unwrapped(eye.longitude_rad, map.anchor_longitude_rad());
-    MapRegion::with_anchor(
-        *body,
-        longitude.clamp(extent.west_rad, extent.east_rad),
-        eye.latitude_rad.clamp(extent.south_rad, extent.north_rad),
-        extent,
-        heights,
-    )
-}
-
-/// Rounding of an offset that no texel and no pixel shows, pixels: a quarter of the bound for all of
-/// position and coordinate route.
-const ROUNDED_PX: f64 = 1.0 / 16.0;
-
-/// The angle closest to `near` that is `angle` but for whole turns, radians.
-fn unwrapped(angle: f64, near: f64) -> f64 {
-    angle - ((angle - near) / TAU).round() * TAU
-}
-
-/// What of an extent may be seen from `eye`: no point of the surface is farther from the point below the
-/// eye than the horizon is, and the horizon of the highest terrain beyond. Measured where the body is a
-/// sphere of radius 1, its axes divided by its radii; latitudes there are the reduced ones. The whole
-/// extent where that says nothing.
-///
-/// - `heights`: of the surface as drawn, metres
-fn visible_part(
-    body: &Ellipsoid,
-    eye_ecef: DVec3,
-    heights: (f64, f64),
-    extent: MapExtent,
-) -> MapExtent {
-    let (low, high) = heights;
-    let [a, b] = [body.equatorial_radius_m(), body.polar_radius_m()].map(|radius| radius + low);
-    let eye = eye_ecef / DVec3::new(a, a, b);
-    // Under the ground there is no horizon.
-    if eye.length() <= 1.0 {
-        return extent;
-    }
-    let to_the_horizon = |radius: f64| radius.max(1.0).recip().acos();
-    let radius = to_the_horizon(eye.length()) + to_the_horizon(1.0 + (high - low) / a.min(b));
-    // Points above the ellipsoid have another reduced latitude than those below them on it.
-    let radius = radius * 1.01 + body.eccentricity_squared() * (high.abs().max(low.abs()) / b);
-    let middle = eye.z.atan2(eye.x.hypot(eye.y));
-    let [south, north] = [middle - radius, middle + radius];
-    let geodetic = |reduced: f64| (a / b * reduced.tan()).atan();
-    let mut part = extent;
-    if north < FRAC_PI_2 {
-        part.north_rad = part.north_rad.min(geodetic(north));
-    }
-    if south > -FRAC_PI_2 {
-        part.south_rad = part.south_rad.max(geodetic(south));
-    }
-    if north < FRAC_PI_2 && south > -FRAC_PI_2 && extent.east_rad - extent.west_rad < PI {
-        let reach = (radius.sin() / middle.cos()).min(1.0).asin();
-        let below = eye.y.atan2(eye.x);
-        let below = unwrapped(below, 0.5 * (extent.west_rad + extent.east_rad));
-        part.west_rad = part.west_rad.max(below - reach);
-        part.east_rad = part.east_rad.min(below + reach);
-    }
-    let [width, height] = part.size_rad();
-    if width > 0.0 && height > 0.0 {
-        part
-    } else {
-        extent
-    }
+    let pixel_m = sight.pixel * sight.nearest_m;
+    let eye_ecef = input.camera.eye_ecef;
+    MapRegion::seen_from(input.scene.body, whole, heights, eye_ecef, pixel_m)
 }
 
 fn view(input: &FrameInput, depth: DepthFormat) -> View {
@@ -754,115 +673,6 @@ mod tests {
         // Twin: less would move the coarser picture.
         let wrong = 12_345.25_f64.rem_euclid(8.0);
         assert!(((12_345.25 - wrong) / 16.0 % 1.0).abs() > 0.1);
-    }
-
-    const EVERYWHERE: MapExtent = MapExtent {
-        west_rad: -1.5,
-        south_rad: -FRAC_PI_2,
-        east_rad: 1.5,
-        north_rad: FRAC_PI_2,
-    };
-
-    /// Whether the ellipsoid `low` metres above the body's hides `point` from `eye`.
-    fn is_hidden(body: &Ellipsoid, low: f64, eye: DVec3, point: DVec3) -> bool {
-        let [a, b] = [body.equatorial_radius_m(), body.polar_radius_m()].map(|r| r + low);
-        let [from, to] = [eye, point].map(|p| p / DVec3::new(a, a, b));
-        let way = to - from;
-        let nearest = (-from.dot(way) / way.length_squared()).clamp(0.0, 1.0);
-        (from + way * nearest).length() < 1.0 - 1e-12
-    }
-
-    fn holds(part: &MapExtent, longitude: f64, latitude: f64) -> bool {
-        (part.west_rad..=part.east_rad).contains(&longitude)
-            && (part.south_rad..=part.north_rad).contains(&latitude)
-    }
-
-    #[test]
-    fn what_the_eye_sees_lies_in_the_visible_part() {
-        let saturn_like = Ellipsoid::new("saturn-like", 6e7, 5.4e7).expect("a body");
-        let (mut seen, mut beyond_half) = (0, 0);
-        for body in [Ellipsoid::WGS84, saturn_like] {
-            for (eye_latitude, height_m) in [
-                (0.0, 2.0),
-                (0.8, 50.0),
-                (-0.8, 3e4),
-                (1.2, 1e6),
-                (1.5, 500.0),
-                (0.3, 2e7),
-            ] {
-                for heights in [(0.0, 0.0), (-400.0, 9_000.0)] {
-                    let eye_at = terrafill_core::Geodetic {
-                        longitude_rad: 0.2,
-                        latitude_rad: eye_latitude,
-                        height_m: heights.1 + height_m,
-                    };
-                    let eye = body.geodetic_to_ecef(eye_at);
-                    let part = visible_part(&body, eye, heights, EVERYWHERE);
-                    // Twin: half as far to every side.
-                    let half = |edge: f64, middle: f64| 0.5 * (edge + middle);
-                    let less = MapExtent {
-                        west_rad: half(part.west_rad, 0.2),
-                        east_rad: half(part.east_rad, 0.2),
-                        south_rad: half(part.south_rad, eye_latitude),
-                        north_rad: half(part.north_rad, eye_latitude),
-                    };
-                    let reach = 2.0 * (heights.1 + height_m - heights.0) / body.polar_radius_m();
-                    let reach = reach.sqrt().min(1.2);
-                    for i in 0..=60 {
-                        for j in 0..=60 {
-                            let step = |k: i32| 2.0 * reach * f64::from(k - 30) / 30.0;
-                            let longitude = 0.2 + step(i) / f64::cos(eye_latitude);
-                            let latitude = eye_latitude + step(j);
-                            if !(-1.5..=1.5).contains(&longitude) || latitude.abs() > FRAC_PI_2 {
-                                continue;
-                            }
-                            let point = body.geodetic_to_ecef(terrafill_core::Geodetic {
-                                longitude_rad: longitude,
-                                latitude_rad: latitude,
-                                height_m: heights.1,
-                            });
-                            if is_hidden(&body, heights.0, eye, point) {
-                                continue;
-                            }
-                            seen += 1;
-                            assert!(holds(&part, longitude, latitude), "{part:?} {latitude}");
-                            beyond_half += usize::from(!holds(&less, longitude, latitude));
-                        }
-                    }
-                }
-            }
-        }
-        assert!(seen > 5_000, "{seen} points seen");
-        assert!(beyond_half > 500, "{beyond_half} of {seen}");
-    }
-
-    #[test]
-    fn close_to_the_ground_little_of_a_country_is_visible() {
-        let body = Ellipsoid::WGS84;
-        let eye = |height_m| {
-            body.geodetic_to_ecef(terrafill_core::Geodetic {
-                longitude_rad: 0.1,
-                latitude_rad: 0.7,
-                height_m,
-            })
-        };
-        let part = visible_part(&body, eye(20.0), (0.0, 0.0), EVERYWHERE);
-        // The horizon is 16 km away.
-        for size in part.size_rad() {
-            assert!((0.005..0.008).contains(&size), "{part:?}");
-        }
-        let middle = 0.5 * (part.south_rad + part.north_rad);
-        assert!((middle - 0.7).abs() < 1e-3, "{middle}");
-        // Under the ground nothing is known, and elsewhere nothing is in sight.
-        let all = visible_part(&body, eye(-20.0), (0.0, 0.0), EVERYWHERE);
-        assert_eq!(all, EVERYWHERE);
-        let far = MapExtent {
-            west_rad: 1.0,
-            south_rad: -1.0,
-            east_rad: 1.1,
-            north_rad: -0.9,
-        };
-        assert_eq!(visible_part(&body, eye(20.0), (0.0, 0.0), far), far);
     }
 
     #[test]

@@ -454,8 +454,10 @@ fn precision_tables(
         (
             "precision-position",
             "Position from depth",
-            "Largest error of a fragment's offset from its region's anchor, on the device, the anchor \
-             beside it; pixels of a view of 60° on 1,080 rows. Red: more than ¼ pixel somewhere.",
+            "Largest error of a fragment's offset from its region's anchor, on the device, over all extents \
+             and latitudes, the anchor where a plan puts it for this eye; for the default also in the middle \
+             of the region, so that what a plan's anchor is worth is seen. Pixels of a view of 60° on 1,080 \
+             rows. Red: more than ¼ pixel somewhere.",
             take(|c| &mut c.positions),
         ),
         (
@@ -464,6 +466,12 @@ fn precision_tables(
             "Largest error of one component relative to the eye, in a region of 1°, by emulation. Red: \
              more than ¼ pixel somewhere.",
             take(|c| &mut c.vertices),
+        ),
+        (
+            "precision-reasons",
+            "Why formula and measurement part",
+            "Rows whose measured and expected error part by more than twice, by reason.",
+            take(|c| &mut c.reasons),
         ),
         (
             "precision-residual",

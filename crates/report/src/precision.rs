@@ -35,6 +35,10 @@ const EARTH_M: f64 = 6_371_008.8;
 /// The position route and depth that are drawn with by default.
 const DEFAULT_POSITION: (&str, &str) = ("eye-region", "reversed-float32-infinite");
 
+/// Where anchors stand, as in the `anchor` column.
+const PLAN: &str = "plan";
+const MIDDLE: &str = "middle";
+
 /// What the default position must not exceed, metres, at this distance.
 const DEFAULT_LIMIT: (f64, f64) = (20.0, 1e-4);
 
@@ -71,13 +75,14 @@ const DRAWN: [(&str, &str); 6] = [
 ];
 
 /// Families that are drawn everywhere; those of [`POLYNOMIALS`] have a plot of their own.
-const FAMILIES: [&str; 13] = [
+const FAMILIES: [&str; 14] = [
     "atan2-native",
     "recentred-atan2-native",
     "odd",
     "recentred-odd",
     "near-odd",
     "rat",
+    "cubic-cesium",
     "planes",
     "gnomonic",
     "azimuthal",
@@ -88,11 +93,13 @@ const FAMILIES: [&str; 13] = [
 ];
 
 /// Every way to write the arctangent, absolute angles.
-const POLYNOMIALS: [&str; 12] = [
+const POLYNOMIALS: [&str; 14] = [
     "atan2-native",
     "odd",
     "odd-rel",
     "odd-pin",
+    "cubic-cesium",
+    "cubic-cesium+geocentric",
     "dense",
     "rat",
     "rat-rel",
@@ -203,6 +210,7 @@ pub(crate) struct PrecisionChapter {
     pub(crate) chosen: Table,
     pub(crate) positions: Table,
     pub(crate) vertices: Table,
+    pub(crate) reasons: Table,
     pub(crate) disagreements: Table,
     pub(crate) special: Table,
     pub(crate) clock: &'static str,
@@ -220,6 +228,7 @@ pub(crate) fn chapter(data: &RunData) -> Option<PrecisionChapter> {
         chosen: chosen_table(precision),
         positions: position_table(precision),
         vertices: vertex_table(precision),
+        reasons: reason_table(precision),
         disagreements: disagreement_table(precision),
         special: special_table(precision),
         clock: clock(data),
@@ -308,41 +317,43 @@ fn findings(data: &PrecisionData) -> Vec<Finding> {
         data.of(PrecisionPart::Position)
             .filter(|row| (row.route.as_str(), row.depth_format.as_str()) == DEFAULT_POSITION)
     };
-    let least_extent = default()
-        .filter_map(|row| row.extent_deg)
-        .fold(f64::INFINITY, f64::min);
-    let is_near = |row: &&PrecisionRow| row.extent_deg.is_none_or(|e| e <= least_extent);
-    let close = default().filter(is_near);
-    let at_20_m = close.filter(|row| row.distance_m == Some(DEFAULT_LIMIT.0));
-    if let Some((metres, _)) = largest(at_20_m, |row| row.device_max_m) {
+    // Rows of older runs have no anchor: theirs stood in the middle.
+    let anchored = |anchor: &'static str| default().filter(move |row| row.anchor == anchor);
+    let at_20_m = |anchor| {
+        let near = anchored(anchor).filter(|row| row.distance_m == Some(DEFAULT_LIMIT.0));
+        largest(near, |row| row.device_max_m)
+    };
+    let beside = |middle: Option<(f64, &PrecisionRow)>, unit: &str| {
+        middle.map_or_else(String::new, |(most, row)| {
+            let most = significant(most);
+            format!(
+                " Anchored in the middle of the region: {most} {unit} ({}).",
+                row.condition
+            )
+        })
+    };
+    if let Some((metres, row)) = at_20_m(PLAN) {
         findings.push(finding(
             metres <= DEFAULT_LIMIT.1,
             format!(
-                "The default position, {}, at 20 m, its anchor beside what is seen: {} m at most.",
+                "The default position, {}, at 20 m, its anchor where a plan puts it: {} m at most ({}).{}",
                 DEFAULT_POSITION.0,
                 significant(metres),
+                row.condition,
+                beside(at_20_m(MIDDLE), "m"),
             ),
         ));
     }
-    if let Some((pixels, row)) = largest(default().filter(is_near), |row| row.max_px) {
+    if let Some((pixels, row)) = largest(anchored(PLAN), |row| row.max_px) {
+        let middle = largest(anchored(MIDDLE), |row| row.max_px);
         findings.push(finding(
             pixels <= QUARTER,
             format!(
-                "The same from 10 m to 30,000 km: at most {} of a pixel ({}).",
+                "The same from 10 m to 30,000 km, over every extent and latitude: at most {} of a pixel \
+                 ({}).{}",
                 significant(pixels),
-                row.condition
-            ),
-        ));
-    }
-    let far = default().filter(|row| !is_near(row));
-    if let Some((pixels, row)) = largest(far, |row| row.max_px) {
-        findings.push(finding(
-            pixels <= QUARTER,
-            format!(
-                "With the anchor in the middle of a larger region, whatever is seen of it: at most {} \
-                 of a pixel ({}). An offset in f32 is as coarse as the anchor is far.",
-                significant(pixels),
-                row.condition
+                row.condition,
+                beside(middle, "of a pixel"),
             ),
         ));
     }
@@ -367,7 +378,29 @@ fn findings(data: &PrecisionData) -> Vec<Finding> {
             ),
         ));
     }
+    let agreeing = measured().filter(|row| row.measured_over_expected.is_some_and(agrees));
+    let unexplained = measured()
+        .filter(|row| row.residual_reason.contains(NO_REASON))
+        .count();
+    if measured().count() > 0 {
+        findings.push(finding(
+            unexplained == 0,
+            format!(
+                "Formula and measurement agree within 2 × in {} of {} rows; {unexplained} of the others have \
+                 no known reason.",
+                count(agreeing.count() as u64),
+                count(measured().count() as u64),
+            ),
+        ));
+    }
     findings
+}
+
+/// What a row says that has no better reason.
+const NO_REASON: &str = "no reason";
+
+fn agrees(ratio: f64) -> bool {
+    (1.0 / AGREEMENT..=AGREEMENT).contains(&ratio)
 }
 
 /// Extent across, latitude down: what a plan takes with terrain up to 9 km, and its error.
@@ -428,50 +461,64 @@ fn metres_and_pixels(row: Option<&PrecisionRow>, metres: Option<f64>) -> String 
     }
 }
 
-/// Route and depth down, distance across, the anchor close by.
+/// Route and depth down, distance across: the worst over extents and latitudes, anchored where a plan
+/// does; below it the default anchored in the middle of its region.
 fn position_table(data: &PrecisionData) -> Table {
     let routes: BTreeSet<&str> = data
         .of(PrecisionPart::Position)
         .map(|row| row.route.as_str())
         .collect();
+    let (default_route, default_depth) = DEFAULT_POSITION;
     let mut rows = Vec::new();
     for depth in DEPTHS {
         for route in &routes {
-            let at = |distance: f64| {
-                let here = |row: &&PrecisionRow| {
-                    row.route == *route
-                        && row.depth_format == depth
-                        && row.distance_m == Some(distance)
-                };
-                let found = data.of(PrecisionPart::Position).filter(here);
-                // The smallest extent: the anchor stands beside what is seen.
-                found.min_by(|a, b| {
-                    a.extent_deg
-                        .partial_cmp(&b.extent_deg)
-                        .unwrap_or(std::cmp::Ordering::Equal)
-                })
-            };
-            let found = DISTANCES.map(|(distance, _)| at(distance));
-            if found.iter().all(Option::is_none) {
-                continue;
+            rows.extend(position_row(data, route, depth, PLAN));
+            if (*route, depth) == (default_route, default_depth) {
+                rows.extend(position_row(data, route, depth, MIDDLE));
             }
-            rows.push(TableRow {
-                name: format!("{route}, {depth}"),
-                cells: found
-                    .iter()
-                    .map(|row| metres_and_pixels(*row, row.and_then(|row| row.device_max_m)))
-                    .collect(),
-                is_bad: found
-                    .iter()
-                    .flatten()
-                    .any(|row| row.non_finite() > 0 || row.max_px.is_some_and(|px| px > QUARTER)),
-            });
         }
     }
     Table {
         headings: headings("route, depth"),
         rows,
     }
+}
+
+fn position_row(data: &PrecisionData, route: &str, depth: &str, anchor: &str) -> Option<TableRow> {
+    let worst = |distance: f64| {
+        let here = data.of(PrecisionPart::Position).filter(|row| {
+            row.route == route
+                && row.depth_format == depth
+                && row.anchor == anchor
+                && row.distance_m == Some(distance)
+        });
+        // What is not finite has no largest error and is worse than any.
+        here.max_by(|a, b| {
+            let worth = |row: &PrecisionRow| (row.non_finite(), row.device_max_m.unwrap_or(-1.0));
+            let (a, b) = (worth(a), worth(b));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        })
+    };
+    let found = DISTANCES.map(|(distance, _)| worst(distance));
+    if found.iter().all(Option::is_none) {
+        return None;
+    }
+    let aside = if anchor == MIDDLE {
+        ", anchor=middle"
+    } else {
+        ""
+    };
+    Some(TableRow {
+        name: format!("{route}, {depth}{aside}"),
+        cells: found
+            .iter()
+            .map(|row| metres_and_pixels(*row, row.and_then(|row| row.device_max_m)))
+            .collect(),
+        is_bad: found
+            .iter()
+            .flatten()
+            .any(|row| row.non_finite() > 0 || row.max_px.is_some_and(|px| px > QUARTER)),
+    })
 }
 
 fn headings(first: &str) -> Vec<String> {
@@ -516,10 +563,57 @@ fn vertex_table(data: &PrecisionData) -> Table {
     }
 }
 
+/// Why formula and measurement part by more than twice, the most frequent reason first.
+fn reason_table(data: &PrecisionData) -> Table {
+    let mut groups: BTreeMap<(&str, bool), Vec<&PrecisionRow>> = BTreeMap::new();
+    for row in &data.rows {
+        if let Some(ratio) = row.measured_over_expected.filter(|ratio| !agrees(*ratio)) {
+            let group = (row.residual_reason.as_str(), ratio > 1.0);
+            groups.entry(group).or_default().push(row);
+        }
+    }
+    let mut groups: Vec<_> = groups.into_iter().collect();
+    groups.sort_by_key(|(_, rows)| std::cmp::Reverse(rows.len()));
+    let rows = groups.into_iter().map(|((reason, is_more), rows)| {
+        let mut families: BTreeMap<&str, usize> = BTreeMap::new();
+        for row in &rows {
+            *families.entry(row.family.as_str()).or_default() += 1;
+        }
+        let mut families: Vec<_> = families.into_iter().collect();
+        families.sort_by_key(|(_, rows)| std::cmp::Reverse(*rows));
+        let families = families
+            .iter()
+            .map(|(family, rows)| format!("{family} {rows}"));
+        let direction = if is_more {
+            "more than twice"
+        } else {
+            "less than half"
+        };
+        TableRow {
+            name: reason.to_owned(),
+            cells: vec![
+                count(rows.len() as u64),
+                direction.to_owned(),
+                families.collect::<Vec<_>>().join(", "),
+            ],
+            is_bad: reason.contains(NO_REASON),
+        }
+    });
+    let headings = [
+        "reason",
+        "rows",
+        "measured, of what was expected",
+        "families",
+    ];
+    Table {
+        rows: rows.collect(),
+        headings: headings.map(str::to_owned).into(),
+    }
+}
+
 /// Families whose formula and measurement part by more than twice, by reason.
 fn disagreement_table(data: &PrecisionData) -> Table {
     let mut groups: BTreeMap<(&str, &str), Vec<&PrecisionRow>> = BTreeMap::new();
-    let agrees = |ratio: f64| (1.0 / AGREEMENT..=AGREEMENT).contains(&ratio);
     for row in &data.rows {
         if row
             .measured_over_expected
@@ -553,7 +647,7 @@ fn disagreement_table(data: &PrecisionData) -> Table {
                 format!("{}, {}", at.route, at.condition),
                 reason.to_owned(),
             ],
-            is_bad: reason.contains("no reason"),
+            is_bad: reason.contains(NO_REASON),
         })
     });
     let headings = [
@@ -910,6 +1004,92 @@ mod tests {
         data.rows[0].status = Status::Ok;
         data.rows[0].non_finite_device = Some(1);
         assert_eq!(first(&data).class, "does-not");
+    }
+
+    fn position(anchor: &str, extent_deg: f64, distance_m: f64, error_m: f64) -> PrecisionRow {
+        let pixel_m = distance_m * 1.07e-3;
+        PrecisionRow {
+            part: PrecisionPart::Position,
+            route: DEFAULT_POSITION.0.to_owned(),
+            depth_format: DEFAULT_POSITION.1.to_owned(),
+            anchor: anchor.to_owned(),
+            condition: format!("distance={distance_m};extent={extent_deg};anchor={anchor}"),
+            extent_deg: Some(extent_deg),
+            distance_m: Some(distance_m),
+            status: Status::Ok,
+            device_max_m: Some(error_m),
+            pixel_m: Some(pixel_m),
+            max_px: Some(error_m / pixel_m),
+            ..PrecisionRow::default()
+        }
+    }
+
+    #[test]
+    fn positions_are_judged_where_a_plan_puts_the_anchor_and_the_middle_stands_beside() {
+        let rows = |largest_at_20_m| {
+            vec![
+                position(PLAN, 1e-3, 20.0, 4e-6),
+                position(PLAN, 1.0, 20.0, largest_at_20_m),
+                position(PLAN, 1.0, 1e3, 2e-4),
+                position(MIDDLE, 1.0, 20.0, 3.8e-3),
+                position(MIDDLE, 1.0, 10.0, 4.2e-3),
+            ]
+        };
+        let of = |largest| PrecisionData::new(None, rows(largest), &[], &mut Vec::new());
+        let good = of(5e-6);
+        let found = findings(&good);
+        assert_eq!([found[0].class, found[1].class], ["holds", "holds"]);
+        assert!(
+            found[0]
+                .text
+                .contains("in the middle of the region: 0.00380 m"),
+            "{}",
+            found[0].text
+        );
+        assert!(
+            found[1].text.contains("0.393 of a pixel"),
+            "{}",
+            found[1].text
+        );
+        let table = position_table(&good);
+        let names: Vec<&str> = table.rows.iter().map(|row| row.name.as_str()).collect();
+        assert_eq!(names.len(), 2);
+        assert!(!names[0].contains("middle") && names[1].ends_with("anchor=middle"));
+        // The worst region stands in the table.
+        assert!(
+            table.rows[0].cells[0].starts_with("5.00e-6 m"),
+            "{:?}",
+            table.rows[0].cells
+        );
+        // Twin: one region that is worse than the limit is enough.
+        let bad = findings(&of(2e-4));
+        assert_eq!([bad[0].class, bad[1].class], ["does-not", "holds"]);
+        assert_eq!(findings(&of(8e-3))[1].class, "does-not");
+    }
+
+    #[test]
+    fn reasons_are_counted_and_a_row_without_one_is_called_out() {
+        let mut data = data();
+        for (place, ratio) in [(0, 0.9), (1, 0.3), (2, 0.2), (3, 4.0)] {
+            data.rows[place].measured_over_expected = Some(ratio);
+        }
+        data.rows[1].residual_reason = "few places".to_owned();
+        data.rows[2].residual_reason = "few places".to_owned();
+        data.rows[3].residual_reason = "the device's own".to_owned();
+        let table = reason_table(&data);
+        let cells: Vec<_> = table
+            .rows
+            .iter()
+            .map(|row| (row.name.as_str(), &row.cells))
+            .collect();
+        assert_eq!(cells[0].0, "few places");
+        assert_eq!(cells[0].1[..2], ["2", "less than half"]);
+        assert_eq!(cells[1].1[..2], ["1", "more than twice"]);
+        let last = |data: &PrecisionData| findings(data).pop().expect("some");
+        assert!(last(&data).text.contains("in 1 of 4 rows") && last(&data).class == "holds");
+        data.rows[3].residual_reason = "no reason known".to_owned();
+        assert_eq!(last(&data).class, "does-not");
+        assert!(reason_table(&data).rows.iter().any(|row| row.is_bad));
     }
 
     #[test]

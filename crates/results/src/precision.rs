@@ -81,6 +81,9 @@ pub struct PrecisionRow {
     /// Depth format.
     #[serde(default)]
     pub depth_format: String,
+    /// Of a position: where the region's anchor stands: `plan`, where a frame plan puts it, or `middle`.
+    #[serde(default)]
+    pub anchor: String,
     /// How it ended; `wrong`: an answer that is not finite, or an error above the residual.
     pub status: Status,
     /// Why, unless `ok`.
@@ -123,7 +126,8 @@ pub struct PrecisionRow {
     pub residual_max_rad: Option<f64>,
     /// Root mean square error by formula, radians.
     pub residual_rms_rad: Option<f64>,
-    /// Largest error to be expected of a device that rounds every step correctly, radians.
+    /// Largest error to be expected of a device that rounds every step correctly and samples textures as
+    /// this one does, radians.
     pub expected_max_rad: Option<f64>,
     /// Largest error on the device over its bound by formula.
     pub max_over_residual: Option<f64>,

@@ -47,6 +47,10 @@ pub enum AngleCore {
         /// Highest power of x: 2 … 8.
         degree: u8,
     },
+    /// `x (c₀ + c₁ x + c₂ x²)` on [0, 1] with π/4 kept at 1, to four decimals: what CesiumJS takes for
+    /// both angles of a texture coordinate (`czm_fastApproximateAtan`), after Drobot (2014), "Low level
+    /// optimizations for GCN". Here to be measured, not to be chosen.
+    CesiumCubic,
     /// `x P(x²) / Q(x²)`.
     Rational {
         /// Degree of P.
@@ -60,7 +64,7 @@ pub enum AngleCore {
 
 impl AngleCore {
     /// Stable name: `atan2-native`, `lut-256-r16-linear`, `odd-7`, `odd-pin-7`, `dense-5`,
-    /// `rat-2-2`, `rat-rel-2-2`.
+    /// `cubic-cesium`, `rat-2-2`, `rat-rel-2-2`.
     #[must_use]
     pub fn name(self) -> String {
         let infix = |weight| match weight {
@@ -77,6 +81,7 @@ impl AngleCore {
             } => format!("lut-{texels}-{}-{}", format.name(), filter.name()),
             Self::Odd { degree, weight } => format!("odd-{}{degree}", infix(weight)),
             Self::Dense { degree } => format!("dense-{degree}"),
+            Self::CesiumCubic => "cubic-cesium".to_owned(),
             Self::Rational {
                 numerator,
                 denominator,
@@ -99,6 +104,7 @@ impl AngleCore {
             }
         }
         all.extend((2..=8).map(|degree| Self::Dense { degree }));
+        all.push(Self::CesiumCubic);
         for (numerator, denominator) in [(0, 1), (1, 1), (1, 2), (2, 2), (2, 3), (3, 3)] {
             all.extend(
                 [Weight::Absolute, Weight::Relative].map(|weight| Self::Rational {
@@ -134,6 +140,13 @@ impl AngleCore {
     }
 }
 
+/// Of [`AngleCore::CesiumCubic`], ascending: the minimax cubic of its shape to four decimals, which a
+/// test finds again. Not the generator's, whose coefficients are not rounded.
+const CESIUM_CUBIC: [f64; 3] = [1.0301, -0.1784, -0.0663];
+
+/// Its largest error, at 0.3 and 0.8, radians.
+const CESIUM_CUBIC_ERROR: f64 = 1.508_2e-3;
+
 /// Smallest divisor of the range reduction: a normal number far below any length in metres.
 pub(crate) const TINY: f32 = 7.888_609e-31; // 2⁻¹⁰⁰
 
@@ -166,7 +179,7 @@ impl AngleCore {
         match self {
             Self::Native => b.push(Step::Arctangent(t)),
             Self::Odd { .. } | Self::Rational { .. } => self.on_unit(b, t),
-            Self::Dense { .. } | Self::Lookup { .. } => {
+            Self::Dense { .. } | Self::CesiumCubic | Self::Lookup { .. } => {
                 let size = b.absolute(t);
                 let magnitude = self.on_unit(b, size);
                 signed(b, t, magnitude)
@@ -197,10 +210,10 @@ impl AngleCore {
                 let scale = b.literal(std::f32::consts::FRAC_PI_4);
                 b.multiply(fraction, scale)
             }
-            Self::Odd { .. } | Self::Dense { .. } | Self::Rational { .. } => {
+            Self::Odd { .. } | Self::Dense { .. } | Self::CesiumCubic | Self::Rational { .. } => {
                 let (numerator, denominator) = self.coefficients_f32();
                 let variable = match self {
-                    Self::Dense { .. } => t,
+                    Self::Dense { .. } | Self::CesiumCubic => t,
                     _ => b.multiply(t, t),
                 };
                 let top = b.polynomial(variable, &numerator);
@@ -224,6 +237,9 @@ impl AngleCore {
     /// Coefficients of numerator and denominator, ascending; `None` where a core has none.
     #[must_use]
     pub fn coefficients(self) -> Option<(&'static [f64], &'static [f64])> {
+        if self == Self::CesiumCubic {
+            return Some((&CESIUM_CUBIC, &[]));
+        }
         let found = COEFFICIENTS.iter().find(|row| row.core == self);
         found.map(|row| (row.numerator, row.denominator))
     }
@@ -250,6 +266,9 @@ impl AngleCore {
                 Filter::LinearExact => bend,
             };
             return Some(between + format.rounding() * std::f64::consts::FRAC_PI_4);
+        }
+        if self == Self::CesiumCubic {
+            return Some(CESIUM_CUBIC_ERROR);
         }
         let found = COEFFICIENTS.iter().find(|row| row.core == self);
         found.map(|row| row.error)
@@ -494,6 +513,46 @@ mod tests {
         assert!(!as_formula(worst_of_odd(&swapped), theory));
     }
 
+    /// Extrema in (0, 1) of the error of `t (c₀ + c₁ t + c₂ t²)`, in order.
+    fn extrema_of_cubic([c0, c1, c2]: [f64; 3]) -> Vec<f64> {
+        let error = |i: i32| {
+            let t = f64::from(i) / 5000.0;
+            t * (c0 + t * (c1 + t * c2)) - t.atan()
+        };
+        let is_extremum = |i: &i32| (error(*i) - error(i - 1)) * (error(i + 1) - error(*i)) <= 0.0;
+        (1..5000).filter(is_extremum).map(error).collect()
+    }
+
+    /// Whether no cubic of the shape, π/4 at 1 and two coefficients free, is better but for the
+    /// rounding to four decimals: three extrema of alternating signs and equal size (Chebyshev).
+    fn is_minimax(coefficients: [f64; 3]) -> bool {
+        let extrema = extrema_of_cubic(coefficients);
+        let equal = |pair: &[f64]| (pair[0] / pair[1] + 1.0).abs() < 0.02;
+        let ends_at_the_octant = (coefficients.iter().sum::<f64>() - FRAC_PI_4).abs() < 1e-5;
+        extrema.len() == 3 && extrema.windows(2).all(equal) && ends_at_the_octant
+    }
+
+    #[test]
+    fn the_web_globes_cubic_is_the_minimax_one_of_its_shape_to_four_decimals() {
+        assert!(
+            is_minimax(CESIUM_CUBIC),
+            "{:?}",
+            extrema_of_cubic(CESIUM_CUBIC)
+        );
+        // 1.51e-3 rad were measured of it elsewhere.
+        let worst = worst_on_unit(AngleCore::CesiumCubic, 20_000);
+        assert!((worst - CESIUM_CUBIC_ERROR).abs() < 1e-6, "{worst:e}");
+        // Twins: a coefficient moved in its third decimal, with and without the end kept.
+        let [c0, c1, c2] = CESIUM_CUBIC;
+        for mutant in [
+            [c0 + 1e-3, c1, c2],
+            [c0 + 1e-3, c1 - 1e-3, c2],
+            [c0, c1 + 1e-3, c2 - 1e-3],
+        ] {
+            assert!(!is_minimax(mutant), "{mutant:?}");
+        }
+    }
+
     #[test]
     fn half_bits_are_those_of_the_standard() {
         // Published bit patterns of IEEE 754 binary16.
@@ -668,6 +727,7 @@ mod tests {
             "odd-rel-9",
             "rat-2-2",
             "dense-5",
+            "cubic-cesium",
             "lut-256-r16-linear",
             "lut-4096-r8-nearest",
             "lut-16-r16f-linear-exact",

@@ -2,9 +2,9 @@
 //! The chooser: the cheapest route that is accurate enough for a region, a texture and a view.
 //!
 //! Accurate enough: the computed residual's root mean square is within a quarter of a texel along
-//! each axis and a quarter of a pixel on the ground, and its maximum within half a texel along each
-//! axis. Routes are looked at from the cheapest up, so what a scene does not need is never computed.
-//! Every route that was not taken is listed with the reason.
+//! each axis and a quarter of a pixel on the ground, longitudes on their own parallels, and its maximum
+//! within half a texel along each axis. Routes are looked at from the cheapest up, so what a scene does
+//! not need is never computed. Every route that was not taken is listed with the reason.
 //!
 //! The region asked about need not be all that a texture covers: what a view can see of it is enough,
 //! with the anchor below the eye. Offsets and angles are then small where pixels are small, and a
@@ -15,7 +15,7 @@
 use crate::residual::RESIDUAL_SAMPLES;
 use crate::{
     AngleCore, Chart, CoordinateRoute, MapRegion, Operations, Program, Residual, ResidualSum,
-    Sample, Weight,
+    Sample, SuiteCell, SuiteFinding, Weight,
 };
 use std::fmt;
 
@@ -99,18 +99,6 @@ pub struct Demand {
     pub pixel_m: f64,
 }
 
-/// What the numerical suite found about a route, on whichever device.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SuiteFinding {
-    /// The route.
-    pub route: CoordinateRoute,
-    /// Largest measured error over its computed bound; above [`SAMPLING_SLACK`] the bound does not
-    /// hold there.
-    pub worst_over_bound: f64,
-    /// Results that were not finite.
-    pub non_finite: u64,
-}
-
 /// Why a route was not taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -147,6 +135,8 @@ pub enum Reason {
         worst_over_bound: f64,
         /// Results that were not finite.
         non_finite: u64,
+        /// Where.
+        cell: SuiteCell,
     },
     /// Costs at least as much as the route taken; its residual was not computed.
     Dearer {
@@ -171,9 +161,11 @@ impl fmt::Display for Reason {
             Self::Suite {
                 worst_over_bound,
                 non_finite,
+                cell,
             } => write!(
                 f,
-                "measured {worst_over_bound:.3} of its bound, {non_finite} results not finite"
+                "the suite measured {worst_over_bound:.3} of its bound, {non_finite} results not finite \
+                 ({cell})"
             ),
             Self::Dearer { taken } => write!(f, "costs no less than {taken:.0}"),
         }
@@ -276,6 +268,16 @@ impl Chooser {
             .collect()
     }
 
+    /// What a frame plan asks: the default candidates, less what the suite has against them.
+    #[must_use]
+    pub fn of_plan() -> Self {
+        Self::new(
+            &Self::default_candidates(),
+            &CostTable::default(),
+            SuiteFinding::checked_in(),
+        )
+    }
+
     /// Takes the cheapest candidate within the tolerances.
     #[must_use]
     pub fn choose(&self, demand: &Demand) -> Choice {
@@ -295,7 +297,7 @@ impl Chooser {
                 choice.left_out.push((considered(None), reason));
                 continue;
             }
-            if let Some(reason) = self.contradicted(*route) {
+            if let Some(reason) = self.contradicted(*route, &demand.region) {
                 choice.left_out.push((considered(None), reason));
                 continue;
             }
@@ -309,19 +311,16 @@ impl Chooser {
         choice
     }
 
-    /// What the suite has against a route.
-    fn contradicted(&self, route: CoordinateRoute) -> Option<Reason> {
+    /// What the suite has against a route in regions like this one.
+    fn contradicted(&self, route: CoordinateRoute, region: &MapRegion) -> Option<Reason> {
         self.findings
             .iter()
-            .filter(|finding| finding.route == route)
-            .find(|finding| {
-                // A ratio that is NaN speaks against the route too.
-                let ratio = finding.worst_over_bound;
-                finding.non_finite > 0 || ratio > SAMPLING_SLACK || ratio.is_nan()
-            })
+            .filter(|finding| finding.route == route && finding.cell.covers(region))
+            .find(|finding| finding.contradicts())
             .map(|finding| Reason::Suite {
                 worst_over_bound: finding.worst_over_bound,
                 non_finite: finding.non_finite,
+                cell: finding.cell,
             })
     }
 }
@@ -345,7 +344,7 @@ impl Demand {
         let texels = |rad: [f64; 2]| (rad[0] / texel[0]).max(rad[1] / texel[1]);
         let rms = texels(residual.rms_axis_rad);
         let max = texels(residual.max_axis_rad);
-        let pixels = self.ground_m(residual.rms_axis_rad) / self.pixel_m;
+        let pixels = residual.rms_m / self.pixel_m;
         if rms > RMS_TOLERANCE {
             Some(Reason::RmsTexels {
                 found: rms,
@@ -364,20 +363,6 @@ impl Demand {
         } else {
             None
         }
-    }
-
-    /// Angles as a distance on the ground, along the widest parallel of the extent, metres.
-    fn ground_m(&self, rad: [f64; 2]) -> f64 {
-        let extent = self.region.extent();
-        let widest = if extent.south_rad < 0.0 && extent.north_rad > 0.0 {
-            0.0
-        } else {
-            extent.south_rad.abs().min(extent.north_rad.abs())
-        };
-        let radius = self.region.body().equatorial_radius_m();
-        // The largest radius of curvature, a²/b: of the prime vertical and the meridian at a pole.
-        let largest = radius * radius / self.region.body().polar_radius_m();
-        (rad[0] * largest * widest.cos()).hypot(rad[1] * largest)
     }
 
     /// The residual and what speaks against it, from as few samples as decide it.
@@ -405,6 +390,13 @@ impl Demand {
                 }
                 _ => false,
             };
+            if reason.is_none() && taken == samples.len() {
+                // What is said of a route that is taken is said of all places.
+                sum.raise_to_peak(&self.region, |sample| {
+                    program.bounded(constants, sample.offset_m)
+                });
+                return (sum.finish(), None);
+            }
             if certain || taken == samples.len() {
                 return (residual, reason);
             }

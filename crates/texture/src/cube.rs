@@ -11,6 +11,7 @@
 //! coordinate selects the face, the two others divided by it run from −1 to 1. Filtering is seamless.
 //! Weights have [`WEIGHT_BITS`] fractional bits, as `subTexelPrecisionBits` says for all common GPUs.
 
+use crate::lookup::Sampler;
 use crate::operations::{Bounded, rounded};
 use std::fmt::Write as _;
 
@@ -21,6 +22,8 @@ pub(crate) const WEIGHT_BITS: i32 = 8;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CubeTexture {
     size: u32,
+    /// Whether its sampler does not round weights to [`WEIGHT_BITS`].
+    weighs_exactly: bool,
 }
 
 /// A face and the place on it, −1 to 1 along both axes.
@@ -33,7 +36,19 @@ impl CubeTexture {
     /// Faces of `size` × `size` texels; at least 2.
     #[must_use]
     pub fn new(size: u32) -> Self {
-        Self { size: size.max(2) }
+        Self {
+            size: size.max(2),
+            weighs_exactly: false,
+        }
+    }
+
+    /// The texture as this sampler reads it.
+    #[must_use]
+    pub fn on(self, sampler: &Sampler) -> Self {
+        Self {
+            weighs_exactly: sampler.weighs_exactly,
+            ..self
+        }
     }
 
     /// Texels along an edge.
@@ -148,8 +163,18 @@ impl CubeTexture {
         let worst = direction.iter().map(|d| d.bound).fold(0.0, f64::max);
         // Numerator and divisor move a place on the face by as much each; then it becomes f32.
         let moved_place = 2.0 * worst / major + 3.0 * f64::from(f32::EPSILON);
-        let moved_texels = 0.5 * f64::from(self.size) * moved_place;
+        let texels_per_place = 0.5 * f64::from(self.size);
+        let moved_texels = texels_per_place * moved_place;
         let half_weight = 0.5 * (-f64::from(WEIGHT_BITS)).exp2();
+        // What is to be expected: numerator and divisor independent, the place rounded once.
+        let spread = direction.iter().map(|d| d.variance).sum::<f64>() / (major * major);
+        let place_variance = spread + f64::from(f32::EPSILON).powi(2) / 12.0;
+        let rounded_weight = if self.weighs_exactly {
+            0.0
+        } else {
+            half_weight.powi(2) / 3.0
+        };
+        let weight_variance = rounded_weight + texels_per_place.powi(2) * place_variance;
         [0, 1].map(|channel| {
             let [a, b, c, d] = texels.map(|texel| f64::from(texel[channel]));
             let value = (1.0 - v) * (a + u * (b - a)) + v * (c + u * (d - c));
@@ -157,7 +182,7 @@ impl CubeTexture {
             let across = (c - a).abs().max((d - b).abs());
             let rounding = 2.0 * f64::from(f32::EPSILON) * value.abs();
             let weight = half_weight + moved_texels;
-            let variance = (along.powi(2) + across.powi(2)) * half_weight.powi(2) / 3.0;
+            let variance = (along.powi(2) + across.powi(2)) * weight_variance;
             Bounded {
                 value,
                 bound: (along + across) * weight + rounding,

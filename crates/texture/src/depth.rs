@@ -7,7 +7,7 @@
 //! depth buffer", with C = 1). Reversed depth gains only with float storage, whose fine steps near
 //! 0 then meet the coarse ones of 1 / distance (Reed 2015, "Depth precision visualized").
 
-use crate::operations::{ProgramBuilder, Value, half_ulp};
+use crate::operations::{ProgramBuilder, Value, half_ulp, rounded};
 
 /// How a distance becomes a depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -268,6 +268,41 @@ impl DepthFormat {
                 let relative = 2.0 * half_ulp(1.0);
                 let sum = relative / std::f64::consts::LN_2 / self.log2_far();
                 sum + 6.0 * half_ulp(depth) + relative * depth
+            }
+        };
+        storage + written
+    }
+
+    /// Variance of `stored − depth` at distances like this one, where every step is rounded correctly, as
+    /// [`Self::stored`] does: what is to be expected, below [`Self::stored_error`], which holds on all
+    /// devices.
+    #[must_use]
+    pub fn stored_variance(&self, distance_m: f64) -> f64 {
+        let even = |half: f64| half * half / 3.0;
+        let depth = self.depth(distance_m).abs();
+        let storage = match self.storage {
+            // A logarithm is an `f32` before it is stored.
+            DepthStorage::Float32 if self.mapping == DepthMapping::Logarithmic => 0.0,
+            DepthStorage::Float32 => even(half_ulp(depth)),
+            // The grid of integers, and what the float that is read misses of its integer: nothing near 1,
+            // where both grids fall together.
+            DepthStorage::Unorm24 => {
+                let integer = (depth * UNORM24_STEPS).round() / UNORM24_STEPS;
+                let read = f64::from(self.quantized(depth)) - integer;
+                even(0.5 / UNORM24_STEPS) + read * read
+            }
+        };
+        let written = match self.mapping {
+            DepthMapping::Standard | DepthMapping::Reversed => 0.0,
+            DepthMapping::Logarithmic => {
+                let sum = 1.0 + distance_m;
+                let log2_per_m = 1.0 / (sum * std::f64::consts::LN_2);
+                let summands = even(half_ulp(distance_m)) + even(half_ulp(sum));
+                let logarithm = summands * log2_per_m * log2_per_m + even(half_ulp(sum.log2()));
+                // The scale is one number, off by what it is off by.
+                let scale = 1.0 / self.log2_far();
+                let off = f64::from(rounded(scale)) - scale;
+                logarithm * scale * scale + (off * sum.log2()).powi(2) + even(half_ulp(depth))
             }
         };
         storage + written

@@ -19,6 +19,7 @@ mod coefficients;
 mod cube;
 mod depth;
 mod double_double;
+mod findings;
 mod geodetic;
 mod latitude;
 mod lookup;
@@ -28,18 +29,22 @@ mod region;
 mod remez;
 mod residual;
 mod route;
+mod seen;
 
 pub use angle::{AngleCore, Weight};
 pub use charts::{Chart, ChartDegree, CubeSize};
 pub use choose::{
     Choice, Chooser, Considered, CostTable, Demand, MAX_TOLERANCE, RMS_TOLERANCE, Reason,
-    SAMPLING_SLACK, SuiteFinding,
+    SAMPLING_SLACK,
 };
 pub use cube::CubeTexture;
 pub use depth::{DepthFormat, DepthFormatError, DepthMapping, DepthStorage};
+pub use findings::{
+    FindingsError, SUITE_EXTENTS_DEG, SUITE_LATITUDES_DEG, SuiteCell, SuiteFinding,
+};
 pub use geodetic::ExactGeodetic;
 pub use latitude::LatitudeForm;
-pub use lookup::{Filter, LookupTable, TexelFormat};
+pub use lookup::{Filter, LookupTable, Sampler, TexelFormat};
 pub use operations::{Arithmetic, Bounded, Operations, Program, ProgramBuilder, Step, Value};
 pub use position::{PositionResidual, PositionRoute, VertexFormat, View};
 pub use region::{MapExtent, MapRegion, MapRegionError, Sample};

@@ -144,11 +144,37 @@ impl Filter {
     }
 }
 
+/// How a device's linear sampler weighs, and what its answers miss of that.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sampler {
+    /// Whether weights are not rounded to steps of 2⁻⁸.
+    pub weighs_exactly: bool,
+    /// Lowest and highest difference of an answer from the interpolation by those weights: a filter that
+    /// calculates in the format itself rounds there, to one side perhaps.
+    pub off: [f64; 2],
+}
+
+impl Sampler {
+    /// What is common on hardware: weights in steps of 2⁻⁸, and no other error.
+    pub const COMMON: Self = Self {
+        weighs_exactly: false,
+        off: [0.0; 2],
+    };
+
+    /// The middle of what its answers miss, and the variance round it if they do so evenly.
+    pub(crate) fn bias_and_variance(&self) -> (f64, f64) {
+        let [low, high] = self.off;
+        let half = 0.5 * (high - low);
+        (0.5 * (low + high), half * half / 3.0)
+    }
+}
+
 /// The arctangent's table: what is uploaded, and what reading it gives.
 #[derive(Debug, Clone)]
 pub struct LookupTable {
     format: TexelFormat,
     filter: Filter,
+    sampler: Sampler,
     codes: Vec<u32>,
     values: Vec<f32>,
     /// Largest difference of neighbouring texels.
@@ -171,6 +197,7 @@ impl LookupTable {
         Self {
             format,
             filter,
+            sampler: Sampler::COMMON,
             codes,
             values,
             steepest,
@@ -233,16 +260,34 @@ impl LookupTable {
         self.values[self.clamped(f64::from(index))]
     }
 
-    /// A linear sampler's answer at texture coordinate `u`.
-    ///
-    /// Texel space in fixed point with 8 fractional bits, rounded to nearest (Direct3D 11.3
-    /// functional specification §7.18.8 and llvmpipe do so); edges clamped.
+    /// The table as this sampler reads it.
     #[must_use]
-    pub(crate) fn sample(&self, u: f32) -> f32 {
+    pub fn on(self, sampler: Sampler) -> Self {
+        Self { sampler, ..self }
+    }
+
+    /// The sampler that it is taken to be read by.
+    pub(crate) fn sampler(&self) -> &Sampler {
+        &self.sampler
+    }
+
+    /// A linear sampler's answer at texture coordinate `u`; edges clamped.
+    ///
+    /// In common: texel space in fixed point with 8 fractional bits, rounded to nearest (Direct3D 11.3
+    /// functional specification §7.18.8).
+    #[must_use]
+    pub fn sample(&self, u: f32) -> f32 {
         if u.is_nan() {
             return f32::NAN;
         }
         let texels = rounded(to_f64(self.values.len()));
+        if self.sampler.weighs_exactly {
+            let place = f64::from(u) * f64::from(texels) - 0.5;
+            let left = place.floor();
+            let [a, b] = [left, left + 1.0].map(|i| f64::from(self.values[self.clamped(i)]));
+            let (bias, _) = self.sampler.bias_and_variance();
+            return rounded(a + (place - left) * (b - a) + bias);
+        }
         let fixed = (f64::from(u * texels) * 256.0 + 0.5).floor() - 128.0;
         let left = (fixed / 256.0).floor();
         let weight = rounded((fixed - left * 256.0) / 256.0);

@@ -13,7 +13,7 @@
 //! [`Program::bounded`] cover all of these but the flush and the NaN.
 
 use crate::cube::CubeTexture;
-use crate::lookup::LookupTable;
+use crate::lookup::{LookupTable, Sampler};
 use std::fmt::Write as _;
 
 /// A scalar made by a step of a [`Program`].
@@ -444,6 +444,17 @@ impl Program {
         self.cube.as_ref()
     }
 
+    /// The program as it runs where samplers are like this one: for what is to be expected of a device,
+    /// not for what holds on all.
+    #[must_use]
+    pub fn on_sampler(&self, sampler: Sampler) -> Self {
+        Self {
+            table: self.table.clone().map(|table| table.on(sampler)),
+            cube: self.cube.map(|cube| cube.on(&sampler)),
+            ..self.clone()
+        }
+    }
+
     /// The steps, in order.
     #[must_use]
     pub fn steps(&self) -> &[Step] {
@@ -682,6 +693,7 @@ impl Program {
                 let value = f64::from(table.sample(rounded(v(a).value)));
                 let mut sample = combine(value, &[(v(a), table.slope())], 1.0);
                 sample.bound += table.sampler_freedom();
+                sample.variance += table.sampler().bias_and_variance().1;
                 sample
             }),
         }

@@ -304,18 +304,33 @@ impl PositionRoute {
             count += 1.0;
             let exact = view.exact_offset_m(region, pixel, distance_m);
             let stored_error = view.depth.stored_error(distance_m);
-            let depth = Bounded {
-                value: view.depth.depth(distance_m),
-                bound: stored_error,
-                variance: stored_error * stored_error / 3.0,
-            };
+            let stored_variance = view.depth.stored_variance(distance_m);
+            let depth = view.depth.depth(distance_m);
             let [x, y] = pixel.map(Bounded::exact);
-            let all = program.bounded_all(&constants, [x, y, depth]);
+            let of = |depth| program.bounded_all(&constants, [x, y, Bounded::exact(depth)]);
+            let all = of(depth);
+            // What the stored depth is off by is one number wherever the formula reads it: the offsets at
+            // both its ends are asked for, where derivatives step by step would take a numerator's and a
+            // divisor's share for independent. Beyond infinity there is no offset.
+            let ends = [depth - stored_error, depth + stored_error];
+            let is_beyond = ends.iter().any(|end| view.depth.distance_m(*end) < 0.0);
+            let [low, high] = ends.map(of);
+            let moved = |i: usize| {
+                if is_beyond {
+                    return f64::INFINITY;
+                }
+                let [low, high] = [&low, &high].map(|end| (end[i].value - all[i].value).abs());
+                low.max(high)
+            };
+            let share = stored_variance / stored_error.powi(2).max(f64::MIN_POSITIVE);
             let bound = DVec3::from_array(
-                [0, 1, 2].map(|i| (all[i].value - exact[i]).abs() + all[i].bound),
+                [0, 1, 2].map(|i| (all[i].value - exact[i]).abs() + all[i].bound + moved(i)),
             );
             let square: f64 = (0..3)
-                .map(|i| (all[i].value - exact[i]).powi(2) + all[i].variance)
+                .map(|i| {
+                    let by_depth = moved(i).powi(2) * share;
+                    (all[i].value - exact[i]).powi(2) + all[i].variance + by_depth
+                })
                 .sum();
             let inputs = [
                 pixel[0] as f32,
@@ -502,31 +517,69 @@ impl VertexFormat {
     /// - `distance_m`: nor from the eye
     #[must_use]
     pub fn residual_m(&self, radius_m: f64, extent_m: f64, distance_m: f64) -> f64 {
+        let roundings = self.roundings(radius_m, extent_m, distance_m);
+        roundings.map(|(times, half)| times * half).sum()
+    }
+
+    /// Root mean square of the same, were all roundings even and independent, metres.
+    ///
+    /// Numbers are spread up to the limits that are given, and half of them round by half as much: a
+    /// rounding's square is taken for three quarters of its largest.
+    #[must_use]
+    pub fn residual_rms_m(&self, radius_m: f64, extent_m: f64, distance_m: f64) -> f64 {
+        let roundings = self.roundings(radius_m, extent_m, distance_m);
+        let variance = roundings.map(|(times, half)| 0.75 * times * half * half / 3.0);
+        variance.sum::<f64>().sqrt()
+    }
+
+    /// What is rounded, how often, and by how much at most.
+    fn roundings(
+        self,
+        radius_m: f64,
+        extent_m: f64,
+        distance_m: f64,
+    ) -> impl Iterator<Item = (f64, f64)> {
         // Every difference is rounded once in the end.
         let difference = half_ulp(distance_m);
-        match self {
-            Self::EcefF32 => 2.0 * half_ulp(radius_m) + difference,
+        let of = match self {
+            Self::EcefF32 | Self::TwoFloatReassociated => [
+                (2.0, half_ulp(radius_m)),
+                (1.0, difference),
+                (0.0, 0.0),
+                (0.0, 0.0),
+            ],
             // Low parts reach 65536 m, and so does their difference, either way.
-            Self::SplitAt65536 => {
-                let low = half_ulp(65535.0);
-                2.0 * low + half_ulp(2.0 * 65535.0) + difference
-            }
-            Self::TwoFloat => {
-                let low = half_ulp(half_ulp(radius_m));
-                // Half an ULP of the radius: the largest low part; twice that, their difference.
-                let subtract = half_ulp(2.0 * half_ulp(radius_m));
-                2.0 * low + subtract + 2.0 * difference
-            }
-            Self::TwoFloatReassociated => 2.0 * half_ulp(radius_m) + difference,
-            Self::RegionLocalF32 => {
-                half_ulp(extent_m) + half_ulp(extent_m + distance_m) + difference
-            }
+            Self::SplitAt65536 => [
+                (2.0, half_ulp(65535.0)),
+                (1.0, half_ulp(2.0 * 65535.0)),
+                (1.0, difference),
+                (0.0, 0.0),
+            ],
+            // Half an ULP of the radius: the largest low part; twice that, their difference.
+            Self::TwoFloat => [
+                (2.0, half_ulp(half_ulp(radius_m))),
+                (1.0, half_ulp(2.0 * half_ulp(radius_m))),
+                (2.0, difference),
+                (0.0, 0.0),
+            ],
+            Self::RegionLocalF32 => [
+                (1.0, half_ulp(extent_m)),
+                (1.0, half_ulp(extent_m + distance_m)),
+                (1.0, difference),
+                (0.0, 0.0),
+            ],
+            // Storing; the remainder in f32; the integer difference to f32; the last sum.
             Self::RegionFixedPoint => {
                 let unit_m = fixed_point_unit_m(extent_m);
-                // Storing; the remainder in f32; the integer difference to f32; the last sum.
-                0.5 * unit_m + half_ulp(unit_m) + half_ulp(distance_m + unit_m) + difference
+                [
+                    (1.0, 0.5 * unit_m),
+                    (1.0, half_ulp(unit_m)),
+                    (1.0, half_ulp(distance_m + unit_m)),
+                    (1.0, difference),
+                ]
             }
-        }
+        };
+        of.into_iter()
     }
 }
 

@@ -299,24 +299,15 @@ impl MapRegion {
     /// Last come the extent's edges, lowest and highest: a fitted chart is worst there, and of evenly
     /// spread places few lie close to them.
     pub fn samples(&self, count: u32) -> impl Iterator<Item = Sample> + '_ {
-        let [width, height] = self.extent.size_rad();
-        let (low, high) = self.height_range_m;
-        let at = move |u: f64, v: f64, w: f64| {
-            self.sample(Geodetic {
-                longitude_rad: self.extent.west_rad + u * width,
-                latitude_rad: (self.extent.south_rad + v * height).clamp(-FRAC_PI_2, FRAC_PI_2),
-                height_m: low + w * (high - low),
-            })
-        };
         let corners = (0..27).map(move |i: u32| {
             let half = |n: u32| f64::from(n % 3) * 0.5;
-            at(half(i), half(i / 3), half(i / 9))
+            [half(i), half(i / 3), half(i / 9)]
         });
         // 1.2207440846… solves x⁴ = x + 1.
         const PLASTIC: f64 = 1.220_744_084_605_759_5;
         let spread = (1..=count).map(move |i| {
             let place = |power: i32| (0.5 + f64::from(i) * PLASTIC.powi(-power)).fract();
-            at(place(1), place(2), place(3))
+            [place(1), place(2), place(3)]
         });
         // A sixteenth of all, so that a root mean square hardly knows of them.
         let steps = (count / 128).max(1);
@@ -325,12 +316,40 @@ impl MapRegion {
             let across = f64::from(i % 2);
             let height = f64::from(i / 2 % 2);
             if i / 4 % 2 == 0 {
-                at(across, along, height)
+                [across, along, height]
             } else {
-                at(along, across, height)
+                [along, across, height]
             }
         });
-        corners.chain(spread).chain(edges)
+        let places = corners.chain(spread).chain(edges);
+        places.map(|place| self.sample_at(place))
+    }
+
+    /// The place at these shares of the way from west to east, south to north and up.
+    pub(crate) fn sample_at(&self, [u, v, w]: [f64; 3]) -> Sample {
+        let [width, height] = self.extent.size_rad();
+        let (low, high) = self.height_range_m;
+        self.sample(Geodetic {
+            longitude_rad: self.extent.west_rad + u * width,
+            latitude_rad: (self.extent.south_rad + v * height).clamp(-FRAC_PI_2, FRAC_PI_2),
+            height_m: low + w * (high - low),
+        })
+    }
+
+    /// The shares that [`Self::sample_at`] takes, found back from a sample.
+    pub(crate) fn shares_of(&self, sample: &Sample) -> [f64; 3] {
+        let [width, height] = self.extent.size_rad();
+        let (low, high) = self.height_range_m;
+        let offset = DVec3::from_array(sample.offset_m.map(f64::from));
+        let exact = ExactGeodetic::new(&self.body);
+        let found = exact.from_ecef(self.anchor_meridian() + offset);
+        let east = self.anchor_longitude_rad + found.longitude_rad - self.extent.west_rad;
+        let north = found.latitude_rad - self.extent.south_rad;
+        // Of a flat region every height is the lowest.
+        let up = (found.height_m - low) / (high - low).max(1e-9);
+        // The turn's beginning and end are one longitude.
+        let east = if east < 0.0 { east + TAU } else { east };
+        [east / width, north / height, up].map(|share| share.clamp(0.0, 1.0))
     }
 
     /// Whether the extent holds or touches a pole, where longitude has no meaning.

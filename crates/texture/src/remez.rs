@@ -26,7 +26,7 @@ const GRID_PER_POINT: u32 = 60;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RemezError {
-    /// The core has no coefficients: the device's own or a table.
+    /// The core has no coefficients to be fitted: the device's own, a table, another project's.
     #[error("{core} has no coefficients")]
     NoFamily {
         /// Its name.
@@ -96,7 +96,7 @@ impl Family {
             denominator: usize::from(denominator),
         };
         match core {
-            AngleCore::Native | AngleCore::Lookup { .. } => None,
+            AngleCore::Native | AngleCore::CesiumCubic | AngleCore::Lookup { .. } => None,
             AngleCore::Odd { degree, weight } => {
                 // Pinning fixes two of the coefficients.
                 let fixed = if weight == Weight::Pinned { 2 } else { 0 };
@@ -443,7 +443,7 @@ pub fn coefficients_source() -> Result<String, RemezError> {
             } => format!(
                 "Rational {{ numerator: {numerator}, denominator: {denominator}, weight: Weight::{weight:?} }}"
             ),
-            AngleCore::Native | AngleCore::Lookup { .. } => continue,
+            AngleCore::Native | AngleCore::CesiumCubic | AngleCore::Lookup { .. } => continue,
         };
         let _ = writeln!(
             text,

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_texture::{
     Arithmetic, Chooser, CoordinateRoute, CostTable, Demand, MAX_TOLERANCE, MapExtent, MapRegion,
-    Operations, RMS_TOLERANCE, Reason, SAMPLING_SLACK, Step, SuiteFinding,
+    Operations, RMS_TOLERANCE, Reason, SAMPLING_SLACK, Step, SuiteCell, SuiteFinding,
 };
 
 const EXTENTS_DEG: [f64; 9] = [1e-3, 1e-2, 0.1, 1.0, 5.0, 10.0, 40.0, 90.0, 360.0];
@@ -235,27 +235,36 @@ fn what_the_suite_contradicts_is_not_taken() {
     let candidates = Chooser::default_candidates();
     let costs = CostTable::default();
     let first = chooser().choose(&demand).chosen.expect("a route");
-    let with = |worst_over_bound, non_finite| {
+    let with = |extent_deg, worst_over_bound, non_finite| {
         let finding = SuiteFinding {
             route: first.route,
+            cell: SuiteCell {
+                extent_deg,
+                latitude_deg: 45.0,
+            },
             worst_over_bound,
             non_finite,
         };
         Chooser::new(&candidates, &costs, vec![finding]).choose(&demand)
     };
     for (ratio, non_finite) in [(1.03, 0), (f64::NAN, 0), (f64::INFINITY, 0), (0.5, 1)] {
-        let choice = with(ratio, non_finite);
+        let choice = with(1.0, ratio, non_finite);
         let second = choice.chosen.as_ref().expect("another route");
         assert_ne!(second.route, first.route);
         assert!(second.cost >= first.cost);
         let listed = choice.left_out.iter().find(|(c, _)| c.route == first.route);
+        let (_, reason) = listed.expect("named");
+        assert!(matches!(reason, Reason::Suite { .. }), "{reason:?}");
         assert!(
-            matches!(listed, Some((_, Reason::Suite { .. }))),
-            "{listed:?}"
+            reason.to_string().contains("extent 1°, latitude 45°"),
+            "{reason}"
         );
     }
-    let kept = with(1.0, 0).chosen.expect("a route");
+    let kept = with(1.0, 1.0, 0).chosen.expect("a route");
     assert_eq!(kept.route, first.route);
+    // What was found of other regions is nothing to this one.
+    let elsewhere = with(90.0, 1.5, 9).chosen.expect("a route");
+    assert_eq!(elsewhere.route, first.route);
 }
 
 #[test]
@@ -309,8 +318,12 @@ fn reasons_are_written_with_what_was_found_and_what_is_allowed() {
             Reason::Suite {
                 worst_over_bound: 1.5,
                 non_finite: 2,
+                cell: SuiteCell {
+                    extent_deg: 0.01,
+                    latitude_deg: 85.0,
+                },
             },
-            "measured 1.500 of its bound, 2 results not finite",
+            "the suite measured 1.500 of its bound, 2 results not finite (extent 0.01°, latitude 85°)",
         ),
         (Reason::Dearer { taken: 22.0 }, "costs no less than 22"),
     ] {

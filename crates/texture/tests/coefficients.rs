@@ -150,6 +150,8 @@ fn differences(table: &str) -> (f64, f64) {
     let with_coefficients = AngleCore::all()
         .into_iter()
         .filter(|core| core.coefficients().is_some())
+        // Another project's: rounded, and held to its shape where it stands.
+        .filter(|core| *core != AngleCore::CesiumCubic)
         .count();
     assert_eq!(rows.len(), with_coefficients, "each core has its row");
     let (mut coefficients, mut errors) = (0.0_f64, 0.0_f64);

@@ -125,7 +125,7 @@ fn the_text_has_the_tables_coefficients_and_no_others() {
             .collect();
         // Dense ones take the sign off and put it back by comparing with 0.
         let mut expected = coefficients.clone();
-        if core.name().starts_with("dense") {
+        if core.name().starts_with("dense") || core == AngleCore::CesiumCubic {
             expected.insert(0.0_f32.to_bits());
         }
         assert_eq!(found, expected, "{}", core.name());

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 use terrafill_results::{PrecisionPart, PrecisionRow, Status};
 use terrafill_texture::{
-    Arithmetic, CoordinateRoute, CostTable, Operations, Residual, ResidualSum, Sample,
+    Arithmetic, CoordinateRoute, CostTable, Operations, Program, Residual, ResidualSum, Sample,
 };
 
 /// Places at which residuals are computed: as many as `CoordinateRoute::residual` takes, found once for
@@ -108,9 +108,23 @@ fn on_cpu(
     residual_samples: &[Sample],
 ) -> OnCpu {
     let constants = kernel.route.constants(&place.region);
-    let mut residual = ResidualSum::default();
-    for sample in residual_samples {
-        residual.add(sample, kernel.program.bounded(&constants, sample.offset_m));
+    let residual_by = |program: &Program| {
+        let mut sum = ResidualSum::default();
+        for sample in residual_samples {
+            sum.add(sample, program.bounded(&constants, sample.offset_m));
+        }
+        sum.raise_to_peak(&place.region, |sample| {
+            program.bounded(&constants, sample.offset_m)
+        });
+        sum.finish()
+    };
+    let mut residual = residual_by(&kernel.program);
+    if let Some(sampler) = kernel.sampler {
+        // The bound holds on all devices; what is expected is expected of this one's sampler.
+        let here = residual_by(&kernel.program.on_sampler(sampler));
+        residual.expected_max_rad = here.expected_max_rad;
+        residual.rms_rad = here.rms_rad;
+        residual.approximation_max_rad = here.approximation_max_rad;
     }
     let answers = samples.iter().map(|sample| {
         let offset = sample.offset_m;
@@ -120,7 +134,7 @@ fn on_cpu(
     });
     OnCpu {
         errors: errors_of(place, samples, answers),
-        residual: residual.finish(),
+        residual,
         constants,
     }
 }

@@ -180,10 +180,10 @@ fn residual_reason(row: &PrecisionRow, rounding_share: f64) -> String {
         "expected is a correctly rounded function; the device's own is another, within what WGSL grants"
     } else if row.rms_over_residual.is_some_and(agrees) && ratio < 1.0 {
         "few of the measured places come near the largest error; root mean squares agree"
+    } else if row.texture_fetches.is_some_and(|fetches| fetches > 0) {
+        "the sampler's own error: expected by the largest that it was seen to make, which other texels do not meet"
     } else if rounding_share > 0.5 && ratio < 1.0 {
         "rounding: steps that are exact here, such as products with 0, are taken for rounded ones"
-    } else if row.texture_fetches.is_some_and(|fetches| fetches > 0) {
-        "the filter's weights: their rounding is the device's own"
     } else if row.device_max_m == Some(0.0) || row.device_rms_m == Some(0.0) {
         "no error at all at the measured places"
     } else {

@@ -13,7 +13,8 @@ use terrafill_gpu::{
 };
 use terrafill_results::{PrecisionPart, PrecisionTime, RunFolder};
 use terrafill_texture::{
-    CoordinateRoute, DepthMapping, Filter, PositionRoute, Program, TexelFormat,
+    CoordinateRoute, DepthMapping, Filter, LookupTable, PositionRoute, Program, Sampler,
+    TexelFormat,
 };
 
 /// Turns of the timed loop: some milliseconds of the native arctangents on a software device.
@@ -30,6 +31,8 @@ const TIMED_STEP_M: f32 = 0.01;
 pub(crate) struct CoordinateKernel {
     pub(crate) route: CoordinateRoute,
     pub(crate) program: Program,
+    /// How this device's sampler reads the route's texture, where it was asked.
+    pub(crate) sampler: Option<Sampler>,
     /// Or why it does not run.
     pub(crate) device: Result<Evaluator, String>,
 }
@@ -55,12 +58,108 @@ pub(crate) fn lost(error: EvaluateError) -> BenchError {
     }
 }
 
+/// What the device's linear sampler does with each format of a table.
+struct Samplers(Vec<(TexelFormat, Sampler)>);
+
+impl Samplers {
+    /// Asks it; a format that it does not filter has no entry.
+    fn ask(gpu: &Arc<Gpu>) -> Self {
+        let asked = TexelFormat::ALL.into_iter().filter_map(|format| {
+            let table = LookupTable::arctangent(PROBE_TEXELS, format, Filter::Linear);
+            let answers = sampled(gpu, &table)?;
+            Some((format, sampler_of(&table, &answers)))
+        });
+        Self(asked.collect())
+    }
+
+    /// Of what a program reads through it; a cube texture holds single floats.
+    fn of(&self, program: &Program) -> Option<Sampler> {
+        let format = match program.table() {
+            Some(table) if table.filter() == Filter::Linear => table.format(),
+            Some(_) => return None,
+            None => program.cube().map(|_| TexelFormat::R32Float)?,
+        };
+        self.0.iter().find(|(of, _)| *of == format).map(|(_, s)| *s)
+    }
+}
+
+/// Entries of the table that a sampler is asked about: so few that a step of a weight is far above the
+/// last place of an answer.
+const PROBE_TEXELS: u16 = 16;
+/// Texture coordinates at which it is asked.
+const PROBES: u16 = 4096;
+/// What an answer of 1 may be off by in `f32` after a handful of operations: below, a sampler has no error
+/// of its own.
+const ROUNDED: f64 = 4e-7;
+
+/// Texture coordinates and the sampler's answers.
+fn sampled(gpu: &Arc<Gpu>, table: &LookupTable) -> Option<Vec<(f32, f32)>> {
+    let mut text = table.declarations(1, 0);
+    text.push_str(
+        "fn probe(x: vec4f) -> vec4f {\n    \
+         return textureSampleLevel(route_table, route_sampler, vec2f(x.x, 0.5), 0.0);\n}\n",
+    );
+    let kernel = Kernel {
+        name: "sampler",
+        wgsl: &text,
+        constants: None,
+        call: "probe(x)",
+        table: Some(KernelTable {
+            format: table_format(table.format()),
+            width: u32::from(PROBE_TEXELS),
+            height: 1,
+            cube: false,
+            linear: true,
+            texels: &table.bytes(),
+        }),
+    };
+    let device = Evaluator::new(gpu, &kernel, 0).ok()?;
+    let places: Vec<f32> = (0..PROBES)
+        .map(|i| (f32::from(i) + 0.37) / f32::from(PROBES))
+        .collect();
+    let inputs: Vec<[f32; 4]> = places.iter().map(|u| [*u, 0.0, 0.0, 0.0]).collect();
+    let answers = device.evaluate(&inputs).ok()?;
+    let values = answers.values.iter().map(|value| value[0]);
+    Some(places.into_iter().zip(values).collect())
+}
+
+/// The way of weighing that leaves the answers in the narrower range, and what they are off by beyond it:
+/// an error of the filter's own is as wide for both.
+fn sampler_of(table: &LookupTable, answers: &[(f32, f32)]) -> Sampler {
+    let model = |weighs_exactly| {
+        let sampler = Sampler {
+            weighs_exactly,
+            off: [0.0; 2],
+        };
+        let table = table.clone().on(sampler);
+        let off = |(u, answer): &(f32, f32)| f64::from(*answer) - f64::from(table.sample(*u));
+        let low = answers.iter().map(off).fold(f64::INFINITY, f64::min);
+        let high = answers.iter().map(off).fold(f64::NEG_INFINITY, f64::max);
+        let seen = |off: f64| if off.abs() > ROUNDED { off } else { 0.0 };
+        let off = [seen(low), seen(high)];
+        (high - low, Sampler { off, ..sampler })
+    };
+    let ((common, by_steps), (exact, exactly)) = (model(false), model(true));
+    if exact < common { exactly } else { by_steps }
+}
+
+fn table_format(format: TexelFormat) -> TableFormat {
+    match format {
+        TexelFormat::R8Unorm => TableFormat::R8Unorm,
+        TexelFormat::R16Unorm => TableFormat::R16Unorm,
+        TexelFormat::R16Float => TableFormat::R16Float,
+        TexelFormat::R32Float => TableFormat::R32Float,
+    }
+}
+
 impl Kernels {
     pub(crate) fn new(gpu: &Arc<Gpu>, routes: &[CoordinateRoute]) -> Self {
+        let samplers = Samplers::ask(gpu);
         let coordinate = routes.iter().map(|route| {
             let program = route.program();
             CoordinateKernel {
                 route: *route,
+                sampler: samplers.of(&program),
                 device: coordinate_evaluator(gpu, &route.name(), &program),
                 program,
             }
@@ -178,12 +277,7 @@ pub(crate) fn coordinate_evaluator_of(
     if let Some(table) = program.table() {
         text = table.declarations(1, 0);
         texels = table.bytes();
-        let format = match table.format() {
-            TexelFormat::R8Unorm => TableFormat::R8Unorm,
-            TexelFormat::R16Unorm => TableFormat::R16Unorm,
-            TexelFormat::R16Float => TableFormat::R16Float,
-            TexelFormat::R32Float => TableFormat::R32Float,
-        };
+        let format = table_format(table.format());
         let linear = table.filter() == Filter::Linear;
         let width = u32::try_from(table.texels()).map_err(|error| error.to_string())?;
         shape = Some((format, width, 1, false, linear));
@@ -244,5 +338,62 @@ pub(crate) fn ask(
             device.evaluate(inputs).map(Ok).map_err(lost)
         }
         Err(why) => Ok(Err(format!("not on this device: {why}"))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_gpu::{GpuOptions, open_for_test};
+
+    /// What a sampler of these properties would answer.
+    fn answers_of(table: &LookupTable, weighs_exactly: bool, shift: f32) -> Vec<(f32, f32)> {
+        let off = [0.0; 2];
+        let table = table.clone().on(Sampler {
+            weighs_exactly,
+            off,
+        });
+        let places = (0..PROBES).map(|i| (f32::from(i) + 0.37) / f32::from(PROBES));
+        let answer = |u: f32| (u, table.sample(u) + if u > 0.5 { shift } else { 0.0 });
+        places.map(answer).collect()
+    }
+
+    #[test]
+    fn a_sampler_is_known_by_its_answers() {
+        let table = LookupTable::arctangent(PROBE_TEXELS, TexelFormat::R8Unorm, Filter::Linear);
+        let of = |exactly, shift| sampler_of(&table, &answers_of(&table, exactly, shift));
+        assert_eq!(of(false, 0.0), Sampler::COMMON);
+        assert!(of(true, 0.0).weighs_exactly, "twin");
+        // One that truncates answers to 8 bits is off to one side.
+        let [low, high] = of(true, -1.0 / 255.0).off;
+        assert!(
+            (low + 1.0 / 255.0).abs() < 1e-6 && high.abs() < 1e-6,
+            "{low} {high}"
+        );
+    }
+
+    #[test]
+    fn this_devices_sampler_is_within_what_the_bound_grants() {
+        let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+            return;
+        };
+        let samplers = Samplers::ask(&gpu);
+        assert!(
+            samplers.0.len() >= 3,
+            "formats that WebGPU filters everywhere"
+        );
+        for (format, sampler) in &samplers.0 {
+            let most = sampler
+                .off
+                .iter()
+                .fold(0.0, |most: f64, off| most.max(off.abs()));
+            // A step of the format at most, beyond half a step of the weights.
+            let step = match format {
+                TexelFormat::R8Unorm => 1.0 / 255.0,
+                TexelFormat::R16Unorm => 1.0 / 65_535.0,
+                TexelFormat::R16Float | TexelFormat::R32Float => 1e-6,
+            };
+            assert!(most <= step * 1.01, "{format:?}: {sampler:?}");
+        }
     }
 }

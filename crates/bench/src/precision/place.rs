@@ -3,15 +3,15 @@
 
 use std::f64::consts::FRAC_PI_2;
 use terrafill_core::{Ellipsoid, Geodetic};
-use terrafill_texture::{Demand, MapExtent, MapRegion, Sample};
+use terrafill_texture::{
+    Demand, MapExtent, MapRegion, SUITE_EXTENTS_DEG, SUITE_LATITUDES_DEG, Sample,
+};
 
-/// Heights and widths of the regions, degrees.
-const EXTENTS_DEG: [f64; 7] = [1e-3, 1e-2, 0.1, 1.0, 10.0, 90.0, 360.0];
+/// Heights and widths of the regions that a quick run measures, degrees.
 const QUICK_EXTENTS_DEG: [f64; 4] = [1e-2, 1.0, 10.0, 360.0];
 
 /// Latitudes of their middles, degrees. At 90 they are caps round the pole. What touches a pole is
 /// anchored there.
-const LATITUDES_DEG: [f64; 5] = [0.0, 45.0, 70.0, 85.0, 90.0];
 const QUICK_LATITUDES_DEG: [f64; 3] = [0.0, 45.0, 90.0];
 
 /// Heights: on the surface, to the deepest sea, to the highest mountain, both ten times exaggerated.
@@ -49,7 +49,11 @@ pub(crate) fn places(quick: bool) -> Vec<Place> {
             &HEIGHTS_M[2..],
         )
     } else {
-        (&EXTENTS_DEG[..], &LATITUDES_DEG[..], &HEIGHTS_M[..])
+        (
+            &SUITE_EXTENTS_DEG[..],
+            &SUITE_LATITUDES_DEG[..],
+            &HEIGHTS_M[..],
+        )
     };
     let mut places: Vec<Place> = Vec::new();
     for &extent_deg in extents {

@@ -4,8 +4,8 @@
 use super::place::Place;
 use rayon::prelude::*;
 use terrafill_texture::{
-    AngleCore, AngleForm, Chart, Chooser, CoordinateRoute, CostTable, Filter, LatitudeForm,
-    TexelFormat, Weight,
+    AngleCore, AngleForm, Chart, Chooser, CoordinateRoute, Filter, LatitudeForm, TexelFormat,
+    Weight,
 };
 
 /// Largest cube texture: the next one, 192 MiB, takes longer to compute than all else to measure.
@@ -37,8 +37,7 @@ pub(crate) fn coordinate_routes(quick: bool) -> Vec<CoordinateRoute> {
 
 /// What a frame plan takes in each region.
 pub(crate) fn chosen(places: &[Place]) -> Vec<Option<CoordinateRoute>> {
-    let candidates = Chooser::default_candidates();
-    let chooser = Chooser::new(&candidates, &CostTable::default(), Vec::new());
+    let chooser = Chooser::of_plan();
     places
         .par_iter()
         .map(|place| {
@@ -60,6 +59,8 @@ fn is_main(route: &CoordinateRoute) -> bool {
             (AngleForm::Recentred, latitude) if *latitude != LatitudeForm::Bowring1 => {
                 *core == FINEST
             }
+            // As the web globe has it: the geocentric latitude for the geodetic one.
+            (AngleForm::Absolute, LatitudeForm::Geocentric) => *core == AngleCore::CesiumCubic,
             (_, LatitudeForm::Bowring1) => match form {
                 AngleForm::Absolute => is_measured_table(core),
                 _ => is_leading(core),
@@ -162,6 +163,7 @@ fn core_family(core: &AngleCore) -> (String, Option<f64>) {
             (name, Some(f64::from(*degree)))
         }
         AngleCore::Dense { degree } => ("dense".to_owned(), Some(f64::from(*degree))),
+        AngleCore::CesiumCubic => (core.name(), None),
         AngleCore::Rational {
             numerator,
             denominator,
@@ -194,6 +196,8 @@ mod tests {
             "odd-rel",
             "odd-pin",
             "dense",
+            "cubic-cesium",
+            "cubic-cesium+geocentric",
             "rat",
             "rat-rel",
             "near-odd",

@@ -78,13 +78,12 @@ fn row(format: VertexFormat, condition: &str, distance_m: f64, place: &Place) ->
         }
     }
     let figures = errors.figures();
-    let bound = format.residual_m(
-        body.equatorial_radius_m() + distance_m,
-        extent_m,
-        distance_m,
-    );
+    let radius_m = body.equatorial_radius_m() + distance_m;
+    let bound = format.residual_m(radius_m, extent_m, distance_m);
+    let expected_rms = format.residual_rms_m(radius_m, extent_m, distance_m);
     let pixel_m = 2.0 * distance_m * (0.5 * FIELD_OF_VIEW_DEG.to_radians()).tan() / VIEW_ROWS;
     let ratio = figures.map(|[max, _]| max / bound);
+    let rms_ratio = figures.map(|[_, rms]| rms / expected_rms);
     let mut row = PrecisionRow {
         part: PrecisionPart::Vertex,
         route: format.name().to_owned(),
@@ -101,8 +100,10 @@ fn row(format: VertexFormat, condition: &str, distance_m: f64, place: &Place) ->
         max_px: figures.map(|[max, _]| max / pixel_m),
         rms_px: figures.map(|[_, rms]| rms / pixel_m),
         residual_max_m: Some(bound),
+        residual_rms_m: Some(expected_rms),
         max_over_residual: ratio,
-        measured_over_expected: ratio,
+        rms_over_residual: rms_ratio,
+        measured_over_expected: rms_ratio,
         status: Status::Ok,
         reason: "by emulation alone: no device evaluates a vertex format by itself".to_owned(),
         ..PrecisionRow::default()
@@ -110,8 +111,11 @@ fn row(format: VertexFormat, condition: &str, distance_m: f64, place: &Place) ->
     if row.non_finite() > 0 || ratio.is_some_and(|ratio| ratio > 1.0) {
         (row.status, row.reason) = (Status::Wrong, "above its bound".to_owned());
     }
-    if ratio.is_some_and(|ratio| ratio < 1.0 / AGREEMENT) {
-        row.residual_reason = "the bound adds all roundings at their worst".to_owned();
+    if rms_ratio.is_some_and(|ratio| ratio < 1.0 / AGREEMENT) {
+        row.residual_reason =
+            "the formula takes every number for as large as the largest there may be".to_owned();
+    } else if rms_ratio.is_some_and(|ratio| ratio > AGREEMENT) {
+        row.residual_reason = "no reason known".to_owned();
     }
     row
 }

@@ -152,6 +152,23 @@ impl Canvas<'_> {
         self.styled_text(text, at, anchor, FontStyle::Normal, FontTransform::None)
     }
 
+    /// A line of text about its middle in the colour of what it names.
+    pub(crate) fn coloured_text(
+        &self,
+        text: &str,
+        at: [f64; 2],
+        colour: RGBColor,
+    ) -> Result<(), ReportError> {
+        let style = ("sans-serif", TEXT_PX * FONT_SIZE_RATIO)
+            .into_font()
+            .color(&colour)
+            .pos(Pos::new(HPos::Center, VPos::Center));
+        self.drawn(
+            self.area
+                .draw(&Text::new(text.to_owned(), point(at[0], at[1]), style)),
+        )
+    }
+
     /// The same, bold.
     pub(crate) fn heading(
         &self,

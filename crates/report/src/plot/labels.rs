@@ -24,7 +24,7 @@ impl Rectangle {
         }
     }
 
-    fn meets(&self, other: &Self) -> bool {
+    pub(crate) fn meets(&self, other: &Self) -> bool {
         (0..2).all(|axis| self.low[axis] < other.high[axis] && other.low[axis] < self.high[axis])
     }
 
@@ -41,6 +41,17 @@ pub(crate) fn free_place(
     room: Rectangle,
     taken: &[Rectangle],
 ) -> Option<([f64; 2], f64)> {
+    free_place_where(at, width, room, taken, |_, _| true)
+}
+
+/// The same among the places that `is_free` allows, of middle and distance.
+pub(crate) fn free_place_where(
+    at: [f64; 2],
+    width: f64,
+    room: Rectangle,
+    taken: &[Rectangle],
+    is_free: impl Fn([f64; 2], f64) -> bool,
+) -> Option<([f64; 2], f64)> {
     const DIRECTIONS: [[f64; 2]; 8] = [
         [0.7, -0.7],
         [0.7, 0.7],
@@ -56,7 +67,8 @@ pub(crate) fn free_place(
             let aside = width * 0.5 * (dx * 1.5).clamp(-1.0, 1.0);
             let middle = [at[0] + dx * radius + aside, at[1] + dy * radius];
             let place = Rectangle::around(middle, width, TEXT_PX);
-            if room.holds(&place) && !taken.iter().any(|other| other.meets(&place)) {
+            let is_clear = room.holds(&place) && !taken.iter().any(|other| other.meets(&place));
+            if is_clear && is_free(middle, radius) {
                 return Some((middle, radius));
             }
         }

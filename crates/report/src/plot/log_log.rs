@@ -150,7 +150,7 @@ pub(crate) fn draw_names_aside(
 
 /// Rising heights, moved so that any two are [`NAME_PX`] apart: down first, and up again where they
 /// would pass the lower end.
-fn apart(wanted: &[f64], [top, bottom]: [f64; 2]) -> Vec<f64> {
+pub(crate) fn apart(wanted: &[f64], [top, bottom]: [f64; 2]) -> Vec<f64> {
     let mut free = top;
     let mut places: Vec<f64> = wanted
         .iter()

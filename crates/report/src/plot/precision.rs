@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Error of coordinate routes against their time and, beside it, against their operations, which no
+//! Error of coordinate routes against their time and, below it, against their operations, which no
 //! noise reaches.
 
 use super::WIDTH_PX;
@@ -11,11 +11,14 @@ use crate::ReportError;
 use crate::precision::PrecisionPlot;
 
 const TOP_PX: f64 = 50.0;
-const BOTTOM_PX: f64 = 520.0;
-const LEGEND_PX: f64 = 584.0;
-const PANEL_PX: f64 = WIDTH_PX / 2.0;
+const PANEL_PX: f64 = 470.0;
+/// From one panel to the next: axis and title, and the next one's heading.
+const BETWEEN_PX: f64 = 104.0;
+/// From the last panel to the names of the curves.
+const LEGEND_PX: f64 = 64.0;
 const LEFT_MARGIN_PX: f64 = 74.0;
-const RIGHT_MARGIN_PX: f64 = 22.0;
+/// Names of the reference lines.
+const RIGHT_MARGIN_PX: f64 = 206.0;
 
 /// Draws both panels; `None` when neither has a point.
 ///
@@ -47,23 +50,24 @@ pub(crate) fn precision(
     ];
     let panels: Vec<Panel<'_>> = plots
         .iter()
-        .zip([0.0, PANEL_PX])
-        .filter_map(|(plot, left)| {
+        .zip([TOP_PX, TOP_PX + PANEL_PX + BETWEEN_PX])
+        .filter_map(|(plot, top)| {
             let frame = Frame {
-                left: left + LEFT_MARGIN_PX,
-                right: left + PANEL_PX - RIGHT_MARGIN_PX,
-                top: TOP_PX,
-                bottom: BOTTOM_PX,
+                left: LEFT_MARGIN_PX,
+                right: WIDTH_PX - RIGHT_MARGIN_PX,
+                top,
+                bottom: top + PANEL_PX,
             };
-            Panel::new(plot, frame)
+            Panel::new(plot, frame).map(Panel::crowded)
         })
         .collect();
     if panels.is_empty() {
         return Ok(None);
     }
     let names: Vec<String> = plot.by_operations.iter().map(|c| c.name.clone()).collect();
-    let legend = names_below(&names, [LEFT_MARGIN_PX, LEGEND_PX]);
-    let height = legend.last().map_or(LEGEND_PX, |(at, _)| at[1]) + NAME_PX;
+    let below = TOP_PX + 2.0 * PANEL_PX + BETWEEN_PX + LEGEND_PX;
+    let legend = names_below(&names, [LEFT_MARGIN_PX, below]);
+    let height = legend.last().map_or(below, |(at, _)| at[1]) + NAME_PX;
     let title = format!("{}: error against cost", plot.title);
     svg(&title, WIDTH_PX, height, |canvas| {
         for panel in &panels {

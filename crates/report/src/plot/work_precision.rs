@@ -10,8 +10,8 @@
 //! again (see `statistic`).
 
 use super::canvas::{Anchor, Canvas, MARKER_PX, TEXT_PX, text_width};
-use super::labels::{LEADER_FROM_PX, Rectangle, free_place};
-use super::log_log::{AxisText, Frame, LINE_OPACITY, draw_across, draw_up};
+use super::labels::{LEADER_FROM_PX, Rectangle, free_place, free_place_where};
+use super::log_log::{AxisText, Frame, LINE_OPACITY, apart, draw_across, draw_up};
 use super::palette::{INK, Palette, Stroke};
 use super::scale::{LogScale, tick_label};
 use crate::ReportError;
@@ -158,7 +158,27 @@ pub(crate) struct Panel<'a> {
     pub(crate) points: Vec<Placed<'a>>,
     /// Corners of the front, left to right.
     pub(crate) front: Vec<[f64; 2]>,
+    /// Reference lines are named at the right of the panel, and labels keep clear of all that is drawn.
+    is_crowded: bool,
 }
+
+/// A label with its place.
+#[derive(Debug, Clone)]
+struct Label<'a> {
+    text: &'a str,
+    /// Curve whose point it names.
+    name: &'a str,
+    middle: [f64; 2],
+    width: f64,
+    /// The point, where a line leads there.
+    leader: Option<[f64; 2]>,
+}
+
+/// Between a label that has a leader and anything else that is drawn.
+const LEADER_CLEARANCE_PX: f64 = 3.0;
+
+/// Between a crowded panel and the names of its reference lines.
+const LINE_NAMES_PX: f64 = 8.0;
 
 impl Point {
     fn is_pinned(&self) -> bool {
@@ -194,10 +214,21 @@ impl<'a> Panel<'a> {
             y: LogScale::around(heights, margin, bottom, top),
             points: Vec::new(),
             front: Vec::new(),
+            is_crowded: false,
         };
         panel.place();
         panel.front = panel.front_corners();
         Some(panel)
+    }
+
+    /// For many curves close to one another: reference lines are named at the right of the panel, where
+    /// no point is, and a label stands where it hides no mark, no whisker and no other label; the ends of
+    /// a curve are named first, and from afar if need be.
+    pub(crate) fn crowded(self) -> Self {
+        Self {
+            is_crowded: true,
+            ..self
+        }
     }
 
     fn place(&mut self) {
@@ -281,7 +312,7 @@ impl<'a> Panel<'a> {
         for placed in &self.points {
             self.draw_point(canvas, placed, palette.stroke(placed.name))?;
         }
-        self.draw_labels(canvas)
+        self.draw_labels(canvas, palette)
     }
 
     fn draw_axes(&self, canvas: &Canvas<'_>) -> Result<(), ReportError> {
@@ -318,14 +349,36 @@ impl<'a> Panel<'a> {
         canvas.text("failed", [left - 8.0, top + 7.0], Anchor::Right)
     }
 
-    /// Each with its label above its right end.
+    /// Each with its label above its right end, or beside it.
     fn draw_lines(&self, canvas: &Canvas<'_>) -> Result<(), ReportError> {
+        if self.is_crowded {
+            return self.draw_lines_named_aside(canvas);
+        }
         for line in &self.plot.lines {
             let Some(y) = &self.y else { continue };
             let (from, to) = self.line_ends(line, y);
             canvas.dashes(from, to)?;
             let (middle, _) = self.line_label(line, y);
             canvas.text(&line.label, middle, Anchor::Middle)?;
+        }
+        Ok(())
+    }
+
+    fn draw_lines_named_aside(&self, canvas: &Canvas<'_>) -> Result<(), ReportError> {
+        let Some(y) = &self.y else { return Ok(()) };
+        let mut lines: Vec<(f64, &str)> = Vec::new();
+        for line in &self.plot.lines {
+            let (from, to) = self.line_ends(line, y);
+            canvas.dashes(from, to)?;
+            lines.push((to[1], &line.label));
+        }
+        lines.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let wanted: Vec<f64> = lines.iter().map(|(y, _)| *y).collect();
+        let names = apart(&wanted, [self.frame.top, self.frame.bottom]);
+        for ((end, label), at) in lines.into_iter().zip(names) {
+            let x = self.frame.right;
+            canvas.path(&[[x, end], [x + LINE_NAMES_PX - 2.0, at]], INK.mix(0.5), 1)?;
+            canvas.text(label, [x + LINE_NAMES_PX, at], Anchor::Left)?;
         }
         Ok(())
     }
@@ -408,7 +461,20 @@ impl<'a> Panel<'a> {
         }
     }
 
-    fn draw_labels(&self, canvas: &Canvas<'_>) -> Result<(), ReportError> {
+    fn draw_labels(&self, canvas: &Canvas<'_>, palette: &Palette) -> Result<(), ReportError> {
+        if self.is_crowded {
+            for label in self.labels() {
+                let colour = palette.stroke(label.name).colour;
+                if let Some(point) = label.leader {
+                    canvas.path(&[point, label.middle], colour.mix(0.5), 1)?;
+                }
+            }
+            for label in self.labels() {
+                let colour = palette.stroke(label.name).colour;
+                canvas.coloured_text(label.text, label.middle, colour)?;
+            }
+            return Ok(());
+        }
         let paths = self.paths();
         let size = 2.0 * MARKER_PX + 2.0;
         let mut taken: Vec<Rectangle> = self
@@ -447,6 +513,86 @@ impl<'a> Panel<'a> {
         Ok(())
     }
 
+    /// Room taken by marks, open marks, whiskers and curves.
+    fn marks(&self) -> Vec<Rectangle> {
+        let size = 2.0 * MARKER_PX + 2.0;
+        let mut taken: Vec<Rectangle> = Vec::new();
+        for placed in &self.points {
+            taken.push(Rectangle::around(placed.at, size, size));
+            if placed.is_pinned {
+                continue;
+            }
+            if let Some(rms) = placed.point.y_rms {
+                let below = self.height(rms);
+                taken.push(Rectangle::around([placed.at[0], below], size, size));
+                taken.extend(along(placed.at, [placed.at[0], below]));
+            }
+            let range = placed.point.x.as_ref().and_then(|x| x.range);
+            if let Some([from, to]) = range.map(|range| range.map(|value| self.x.px(value))) {
+                taken.extend(along([from, placed.at[1]], [to, placed.at[1]]));
+            }
+        }
+        for (_, path) in self.paths() {
+            taken.extend(path.windows(2).flat_map(|ends| along(ends[0], ends[1])));
+        }
+        let middle = f64::midpoint(self.frame.left, self.frame.right);
+        let width = self.frame.right - self.frame.left;
+        for (line, y) in self.plot.lines.iter().zip(self.y.iter().cycle()) {
+            let (from, to) = self.line_ends(line, y);
+            taken.extend(along(from, to));
+        }
+        taken.push(Rectangle::around([middle, self.zero()], width, 2.0));
+        taken
+    }
+
+    /// Labels of a crowded panel: the ends of curves and what failed first, with a leader where they
+    /// stand off; the others only beside their points.
+    fn labels(&self) -> Vec<Label<'a>> {
+        let mut taken = self.marks();
+        let mut ends: Vec<&Placed<'a>> = Vec::new();
+        let mut others: Vec<&Placed<'a>> = Vec::new();
+        let paths = self.paths();
+        for placed in self.points.iter().filter(|p| !p.point.label.is_empty()) {
+            let path = paths.iter().find(|(name, _)| *name == placed.name);
+            let is_end = path.is_some_and(|(_, path)| {
+                path.first() == Some(&placed.at) || path.last() == Some(&placed.at)
+            });
+            match path {
+                _ if placed.is_pinned || is_end => ends.push(placed),
+                Some(_) => others.push(placed),
+                None => {}
+            }
+        }
+        let mut labels: Vec<Label<'a>> = Vec::new();
+        let named = ends.into_iter().map(|placed| (placed, true));
+        for (placed, may_lead) in named.chain(others.into_iter().map(|placed| (placed, false))) {
+            let text = placed.point.label.as_str();
+            let width = text_width(text, TEXT_PX);
+            let is_free = |middle: [f64; 2], radius: f64| {
+                radius < LEADER_FROM_PX
+                    || (may_lead
+                        && !along(placed.at, middle)
+                            .any(|piece| labels.iter().any(|label| label.room().meets(&piece))))
+            };
+            let place = free_place_where(placed.at, width, self.room(), &taken, is_free);
+            let Some((middle, radius)) = place else {
+                continue;
+            };
+            let leader = (radius >= LEADER_FROM_PX).then_some(placed.at);
+            let label = Label {
+                text,
+                name: placed.name,
+                middle,
+                width,
+                leader,
+            };
+            taken.push(label.room());
+            taken.extend(leader.into_iter().flat_map(|point| along(point, middle)));
+            labels.push(label);
+        }
+        labels
+    }
+
     /// Where labels may stand: a little past the panel at the right, and up to its title.
     fn room(&self) -> Rectangle {
         Rectangle {
@@ -454,6 +600,26 @@ impl<'a> Panel<'a> {
             high: [self.frame.right + 20.0, self.frame.bottom + 2.0],
         }
     }
+}
+
+impl Label<'_> {
+    fn room(&self) -> Rectangle {
+        Rectangle::around(self.middle, self.width + 2.0, TEXT_PX + 1.0)
+    }
+}
+
+/// Squares along a line, close enough that no text slips through.
+fn along(from: [f64; 2], to: [f64; 2]) -> impl Iterator<Item = Rectangle> {
+    const STEP_PX: f64 = 5.0;
+    let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+    let steps = (length / STEP_PX).ceil().max(1.0);
+    std::iter::successors(Some(0.0), move |step| (*step < steps).then_some(step + 1.0)).map(
+        move |step| {
+            let share = step / steps;
+            let at = [0, 1].map(|axis: usize| from[axis] + share * (to[axis] - from[axis]));
+            Rectangle::around(at, LEADER_CLEARANCE_PX, LEADER_CLEARANCE_PX)
+        },
+    )
 }
 
 impl Upwards {
@@ -588,6 +754,111 @@ mod tests {
         }
         let with = drawn(&plot(Upwards::Error, &[("route", &points)]));
         assert_eq!(with.matches("var(--paper)").count(), 2);
+    }
+
+    /// Four curves of eight points each, all within a few pixels of one another.
+    fn crowd(curves: usize) -> Vec<Curve> {
+        let curve = |c: usize| Curve {
+            name: format!("route {c}"),
+            points: (0..8_u8)
+                .map(|i| Point {
+                    label: (2 * i + 1).to_string(),
+                    y_rms: Some(0.4 * 0.1_f64.powi(i32::from(i))),
+                    ..point(
+                        f64::from(i),
+                        1.0 + 0.05 * c as f64 + 0.06 * f64::from(i),
+                        0.1_f64.powi(i32::from(i)),
+                    )
+                })
+                .collect(),
+        };
+        (0..curves).map(curve).collect()
+    }
+
+    #[test]
+    fn labels_of_a_crowd_hide_nothing_and_every_curve_has_one() {
+        let mut plot = plot(Upwards::Error, &[]);
+        plot.curves = crowd(4);
+        plot.lines = vec![ReferenceLine {
+            label: "a bound".to_owned(),
+            from_x: None,
+            y: 1e-3,
+            power: 0.0,
+        }];
+        let panel = Panel::new(&plot, FRAME)
+            .expect("something to draw")
+            .crowded();
+        let labels = panel.labels();
+        let marks = panel.marks();
+        for (i, label) in labels.iter().enumerate() {
+            let room = label.room();
+            assert!(!marks.iter().any(|mark| mark.meets(&room)), "{label:?}");
+            assert!(
+                !labels[..i].iter().any(|other| other.room().meets(&room)),
+                "{label:?}"
+            );
+            let leader = label
+                .leader
+                .iter()
+                .flat_map(|point| along(*point, label.middle));
+            let crossed = |piece: &Rectangle| labels[..i].iter().any(|o| o.room().meets(piece));
+            assert!(
+                !leader.into_iter().any(|piece| crossed(&piece)),
+                "{label:?}"
+            );
+        }
+        let named = |curve: &Curve| labels.iter().filter(|l| l.name == curve.name).count();
+        assert!(plot.curves.iter().all(|curve| named(curve) >= 1));
+        // Twin: beside their points, whatever stands there, they hide marks.
+        let naive = panel.points.iter().map(|placed| {
+            let at = [placed.at[0] + 10.0, placed.at[1] - 10.0];
+            Rectangle::around(at, 14.0, TEXT_PX)
+        });
+        let hidden = naive.filter(|room| marks.iter().any(|mark| mark.meets(room)));
+        assert!(hidden.count() > 8);
+    }
+
+    #[test]
+    fn a_crowded_panel_names_its_lines_where_no_point_is() {
+        let mut plot = plot(Upwards::Error, &[]);
+        plot.curves = crowd(2);
+        let line = |label: &str, y: f64| ReferenceLine {
+            label: label.to_owned(),
+            from_x: None,
+            y,
+            power: 0.0,
+        };
+        plot.lines = vec![line("one bound", 1e-3), line("another", 1.1e-3)];
+        let names = plot.curves.iter().map(|curve| curve.name.clone()).collect();
+        let palette = Palette::new(names);
+        let text = svg("test", 700.0, 420.0, |canvas| {
+            let panel = Panel::new(&plot, FRAME).expect("something to draw");
+            panel.crowded().draw(canvas, &palette)
+        });
+        let text = text.expect("draws");
+        // Place of a text: x and y of the element before it.
+        let place = |label: &str| -> [f64; 2] {
+            let end = text.find(label).expect("named");
+            let start = text[..end].rfind("<text").expect("an element");
+            ["x=\"", "y=\""].map(|key| {
+                let from = text[start..].find(key).expect("a place") + start + key.len();
+                let to = text[from..].find('"').expect("its end") + from;
+                text[from..to].parse().expect("a number")
+            })
+        };
+        let [one, another] = [place("one bound"), place("another")];
+        assert!(
+            one[0] > FRAME.right && another[0] > FRAME.right,
+            "{one:?} {another:?}"
+        );
+        // Lines of 4 px distance have names a line of text apart.
+        assert!(
+            (one[1] - another[1]).abs() >= TEXT_PX,
+            "{one:?} {another:?}"
+        );
+        // Twin: not crowded, they stand on their lines, within the panel.
+        let inside = drawn(&plot);
+        assert!(inside.contains("one bound") && inside != text);
     }
 
     #[test]
