@@ -63,11 +63,11 @@ pub(crate) fn triangulate(
     options: &MeshOptions,
 ) -> Result<GroupMesh, TriangulateError> {
     let mut group = load_without_false_crossings(edges, rule)?;
-    let mut inside = group.inside_faces();
-    if group.reaches_beyond(options.cap_step_deg) && group.refine(&inside, options.cap_step_deg)? {
-        inside = group.inside_faces();
+    group.mesh.find_inside();
+    if group.reaches_beyond(options.cap_step_deg) {
+        group.refine(options.cap_step_deg)?;
     }
-    group.extract(&inside)
+    group.extract()
 }
 
 /// Crossings of one group that are looked for: a list that long helps nobody, and a ring that
@@ -177,29 +177,6 @@ impl Group {
         Ok(Some(group))
     }
 
-    /// By index of the triangle: whether an odd number of edges separates it from the outside.
-    fn inside_faces(&self) -> Vec<bool> {
-        const UNKNOWN: u8 = 2;
-        let mut inside = vec![UNKNOWN; self.mesh.triangle_count()];
-        // Nothing of the outline is at the frame, so the triangles there are outside.
-        let outside = self.mesh.at_frame();
-        inside[outside as usize] = 0;
-        let mut waiting = vec![outside];
-        while let Some(triangle) = waiting.pop() {
-            let here = inside[triangle as usize];
-            for i in 0..3 {
-                let Some(neighbour) = self.mesh.neighbour(triangle, i) else {
-                    continue;
-                };
-                if inside[neighbour as usize] == UNKNOWN {
-                    inside[neighbour as usize] = here ^ u8::from(self.mesh.is_odd(triangle, i));
-                    waiting.push(neighbour);
-                }
-            }
-        }
-        inside.into_iter().map(|side| side == 1).collect()
-    }
-
     /// Whether anything can be longer than the step; most islands are not.
     fn reaches_beyond(&self, step_deg: f64) -> bool {
         let [west, south, east, north] = self.bounds;
@@ -219,27 +196,26 @@ impl Group {
         Ok(vertex)
     }
 
-    /// Adds interior points until no interior edge is too long; whether there were any to add.
+    /// Adds interior points until no interior edge is too long.
     ///
     /// Every edge that an insertion makes ends at the point inserted, so after the first look only
     /// the edges of new points are looked at.
-    fn refine(&mut self, inside: &[bool], step_deg: f64) -> Result<bool, TriangulateError> {
+    fn refine(&mut self, step_deg: f64) -> Result<(), TriangulateError> {
         let long: Vec<[u32; 2]> = self
             .mesh
             .edges()
             .filter(|&(triangle, i)| {
-                inside[triangle as usize] && !self.mesh.is_constraint(triangle, i)
+                self.mesh.is_inside(triangle) && !self.mesh.is_constraint(triangle, i)
             })
             .map(|(triangle, i)| self.mesh.ends(triangle, i))
             .filter(|ends| self.is_too_long(*ends, step_deg))
             .collect();
-        let mut new = self.insert_lattice(inside, step_deg)?;
+        let mut new = self.insert_lattice(step_deg)?;
         let mut middles: Vec<Degrees> = long
             .into_iter()
             .filter(|[from, to]| self.mesh.edge_between(*from, *to).is_ok())
             .map(|ends| self.middle(ends))
             .collect();
-        let changed = !(new.is_empty() && middles.is_empty());
         for _ in 0..MOST_ROUNDS {
             middles.extend(self.middles_round(&new, step_deg));
             if middles.is_empty() {
@@ -254,7 +230,7 @@ impl Group {
                 }
             }
         }
-        Ok(changed)
+        Ok(())
     }
 
     /// Middles of the edges that are too long among those that end at one of these vertices.
@@ -283,11 +259,7 @@ impl Group {
     }
 
     /// Points on parallels that are multiples of the step apart, about one step apart on each.
-    fn insert_lattice(
-        &mut self,
-        inside: &[bool],
-        step_deg: f64,
-    ) -> Result<Vec<u32>, TriangulateError> {
+    fn insert_lattice(&mut self, step_deg: f64) -> Result<Vec<u32>, TriangulateError> {
         let [west, south, east, north] = self.bounds;
         let mut chosen = Vec::new();
         let mut row = (south / step_deg).ceil();
@@ -302,7 +274,7 @@ impl Group {
                 let longitude = column * spacing - 180.0;
                 column += 1.0;
                 let clearance = LATTICE_CLEARANCE_STEPS * step_deg;
-                if self.is_clear([longitude, latitude], cosine, clearance, inside) {
+                if self.is_clear([longitude, latitude], cosine, clearance) {
                     chosen.push([longitude, latitude]);
                 }
             }
@@ -315,17 +287,11 @@ impl Group {
     }
 
     /// Whether a place is inside and far enough from the corners and marked edges of its face.
-    fn is_clear(
-        &self,
-        position: Degrees,
-        cosine: f64,
-        clearance_deg: f64,
-        inside: &[bool],
-    ) -> bool {
+    fn is_clear(&self, position: Degrees, cosine: f64, clearance_deg: f64) -> bool {
         let Place::Face(triangle) = self.mesh.locate(self.planar(position)) else {
             return false;
         };
-        if !inside[triangle as usize] {
+        if !self.mesh.is_inside(triangle) {
             return false;
         }
         let local = |vertex: u32| {
@@ -352,11 +318,14 @@ impl Group {
             && (width > WIDEST_INTERIOR_EDGE_DEG || arc_rad(a, b).to_degrees() > longest_deg)
     }
 
-    fn extract(self, inside: &[bool]) -> Result<GroupMesh, TriangulateError> {
+    fn extract(self) -> Result<GroupMesh, TriangulateError> {
+        let inside: Vec<bool> = (0..index_u32(self.mesh.triangle_count()))
+            .map(|triangle| self.mesh.is_inside(triangle))
+            .collect();
         let count = inside.iter().filter(|inside| **inside).count();
         let mut triangles = Vec::with_capacity(count);
         let mut used = vec![false; self.vertices.len()];
-        for (triangle, _) in (0..).zip(inside).filter(|(_, inside)| **inside) {
+        for (triangle, _) in (0..).zip(&inside).filter(|(_, inside)| **inside) {
             let corners = self.mesh.corners(triangle);
             corners.iter().for_each(|&i| used[i as usize] = true);
             triangles.push(corners);

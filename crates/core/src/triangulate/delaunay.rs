@@ -62,6 +62,26 @@ struct Triangle {
     corners: [u32; 3],
     neighbours: [u32; 3],
     marks: [u8; 3],
+    side: Side,
+}
+
+/// Of the constraints that a triangle lies on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Unknown,
+    Outside,
+    Inside,
+}
+
+impl Side {
+    /// Across an edge along which so many constraints run.
+    fn across(self, is_odd: bool) -> Self {
+        match self {
+            Self::Outside if is_odd => Self::Inside,
+            Self::Inside if is_odd => Self::Outside,
+            same => same,
+        }
+    }
 }
 
 impl Triangle {
@@ -107,11 +127,13 @@ impl Delaunay {
                 corners: [0, 1, 2],
                 neighbours: [NONE, 1, NONE],
                 marks: [0; 3],
+                side: Side::Unknown,
             },
             Triangle {
                 corners: [0, 2, 3],
                 neighbours: [NONE, NONE, 0],
                 marks: [0; 3],
+                side: Side::Unknown,
             },
         ]);
         Self {
@@ -123,9 +145,32 @@ impl Delaunay {
         }
     }
 
-    /// A triangle at a corner of the frame.
-    pub(crate) fn at_frame(&self) -> u32 {
-        self.at[0]
+    /// Tells inside from outside: whether an odd number of constraints separates a triangle from the
+    /// frame. To be called when all constraints are in; points that are inserted later keep it, so
+    /// that the triangles need to be gone through only once.
+    pub(crate) fn find_inside(&mut self) {
+        // Nothing is constrained at the frame, so the triangles there are outside.
+        let outside = self.at[0];
+        self.triangles[outside as usize].side = Side::Outside;
+        let mut waiting = vec![outside];
+        while let Some(index) = waiting.pop() {
+            let triangle = self.triangles[index as usize];
+            for (neighbour, mark) in triangle.neighbours.into_iter().zip(triangle.marks) {
+                if neighbour == NONE {
+                    continue;
+                }
+                let across = &mut self.triangles[neighbour as usize];
+                if across.side == Side::Unknown {
+                    across.side = triangle.side.across(mark & ODD != 0);
+                    waiting.push(neighbour);
+                }
+            }
+        }
+    }
+
+    /// Whether a triangle is inside, once [`Delaunay::find_inside`] has told.
+    pub(crate) fn is_inside(&self, triangle: u32) -> bool {
+        self.triangles[triangle as usize].side == Side::Inside
     }
 
     pub(crate) fn triangle_count(&self) -> usize {
@@ -271,16 +316,19 @@ impl Delaunay {
             corners: [p, b, c],
             neighbours: [old.neighbours[0], second, third],
             marks: [old.marks[0], 0, 0],
+            side: old.side,
         };
         self.triangles.push(Triangle {
             corners: [p, c, a],
             neighbours: [old.neighbours[1], third, triangle],
             marks: [old.marks[1], 0, 0],
+            side: old.side,
         });
         self.triangles.push(Triangle {
             corners: [p, a, b],
             neighbours: [old.neighbours[2], triangle, second],
             marks: [old.marks[2], 0, 0],
+            side: old.side,
         });
         self.relink(old.neighbours[1], triangle, second);
         self.relink(old.neighbours[2], triangle, third);
@@ -309,21 +357,25 @@ impl Delaunay {
             corners: [p, a, b],
             neighbours: [here.neighbours[ab], across, at_ca],
             marks: [here.marks[ab], mark, 0],
+            side: here.side,
         };
         self.triangles[across as usize] = Triangle {
             corners: [p, b, d],
             neighbours: [there.neighbours[bd], at_dc, triangle],
             marks: [there.marks[bd], 0, mark],
+            side: there.side,
         };
         self.triangles.push(Triangle {
             corners: [p, c, a],
             neighbours: [here.neighbours[ca], triangle, at_dc],
             marks: [here.marks[ca], 0, mark],
+            side: here.side,
         });
         self.triangles.push(Triangle {
             corners: [p, d, c],
             neighbours: [there.neighbours[dc], at_ca, across],
             marks: [there.marks[dc], mark, 0],
+            side: there.side,
         });
         self.relink(here.neighbours[ca], triangle, at_ca);
         self.relink(there.neighbours[dc], across, at_dc);
@@ -371,11 +423,13 @@ impl Delaunay {
             corners: [p, b, d],
             neighbours: [there.neighbours[bd], across, here.neighbours[pb]],
             marks: [there.marks[bd], 0, here.marks[pb]],
+            side: here.side,
         };
         self.triangles[across as usize] = Triangle {
             corners: [p, d, c],
             neighbours: [there.neighbours[dc], here.neighbours[cp], triangle],
             marks: [there.marks[dc], here.marks[cp], 0],
+            side: here.side,
         };
         self.relink(there.neighbours[bd], across, triangle);
         self.relink(here.neighbours[cp], triangle, across);
