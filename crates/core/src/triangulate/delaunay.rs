@@ -173,6 +173,11 @@ impl Delaunay {
         self.triangles[triangle as usize].side == Side::Inside
     }
 
+    /// Those of the frame included.
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.points.len()
+    }
+
     pub(crate) fn triangle_count(&self) -> usize {
         self.triangles.len()
     }
