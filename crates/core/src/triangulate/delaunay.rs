@@ -96,11 +96,19 @@ impl Triangle {
     }
 }
 
+/// A position and the way to it. Together, since an edge is flipped after its ends were looked at: in a
+/// triangulation that is larger than the cache and the translation buffers every list of its own is
+/// another place of memory to go to.
+#[derive(Clone, Copy)]
+struct Vertex {
+    point: Point,
+    /// A triangle that it is a corner of.
+    triangle: u32,
+}
+
 /// The triangulation.
 pub(crate) struct Delaunay {
-    points: Vec<Point>,
-    /// A triangle at each vertex.
-    at: Vec<u32>,
+    vertices: Vec<Vertex>,
     triangles: Vec<Triangle>,
     /// Where the search for the next point starts: where the last one went.
     hint: u32,
@@ -110,17 +118,17 @@ pub(crate) struct Delaunay {
 
 impl Delaunay {
     /// An empty frame round `[west, south, east, north]`, with room for so many vertices.
-    pub(crate) fn new([west, south, east, north]: [f64; 4], vertices: usize) -> Self {
+    pub(crate) fn new([west, south, east, north]: [f64; 4], vertex_count: usize) -> Self {
         // As wide again on every side, so that no triangle between an outline and the frame is
         // much thinner than the outline itself makes it.
         let margin = (east - west).max(north - south).max(1.0);
         let (west, south) = (west - margin, south - margin);
         let (east, north) = (east + margin, north + margin);
-        let count = vertices + FRAME_CORNERS;
-        let mut points = Vec::with_capacity(count);
-        points.extend([[west, south], [east, south], [east, north], [west, north]]);
-        let mut at = Vec::with_capacity(count);
-        at.extend([0, 0, 0, 1]);
+        let count = vertex_count + FRAME_CORNERS;
+        let mut vertices = Vec::with_capacity(count);
+        let corners = [[west, south], [east, south], [east, north], [west, north]];
+        let corners = corners.into_iter().zip([0, 0, 0, 1]);
+        vertices.extend(corners.map(|(point, triangle)| Vertex { point, triangle }));
         let mut triangles = Vec::with_capacity(2 * count);
         triangles.extend([
             Triangle {
@@ -137,8 +145,7 @@ impl Delaunay {
             },
         ]);
         Self {
-            points,
-            at,
+            vertices,
             triangles,
             hint: 0,
             waiting: Vec::new(),
@@ -150,7 +157,7 @@ impl Delaunay {
     /// that the triangles need to be gone through only once.
     pub(crate) fn find_inside(&mut self) {
         // Nothing is constrained at the frame, so the triangles there are outside.
-        let outside = self.at[0];
+        let outside = self.vertices[0].triangle;
         self.triangles[outside as usize].side = Side::Outside;
         let mut waiting = vec![outside];
         while let Some(index) = waiting.pop() {
@@ -175,7 +182,7 @@ impl Delaunay {
 
     /// Those of the frame included.
     pub(crate) fn vertex_count(&self) -> usize {
-        self.points.len()
+        self.vertices.len()
     }
 
     pub(crate) fn triangle_count(&self) -> usize {
@@ -183,7 +190,7 @@ impl Delaunay {
     }
 
     pub(crate) fn point(&self, vertex: u32) -> Point {
-        self.points[vertex as usize]
+        self.vertices[vertex as usize].point
     }
 
     /// Corners of a triangle, counter-clockwise.
@@ -281,26 +288,24 @@ impl Delaunay {
     /// # Errors
     /// [`Blocked::Outside`].
     pub(crate) fn insert(&mut self, point: Point) -> Result<u32, Blocked> {
-        let vertex = index_u32(self.points.len());
+        let vertex = index_u32(self.vertices.len());
         match self.locate(point) {
             Place::Vertex(known) => {
-                self.hint = self.at[known as usize];
+                self.hint = self.vertices[known as usize].triangle;
                 return Ok(known);
             }
             Place::Outside => return Err(Blocked::Outside),
             Place::Face(triangle) => {
-                self.points.push(point);
-                self.split_face(triangle, vertex);
+                self.split_face(triangle, vertex, point);
             }
             Place::Edge(triangle, i) => {
                 if self.triangles[triangle as usize].neighbours[i] == NONE {
                     return Err(Blocked::Outside);
                 }
-                self.points.push(point);
-                self.split_edge(triangle, i, vertex);
+                self.split_edge(triangle, i, vertex, point);
             }
         }
-        self.hint = self.at[vertex as usize];
+        self.hint = self.vertices[vertex as usize].triangle;
         while let Some(triangle) = self.waiting.pop() {
             if self.is_certainly_illegal(triangle, 0) {
                 let across = self.triangles[triangle as usize].neighbours[0];
@@ -312,7 +317,7 @@ impl Delaunay {
     }
 
     /// Corner `a`, `b`, `c` → `p b c`, `p c a`, `p a b`.
-    fn split_face(&mut self, triangle: u32, p: u32) {
+    fn split_face(&mut self, triangle: u32, p: u32, point: Point) {
         let old = self.triangles[triangle as usize];
         let [a, b, c] = old.corners;
         let second = index_u32(self.triangles.len());
@@ -337,16 +342,16 @@ impl Delaunay {
         });
         self.relink(old.neighbours[1], triangle, second);
         self.relink(old.neighbours[2], triangle, third);
-        self.at.push(triangle);
-        self.at[a as usize] = second;
-        self.at[b as usize] = triangle;
-        self.at[c as usize] = triangle;
+        self.vertices.push(Vertex { point, triangle });
+        self.vertices[a as usize].triangle = second;
+        self.vertices[b as usize].triangle = triangle;
+        self.vertices[c as usize].triangle = triangle;
         self.waiting.extend([triangle, second, third]);
     }
 
     /// `a b c` and, across its edge `b c`, `d c b` → `p a b`, `p c a`, `p d c`, `p b d`. Both halves of
     /// the edge keep its marks.
-    fn split_edge(&mut self, triangle: u32, i: usize, p: u32) {
+    fn split_edge(&mut self, triangle: u32, i: usize, p: u32, point: Point) {
         let here = self.triangles[triangle as usize];
         let across = here.neighbours[i];
         let there = self.triangles[across as usize];
@@ -384,11 +389,11 @@ impl Delaunay {
         });
         self.relink(here.neighbours[ca], triangle, at_ca);
         self.relink(there.neighbours[dc], across, at_dc);
-        self.at.push(triangle);
-        self.at[a as usize] = triangle;
-        self.at[b as usize] = triangle;
-        self.at[c as usize] = at_ca;
-        self.at[d as usize] = across;
+        self.vertices.push(Vertex { point, triangle });
+        self.vertices[a as usize].triangle = triangle;
+        self.vertices[b as usize].triangle = triangle;
+        self.vertices[c as usize].triangle = at_ca;
+        self.vertices[d as usize].triangle = across;
         self.waiting.extend([triangle, across, at_ca, at_dc]);
     }
 
@@ -438,8 +443,8 @@ impl Delaunay {
         };
         self.relink(there.neighbours[bd], across, triangle);
         self.relink(here.neighbours[cp], triangle, across);
-        self.at[b as usize] = triangle;
-        self.at[c as usize] = across;
+        self.vertices[b as usize].triangle = triangle;
+        self.vertices[c as usize].triangle = across;
     }
 
     /// The edge between two vertices, as a triangle and the corner opposite; the end with fewer
@@ -611,7 +616,7 @@ struct Fan {
 
 impl Fan {
     fn new(mesh: &Delaunay, vertex: u32) -> Self {
-        let first = mesh.at[vertex as usize];
+        let first = mesh.vertices[vertex as usize].triangle;
         Self {
             vertex,
             first,
@@ -790,7 +795,7 @@ mod tests {
         mesh.flip(triangle, i);
         assert!(fault(&mesh).is_some_and(|fault| fault.contains("in the circle")));
         mesh.flip(triangle, 0);
-        mesh.points[9] = [5.0, 5.0];
+        mesh.vertices[9].point = [5.0, 5.0];
         assert!(fault(&mesh).is_some());
     }
 
@@ -802,7 +807,7 @@ mod tests {
         let mesh = triangulated(&grid);
         assert_eq!(fault(&mesh), None);
         let distinct: BTreeSet<_> = grid.iter().map(|point| point.map(f64::to_bits)).collect();
-        assert_eq!(mesh.points.len(), FRAME_CORNERS + distinct.len());
+        assert_eq!(mesh.vertex_count(), FRAME_CORNERS + distinct.len());
         assert_eq!(
             mesh.locate([2.0 / 32.0, 7.0 / 32.0]),
             Place::Vertex(mesh_vertex(&mesh, [2.0 / 32.0, 7.0 / 32.0]))
@@ -812,7 +817,7 @@ mod tests {
     }
 
     fn mesh_vertex(mesh: &Delaunay, point: Point) -> u32 {
-        let at = mesh.points.iter().position(|known| *known == point);
+        let at = mesh.vertices.iter().position(|known| known.point == point);
         index_u32(at.expect("a vertex"))
     }
 
