@@ -603,17 +603,19 @@ mod tests {
             u32::try_from((state >> 33) % below).expect("small")
         };
         for (count, vertices) in [
-            (0, 1),
+            (0, 1_usize),
             (1, 1),
             (5, 900),
             (300, 900),
             (2_000, 40),
             (900, 900),
         ] {
-            let edges: Vec<[u32; 2]> = (0..count).map(|_| [random(vertices), random(7)]).collect();
+            let edges: Vec<[u32; 2]> = (0..count)
+                .map(|_| [random(vertices as u64), random(7)])
+                .collect();
             let mut expected = edges.clone();
             expected.sort_unstable();
-            let found = in_order(edges.clone(), vertices as usize);
+            let found = in_order(edges.clone(), vertices);
             assert_eq!(found, expected, "{count} of {vertices}");
             // Twin: as they come they are not in order.
             assert!(count < 5 || edges != expected);
@@ -622,7 +624,7 @@ mod tests {
             once.retain(|[a, b]| a < b);
             once.dedup();
             let forward = edges.into_iter().filter(|[a, b]| a < b);
-            assert_eq!(odd_edges(forward, vertices as usize), once);
+            assert_eq!(odd_edges(forward, vertices), once);
         }
         assert_eq!(
             odd_edges([[1, 0], [0, 1], [2, 2], [0, 2]].into_iter(), 3),
