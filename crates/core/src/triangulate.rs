@@ -31,6 +31,8 @@ const MOST_ROUNDS: usize = 16;
 /// atom, in degrees of the Earth.
 pub(crate) const SMALLEST_COORDINATE_DEG: f64 = 1e-25;
 
+/// Edges below which they are put in order by comparing them.
+const COUNTED_FROM: usize = 64;
 /// Vertices to an edge above which edges are put in order by comparing them.
 const COUNTED_FROM_SHARE: usize = 16;
 
@@ -493,8 +495,9 @@ fn odd_edges(ends: impl Iterator<Item = [u32; 2]>, vertices: usize) -> Vec<[u32;
 /// By counting: few edges start at the same vertex, and comparing takes n log n, the growth of which
 /// is seen from a hundred thousand to a million.
 fn in_order(mut edges: Vec<[u32; 2]>, vertices: usize) -> Vec<[u32; 2]> {
-    // To count what hardly occurs costs more than to compare.
-    if edges.len() < vertices / COUNTED_FROM_SHARE {
+    // To count what hardly occurs costs more than to compare, and a list of a few edges, of which
+    // islands have one for each round, is not worth its memory.
+    if edges.len() < COUNTED_FROM.max(vertices / COUNTED_FROM_SHARE) {
         edges.sort_unstable();
         return edges;
     }
