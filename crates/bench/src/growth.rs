@@ -3,9 +3,17 @@
 //!
 //! CPU time of the process, which is this thread's here: nothing else of the run is at work. Families
 //! and sizes take turns, so that whatever else the machine does falls on all of them alike.
+//!
+//! Every build is a process of its own where there is a program to start ([`GrowthProgram`]), as a
+//! user's build is. In a process that has scenes loaded and shapes meshed already the allocator has
+//! memory to hand out again, whose pages are there: enough for a hundred thousand vertices and not for
+//! a million, whose arrays are above the 32 MiB from which on glibc asks the system every time. That
+//! alone made the growth from one to the other a tenth steeper than it is.
 
 use crate::BenchError;
 use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::process::Command;
 use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh, parse_regions};
 use terrafill_gpu::CpuStopwatch;
 use terrafill_results::{GrowthRow, RunFolder};
@@ -15,14 +23,59 @@ use terrafill_scene::ShapeFamily;
 const SIZES: [u32; 5] = [1_000, 10_000, 100_000, 300_000, 1_000_000];
 const QUICK_SIZES: usize = 3;
 /// Builds of each shape and size.
-const REPETITIONS: u32 = 3;
+const REPETITIONS: u32 = 5;
 
-/// Measures what the run's folder does not have yet and appends row by row.
+/// What measures one build in a process of its own.
+#[derive(Debug, Clone)]
+pub struct GrowthProgram {
+    /// Executable.
+    pub path: PathBuf,
+    /// First argument; the family's name and the number of vertices follow. It is to print what
+    /// [`growth_sample`] returns.
+    pub verb: &'static str,
+}
+
+impl GrowthProgram {
+    fn measure(&self, family: ShapeFamily, vertices: u32) -> Result<(u64, f64), String> {
+        let output = Command::new(&self.path)
+            .args([self.verb, family.name(), &vertices.to_string()])
+            .output()
+            .map_err(|error| format!("{}: {error}", self.path.display()))?;
+        let text = String::from_utf8_lossy(&output.stdout);
+        let mut words = text.split_whitespace();
+        let vertices = words.next().and_then(|word| word.parse().ok());
+        let cpu_ms = words.next().and_then(|word| word.parse().ok());
+        vertices
+            .zip(cpu_ms)
+            .filter(|(_, cpu_ms)| output.status.success() && *cpu_ms > 0.0)
+            .ok_or_else(|| {
+                let said = String::from_utf8_lossy(&output.stderr);
+                format!("{} {}: {text}{said}", self.path.display(), self.verb)
+            })
+    }
+}
+
+/// Meshes one shape and says, in a line, how many vertices its outline has and what CPU time its mesh
+/// took from its text on, milliseconds.
+///
+/// # Errors
+/// [`BenchError::Growth`] where the shape does not mesh.
+pub fn growth_sample(family: ShapeFamily, vertices: u32) -> Result<String, BenchError> {
+    let (vertices, cpu_ms) = mesh_ready(family, vertices).map_err(|why| failed(family, why))?;
+    Ok(format!("{vertices} {cpu_ms}\n"))
+}
+
+/// Measures what the run's folder does not have yet and appends row by row; in this process without
+/// a program.
 ///
 /// # Errors
 /// [`BenchError::Growth`] where a shape does not mesh, a fault of this program; else a folder that
 /// cannot be read or written.
-pub(crate) fn measure(folder: &RunFolder, quick: bool) -> Result<(), BenchError> {
+pub(crate) fn measure(
+    folder: &RunFolder,
+    quick: bool,
+    program: Option<&GrowthProgram>,
+) -> Result<(), BenchError> {
     let sizes = &SIZES[..if quick { QUICK_SIZES } else { SIZES.len() }];
     // A shape has about the vertices asked for, so rows are known by the nearest size.
     let nearest = |vertices: u64| {
@@ -35,35 +88,44 @@ pub(crate) fn measure(folder: &RunFolder, quick: bool) -> Result<(), BenchError>
         .into_iter()
         .map(|row| (row.shape, nearest(row.outline_vertices), row.repetition))
         .collect();
-    let shapes: Vec<(ShapeFamily, u32, String)> = sizes
-        .iter()
-        .flat_map(|size| ShapeFamily::ALL.map(|family| (family, *size, family.geojson(*size))))
-        .collect();
-    for repetition in 0..REPETITIONS {
-        for (family, asked, text) in &shapes {
-            if done.contains(&(family.name().to_owned(), Some(*asked), repetition)) {
-                continue;
-            }
-            let measured = mesh_ready(text, family.name()).map_err(|message| BenchError::Growth {
-                shape: family.name(),
-                message,
-            });
-            let (vertices, cpu_ms) = measured?;
-            folder.append_growth(&GrowthRow {
-                shape: family.name().to_owned(),
-                outline_vertices: vertices,
-                repetition,
-                mesh_cpu_ms: cpu_ms,
-            })?;
+    let shapes = || {
+        let families = |size| ShapeFamily::ALL.map(|family| (family, size));
+        sizes.iter().copied().flat_map(families)
+    };
+    for (repetition, (family, asked)) in
+        (0..REPETITIONS).flat_map(|i| shapes().map(move |s| (i, s)))
+    {
+        if done.contains(&(family.name().to_owned(), Some(asked), repetition)) {
+            continue;
         }
+        let measured = match program {
+            Some(program) => program.measure(family, asked),
+            None => mesh_ready(family, asked),
+        };
+        let (vertices, cpu_ms) = measured.map_err(|why| failed(family, why))?;
+        folder.append_growth(&GrowthRow {
+            shape: family.name().to_owned(),
+            outline_vertices: vertices,
+            repetition,
+            mesh_cpu_ms: cpu_ms,
+        })?;
     }
     Ok(())
 }
 
+fn failed(family: ShapeFamily, message: String) -> BenchError {
+    BenchError::Growth {
+        shape: family.name(),
+        message,
+    }
+}
+
 /// Vertices of the outline and CPU time from its text to its mesh.
-fn mesh_ready(text: &str, name: &str) -> Result<(u64, f64), String> {
+fn mesh_ready(family: ShapeFamily, vertices: u32) -> Result<(u64, f64), String> {
+    let text = family.geojson(vertices);
     let watch = CpuStopwatch::start();
-    let regions = parse_regions(text.as_bytes(), name).map_err(|error| error.to_string())?;
+    let regions =
+        parse_regions(text.as_bytes(), family.name()).map_err(|error| error.to_string())?;
     let region = regions.first().ok_or("no region")?;
     let (body, options) = (Ellipsoid::WGS84, MeshOptions::default());
     let mesh = RegionMesh::build(region, &body, EdgeRule::Planar, &options);
@@ -89,20 +151,59 @@ mod tests {
             &RunPlan::default(),
         )
         .expect("an empty folder");
-        measure(&run, true).expect("measures");
+        measure(&run, true, None).expect("measures");
         let rows = run.growth().expect("rows");
         assert_eq!(rows.len(), ShapeFamily::ALL.len() * QUICK_SIZES * 3);
         assert!(rows.iter().all(|row| row.mesh_cpu_ms > 0.0));
         let file = folder.path().join("growth.csv");
         let whole = std::fs::read_to_string(&file).expect("text");
-        measure(&run, true).expect("nothing to do");
+        measure(&run, true, None).expect("nothing to do");
         assert_eq!(std::fs::read_to_string(&file).expect("text"), whole);
         // Twin: without its last row, that one is measured.
         let end = whole.trim_end().rfind('\n').expect("rows") + 1;
         std::fs::write(&file, &whole[..end]).expect("writable");
-        measure(&run, true).expect("measures");
+        measure(&run, true, None).expect("measures");
         assert_eq!(run.growth().expect("rows").len(), rows.len());
         let again = std::fs::read_to_string(&file).expect("text");
         assert!(again.starts_with(&whole[..end]));
+    }
+
+    #[test]
+    fn a_program_that_says_nothing_or_fails_is_no_measurement() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let run = RunFolder::create(
+            folder.path(),
+            &RunEnvironment::default(),
+            &RunPlan::default(),
+        )
+        .expect("an empty folder");
+        let program = |path: &str, verb| GrowthProgram {
+            path: PathBuf::from(path),
+            verb,
+        };
+        for wrong in [
+            program("true", ""),
+            program("echo", "1000"),
+            program("echo", "1000 -1"),
+        ] {
+            let error = measure(&run, true, Some(&wrong)).expect_err("nothing was measured");
+            assert!(matches!(error, BenchError::Growth { .. }), "{error}");
+        }
+        let error = measure(&run, true, Some(&program("no such program", "")));
+        assert!(error.is_err_and(|error| error.to_string().contains("no such program")));
+        assert_eq!(run.growth().expect("no rows").len(), 0);
+        // Twin: two numbers are one, and what a build says of itself are such.
+        measure(&run, true, Some(&program("echo", "1000 0.5"))).expect("measured");
+        assert!(
+            run.growth()
+                .expect("rows")
+                .iter()
+                .all(|row| row.mesh_cpu_ms == 0.5)
+        );
+        let sample = growth_sample(ShapeFamily::Circle, 1_000).expect("meshes");
+        let mut words = sample.split_whitespace();
+        assert_eq!(words.next(), Some("1000"));
+        let cpu_ms: f64 = words.next().expect("a time").parse().expect("a number");
+        assert!(cpu_ms > 0.0 && words.next().is_none());
     }
 }

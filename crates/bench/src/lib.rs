@@ -29,9 +29,10 @@ mod textured;
 
 pub use cases::{BenchCase, Roles, SceneGroup, group_cases};
 pub use environment::environment;
+pub use growth::{GrowthProgram, growth_sample};
 pub use options::{BenchError, BenchOptions, LADDER_SCENE, MATRIX_SCENES, NO_SCENE, Shard};
 pub use precision::{measure_suite, suite_findings};
-pub use runner::{BenchOutcome, run};
+pub use runner::{BenchOutcome, run, run_with_growth_program};
 pub use scenes::open_scene;
 pub use technique::{BACKENDS, Setting, Technique};
 pub use textured::{PICTURE_SCENES, ShownPicture};

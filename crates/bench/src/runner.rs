@@ -2,7 +2,7 @@
 //! The run: `scenes → meshes → FrameInput → reference and backends → figures → samples → CSV`.
 
 use crate::group::GroupRun;
-use crate::growth;
+use crate::growth::{self, GrowthProgram};
 use crate::precision::Suite;
 use crate::scenes::{SkippedScenes, plan_groups};
 use crate::technique::NativeGpu;
@@ -38,6 +38,24 @@ pub struct BenchOutcome {
 /// [`BenchError`] for wrong input, no device, or a folder that cannot be written. What was measured
 /// before stays.
 pub fn run(options: &BenchOptions) -> Result<BenchOutcome, BenchError> {
+    run_all(options, None)
+}
+
+/// As [`run`], with every build of the growth measured by a process of its own.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_with_growth_program(
+    options: &BenchOptions,
+    program: &GrowthProgram,
+) -> Result<BenchOutcome, BenchError> {
+    run_all(options, Some(program))
+}
+
+fn run_all(
+    options: &BenchOptions,
+    growth_program: Option<&GrowthProgram>,
+) -> Result<BenchOutcome, BenchError> {
     for backend in &options.backends {
         if !BACKENDS.contains(&backend.as_str()) {
             return Err(BenchError::UnknownBackend {
@@ -74,7 +92,7 @@ pub fn run(options: &BenchOptions) -> Result<BenchOutcome, BenchError> {
         RunFolder::create(&options.out, &environment, &plan)?
     };
     if measures_growth(options) {
-        growth::measure(&folder, options.quick)?;
+        growth::measure(&folder, options.quick, growth_program)?;
     }
     if options.wants_precision() {
         Suite::new(options.quick).measure(&gpu, &folder)?;

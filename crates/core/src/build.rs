@@ -682,6 +682,14 @@ fn compensated_sum(terms: impl Iterator<Item = f64>) -> f64 {
     sum + lost
 }
 
+fn append<T>(list: &mut Vec<T>, mut more: Vec<T>) {
+    if list.is_empty() {
+        *list = more;
+    } else {
+        list.append(&mut more);
+    }
+}
+
 /// Puts pieces together on the body.
 #[derive(Default)]
 struct Stitcher {
@@ -708,18 +716,22 @@ impl Stitcher {
                 .zip(ends.iter().cycle().skip(1))
                 .all(|(a, b)| a != b)
         };
-        for corners in group.triangles {
-            let corners = corners.map(|i| index[i as usize]);
-            if distinct(&corners) {
-                self.triangles.push(corners);
-            }
+        // In place, and the lists of the first group, mostly the only one, become the region's.
+        let GroupMesh {
+            mut triangles,
+            mut boundary,
+            ..
+        } = group;
+        for corners in &mut triangles {
+            *corners = corners.map(|i| index[i as usize]);
         }
-        for ends in group.boundary {
-            let ends = ends.map(|i| index[i as usize]);
-            if distinct(&ends) {
-                self.boundary.push(ends);
-            }
+        triangles.retain(|corners| distinct(corners));
+        append(&mut self.triangles, triangles);
+        for ends in &mut boundary {
+            *ends = ends.map(|i| index[i as usize]);
         }
+        boundary.retain(|ends| distinct(ends));
+        append(&mut self.boundary, boundary);
     }
 
     fn vertex(&mut self, body: &Ellipsoid, position: Degrees) -> u32 {

@@ -239,6 +239,10 @@ impl Builder<'_, '_> {
                 ring: ring_index,
                 vertex,
             };
+            if self.rule == EdgeRule::Planar && is_uncut(ring) {
+                self.add_uncut(&mut part, ring, place);
+                continue;
+            }
             let mut pieces = match ring_pieces(self.rule, ring) {
                 Ok(pieces) => pieces,
                 Err(vertices) => {
@@ -273,6 +277,17 @@ impl Builder<'_, '_> {
             }
         }
         self.parts.push(part);
+    }
+
+    /// Edges as they stand: most rings are far from the antimeridian, and a list of pieces of a
+    /// million edges is memory to fill and to go through again.
+    fn add_uncut(&mut self, part: &mut Part, ring: &Ring, place: impl Fn(usize) -> EdgePlace) {
+        let mut run = Bounds::EMPTY;
+        for (vertex, (start, end)) in ring.edges_deg().enumerate() {
+            run.add(start);
+            self.add_split(part, start, end, place(vertex));
+        }
+        self.longitudes.push([run.0[0], run.0[2]]);
     }
 
     /// Notes the edges that are cut at the antimeridian or run along it.
@@ -429,6 +444,12 @@ fn ring_pieces(rule: EdgeRule, ring: &Ring) -> Result<Vec<Piece>, Vec<usize>> {
         EdgeRule::Planar => Ok(planar_pieces(ring)),
         EdgeRule::GreatEllipse => great_ellipse_pieces(ring),
     }
+}
+
+/// Whether planar edges of a ring have nothing to do with the antimeridian.
+fn is_uncut(ring: &Ring) -> bool {
+    let mut vertices = ring.vertices_deg().iter();
+    ring.winding_deg() == 0.0 && vertices.all(|vertex| is_off_antimeridian(vertex[0]))
 }
 
 /// See [`ring_pieces`].

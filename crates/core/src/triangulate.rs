@@ -31,6 +31,11 @@ const MOST_ROUNDS: usize = 16;
 /// atom, in degrees of the Earth.
 pub(crate) const SMALLEST_COORDINATE_DEG: f64 = 1e-25;
 
+/// Edges below which they are put in order by comparing them.
+const COUNTED_FROM: usize = 64;
+/// Vertices to an edge above which edges are put in order by comparing them.
+const COUNTED_FROM_SHARE: usize = 16;
+
 /// Triangles of one group of edges.
 pub(crate) struct GroupMesh {
     pub(crate) vertices: Vec<Degrees>,
@@ -63,11 +68,11 @@ pub(crate) fn triangulate(
     options: &MeshOptions,
 ) -> Result<GroupMesh, TriangulateError> {
     let mut group = load_without_false_crossings(edges, rule)?;
-    let mut inside = group.inside_faces();
-    if group.reaches_beyond(options.cap_step_deg) && group.refine(&inside, options.cap_step_deg)? {
-        inside = group.inside_faces();
+    group.mesh.find_inside();
+    if group.reaches_beyond(options.cap_step_deg) {
+        group.refine(options.cap_step_deg)?;
     }
-    group.extract(&inside)
+    group.extract()
 }
 
 /// Crossings of one group that are looked for: a list that long helps nobody, and a ring that
@@ -133,8 +138,6 @@ struct Group {
     mesh: Delaunay,
     /// Power of two that longitudes are multiplied by.
     scale: f64,
-    /// Degrees, by index of the vertex in the triangulation, the frame's first.
-    vertices: Vec<Degrees>,
     /// Indices of the outline's vertices in the order of the outline; some occur more than once.
     outline_order: Vec<u32>,
     /// `[west, south, east, north]`.
@@ -151,12 +154,9 @@ impl Group {
         let count = corners.positions.len();
         let [west, south, east, north] = bounds;
         let mesh = Delaunay::new([west * scale, south, east * scale, north], count);
-        let mut vertices = Vec::with_capacity(FRAME_CORNERS + count);
-        vertices.resize(FRAME_CORNERS, [0.0; 2]);
         let mut group = Self {
             mesh,
             scale,
-            vertices,
             outline_order: vec![0; count],
             bounds,
         };
@@ -166,7 +166,7 @@ impl Group {
                 group.outline_order[corner as usize] = vertex;
             }
             let ends = new_edges.map(|ends| ends.map(|i| group.outline_order[i as usize]));
-            for [from, to] in odd_edges(ends) {
+            for [from, to] in odd_edges(ends, group.mesh.vertex_count()) {
                 match group.mesh.constrain(from, to) {
                     Ok(()) => {}
                     Err(Blocked::Crossing) => return Ok(None),
@@ -175,29 +175,6 @@ impl Group {
             }
         }
         Ok(Some(group))
-    }
-
-    /// By index of the triangle: whether an odd number of edges separates it from the outside.
-    fn inside_faces(&self) -> Vec<bool> {
-        const UNKNOWN: u8 = 2;
-        let mut inside = vec![UNKNOWN; self.mesh.triangle_count()];
-        // Nothing of the outline is at the frame, so the triangles there are outside.
-        let outside = self.mesh.at_frame();
-        inside[outside as usize] = 0;
-        let mut waiting = vec![outside];
-        while let Some(triangle) = waiting.pop() {
-            let here = inside[triangle as usize];
-            for i in 0..3 {
-                let Some(neighbour) = self.mesh.neighbour(triangle, i) else {
-                    continue;
-                };
-                if inside[neighbour as usize] == UNKNOWN {
-                    inside[neighbour as usize] = here ^ u8::from(self.mesh.is_odd(triangle, i));
-                    waiting.push(neighbour);
-                }
-            }
-        }
-        inside.into_iter().map(|side| side == 1).collect()
     }
 
     /// Whether anything can be longer than the step; most islands are not.
@@ -210,36 +187,37 @@ impl Group {
         [position[0] * self.scale, position[1]]
     }
 
-    fn insert(&mut self, position: Degrees) -> Result<u32, TriangulateError> {
-        let position = position.map(without_underflow);
-        let vertex = self.mesh.insert(self.planar(position))?;
-        if vertex as usize == self.vertices.len() {
-            self.vertices.push(position);
-        }
-        Ok(vertex)
+    /// Degrees. The scale being a power of two, not one bit is lost on the way there and back.
+    fn position(&self, vertex: u32) -> Degrees {
+        let [x, y] = self.mesh.point(vertex);
+        [x / self.scale, y]
     }
 
-    /// Adds interior points until no interior edge is too long; whether there were any to add.
+    fn insert(&mut self, position: Degrees) -> Result<u32, TriangulateError> {
+        let position = position.map(without_underflow);
+        Ok(self.mesh.insert(self.planar(position))?)
+    }
+
+    /// Adds interior points until no interior edge is too long.
     ///
     /// Every edge that an insertion makes ends at the point inserted, so after the first look only
     /// the edges of new points are looked at.
-    fn refine(&mut self, inside: &[bool], step_deg: f64) -> Result<bool, TriangulateError> {
+    fn refine(&mut self, step_deg: f64) -> Result<(), TriangulateError> {
         let long: Vec<[u32; 2]> = self
             .mesh
             .edges()
             .filter(|&(triangle, i)| {
-                inside[triangle as usize] && !self.mesh.is_constraint(triangle, i)
+                self.mesh.is_inside(triangle) && !self.mesh.is_constraint(triangle, i)
             })
             .map(|(triangle, i)| self.mesh.ends(triangle, i))
             .filter(|ends| self.is_too_long(*ends, step_deg))
             .collect();
-        let mut new = self.insert_lattice(inside, step_deg)?;
+        let mut new = self.insert_lattice(step_deg)?;
         let mut middles: Vec<Degrees> = long
             .into_iter()
             .filter(|[from, to]| self.mesh.edge_between(*from, *to).is_ok())
             .map(|ends| self.middle(ends))
             .collect();
-        let changed = !(new.is_empty() && middles.is_empty());
         for _ in 0..MOST_ROUNDS {
             middles.extend(self.middles_round(&new, step_deg));
             if middles.is_empty() {
@@ -247,14 +225,14 @@ impl Group {
             }
             new.clear();
             for middle in middles.drain(..) {
-                let before = self.vertices.len();
+                let before = self.mesh.vertex_count();
                 let vertex = self.insert(middle)?;
                 if vertex as usize == before {
                     new.push(vertex);
                 }
             }
         }
-        Ok(changed)
+        Ok(())
     }
 
     /// Middles of the edges that are too long among those that end at one of these vertices.
@@ -278,16 +256,12 @@ impl Group {
     }
 
     fn middle(&self, ends: [u32; 2]) -> Degrees {
-        let [a, b] = ends.map(|end| self.vertices[end as usize]);
+        let [a, b] = ends.map(|end| self.position(end));
         [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
     }
 
     /// Points on parallels that are multiples of the step apart, about one step apart on each.
-    fn insert_lattice(
-        &mut self,
-        inside: &[bool],
-        step_deg: f64,
-    ) -> Result<Vec<u32>, TriangulateError> {
+    fn insert_lattice(&mut self, step_deg: f64) -> Result<Vec<u32>, TriangulateError> {
         let [west, south, east, north] = self.bounds;
         let mut chosen = Vec::new();
         let mut row = (south / step_deg).ceil();
@@ -302,7 +276,7 @@ impl Group {
                 let longitude = column * spacing - 180.0;
                 column += 1.0;
                 let clearance = LATTICE_CLEARANCE_STEPS * step_deg;
-                if self.is_clear([longitude, latitude], cosine, clearance, inside) {
+                if self.is_clear([longitude, latitude], cosine, clearance) {
                     chosen.push([longitude, latitude]);
                 }
             }
@@ -315,21 +289,15 @@ impl Group {
     }
 
     /// Whether a place is inside and far enough from the corners and marked edges of its face.
-    fn is_clear(
-        &self,
-        position: Degrees,
-        cosine: f64,
-        clearance_deg: f64,
-        inside: &[bool],
-    ) -> bool {
+    fn is_clear(&self, position: Degrees, cosine: f64, clearance_deg: f64) -> bool {
         let Place::Face(triangle) = self.mesh.locate(self.planar(position)) else {
             return false;
         };
-        if !inside[triangle as usize] {
+        if !self.mesh.is_inside(triangle) {
             return false;
         }
         let local = |vertex: u32| {
-            let [longitude, latitude] = self.vertices[vertex as usize];
+            let [longitude, latitude] = self.position(vertex);
             [(longitude - position[0]) * cosine, latitude - position[1]]
         };
         (0..3).all(|i| {
@@ -346,36 +314,40 @@ impl Group {
     /// Whether an edge is longer than that of a facet may be.
     fn is_too_long(&self, ends: [u32; 2], step_deg: f64) -> bool {
         let longest_deg = LONGEST_INTERIOR_EDGE_STEPS * step_deg;
-        let [a, b] = ends.map(|end| self.vertices[end as usize]);
+        let [a, b] = ends.map(|end| self.position(end));
         let (width, height) = ((b[0] - a[0]).abs(), b[1] - a[1]);
         width.hypot(height) > longest_deg
             && (width > WIDEST_INTERIOR_EDGE_DEG || arc_rad(a, b).to_degrees() > longest_deg)
     }
 
-    fn extract(self, inside: &[bool]) -> Result<GroupMesh, TriangulateError> {
+    fn extract(self) -> Result<GroupMesh, TriangulateError> {
+        let inside: Vec<bool> = (0..index_u32(self.mesh.triangle_count()))
+            .map(|triangle| self.mesh.is_inside(triangle))
+            .collect();
         let count = inside.iter().filter(|inside| **inside).count();
         let mut triangles = Vec::with_capacity(count);
-        let mut used = vec![false; self.vertices.len()];
-        for (triangle, _) in (0..).zip(inside).filter(|(_, inside)| **inside) {
+        let count = self.mesh.vertex_count();
+        let mut used = vec![false; count];
+        for (triangle, _) in (0..).zip(&inside).filter(|(_, inside)| **inside) {
             let corners = self.mesh.corners(triangle);
             corners.iter().for_each(|&i| used[i as usize] = true);
             triangles.push(corners);
         }
         // In the order of the outline: what is done with neighbours stays close in memory.
-        let mut new_index = vec![u32::MAX; self.vertices.len()];
-        let mut vertices = Vec::with_capacity(self.vertices.len());
-        let interior = 0..index_u32(self.vertices.len());
-        for old in self.outline_order.iter().copied().chain(interior) {
-            let old = old as usize;
+        let mut new_index = vec![u32::MAX; count];
+        let mut vertices = Vec::with_capacity(count);
+        let interior = 0..index_u32(count);
+        for vertex in self.outline_order.iter().copied().chain(interior) {
+            let old = vertex as usize;
             if used[old] && new_index[old] == u32::MAX {
                 new_index[old] = index_u32(vertices.len());
-                vertices.push(self.vertices[old]);
+                vertices.push(self.position(vertex));
             }
         }
         for corners in &mut triangles {
             *corners = corners.map(|i| new_index[i as usize]);
         }
-        let mut boundary = Vec::new();
+        let mut boundary = Vec::with_capacity(self.outline_order.len());
         for (triangle, i) in self.mesh.edges() {
             if !self.mesh.is_odd(triangle, i) {
                 continue;
@@ -392,11 +364,10 @@ impl Group {
                 .map(|end| new_index[end as usize]);
             boundary.push(if left { [from, to] } else { [to, from] });
         }
-        boundary.sort_unstable();
         Ok(GroupMesh {
+            boundary: in_order(boundary, vertices.len()),
             vertices,
             triangles,
-            boundary,
         })
     }
 }
@@ -495,18 +466,63 @@ fn round(position: Degrees) -> u8 {
     (ROUNDS - 1).saturating_sub(u8::try_from(earlier).unwrap_or(u8::MAX))
 }
 
-/// Edges that occur an odd number of times, whichever way they run.
-fn odd_edges(ends: impl Iterator<Item = [u32; 2]>) -> Vec<[u32; 2]> {
-    let mut sorted: Vec<[u32; 2]> = ends
+/// Edges that occur an odd number of times, whichever way they run, in order.
+fn odd_edges(ends: impl Iterator<Item = [u32; 2]>, vertices: usize) -> Vec<[u32; 2]> {
+    let lower_first: Vec<[u32; 2]> = ends
         .filter(|[a, b]| a != b)
         .map(|[a, b]| [a.min(b), a.max(b)])
         .collect();
-    sorted.sort_unstable();
+    let mut odd = in_order(lower_first, vertices);
+    // Hardly any edge occurs twice: what stays is moved within the list.
+    let (mut kept, mut next) = (0, 0);
+    while let Some(edge) = odd.get(next).copied() {
+        let same = odd[next..]
+            .iter()
+            .take_while(|other| **other == edge)
+            .count();
+        if same % 2 == 1 {
+            odd[kept] = edge;
+            kept += 1;
+        }
+        next += same;
+    }
+    odd.truncate(kept);
+    odd
+}
+
+/// Edges in order of their first ends, of which there are so many, and then of their second ones.
+///
+/// By counting: few edges start at the same vertex, and comparing takes n log n, the growth of which
+/// is seen from a hundred thousand to a million.
+fn in_order(mut edges: Vec<[u32; 2]>, vertices: usize) -> Vec<[u32; 2]> {
+    // To count what hardly occurs costs more than to compare, and a list of a few edges, of which
+    // islands have one for each round, is not worth its memory.
+    if edges.len() < COUNTED_FROM.max(vertices / COUNTED_FROM_SHARE) {
+        edges.sort_unstable();
+        return edges;
+    }
+    // Of each vertex, where its next edge goes; at first where those of the one before end.
+    let mut places = vec![0_u32; vertices + 1];
+    for [from, _] in &edges {
+        places[*from as usize + 1] += 1;
+    }
+    let mut total = 0;
+    for place in &mut places {
+        total += *place;
+        *place = total;
+    }
+    let mut sorted = vec![[0; 2]; edges.len()];
+    for edge in edges {
+        let place = &mut places[edge[0] as usize];
+        sorted[*place as usize] = edge;
+        *place += 1;
+    }
+    for same_start in sorted.chunk_by_mut(|a, b| a[0] == b[0]) {
+        if same_start.len() > 1 {
+            same_start.sort_unstable();
+        }
+    }
     sorted
-        .chunk_by(|a, b| a == b)
-        .filter(|same| same.len() % 2 == 1)
-        .map(|same| same[0])
-        .collect()
 }
 
 pub(crate) fn without_underflow(coordinate: f64) -> f64 {
@@ -578,6 +594,45 @@ mod tests {
             Err(TriangulateError::Crossings { found, .. }) => panic!("crossings at {found:?}"),
             Err(TriangulateError::Refused(message)) => panic!("{message}"),
         }
+    }
+
+    #[test]
+    fn edges_are_put_in_order_as_by_comparing_them() {
+        let mut state = 5_u64;
+        let mut random = |below: u64| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            u32::try_from((state >> 33) % below).expect("small")
+        };
+        for (count, vertices) in [
+            (0, 1_usize),
+            (1, 1),
+            (5, 900),
+            (300, 900),
+            (2_000, 40),
+            (900, 900),
+        ] {
+            let edges: Vec<[u32; 2]> = (0..count)
+                .map(|_| [random(vertices as u64), random(7)])
+                .collect();
+            let mut expected = edges.clone();
+            expected.sort_unstable();
+            let found = in_order(edges.clone(), vertices);
+            assert_eq!(found, expected, "{count} of {vertices}");
+            // Twin: as they come they are not in order.
+            assert!(count < 5 || edges != expected);
+            let parity = |edge: &&[u32; 2]| expected.iter().filter(|e| e == edge).count() % 2 == 1;
+            let mut once: Vec<[u32; 2]> = expected.iter().filter(parity).copied().collect();
+            once.retain(|[a, b]| a < b);
+            once.dedup();
+            let forward = edges.into_iter().filter(|[a, b]| a < b);
+            assert_eq!(odd_edges(forward, vertices), once);
+        }
+        assert_eq!(
+            odd_edges([[1, 0], [0, 1], [2, 2], [0, 2]].into_iter(), 3),
+            [[0, 2]]
+        );
     }
 
     #[test]

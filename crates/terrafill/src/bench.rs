@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! `bench` and `report`.
 
-use crate::arguments::{BenchArguments, ReportArguments};
+use crate::arguments::{BenchArguments, GROWTH_SAMPLE, GrowthSampleArguments, ReportArguments};
 use crate::{Failure, Outcome, print};
 use std::path::Path;
-use terrafill_bench::{BenchError, BenchOptions};
+use terrafill_bench::{BenchError, BenchOptions, GrowthProgram};
 use terrafill_report::write_report;
 use terrafill_results::RunFolder;
 use terrafill_scene::{ImageSize, data_dir_from_env};
@@ -32,7 +32,12 @@ pub(crate) fn run(arguments: BenchArguments) -> Result<Outcome, Failure> {
             _ => None,
         },
     };
-    let outcome = terrafill_bench::run(&options).map_err(|error| match error {
+    let this = GrowthProgram {
+        path: std::env::current_exe().map_err(Failure::bad_input)?,
+        verb: GROWTH_SAMPLE,
+    };
+    let outcome = terrafill_bench::run_with_growth_program(&options, &this);
+    let outcome = outcome.map_err(|error| match error {
         BenchError::NoDevice(_) | BenchError::Device { .. } => Failure::no_device(error),
         _ => Failure::bad_input(error),
     })?;
@@ -53,6 +58,12 @@ pub(crate) fn run(arguments: BenchArguments) -> Result<Outcome, Failure> {
         _ if outcome.ok == 0 => Outcome::NothingMeasured,
         _ => Outcome::Done,
     })
+}
+
+pub(crate) fn growth_sample(arguments: &GrowthSampleArguments) -> Result<Outcome, Failure> {
+    let sample = terrafill_bench::growth_sample(arguments.shape, arguments.vertices);
+    print(&sample.map_err(Failure::bad_input)?);
+    Ok(Outcome::Done)
 }
 
 pub(crate) fn report(arguments: &ReportArguments) -> Result<Outcome, Failure> {

@@ -68,6 +68,7 @@ fn main() -> ExitCode {
         Verb::Locate(arguments) => locate::run(&arguments),
         Verb::Scenes(arguments) => inspect::scenes(&arguments),
         Verb::Devices => inspect::devices(),
+        Verb::GrowthSample(arguments) => bench::growth_sample(&arguments),
     };
     let outcome = result.unwrap_or_else(|failure| {
         for problem in failure.message.lines() {

@@ -62,6 +62,26 @@ struct Triangle {
     corners: [u32; 3],
     neighbours: [u32; 3],
     marks: [u8; 3],
+    side: Side,
+}
+
+/// Of the constraints that a triangle lies on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Unknown,
+    Outside,
+    Inside,
+}
+
+impl Side {
+    /// Across an edge along which so many constraints run.
+    fn across(self, is_odd: bool) -> Self {
+        match self {
+            Self::Outside if is_odd => Self::Inside,
+            Self::Inside if is_odd => Self::Outside,
+            same => same,
+        }
+    }
 }
 
 impl Triangle {
@@ -76,11 +96,19 @@ impl Triangle {
     }
 }
 
+/// A position and the way to it. Together, since an edge is flipped after its ends were looked at: in a
+/// triangulation that is larger than the cache and the translation buffers every list of its own is
+/// another place of memory to go to.
+#[derive(Clone, Copy)]
+struct Vertex {
+    point: Point,
+    /// A triangle that it is a corner of.
+    triangle: u32,
+}
+
 /// The triangulation.
 pub(crate) struct Delaunay {
-    points: Vec<Point>,
-    /// A triangle at each vertex.
-    at: Vec<u32>,
+    vertices: Vec<Vertex>,
     triangles: Vec<Triangle>,
     /// Where the search for the next point starts: where the last one went.
     hint: u32,
@@ -90,42 +118,71 @@ pub(crate) struct Delaunay {
 
 impl Delaunay {
     /// An empty frame round `[west, south, east, north]`, with room for so many vertices.
-    pub(crate) fn new([west, south, east, north]: [f64; 4], vertices: usize) -> Self {
+    pub(crate) fn new([west, south, east, north]: [f64; 4], vertex_count: usize) -> Self {
         // As wide again on every side, so that no triangle between an outline and the frame is
         // much thinner than the outline itself makes it.
         let margin = (east - west).max(north - south).max(1.0);
         let (west, south) = (west - margin, south - margin);
         let (east, north) = (east + margin, north + margin);
-        let count = vertices + FRAME_CORNERS;
-        let mut points = Vec::with_capacity(count);
-        points.extend([[west, south], [east, south], [east, north], [west, north]]);
-        let mut at = Vec::with_capacity(count);
-        at.extend([0, 0, 0, 1]);
+        let count = vertex_count + FRAME_CORNERS;
+        let mut vertices = Vec::with_capacity(count);
+        let corners = [[west, south], [east, south], [east, north], [west, north]];
+        let corners = corners.into_iter().zip([0, 0, 0, 1]);
+        vertices.extend(corners.map(|(point, triangle)| Vertex { point, triangle }));
         let mut triangles = Vec::with_capacity(2 * count);
         triangles.extend([
             Triangle {
                 corners: [0, 1, 2],
                 neighbours: [NONE, 1, NONE],
                 marks: [0; 3],
+                side: Side::Unknown,
             },
             Triangle {
                 corners: [0, 2, 3],
                 neighbours: [NONE, NONE, 0],
                 marks: [0; 3],
+                side: Side::Unknown,
             },
         ]);
         Self {
-            points,
-            at,
+            vertices,
             triangles,
             hint: 0,
             waiting: Vec::new(),
         }
     }
 
-    /// A triangle at a corner of the frame.
-    pub(crate) fn at_frame(&self) -> u32 {
-        self.at[0]
+    /// Tells inside from outside: whether an odd number of constraints separates a triangle from the
+    /// frame. To be called when all constraints are in; points that are inserted later keep it, so
+    /// that the triangles need to be gone through only once.
+    pub(crate) fn find_inside(&mut self) {
+        // Nothing is constrained at the frame, so the triangles there are outside.
+        let outside = self.vertices[0].triangle;
+        self.triangles[outside as usize].side = Side::Outside;
+        let mut waiting = vec![outside];
+        while let Some(index) = waiting.pop() {
+            let triangle = self.triangles[index as usize];
+            for (neighbour, mark) in triangle.neighbours.into_iter().zip(triangle.marks) {
+                if neighbour == NONE {
+                    continue;
+                }
+                let across = &mut self.triangles[neighbour as usize];
+                if across.side == Side::Unknown {
+                    across.side = triangle.side.across(mark & ODD != 0);
+                    waiting.push(neighbour);
+                }
+            }
+        }
+    }
+
+    /// Whether a triangle is inside, once [`Delaunay::find_inside`] has told.
+    pub(crate) fn is_inside(&self, triangle: u32) -> bool {
+        self.triangles[triangle as usize].side == Side::Inside
+    }
+
+    /// Those of the frame included.
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.vertices.len()
     }
 
     pub(crate) fn triangle_count(&self) -> usize {
@@ -133,7 +190,7 @@ impl Delaunay {
     }
 
     pub(crate) fn point(&self, vertex: u32) -> Point {
-        self.points[vertex as usize]
+        self.vertices[vertex as usize].point
     }
 
     /// Corners of a triangle, counter-clockwise.
@@ -231,26 +288,24 @@ impl Delaunay {
     /// # Errors
     /// [`Blocked::Outside`].
     pub(crate) fn insert(&mut self, point: Point) -> Result<u32, Blocked> {
-        let vertex = index_u32(self.points.len());
+        let vertex = index_u32(self.vertices.len());
         match self.locate(point) {
             Place::Vertex(known) => {
-                self.hint = self.at[known as usize];
+                self.hint = self.vertices[known as usize].triangle;
                 return Ok(known);
             }
             Place::Outside => return Err(Blocked::Outside),
             Place::Face(triangle) => {
-                self.points.push(point);
-                self.split_face(triangle, vertex);
+                self.split_face(triangle, vertex, point);
             }
             Place::Edge(triangle, i) => {
                 if self.triangles[triangle as usize].neighbours[i] == NONE {
                     return Err(Blocked::Outside);
                 }
-                self.points.push(point);
-                self.split_edge(triangle, i, vertex);
+                self.split_edge(triangle, i, vertex, point);
             }
         }
-        self.hint = self.at[vertex as usize];
+        self.hint = self.vertices[vertex as usize].triangle;
         while let Some(triangle) = self.waiting.pop() {
             if self.is_certainly_illegal(triangle, 0) {
                 let across = self.triangles[triangle as usize].neighbours[0];
@@ -262,7 +317,7 @@ impl Delaunay {
     }
 
     /// Corner `a`, `b`, `c` → `p b c`, `p c a`, `p a b`.
-    fn split_face(&mut self, triangle: u32, p: u32) {
+    fn split_face(&mut self, triangle: u32, p: u32, point: Point) {
         let old = self.triangles[triangle as usize];
         let [a, b, c] = old.corners;
         let second = index_u32(self.triangles.len());
@@ -271,29 +326,32 @@ impl Delaunay {
             corners: [p, b, c],
             neighbours: [old.neighbours[0], second, third],
             marks: [old.marks[0], 0, 0],
+            side: old.side,
         };
         self.triangles.push(Triangle {
             corners: [p, c, a],
             neighbours: [old.neighbours[1], third, triangle],
             marks: [old.marks[1], 0, 0],
+            side: old.side,
         });
         self.triangles.push(Triangle {
             corners: [p, a, b],
             neighbours: [old.neighbours[2], triangle, second],
             marks: [old.marks[2], 0, 0],
+            side: old.side,
         });
         self.relink(old.neighbours[1], triangle, second);
         self.relink(old.neighbours[2], triangle, third);
-        self.at.push(triangle);
-        self.at[a as usize] = second;
-        self.at[b as usize] = triangle;
-        self.at[c as usize] = triangle;
+        self.vertices.push(Vertex { point, triangle });
+        self.vertices[a as usize].triangle = second;
+        self.vertices[b as usize].triangle = triangle;
+        self.vertices[c as usize].triangle = triangle;
         self.waiting.extend([triangle, second, third]);
     }
 
     /// `a b c` and, across its edge `b c`, `d c b` → `p a b`, `p c a`, `p d c`, `p b d`. Both halves of
     /// the edge keep its marks.
-    fn split_edge(&mut self, triangle: u32, i: usize, p: u32) {
+    fn split_edge(&mut self, triangle: u32, i: usize, p: u32, point: Point) {
         let here = self.triangles[triangle as usize];
         let across = here.neighbours[i];
         let there = self.triangles[across as usize];
@@ -309,29 +367,33 @@ impl Delaunay {
             corners: [p, a, b],
             neighbours: [here.neighbours[ab], across, at_ca],
             marks: [here.marks[ab], mark, 0],
+            side: here.side,
         };
         self.triangles[across as usize] = Triangle {
             corners: [p, b, d],
             neighbours: [there.neighbours[bd], at_dc, triangle],
             marks: [there.marks[bd], 0, mark],
+            side: there.side,
         };
         self.triangles.push(Triangle {
             corners: [p, c, a],
             neighbours: [here.neighbours[ca], triangle, at_dc],
             marks: [here.marks[ca], 0, mark],
+            side: here.side,
         });
         self.triangles.push(Triangle {
             corners: [p, d, c],
             neighbours: [there.neighbours[dc], at_ca, across],
             marks: [there.marks[dc], mark, 0],
+            side: there.side,
         });
         self.relink(here.neighbours[ca], triangle, at_ca);
         self.relink(there.neighbours[dc], across, at_dc);
-        self.at.push(triangle);
-        self.at[a as usize] = triangle;
-        self.at[b as usize] = triangle;
-        self.at[c as usize] = at_ca;
-        self.at[d as usize] = across;
+        self.vertices.push(Vertex { point, triangle });
+        self.vertices[a as usize].triangle = triangle;
+        self.vertices[b as usize].triangle = triangle;
+        self.vertices[c as usize].triangle = at_ca;
+        self.vertices[d as usize].triangle = across;
         self.waiting.extend([triangle, across, at_ca, at_dc]);
     }
 
@@ -371,16 +433,18 @@ impl Delaunay {
             corners: [p, b, d],
             neighbours: [there.neighbours[bd], across, here.neighbours[pb]],
             marks: [there.marks[bd], 0, here.marks[pb]],
+            side: here.side,
         };
         self.triangles[across as usize] = Triangle {
             corners: [p, d, c],
             neighbours: [there.neighbours[dc], here.neighbours[cp], triangle],
             marks: [there.marks[dc], here.marks[cp], 0],
+            side: here.side,
         };
         self.relink(there.neighbours[bd], across, triangle);
         self.relink(here.neighbours[cp], triangle, across);
-        self.at[b as usize] = triangle;
-        self.at[c as usize] = across;
+        self.vertices[b as usize].triangle = triangle;
+        self.vertices[c as usize].triangle = across;
     }
 
     /// The edge between two vertices, as a triangle and the corner opposite; the end with fewer
@@ -552,7 +616,7 @@ struct Fan {
 
 impl Fan {
     fn new(mesh: &Delaunay, vertex: u32) -> Self {
-        let first = mesh.at[vertex as usize];
+        let first = mesh.vertices[vertex as usize].triangle;
         Self {
             vertex,
             first,
@@ -731,7 +795,7 @@ mod tests {
         mesh.flip(triangle, i);
         assert!(fault(&mesh).is_some_and(|fault| fault.contains("in the circle")));
         mesh.flip(triangle, 0);
-        mesh.points[9] = [5.0, 5.0];
+        mesh.vertices[9].point = [5.0, 5.0];
         assert!(fault(&mesh).is_some());
     }
 
@@ -743,7 +807,7 @@ mod tests {
         let mesh = triangulated(&grid);
         assert_eq!(fault(&mesh), None);
         let distinct: BTreeSet<_> = grid.iter().map(|point| point.map(f64::to_bits)).collect();
-        assert_eq!(mesh.points.len(), FRAME_CORNERS + distinct.len());
+        assert_eq!(mesh.vertex_count(), FRAME_CORNERS + distinct.len());
         assert_eq!(
             mesh.locate([2.0 / 32.0, 7.0 / 32.0]),
             Place::Vertex(mesh_vertex(&mesh, [2.0 / 32.0, 7.0 / 32.0]))
@@ -753,7 +817,7 @@ mod tests {
     }
 
     fn mesh_vertex(mesh: &Delaunay, point: Point) -> u32 {
-        let at = mesh.points.iter().position(|known| *known == point);
+        let at = mesh.vertices.iter().position(|known| known.point == point);
         index_u32(at.expect("a vertex"))
     }
 

@@ -310,3 +310,26 @@ fn a_killed_run_is_reported_and_resumed_without_measuring_anything_twice() {
 fn ran_to_the_end(desk: &Desk) -> String {
     ran(&mut long_run(desk, &["--resume"])).succeeded()
 }
+
+#[test]
+fn a_growth_sample_is_two_numbers_of_a_shape_that_there_is() {
+    let desk = Desk::new();
+    let sample = desk.run(&["growth-sample", "comb", "3000"]).succeeded();
+    let numbers: Vec<f64> = sample
+        .split_whitespace()
+        .map(|word| word.parse().expect("a number"))
+        .collect();
+    assert!(
+        matches!(numbers[..], [vertices, cpu_ms] if (vertices - 3000.0).abs() < 30.0 && cpu_ms > 0.0)
+    );
+    // Twin: of another shape there is none.
+    let wrong = desk.run(&["growth-sample", "star", "3000"]);
+    assert_eq!(wrong.code, 2);
+    assert!(
+        wrong
+            .stderr
+            .contains("allowed: circle, comb, fractal, holes, islands"),
+        "{}",
+        wrong.stderr
+    );
+}
