@@ -379,3 +379,82 @@ fn a_ring_there_and_back_over_a_pole_encloses_nothing_either_way() {
     let lune = build(&[&second]).expect("meshes");
     assert!(lune.area_m2 > 1.0, "{} m²", lune.area_m2);
 }
+
+#[test]
+fn arcs_of_ten_degrees_a_rounding_apart_cost_no_more_than_their_ends() {
+    // Slivers a few last bits wide between arcs that bow by 26 km. Chords so fine that the slivers came
+    // out the right way round were metres long: 613,451 vertices, and half a minute.
+    let mut region = region(
+        "[[[[179.9000000003734,-32.99999999900841],[-530.0,-33.0],\
+         [-530.0000000000008,-33.000000000000014],[-530.0000000000016,-33.00000000000003],\
+         [179.90000000037318,-32.999999999008466],[179.899999993,-33.000000002],\
+         [179.90000000037298,-32.99999999900848]],\
+         [[-529.9999999999993,-33.000000000000014],[179.899999993,-33.000000002],\
+         [-530.0000000000001,-33.00000000000003],[179.8999999929998,-33.000000002000014],\
+         [-530.0000000000009,-33.00000000000004],[-530.0000000000017,-33.00000000000006],\
+         [179.8999999929998,-33.000000002000014],[-530.0000000000025,-33.00000000000007],\
+         [-530.0000000000008,-33.00000000000005],[179.900000006,-32.999999997],\
+         [-529.9999999999993,-33.000000000000014],[179.899999992,-33.000000008]]]]",
+    );
+    region.split_at_crossings(EdgeRule::GreatEllipse);
+    let body = Ellipsoid::SATURN_LIKE;
+    let options = MeshOptions {
+        boundary_tolerance_m: 26_645.774_910_701_977,
+        cap_step_deg: 30.0,
+    };
+    let build =
+        |region: &Region| RegionMesh::build(region, &body, EdgeRule::GreatEllipse, &options);
+    let mesh = build(&region).expect("meshes");
+    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    let (vertices, input) = (mesh.vertex_count(), region.vertex_count());
+    assert!(vertices <= 32 * input, "{vertices} of {input}");
+    // Ten degrees there and back of what is 2e-14 of a radius wide.
+    let rounding_m2 = 2e-14 * body.equatorial_radius_m().powi(2) * 24.0 * 10_f64.to_radians();
+    assert!(mesh.area_m2 < rounding_m2, "{} m²", mesh.area_m2);
+    // Twin: it takes nothing away from ninety square metres elsewhere, and adds nothing to them.
+    let square = self::region("[[[[0,0],[9e-6,0],[9e-6,9e-6],[0,9e-6]]]]");
+    let alone = build(&square).expect("meshes").area_m2;
+    region.polygons.extend(square.polygons);
+    let both = build(&region).expect("meshes");
+    assert_eq!(both.check_invariants(&body), Ok(()));
+    let difference_m2 = both.area_m2 - alone;
+    assert!(alone > rounding_m2, "{alone} m²");
+    assert!(difference_m2.abs() < rounding_m2, "{difference_m2} m²");
+}
+
+#[test]
+fn slivers_in_the_lenses_of_arcs_cost_a_vertex_for_each_of_theirs() {
+    // Thin triangles along one arc of 20°, each as wide as it is long but for this many zeros. The
+    // chords' tolerance used to be a hundredth of the sliver's width: for the thinnest of them
+    // thousands of vertices.
+    let body = Ellipsoid::WGS84;
+    let options = MeshOptions {
+        boundary_tolerance_m: 100_000.0,
+        cap_step_deg: 30.0,
+    };
+    let mut areas = Vec::new();
+    for width_deg in [1e-2, 1e-4, 1e-6, 1e-8] {
+        let middle = great_ellipse_middle([0.0, 50.0], [20.0, 50.0]);
+        let third = [middle[0], middle[1] - width_deg];
+        let region = region(&format!(
+            "[[[[0,50],[20,50],[{:?},{:?}]]]]",
+            third[0], third[1]
+        ));
+        let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options);
+        let mesh = mesh.expect("meshes");
+        assert_eq!(mesh.check_invariants(&body), Ok(()));
+        assert!(mesh.vertex_count() <= 12, "{}", mesh.vertex_count());
+        areas.push(mesh.area_m2 / width_deg);
+    }
+    // In proportion to their width, which chords alone are not.
+    for area in &areas {
+        assert!((area / areas[0] - 1.0).abs() < 1e-2, "{areas:?}");
+    }
+}
+
+/// Half way along an arc between two places on one parallel.
+fn great_ellipse_middle(west: [f64; 2], east: [f64; 2]) -> [f64; 2] {
+    let half_rad = 0.5 * (east[0] - west[0]).to_radians();
+    let tangent = west[1].to_radians().tan() / half_rad.cos();
+    [0.5 * (west[0] + east[0]), tangent.atan().to_degrees()]
+}
