@@ -440,10 +440,18 @@ impl Meshed {
         } else {
             Vec::new()
         };
+        let mut extent = outline.extent;
+        for group in bent.keys() {
+            // Feet may lie nearer to the arc's highest latitude than the places it was split at.
+            for [_, latitude] in &groups[*group].mesh.vertices {
+                extent.south_deg = extent.south_deg.min(*latitude);
+                extent.north_deg = extent.north_deg.max(*latitude);
+            }
+        }
         let groups = groups.into_iter().map(|group| (group.mesh, group.area_m2));
         Ok(Self {
             groups: groups.collect(),
-            extent: outline.extent,
+            extent,
             boundary_deviation_m: splitter.deviation_m,
             notes,
         })

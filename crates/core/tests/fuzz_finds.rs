@@ -411,8 +411,8 @@ fn arcs_of_ten_degrees_a_rounding_apart_cost_no_more_than_their_ends() {
     // Ten degrees there and back of what is 2e-14 of a radius wide.
     let rounding_m2 = 2e-14 * body.equatorial_radius_m().powi(2) * 24.0 * 10_f64.to_radians();
     assert!(mesh.area_m2 < rounding_m2, "{} m²", mesh.area_m2);
-    // Twin: it takes nothing away from ninety square metres elsewhere, and adds nothing to them.
-    let square = self::region("[[[[0,0],[9e-6,0],[9e-6,9e-6],[0,9e-6]]]]");
+    // Twin: it takes nothing away from 800 square metres elsewhere, and adds nothing to them.
+    let square = self::region("[[[[0,0],[3e-5,0],[3e-5,3e-5],[0,3e-5]]]]");
     let alone = build(&square).expect("meshes").area_m2;
     region.polygons.extend(square.polygons);
     let both = build(&region).expect("meshes");
@@ -420,6 +420,36 @@ fn arcs_of_ten_degrees_a_rounding_apart_cost_no_more_than_their_ends() {
     let difference_m2 = both.area_m2 - alone;
     assert!(alone > rounding_m2, "{alone} m²");
     assert!(difference_m2.abs() < rounding_m2, "{difference_m2} m²");
+}
+
+#[test]
+fn the_feet_of_vertices_are_within_the_extent() {
+    // Arcs of 170° over latitude 82.4, split at the feet of one another's places: a foot came to lie
+    // nearer to the highest latitude than any place that the extent knew.
+    let mut region = region(
+        "[[[[3.734068626072258e-10,-32.99999999900841],[-530.0,-33.0],\
+         [-530.0000000000008,-33.000000000000014],[-529.9999999999992,-33.00000000000004],\
+         [6.000000000000001e-9,-32.999999999],[0.0,-32.99999999991395]],\
+         [[-529.9999999999993,-33.000000000000014],[-7.000000000000001e-9,-33.000000002],\
+         [-7.000000000000006e-9,-33.000000002000036],[-3.0000000000000004e-9,-33.000000002],\
+         [-7.000000000000006e-9,-33.000000002000036],[-529.9999999999994,-33.0],\
+         [-7.000000000000001e-9,-33.000000002000036],[-6.999999999999998e-9,-33.00000000200001],\
+         [9.999999997671694e-10,-32.999999999],[2.034620340333742e-10,-32.999999999418286],\
+         [-8e-9,-33.000000008]]]]",
+    );
+    region.split_at_crossings(EdgeRule::GreatEllipse);
+    let body = Ellipsoid::SATURN_LIKE;
+    let options = MeshOptions {
+        boundary_tolerance_m: 3_713.006_849_783_174_4,
+        cap_step_deg: 30.0,
+    };
+    let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options).expect("meshes");
+    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    let latitudes = mesh.vertices_deg.iter().map(|vertex| vertex[1]);
+    let southernmost = latitudes.fold(90.0, f64::min);
+    assert_eq!(mesh.extent.south_deg, southernmost);
+    // Twin: that is beyond the places that halve these arcs.
+    assert!(southernmost < -82.356_119, "{southernmost}");
 }
 
 #[test]
