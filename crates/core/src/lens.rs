@@ -33,7 +33,10 @@ const MOST_ROUNDS: usize = 8;
 const STEPS: u32 = 8;
 /// Cells of vertices that are one, degrees: a power of two, so that ±180 and ±90 are in the middle
 /// of theirs, and smaller than [`ROUNDING`].
-const CELL_DEG: f64 = 1.0 / (1_u64 << 40) as f64;
+const CELL_DEG: f64 = 1.0 / (1_u64 << 41) as f64;
+
+/// Cosine of the latitude beyond which cells are no wider.
+const NARROWEST: f64 = 1e-6;
 
 /// What becomes of vertices that are within rounding of an arc.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,7 +107,10 @@ fn merged(edges: Vec<OutlineEdge>) -> Vec<OutlineEdge> {
 
 /// Nothing is moved onto the antimeridian or a pole, nor along them.
 fn middle_of_cell(place: Degrees) -> Degrees {
-    let middle = place.map(|x| (x / CELL_DEG).round() * CELL_DEG);
+    // As wide as high on the body.
+    let cosine = place[1].to_radians().cos().max(NARROWEST);
+    let sides = [CELL_DEG / cosine.log2().floor().exp2(), CELL_DEG];
+    let middle = [0, 1].map(|k| (place[k] / sides[k]).round() * sides[k]);
     match middle[0].abs() == 180.0 || middle[1].abs() == 90.0 {
         true => place,
         false => middle,
@@ -225,7 +231,9 @@ impl Lens {
     /// How far along the arc its nearest place to another lies; `None` for its ends and beyond.
     fn share_of(&self, place: Degrees) -> Option<f64> {
         let up = normal(place);
-        let share = up.dot(self.axes[1]).atan2(up.dot(self.axes[0])) / self.angle;
+        // The axes of a short arc are at right angles to 1e-14 only, so not `up` along the arc.
+        let along = (up - self.axes[0]).dot(self.axes[1]);
+        let share = along.atan2(up.dot(self.axes[0])) / self.angle;
         (share > 0.0 && share < 1.0).then_some(share)
     }
 
@@ -237,7 +245,9 @@ impl Lens {
         }
         let share = self.share_of(vertex)?;
         let foot = self.place(share);
-        if near == WithinRounding::Merged && arc_rad(foot, vertex) <= ROUNDING {
+        // Of two vertices side by side each would come next to the other without end.
+        let ahead = || share.min(1.0 - share) * self.angle > 0.25 * CELL_DEG.to_radians();
+        if near == WithinRounding::Merged && arc_rad(foot, vertex) <= ROUNDING && ahead() {
             return Some((share, vertex));
         }
         let (arc, off) = (self.off_chord(foot), self.off_chord(vertex));
@@ -255,4 +265,142 @@ impl Lens {
 
 fn rounding_deg() -> f64 {
     ROUNDING.to_degrees()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::triangulate::triangulate;
+    use crate::{EdgePlace, MeshOptions};
+    use std::collections::BTreeMap;
+
+    fn edges(places: &[Degrees]) -> Vec<OutlineEdge> {
+        let next = places.iter().cycle().skip(1);
+        let edge = |(start, end): (&Degrees, &Degrees)| OutlineEdge {
+            start: *start,
+            end: *end,
+            place: EdgePlace::default(),
+        };
+        places.iter().zip(next).map(edge).collect()
+    }
+
+    fn places(edges: &[OutlineEdge]) -> Vec<Degrees> {
+        edges.iter().map(|edge| edge.start).collect()
+    }
+
+    const WEST: Degrees = [0.0, 50.0];
+    const EAST: Degrees = [20.0, 50.0];
+
+    #[test]
+    fn an_arc_is_split_at_the_foot_of_a_vertex_in_its_lens() {
+        // Of the arc's 0.43° above its chord.
+        let middle = point_on_edge(EdgeRule::GreatEllipse, WEST, EAST, 0.5);
+        for below_deg in [0.4, 1e-3, 1e-9] {
+            let vertex = [middle[0] + 0.7, middle[1] - below_deg - 0.003];
+            let split = split_at_feet(edges(&[WEST, EAST, vertex]), WithinRounding::Kept);
+            let made = places(&split);
+            let lens = Lens::of(&edges(&[WEST, EAST])[0]).expect("bows");
+            let on_arc = |place: &Degrees| {
+                let share = lens.share_of(*place)?;
+                Some(arc_rad(lens.place(share), *place) < 1e-15)
+            };
+            let foot = made[1];
+            assert_eq!(made[0], WEST);
+            assert_eq!(on_arc(&foot), Some(true));
+            // At right angles to the arc, which is level there.
+            assert!((foot[0] - vertex[0]).abs() < 0.02, "{foot:?}");
+            // Twin: the vertex is not.
+            assert_eq!(on_arc(&vertex), Some(false));
+        }
+        // Twins: beyond the arc, and on the other side of the chord.
+        for latitude in [middle[1] + 1e-3, 49.999] {
+            let same = edges(&[WEST, EAST, [middle[0], latitude]]);
+            let split = split_at_feet(same.clone(), WithinRounding::Kept);
+            assert_eq!(places(&split), places(&same));
+        }
+    }
+
+    #[test]
+    fn an_arc_and_its_reverse_are_split_at_the_same_places() {
+        let inside = [[3.0, 50.1], [7.0, 50.2], [16.0, 50.05], [8.0, 50.01]];
+        let there = [&[WEST, EAST], inside.as_slice()].concat();
+        let mut back = there.clone();
+        back.reverse();
+        for near in [WithinRounding::Kept, WithinRounding::Merged] {
+            let [mut there, mut back] =
+                [&there, &back].map(|ring| places(&split_at_feet(edges(ring), near)));
+            assert!(there.len() > 6, "{}", there.len());
+            there.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            back.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            assert_eq!(there, back);
+        }
+    }
+
+    #[test]
+    fn arcs_that_are_one_to_rounding_become_one() {
+        // There and back between ends that are a few last bits apart, six times.
+        let beside = |k: u32| 4e-14 * f64::from(k);
+        let ring: Vec<Degrees> = (0..6)
+            .flat_map(|k| {
+                [
+                    [WEST[0], WEST[1] + beside(k)],
+                    [EAST[0] + beside(k), EAST[1] - beside(k % 3)],
+                ]
+            })
+            .collect();
+        let halved = edges(&ring).into_iter().flat_map(|edge| {
+            let middle = point_on_edge(EdgeRule::GreatEllipse, edge.start, edge.end, 0.5);
+            edges(&[edge.start, middle, edge.end]).into_iter().take(2)
+        });
+        let halved: Vec<OutlineEdge> = halved.collect();
+        // Ends of edges that an odd number of edges joins.
+        let left = |edges: Vec<OutlineEdge>| {
+            let bits = |place: Degrees| place.map(f64::to_bits);
+            let mut uses: BTreeMap<[[u64; 2]; 2], usize> = BTreeMap::new();
+            for edge in edges {
+                let (a, b) = in_order(edge.start, edge.end);
+                *uses.entry([bits(a), bits(b)]).or_default() += 1;
+            }
+            uses.into_values().filter(|uses| uses % 2 == 1).count()
+        };
+        assert_eq!(
+            left(split_at_feet(halved.clone(), WithinRounding::Merged)),
+            0
+        );
+        // Twin: each stays another.
+        assert!(left(split_at_feet(halved, WithinRounding::Kept)) > 10);
+    }
+
+    #[test]
+    fn very_many_arcs_in_one_lens_cost_no_more_than_they_are_allowed() {
+        for near in [WithinRounding::Kept, WithinRounding::Merged] {
+            for count in [10_u32, 3_000] {
+                let tooth = |k: u32| {
+                    let share = f64::from(k) / f64::from(count);
+                    [
+                        [7.0 * share, 50.0 + share],
+                        [20.0 - 6.0 * share, 50.0 + 0.9 * share],
+                    ]
+                };
+                let comb: Vec<Degrees> = (0..count).flat_map(tooth).collect();
+                let edges = edges(&comb);
+                let most = MOST_PARTS * edges.len().max(SMALL_GROUP);
+                let made = split_at_feet(edges, near).len();
+                assert!((comb.len() + 10..=most).contains(&made), "{made} of {most}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_lies_in_one_cell_vanishes() {
+        let bits = |k: u32| 1e-14 * f64::from(k);
+        let ring: Vec<Degrees> = (0..5).map(|k| [7.0, 50.0 + bits(k)]).collect();
+        let left = split_at_feet(edges(&ring), WithinRounding::Merged);
+        assert!(left.is_empty());
+        let mesh = triangulate(left, EdgeRule::GreatEllipse, &MeshOptions::default());
+        assert!(mesh.is_ok_and(|mesh| mesh.triangles.is_empty()));
+        // Twin: unless it may not be moved, since it would come onto a pole.
+        let at_pole = [[7.0, 90_f64.next_down()], [8.0, 90_f64.next_down()]];
+        assert_eq!(merged(edges(&at_pole)).len(), 2);
+    }
 }

@@ -453,6 +453,27 @@ fn the_feet_of_vertices_are_within_the_extent() {
 }
 
 #[test]
+fn positions_that_a_turn_makes_one_are_not_kept_twice() {
+    // Two longitudes of the pole, 0 and the smallest number above it: one turn on both are 360, and an
+    // edge from there to itself was left.
+    let text = r#"{"type":"Polygon","coordinates":
+        [[[-180,80],[0,90],[180,80],[-180,80],[0,90],[4.9e-324,90]]]}"#;
+    let mut regions = parse_regions(text.as_bytes(), "find").expect("valid");
+    let region = regions.remove(0);
+    let ring = &region.polygons[0].shell;
+    assert_eq!(ring.winding_deg(), 360.0);
+    assert!(ring.edges_deg().all(|(start, end)| start != end));
+    let dropped = |region: &Region| region.warnings.iter().any(|text| text.contains("repeated"));
+    assert!(dropped(&region), "{:?}", region.warnings);
+    // Twin: a last bit of 360 apart they are two.
+    let apart = text.replace("4.9e-324", "6e-14");
+    let mut regions = parse_regions(apart.as_bytes(), "twin").expect("valid");
+    let apart = regions.remove(0);
+    assert!(!dropped(&apart), "{:?}", apart.warnings);
+    assert_eq!(apart.vertex_count(), region.vertex_count() + 1);
+}
+
+#[test]
 fn slivers_in_the_lenses_of_arcs_cost_a_vertex_for_each_of_theirs() {
     // Thin triangles along one arc of 20°, each as wide as it is long but for this many zeros. The
     // chords' tolerance used to be a hundredth of the sliver's width: for the thinnest of them
