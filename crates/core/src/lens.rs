@@ -378,8 +378,8 @@ mod tests {
                 let tooth = |k: u32| {
                     let share = f64::from(k) / f64::from(count);
                     [
-                        [7.0 * share, 50.0 + share],
-                        [20.0 - 6.0 * share, 50.0 + 0.9 * share],
+                        [7.0 * share, 50.0 + 0.1 * share],
+                        [20.0 - 6.0 * share, 50.0 + 0.1 * share],
                     ]
                 };
                 let comb: Vec<Degrees> = (0..count).flat_map(tooth).collect();
