@@ -423,6 +423,58 @@ fn arcs_of_ten_degrees_a_rounding_apart_cost_no_more_than_their_ends() {
 }
 
 #[test]
+fn arcs_of_a_hundred_degrees_a_rounding_apart_are_led_through_common_vertices() {
+    // Chords that cross where the arcs do not made vertices on neither: through them the slivers had
+    // −4.7·10⁷ m², and split at feet alone still −3·10⁷.
+    let region = region(
+        "[[[[-179.95,-33.0],[-179.94999999999462,0.0],[-179.95000000299999,-32.999999995],\
+         [-179.950000008,-33.000000008],[-179.95000000599998,-33.000000001],\
+         [-11.261830385774374,89.0],[-179.95000000099998,-33.000000002]],\
+         [[-179.9500000000002,-33.000000000000014],[-179.9500000000004,-33.00000000000003],\
+         [-179.95000000000059,-33.00000000000004],[-179.9499999999945,3e-323],\
+         [-179.95000000000059,-33.00000000000004],[-77.041235015,-32.99999999902054]]],\
+         [[[-179.95,-33.0],[-77.04123501499997,-32.999999999020524],\
+         [-179.94999999799998,-32.999999998],[-179.950000008,-32.999999998],\
+         [-179.95000000000073,-33.00000000000007],[-179.94999999999771,0.0],\
+         [-179.950000008,-33.000000008]]]]",
+    );
+    let body = Ellipsoid::SATURN_LIKE;
+    let build = |region: &Region, boundary_tolerance_m: f64| {
+        let options = MeshOptions {
+            boundary_tolerance_m,
+            cap_step_deg: 30.0,
+        };
+        let mut repaired = region.clone();
+        assert!(repaired.split_at_crossings(EdgeRule::GreatEllipse) > 0);
+        let mesh = RegionMesh::build(&repaired, &body, EdgeRule::GreatEllipse, &options);
+        let mesh = mesh.expect("meshes");
+        assert_eq!(mesh.check_invariants(&body), Ok(()));
+        mesh
+    };
+    let (coarse, fine) = (build(&region, 386.5), build(&region, 20.0));
+    // 4.2 times as many chords.
+    let ratio = fine.vertex_count() as f64 / coarse.vertex_count() as f64;
+    assert!((3.0..6.0).contains(&ratio), "{ratio}");
+    let difference = coarse.area_m2 / fine.area_m2 - 1.0;
+    assert!(difference.abs() < 1e-2, "{difference}");
+    // Twin: one vertex a hundred millionth of a degree off is seen.
+    let mut moved = region;
+    let ring = moved.polygons.pop().expect("two").shell;
+    let moved_ring = ring
+        .vertices_deg()
+        .iter()
+        .map(|[x, y]| format!("[{x:?},{y:?}]"));
+    let text = moved_ring
+        .collect::<Vec<_>>()
+        .join(",")
+        .replace("-32.999999998]", "-32.99999999]");
+    let other = self::region(&format!("[[[{text}]]]"));
+    moved.polygons.extend(other.polygons);
+    let moved = build(&moved, 386.5).area_m2 / fine.area_m2 - 1.0;
+    assert!(moved.abs() > 1e-2, "{moved}");
+}
+
+#[test]
 fn the_feet_of_vertices_are_within_the_extent() {
     // Arcs of 170° over latitude 82.4, split at the feet of one another's places: a foot came to lie
     // nearer to the highest latitude than any place that the extent knew.
