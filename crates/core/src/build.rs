@@ -8,6 +8,7 @@
 use crate::crossings::CrossingPlaces;
 use crate::edge::{Degrees, EdgeSplitter, ROUNDING, ZoneArea, surface_point};
 use crate::geojson::feature_label;
+use crate::lens::{WithinRounding, split_at_feet};
 use crate::mesh::sagitta_m;
 use crate::outline::{OppositeEnds, Outline, OutlineEdge, share_breakpoints};
 use crate::overlaps::{OverlapPlace, RingAreas, find_overlaps, shared_edges};
@@ -16,7 +17,7 @@ use crate::triangulate::{GroupMesh, TriangulateError, index_u32, triangulate};
 use crate::{EdgeRule, Ellipsoid, Extent, MeshOptions, Region, RegionMesh, Ring};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt;
 
@@ -248,16 +249,7 @@ impl RegionMesh {
             if !only_parts_cross(region, rule, &errors) {
                 return Err(errors);
             }
-            let mesh = build(Crossings::SnappedAway)?;
-            // Rare enough to be looked at again: what was a rounding wide has been moved by as much.
-            mesh.check_invariants(body).map_err(|violation| {
-                vec![MeshError::Triangulation {
-                    feature: region.index,
-                    name: region.name.clone(),
-                    message: violation.to_string(),
-                }]
-            })?;
-            Ok(mesh)
+            build(Crossings::SnappedAway)
         })
     }
 
@@ -274,22 +266,23 @@ impl RegionMesh {
                 name: region.name.clone(),
             }]
         };
-        let mut options = *options;
+        let mesh = |bent: &Bent| Meshed::new(region, body, rule, options, crossings, bent);
+        let mut bent = Bent::new();
+        let mut meshed = mesh(&bent)?;
+        for near in [WithinRounding::Kept, WithinRounding::Merged] {
+            let turned_over = turned_over(body, &meshed.groups);
+            if turned_over.is_empty() {
+                break;
+            }
+            bent.extend(turned_over.into_iter().map(|group| (group, near)));
+            meshed = mesh(&bent)?;
+        }
         let Meshed {
             groups,
             extent,
             boundary_deviation_m,
             notes,
-        } = loop {
-            let meshed = Meshed::new(region, body, rule, &options, crossings)?;
-            match narrowest_turned_over_m(body, &meshed.groups) {
-                // Its narrow places may be far narrower than their mean.
-                Some(width_m) if options.boundary_tolerance_m > 0.01 * width_m => {
-                    options.boundary_tolerance_m = width_m.min(0.25 * options.boundary_tolerance_m);
-                }
-                _ => break meshed,
-            }
-        };
+        } = meshed;
         let mut stitcher = Stitcher::default();
         let mut area_m2 = 0.0;
         for (group, group_area_m2) in groups {
@@ -317,7 +310,7 @@ impl RegionMesh {
             .iter()
             .map(|corners| sagitta_m(body, corners.map(|i| stitcher.vertices_ecef[i as usize])))
             .fold(0.0, f64::max);
-        Ok(Self {
+        let mesh = Self {
             region_index: region.index,
             name: region.name.clone(),
             vertices_ecef: stitcher.vertices_ecef,
@@ -335,7 +328,18 @@ impl RegionMesh {
             boundary_deviation_m,
             cap_sagitta_m,
             warnings: [region.warnings.as_slice(), &notes].concat(),
-        })
+        };
+        // Rare enough to be looked at again: what was a rounding wide has been moved by as much.
+        if !bent.is_empty() || matches!(crossings, Crossings::SnappedAway) {
+            mesh.check_invariants(body).map_err(|violation| {
+                vec![MeshError::Triangulation {
+                    feature: region.index,
+                    name: region.name.clone(),
+                    message: violation.to_string(),
+                }]
+            })?;
+        }
+        Ok(mesh)
     }
 
     /// Meshes every region, several at a time.
@@ -390,6 +394,9 @@ enum Crossings {
     SnappedAway,
 }
 
+/// Groups of which arcs are split at the feet of vertices.
+type Bent = BTreeMap<usize, WithinRounding>;
+
 /// A region's groups, not yet put together.
 struct Meshed {
     /// With the area of each.
@@ -409,10 +416,15 @@ impl Meshed {
         rule: EdgeRule,
         options: &MeshOptions,
         crossings: Crossings,
+        bent: &Bent,
     ) -> Result<Self, Vec<MeshError>> {
         let mut splitter = EdgeSplitter::new(body, rule, options);
-        let outline = Outline::new(region, rule, &mut splitter)
+        let mut outline = Outline::new(region, rule, &mut splitter)
             .map_err(|opposite| opposite_ends(region, opposite))?;
+        for (&group, &near) in bent {
+            let edges = &mut outline.groups[group];
+            *edges = split_at_feet(std::mem::take(edges), near);
+        }
         let (groups, at_splits) = match crossings {
             Crossings::Refused => {
                 let at_splits = outline.crossings_at_splits(rule, MOST_LISTED_CROSSINGS);
@@ -430,10 +442,18 @@ impl Meshed {
         } else {
             Vec::new()
         };
+        let mut extent = outline.extent;
+        for group in bent.keys() {
+            // Feet may lie nearer to the arc's highest latitude than the places it was split at.
+            for [_, latitude] in &groups[*group].mesh.vertices {
+                extent.south_deg = extent.south_deg.min(*latitude);
+                extent.north_deg = extent.north_deg.max(*latitude);
+            }
+        }
         let groups = groups.into_iter().map(|group| (group.mesh, group.area_m2));
         Ok(Self {
             groups: groups.collect(),
-            extent: outline.extent,
+            extent,
             boundary_deviation_m: splitter.deviation_m,
             notes,
         })
@@ -541,28 +561,25 @@ fn in_file(region: &Region, place: EdgePlace) -> EdgePlace {
     }
 }
 
-/// Mean width of the narrowest group that is turned over, metres; `None` where none is.
+/// Indices of the groups that are turned over.
 ///
 /// The triangles see chords. Of a sliver between an arc and its chord they see the far side: its
-/// border runs round it the wrong way and its area is below 0. Chords closer to their arcs than the
-/// sliver is wide put that right, unless its width is rounding, which does not count.
-fn narrowest_turned_over_m(body: &Ellipsoid, groups: &[(GroupMesh, f64)]) -> Option<f64> {
-    let turned_over = groups.iter().filter(|(_, area_m2)| *area_m2 < 0.0);
-    let widths_m = turned_over.map(|(group, area_m2)| {
-        let length_m: f64 = group
-            .boundary
-            .iter()
-            .map(|ends| {
-                let [start, end] = ends.map(|i| surface_point(body, group.vertices[i as usize]));
-                start.distance(end)
-            })
-            .sum();
-        -area_m2 / length_m
-    });
+/// border runs round it the wrong way and its area is below 0. Arcs split where it lies in their
+/// lenses put that right ([`split_at_feet`]), unless its width is rounding, which does not count.
+fn turned_over(body: &Ellipsoid, groups: &[(GroupMesh, f64)]) -> Vec<usize> {
     let rounding_m = ROUNDING * body.equatorial_radius_m();
-    widths_m
-        .filter(|width_m| *width_m > rounding_m)
-        .min_by(f64::total_cmp)
+    let is_turned_over = |(group, area_m2): &(GroupMesh, f64)| {
+        let length_m = |ends: &[u32; 2]| {
+            let [start, end] = ends.map(|i| surface_point(body, group.vertices[i as usize]));
+            start.distance(end)
+        };
+        *area_m2 < 0.0 && -area_m2 > rounding_m * group.boundary.iter().map(length_m).sum::<f64>()
+    };
+    let turned_over = groups
+        .iter()
+        .enumerate()
+        .filter(|(_, group)| is_turned_over(group));
+    turned_over.map(|(index, _)| index).collect()
 }
 
 /// Triangles and area of each group.
@@ -653,7 +670,7 @@ fn self_crossings(
 
 /// `−∮ (Z − Z₀) dλ` round the boundary, each edge by its rule: Green's theorem for
 /// `dA = (dZ/dφ) dφ dλ`. Exact for the rings: splitting an edge does not change where it runs.
-/// Below 0 where [`narrowest_turned_over_m`] says why.
+/// Below 0 where [`turned_over`] says why.
 fn enclosed_area_m2(body: &Ellipsoid, rule: EdgeRule, group: &GroupMesh) -> f64 {
     let Some(first) = group.vertices.first() else {
         return 0.0;

@@ -214,7 +214,7 @@ fn places_along_pole(start: Degrees, end: Degrees) -> impl Iterator<Item = Degre
 }
 
 /// Same result for an edge and its reverse.
-fn in_order(start: Degrees, end: Degrees) -> (Degrees, Degrees) {
+pub(crate) fn in_order(start: Degrees, end: Degrees) -> (Degrees, Degrees) {
     if (end[0], end[1]) < (start[0], start[1]) {
         (end, start)
     } else {
@@ -254,7 +254,12 @@ pub(crate) fn surface_point(body: &Ellipsoid, [longitude_deg, latitude_deg]: Deg
 }
 
 /// Point of the edge at `fraction` of its length (of its longitude span for planar edges).
-fn point_on_edge(rule: EdgeRule, start: Degrees, end: Degrees, fraction: f64) -> Degrees {
+pub(crate) fn point_on_edge(
+    rule: EdgeRule,
+    start: Degrees,
+    end: Degrees,
+    fraction: f64,
+) -> Degrees {
     let (start, end) = in_order(start, end);
     let planar = [
         start[0] * (1.0 - fraction) + end[0] * fraction,

@@ -567,7 +567,9 @@ impl Reader {
         let (winding_deg, written) = if turns == 0 {
             (0.0, Vec::new())
         } else {
-            unroll(&mut positions, &mut file_vertices)
+            let (winding_deg, written, repeated) = unroll(&mut positions, &mut file_vertices);
+            self.normalised.repeated_positions += repeated;
+            (winding_deg, written)
         };
         let mut found = distinct_up_to_three(&positions);
         if winding_deg != 0.0 && found < 3 {
@@ -647,10 +649,12 @@ fn net_jumps(positions: &[[f64; 2]]) -> isize {
 }
 
 /// Shifts what follows each jump by one turn, drops the position that this repeats, and returns how
-/// far from the start the ring ends, and the longitudes before they were shifted. The same positions
-/// are dropped from `file_vertices`.
-fn unroll(positions: &mut Vec<[f64; 2]>, file_vertices: &mut Vec<usize>) -> (f64, Vec<f64>) {
+/// far from the start the ring ends, the longitudes before they were shifted, and how many positions
+/// became one with their neighbour since 360° more cost them their last bits. The same positions are
+/// dropped from `file_vertices`.
+fn unroll(positions: &mut Vec<[f64; 2]>, file_vertices: &mut Vec<usize>) -> (f64, Vec<f64>, usize) {
     let mut offset = 0.0;
+    let mut repeated = 0;
     let mut written: Vec<f64> = Vec::with_capacity(positions.len());
     let mut unrolled: Vec<[f64; 2]> = Vec::with_capacity(positions.len());
     let mut kept: Vec<usize> = Vec::with_capacity(positions.len());
@@ -658,14 +662,17 @@ fn unroll(positions: &mut Vec<[f64; 2]>, file_vertices: &mut Vec<usize>) -> (f64
     let mut after_jump = false;
     for (i, (start, end)) in positions.iter().zip(next).enumerate() {
         let file_vertex = file_vertices.get(i).copied().unwrap_or(i);
-        if after_jump {
+        let place = [start[0] + offset, start[1]];
+        let is_repeated = !after_jump && unrolled.last() == Some(&place);
+        repeated += usize::from(is_repeated);
+        if after_jump || is_repeated {
             // The edge to come starts from the position that repeats the one before the jump.
             kept.pop();
             if let Some(kept) = written.last_mut() {
                 *kept = nearer_spelling(*kept, start[0]);
             }
         } else {
-            unrolled.push([start[0] + offset, start[1]]);
+            unrolled.push(place);
             written.push(start[0]);
         }
         kept.push(file_vertex);
@@ -673,8 +680,14 @@ fn unroll(positions: &mut Vec<[f64; 2]>, file_vertices: &mut Vec<usize>) -> (f64
         after_jump = turns != 0;
         offset -= 360.0 * turns as f64;
     }
-    if after_jump {
+    let ends_at_start = |unrolled: &[[f64; 2]]| match unrolled {
+        [first, .., last] => *last == [first[0] + offset, first[1]],
+        _ => false,
+    };
+    while after_jump || ends_at_start(&unrolled) {
         // The closing edge was the jump: the first position repeats the last.
+        repeated += usize::from(!after_jump);
+        after_jump = false;
         unrolled.pop();
         kept.pop();
         if let Some(last) = written.pop()
@@ -685,7 +698,7 @@ fn unroll(positions: &mut Vec<[f64; 2]>, file_vertices: &mut Vec<usize>) -> (f64
     }
     *positions = unrolled;
     *file_vertices = kept;
-    (offset, written)
+    (offset, written, repeated)
 }
 
 /// Of a place's longitudes on either side of a jump, the one that a ring in the other direction

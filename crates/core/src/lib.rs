@@ -12,6 +12,7 @@ mod crossings;
 mod edge;
 mod geojson;
 mod invariants;
+mod lens;
 mod level_of_detail;
 mod mesh;
 mod outline;

@@ -321,13 +321,7 @@ impl Cover {
         rule: EdgeRule,
         tolerance_deg: f64,
     ) -> Vec<OverlapPlace> {
-        let mut goes_round: Vec<RingKey> = edges
-            .iter()
-            .filter(|edge| along_pole(edge.start, edge.end).is_some())
-            .map(key)
-            .collect();
-        goes_round.sort_unstable();
-        goes_round.dedup();
+        let goes_round = rings_along_whole_poles(edges);
         // Area and its largest triangle, by pair.
         let mut found: BTreeMap<[RingKey; 2], (f64, f64, u32)> = BTreeMap::new();
         for (triangle, held) in (0..).zip(self.rings_of_triangles(edges)) {
@@ -420,6 +414,25 @@ fn rings_round(point: Degrees, edges: &[OutlineEdge]) -> Vec<RingKey> {
             rings = toggled(rings, &[key(edge)]);
         }
     }
+    rings
+}
+
+/// Rings that run along the whole parallel of a pole, sorted. One that runs along a part of it comes up
+/// to the pole and goes back.
+fn rings_along_whole_poles(edges: &[OutlineEdge]) -> Vec<RingKey> {
+    let mut along: BTreeMap<(RingKey, bool), f64> = BTreeMap::new();
+    for edge in edges {
+        if let Some(pole) = along_pole(edge.start, edge.end) {
+            let length = along.entry((key(edge), pole > 0.0)).or_default();
+            *length += (edge.end[0] - edge.start[0]).abs();
+        }
+    }
+    // Parts of a whole turn add up to it but for their rounding.
+    let whole = along
+        .into_iter()
+        .filter(|(_, length)| *length > 360.0 - 1e-9);
+    let mut rings: Vec<RingKey> = whole.map(|((ring, _), _)| ring).collect();
+    rings.dedup();
     rings
 }
 

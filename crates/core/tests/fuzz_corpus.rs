@@ -343,6 +343,25 @@ fn area_by_slabs_is_right_by_arithmetic() {
             zone(80.0, 90.0, 360.0),
         );
     }
+    // A find: a wedge at the pole in one slab of 2°, and cut into slabs of a sixteenth of that, which
+    // leaves 16⁻¹⁰ of what quadrature leaves out.
+    let wedge = |slabs: u32| {
+        let side = |from: [f64; 2], to: [f64; 2]| {
+            (0..slabs).map(move |k| {
+                let share = f64::from(k) / f64::from(slabs);
+                [0, 1].map(|i| from[i] + (to[i] - from[i]) * share)
+            })
+        };
+        let (tip, east, west) = ([176.9, -88.0], [178.9, -90.0], [171.9, -90.0]);
+        let path = side(tip, east).chain(std::iter::once(east));
+        let path = path.chain(side(west, tip)).collect();
+        area::even_odd_area_m2(&Ellipsoid::SATURN_LIKE, &[path])
+    };
+    assert!((wedge(1) / wedge(16) - 1.0).abs() < 1e-12);
+    // Twin: a wedge a little narrower.
+    let narrower = vec![[176.9, -88.0], [178.9, -90.0], [171.900_000_01, -90.0]];
+    let narrower = area::even_odd_area_m2(&Ellipsoid::SATURN_LIKE, &[narrower]);
+    assert!((narrower / wedge(16) - 1.0).abs() > 1e-9);
     // A triangle with straight edges on the unit sphere: ∫ (1 − φ/φ₁) Δλ cos φ dφ.
     let found = area::even_odd_area_m2(
         &Ellipsoid::UNIT_SPHERE,

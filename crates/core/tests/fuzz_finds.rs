@@ -379,3 +379,185 @@ fn a_ring_there_and_back_over_a_pole_encloses_nothing_either_way() {
     let lune = build(&[&second]).expect("meshes");
     assert!(lune.area_m2 > 1.0, "{} m²", lune.area_m2);
 }
+
+#[test]
+fn arcs_of_ten_degrees_a_rounding_apart_cost_no_more_than_their_ends() {
+    // Slivers a few last bits wide between arcs that bow by 26 km. Chords so fine that the slivers came
+    // out the right way round were metres long: 613,451 vertices, and half a minute.
+    let mut region = region(
+        "[[[[179.9000000003734,-32.99999999900841],[-530.0,-33.0],\
+         [-530.0000000000008,-33.000000000000014],[-530.0000000000016,-33.00000000000003],\
+         [179.90000000037318,-32.999999999008466],[179.899999993,-33.000000002],\
+         [179.90000000037298,-32.99999999900848]],\
+         [[-529.9999999999993,-33.000000000000014],[179.899999993,-33.000000002],\
+         [-530.0000000000001,-33.00000000000003],[179.8999999929998,-33.000000002000014],\
+         [-530.0000000000009,-33.00000000000004],[-530.0000000000017,-33.00000000000006],\
+         [179.8999999929998,-33.000000002000014],[-530.0000000000025,-33.00000000000007],\
+         [-530.0000000000008,-33.00000000000005],[179.900000006,-32.999999997],\
+         [-529.9999999999993,-33.000000000000014],[179.899999992,-33.000000008]]]]",
+    );
+    region.split_at_crossings(EdgeRule::GreatEllipse);
+    let body = Ellipsoid::SATURN_LIKE;
+    let options = MeshOptions {
+        boundary_tolerance_m: 26_645.774_910_701_977,
+        cap_step_deg: 30.0,
+    };
+    let build =
+        |region: &Region| RegionMesh::build(region, &body, EdgeRule::GreatEllipse, &options);
+    let mesh = build(&region).expect("meshes");
+    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    let (vertices, input) = (mesh.vertex_count(), region.vertex_count());
+    assert!(vertices <= 32 * input, "{vertices} of {input}");
+    // Ten degrees there and back of what is 2e-14 of a radius wide.
+    let rounding_m2 = 2e-14 * body.equatorial_radius_m().powi(2) * 24.0 * 10_f64.to_radians();
+    assert!(mesh.area_m2 < rounding_m2, "{} m²", mesh.area_m2);
+    // Twin: it takes nothing away from 800 square metres elsewhere, and adds nothing to them.
+    let square = self::region("[[[[0,0],[3e-5,0],[3e-5,3e-5],[0,3e-5]]]]");
+    let alone = build(&square).expect("meshes").area_m2;
+    region.polygons.extend(square.polygons);
+    let both = build(&region).expect("meshes");
+    assert_eq!(both.check_invariants(&body), Ok(()));
+    let difference_m2 = both.area_m2 - alone;
+    assert!(alone > rounding_m2, "{alone} m²");
+    assert!(difference_m2.abs() < rounding_m2, "{difference_m2} m²");
+}
+
+#[test]
+fn arcs_of_a_hundred_degrees_a_rounding_apart_are_led_through_common_vertices() {
+    // Chords that cross where the arcs do not made vertices on neither: through them the slivers had
+    // −4.7·10⁷ m², and split at feet alone still −3·10⁷.
+    let region = region(
+        "[[[[-179.95,-33.0],[-179.94999999999462,0.0],[-179.95000000299999,-32.999999995],\
+         [-179.950000008,-33.000000008],[-179.95000000599998,-33.000000001],\
+         [-11.261830385774374,89.0],[-179.95000000099998,-33.000000002]],\
+         [[-179.9500000000002,-33.000000000000014],[-179.9500000000004,-33.00000000000003],\
+         [-179.95000000000059,-33.00000000000004],[-179.9499999999945,3e-323],\
+         [-179.95000000000059,-33.00000000000004],[-77.041235015,-32.99999999902054]]],\
+         [[[-179.95,-33.0],[-77.04123501499997,-32.999999999020524],\
+         [-179.94999999799998,-32.999999998],[-179.950000008,-32.999999998],\
+         [-179.95000000000073,-33.00000000000007],[-179.94999999999771,0.0],\
+         [-179.950000008,-33.000000008]]]]",
+    );
+    let body = Ellipsoid::SATURN_LIKE;
+    let build = |region: &Region, boundary_tolerance_m: f64| {
+        let options = MeshOptions {
+            boundary_tolerance_m,
+            cap_step_deg: 30.0,
+        };
+        let mut repaired = region.clone();
+        assert!(repaired.split_at_crossings(EdgeRule::GreatEllipse) > 0);
+        let mesh = RegionMesh::build(&repaired, &body, EdgeRule::GreatEllipse, &options);
+        let mesh = mesh.expect("meshes");
+        assert_eq!(mesh.check_invariants(&body), Ok(()));
+        mesh
+    };
+    let (coarse, fine) = (build(&region, 386.5), build(&region, 20.0));
+    // 4.2 times as many chords.
+    let ratio = fine.vertex_count() as f64 / coarse.vertex_count() as f64;
+    assert!((3.0..6.0).contains(&ratio), "{ratio}");
+    let difference = coarse.area_m2 / fine.area_m2 - 1.0;
+    assert!(difference.abs() < 1e-2, "{difference}");
+    // Twin: one vertex a hundred millionth of a degree off is seen.
+    let mut moved = region;
+    let ring = moved.polygons.pop().expect("two").shell;
+    let moved_ring = ring
+        .vertices_deg()
+        .iter()
+        .map(|[x, y]| format!("[{x:?},{y:?}]"));
+    let text = moved_ring
+        .collect::<Vec<_>>()
+        .join(",")
+        .replace("-32.999999998]", "-32.99999999]");
+    let other = self::region(&format!("[[[{text}]]]"));
+    moved.polygons.extend(other.polygons);
+    let moved = build(&moved, 386.5).area_m2 / fine.area_m2 - 1.0;
+    assert!(moved.abs() > 1e-2, "{moved}");
+}
+
+#[test]
+fn the_feet_of_vertices_are_within_the_extent() {
+    // Arcs of 170° over latitude 82.4, split at the feet of one another's places: a foot came to lie
+    // nearer to the highest latitude than any place that the extent knew.
+    let mut region = region(
+        "[[[[3.734068626072258e-10,-32.99999999900841],[-530.0,-33.0],\
+         [-530.0000000000008,-33.000000000000014],[-529.9999999999992,-33.00000000000004],\
+         [6.000000000000001e-9,-32.999999999],[0.0,-32.99999999991395]],\
+         [[-529.9999999999993,-33.000000000000014],[-7.000000000000001e-9,-33.000000002],\
+         [-7.000000000000006e-9,-33.000000002000036],[-3.0000000000000004e-9,-33.000000002],\
+         [-7.000000000000006e-9,-33.000000002000036],[-529.9999999999994,-33.0],\
+         [-7.000000000000001e-9,-33.000000002000036],[-6.999999999999998e-9,-33.00000000200001],\
+         [9.999999997671694e-10,-32.999999999],[2.034620340333742e-10,-32.999999999418286],\
+         [-8e-9,-33.000000008]]]]",
+    );
+    region.split_at_crossings(EdgeRule::GreatEllipse);
+    let body = Ellipsoid::SATURN_LIKE;
+    let options = MeshOptions {
+        boundary_tolerance_m: 3_713.006_849_783_174_4,
+        cap_step_deg: 30.0,
+    };
+    let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options).expect("meshes");
+    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    let latitudes = mesh.vertices_deg.iter().map(|vertex| vertex[1]);
+    let southernmost = latitudes.fold(90.0, f64::min);
+    assert_eq!(mesh.extent.south_deg, southernmost);
+    // Twin: that is beyond the places that halve these arcs.
+    assert!(southernmost < -82.356_119, "{southernmost}");
+}
+
+#[test]
+fn positions_that_a_turn_makes_one_are_not_kept_twice() {
+    // Two longitudes of the pole, 0 and the smallest number above it: one turn on both are 360, and an
+    // edge from there to itself was left.
+    let text = r#"{"type":"Polygon","coordinates":
+        [[[-180,80],[0,90],[180,80],[-180,80],[0,90],[4.9e-324,90]]]}"#;
+    let mut regions = parse_regions(text.as_bytes(), "find").expect("valid");
+    let region = regions.remove(0);
+    let ring = &region.polygons[0].shell;
+    assert_eq!(ring.winding_deg(), 360.0);
+    assert!(ring.edges_deg().all(|(start, end)| start != end));
+    let dropped = |region: &Region| region.warnings.iter().any(|text| text.contains("repeated"));
+    assert!(dropped(&region), "{:?}", region.warnings);
+    // Twin: a last bit of 360 apart they are two.
+    let apart = text.replace("4.9e-324", "6e-14");
+    let mut regions = parse_regions(apart.as_bytes(), "twin").expect("valid");
+    let apart = regions.remove(0);
+    assert!(!dropped(&apart), "{:?}", apart.warnings);
+    assert_eq!(apart.vertex_count(), region.vertex_count() + 1);
+}
+
+#[test]
+fn slivers_in_the_lenses_of_arcs_cost_a_vertex_for_each_of_theirs() {
+    // Thin triangles along one arc of 20°, each as wide as it is long but for this many zeros. The
+    // chords' tolerance used to be a hundredth of the sliver's width: for the thinnest of them
+    // thousands of vertices.
+    let body = Ellipsoid::WGS84;
+    let options = MeshOptions {
+        boundary_tolerance_m: 100_000.0,
+        cap_step_deg: 30.0,
+    };
+    let mut areas = Vec::new();
+    for width_deg in [1e-2, 1e-4, 1e-6, 1e-8] {
+        let middle = great_ellipse_middle([0.0, 50.0], [20.0, 50.0]);
+        let third = [middle[0], middle[1] - width_deg];
+        let region = region(&format!(
+            "[[[[0,50],[20,50],[{:?},{:?}]]]]",
+            third[0], third[1]
+        ));
+        let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options);
+        let mesh = mesh.expect("meshes");
+        assert_eq!(mesh.check_invariants(&body), Ok(()));
+        assert!(mesh.vertex_count() <= 12, "{}", mesh.vertex_count());
+        areas.push(mesh.area_m2 / width_deg);
+    }
+    // In proportion to their width, which chords alone are not.
+    for area in &areas {
+        assert!((area / areas[0] - 1.0).abs() < 1e-2, "{areas:?}");
+    }
+}
+
+/// Half way along an arc between two places on one parallel.
+fn great_ellipse_middle(west: [f64; 2], east: [f64; 2]) -> [f64; 2] {
+    let half_rad = 0.5 * (east[0] - west[0]).to_radians();
+    let tangent = west[1].to_radians().tan() / half_rad.cos();
+    [0.5 * (west[0] + east[0]), tangent.atan().to_degrees()]
+}

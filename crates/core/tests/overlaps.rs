@@ -216,6 +216,19 @@ fn a_hole_outside_a_shell_that_goes_round_the_axis_is_refused() {
             }
         }
     }
+    // A hole up to a pole and along a part of it goes no more round than any other.
+    for (rule, shell) in RULES
+        .into_iter()
+        .flat_map(|rule| [(rule, cap), (rule, by_jump)])
+    {
+        let with = |hole: &str| build(&region(&format!("[[{shell},{hole}]]")), rule);
+        let errors = with(&ring([10.0, -90.0, 20.0, -84.0])).map(|mesh| mesh.area_m2);
+        let errors = errors.expect_err(words);
+        assert!(errors[0].to_string().contains(words), "{}", errors[0]);
+        // Twin: at the pole that the shell holds.
+        let inside = ring([10.0, 84.0, 20.0, 90.0]);
+        assert_eq!(with(&inside).expect("meshes").warnings, [""; 0]);
+    }
     // Of a shell round the axis either side can be meant, so a hole round it lies on neither.
     let other_side =
         region("[[[[0,80],[120,80],[240,80],[360,80]],[[0,60],[120,60],[240,60],[360,60]]]]");

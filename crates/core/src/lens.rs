@@ -1,0 +1,406 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Great-ellipse edges split until the triangulation sees each vertex on the side that it lies on.
+//!
+//! Degrees. The triangulation sees an arc's chord, straight in longitude and latitude, and sees a
+//! vertex in the *lens* between the two beyond the arc when it is not. For most regions that is a
+//! matter of the boundary's tolerance. A sliver that lies in a lens as a whole comes out turned over,
+//! though, and finer chords everywhere cost as many vertices as the sliver is long and thin: arcs of
+//! 10° a rounding apart took 600,000.
+//!
+//! So arcs are split at the feet of the vertices in their lenses: there chord and arc meet, and the
+//! vertex is in neither half's lens. Where no lens holds a vertex, chords lie to one another and to
+//! all vertices as their arcs do. For let the ends of two arcs lie outside of each other's lenses: an
+//! arc enters and leaves the other's lens an even number of times, so it crosses chord and arc
+//! equally often but for pairs, and the same goes for the two chords in turn. Cost is a vertex for
+//! each vertex in a lens, whatever the arcs' distance.
+
+use crate::EdgeRule;
+use crate::box_tree::{AxisBox, BoxTree};
+use crate::edge::{Degrees, ROUNDING, arc_rad, in_order, normal, point_on_edge};
+use crate::outline::OutlineEdge;
+use glam::DVec3;
+use std::cell::{Cell, RefCell};
+
+/// Edges that one edge of a group may become on average.
+const MOST_PARTS: usize = 32;
+/// Edges that a smaller group is taken for: in it every arc may be beside every other.
+const SMALL_GROUP: usize = 64;
+/// Vertices of which it is asked where their feet are, for each edge that may be made.
+const MOST_ASKED: usize = 8;
+/// Rounds of splitting: places made in one may lie in the lens of another arc.
+const MOST_ROUNDS: usize = 8;
+/// Steps in which an arc's distance from its chord is measured.
+const STEPS: u32 = 8;
+/// Cells of vertices that are one, degrees: a power of two, so that ±180 and ±90 are in the middle
+/// of theirs, and smaller than [`ROUNDING`].
+const CELL_DEG: f64 = 1.0 / (1_u64 << 41) as f64;
+
+/// Cosine of the latitude beyond which cells are no wider.
+const NARROWEST: f64 = 1e-6;
+
+/// What becomes of vertices that are within rounding of an arc.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum WithinRounding {
+    /// Nothing.
+    Kept,
+    /// The arc is led through them, and what lies in one cell is one vertex.
+    Merged,
+}
+
+/// Splits arcs at the feet of vertices in their lenses.
+///
+/// - returns: at most [`MOST_PARTS`] times as many edges, or as a group of [`SMALL_GROUP`] may have
+/// - cost: O(n log n), with n edges returned
+pub(crate) fn split_at_feet(edges: Vec<OutlineEdge>, near: WithinRounding) -> Vec<OutlineEdge> {
+    let most = MOST_PARTS * edges.len().max(SMALL_GROUP);
+    let mut edges = match near {
+        WithinRounding::Kept => edges,
+        WithinRounding::Merged => merged(edges),
+    };
+    let asked_left = Cell::new(MOST_ASKED * most);
+    for _ in 0..MOST_ROUNDS {
+        let mut places: Vec<Degrees> = edges.iter().map(|edge| edge.start).collect();
+        places.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+        places.dedup();
+        let boxes: Vec<AxisBox> = places.iter().copied().map(box_of).collect();
+        let vertices = Vertices {
+            tree: BoxTree::new(&boxes),
+            places: &places,
+            near,
+            asked_left: &asked_left,
+        };
+        let mut split = Vec::with_capacity(edges.len());
+        for (index, edge) in edges.iter().enumerate() {
+            let room = most.saturating_sub(split.len() + edges.len() - index);
+            let mut from = edge.start;
+            for place in vertices.feet(edge, room) {
+                split.push(OutlineEdge {
+                    start: from,
+                    end: place,
+                    ..*edge
+                });
+                from = place;
+            }
+            split.push(OutlineEdge {
+                start: from,
+                ..*edge
+            });
+        }
+        let done = split.len() == edges.len();
+        edges = split;
+        if done {
+            break;
+        }
+    }
+    edges
+}
+
+fn merged(edges: Vec<OutlineEdge>) -> Vec<OutlineEdge> {
+    let merge = |edge: OutlineEdge| OutlineEdge {
+        start: middle_of_cell(edge.start),
+        end: middle_of_cell(edge.end),
+        ..edge
+    };
+    let edges = edges.into_iter().map(merge);
+    edges.filter(|edge| edge.start != edge.end).collect()
+}
+
+/// Nothing is moved onto the antimeridian or a pole, nor along them.
+fn middle_of_cell(place: Degrees) -> Degrees {
+    // As wide as high on the body.
+    let cosine = place[1].to_radians().cos().max(NARROWEST);
+    let sides = [CELL_DEG / cosine.log2().floor().exp2(), CELL_DEG];
+    let middle = [0, 1].map(|k| (place[k] / sides[k]).round() * sides[k]);
+    match middle[0].abs() == 180.0 || middle[1].abs() == 90.0 {
+        true => place,
+        false => middle,
+    }
+}
+
+fn box_of([x, y]: Degrees) -> AxisBox {
+    let point = DVec3::new(x, y, 0.0);
+    AxisBox {
+        low: point,
+        high: point,
+    }
+}
+
+/// Vertices that may lie in lenses.
+struct Vertices<'a> {
+    tree: BoxTree<'a>,
+    places: &'a [Degrees],
+    near: WithinRounding,
+    asked_left: &'a Cell<usize>,
+}
+
+impl Vertices<'_> {
+    /// At most `room` places that split an edge, in order from its start to its end.
+    fn feet(&self, edge: &OutlineEdge, room: usize) -> Vec<Degrees> {
+        let Some(lens) = Lens::of(edge) else {
+            return Vec::new();
+        };
+        let found = RefCell::new(Vec::new());
+        let has_room = || found.borrow().len() < room && self.asked_left.get() > 0;
+        self.tree.visit(
+            &mut |bounds| has_room() && lens.may_hold(bounds),
+            &mut |index| {
+                self.asked_left.set(self.asked_left.get().saturating_sub(1));
+                let foot = lens.foot_of(self.places[index], self.near);
+                found.borrow_mut().extend(foot);
+            },
+        );
+        let mut found = found.into_inner();
+        found.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        let mut feet: Vec<Degrees> = found.into_iter().map(|(_, place)| place).collect();
+        feet.dedup();
+        if lens.ends[0] != edge.start {
+            feet.reverse();
+        }
+        feet
+    }
+}
+
+/// What lies between an arc and its chord.
+struct Lens {
+    /// In the order of [`in_order`], so that an edge and its reverse are split at the same bits.
+    ends: [Degrees; 2],
+    /// Unit vectors towards the start, and at right angles to it along the arc.
+    axes: [DVec3; 2],
+    /// Between the ends, radians.
+    angle: f64,
+    /// Bound on how far from the chord the lens reaches, degrees.
+    height_deg: f64,
+}
+
+impl Lens {
+    /// `None` where arc and chord are the same to rounding.
+    fn of(edge: &OutlineEdge) -> Option<Self> {
+        let (start, end) = in_order(edge.start, edge.end);
+        let is_meridian = start[0] == end[0] || start[1].abs() == 90.0 || end[1].abs() == 90.0;
+        if is_meridian {
+            return None;
+        }
+        let (from, to) = (normal(start), normal(end));
+        let along = (to - from * from.dot(to)).try_normalize()?;
+        let mut lens = Self {
+            ends: [start, end],
+            axes: [from, along],
+            angle: arc_rad(start, end),
+            height_deg: 0.0,
+        };
+        let heights = (1..STEPS).map(|step| {
+            let share = f64::from(step) / f64::from(STEPS);
+            lens.off_chord(lens.place(share)).abs()
+        });
+        // Between the steps it reaches a little further.
+        lens.height_deg = 2.0 * heights.fold(0.0, f64::max);
+        (lens.height_deg > rounding_deg()).then_some(lens)
+    }
+
+    fn place(&self, share: f64) -> Degrees {
+        point_on_edge(EdgeRule::GreatEllipse, self.ends[0], self.ends[1], share)
+    }
+
+    /// Signed distance from the chord, degrees; its sign is exact.
+    fn off_chord(&self, place: Degrees) -> f64 {
+        let [start, end] = self.ends;
+        let coord = |[x, y]: Degrees| robust::Coord { x, y };
+        let twice_area = robust::orient2d(coord(start), coord(end), coord(place));
+        twice_area / (end[0] - start[0]).hypot(end[1] - start[1])
+    }
+
+    /// Whether a box may come within the lens's height of the chord; at times it does not.
+    fn may_hold(&self, bounds: &AxisBox) -> bool {
+        let [start, end] = self.ends;
+        let (low, high) = (bounds.low, bounds.high);
+        // An arc's longitudes are those between its ends.
+        if high.x < start[0] || end[0] < low.x {
+            return false;
+        }
+        let corners = [
+            [low.x, low.y],
+            [high.x, low.y],
+            [high.x, high.y],
+            [low.x, high.y],
+        ];
+        let off = corners.map(|corner| self.off_chord(corner));
+        !(off.iter().all(|off| *off > self.height_deg)
+            || off.iter().all(|off| *off < -self.height_deg))
+    }
+
+    /// How far along the arc its nearest place to another lies; `None` for its ends and beyond.
+    fn share_of(&self, place: Degrees) -> Option<f64> {
+        let up = normal(place);
+        // The axes of a short arc are at right angles to 1e-14 only, so not `up` along the arc.
+        let along = (up - self.axes[0]).dot(self.axes[1]);
+        let share = along.atan2(up.dot(self.axes[0])) / self.angle;
+        (share > 0.0 && share < 1.0).then_some(share)
+    }
+
+    /// Where a vertex in the lens splits the arc, and as which share of it; `None` for other vertices,
+    /// and where the lens is not as high as rounding.
+    fn foot_of(&self, vertex: Degrees, near: WithinRounding) -> Option<(f64, Degrees)> {
+        if self.ends.contains(&vertex) || vertex[0].abs() == 180.0 || vertex[1].abs() == 90.0 {
+            return None;
+        }
+        let share = self.share_of(vertex)?;
+        let foot = self.place(share);
+        // Of two vertices side by side each would come next to the other without end.
+        let ahead = || share.min(1.0 - share) * self.angle > 0.25 * CELL_DEG.to_radians();
+        if near == WithinRounding::Merged && arc_rad(foot, vertex) <= ROUNDING && ahead() {
+            return Some((share, vertex));
+        }
+        let (arc, off) = (self.off_chord(foot), self.off_chord(vertex));
+        if off * arc < 0.0 || off.abs() >= arc.abs() || arc.abs() <= rounding_deg() {
+            return None;
+        }
+        let foot = match near {
+            WithinRounding::Kept => foot,
+            WithinRounding::Merged => middle_of_cell(foot),
+        };
+        let is_between = self.ends[0][0] < foot[0] && foot[0] < self.ends[1][0];
+        is_between.then_some((share, foot))
+    }
+}
+
+fn rounding_deg() -> f64 {
+    ROUNDING.to_degrees()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::triangulate::triangulate;
+    use crate::{EdgePlace, MeshOptions};
+    use std::collections::BTreeMap;
+
+    fn edges(places: &[Degrees]) -> Vec<OutlineEdge> {
+        let next = places.iter().cycle().skip(1);
+        let edge = |(start, end): (&Degrees, &Degrees)| OutlineEdge {
+            start: *start,
+            end: *end,
+            place: EdgePlace::default(),
+        };
+        places.iter().zip(next).map(edge).collect()
+    }
+
+    fn places(edges: &[OutlineEdge]) -> Vec<Degrees> {
+        edges.iter().map(|edge| edge.start).collect()
+    }
+
+    const WEST: Degrees = [0.0, 50.0];
+    const EAST: Degrees = [20.0, 50.0];
+
+    #[test]
+    fn an_arc_is_split_at_the_foot_of_a_vertex_in_its_lens() {
+        // Of the arc's 0.43° above its chord.
+        let middle = point_on_edge(EdgeRule::GreatEllipse, WEST, EAST, 0.5);
+        for below_deg in [0.4, 1e-3, 1e-9] {
+            let vertex = [middle[0] + 0.7, middle[1] - below_deg - 0.003];
+            let split = split_at_feet(edges(&[WEST, EAST, vertex]), WithinRounding::Kept);
+            let made = places(&split);
+            let lens = Lens::of(&edges(&[WEST, EAST])[0]).expect("bows");
+            let on_arc = |place: &Degrees| {
+                let share = lens.share_of(*place)?;
+                Some(arc_rad(lens.place(share), *place) < 1e-15)
+            };
+            let foot = made[1];
+            assert_eq!(made[0], WEST);
+            assert_eq!(on_arc(&foot), Some(true));
+            // At right angles to the arc, which is level there.
+            assert!((foot[0] - vertex[0]).abs() < 0.02, "{foot:?}");
+            // Twin: the vertex is not.
+            assert_eq!(on_arc(&vertex), Some(false));
+        }
+        // Twins: beyond the arc, and on the other side of the chord.
+        for latitude in [middle[1] + 1e-3, 49.999] {
+            let same = edges(&[WEST, EAST, [middle[0], latitude]]);
+            let split = split_at_feet(same.clone(), WithinRounding::Kept);
+            assert_eq!(places(&split), places(&same));
+        }
+    }
+
+    #[test]
+    fn an_arc_and_its_reverse_are_split_at_the_same_places() {
+        let inside = [[3.0, 50.1], [7.0, 50.2], [16.0, 50.05], [8.0, 50.01]];
+        let there = [&[WEST, EAST], inside.as_slice()].concat();
+        let mut back = there.clone();
+        back.reverse();
+        for near in [WithinRounding::Kept, WithinRounding::Merged] {
+            let [mut there, mut back] =
+                [&there, &back].map(|ring| places(&split_at_feet(edges(ring), near)));
+            assert!(there.len() > 6, "{}", there.len());
+            there.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            back.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            assert_eq!(there, back);
+        }
+    }
+
+    #[test]
+    fn arcs_that_are_one_to_rounding_become_one() {
+        // There and back between ends that are a few last bits apart, six times.
+        let beside = |k: u32| 4e-14 * f64::from(k);
+        let ring: Vec<Degrees> = (0..6)
+            .flat_map(|k| {
+                [
+                    [WEST[0], WEST[1] + beside(k)],
+                    [EAST[0] + beside(k), EAST[1] - beside(k % 3)],
+                ]
+            })
+            .collect();
+        let halved = edges(&ring).into_iter().flat_map(|edge| {
+            let middle = point_on_edge(EdgeRule::GreatEllipse, edge.start, edge.end, 0.5);
+            edges(&[edge.start, middle, edge.end]).into_iter().take(2)
+        });
+        let halved: Vec<OutlineEdge> = halved.collect();
+        // Ends of edges that an odd number of edges joins.
+        let left = |edges: Vec<OutlineEdge>| {
+            let bits = |place: Degrees| place.map(f64::to_bits);
+            let mut uses: BTreeMap<[[u64; 2]; 2], usize> = BTreeMap::new();
+            for edge in edges {
+                let (a, b) = in_order(edge.start, edge.end);
+                *uses.entry([bits(a), bits(b)]).or_default() += 1;
+            }
+            uses.into_values().filter(|uses| uses % 2 == 1).count()
+        };
+        assert_eq!(
+            left(split_at_feet(halved.clone(), WithinRounding::Merged)),
+            0
+        );
+        // Twin: each stays another.
+        assert!(left(split_at_feet(halved, WithinRounding::Kept)) > 10);
+    }
+
+    #[test]
+    fn very_many_arcs_in_one_lens_cost_no_more_than_they_are_allowed() {
+        for near in [WithinRounding::Kept, WithinRounding::Merged] {
+            for count in [10_u32, 3_000] {
+                let tooth = |k: u32| {
+                    let share = f64::from(k) / f64::from(count);
+                    [
+                        [7.0 * share, 50.0 + 0.1 * share],
+                        [20.0 - 6.0 * share, 50.0 + 0.1 * share],
+                    ]
+                };
+                let comb: Vec<Degrees> = (0..count).flat_map(tooth).collect();
+                let edges = edges(&comb);
+                let most = MOST_PARTS * edges.len().max(SMALL_GROUP);
+                let made = split_at_feet(edges, near).len();
+                assert!((comb.len() + 10..=most).contains(&made), "{made} of {most}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_lies_in_one_cell_vanishes() {
+        let bits = |k: u32| 1e-14 * f64::from(k);
+        let ring: Vec<Degrees> = (0..5).map(|k| [7.0, 50.0 + bits(k)]).collect();
+        let left = split_at_feet(edges(&ring), WithinRounding::Merged);
+        assert!(left.is_empty());
+        let mesh = triangulate(left, EdgeRule::GreatEllipse, &MeshOptions::default());
+        assert!(mesh.is_ok_and(|mesh| mesh.triangles.is_empty()));
+        // Twin: unless it may not be moved, since it would come onto a pole.
+        let at_pole = [[7.0, 90_f64.next_down()], [8.0, 90_f64.next_down()]];
+        assert_eq!(merged(edges(&at_pole)).len(), 2);
+    }
+}
