@@ -362,55 +362,23 @@ fn with_neighbours(mesh: &RegionMesh) -> Vec<u32> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::by_hand::{circle_deg, mesh};
     use std::collections::BTreeSet;
-    use terrafill_core::{Ellipsoid, Extent, Geodetic};
     use terrafill_scene::Scene;
 
     /// A ring of `count` vertices on each of two circles, and the triangles between them: a disc
     /// with a hole, every vertex on the boundary.
     pub(crate) fn annulus(count: u32) -> RegionMesh {
-        let body = Ellipsoid::WGS84;
-        let place = |i: u32, radius: f64| {
-            let angle = f64::from(i) / f64::from(count) * std::f64::consts::TAU;
-            [10.0 + radius * angle.cos(), 50.0 + radius * angle.sin()]
-        };
-        let vertices_deg: Vec<_> = (0..count)
-            .map(|i| place(i, 1.0))
-            .chain((0..count).map(|i| place(i, 0.5)))
-            .collect();
+        let vertices_deg = [circle_deg(count, 1.0), circle_deg(count, 0.5)].concat();
         let next = |i: u32| (i + 1) % count;
-        RegionMesh {
-            region_index: 0,
-            name: "annulus".to_owned(),
-            vertices_ecef: vertices_deg
-                .iter()
-                .map(|d| body.geodetic_to_ecef(Geodetic::from_degrees(d[0], d[1], 0.0)))
-                .collect(),
-            vertices_deg,
-            triangles: (0..count)
-                .flat_map(|i| {
-                    [
-                        [i, next(i), count + i],
-                        [next(i), count + next(i), count + i],
-                    ]
-                })
-                .collect(),
-            boundary_loops: vec![
-                (0..count).collect(),
-                (0..count).rev().map(|i| count + i).collect(),
-            ],
-            holes: 1,
-            area_m2: 1.0,
-            extent: Extent {
-                west_deg: 9.0,
-                south_deg: 49.0,
-                east_deg: 11.0,
-                north_deg: 51.0,
-            },
-            boundary_deviation_m: 0.0,
-            cap_sagitta_m: 1000.0,
-            warnings: Vec::new(),
-        }
+        let between = |i: u32| {
+            [
+                [i, next(i), count + i],
+                [next(i), count + next(i), count + i],
+            ]
+        };
+        let loops = vec![(0..count).collect(), (count..2 * count).rev().collect()];
+        mesh(vertices_deg, (0..count).flat_map(between).collect(), loops)
     }
 
     /// Triangles and loops of which only the numbers matter.

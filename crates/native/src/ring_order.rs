@@ -122,39 +122,13 @@ fn edges(ring: &[u32]) -> impl Iterator<Item = [u32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::by_hand;
     use std::collections::{BTreeMap, BTreeSet};
-    use terrafill_core::{Ellipsoid, Extent, Geodetic};
 
     /// A mesh of which only the numbers matter.
     fn mesh(count: u32, boundary_loops: &[&[u32]], triangles: &[[u32; 3]]) -> RegionMesh {
-        let vertices_deg: Vec<[f64; 2]> = (0..count)
-            .map(|i| {
-                let angle = f64::from(i) / f64::from(count) * std::f64::consts::TAU;
-                [10.0 + angle.cos(), 50.0 + angle.sin()]
-            })
-            .collect();
-        RegionMesh {
-            region_index: 0,
-            name: "numbers".to_owned(),
-            vertices_ecef: vertices_deg
-                .iter()
-                .map(|d| Ellipsoid::WGS84.geodetic_to_ecef(Geodetic::from_degrees(d[0], d[1], 0.0)))
-                .collect(),
-            vertices_deg,
-            triangles: triangles.to_vec(),
-            boundary_loops: boundary_loops.iter().map(|ring| ring.to_vec()).collect(),
-            holes: 0,
-            area_m2: 1.0,
-            extent: Extent {
-                west_deg: 9.0,
-                south_deg: 49.0,
-                east_deg: 11.0,
-                north_deg: 51.0,
-            },
-            boundary_deviation_m: 0.0,
-            cap_sagitta_m: 1000.0,
-            warnings: Vec::new(),
-        }
+        let loops = boundary_loops.iter().map(|ring| ring.to_vec()).collect();
+        by_hand::mesh(by_hand::circle_deg(count, 1.0), triangles.to_vec(), loops)
     }
 
     /// Two rings of `count` vertices and the triangles between them, one more vertex in the first
