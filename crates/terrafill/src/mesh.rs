@@ -4,6 +4,7 @@
 use crate::arguments::MeshArguments;
 use crate::regions::{FeatureProblem, Leniency, Meshed, read_and_mesh, report_skipped};
 use crate::{Failure, Outcome, print};
+use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -74,7 +75,7 @@ pub(crate) fn run(arguments: &MeshArguments) -> Result<Outcome, Failure> {
         skipped,
     } = read_and_mesh(path, leniency, body, edges, &options)?;
     report_skipped(&skipped);
-    let meshed: Vec<MeshedRegion> = meshes.iter().map(describe).collect();
+    let meshed: Vec<MeshedRegion> = meshes.par_iter().map(describe).collect();
     let output = MeshOutput {
         file: path.display().to_string(),
         edges: edges.name(),
