@@ -153,7 +153,10 @@ mod tests {
         .expect("an empty folder");
         measure(&run, true, None).expect("measures");
         let rows = run.growth().expect("rows");
-        assert_eq!(rows.len(), ShapeFamily::ALL.len() * QUICK_SIZES * 3);
+        assert_eq!(
+            rows.len(),
+            ShapeFamily::ALL.len() * QUICK_SIZES * REPETITIONS as usize
+        );
         assert!(rows.iter().all(|row| row.mesh_cpu_ms > 0.0));
         let file = folder.path().join("growth.csv");
         let whole = std::fs::read_to_string(&file).expect("text");
