@@ -2,7 +2,8 @@
 //! What fuzzing found, as small as it could be made.
 
 use terrafill_core::{
-    EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, parse_regions,
+    EdgeRule, Ellipsoid, Geodetic, InvariantViolation, MeshError, MeshOptions, Region, RegionMesh,
+    parse_regions,
 };
 
 fn region(coordinates: &str) -> Region {
@@ -502,6 +503,70 @@ fn the_feet_of_vertices_are_within_the_extent() {
     assert_eq!(mesh.extent.south_deg, southernmost);
     // Twin: that is beyond the places that halve these arcs.
     assert!(southernmost < -82.356_119, "{southernmost}");
+}
+
+#[test]
+fn interior_edges_a_rounding_apart_to_one_place_at_a_pole_are_both_halved() {
+    // Arcs of 135° there and back leave vertices a rounding apart, with an edge from each to longitude
+    // −135 at the pole. The middles of both are one place but for rounding, and one of the edges
+    // stayed 157° wide between neighbours that the first stage of the in-circle test takes for one line.
+    let mut region = region(
+        "[[[[-45.57352946139872,-32.999999999008416],[90.0,-33.0],\
+         [-45.57352946139877,-32.99999999900843],[89.9999999999999,-33.000000000000014],\
+         [-45.57352946139877,-32.99999999900843],[-45.57352946139882,-32.999999999008445],\
+         [89.99999999999993,-33.00000000000003],[-179.94999999941828,0.0],\
+         [-179.950000008,-33.000000008]]]]",
+    );
+    region.split_at_crossings(EdgeRule::GreatEllipse);
+    let body = Ellipsoid::SATURN_LIKE;
+    let options = MeshOptions {
+        boundary_tolerance_m: 458.285_613_663_488_33,
+        cap_step_deg: 30.0,
+    };
+    let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options).expect("meshes");
+    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    assert!(widest_deg(&mesh) <= 45.0, "{}°", widest_deg(&mesh));
+    // Twin: the facet of which the wide edge was a side.
+    let vertices_deg = vec![
+        [-36.74172795717992, -71.12127638147808],
+        [22.213235268512115, -59.794042210364935],
+        [0.0, -90.0],
+    ];
+    let place = |[longitude, latitude]: &[f64; 2]| {
+        body.geodetic_to_ecef(Geodetic::from_degrees(*longitude, *latitude, 0.0))
+    };
+    let facet = RegionMesh {
+        vertices_ecef: vertices_deg.iter().map(place).collect(),
+        vertices_deg,
+        triangles: vec![[0, 1, 2]],
+        boundary_loops: vec![vec![0, 1, 2]],
+        ..mesh
+    };
+    assert!(widest_deg(&facet) > 58.9, "{}°", widest_deg(&facet));
+    let violation = facet.check_invariants(&body);
+    assert!(
+        matches!(violation, Err(InvariantViolation::Inverted { .. })),
+        "{violation:?}"
+    );
+}
+
+/// Longitudes that the widest side of a triangle spans; at a pole there is none.
+fn widest_deg(mesh: &RegionMesh) -> f64 {
+    let sides = mesh
+        .triangles
+        .iter()
+        .flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let width = |ends: [&u32; 2]| {
+        let [from, to] = ends.map(|i| mesh.vertices_deg[*i as usize]);
+        let at_pole = from[1].abs() == 90.0 || to[1].abs() == 90.0;
+        let width = (to[0] - from[0]).abs();
+        if at_pole {
+            0.0
+        } else {
+            width.min(360.0 - width)
+        }
+    };
+    sides.map(width).fold(0.0, f64::max)
 }
 
 #[test]
