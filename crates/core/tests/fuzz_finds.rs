@@ -611,6 +611,43 @@ fn widest_deg(mesh: &RegionMesh) -> f64 {
 }
 
 #[test]
+fn a_vertex_moved_to_the_middle_of_its_cell_is_within_the_extent() {
+    // Arcs a rounding apart beside the south pole, led through common vertices: one was moved 9e-11°
+    // east, where the extent did not follow.
+    let mut region = region(
+        "[[[[-180.4,-90.0],[-180.35,-90.0],[-180.0,-90.0],[-179.7,-90.0],[-179.7,-89.95],\
+         [-179.65,-89.9],[-179.7,-89.85],[-179.65,-89.65],[-180.25,-89.65],[-180.3,-89.7],\
+         [-180.3,-89.9]],[[-180.2499999999999,-89.64999999999992],\
+         [-180.24999999999977,-89.64999999999984],[-179.65000000000006,-89.6500000000001],\
+         [-180.2,-90.0],[-180.3,-89.3],[-180.2,-90.0],[-179.65000000000006,-89.90000000000005],\
+         [-180.2,-90.0],[-179.64999999999995,-89.89999999999996],[-179.65,-89.65]]],\
+         [[[-180.4,-90.0],[-180.35,-90.0],[-180.0,-90.0],[-179.7,-90.0],\
+         [-179.7,-89.95000000000002],[-179.65,-89.90000000000002],[-179.7,-89.85000000000001],\
+         [-179.65,-89.65000000000002],[-180.25,-89.65000000000002],[-180.3,-89.70000000000002],\
+         [-180.3,-89.90000000000002]],[[-183.25937499999958,-90.0],[-179.99966672786977,0.0],\
+         [-180.7,-90.0],[-179.7,-89.67187500000001],[-180.7,-90.0],\
+         [-179.64999999999995,-89.89999999999996],[-179.64999999999986,-89.90000000000013]]]]",
+    );
+    region.split_at_crossings(EdgeRule::GreatEllipse);
+    let body = Ellipsoid::WGS84;
+    let options = MeshOptions {
+        boundary_tolerance_m: 100_187.541_713_946_22,
+        cap_step_deg: 7.5,
+    };
+    let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options).expect("meshes");
+    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    let in_the_east = |longitude: &f64| (-180.0..-170.0).contains(longitude);
+    let off_the_pole = mesh.vertices_deg.iter().filter(|vertex| vertex[1] > -90.0);
+    let easternmost = off_the_pole.map(|vertex| vertex[0]).filter(in_the_east);
+    let easternmost = easternmost.fold(-180.0, f64::max);
+    assert_eq!(mesh.extent.east_deg, easternmost);
+    // Twin: that is beyond every vertex of the file.
+    let written = region.rings().flat_map(|ring| ring.vertices_deg());
+    let written = written.map(|vertex| vertex[0]).filter(in_the_east);
+    assert!(written.fold(-180.0, f64::max) < easternmost - 5e-11);
+}
+
+#[test]
 fn positions_that_a_turn_makes_one_are_not_kept_twice() {
     // Two longitudes of the pole, 0 and the smallest number above it: one turn on both are 360, and an
     // edge from there to itself was left.
