@@ -444,10 +444,10 @@ impl Meshed {
         };
         let mut extent = outline.extent;
         for group in bent.keys() {
-            // Feet may lie nearer to the arc's highest latitude than the places it was split at.
-            for [_, latitude] in &groups[*group].mesh.vertices {
-                extent.south_deg = extent.south_deg.min(*latitude);
-                extent.north_deg = extent.north_deg.max(*latitude);
+            // Feet may lie nearer to the arc's highest latitude than the places it was split at, and
+            // what lies in one cell has been moved to its middle.
+            for position in &groups[*group].mesh.vertices {
+                widen(&mut extent, *position);
             }
         }
         let groups = groups.into_iter().map(|group| (group.mesh, group.area_m2));
@@ -457,6 +457,27 @@ impl Meshed {
             boundary_deviation_m: splitter.deviation_m,
             notes,
         })
+    }
+}
+
+/// Moves the nearer end of either interval to a vertex that is a little outside. ±180 is one
+/// meridian, and at a pole there is none.
+fn widen(extent: &mut Extent, [longitude, latitude]: Degrees) {
+    extent.south_deg = extent.south_deg.min(latitude);
+    extent.north_deg = extent.north_deg.max(latitude);
+    let (west, east) = (extent.west_deg, extent.east_deg);
+    let is_within = if west <= east {
+        (west..=east).contains(&longitude)
+    } else {
+        longitude >= west || longitude <= east
+    };
+    if is_within || longitude.abs() == 180.0 || latitude.abs() == 90.0 {
+        return;
+    }
+    if (longitude - east).rem_euclid(360.0) < (west - longitude).rem_euclid(360.0) {
+        extent.east_deg = longitude;
+    } else {
+        extent.west_deg = longitude;
     }
 }
 
@@ -946,6 +967,35 @@ mod tests {
         let moved = Ring::from_checked(moved, 0.0);
         region.polygons[0].holes.push(moved);
         assert_eq!(searched(&groups(&region)), 1);
+    }
+
+    #[test]
+    fn a_vertex_outside_moves_the_nearer_end_of_an_extent() {
+        let extent = |west_deg, east_deg| Extent {
+            west_deg,
+            south_deg: -10.0,
+            east_deg,
+            north_deg: 10.0,
+        };
+        let widened = |mut extent: Extent, position| {
+            widen(&mut extent, position);
+            [
+                extent.west_deg,
+                extent.south_deg,
+                extent.east_deg,
+                extent.north_deg,
+            ]
+        };
+        for (west, east) in [(20.0, 30.0), (170.0, -170.0)] {
+            let as_it_was = [west, -10.0, east, 10.0];
+            let at = |position| widened(extent(west, east), position);
+            assert_eq!(at([east + 1e-9, 11.0]), [west, -10.0, east + 1e-9, 11.0]);
+            assert_eq!(at([west - 1e-9, -11.0]), [west - 1e-9, -11.0, east, 10.0]);
+            // Twins: within it, and where longitudes say nothing.
+            assert_eq!(at([west + 1.0, 0.0]), as_it_was);
+            assert_eq!(at([-180.0, 0.0]), as_it_was);
+            assert_eq!(at([0.0, 90.0]), [west, -10.0, east, 90.0]);
+        }
     }
 
     #[test]

@@ -27,6 +27,9 @@ const WIDEST_LATTICE_STEP_DEG: f64 = 30.0;
 const LATTICE_CLEARANCE_STEPS: f64 = 0.5;
 /// Rounds of halving: the plane's width divided by 2¹⁶ is far below any step allowed.
 const MOST_ROUNDS: usize = 16;
+/// Where an edge that is too long is split, in this order and as long as it is still there. Binary
+/// fractions: at a pole and at the antimeridian no product is rounded.
+const SPLIT_SHARES: [f64; 5] = [0.5, 0.4375, 0.5625, 0.375, 0.625];
 /// Coordinates below this are 0, since the exact predicates must not underflow. A billionth of an
 /// atom, in degrees of the Earth.
 pub(crate) const SMALLEST_COORDINATE_DEG: f64 = 1e-25;
@@ -203,7 +206,7 @@ impl Group {
     /// Every edge that an insertion makes ends at the point inserted, so after the first look only
     /// the edges of new points are looked at.
     fn refine(&mut self, step_deg: f64) -> Result<(), TriangulateError> {
-        let long: Vec<[u32; 2]> = self
+        let mut long: Vec<[u32; 2]> = self
             .mesh
             .edges()
             .filter(|&(triangle, i)| {
@@ -213,30 +216,60 @@ impl Group {
             .filter(|ends| self.is_too_long(*ends, step_deg))
             .collect();
         let mut new = self.insert_lattice(step_deg)?;
-        let mut middles: Vec<Degrees> = long
-            .into_iter()
-            .filter(|[from, to]| self.mesh.edge_between(*from, *to).is_ok())
-            .map(|ends| self.middle(ends))
-            .collect();
+        long.retain(|ends| self.is_edge(*ends));
         for _ in 0..MOST_ROUNDS {
-            middles.extend(self.middles_round(&new, step_deg));
-            if middles.is_empty() {
+            long.extend(self.long_edges_at(&new, step_deg));
+            if long.is_empty() {
                 break;
             }
             new.clear();
-            for middle in middles.drain(..) {
-                let before = self.mesh.vertex_count();
-                let vertex = self.insert(middle)?;
-                if vertex as usize == before {
-                    new.push(vertex);
-                }
+            for ends in long.drain(..) {
+                self.split(ends, &mut new)?;
             }
         }
         Ok(())
     }
 
-    /// Middles of the edges that are too long among those that end at one of these vertices.
-    fn middles_round(&self, new: &[u32], step_deg: f64) -> Vec<Degrees> {
+    /// Inserts points of an edge until it is gone, by its middle but for a few; adds to `new` what
+    /// has new edges.
+    ///
+    /// The middle is rounded. Where an edge lies between neighbours a rounding away its middle comes
+    /// to lie beside it or is there already, and to the first stage of the in-circle test all of them
+    /// are one line: the edge stayed, with no end that would have been looked at again.
+    fn split(&mut self, ends: [u32; 2], new: &mut Vec<u32>) -> Result<(), TriangulateError> {
+        for share in SPLIT_SHARES {
+            let before = self.mesh.vertex_count();
+            let vertex = self.insert(self.place_along(ends, share))?;
+            if vertex as usize == before {
+                new.push(vertex);
+            }
+            if !self.is_edge(ends) {
+                break;
+            }
+            new.extend(self.mesh.legalise_exactly(vertex));
+            if !self.is_edge(ends) || !self.has_room(ends) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn is_edge(&self, [from, to]: [u32; 2]) -> bool {
+        self.mesh.edge_between(from, to).is_ok()
+    }
+
+    /// Whether there are numbers between the coordinates of both ends; if not, every point of the
+    /// edge is rounded to beside it.
+    fn has_room(&self, ends: [u32; 2]) -> bool {
+        let [a, b] = ends.map(|end| self.position(end));
+        let middle = self.place_along(ends, 0.5);
+        [0, 1]
+            .into_iter()
+            .all(|i| middle[i] != a[i] && middle[i] != b[i])
+    }
+
+    /// Edges that are too long among those that end at one of these vertices.
+    fn long_edges_at(&self, new: &[u32], step_deg: f64) -> Vec<[u32; 2]> {
         let mut long: Vec<[u32; 2]> = Vec::new();
         for vertex in new {
             for (triangle, i) in self.mesh.edges_at(*vertex) {
@@ -252,12 +285,13 @@ impl Group {
         }
         long.sort_unstable();
         long.dedup();
-        long.into_iter().map(|ends| self.middle(ends)).collect()
+        long
     }
 
-    fn middle(&self, ends: [u32; 2]) -> Degrees {
+    /// The point of an edge at this share of the way from its first end.
+    fn place_along(&self, ends: [u32; 2], share: f64) -> Degrees {
         let [a, b] = ends.map(|end| self.position(end));
-        [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+        [0, 1].map(|i| (1.0 - share) * a[i] + share * b[i])
     }
 
     /// Points on parallels that are multiples of the step apart, about one step apart on each.

@@ -2,7 +2,8 @@
 //! What fuzzing found, as small as it could be made.
 
 use terrafill_core::{
-    EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, parse_regions,
+    EdgeRule, Ellipsoid, Geodetic, InvariantViolation, MeshError, MeshOptions, Region, RegionMesh,
+    parse_regions,
 };
 
 fn region(coordinates: &str) -> Region {
@@ -381,6 +382,47 @@ fn a_ring_there_and_back_over_a_pole_encloses_nothing_either_way() {
 }
 
 #[test]
+fn a_ring_there_and_back_over_the_pole_it_does_not_hold_encloses_nothing_in_any_turn() {
+    // Along the antimeridian to a place beyond the south pole and back. Written from −180 and from +180
+    // it went all the way round the south pole, and by its mean latitude held the north pole: the
+    // whole body. One turn further east it was nothing.
+    let body = Ellipsoid::SATURN_LIKE;
+    let area_m2 = |ring: &[[f64; 2]], turn_deg: f64| {
+        let turned: Vec<_> = ring.iter().map(|[x, y]| [x + turn_deg, *y]).collect();
+        let region = region(&format!("[[{turned:?}]]"));
+        let options = MeshOptions::default();
+        RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options).map(|mesh| {
+            assert_eq!(mesh.check_invariants(&body), Ok(()));
+            mesh.area_m2
+        })
+    };
+    let by_the_pole = [[180.0, 90.0], [-180.0, 90.0]];
+    let there_and_back = [
+        &[[-180.0, 20.0], [0.0, -80.0], [180.0, 20.0]][..],
+        &by_the_pole,
+    ]
+    .concat();
+    let round: Vec<_> = [-180.0, -60.0, 60.0, 180.0].map(|x| [x, -10.0]).to_vec();
+    let round = [&round[..], &by_the_pole].concat();
+    let round_m2 = area_m2(&round, 0.0).expect("meshes");
+    for turn_deg in [0.0, 360.0, -360.0] {
+        let reversed: Vec<_> = there_and_back.iter().rev().copied().collect();
+        for ring in [&there_and_back, &reversed] {
+            let found = area_m2(ring, turn_deg);
+            assert!(matches!(found, Err(MeshError::NoArea { .. })), "{found:?}");
+        }
+        // Twin: a ring that does go round holds the north pole: its arcs bow 9° south.
+        let found = area_m2(&round, turn_deg).expect("meshes");
+        assert!((found / round_m2 - 1.0).abs() < 1e-12, "{found} m²");
+    }
+    let north_of = |latitude_deg: f64| {
+        let (south, north) = (latitude_deg.to_radians(), std::f64::consts::FRAC_PI_2);
+        body.quadrangle_area_m2(std::f64::consts::TAU, south, north)
+    };
+    assert!(round_m2 > north_of(-10.0) && round_m2 < north_of(-20.0));
+}
+
+#[test]
 fn arcs_of_ten_degrees_a_rounding_apart_cost_no_more_than_their_ends() {
     // Slivers a few last bits wide between arcs that bow by 26 km. Chords so fine that the slivers came
     // out the right way round were metres long: 613,451 vertices, and half a minute.
@@ -502,6 +544,107 @@ fn the_feet_of_vertices_are_within_the_extent() {
     assert_eq!(mesh.extent.south_deg, southernmost);
     // Twin: that is beyond the places that halve these arcs.
     assert!(southernmost < -82.356_119, "{southernmost}");
+}
+
+#[test]
+fn interior_edges_a_rounding_apart_to_one_place_at_a_pole_are_both_halved() {
+    // Arcs of 135° there and back leave vertices a rounding apart, with an edge from each to longitude
+    // −135 at the pole. The middles of both are one place but for rounding, and one of the edges
+    // stayed 157° wide between neighbours that the first stage of the in-circle test takes for one line.
+    let mut region = region(
+        "[[[[-45.57352946139872,-32.999999999008416],[90.0,-33.0],\
+         [-45.57352946139877,-32.99999999900843],[89.9999999999999,-33.000000000000014],\
+         [-45.57352946139877,-32.99999999900843],[-45.57352946139882,-32.999999999008445],\
+         [89.99999999999993,-33.00000000000003],[-179.94999999941828,0.0],\
+         [-179.950000008,-33.000000008]]]]",
+    );
+    region.split_at_crossings(EdgeRule::GreatEllipse);
+    let body = Ellipsoid::SATURN_LIKE;
+    let options = MeshOptions {
+        boundary_tolerance_m: 458.285_613_663_488_33,
+        cap_step_deg: 30.0,
+    };
+    let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options).expect("meshes");
+    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    assert!(widest_deg(&mesh) <= 45.0, "{}°", widest_deg(&mesh));
+    // Twin: the facet of which the wide edge was a side.
+    let vertices_deg = vec![
+        [-36.74172795717992, -71.12127638147808],
+        [22.213235268512115, -59.794042210364935],
+        [0.0, -90.0],
+    ];
+    let place = |[longitude, latitude]: &[f64; 2]| {
+        body.geodetic_to_ecef(Geodetic::from_degrees(*longitude, *latitude, 0.0))
+    };
+    let facet = RegionMesh {
+        vertices_ecef: vertices_deg.iter().map(place).collect(),
+        vertices_deg,
+        triangles: vec![[0, 1, 2]],
+        boundary_loops: vec![vec![0, 1, 2]],
+        ..mesh
+    };
+    assert!(widest_deg(&facet) > 58.9, "{}°", widest_deg(&facet));
+    let violation = facet.check_invariants(&body);
+    assert!(
+        matches!(violation, Err(InvariantViolation::Inverted { .. })),
+        "{violation:?}"
+    );
+}
+
+/// Longitudes that the widest side of a triangle spans; at a pole there is none.
+fn widest_deg(mesh: &RegionMesh) -> f64 {
+    let sides = mesh
+        .triangles
+        .iter()
+        .flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let width = |ends: [&u32; 2]| {
+        let [from, to] = ends.map(|i| mesh.vertices_deg[*i as usize]);
+        let at_pole = from[1].abs() == 90.0 || to[1].abs() == 90.0;
+        let width = (to[0] - from[0]).abs();
+        if at_pole {
+            0.0
+        } else {
+            width.min(360.0 - width)
+        }
+    };
+    sides.map(width).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_vertex_moved_to_the_middle_of_its_cell_is_within_the_extent() {
+    // Arcs a rounding apart beside the south pole, led through common vertices: one was moved 9e-11°
+    // east, where the extent did not follow.
+    let mut region = region(
+        "[[[[-180.4,-90.0],[-180.35,-90.0],[-180.0,-90.0],[-179.7,-90.0],[-179.7,-89.95],\
+         [-179.65,-89.9],[-179.7,-89.85],[-179.65,-89.65],[-180.25,-89.65],[-180.3,-89.7],\
+         [-180.3,-89.9]],[[-180.2499999999999,-89.64999999999992],\
+         [-180.24999999999977,-89.64999999999984],[-179.65000000000006,-89.6500000000001],\
+         [-180.2,-90.0],[-180.3,-89.3],[-180.2,-90.0],[-179.65000000000006,-89.90000000000005],\
+         [-180.2,-90.0],[-179.64999999999995,-89.89999999999996],[-179.65,-89.65]]],\
+         [[[-180.4,-90.0],[-180.35,-90.0],[-180.0,-90.0],[-179.7,-90.0],\
+         [-179.7,-89.95000000000002],[-179.65,-89.90000000000002],[-179.7,-89.85000000000001],\
+         [-179.65,-89.65000000000002],[-180.25,-89.65000000000002],[-180.3,-89.70000000000002],\
+         [-180.3,-89.90000000000002]],[[-183.25937499999958,-90.0],[-179.99966672786977,0.0],\
+         [-180.7,-90.0],[-179.7,-89.67187500000001],[-180.7,-90.0],\
+         [-179.64999999999995,-89.89999999999996],[-179.64999999999986,-89.90000000000013]]]]",
+    );
+    region.split_at_crossings(EdgeRule::GreatEllipse);
+    let body = Ellipsoid::WGS84;
+    let options = MeshOptions {
+        boundary_tolerance_m: 100_187.541_713_946_22,
+        cap_step_deg: 7.5,
+    };
+    let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options).expect("meshes");
+    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    let in_the_east = |longitude: &f64| (-180.0..-170.0).contains(longitude);
+    let off_the_pole = mesh.vertices_deg.iter().filter(|vertex| vertex[1] > -90.0);
+    let easternmost = off_the_pole.map(|vertex| vertex[0]).filter(in_the_east);
+    let easternmost = easternmost.fold(-180.0, f64::max);
+    assert_eq!(mesh.extent.east_deg, easternmost);
+    // Twin: that is beyond every vertex of the file.
+    let written = region.rings().flat_map(|ring| ring.vertices_deg());
+    let written = written.map(|vertex| vertex[0]).filter(in_the_east);
+    assert!(written.fold(-180.0, f64::max) < easternmost - 5e-11);
 }
 
 #[test]

@@ -418,6 +418,33 @@ impl Delaunay {
         is_certainly_in_circle(self.point(d), c, b, p)
     }
 
+    /// Flips the edges across from a vertex that are illegal, be it by less than the first stage can
+    /// tell, and whatever becomes illegal by that; returns one end of each edge that this makes.
+    ///
+    /// Ends, as by the first stage alone: each flip lowers the lifted triangulation. Of two triangles
+    /// that an illegal edge lies between, the four corners are strictly convex.
+    pub(crate) fn legalise_exactly(&mut self, vertex: u32) -> Vec<u32> {
+        let across = |(triangle, i): (u32, usize)| self.ends(triangle, (i + 1) % 3);
+        let mut waiting: Vec<[u32; 2]> = self.edges_at(vertex).map(across).collect();
+        let mut made = Vec::new();
+        while let Some([u, v]) = waiting.pop() {
+            let Ok((triangle, i)) = self.edge_between(u, v) else {
+                continue;
+            };
+            let Some([p, d]) = self.opposite(triangle, i) else {
+                continue;
+            };
+            let [b, c] = self.ends(triangle, i);
+            let corners = [p, b, c, d].map(|k| self.point(k));
+            if !self.is_constraint(triangle, i) && is_in_circle(corners) {
+                self.flip(triangle, i);
+                made.push(p);
+                waiting.extend([[p, b], [b, d], [d, c], [c, p]]);
+            }
+        }
+        made
+    }
+
     /// `p b c` and, across `b c`, `d c b` → `p b d` and `p d c`; the caller knows that the four are
     /// strictly convex.
     fn flip(&mut self, triangle: u32, i: usize) {
@@ -672,6 +699,12 @@ fn is_certainly_in_circle(a: Point, b: Point, c: Point, p: Point) -> bool {
     det > INCIRCLE_BOUND * permanent
 }
 
+/// Whether the last lies within the circle through the others, counter-clockwise; exact.
+fn is_in_circle(corners: [Point; 4]) -> bool {
+    let [a, b, c, p] = corners.map(|[x, y]| Coord { x, y });
+    robust::incircle(a, b, c, p) > 0.0
+}
+
 /// Whether `point`, on the line from `start` to `end`, is on the far side of `start`.
 fn is_ahead(start: Point, end: Point, point: Point) -> bool {
     let axis = usize::from(start[0] == end[0]);
@@ -814,6 +847,28 @@ mod tests {
         );
         assert!(matches!(mesh.locate([2.5 / 32.0, 0.0]), Place::Edge(..)));
         assert_eq!(mesh.locate([9.0, 0.0]), Place::Outside);
+    }
+
+    #[test]
+    fn an_edge_that_outlives_its_middle_between_neighbours_a_rounding_away_is_flipped() {
+        let (pole, middle) = ([-135.0, -90.0], [-56.393382365743946, -74.89702110518246]);
+        let [a, b] = [22.213235268512115, 22.213235268512147].map(|x| [x, -59.794042210364935]);
+        let mesh_of = |points: [Point; 4]| {
+            let mut mesh = Delaunay::new([-180.0, -90.0, 180.0, 0.0], points.len());
+            let vertices = points.map(|point| mesh.insert(point).expect("within"));
+            (mesh, vertices)
+        };
+        let (mut mesh, [pole, a, b, middle]) = mesh_of([pole, a, b, middle]);
+        // Twin: the first stage alone leaves it, and half of it besides.
+        assert!(mesh.edge_between(a, pole).is_ok() && mesh.edge_between(middle, b).is_err());
+        assert!(mesh.legalise_exactly(middle).contains(&middle));
+        assert!(mesh.edge_between(a, pole).is_err() && mesh.edge_between(middle, b).is_ok());
+        assert_eq!(fault(&mesh), None);
+        // Nothing is left to do, and of points on one circle nothing is to be had.
+        assert!(mesh.legalise_exactly(middle).is_empty());
+        let square = [[0.0, -2.0], [2.0, -2.0], [2.0, 0.0], [0.0, 0.0]];
+        let (mut mesh, [.., last]) = mesh_of(square);
+        assert!(mesh.legalise_exactly(last).is_empty());
     }
 
     fn mesh_vertex(mesh: &Delaunay, point: Point) -> u32 {
