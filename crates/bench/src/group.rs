@@ -10,12 +10,13 @@ use crate::technique::{SharedNativeGpu, Stages};
 use crate::textured::{ShownPicture, TexturedReferences, write_cut_out};
 use crate::{BenchCase, BenchError, BenchOptions, SceneGroup, Setting, Technique};
 use indicatif::ProgressBar;
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_conformance::{
-    TextureErrors, Verdict, boundary_band, compare, difference_rgb, filled_only, verdict_of_moved,
+    BAND_RADIUS_PX, TextureErrors, Verdict, boundary_band, compare_closely, difference_rgb,
+    filled_only, verdict_of_moved,
 };
 use terrafill_core::{MeshOptions, RegionMesh};
 use terrafill_frame::{
@@ -410,10 +411,19 @@ impl<'a> GroupRun<'a> {
         if let Some(known) = self.judgements.borrow().get(&key) {
             return known.clone();
         }
+        // Asked for hardly any picture, so made only then.
+        let look = OnceCell::new();
+        let shows = |pixel: usize, id: u32| {
+            let look = look.get_or_init(|| ReferenceBackend::new().look_closely(&self.input).ok());
+            look.as_ref().is_some_and(|look| {
+                let mut ids = look.ids_within(pixel, BAND_RADIUS_PX).into_iter();
+                ids.any(|shown| shown == id || as_mask && shown.min(1) == id)
+            })
+        };
         let figures = if as_mask {
-            compare(&self.filled_reference, &filled_only(frame))
+            compare_closely(&self.filled_reference, &filled_only(frame), shows)
         } else {
-            compare(&self.reference, frame)
+            compare_closely(&self.reference, frame, shows)
         };
         let judgement = figures.map_err(|error| error.to_string());
         self.judgements.borrow_mut().insert(key, judgement.clone());

@@ -88,14 +88,45 @@ pub fn filled_only(frame: &Frame) -> Frame {
 /// # Errors
 /// [`CompareError`] when the two cannot be laid over one another, or the reference is broken.
 pub fn compare(reference: &Frame, frame: &Frame) -> Result<ErrorFigures, CompareError> {
+    compare_closely(reference, frame, |_, _| false)
+}
+
+/// The same by a reference that can be asked between the centres of its pixels. What is smaller than a
+/// pixel leaves no trace in its picture, and the band lies around what does; in the frame rounding may
+/// give such a piece a pixel all the same.
+///
+/// - `shows`: whether it shows the id within [`crate::BAND_RADIUS_PX`] of the centre of the pixel of
+///   that index. A pixel for which it does is inside the band; and a piece of the frame of fewer than
+///   [`crate::SMALLEST_PIECE_PX`] pixels counts as little for the Hausdorff distance as one of the
+///   reference does.
+/// - At most [`MOST_ASKED`] pixels are asked about: what differs at more of them is no luck.
+///
+/// # Errors
+/// As [`compare`].
+pub fn compare_closely(
+    reference: &Frame,
+    frame: &Frame,
+    shows: impl Fn(usize, u32) -> bool,
+) -> Result<ErrorFigures, CompareError> {
     check(reference, frame)?;
     let grid = Grid::of(reference);
     let mismatched = |index: &usize| reference.ids[*index] != frame.ids[*index];
     let band = grid.band(&reference.ids);
     let mismatches: Vec<usize> = (0..band.len()).filter(mismatched).collect();
-    let outside = mismatches.iter().filter(|&&index| !band[index]).count();
+    let mut outside = mismatches.iter().filter(|&&index| !band[index]).count();
 
-    let tiny = grid.tiny_pieces(&reference.ids);
+    let mut tiny = grid.tiny_pieces(&reference.ids);
+    let made = grid.tiny_pieces(&frame.ids).pixels;
+    let doubtful = |index: &&usize| !band[**index] || made[**index];
+    if mismatches.iter().filter(doubtful).count() <= MOST_ASKED {
+        for &index in mismatches.iter().filter(doubtful) {
+            if shows(index, frame.ids[index]) {
+                outside -= usize::from(!band[index]);
+                tiny.count += u64::from(made[index] && !tiny.pixels[index]);
+                tiny.pixels[index] |= made[index];
+            }
+        }
+    }
     // One pixel around them too: a piece that rounding moved by a pixel is the same luck.
     let ignored = grid.dilated(&tiny.pixels, 1);
     let hausdorff = hausdorff_px(
@@ -116,6 +147,9 @@ pub fn compare(reference: &Frame, frame: &Frame) -> Result<ErrorFigures, Compare
         non_finite: frame.non_finite,
     })
 }
+
+/// Pixels about which [`compare_closely`] asks.
+pub const MOST_ASKED: usize = 64;
 
 /// Whether the two can be compared at all.
 pub(crate) fn check(reference: &Frame, frame: &Frame) -> Result<(), CompareError> {
@@ -301,6 +335,49 @@ pub(crate) mod tests {
         ));
         let four = drawn(|x, y| square(x, y) | islet(x, y) | islet(x, y + 1));
         assert!(!passes(&four, &missing));
+    }
+
+    #[test]
+    fn a_speck_is_luck_only_where_the_reference_shows_it_between_its_pixels() {
+        let reference = drawn(square);
+        let speck = drawn(|x, y| square(x, y) | u32::from((x, y) == (35, 25)));
+        let place = 25 * 40 + 35;
+        let asked = |frame: &Frame, shows: &dyn Fn(usize, u32) -> bool| {
+            compare_closely(&reference, frame, shows).expect("same size")
+        };
+        let found = asked(&speck, &|pixel, id| (pixel, id) == (place, 1));
+        assert_eq!(verdict(&found), Verdict::Pass);
+        let counted = (found.mismatched_px, found.mismatched_px_outside_band);
+        assert_eq!((counted, found.tiny_regions), ((1, 0), 1));
+        // Twins: a reference that is not asked, one that shows another id there, and one elsewhere.
+        assert!(!passes(&reference, &speck));
+        let another_id = |_: usize, id: u32| id == 2;
+        let elsewhere = |pixel: usize, _: u32| pixel != place;
+        for found in [asked(&speck, &another_id), asked(&speck, &elsewhere)] {
+            assert_eq!(found.mismatched_px_outside_band, 1);
+            assert_ne!(verdict(&found), Verdict::Pass);
+        }
+        // Four pixels are a piece, whatever is shown there: the distance tells.
+        let piece = drawn(|x, y| square(x, y) | u32::from(x == 35 && (20..24).contains(&y)));
+        let found = asked(&piece, &|_, id| id == 1);
+        assert_eq!(found.mismatched_px_outside_band, 0);
+        assert_ne!(verdict(&found), Verdict::Pass);
+    }
+
+    #[test]
+    fn more_specks_than_luck_could_make_are_not_asked_about() {
+        let reference = drawn(|_, _| 0);
+        let dots = |count: i32| {
+            drawn(move |x, y| u32::from(x % 3 == 0 && y % 3 == 0 && x / 3 + 14 * (y / 3) < count))
+        };
+        let most = i32::try_from(MOST_ASKED).expect("few");
+        let figures = |count| compare_closely(&reference, &dots(count), |_, _| true);
+        let found = figures(most).expect("same size");
+        assert_eq!(found.mismatched_px, MOST_ASKED as u64);
+        assert_eq!(verdict(&found), Verdict::Pass);
+        let found = figures(most + 1).expect("same size");
+        assert_eq!(found.mismatched_px_outside_band, MOST_ASKED as u64 + 1);
+        assert_ne!(verdict(&found), Verdict::Pass);
     }
 
     #[test]

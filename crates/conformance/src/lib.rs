@@ -13,7 +13,7 @@ mod texture;
 mod tolerance;
 
 pub use boundary::{boundary_band, boundary_pixels, checks_nothing};
-pub use compare::{CompareError, compare, filled_only};
+pub use compare::{CompareError, MOST_ASKED, compare, compare_closely, filled_only};
 pub use difference::difference_rgb;
 pub use texture::{TextureErrors, compare_texture, silhouette_band};
 pub use tolerance::{

@@ -3,10 +3,10 @@
 //!
 //! | tolerance | value | cause |
 //! |---|---|---|
-//! | [`BAND_RADIUS_PX`] | 1 | rasterisers snap vertices to 1/256 pixel and round depth, so the pixel that a boundary crosses may fall to either side, and no other pixel may |
+//! | [`BAND_RADIUS_PX`] | 1 | rasterisers snap vertices to 1/256 pixel and round depth, so the pixel that a boundary crosses may fall to either side, and no other pixel may; a boundary between the centres of the reference's pixels is one too ([`crate::compare_closely`]) |
 //! | [`MAX_MISMATCHED_OUTSIDE_BAND_PX`] | 0 | beyond the band no rounding reaches; what is wrong there is a leak, a missing wall or another region's colour |
 //! | [`MAX_HAUSDORFF_PX`] | 1 | a boundary that moved by less than a pixel moves its pixels by one at most; what stays in the band but goes missing over a length, such as a strip two pixels wide, shows up here only |
-//! | [`SMALLEST_PIECE_PX`] | 4 | a piece of 1 to 3 pixels exists by the luck of where pixel centres fall; rounding may take or give it whole, and the distance to the next boundary is then anything |
+//! | [`SMALLEST_PIECE_PX`] | 4 | a piece of 1 to 3 pixels exists by the luck of where pixel centres fall; rounding may take it whole, or give it whole where the reference shows it between its pixels, and the distance to the next boundary is then anything |
 //! | [`MAX_NON_FINITE`] | 0 | NaN compares false with everything, so it would hide in any other figure |
 //! | [`MAX_TEXELS_RMS`] | ¼ | filtering with 8-bit weights blends neighbours in steps of 1/256 texel and eyes tell a quarter of one at best; a route to coordinates is chosen by that |
 //! | [`MAX_TEXELS`] | ½ | twice the mean: a pixel that is off by more shows a neighbour's texel |

@@ -5,7 +5,9 @@ use crate::locator::{Locator, Point};
 use crate::sampling::encoded;
 use crate::surface::SurfaceTriangles;
 use crate::texture::Texturing;
+use glam::DVec3;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use terrafill_frame::{
     Backend, BackendError, Capabilities, Frame, FrameInput, MemoryUse, NO_REGION, TexturePixel,
     paint,
@@ -86,6 +88,18 @@ impl ReferenceBackend {
         Ok(judge(input, &self.locator(input)?, texturing.as_ref()))
     }
 
+    /// Looks at `input` between the centres of pixels.
+    ///
+    /// # Errors
+    /// As [`ReferenceBackend::judge`].
+    pub fn look_closely<'a>(&self, input: &'a FrameInput) -> Result<CloseLook<'a>, BackendError> {
+        Ok(CloseLook {
+            input,
+            locator: self.locator(input)?,
+            surface: SurfaceTriangles::new(&input.surface_rte, &input.scene.surface.triangles),
+        })
+    }
+
     fn locator(&self, input: &FrameInput) -> Result<Locator, BackendError> {
         Locator::new(&input.scene.regions, input.scene.edge_rule).map_err(|error| {
             BackendError::Unsupported {
@@ -95,6 +109,38 @@ impl ReferenceBackend {
         })
     }
 }
+
+/// What a view shows at any place of the image, not only where pixels have their centres.
+#[derive(Debug)]
+pub struct CloseLook<'a> {
+    input: &'a FrameInput,
+    locator: Locator,
+    surface: SurfaceTriangles,
+}
+
+impl CloseLook<'_> {
+    /// Ids, those of no region among them, within `radius_px` columns and rows of a pixel's centre, as
+    /// far as places [`PLACES_PER_PX`] to a pixel show them.
+    #[must_use]
+    pub fn ids_within(&self, pixel: usize, radius_px: u32) -> BTreeSet<u32> {
+        let width = self.input.size.width.max(1) as usize;
+        let centre = [pixel % width, pixel / width].map(|at| at as f64 + 0.5);
+        let places = i32::try_from(radius_px * PLACES_PER_PX).unwrap_or(i32::MAX);
+        let along = |centre: f64| {
+            (-places..=places)
+                .map(move |place| centre + f64::from(place) / f64::from(PLACES_PER_PX))
+        };
+        let all = along(centre[1]).flat_map(|y| along(centre[0]).map(move |x| [x, y]));
+        all.map(|place| {
+            let direction = self.input.camera.direction_ecef(self.input.size, place);
+            judge_direction(self.input, &self.locator, &self.surface, None, direction).id
+        })
+        .collect()
+    }
+}
+
+/// Places in a row of a pixel at which a [`CloseLook`] asks.
+pub const PLACES_PER_PX: u32 = 8;
 
 impl Backend for ReferenceBackend {
     fn capabilities(&self) -> &Capabilities {
@@ -232,6 +278,16 @@ fn judge_pixel(
     row: u32,
 ) -> Pixel {
     let direction = input.camera.pixel_direction_ecef(input.size, column, row);
+    judge_direction(input, locator, surface, texturing, direction)
+}
+
+fn judge_direction(
+    input: &FrameInput,
+    locator: &Locator,
+    surface: &SurfaceTriangles,
+    texturing: Option<&Texturing<'_>>,
+    direction: DVec3,
+) -> Pixel {
     let Some(depth) = surface.hit(direction, input.camera.near_m) else {
         return Pixel::default();
     };

@@ -25,5 +25,5 @@ mod texture;
 #[cfg(test)]
 mod validation;
 
-pub use backend::{ReferenceBackend, ReferenceFrame};
+pub use backend::{CloseLook, PLACES_PER_PX, ReferenceBackend, ReferenceFrame};
 pub use locator::{Location, Locator, LocatorError};

@@ -422,7 +422,8 @@ pub struct ErrorFigures {
     pub hausdorff_px: Option<f64>,
     /// Filled pixels over the reference's, minus 1; `None` when the reference fills nothing.
     pub area_error: Option<f64>,
-    /// Regions of fewer than 4 pixels in the reference, left out of the Hausdorff distance.
+    /// Pieces of fewer than 4 pixels in the reference, or shown by it between the centres of its pixels,
+    /// left out of the Hausdorff distance.
     pub tiny_regions: u64,
     /// NaN or infinite results.
     pub non_finite: u64,

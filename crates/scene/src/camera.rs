@@ -94,10 +94,15 @@ impl Camera {
     /// row 0 at the top; its component along the viewing direction is 1.
     #[must_use]
     pub fn pixel_direction_ecef(&self, size: ImageSize, column: u32, row: u32) -> DVec3 {
+        self.direction_ecef(size, [column, row].map(|at| f64::from(at) + 0.5))
+    }
+
+    /// The same through any place of the image, pixels from its upper left corner.
+    #[must_use]
+    pub fn direction_ecef(&self, size: ImageSize, [x_px, y_px]: [f64; 2]) -> DVec3 {
         let tan = self.tan_half_fov();
-        let x =
-            (2.0 * (f64::from(column) + 0.5) / f64::from(size.width) - 1.0) * tan * size.aspect();
-        let y = (1.0 - 2.0 * (f64::from(row) + 0.5) / f64::from(size.height)) * tan;
+        let x = (2.0 * x_px / f64::from(size.width) - 1.0) * tan * size.aspect();
+        let y = (1.0 - 2.0 * y_px / f64::from(size.height)) * tan;
         self.view_from_ecef.transpose() * DVec3::new(x, y, -1.0)
     }
 

@@ -336,6 +336,42 @@ fn rendering_wants_its_own_input_prepared() {
 }
 
 #[test]
+fn what_lies_between_the_centres_of_pixels_is_seen_by_a_close_look() {
+    let mut input = input(Ellipsoid::WGS84, &pose(10.0, 5.0, 1e6, -90.0), 64, 60);
+    // A tenth of a degree is a pixel; the foot of the eye is where four pixels meet.
+    let square = |[longitude, latitude]: [f64; 2], half: f64| -> Arc<[Region]> {
+        let [w, s, e, n] = [
+            longitude - half,
+            latitude - half,
+            longitude + half,
+            latitude + half,
+        ];
+        let text = format!(
+            r#"{{"type":"Polygon","coordinates":[[[{w},{s}],[{e},{s}],[{e},{n}],[{w},{n}],[{w},{s}]]]}}"#
+        );
+        let regions = parse_regions(text.as_bytes(), "test").expect("valid");
+        regions.into()
+    };
+    input.scene.regions = square([10.0, 5.0], 0.02);
+    let reference = ReferenceBackend::new();
+    let judged = reference.judge(&input).expect("a square");
+    assert_eq!(judged.frame.filled_px(), 0, "no centre is in it");
+    let look = reference.look_closely(&input).expect("a square");
+    let near = |column: usize, row: usize| look.ids_within(row * 64 + column, 1);
+    for (column, row) in [(31, 31), (32, 31), (31, 32), (32, 32)] {
+        assert_eq!(Vec::from_iter(near(column, row)), [0, 1], "{column} {row}");
+    }
+    // Twins: two pixels on, and at a rim, there is nothing of it.
+    for (column, row) in [(34, 32), (32, 29), (0, 0), (63, 63)] {
+        assert_eq!(Vec::from_iter(near(column, row)), [0], "{column} {row}");
+    }
+    // Where the region is all there is, it is all that is seen.
+    input.scene.regions = square([10.0, 5.0], 20.0);
+    let look = reference.look_closely(&input).expect("a square");
+    assert_eq!(Vec::from_iter(look.ids_within(32 * 64 + 32, 1)), [1]);
+}
+
+#[test]
 fn a_frame_is_judged_from_its_parsed_regions() {
     let mut input = input(Ellipsoid::WGS84, &pose(10.0, 5.0, 1e6, -90.0), 64, 60);
     let parsed = |coordinates: &str| -> Arc<[Region]> {
