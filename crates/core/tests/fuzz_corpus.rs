@@ -66,6 +66,26 @@ fn assert_replays(target: &str, check: Check, branches: &'static [&'static str])
 }
 
 #[test]
+fn counts_take_the_place_of_those_before() {
+    let folder = std::env::temp_dir().join(format!("terrafill-counts-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("writable");
+    let path = folder.join("mesh.counters.0");
+    let mut reached = Reached::new(mesh::BRANCHES);
+    let mut texts = Vec::new();
+    for _ in 0..2 {
+        reached.execution();
+        reached.write(&path).expect("writable");
+        texts.push(std::fs::read_to_string(&path).expect("there"));
+        assert_eq!(texts.last(), Some(&reached.to_string()));
+    }
+    assert_ne!(texts[0], texts[1]);
+    // What was on its way is not left for the sum over processes to find.
+    let left: Vec<PathBuf> = inputs(&folder);
+    std::fs::remove_dir_all(&folder).expect("removable");
+    assert_eq!(left, [path]);
+}
+
+#[test]
 fn geojson_corpus_replays_and_reaches_every_branch() {
     assert_replays("geojson", geojson::check, geojson::BRANCHES);
 }

@@ -20,6 +20,7 @@ fuzz_target!(|input: &[u8]| {
     if reached.executions().is_multiple_of(EXECUTIONS_PER_REPORT)
         && let Some(path) = std::env::var_os("TERRAFILL_FUZZ_COUNTERS")
     {
-        std::fs::write(path, reached.to_string()).expect("the counters' file can be written");
+        let written = reached.write(path.as_ref());
+        written.expect("the counters' file can be written");
     }
 });

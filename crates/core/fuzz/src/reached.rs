@@ -5,6 +5,7 @@
 //! one of the listed branches was not reached therefore fails.
 
 use std::fmt::{self, Write};
+use std::path::Path;
 
 /// Counters of one target.
 #[derive(Debug, Clone)]
@@ -32,6 +33,15 @@ impl Reached {
     /// Inputs so far.
     pub fn executions(&self) -> u64 {
         self.executions
+    }
+
+    /// Puts a file of the counts in the place of the last one, whole: a fuzzer's time is up at any
+    /// moment, and counts cut short then would be missing from the sum.
+    pub fn write(&self, path: &Path) -> std::io::Result<()> {
+        let name = path.file_name().unwrap_or_default();
+        let next = path.with_file_name(format!("next-{}", name.display()));
+        std::fs::write(&next, self.to_string())?;
+        std::fs::rename(&next, path)
     }
 
     /// Counts a branch.
