@@ -733,17 +733,22 @@ fn a_second_normalize_is_priced_only_where_there_is_a_first() {
     }
 }
 
+/// A region that goes on beyond the horizon, and sky above it.
+fn over_the_horizon() -> Sight {
+    Sight::new(
+        "horizon",
+        eye(10.0, 45.0, 3e6, -50.0),
+        bounds(-50.0, 0.0, 70.0, 89.0),
+        TexturePlacement::Extents,
+    )
+}
+
 #[test]
 fn a_floor_reads_its_depth_and_samples_once_where_another_fill_would() {
     let Some(gpu) = open_for_test(&GpuOptions::default()) else {
         return;
     };
-    let sight = Sight::new(
-        "horizon",
-        eye(10.0, 45.0, 3e6, -50.0),
-        bounds(-50.0, 0.0, 70.0, 89.0),
-        TexturePlacement::Extents,
-    );
+    let sight = over_the_horizon();
     let [floor, chosen] = ["floor", "chosen"].map(|choice| plan_of(&sight.input, choice));
     assert_eq!(floor.note(), "floor (1 region)");
     let drawn = draw(&gpu, &sight.input, &floor).expect("draws");
@@ -775,12 +780,7 @@ fn cleared_depth_never_reaches_the_map() {
         return;
     };
     // The stencil test passes over the sky as well; only the shader's own test keeps it out.
-    let sight = Sight::new(
-        "horizon",
-        eye(10.0, 45.0, 3e6, -50.0),
-        bounds(-50.0, 0.0, 70.0, 89.0),
-        TexturePlacement::Extents,
-    );
+    let sight = over_the_horizon();
     let plan = plan_of(&sight.input, "recentred-odd-rel-15");
     let drawn = draw(&gpu, &sight.input, &plan).expect("draws");
     let sky = drawn.depth.iter().filter(|&&depth| depth == 0.0).count();
