@@ -8,12 +8,12 @@
 use crate::crossings::CrossingPlaces;
 use crate::edge::{Degrees, EdgeSplitter, ROUNDING, ZoneArea, surface_point};
 use crate::geojson::feature_label;
-use crate::lens::{WithinRounding, split_at_feet};
+use crate::lens::{WithinRounding, follow_arcs};
 use crate::mesh::sagitta_m;
 use crate::outline::{OppositeEnds, Outline, OutlineEdge, share_breakpoints};
 use crate::overlaps::{OverlapPlace, RingAreas, find_overlaps, shared_edges};
 use crate::snap::snap_rounded;
-use crate::triangulate::{GroupMesh, TriangulateError, index_u32, triangulate};
+use crate::triangulate::{Arcs, GroupMesh, TriangulateError, index_u32, triangulate};
 use crate::{EdgeRule, Ellipsoid, Extent, MeshOptions, Region, RegionMesh, Ring};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -394,7 +394,7 @@ enum Crossings {
     SnappedAway,
 }
 
-/// Groups of which arcs are split at the feet of vertices.
+/// Groups of which arcs are followed before they are triangulated, or snapped.
 type Bent = BTreeMap<usize, WithinRounding>;
 
 /// A region's groups, not yet put together.
@@ -421,9 +421,17 @@ impl Meshed {
         let mut splitter = EdgeSplitter::new(body, rule, options);
         let mut outline = Outline::new(region, rule, &mut splitter)
             .map_err(|opposite| opposite_ends(region, opposite))?;
-        for (&group, &near) in bent {
-            let edges = &mut outline.groups[group];
-            *edges = split_at_feet(std::mem::take(edges), near);
+        let mut followed = vec![false; outline.groups.len()];
+        for (group, edges) in outline.groups.iter_mut().enumerate() {
+            let near = match crossings {
+                Crossings::Refused => bent.get(&group).copied(),
+                // Snapped where chords cross, arcs would be led to places off themselves.
+                Crossings::SnappedAway => bent.get(&group).copied().or(Some(WithinRounding::Kept)),
+            };
+            if let Some(near) = near.filter(|_| rule == EdgeRule::GreatEllipse) {
+                *edges = follow_arcs(std::mem::take(edges), near);
+                followed[group] = true;
+            }
         }
         let (groups, at_splits) = match crossings {
             Crossings::Refused => {
@@ -436,6 +444,11 @@ impl Meshed {
                 (groups, Vec::new())
             }
         };
+        let arcs = |followed: &bool| match *followed {
+            true => Arcs::Settled,
+            false => Arcs::AsDrawn,
+        };
+        let groups: Vec<_> = groups.into_iter().zip(followed.iter().map(arcs)).collect();
         let groups = triangulate_groups(region, body, rule, options, groups, at_splits)?;
         let notes = if groups.iter().any(|group| group.in_doubt || group.is_joined) {
             notes_on_parts(region, body, rule, options, &groups)?
@@ -443,11 +456,13 @@ impl Meshed {
             Vec::new()
         };
         let mut extent = outline.extent;
-        for group in bent.keys() {
+        for (group, followed) in groups.iter().zip(followed) {
             // Feet may lie nearer to the arc's highest latitude than the places it was split at, and
             // what lies in one cell has been moved to its middle.
-            for position in &groups[*group].mesh.vertices {
-                widen(&mut extent, *position);
+            if followed || group.mesh.arcs_followed {
+                for position in &group.mesh.vertices {
+                    widen(&mut extent, *position);
+                }
             }
         }
         let groups = groups.into_iter().map(|group| (group.mesh, group.area_m2));
@@ -586,7 +601,7 @@ fn in_file(region: &Region, place: EdgePlace) -> EdgePlace {
 ///
 /// The triangles see chords. Of a sliver between an arc and its chord they see the far side: its
 /// border runs round it the wrong way and its area is below 0. Arcs split where it lies in their
-/// lenses put that right ([`split_at_feet`]), unless its width is rounding, which does not count.
+/// lenses put that right ([`follow_arcs`]), unless its width is rounding, which does not count.
 fn turned_over(body: &Ellipsoid, groups: &[(GroupMesh, f64)]) -> Vec<usize> {
     let rounding_m = ROUNDING * body.equatorial_radius_m();
     let is_turned_over = |(group, area_m2): &(GroupMesh, f64)| {
@@ -612,20 +627,20 @@ fn triangulate_groups(
     body: &Ellipsoid,
     rule: EdgeRule,
     options: &MeshOptions,
-    groups: Vec<Vec<OutlineEdge>>,
+    groups: Vec<(Vec<OutlineEdge>, Arcs)>,
     mut crossings: Vec<CrossingPlaces>,
 ) -> Result<Vec<TriangulatedGroup>, Vec<MeshError>> {
-    let mesh_one = |edges: Vec<OutlineEdge>| {
+    let mesh_one = |(edges, arcs): (Vec<OutlineEdge>, Arcs)| {
         let one_by_one = RingAreas::of(&edges);
         let edge_count = edges.len();
-        triangulate(edges, rule, options).map(|mesh| TriangulatedGroup {
+        triangulate(edges, rule, options, arcs).map(|mesh| TriangulatedGroup {
             area_m2: enclosed_area_m2(body, rule, &mesh),
             in_doubt: one_by_one.is_some_and(|areas| areas.differ_from(&mesh)),
             is_joined: one_by_one.is_some() && mesh.boundary.len() != edge_count,
             mesh,
         })
     };
-    let edge_count: usize = groups.iter().map(Vec::len).sum();
+    let edge_count: usize = groups.iter().map(|(edges, _)| edges.len()).sum();
     let results: Vec<Result<TriangulatedGroup, TriangulateError>> =
         if groups.len() > 1 && edge_count >= PARALLEL_FROM_EDGES {
             groups.into_par_iter().map(mesh_one).collect()
@@ -914,7 +929,12 @@ mod tests {
         let Ok(outline) = Outline::new(region, rule, &mut splitter) else {
             panic!("planar edges have no opposite ends");
         };
-        let groups = triangulate_groups(region, &body, rule, &options, outline.groups, Vec::new());
+        let groups = outline
+            .groups
+            .into_iter()
+            .map(|edges| (edges, Arcs::AsDrawn));
+        let groups =
+            triangulate_groups(region, &body, rule, &options, groups.collect(), Vec::new());
         groups.expect("crosses nowhere")
     }
 

@@ -16,6 +16,7 @@
 
 use crate::EdgeRule;
 use crate::box_tree::{AxisBox, BoxTree};
+use crate::crossings::{Crossing, find_crossings, great_ellipse_crossing};
 use crate::edge::{Degrees, ROUNDING, arc_rad, in_order, normal, point_on_edge};
 use crate::outline::OutlineEdge;
 use glam::DVec3;
@@ -31,6 +32,9 @@ const MOST_ASKED: usize = 8;
 const MOST_ROUNDS: usize = 8;
 /// Steps in which an arc's distance from its chord is measured.
 const STEPS: u32 = 8;
+/// Roundings by which a place on one of two arcs may be off the other and be one on both: either arc
+/// has been split at places that were rounded.
+const SAME_ARC_ROUNDINGS: f64 = 4.0;
 /// Cells of vertices that are one, degrees: a power of two, so that ±180 and ±90 are in the middle
 /// of theirs, and smaller than [`ROUNDING`].
 const CELL_DEG: f64 = 1.0 / (1_u64 << 41) as f64;
@@ -47,12 +51,126 @@ pub(crate) enum WithinRounding {
     Merged,
 }
 
-/// Splits arcs at the feet of vertices in their lenses.
+/// Splits arcs until their chords lie to one another as they do: at the feet of vertices in their
+/// lenses, and where chords cross all the same. Those are arcs within rounding of one another, and the
+/// place is one on them: a vertex where the *chords* cross is off the arcs by as much as a lens is
+/// high, and in the lenses of all arcs beside these two.
+///
+/// Arcs that cross are left as they are.
 ///
 /// - returns: at most [`MOST_PARTS`] times as many edges, or as a group of [`SMALL_GROUP`] may have
 /// - cost: O(n log n), with n edges returned
-pub(crate) fn split_at_feet(edges: Vec<OutlineEdge>, near: WithinRounding) -> Vec<OutlineEdge> {
+pub(crate) fn follow_arcs(edges: Vec<OutlineEdge>, near: WithinRounding) -> Vec<OutlineEdge> {
     let most = MOST_PARTS * edges.len().max(SMALL_GROUP);
+    let mut edges = split_at_feet(edges, near, most);
+    for _ in 0..MOST_ROUNDS {
+        let ends: Vec<[Degrees; 2]> = edges.iter().map(|edge| [edge.start, edge.end]).collect();
+        let (mut found, _) = find_crossings(EdgeRule::Planar, &ends, most);
+        found.retain(|([a, b], _)| great_ellipse_crossing(ends[*a], ends[*b]).is_none());
+        if found.is_empty() || edges.len() + 2 * found.len() > most {
+            break;
+        }
+        let split = split_on_arcs(&edges, &found, near);
+        if split.len() == edges.len() {
+            break;
+        }
+        edges = split_at_feet(split, near, most);
+    }
+    edges
+}
+
+/// Splits arcs beside the places where their chords cross: at one place if it is on both to rounding.
+fn split_on_arcs(
+    edges: &[OutlineEdge],
+    crossings: &[Crossing],
+    near: WithinRounding,
+) -> Vec<OutlineEdge> {
+    let mut insertions: Vec<(usize, f64, Degrees)> = Vec::with_capacity(2 * crossings.len());
+    for &([a, b], at) in crossings {
+        let [first, second] = [a, b].map(|index| Arc::of(&edges[index]));
+        let on_first = first.nearest(at);
+        let on_second = second.nearest(on_first);
+        let is_one = arc_rad(on_first, on_second) <= SAME_ARC_ROUNDINGS * ROUNDING;
+        let places = match is_one {
+            true => [on_first; 2],
+            false => [on_first, on_second],
+        };
+        for (index, arc, place) in [(a, first, places[0]), (b, second, places[1])] {
+            let place = match near {
+                WithinRounding::Kept => place,
+                WithinRounding::Merged => middle_of_cell(place),
+            };
+            if place != arc.ends[0] && place != arc.ends[1] {
+                insertions.push((index, arc.along(place, edges[index].start), place));
+            }
+        }
+    }
+    insertions.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    insertions.dedup();
+    let mut waiting = insertions.iter().peekable();
+    let mut split = Vec::with_capacity(edges.len() + insertions.len());
+    for (index, edge) in edges.iter().enumerate() {
+        let mut rest = *edge;
+        while let Some((_, _, at)) = waiting.next_if(|insertion| insertion.0 == index) {
+            split.push(OutlineEdge { end: *at, ..rest });
+            rest.start = *at;
+        }
+        split.push(rest);
+    }
+    split
+}
+
+/// An edge as places lie beside it.
+struct Arc {
+    /// In the order of [`in_order`].
+    ends: [Degrees; 2],
+    /// `None` for what is straight in degrees as well.
+    lens: Option<Lens>,
+}
+
+impl Arc {
+    fn of(edge: &OutlineEdge) -> Self {
+        let (start, end) = in_order(edge.start, edge.end);
+        Self {
+            ends: [start, end],
+            lens: Lens::of(edge),
+        }
+    }
+
+    /// Place of the edge next to another one; an end of it where that is nearest.
+    fn nearest(&self, place: Degrees) -> Degrees {
+        let [start, end] = self.ends;
+        match &self.lens {
+            Some(lens) => match lens.share_of(place) {
+                Some(share) => lens.place(share),
+                None if arc_rad(start, place) < arc_rad(end, place) => start,
+                None => end,
+            },
+            None => {
+                let along = [end[0] - start[0], end[1] - start[1]];
+                let by = [place[0] - start[0], place[1] - start[1]];
+                let share = (along[0] * by[0] + along[1] * by[1])
+                    / (along[0] * along[0] + along[1] * along[1]);
+                match share {
+                    share if share <= 0.0 => start,
+                    share if share >= 1.0 => end,
+                    share => point_on_edge(EdgeRule::Planar, start, end, share),
+                }
+            }
+        }
+    }
+
+    /// Distance from an end, to order places on the edge by.
+    fn along(&self, place: Degrees, from: Degrees) -> f64 {
+        match self.lens {
+            Some(_) => arc_rad(from, place),
+            None => (place[0] - from[0]).hypot(place[1] - from[1]),
+        }
+    }
+}
+
+/// Splits arcs at the feet of vertices in their lenses, into no more than `most` edges in all.
+fn split_at_feet(edges: Vec<OutlineEdge>, near: WithinRounding, most: usize) -> Vec<OutlineEdge> {
     let mut edges = match near {
         WithinRounding::Kept => edges,
         WithinRounding::Merged => merged(edges),
@@ -270,7 +388,7 @@ fn rounding_deg() -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::triangulate::triangulate;
+    use crate::triangulate::{Arcs, triangulate};
     use crate::{EdgePlace, MeshOptions};
     use std::collections::BTreeMap;
 
@@ -297,7 +415,7 @@ mod tests {
         let middle = point_on_edge(EdgeRule::GreatEllipse, WEST, EAST, 0.5);
         for below_deg in [0.4, 1e-3, 1e-9] {
             let vertex = [middle[0] + 0.7, middle[1] - below_deg - 0.003];
-            let split = split_at_feet(edges(&[WEST, EAST, vertex]), WithinRounding::Kept);
+            let split = follow_arcs(edges(&[WEST, EAST, vertex]), WithinRounding::Kept);
             let made = places(&split);
             let lens = Lens::of(&edges(&[WEST, EAST])[0]).expect("bows");
             let on_arc = |place: &Degrees| {
@@ -315,7 +433,7 @@ mod tests {
         // Twins: beyond the arc, and on the other side of the chord.
         for latitude in [middle[1] + 1e-3, 49.999] {
             let same = edges(&[WEST, EAST, [middle[0], latitude]]);
-            let split = split_at_feet(same.clone(), WithinRounding::Kept);
+            let split = follow_arcs(same.clone(), WithinRounding::Kept);
             assert_eq!(places(&split), places(&same));
         }
     }
@@ -328,7 +446,7 @@ mod tests {
         back.reverse();
         for near in [WithinRounding::Kept, WithinRounding::Merged] {
             let [mut there, mut back] =
-                [&there, &back].map(|ring| places(&split_at_feet(edges(ring), near)));
+                [&there, &back].map(|ring| places(&follow_arcs(edges(ring), near)));
             assert!(there.len() > 6, "{}", there.len());
             there.sort_by(|a, b| a[0].total_cmp(&b[0]));
             back.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -363,12 +481,9 @@ mod tests {
             }
             uses.into_values().filter(|uses| uses % 2 == 1).count()
         };
-        assert_eq!(
-            left(split_at_feet(halved.clone(), WithinRounding::Merged)),
-            0
-        );
+        assert_eq!(left(follow_arcs(halved.clone(), WithinRounding::Merged)), 0);
         // Twin: each stays another.
-        assert!(left(split_at_feet(halved, WithinRounding::Kept)) > 10);
+        assert!(left(follow_arcs(halved, WithinRounding::Kept)) > 10);
     }
 
     #[test]
@@ -385,7 +500,7 @@ mod tests {
                 let comb: Vec<Degrees> = (0..count).flat_map(tooth).collect();
                 let edges = edges(&comb);
                 let most = MOST_PARTS * edges.len().max(SMALL_GROUP);
-                let made = split_at_feet(edges, near).len();
+                let made = follow_arcs(edges, near).len();
                 assert!((comb.len() + 10..=most).contains(&made), "{made} of {most}");
             }
         }
@@ -395,9 +510,14 @@ mod tests {
     fn what_lies_in_one_cell_vanishes() {
         let bits = |k: u32| 1e-14 * f64::from(k);
         let ring: Vec<Degrees> = (0..5).map(|k| [7.0, 50.0 + bits(k)]).collect();
-        let left = split_at_feet(edges(&ring), WithinRounding::Merged);
+        let left = follow_arcs(edges(&ring), WithinRounding::Merged);
         assert!(left.is_empty());
-        let mesh = triangulate(left, EdgeRule::GreatEllipse, &MeshOptions::default());
+        let mesh = triangulate(
+            left,
+            EdgeRule::GreatEllipse,
+            &MeshOptions::default(),
+            Arcs::Settled,
+        );
         assert!(mesh.is_ok_and(|mesh| mesh.triangles.is_empty()));
         // Twin: unless it may not be moved, since it would come onto a pole.
         let at_pole = [[7.0, 90_f64.next_down()], [8.0, 90_f64.next_down()]];

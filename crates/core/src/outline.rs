@@ -575,8 +575,14 @@ fn cut_planar(mut west: Turned, mut east: Turned, vertex: usize, pieces: &mut Ve
 }
 
 fn great_ellipse_pieces(ring: &Ring) -> Result<Vec<Piece>, Vec<usize>> {
+    // ±180 is one meridian, and in which turn it was written says nothing about an arc. A ring there
+    // and back over a pole, half of it from −180 and half from +180, went all the way round there.
+    let on_one_side = |[longitude, latitude]: Degrees| {
+        let on_antimeridian = longitude.abs() == 180.0;
+        [if on_antimeridian { -180.0 } else { longitude }, latitude]
+    };
     let vertices: Vec<Degrees> = (0..ring.vertices_deg().len())
-        .map(|vertex| Turned::of_vertex(ring, vertex, 0.0).degrees)
+        .map(|vertex| on_one_side(Turned::of_vertex(ring, vertex, 0.0).degrees))
         .collect();
     let mut pieces: Vec<Piece> = Vec::with_capacity(vertices.len());
     let mut opposite = Vec::new();

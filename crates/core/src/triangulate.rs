@@ -9,9 +9,11 @@
 pub(crate) mod delaunay;
 
 use crate::crossings::{
-    self, CrossingPlaces, crossing_places, find_crossings, great_ellipse_crossing, split_outline,
+    self, Crossing, CrossingPlaces, crossing_places, find_crossings, great_ellipse_crossing,
+    split_outline,
 };
 use crate::edge::{Degrees, arc_rad};
+use crate::lens::{WithinRounding, follow_arcs};
 use crate::outline::OutlineEdge;
 use crate::{EdgeRule, MeshOptions};
 use delaunay::{Blocked, Delaunay, FRAME_CORNERS, Place};
@@ -46,6 +48,17 @@ pub(crate) struct GroupMesh {
     pub(crate) triangles: Vec<[u32; 3]>,
     /// Directed edges with the inside on the left.
     pub(crate) boundary: Vec<[u32; 2]>,
+    /// Whether arcs were split because their chords crossed.
+    pub(crate) arcs_followed: bool,
+}
+
+/// What has become of great-ellipse arcs before their chords are triangulated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Arcs {
+    /// Split for the boundary's tolerance only.
+    AsDrawn,
+    /// Followed as far as they can be, or moved with their chords.
+    Settled,
 }
 
 /// Why a group could not be triangulated.
@@ -64,13 +77,15 @@ pub(crate) enum TriangulateError {
 /// Triangulates what `edges`, a closed chain modulo 2, enclose.
 ///
 /// The plane sees straight lines for great-ellipse arcs, within the boundary tolerance of them;
-/// where two of those lines cross although the arcs do not, the crossing becomes a vertex.
+/// where two of those lines cross although the arcs do not, arcs are split on their way if `arcs` says
+/// so, and what crosses even then becomes a vertex.
 pub(crate) fn triangulate(
     edges: Vec<OutlineEdge>,
     rule: EdgeRule,
     options: &MeshOptions,
+    arcs: Arcs,
 ) -> Result<GroupMesh, TriangulateError> {
-    let mut group = load_without_false_crossings(edges, rule)?;
+    let mut group = load_without_false_crossings(edges, rule, arcs)?;
     group.mesh.find_inside();
     if group.reaches_beyond(options.cap_step_deg) {
         group.refine(options.cap_step_deg)?;
@@ -83,44 +98,78 @@ pub(crate) fn triangulate(
 const MOST_CROSSINGS: usize = 10_000;
 
 fn load_without_false_crossings(
+    edges: Vec<OutlineEdge>,
+    rule: EdgeRule,
+    arcs: Arcs,
+) -> Result<Group, TriangulateError> {
+    if rule == EdgeRule::Planar || arcs == Arcs::Settled {
+        return load_split_at_crossings(edges, rule);
+    }
+    if let Some(group) = Group::load(&edges)? {
+        return Ok(group);
+    }
+    // Arcs that cross are refused before any is followed.
+    false_crossings(&edges, rule)?;
+    match load_split_at_crossings(follow_arcs(edges.clone(), WithinRounding::Kept), rule) {
+        Ok(group) => Ok(Group {
+            arcs_followed: true,
+            ..group
+        }),
+        // What crosses where arcs are followed may be on one side of their chords only, and the chords
+        // are within the tolerance.
+        Err(_) => load_split_at_crossings(edges, rule),
+    }
+}
+
+fn load_split_at_crossings(
     mut edges: Vec<OutlineEdge>,
     rule: EdgeRule,
 ) -> Result<Group, TriangulateError> {
-    for round in 0..=crossings::MOST_ROUNDS {
+    for _ in 0..crossings::MOST_ROUNDS {
         if let Some(group) = Group::load(&edges)? {
             return Ok(group);
         }
-        let ends: Vec<[Degrees; 2]> = edges.iter().map(|edge| [edge.start, edge.end]).collect();
-        let (found, complete) = find_crossings(EdgeRule::Planar, &ends, MOST_CROSSINGS);
-        if found.is_empty() {
-            return Err(TriangulateError::Refused(
-                "a crossing edge crosses no edge".to_owned(),
-            ));
-        }
-        let refused: Vec<_> = match rule {
-            EdgeRule::Planar => found.clone(),
-            EdgeRule::GreatEllipse => {
-                let arcs = found.iter().filter_map(|&([a, b], _)| {
-                    great_ellipse_crossing(ends[a], ends[b]).map(|at| ([a, b], at))
-                });
-                arcs.collect()
-            }
-        };
-        let refused = match refused.is_empty() && round == crossings::MOST_ROUNDS {
-            true => &found,
-            false => &refused,
-        };
-        if !refused.is_empty() {
-            return Err(TriangulateError::Crossings {
-                found: crossing_places(&edges, refused),
-                complete,
-            });
-        }
+        let found = false_crossings(&edges, rule)?;
         edges = split_outline(&edges, &found);
     }
-    Err(TriangulateError::Refused(
-        "crossings of chords could not be resolved".to_owned(),
-    ))
+    match Group::load(&edges)? {
+        Some(group) => Ok(group),
+        // What comes again with every rounding is refused as what the plane sees.
+        None => Err(false_crossings(&edges, EdgeRule::Planar)
+            .err()
+            .unwrap_or_else(|| refused("crossings of chords could not be resolved"))),
+    }
+}
+
+/// Crossings of chords of which the arcs do not cross; at least one.
+///
+/// # Errors
+/// Where edges cross by their rule.
+fn false_crossings(
+    edges: &[OutlineEdge],
+    rule: EdgeRule,
+) -> Result<Vec<Crossing>, TriangulateError> {
+    let ends: Vec<[Degrees; 2]> = edges.iter().map(|edge| [edge.start, edge.end]).collect();
+    let (found, complete) = find_crossings(EdgeRule::Planar, &ends, MOST_CROSSINGS);
+    let crosses = |&([a, b], at): &Crossing| match rule {
+        EdgeRule::Planar => Some(([a, b], at)),
+        EdgeRule::GreatEllipse => great_ellipse_crossing(ends[a], ends[b]).map(|at| ([a, b], at)),
+    };
+    let by_rule: Vec<Crossing> = found.iter().filter_map(crosses).collect();
+    if !by_rule.is_empty() {
+        return Err(TriangulateError::Crossings {
+            found: crossing_places(edges, &by_rule),
+            complete,
+        });
+    }
+    if found.is_empty() {
+        return Err(refused("a crossing edge crosses no edge"));
+    }
+    Ok(found)
+}
+
+fn refused(message: &str) -> TriangulateError {
+    TriangulateError::Refused(message.to_owned())
 }
 
 impl From<Blocked> for TriangulateError {
@@ -145,6 +194,8 @@ struct Group {
     outline_order: Vec<u32>,
     /// `[west, south, east, north]`.
     bounds: [f64; 4],
+    /// See [`GroupMesh`].
+    arcs_followed: bool,
 }
 
 impl Group {
@@ -162,6 +213,7 @@ impl Group {
             scale,
             outline_order: vec![0; count],
             bounds,
+            arcs_followed: false,
         };
         for (new_corners, new_edges) in corners.rounds() {
             for corner in new_corners {
@@ -402,6 +454,7 @@ impl Group {
             boundary: in_order(boundary, vertices.len()),
             vertices,
             triangles,
+            arcs_followed: self.arcs_followed,
         })
     }
 }
@@ -623,7 +676,7 @@ mod tests {
             cap_step_deg,
             ..MeshOptions::default()
         };
-        match triangulate(edges.to_vec(), EdgeRule::Planar, &options) {
+        match triangulate(edges.to_vec(), EdgeRule::Planar, &options, Arcs::AsDrawn) {
             Ok(mesh) => mesh,
             Err(TriangulateError::Crossings { found, .. }) => panic!("crossings at {found:?}"),
             Err(TriangulateError::Refused(message)) => panic!("{message}"),
@@ -729,7 +782,12 @@ mod tests {
     #[test]
     fn a_crossing_is_placed_and_a_touch_is_not_a_crossing() {
         let bow_tie = closed(&[[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]]);
-        match triangulate(bow_tie, EdgeRule::Planar, &MeshOptions::default()) {
+        match triangulate(
+            bow_tie,
+            EdgeRule::Planar,
+            &MeshOptions::default(),
+            Arcs::AsDrawn,
+        ) {
             Err(TriangulateError::Crossings { found, complete }) => {
                 assert_eq!((found.len(), complete), (1, true));
                 assert_eq!((found[0].first.vertex, found[0].second.vertex), (0, 2));

@@ -382,6 +382,47 @@ fn a_ring_there_and_back_over_a_pole_encloses_nothing_either_way() {
 }
 
 #[test]
+fn a_ring_there_and_back_over_the_pole_it_does_not_hold_encloses_nothing_in_any_turn() {
+    // Along the antimeridian to a place beyond the south pole and back. Written from −180 and from +180
+    // it went all the way round the south pole, and by its mean latitude held the north pole: the
+    // whole body. One turn further east it was nothing.
+    let body = Ellipsoid::SATURN_LIKE;
+    let area_m2 = |ring: &[[f64; 2]], turn_deg: f64| {
+        let turned: Vec<_> = ring.iter().map(|[x, y]| [x + turn_deg, *y]).collect();
+        let region = region(&format!("[[{turned:?}]]"));
+        let options = MeshOptions::default();
+        RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options).map(|mesh| {
+            assert_eq!(mesh.check_invariants(&body), Ok(()));
+            mesh.area_m2
+        })
+    };
+    let by_the_pole = [[180.0, 90.0], [-180.0, 90.0]];
+    let there_and_back = [
+        &[[-180.0, 20.0], [0.0, -80.0], [180.0, 20.0]][..],
+        &by_the_pole,
+    ]
+    .concat();
+    let round: Vec<_> = [-180.0, -60.0, 60.0, 180.0].map(|x| [x, -10.0]).to_vec();
+    let round = [&round[..], &by_the_pole].concat();
+    let round_m2 = area_m2(&round, 0.0).expect("meshes");
+    for turn_deg in [0.0, 360.0, -360.0] {
+        let reversed: Vec<_> = there_and_back.iter().rev().copied().collect();
+        for ring in [&there_and_back, &reversed] {
+            let found = area_m2(ring, turn_deg);
+            assert!(matches!(found, Err(MeshError::NoArea { .. })), "{found:?}");
+        }
+        // Twin: a ring that does go round holds the north pole: its arcs bow 9° south.
+        let found = area_m2(&round, turn_deg).expect("meshes");
+        assert!((found / round_m2 - 1.0).abs() < 1e-12, "{found} m²");
+    }
+    let north_of = |latitude_deg: f64| {
+        let (south, north) = (latitude_deg.to_radians(), std::f64::consts::FRAC_PI_2);
+        body.quadrangle_area_m2(std::f64::consts::TAU, south, north)
+    };
+    assert!(round_m2 > north_of(-10.0) && round_m2 < north_of(-20.0));
+}
+
+#[test]
 fn arcs_of_ten_degrees_a_rounding_apart_cost_no_more_than_their_ends() {
     // Slivers a few last bits wide between arcs that bow by 26 km. Chords so fine that the slivers came
     // out the right way round were metres long: 613,451 vertices, and half a minute.
@@ -452,12 +493,12 @@ fn arcs_of_a_hundred_degrees_a_rounding_apart_are_led_through_common_vertices() 
         assert_eq!(mesh.check_invariants(&body), Ok(()));
         mesh
     };
-    let (coarse, fine) = (build(&region, 386.5), build(&region, 20.0));
-    // 4.2 times as many chords.
-    let ratio = fine.vertex_count() as f64 / coarse.vertex_count() as f64;
-    assert!((3.0..6.0).contains(&ratio), "{ratio}");
-    let difference = coarse.area_m2 / fine.area_m2 - 1.0;
-    assert!(difference.abs() < 1e-2, "{difference}");
+    // By `expectations/slivers.py`.
+    let expected_m2 = 659_624.066;
+    for tolerance_m in [386.5, 20.0] {
+        let off = build(&region, tolerance_m).area_m2 / expected_m2 - 1.0;
+        assert!(off.abs() < 2e-5, "{tolerance_m} m: {off}");
+    }
     // Twin: one vertex a hundred millionth of a degree off is seen.
     let mut moved = region;
     let ring = moved.polygons.pop().expect("two").shell;
@@ -471,8 +512,41 @@ fn arcs_of_a_hundred_degrees_a_rounding_apart_are_led_through_common_vertices() 
         .replace("-32.999999998]", "-32.99999999]");
     let other = self::region(&format!("[[[{text}]]]"));
     moved.polygons.extend(other.polygons);
-    let moved = build(&moved, 386.5).area_m2 / fine.area_m2 - 1.0;
+    let moved = build(&moved, 386.5).area_m2 / expected_m2 - 1.0;
     assert!(moved.abs() > 1e-2, "{moved}");
+}
+
+#[test]
+fn slivers_beside_a_vertex_where_chords_cross_keep_their_area() {
+    // Of three arcs millimetres apart two crossed by rounding, and their chords crossed off all three
+    // by as much as a chord is off its arc: made a vertex there, it bent two of them past the third.
+    // −37 km² at 497 m, refused as a fault; at 1 m 774,331 m², which nobody noticed.
+    let text = r#"[
+        [[[-179.95,-33.0],[-179.950000008,-33.000000008],[-179.949999999,-33.000000001],
+          [-49.21875,0.0],[-179.95000000599998,-33.000000001],[-11.261830385774374,89.0],
+          [-179.95000000099998,-33.000000002]],
+         [[-179.9500000000002,-33.000000000000014],[-179.9500000000004,-33.00000000000003],
+          [-179.95000000000059,-33.00000000000004],[-179.95000000799988,-33.00000000799996],
+          [-179.95000000000059,-33.00000000000004],[-77.041235015,-32.99999999902054]]],
+        [[[-179.95,-33.0],[-77.04123501499997,-32.999999999020524],
+          [-179.94999999799998,-32.999999998],[-179.950000008,-32.999999998],
+          [-179.95000000000073,-33.00000000000007],[-179.94999999999771,0.0],
+          [-179.950000008,-33.000000008]]]]"#;
+    let mut region = region(text);
+    assert!(region.split_at_crossings(EdgeRule::GreatEllipse) > 0);
+    let body = Ellipsoid::SATURN_LIKE;
+    for boundary_tolerance_m in [497.1939010069498, 100.0, 10.0, 1.0] {
+        let options = MeshOptions {
+            boundary_tolerance_m,
+            cap_step_deg: 30.0,
+        };
+        let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options);
+        let mesh = mesh.expect("meshes");
+        assert_eq!(mesh.check_invariants(&body), Ok(()));
+        // By `expectations/slivers.py`.
+        let off = mesh.area_m2 / 969_167.646 - 1.0;
+        assert!(off.abs() < 2e-5, "{boundary_tolerance_m} m: {off}");
+    }
 }
 
 #[test]
@@ -572,7 +646,8 @@ fn widest_deg(mesh: &RegionMesh) -> f64 {
 #[test]
 fn a_vertex_moved_to_the_middle_of_its_cell_is_within_the_extent() {
     // Arcs a rounding apart beside the south pole, led through common vertices: one was moved 9e-11°
-    // east, where the extent did not follow.
+    // east, where the extent did not follow. Since chords that cross no longer make vertices off their
+    // arcs none has to be moved here.
     let mut region = region(
         "[[[[-180.4,-90.0],[-180.35,-90.0],[-180.0,-90.0],[-179.7,-90.0],[-179.7,-89.95],\
          [-179.65,-89.9],[-179.7,-89.85],[-179.65,-89.65],[-180.25,-89.65],[-180.3,-89.7],\
@@ -600,10 +675,6 @@ fn a_vertex_moved_to_the_middle_of_its_cell_is_within_the_extent() {
     let easternmost = off_the_pole.map(|vertex| vertex[0]).filter(in_the_east);
     let easternmost = easternmost.fold(-180.0, f64::max);
     assert_eq!(mesh.extent.east_deg, easternmost);
-    // Twin: that is beyond every vertex of the file.
-    let written = region.rings().flat_map(|ring| ring.vertices_deg());
-    let written = written.map(|vertex| vertex[0]).filter(in_the_east);
-    assert!(written.fold(-180.0, f64::max) < easternmost - 5e-11);
 }
 
 #[test]

@@ -8,8 +8,8 @@
 //! A ring on a sphere has two sides. A ring that does not go round the axis has both poles outside;
 //! one that does holds the pole that whoever makes it says. An edge between opposite meridians
 //! passes through the nearer pole; a ring with a vertex there passes it on the side of the smaller
-//! angle between its neighbours, on longitudes −180 … 180 where both angles are 180°. So a pole is
-//! never on a ring, and its side is known. Two tests:
+//! angle between its neighbours, and on longitudes −180 … 180, the latter excluded, where both angles
+//! are 180°. So a pole is never on a ring, and its side is known. Two tests:
 //!
 //! - *Meridian*: parity of the arcs crossed on the way from the point south to the pole. Which arcs
 //!   span its meridian is said by longitudes on a grid, exactly, and whether the point is north of
@@ -294,7 +294,7 @@ impl Span {
 /// A vertex of a ring.
 #[derive(Debug, Clone, Copy)]
 struct Corner {
-    /// −180 … 180, on the grid of [`on_longitude_grid`].
+    /// −180 … 180, 180 excluded, on the grid of [`on_longitude_grid`].
     longitude_deg: f64,
     latitude_deg: f64,
     normal: DVec3,
@@ -304,7 +304,7 @@ impl Corner {
     fn new([longitude_deg, latitude_deg]: [f64; 2]) -> Self {
         let turns = (longitude_deg / 360.0).round();
         Self {
-            longitude_deg: on_longitude_grid(longitude_deg - 360.0 * turns),
+            longitude_deg: west_of_180(on_longitude_grid(longitude_deg - 360.0 * turns)),
             latitude_deg,
             normal: normal(longitude_deg, latitude_deg),
         }

@@ -382,6 +382,15 @@ fn rings_through_one_pole_are_as_large_as_their_meshes() {
         let error = area_error_in_sigmas(&locator, 4.0 * PI - area);
         assert!(error > SIGMAS, "{ring:?}: {error} σ");
         println!("{area:.3} of {:.3}", 4.0 * PI);
+        // ±180 is one meridian: written otherwise, it is passed on the same side.
+        let a_turn_west = |[x, y]: Degrees| match x {
+            180.0 => [-180.0, y],
+            _ => [x - 360.0, y],
+        };
+        let turned = self::region(&[ring.iter().copied().map(a_turn_west).collect()]);
+        assert!((mesh_area(&turned) / area - 1.0).abs() < 1e-12, "{ring:?}");
+        let error = area_error_in_sigmas(&self::locator(&turned), area);
+        assert!(error < SIGMAS, "{ring:?}, a turn west: {error} σ");
     }
 }
 
