@@ -30,6 +30,8 @@ const SMALL_GROUP: usize = 64;
 const MOST_ASKED: usize = 8;
 /// Rounds of splitting: places made in one may lie in the lens of another arc.
 const MOST_ROUNDS: usize = 8;
+/// Crossings to those of an earlier round from which on there is no end of them.
+const MOST_GROWTH: usize = 4;
 /// Steps in which an arc's distance from its chord is measured.
 const STEPS: u32 = 8;
 /// Roundings by which a place on one of two arcs may be off the other and be one on both: either arc
@@ -39,6 +41,9 @@ const SAME_ARC_ROUNDINGS: f64 = 4.0;
 /// of theirs, and smaller than [`ROUNDING`].
 const CELL_DEG: f64 = 1.0 / (1_u64 << 41) as f64;
 
+/// Latitude up to which a lens is not measured where its height is bounded, and a bound on its tangent.
+const STEEP_DEG: f64 = 80.0;
+const STEEP_TANGENT: f64 = 5.7;
 /// Cosine of the latitude beyond which cells are no wider.
 const NARROWEST: f64 = 1e-6;
 
@@ -62,7 +67,9 @@ pub(crate) enum WithinRounding {
 /// - cost: O(n log n), with n edges returned
 pub(crate) fn follow_arcs(edges: Vec<OutlineEdge>, near: WithinRounding) -> Vec<OutlineEdge> {
     let most = MOST_PARTS * edges.len().max(SMALL_GROUP);
-    let mut edges = split_at_feet(edges, near, most);
+    let at_feet = split_at_feet(edges, near, most);
+    let mut edges = at_feet.clone();
+    let mut fewest = usize::MAX;
     for _ in 0..MOST_ROUNDS {
         let ends: Vec<[Degrees; 2]> = edges.iter().map(|edge| [edge.start, edge.end]).collect();
         let (mut found, _) = find_crossings(EdgeRule::Planar, &ends, most);
@@ -70,13 +77,31 @@ pub(crate) fn follow_arcs(edges: Vec<OutlineEdge>, near: WithinRounding) -> Vec<
         if found.is_empty() || edges.len() + 2 * found.len() > most {
             break;
         }
-        let split = split_on_arcs(&edges, &found, near);
-        if split.len() == edges.len() {
-            break;
+        // Between arcs that are one to rounding every place makes two crossings more.
+        if found.len() > fewest.saturating_mul(MOST_GROWTH) {
+            return at_feet;
         }
-        edges = split_at_feet(split, near, most);
+        fewest = fewest.min(found.len());
+        edges = split_at_feet(split_on_arcs(&edges, &found, near), near, most);
     }
     edges
+}
+
+/// Whether a place lies between an arc and its chord, and the arc is off its chord there by more than
+/// rounding.
+pub(crate) fn is_in_lens([start, end]: [Degrees; 2], place: Degrees) -> bool {
+    // A straight line in longitude and latitude leaves the arc by an eighth of the acceleration
+    // (2 tan φ Δλ Δφ, sin φ cos φ Δλ²); half as much again covers its change on the way. Most places are
+    // a thousand times as far away.
+    if start[1].abs().max(end[1].abs()) < STEEP_DEG {
+        let [width, height] = [0, 1].map(|k| (end[k] - start[k]).abs());
+        let bow_deg = 0.19 * width.to_radians() * (0.5 * width).hypot(2.0 * STEEP_TANGENT * height);
+        if off_chord([start, end], place).abs() > bow_deg {
+            return false;
+        }
+    }
+    let lens = Lens::of(start, end);
+    lens.is_some_and(|lens| lens.foot_of(place, WithinRounding::Kept).is_some())
 }
 
 /// Splits arcs beside the places where their chords cross: at one place if it is on both to rounding.
@@ -87,6 +112,9 @@ fn split_on_arcs(
 ) -> Vec<OutlineEdge> {
     let mut insertions: Vec<(usize, f64, Degrees)> = Vec::with_capacity(2 * crossings.len());
     for &([a, b], at) in crossings {
+        // In an order of their own, so that rings the other way round are split at the same bits.
+        let key = |index: usize| in_order(edges[index].start, edges[index].end);
+        let [a, b] = if key(b) < key(a) { [b, a] } else { [a, b] };
         let [first, second] = [a, b].map(|index| Arc::of(&edges[index]));
         let on_first = first.nearest(at);
         let on_second = second.nearest(on_first);
@@ -133,7 +161,7 @@ impl Arc {
         let (start, end) = in_order(edge.start, edge.end);
         Self {
             ends: [start, end],
-            lens: Lens::of(edge),
+            lens: Lens::of(edge.start, edge.end),
         }
     }
 
@@ -254,7 +282,7 @@ struct Vertices<'a> {
 impl Vertices<'_> {
     /// At most `room` places that split an edge, in order from its start to its end.
     fn feet(&self, edge: &OutlineEdge, room: usize) -> Vec<Degrees> {
-        let Some(lens) = Lens::of(edge) else {
+        let Some(lens) = Lens::of(edge.start, edge.end) else {
             return Vec::new();
         };
         let found = RefCell::new(Vec::new());
@@ -292,8 +320,8 @@ struct Lens {
 
 impl Lens {
     /// `None` where arc and chord are the same to rounding.
-    fn of(edge: &OutlineEdge) -> Option<Self> {
-        let (start, end) = in_order(edge.start, edge.end);
+    fn of(start: Degrees, end: Degrees) -> Option<Self> {
+        let (start, end) = in_order(start, end);
         let is_meridian = start[0] == end[0] || start[1].abs() == 90.0 || end[1].abs() == 90.0;
         if is_meridian {
             return None;
@@ -321,10 +349,7 @@ impl Lens {
 
     /// Signed distance from the chord, degrees; its sign is exact.
     fn off_chord(&self, place: Degrees) -> f64 {
-        let [start, end] = self.ends;
-        let coord = |[x, y]: Degrees| robust::Coord { x, y };
-        let twice_area = robust::orient2d(coord(start), coord(end), coord(place));
-        twice_area / (end[0] - start[0]).hypot(end[1] - start[1])
+        off_chord(self.ends, place)
     }
 
     /// Whether a box may come within the lens's height of the chord; at times it does not.
@@ -381,6 +406,13 @@ impl Lens {
     }
 }
 
+/// See [`Lens::off_chord`].
+fn off_chord([start, end]: [Degrees; 2], place: Degrees) -> f64 {
+    let coord = |[x, y]: Degrees| robust::Coord { x, y };
+    let twice_area = robust::orient2d(coord(start), coord(end), coord(place));
+    twice_area / (end[0] - start[0]).hypot(end[1] - start[1])
+}
+
 fn rounding_deg() -> f64 {
     ROUNDING.to_degrees()
 }
@@ -417,7 +449,7 @@ mod tests {
             let vertex = [middle[0] + 0.7, middle[1] - below_deg - 0.003];
             let split = follow_arcs(edges(&[WEST, EAST, vertex]), WithinRounding::Kept);
             let made = places(&split);
-            let lens = Lens::of(&edges(&[WEST, EAST])[0]).expect("bows");
+            let lens = Lens::of(WEST, EAST).expect("bows");
             let on_arc = |place: &Degrees| {
                 let share = lens.share_of(*place)?;
                 Some(arc_rad(lens.place(share), *place) < 1e-15)

@@ -13,7 +13,7 @@ use crate::crossings::{
     split_outline,
 };
 use crate::edge::{Degrees, arc_rad};
-use crate::lens::{WithinRounding, follow_arcs};
+use crate::lens::{WithinRounding, follow_arcs, is_in_lens};
 use crate::outline::OutlineEdge;
 use crate::{EdgeRule, MeshOptions};
 use delaunay::{Blocked, Delaunay, FRAME_CORNERS, Place};
@@ -105,20 +105,30 @@ fn load_without_false_crossings(
     if rule == EdgeRule::Planar || arcs == Arcs::Settled {
         return load_split_at_crossings(edges, rule);
     }
-    if let Some(group) = Group::load(&edges)? {
+    let drawn = Group::load(&edges)?;
+    match drawn {
+        Some(group) if !group.is_vertex_in_lens() => return Ok(group),
+        Some(_) => {}
+        // Arcs that cross are refused before any is followed.
+        None => {
+            false_crossings(&edges, rule)?;
+        }
+    }
+    let followed = follow_arcs(edges.clone(), WithinRounding::Kept);
+    if followed.len() == edges.len()
+        && let Some(group) = drawn
+    {
         return Ok(group);
     }
-    // Arcs that cross are refused before any is followed.
-    false_crossings(&edges, rule)?;
-    match load_split_at_crossings(follow_arcs(edges.clone(), WithinRounding::Kept), rule) {
-        Ok(group) => Ok(Group {
+    if let Ok(group) = load_split_at_crossings(followed, rule) {
+        return Ok(Group {
             arcs_followed: true,
             ..group
-        }),
-        // What crosses where arcs are followed may be on one side of their chords only, and the chords
-        // are within the tolerance.
-        Err(_) => load_split_at_crossings(edges, rule),
+        });
     }
+    // What crosses where arcs are followed may be on one side of their chords only, and the chords are
+    // within the tolerance.
+    drawn.map_or_else(|| load_split_at_crossings(edges, rule), Ok)
 }
 
 fn load_split_at_crossings(
@@ -251,6 +261,27 @@ impl Group {
     fn insert(&mut self, position: Degrees) -> Result<u32, TriangulateError> {
         let position = position.map(without_underflow);
         Ok(self.mesh.insert(self.planar(position))?)
+    }
+
+    /// Whether a vertex lies on an edge, or a triangle beside one has its third corner between the edge
+    /// and its arc. That is the vertex which sees the edge at the widest angle, so in most cases the one
+    /// in the lens if any is.
+    fn is_vertex_in_lens(&self) -> bool {
+        if self.mesh.has_touches() {
+            return true;
+        }
+        let edges = self.mesh.edges();
+        let mut constraints = edges.filter(|&(triangle, i)| self.mesh.is_constraint(triangle, i));
+        constraints.any(|(triangle, i)| {
+            let ends = self.mesh.ends(triangle, i);
+            let across = self.mesh.neighbour(triangle, i);
+            let corners = [Some(triangle), across].into_iter().flatten();
+            let corners = corners.flat_map(|triangle| self.mesh.corners(triangle));
+            let mut beside = corners
+                .filter(|corner| !ends.contains(corner) && *corner as usize >= FRAME_CORNERS);
+            let [start, end] = ends.map(|vertex| self.position(vertex));
+            beside.any(|corner| is_in_lens([start, end], self.position(corner)))
+        })
     }
 
     /// Adds interior points until no interior edge is too long.

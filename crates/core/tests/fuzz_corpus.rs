@@ -402,25 +402,36 @@ fn an_exhausted_input_is_a_complete_one() {
 }
 
 #[test]
-fn areas_may_differ_by_more_than_rounding_only_where_chords_touch() {
-    let touching = |longitude: f64, latitude: f64| {
+fn areas_of_great_ellipses_are_compared_beside_chords_too() {
+    // A hole whose tip lies between the side's chord and its arc, 17 m north of it.
+    let with_tip = |longitude: f64, latitude: f64| {
         let mut case = case(vec![vec![rectangle(0.0, 0.0, 2.0, 1.0)]]);
         case.polygons[0].push(vec![[longitude, latitude], [0.5, 0.25], [1.5, 0.25]]);
         case.rule = EdgeRule::GreatEllipse;
         case.options.boundary_tolerance_m = 100.0;
         case
     };
-    let bent_m2 = |case: &Case| mesh::bent_m2(&region(case), case);
-    // A hole whose tip is on a side, in the middle.
-    let found_m2 = bent_m2(&touching(1.0, 1.0));
-    let length_m = (6.0 + 1.0 + 2.0 * 0.5_f64.hypot(0.75)).to_radians() * 6_378_137.0;
-    assert!(
-        (found_m2 / (400.0 * length_m) - 1.0).abs() < 1e-9,
-        "{found_m2}"
-    );
-    // Twins: the tip 2 km off; straight lines.
-    assert_eq!(bent_m2(&touching(1.0, 0.98)), 0.0);
-    let mut planar = touching(1.0, 1.0);
-    planar.rule = EdgeRule::Planar;
-    assert_eq!(bent_m2(&planar), 0.0);
+    let build =
+        |case: &Case| RegionMesh::build(&region(case), &case.body, case.rule, &case.options);
+    let judged = |case: &Case, mesh: &Case| {
+        let mut reached = Reached::new(mesh::BRANCHES);
+        let judged = mesh::judge(&region(case), case, &build(mesh), &mut reached);
+        (
+            judged,
+            reached.found().contains(&"great_ellipse_area_compared"),
+        )
+    };
+    let touching = with_tip(1.0, 1.000_1);
+    assert_eq!(judged(&touching, &touching), (Ok(()), true));
+    // Twin: the mesh of another hole, 20 m shorter.
+    let (found, _) = judged(&touching, &with_tip(1.0, 0.999_9));
+    assert!(found.is_err_and(|find| find.contains("by slabs")));
+    // Arcs that cross where chords only touch are within the tolerance: nothing to compare.
+    let on_the_chord = with_tip(1.0, 1.0);
+    assert_eq!(judged(&on_the_chord, &on_the_chord), (Ok(()), true));
+    let over_the_arc = with_tip(1.0, 1.001);
+    assert!(matches!(
+        build(&over_the_arc),
+        Err(MeshError::SelfCrossing { .. })
+    ));
 }

@@ -114,6 +114,8 @@ pub(crate) struct Delaunay {
     hint: u32,
     /// Triangles whose first edge may be illegal.
     waiting: Vec<u32>,
+    /// Whether a vertex lies on a constraint, between its ends.
+    touches: bool,
 }
 
 impl Delaunay {
@@ -149,6 +151,7 @@ impl Delaunay {
             triangles,
             hint: 0,
             waiting: Vec::new(),
+            touches: false,
         }
     }
 
@@ -218,6 +221,11 @@ impl Delaunay {
     /// Whether an odd number of constraints run along the edge opposite corner `i`.
     pub(crate) fn is_odd(&self, triangle: u32, i: usize) -> bool {
         self.triangles[triangle as usize].marks[i] & ODD != 0
+    }
+
+    /// Whether a vertex lies on a constraint, between its ends.
+    pub(crate) fn has_touches(&self) -> bool {
+        self.touches
     }
 
     /// Every edge once, as a triangle and the corner opposite.
@@ -302,6 +310,7 @@ impl Delaunay {
                 if self.triangles[triangle as usize].neighbours[i] == NONE {
                     return Err(Blocked::Outside);
                 }
+                self.touches |= self.is_constraint(triangle, i);
                 self.split_edge(triangle, i, vertex, point);
             }
         }
@@ -519,6 +528,7 @@ impl Delaunay {
             let edge = self.edge_between(from, next);
             let (triangle, i) = edge.map_err(|_| Blocked::Endless)?;
             self.toggle(triangle, i);
+            self.touches |= next != to;
             from = next;
         }
         Ok(())
