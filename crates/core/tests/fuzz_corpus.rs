@@ -435,3 +435,60 @@ fn areas_of_great_ellipses_are_compared_beside_chords_too() {
         Err(MeshError::SelfCrossing { .. })
     ));
 }
+
+#[test]
+fn what_is_a_rounding_wide_may_be_nothing_in_one_direction_only() {
+    // Slivers of 10⁻¹⁴ degrees between arcs of 6° on the Moon: 4·10⁻⁵ m² one way round, nothing the other.
+    let mut slivers = case(vec![
+        vec![
+            vec![
+                [0.0, -33.0],
+                [2.561_785_858_124_494_6, -27.087_035_160_046_07],
+                [-2.5e-323, -32.999_999_999_999_96],
+                [-5e-323, -32.999_999_999_999_915],
+                [-3.5e-323, -32.999_999_999_999_98],
+                [2.561_785_858_124_493_7, -27.087_035_160_046_085],
+            ],
+            vec![
+                [0.853_928_619_374_831_6, -31.029_011_720_015_355],
+                [-3e-323, -32.999_999_999_999_936],
+                [0.853_928_619_374_831_3, -31.029_011_720_015_344],
+                [-1e-323, -32.999_999_999_999_964],
+            ],
+        ],
+        vec![vec![
+            [0.640_446_464_531_123_6, -31.521_758_790_011_52],
+            [-3e-323, -32.999_999_999_999_95],
+            [0.640_446_464_531_123_4, -31.521_758_790_011_507],
+            [-2e-323, -32.999_999_999_999_98],
+        ]],
+    ]);
+    slivers.rule = EdgeRule::GreatEllipse;
+    slivers.body = Ellipsoid::MOON;
+    slivers.options.boundary_tolerance_m = 179.300_904_887_597_97;
+    slivers.options.cap_step_deg = 30.0;
+    let outcome = RegionMesh::build(
+        &region(&slivers),
+        &slivers.body,
+        slivers.rule,
+        &slivers.options,
+    );
+    let mut reached = Reached::new(mesh::BRANCHES);
+    assert_eq!(
+        mesh::compare_with_reversed(&slivers, &outcome, &mut reached),
+        Ok(())
+    );
+    // Twins: nothing where there is a square of a metre, and where straight lines are exact.
+    let nothing = Err(MeshError::NoArea {
+        feature: 0,
+        name: String::new(),
+    });
+    let mut square = case(vec![vec![rectangle(0.0, 0.0, 3e-5, 3e-5)]]);
+    for rule in [EdgeRule::GreatEllipse, EdgeRule::Planar] {
+        square.rule = rule;
+        assert!(mesh::compare_with_reversed(&square, &nothing, &mut reached).is_err());
+    }
+    let mut thin = case(vec![vec![rectangle(0.0, 0.0, 1e-14, 1e-14)]]);
+    thin.rule = EdgeRule::Planar;
+    assert!(mesh::compare_with_reversed(&thin, &nothing, &mut reached).is_err());
+}

@@ -698,7 +698,10 @@ fn unit([longitude_deg, latitude_deg]: Degrees) -> glam::DVec3 {
 }
 
 /// Either winding means the same.
-fn compare_with_reversed(
+///
+/// # Errors
+/// The find, in words.
+pub fn compare_with_reversed(
     case: &Case,
     outcome: &Result<RegionMesh, MeshError>,
     reached: &mut Reached,
