@@ -8,7 +8,7 @@
 use crate::crossings::CrossingPlaces;
 use crate::edge::{Degrees, EdgeSplitter, ROUNDING, ZoneArea, surface_point};
 use crate::geojson::feature_label;
-use crate::lens::{WithinRounding, follow_arcs};
+use crate::lens::{CrossingArcs, WithinRounding, follow_arcs};
 use crate::mesh::sagitta_m;
 use crate::outline::{OppositeEnds, Outline, OutlineEdge, share_breakpoints};
 use crate::overlaps::{OverlapPlace, RingAreas, find_overlaps, shared_edges};
@@ -423,13 +423,16 @@ impl Meshed {
             .map_err(|opposite| opposite_ends(region, opposite))?;
         let mut followed = vec![false; outline.groups.len()];
         for (group, edges) in outline.groups.iter_mut().enumerate() {
-            let near = match crossings {
-                Crossings::Refused => bent.get(&group).copied(),
+            let near = bent.get(&group).copied();
+            let (near, crossing_arcs) = match crossings {
+                Crossings::Refused => (near, CrossingArcs::Left),
                 // Snapped where chords cross, arcs would be led to places off themselves.
-                Crossings::SnappedAway => bent.get(&group).copied().or(Some(WithinRounding::Kept)),
+                Crossings::SnappedAway => {
+                    (near.or(Some(WithinRounding::Kept)), CrossingArcs::Split)
+                }
             };
             if let Some(near) = near.filter(|_| rule == EdgeRule::GreatEllipse) {
-                *edges = follow_arcs(std::mem::take(edges), near);
+                *edges = follow_arcs(std::mem::take(edges), near, crossing_arcs);
                 followed[group] = true;
             }
         }

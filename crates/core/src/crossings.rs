@@ -503,17 +503,16 @@ pub(crate) fn planar_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degree
 /// Where two arcs cross, each strictly between its ends and by more than rounding can feign.
 pub(crate) fn great_ellipse_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degrees> {
     let (a, b) = (a.map(normal), b.map(normal));
-    let apart = opposite(certain_side(b, a[0]), certain_side(b, a[1]))
-        && opposite(certain_side(a, b[0]), certain_side(a, b[1]));
+    let off_b = a.map(|end| certain_side(b, end));
+    let apart =
+        opposite(off_b[0], off_b[1]) && opposite(certain_side(a, b[0]), certain_side(a, b[1]));
     if !apart {
         return None;
     }
-    let line = a[0].cross(a[1] - a[0]).cross(b[0].cross(b[1] - b[0]));
-    let point = if line.dot(a[0] + a[1]) < 0.0 {
-        -line
-    } else {
-        line
-    };
+    // Between the ends of one arc as they lie off the other. The line in which the planes meet is the
+    // same, but the product of normals that hardly differ is off both planes by its rounding: metres
+    // on the Earth.
+    let point = a[0] * off_b[1].abs() + a[1] * off_b[0].abs();
     // The planes also meet on the far side of the body.
     (point.dot(b[0] + b[1]) > 0.0).then(|| {
         [
@@ -576,6 +575,34 @@ mod tests {
         let mesh = RegionMesh::build(region, &body, rule, &MeshOptions::default())?;
         assert_eq!(mesh.check_invariants(&body), Ok(()));
         Ok(mesh)
+    }
+
+    /// Sine of the angle at which a place is off the plane of an arc.
+    fn off(arc: [Degrees; 2], place: Degrees) -> f64 {
+        let [from, to] = arc.map(normal);
+        let plane = from.cross(to - from).normalize();
+        plane.dot(normal(place) - from).abs()
+    }
+
+    #[test]
+    fn a_crossing_of_arcs_that_hardly_differ_is_on_both() {
+        let mut off_by_planes = 0.0_f64;
+        for apart_deg in [1e-1, 1e-5, 1e-9, 1e-11] {
+            let a = [[10.0, -33.0], [100.0, 41.0]];
+            let b = [[10.0, -33.0 - apart_deg], [100.0, 41.0 + apart_deg]];
+            let at = great_ellipse_crossing(a, b).expect("cross");
+            for arc in [a, b] {
+                assert!(off(arc, at) < 1e-15, "{apart_deg}: {}", off(arc, at));
+            }
+            // Twin: as the line in which the planes meet.
+            let [m, n] = [a, b]
+                .map(|arc| arc.map(normal))
+                .map(|[p, q]| p.cross(q - p));
+            let line = m.cross(n).normalize();
+            let place = [line.y.atan2(line.x), line.z.atan2(line.x.hypot(line.y))];
+            off_by_planes = off_by_planes.max(off(a, place.map(f64::to_degrees)));
+        }
+        assert!(off_by_planes > 1e-8, "{off_by_planes}");
     }
 
     #[test]

@@ -56,16 +56,27 @@ pub(crate) enum WithinRounding {
     Merged,
 }
 
+/// What becomes of arcs that cross.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum CrossingArcs {
+    /// Nothing: they are refused later.
+    Left,
+    /// Each is split where they do: parts of arcs that do not cross.
+    Split,
+}
+
 /// Splits arcs until their chords lie to one another as they do: at the feet of vertices in their
 /// lenses, and where chords cross all the same. Those are arcs within rounding of one another, and the
 /// place is one on them: a vertex where the *chords* cross is off the arcs by as much as a lens is
 /// high, and in the lenses of all arcs beside these two.
 ///
-/// Arcs that cross are left as they are.
-///
 /// - returns: at most [`MOST_PARTS`] times as many edges, or as a group of [`SMALL_GROUP`] may have
 /// - cost: O(n log n), with n edges returned
-pub(crate) fn follow_arcs(edges: Vec<OutlineEdge>, near: WithinRounding) -> Vec<OutlineEdge> {
+pub(crate) fn follow_arcs(
+    edges: Vec<OutlineEdge>,
+    near: WithinRounding,
+    crossing_arcs: CrossingArcs,
+) -> Vec<OutlineEdge> {
     let most = MOST_PARTS * edges.len().max(SMALL_GROUP);
     let at_feet = split_at_feet(edges, near, most);
     let mut edges = at_feet.clone();
@@ -73,7 +84,11 @@ pub(crate) fn follow_arcs(edges: Vec<OutlineEdge>, near: WithinRounding) -> Vec<
     for _ in 0..MOST_ROUNDS {
         let ends: Vec<[Degrees; 2]> = edges.iter().map(|edge| [edge.start, edge.end]).collect();
         let (mut found, _) = find_crossings(EdgeRule::Planar, &ends, most);
-        found.retain(|([a, b], _)| great_ellipse_crossing(ends[*a], ends[*b]).is_none());
+        found.retain_mut(|([a, b], at)| {
+            let crossing = great_ellipse_crossing(ends[*a], ends[*b]);
+            *at = crossing.unwrap_or(*at);
+            crossing.is_none() || crossing_arcs == CrossingArcs::Split
+        });
         if found.is_empty() || edges.len() + 2 * found.len() > most {
             break;
         }
@@ -447,7 +462,11 @@ mod tests {
         let middle = point_on_edge(EdgeRule::GreatEllipse, WEST, EAST, 0.5);
         for below_deg in [0.4, 1e-3, 1e-9] {
             let vertex = [middle[0] + 0.7, middle[1] - below_deg - 0.003];
-            let split = follow_arcs(edges(&[WEST, EAST, vertex]), WithinRounding::Kept);
+            let split = follow_arcs(
+                edges(&[WEST, EAST, vertex]),
+                WithinRounding::Kept,
+                CrossingArcs::Left,
+            );
             let made = places(&split);
             let lens = Lens::of(WEST, EAST).expect("bows");
             let on_arc = |place: &Degrees| {
@@ -465,7 +484,7 @@ mod tests {
         // Twins: beyond the arc, and on the other side of the chord.
         for latitude in [middle[1] + 1e-3, 49.999] {
             let same = edges(&[WEST, EAST, [middle[0], latitude]]);
-            let split = follow_arcs(same.clone(), WithinRounding::Kept);
+            let split = follow_arcs(same.clone(), WithinRounding::Kept, CrossingArcs::Left);
             assert_eq!(places(&split), places(&same));
         }
     }
@@ -477,8 +496,8 @@ mod tests {
         let mut back = there.clone();
         back.reverse();
         for near in [WithinRounding::Kept, WithinRounding::Merged] {
-            let [mut there, mut back] =
-                [&there, &back].map(|ring| places(&follow_arcs(edges(ring), near)));
+            let [mut there, mut back] = [&there, &back]
+                .map(|ring| places(&follow_arcs(edges(ring), near, CrossingArcs::Left)));
             assert!(there.len() > 6, "{}", there.len());
             there.sort_by(|a, b| a[0].total_cmp(&b[0]));
             back.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -513,9 +532,22 @@ mod tests {
             }
             uses.into_values().filter(|uses| uses % 2 == 1).count()
         };
-        assert_eq!(left(follow_arcs(halved.clone(), WithinRounding::Merged)), 0);
+        assert_eq!(
+            left(follow_arcs(
+                halved.clone(),
+                WithinRounding::Merged,
+                CrossingArcs::Left
+            )),
+            0
+        );
         // Twin: each stays another.
-        assert!(left(follow_arcs(halved, WithinRounding::Kept)) > 10);
+        assert!(
+            left(follow_arcs(
+                halved,
+                WithinRounding::Kept,
+                CrossingArcs::Left
+            )) > 10
+        );
     }
 
     #[test]
@@ -532,7 +564,7 @@ mod tests {
                 let comb: Vec<Degrees> = (0..count).flat_map(tooth).collect();
                 let edges = edges(&comb);
                 let most = MOST_PARTS * edges.len().max(SMALL_GROUP);
-                let made = follow_arcs(edges, near).len();
+                let made = follow_arcs(edges, near, CrossingArcs::Left).len();
                 assert!((comb.len() + 10..=most).contains(&made), "{made} of {most}");
             }
         }
@@ -542,7 +574,7 @@ mod tests {
     fn what_lies_in_one_cell_vanishes() {
         let bits = |k: u32| 1e-14 * f64::from(k);
         let ring: Vec<Degrees> = (0..5).map(|k| [7.0, 50.0 + bits(k)]).collect();
-        let left = follow_arcs(edges(&ring), WithinRounding::Merged);
+        let left = follow_arcs(edges(&ring), WithinRounding::Merged, CrossingArcs::Left);
         assert!(left.is_empty());
         let mesh = triangulate(
             left,

@@ -13,7 +13,7 @@ use crate::crossings::{
     split_outline,
 };
 use crate::edge::{Degrees, arc_rad};
-use crate::lens::{WithinRounding, follow_arcs, is_in_lens};
+use crate::lens::{CrossingArcs, WithinRounding, follow_arcs, is_in_lens};
 use crate::outline::OutlineEdge;
 use crate::{EdgeRule, MeshOptions};
 use delaunay::{Blocked, Delaunay, FRAME_CORNERS, Place};
@@ -114,7 +114,7 @@ fn load_without_false_crossings(
             false_crossings(&edges, rule)?;
         }
     }
-    let followed = follow_arcs(edges.clone(), WithinRounding::Kept);
+    let followed = follow_arcs(edges.clone(), WithinRounding::Kept, CrossingArcs::Left);
     if followed.len() == edges.len()
         && let Some(group) = drawn
     {
