@@ -8,7 +8,7 @@
 use crate::crossings::CrossingPlaces;
 use crate::edge::{Degrees, EdgeSplitter, ROUNDING, ZoneArea, surface_point};
 use crate::geojson::feature_label;
-use crate::lens::{CrossingArcs, WithinRounding, follow_arcs};
+use crate::lens::{WithinRounding, follow_arcs};
 use crate::mesh::sagitta_m;
 use crate::outline::{OppositeEnds, Outline, OutlineEdge, share_breakpoints};
 use crate::overlaps::{OverlapPlace, RingAreas, find_overlaps, shared_edges};
@@ -423,16 +423,13 @@ impl Meshed {
             .map_err(|opposite| opposite_ends(region, opposite))?;
         let mut followed = vec![false; outline.groups.len()];
         for (group, edges) in outline.groups.iter_mut().enumerate() {
-            let near = bent.get(&group).copied();
-            let (near, crossing_arcs) = match crossings {
-                Crossings::Refused => (near, CrossingArcs::Left),
+            let near = match crossings {
+                Crossings::Refused => bent.get(&group).copied(),
                 // Snapped where chords cross, arcs would be led to places off themselves.
-                Crossings::SnappedAway => {
-                    (near.or(Some(WithinRounding::Kept)), CrossingArcs::Split)
-                }
+                Crossings::SnappedAway => bent.get(&group).copied().or(Some(WithinRounding::Kept)),
             };
             if let Some(near) = near.filter(|_| rule == EdgeRule::GreatEllipse) {
-                *edges = follow_arcs(std::mem::take(edges), near, crossing_arcs);
+                *edges = follow_arcs(std::mem::take(edges), near);
                 followed[group] = true;
             }
         }

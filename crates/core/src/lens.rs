@@ -56,27 +56,15 @@ pub(crate) enum WithinRounding {
     Merged,
 }
 
-/// What becomes of arcs that cross.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum CrossingArcs {
-    /// Nothing: they are refused later.
-    Left,
-    /// Each is split where they do: parts of arcs that do not cross.
-    Split,
-}
-
 /// Splits arcs until their chords lie to one another as they do: at the feet of vertices in their
 /// lenses, and where chords cross all the same. Those are arcs within rounding of one another, and the
 /// place is one on them: a vertex where the *chords* cross is off the arcs by as much as a lens is
-/// high, and in the lenses of all arcs beside these two.
+/// high, and in the lenses of all arcs beside these two. Arcs that do cross are split where they do;
+/// which are refused has been decided before.
 ///
 /// - returns: at most [`MOST_PARTS`] times as many edges, or as a group of [`SMALL_GROUP`] may have
 /// - cost: O(n log n), with n edges returned
-pub(crate) fn follow_arcs(
-    edges: Vec<OutlineEdge>,
-    near: WithinRounding,
-    crossing_arcs: CrossingArcs,
-) -> Vec<OutlineEdge> {
+pub(crate) fn follow_arcs(edges: Vec<OutlineEdge>, near: WithinRounding) -> Vec<OutlineEdge> {
     let most = MOST_PARTS * edges.len().max(SMALL_GROUP);
     let at_feet = split_at_feet(edges, near, most);
     let mut edges = at_feet.clone();
@@ -84,11 +72,9 @@ pub(crate) fn follow_arcs(
     for _ in 0..MOST_ROUNDS {
         let ends: Vec<[Degrees; 2]> = edges.iter().map(|edge| [edge.start, edge.end]).collect();
         let (mut found, _) = find_crossings(EdgeRule::Planar, &ends, most);
-        found.retain_mut(|([a, b], at)| {
-            let crossing = great_ellipse_crossing(ends[*a], ends[*b]);
-            *at = crossing.unwrap_or(*at);
-            crossing.is_none() || crossing_arcs == CrossingArcs::Split
-        });
+        for ([a, b], at) in &mut found {
+            *at = great_ellipse_crossing(ends[*a], ends[*b]).unwrap_or(*at);
+        }
         if found.is_empty() || edges.len() + 2 * found.len() > most {
             break;
         }
@@ -462,11 +448,7 @@ mod tests {
         let middle = point_on_edge(EdgeRule::GreatEllipse, WEST, EAST, 0.5);
         for below_deg in [0.4, 1e-3, 1e-9] {
             let vertex = [middle[0] + 0.7, middle[1] - below_deg - 0.003];
-            let split = follow_arcs(
-                edges(&[WEST, EAST, vertex]),
-                WithinRounding::Kept,
-                CrossingArcs::Left,
-            );
+            let split = follow_arcs(edges(&[WEST, EAST, vertex]), WithinRounding::Kept);
             let made = places(&split);
             let lens = Lens::of(WEST, EAST).expect("bows");
             let on_arc = |place: &Degrees| {
@@ -484,7 +466,7 @@ mod tests {
         // Twins: beyond the arc, and on the other side of the chord.
         for latitude in [middle[1] + 1e-3, 49.999] {
             let same = edges(&[WEST, EAST, [middle[0], latitude]]);
-            let split = follow_arcs(same.clone(), WithinRounding::Kept, CrossingArcs::Left);
+            let split = follow_arcs(same.clone(), WithinRounding::Kept);
             assert_eq!(places(&split), places(&same));
         }
     }
@@ -496,8 +478,8 @@ mod tests {
         let mut back = there.clone();
         back.reverse();
         for near in [WithinRounding::Kept, WithinRounding::Merged] {
-            let [mut there, mut back] = [&there, &back]
-                .map(|ring| places(&follow_arcs(edges(ring), near, CrossingArcs::Left)));
+            let [mut there, mut back] =
+                [&there, &back].map(|ring| places(&follow_arcs(edges(ring), near)));
             assert!(there.len() > 6, "{}", there.len());
             there.sort_by(|a, b| a[0].total_cmp(&b[0]));
             back.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -532,22 +514,9 @@ mod tests {
             }
             uses.into_values().filter(|uses| uses % 2 == 1).count()
         };
-        assert_eq!(
-            left(follow_arcs(
-                halved.clone(),
-                WithinRounding::Merged,
-                CrossingArcs::Left
-            )),
-            0
-        );
+        assert_eq!(left(follow_arcs(halved.clone(), WithinRounding::Merged)), 0);
         // Twin: each stays another.
-        assert!(
-            left(follow_arcs(
-                halved,
-                WithinRounding::Kept,
-                CrossingArcs::Left
-            )) > 10
-        );
+        assert!(left(follow_arcs(halved, WithinRounding::Kept)) > 10);
     }
 
     #[test]
@@ -564,7 +533,7 @@ mod tests {
                 let comb: Vec<Degrees> = (0..count).flat_map(tooth).collect();
                 let edges = edges(&comb);
                 let most = MOST_PARTS * edges.len().max(SMALL_GROUP);
-                let made = follow_arcs(edges, near, CrossingArcs::Left).len();
+                let made = follow_arcs(edges, near).len();
                 assert!((comb.len() + 10..=most).contains(&made), "{made} of {most}");
             }
         }
@@ -574,7 +543,7 @@ mod tests {
     fn what_lies_in_one_cell_vanishes() {
         let bits = |k: u32| 1e-14 * f64::from(k);
         let ring: Vec<Degrees> = (0..5).map(|k| [7.0, 50.0 + bits(k)]).collect();
-        let left = follow_arcs(edges(&ring), WithinRounding::Merged, CrossingArcs::Left);
+        let left = follow_arcs(edges(&ring), WithinRounding::Merged);
         assert!(left.is_empty());
         let mesh = triangulate(
             left,

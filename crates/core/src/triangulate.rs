@@ -13,7 +13,7 @@ use crate::crossings::{
     split_outline,
 };
 use crate::edge::{Degrees, arc_rad};
-use crate::lens::{CrossingArcs, WithinRounding, follow_arcs, is_in_lens};
+use crate::lens::{WithinRounding, follow_arcs, is_in_lens};
 use crate::outline::OutlineEdge;
 use crate::{EdgeRule, MeshOptions};
 use delaunay::{Blocked, Delaunay, FRAME_CORNERS, Place};
@@ -114,7 +114,7 @@ fn load_without_false_crossings(
             false_crossings(&edges, rule)?;
         }
     }
-    let followed = follow_arcs(edges.clone(), WithinRounding::Kept, CrossingArcs::Left);
+    let followed = follow_arcs(edges.clone(), WithinRounding::Kept);
     if followed.len() == edges.len()
         && let Some(group) = drawn
     {
@@ -126,8 +126,7 @@ fn load_without_false_crossings(
             ..group
         });
     }
-    // What crosses where arcs are followed may be on one side of their chords only, and the chords are
-    // within the tolerance.
+    // The chords are within the tolerance as they were.
     drawn.map_or_else(|| load_split_at_crossings(edges, rule), Ok)
 }
 

@@ -725,6 +725,53 @@ fn slivers_are_repaired_at_places_on_both_arcs() {
 }
 
 #[test]
+fn arcs_beside_a_pole_may_cross_by_rounding_where_they_are_followed() {
+    // Slivers 0.3 nm wide beside the south pole of the Moon. One way round, parts of the arcs crossed
+    // by rounding, so that they were not followed and enclosed 1,879 m².
+    let rings = [
+        [
+            [-180.783_333_333_333_3, -89.999_999_999_999_99],
+            [-180.949_999_999_999_96, -89.999_999_999_999_99],
+            [-180.449_999_999_999_96, -89.999_999_999_999_99],
+            [-179.074_999_999_999_96, -89.999_999_999_999_99],
+            [-179.574_999_999_999_96, -89.832_999_999_999_98],
+        ]
+        .as_slice(),
+        &[
+            [-180.838_888_888_888_82, -89.999_999_999_999_99],
+            [-179.991_666_666_666_6, -89.999_999_999_999_99],
+            [-179.977_777_777_777_7, -89.888_666_666_666_65],
+        ],
+    ];
+    let body = Ellipsoid::MOON;
+    let area_m2 = |rings: &[Vec<[f64; 2]>], boundary_tolerance_m: f64| {
+        let options = MeshOptions {
+            boundary_tolerance_m,
+            cap_step_deg: 0.3,
+        };
+        let region = region(&format!("[[{:?}],[{:?}]]", rings[0], rings[1]));
+        let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options);
+        let mesh = mesh.expect("meshes");
+        assert_eq!(mesh.check_invariants(&body), Ok(()));
+        mesh.area_m2
+    };
+    let there = rings.map(<[_]>::to_vec);
+    let back = there
+        .clone()
+        .map(|ring| ring.into_iter().rev().collect::<Vec<_>>());
+    for tolerance_m in [75.8, 1.0] {
+        for rings in [&there, &back] {
+            let found = area_m2(rings, tolerance_m);
+            assert!(found < 1e-4, "{tolerance_m} m: {found} m²");
+        }
+    }
+    // Twin: a millimetre wide at the pole.
+    let mut wider = there;
+    wider[1][0][1] = -89.999_999_97;
+    assert!(area_m2(&wider, 75.8) > 1e-2, "{}", area_m2(&wider, 75.8));
+}
+
+#[test]
 fn positions_that_a_turn_makes_one_are_not_kept_twice() {
     // Two longitudes of the pole, 0 and the smallest number above it: one turn on both are 360, and an
     // edge from there to itself was left.

@@ -512,28 +512,6 @@ fn offset([from, to]: [Degrees; 2], point: Degrees) -> f64 {
     (x * (point[1] - from[1]) - y * (point[0] - from[0])) / x.hypot(y)
 }
 
-/// Whether two arcs cross by more than rounding: an unrepaired region that does is meshed all the same
-/// where its chords only touch, as they lie within the tolerance of the arcs.
-fn arcs_cross(region: &Region) -> bool {
-    let edges = region.rings().flat_map(|ring| ring.edges_deg());
-    let arcs: Vec<[glam::DVec3; 2]> = edges.map(|(a, b)| [unit(a), unit(b)]).collect();
-    // Of a tetrahedron with the centre, in normals; the rounding of one is 1e-16 times its sides.
-    let side = |[from, to]: [glam::DVec3; 2], point: glam::DVec3| {
-        let (along, beside) = (to - from, point - from);
-        let volume = from.cross(along).dot(beside);
-        let certain = volume.abs() > 1e-14 * (along.length() + beside.length());
-        if certain { volume.signum() } else { 0.0 }
-    };
-    arcs.iter().enumerate().any(|(i, a)| {
-        arcs[i + 1..].iter().any(|b| {
-            let across =
-                side(*b, a[0]) * side(*b, a[1]) < 0.0 && side(*a, b[0]) * side(*a, b[1]) < 0.0;
-            // Not on the far side of the body.
-            across && (a[0] + a[1]).dot(b[0] + b[1]) > 0.0
-        })
-    })
-}
-
 /// Compares the stated area with the one by slabs.
 fn judge_area(
     region: &Region,
@@ -544,7 +522,7 @@ fn judge_area(
     let (paths, bulge_m2) = match case.rule {
         EdgeRule::Planar => (planar_paths(region), 0.0),
         EdgeRule::GreatEllipse => match great_ellipse_paths(region, &case.body) {
-            Some(paths) if case.repair || !arcs_cross(region) => paths,
+            Some(paths) => paths,
             _ => return Ok(()),
         },
     };
