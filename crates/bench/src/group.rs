@@ -15,8 +15,8 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_conformance::{
-    BAND_RADIUS_PX, TextureErrors, Verdict, boundary_band, compare_closely, difference_rgb,
-    filled_only, verdict_of_moved,
+    BAND_RADIUS_PX, TextureErrors, Verdict, boundary_band, boundary_moved_px, compare_closely,
+    difference_rgb, filled_only, verdict_of_moved,
 };
 use terrafill_core::{MeshOptions, RegionMesh};
 use terrafill_frame::{
@@ -114,7 +114,7 @@ pub(crate) struct GroupRun<'a> {
     inputs: RefCell<Vec<(InputKey, PlannedInput)>>,
     leveled: RefCell<Option<PreparedScene>>,
     /// What was said of each picture: equal pictures get equal figures.
-    judgements: RefCell<BTreeMap<(String, u64), Judgement>>,
+    judgements: RefCell<BTreeMap<(String, u64, bool), Judgement>>,
     pub(crate) disagreements: (u64, u64),
     pub(crate) reference_image: String,
 }
@@ -344,9 +344,9 @@ impl<'a> GroupRun<'a> {
             },
             ..Probe::default()
         };
-        match self.figures(&probe, &frame) {
+        let moved_px = case.plan.boundary_lod_px.unwrap_or(0.0);
+        match self.figures(&probe, &frame, moved_px > 0.0) {
             Ok(figures) => {
-                let moved_px = case.plan.boundary_lod_px.unwrap_or(0.0);
                 let mut reasons = match verdict_of_moved(&figures, moved_px) {
                     Verdict::Pass => Vec::new(),
                     Verdict::Fail(reasons) => reasons,
@@ -400,31 +400,46 @@ impl<'a> GroupRun<'a> {
     }
 
     /// How the frame differs from the reference; a fill in one colour is judged as a mask.
-    fn figures(&self, probe: &Probe, frame: &Frame) -> Judgement {
+    ///
+    /// - `is_moved`: boundaries are drawn aside on purpose, and how far is asked
+    fn figures(&self, probe: &Probe, frame: &Frame, is_moved: bool) -> Judgement {
         let as_mask = probe.ids_hash.is_empty();
         let hash = if as_mask {
             format!("mask {}", probe.mask_hash)
         } else {
             format!("ids {}", probe.ids_hash)
         };
-        let key = (hash, frame.non_finite);
+        let key = (hash, frame.non_finite, is_moved);
         if let Some(known) = self.judgements.borrow().get(&key) {
             return known.clone();
         }
         // Asked for hardly any picture, so made only then.
         let look = OnceCell::new();
+        let look = || {
+            let made = || ReferenceBackend::new().look_closely(&self.input).ok();
+            look.get_or_init(made).as_ref()
+        };
+        let as_judged = |id: u32| if as_mask { id.min(1) } else { id };
         let shows = |pixel: usize, id: u32| {
-            let look = look.get_or_init(|| ReferenceBackend::new().look_closely(&self.input).ok());
-            look.as_ref().is_some_and(|look| {
+            look().is_some_and(|look| {
                 let mut ids = look.ids_within(pixel, BAND_RADIUS_PX).into_iter();
-                ids.any(|shown| shown == id || as_mask && shown.min(1) == id)
+                ids.any(|shown| as_judged(shown) == id)
             })
         };
-        let figures = if as_mask {
-            compare_closely(&self.filled_reference, &filled_only(frame), shows)
+        let filled;
+        let (reference, frame) = if as_mask {
+            filled = filled_only(frame);
+            (&self.filled_reference, &filled)
         } else {
-            compare_closely(&self.reference, frame, shows)
+            (&self.reference, frame)
         };
+        let figures = compare_closely(reference, frame, shows).and_then(|mut figures| {
+            if let Some(look) = look().filter(|_| is_moved) {
+                let shown_at = |place| as_judged(look.id_at(place));
+                figures.boundary_moved_px = boundary_moved_px(reference, frame, shown_at)?;
+            }
+            Ok(figures)
+        });
         let judgement = figures.map_err(|error| error.to_string());
         self.judgements.borrow_mut().insert(key, judgement.clone());
         judgement
