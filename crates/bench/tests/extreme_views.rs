@@ -147,6 +147,45 @@ fn ten_metres_from_several_eyes() {
     assert!(most > 1_000, "{most}");
 }
 
+/// Eyes at which the near plane and the sides cut many inner walls of `per-triangle`. Where the second
+/// wall on an inner edge was the first one with its indices in another order, it was clipped in another
+/// order, and a pixel tens of pixels from any boundary belonged to two volumes or to none: at each of
+/// these eyes, in the format named.
+#[test]
+fn walls_between_triangles_leave_no_trace_where_they_are_clipped() {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    let (prepared, views) = shipped("square-200km").expect("ships with the project");
+    let stages = Stages::new(&devices, SIZE);
+    let along = views.iter().find(|view| view.name == "along-50m");
+    for (i, positions) in [
+        (0, PositionFormat::LocalF32),
+        (6, PositionFormat::TwoFloat),
+        (11, PositionFormat::Fixed),
+        (14, PositionFormat::TwoFloat),
+        (20, PositionFormat::LocalF32),
+    ] {
+        let mut view = along.expect("ships with the scene").clone();
+        view.pose.eye.longitude_rad += (f64::from(i) * 4.7e-6).to_radians();
+        view.pose.eye.latitude_rad += (f64::from(i) * 2.1e-6).to_radians();
+        view.pose.pitch_rad += (f64::from(i) * 0.11).to_radians();
+        let input = FrameInput::new(&prepared, &view, SIZE, PlanOptions::default());
+        let [mut whole, split] = [Layout::Doubled, Layout::PerTriangle]
+            .map(|layout| stages.draw(&input, Technique::Vertex(variant(layout, positions))));
+        assert!(whole.filled_px() > 10_000, "eye {i}");
+        assert_eq!(
+            differing(&whole, &split),
+            0,
+            "eye {i}, {}",
+            positions.name()
+        );
+        // Twin: a single pixel would have been noticed.
+        whole.ids[0] ^= 1;
+        assert_eq!(differing(&whole, &split), 1);
+    }
+}
+
 /// From afar every format is right, in every layout and by every entry point of the shaders: plain,
 /// with colours and with numbers.
 #[test]

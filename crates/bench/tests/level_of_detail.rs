@@ -194,8 +194,13 @@ fn a_movement_understated_four_times_is_noticed() {
     let Some(devices) = Devices::open() else {
         return;
     };
-    for name in ["planet-134", "countries-110m", "countries-50m"] {
-        let Some((scene, prepared)) = leveled(name, LevelChoice::Automatic) else {
+    for (name, levels) in [
+        ("planet-134", LevelChoice::Automatic),
+        // Of their own choice these take levels that move by less than a fifth of a pixel.
+        ("countries-110m", LevelChoice::Given(vec![4_000.0, 7_000.0])),
+        ("countries-50m", LevelChoice::Given(vec![6_000.0, 9_000.0, 11_000.0])),
+    ] {
+        let Some((scene, prepared)) = leveled(name, levels) else {
             continue;
         };
         let view = &scene.views[0];

@@ -106,6 +106,8 @@ pub(crate) struct RegionSlice {
     pub(crate) place: RegionPlace,
     /// Indices of the strips, or entries of the loop list.
     pub(crate) loop_index_count: u32,
+    /// Of those, the last ones: walls that are drawn turned over.
+    pub(crate) turned_index_count: u32,
 }
 
 /// Contents of a scene's geometry buffers.
@@ -153,9 +155,12 @@ impl SceneGeometry {
         let first_triangle_index = self.indices.count(short_indices);
         self.push_caps(layout, short_indices, &triangles);
         let first_loop_index = self.indices.count(short_indices);
+        let mut turned_index_count = 0;
         match layout {
             Layout::Pulled => self.push_loops(short_indices, mesh),
-            Layout::PerTriangle => self.push_inner_walls(short_indices, mesh, &triangles),
+            Layout::PerTriangle => {
+                turned_index_count = self.push_inner_walls(short_indices, mesh, &triangles);
+            }
             _ if variant.has_strips() => self.push_strips(short_indices, mesh),
             _ => self.push_wall_list(short_indices, mesh),
         }
@@ -169,6 +174,7 @@ impl SceneGeometry {
                 has_short_indices: short_indices,
             },
             loop_index_count: self.indices.count(short_indices) - first_loop_index,
+            turned_index_count,
         });
     }
 
@@ -231,26 +237,29 @@ impl SceneGeometry {
     }
 
     /// A wall along every edge of every triangle. Two triangles see an inner edge in opposite
-    /// directions, and both walls must cancel each other to the pixel, so the second one is the
-    /// first one's triangles turned over: the same diagonal, else a sliver would lie in both volumes
-    /// or in neither; and the last two corners swapped, since a rasteriser that brings all triangles
-    /// into one winding must keep the first, provoking, corner where it is, and then computes the
-    /// same depths to the bit.
-    fn push_inner_walls(&mut self, short: bool, mesh: &RegionMesh, triangles: &[[u32; 3]]) {
+    /// directions, and both walls must cancel each other to the pixel: they are the same triangles
+    /// to the last index. The second ones follow all others and are drawn with front and back
+    /// exchanged ([`crate::pipeline::Part::TurnedWalls`]); gives the number of their indices.
+    ///
+    /// Turned over by the order of their indices they would be clipped in that order. Where the near
+    /// plane cuts the first corner off, what is left of the triangle then begins at another one, is
+    /// split along another diagonal, and its depths round otherwise: single pixels belong to both
+    /// volumes or to neither (llvmpipe; one frame in forty with the eye inside a square of 200 km).
+    fn push_inner_walls(&mut self, short: bool, mesh: &RegionMesh, triangles: &[[u32; 3]]) -> u32 {
         let outer: HashSet<[u32; 2]> = boundary_edges(mesh).collect();
-        for &[a, b, c] in triangles {
-            for [start, end] in [[a, b], [b, c], [c, a]] {
-                if start < end || outer.contains(&[start, end]) {
-                    self.push_wall(short, start, end);
-                } else {
-                    for [first, second, third] in wall_triangles(end, start) {
-                        for index in [first, third, second] {
-                            self.indices.push(short, index);
-                        }
-                    }
-                }
-            }
+        let sides = triangles
+            .iter()
+            .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        let (as_seen, turned): (Vec<_>, Vec<_>) =
+            sides.partition(|side| side[0] < side[1] || outer.contains(side));
+        for [start, end] in as_seen {
+            self.push_wall(short, start, end);
         }
+        let first = self.indices.count(short);
+        for [start, end] in turned {
+            self.push_wall(short, end, start);
+        }
+        self.indices.count(short) - first
     }
 
     fn push_wall(&mut self, short: bool, start: u32, end: u32) {
@@ -369,11 +378,15 @@ mod tests {
             }
             let meshes = std::slice::from_ref(&mesh);
             let geometry = SceneGeometry::build(&variant, meshes);
-            let closed = is_closed(&geometry.indices.short);
-            assert!(closed, "{}", variant.name());
+            let mut short = geometry.indices.short;
+            // As the pipeline has them.
+            let turned = short.len() - geometry.regions[0].turned_index_count as usize;
+            for corners in short[turned..].chunks_exact_mut(3) {
+                corners.swap(1, 2);
+            }
+            assert!(is_closed(&short), "{}", variant.name());
             // Twin: without its last triangle it is open.
-            let open = &geometry.indices.short[..geometry.indices.short.len() - 3];
-            assert!(!is_closed(open));
+            assert!(!is_closed(&short[..short.len() - 3]));
         }
     }
 
@@ -390,7 +403,7 @@ mod tests {
     }
 
     #[test]
-    fn inner_walls_of_neighbours_are_the_same_triangles_turned_over() {
+    fn inner_walls_of_neighbours_are_the_same_triangles_to_the_last_index() {
         let variant = VertexVariant {
             layout: Layout::PerTriangle,
             ..VertexVariant::default()
@@ -400,13 +413,16 @@ mod tests {
         let walls = &geometry.indices.short[6 * mesh.triangles.len()..];
         let mut seen = std::collections::BTreeMap::new();
         for corners in walls.chunks_exact(3) {
-            let mut sorted = [corners[0], corners[1], corners[2]];
-            sorted.sort_unstable();
-            *seen.entry(sorted).or_insert(0) += 1;
+            *seen.entry(corners).or_insert(0) += 1;
         }
         // Nine inner edges seen twice, nine outer ones once, two triangles each.
         let count = |times| seen.values().filter(|&&n| n == times).count();
         assert_eq!((count(2), count(1)), (18, 18));
+        // The second ones are the last, which the pipeline turns over.
+        let turned = geometry.regions[0].turned_index_count as usize;
+        assert_eq!(turned, 3 * 18);
+        let again = walls[walls.len() - turned..].chunks_exact(3);
+        assert!(again.into_iter().all(|corners| seen[corners] == 2));
     }
 
     #[test]

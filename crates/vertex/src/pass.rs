@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Volumes as the passes of a fill draw them: caps, then walls.
+//! Volumes as the passes of a fill draw them: caps, then walls, then those that are turned over.
 
 use crate::layout::{RegionSlice, SceneGeometry};
 use crate::pipeline::{Part, PipelineKey, Pipelines, parts};
@@ -142,7 +142,7 @@ impl Volumes for VertexVolumes {
             if drawn.next().is_none() {
                 continue;
             }
-            for part in parts(short_indices) {
+            for part in parts(self.variant.layout, short_indices) {
                 let key = PipelineKey {
                     part,
                     state: draw.state,
@@ -171,7 +171,7 @@ impl Volumes for VertexVolumes {
             return;
         };
         for short_indices in [true, false] {
-            for part in parts(short_indices) {
+            for part in parts(self.variant.layout, short_indices) {
                 let mut is_bound = false;
                 for planned in scene.of_width(pass.input, draw.regions, short_indices) {
                     if !is_bound {
@@ -209,14 +209,21 @@ impl VertexVolumes {
             let count = match part {
                 Part::Caps => caps,
                 // Entry e needs entry e + 1; the last one is a separator.
-                Part::Walls { .. } => 6 * slice.loop_index_count.saturating_sub(1),
+                Part::Walls { .. } | Part::TurnedWalls => {
+                    6 * slice.loop_index_count.saturating_sub(1)
+                }
             };
             pass.draw(0..count, planned);
             return;
         }
+        let as_seen = slice.loop_index_count - slice.turned_index_count;
         let (first, count) = match part {
             Part::Caps => (slice.place.first_triangle_index, caps),
-            Part::Walls { .. } => (slice.place.first_loop_index, slice.loop_index_count),
+            Part::Walls { .. } => (slice.place.first_loop_index, as_seen),
+            Part::TurnedWalls => (
+                slice.place.first_loop_index + as_seen,
+                slice.turned_index_count,
+            ),
         };
         let base_vertex = if scene.flags.is_some() {
             // Every region starts at the first flag, so its positions must start there too.

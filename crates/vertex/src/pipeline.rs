@@ -11,12 +11,19 @@ use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Part {
     Caps,
-    Walls { short_indices: bool },
+    Walls {
+        short_indices: bool,
+    },
+    /// Walls whose front is their back.
+    TurnedWalls,
 }
 
-/// The parts of volumes whose indices have this width.
-pub(crate) fn parts(short_indices: bool) -> [Part; 2] {
+/// The parts of volumes in a layout whose indices have this width.
+pub(crate) fn parts(layout: Layout, short_indices: bool) -> impl Iterator<Item = Part> {
+    let turned = (layout == Layout::PerTriangle).then_some(Part::TurnedWalls);
     [Part::Caps, Part::Walls { short_indices }]
+        .into_iter()
+        .chain(turned)
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -121,6 +128,10 @@ impl Pipelines {
             constants: &[("POSITIONS", positions_number(self.variant.positions))],
             buffers: &buffers,
             strip_index_format: self.strip_format(key.part),
+            front_face: match key.part {
+                Part::Caps | Part::Walls { .. } => wgpu::FrontFace::Ccw,
+                Part::TurnedWalls => wgpu::FrontFace::Cw,
+            },
         };
         shader.pipeline(gpu, key.state, key.blends)
     }
@@ -159,8 +170,8 @@ fn entry_point(vertices: Vertices, part: Part, handed_on: HandedOn) -> &'static 
         (Pulled, Part::Caps, HandedOn::Nothing) => "caps_main",
         (Pulled, Part::Caps, HandedOn::Colour) => "coloured_caps",
         (Pulled, Part::Caps, HandedOn::Number) => "numbered_caps",
-        (Pulled, Part::Walls { .. }, HandedOn::Nothing) => "walls_main",
-        (Pulled, Part::Walls { .. }, HandedOn::Colour) => "coloured_walls",
-        (Pulled, Part::Walls { .. }, HandedOn::Number) => "numbered_walls",
+        (Pulled, Part::Walls { .. } | Part::TurnedWalls, HandedOn::Nothing) => "walls_main",
+        (Pulled, Part::Walls { .. } | Part::TurnedWalls, HandedOn::Colour) => "coloured_walls",
+        (Pulled, Part::Walls { .. } | Part::TurnedWalls, HandedOn::Number) => "numbered_walls",
     }
 }

@@ -115,6 +115,32 @@ fn list(indices: &[u32]) -> Result<Vec<[u32; 3]>, String> {
     }
 }
 
+/// Walls in the order of the triangles whose sides they stand on, two a wall; those that the pipeline
+/// turns over, turned.
+///
+/// - `caps`: top caps, then as many bottom caps
+fn by_triangle(caps: &[[u32; 3]], as_seen: Vec<[u32; 3]>, turned: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
+    let count = as_seen.len() + turned.len();
+    let mut as_seen = as_seen.into_iter().peekable();
+    let mut turned = turned.into_iter().map(|[a, b, c]| [a, c, b]).peekable();
+    let mut walls = Vec::with_capacity(count);
+    for &[a, b, c] in &caps[..caps.len() / 2] {
+        for [start, end] in [[a, b], [b, c], [c, a]] {
+            let stands_here = as_seen
+                .peek()
+                .is_some_and(|wall| [wall[0] / 2, wall[2] / 2] == [start / 2, end / 2]);
+            if stands_here || turned.peek().is_none() {
+                walls.extend(as_seen.by_ref().take(2));
+            } else {
+                walls.extend(turned.by_ref().take(2));
+            }
+        }
+    }
+    walls.extend(as_seen);
+    walls.extend(turned);
+    walls
+}
+
 /// The same corners for both windings of a triangle, and which one it was: 1 or −1, or 0 where the
 /// triangle is its own back. Begins with its own first corner if it `keeps_first`, else with the
 /// least.
@@ -233,6 +259,9 @@ impl Reader<'_> {
                 u32::MAX
             };
             strip(&walls, restart)
+        } else if self.variant.layout == Layout::PerTriangle {
+            let (as_seen, turned) = walls.split_at(walls.len() - slice.turned_index_count as usize);
+            by_triangle(&triangles, list(as_seen)?, list(turned)?)
         } else {
             list(&walls)?
         });
@@ -305,8 +334,8 @@ impl Reader<'_> {
     }
 
     /// Whether the walls are the boundary's once those that are each other turned over are left
-    /// out. Walls that cancel do so to the bit only if they have the same first corner, too: see
-    /// `push_inner_walls`.
+    /// out. Walls that cancel do so to the bit only if they have the same corners in the same order,
+    /// and so the same first one: see `push_inner_walls`.
     fn check_walls(&self, walls: &[[Corner; 3]], mesh: &RegionMesh) -> Result<(), String> {
         let keeps_first = self.variant.layout == Layout::PerTriangle;
         let expected = self.boundary_walls(mesh)?;
@@ -979,6 +1008,30 @@ fn walls_with_another_diagonal_or_first_corner_are_noticed() {
             let found = scene.check_built(&other, &variant);
             assert_eq!(found.is_err(), has_inner, "{}: {found:?}", variant.name());
         }
+    }
+}
+
+#[test]
+fn walls_that_the_pipeline_does_not_turn_are_noticed() {
+    let scene = pair();
+    let per_triangle = |variant: &VertexVariant| variant.layout == Layout::PerTriangle;
+    for variant in storages().into_iter().filter(per_triangle) {
+        let turned = scene.build(&variant).regions[1].turned_index_count;
+        assert!(turned > 0 && turned.is_multiple_of(6), "{turned}");
+        for count in [0, turned - 6, turned + 6] {
+            let mut geometry = scene.build(&variant);
+            geometry.regions[1].turned_index_count = count;
+            let found = scene.check_built(&geometry, &variant);
+            assert!(found.is_err(), "{}: {count} of {turned}", variant.name());
+        }
+        // Turned over in the buffer as well: they face outwards twice.
+        let mut geometry = scene.build(&variant);
+        let slice = geometry.regions[1];
+        let end = (slice.place.first_loop_index + slice.loop_index_count) as usize;
+        for wall in geometry.indices.short[end - turned as usize..end].chunks_exact_mut(3) {
+            wall.swap(1, 2);
+        }
+        assert!(scene.check_built(&geometry, &variant).is_err());
     }
 }
 
