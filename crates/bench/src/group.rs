@@ -4,6 +4,7 @@
 use crate::fingerprint::fingerprint;
 use crate::images::{drop_alpha, file_stem, write_rgb};
 use crate::memory::LayoutOfScene;
+use crate::rounding::{objection, rounding_px};
 use crate::scenes::{build_meshes, mesh_error};
 use crate::summary::baselines;
 use crate::technique::{SharedNativeGpu, Stages};
@@ -20,8 +21,8 @@ use terrafill_conformance::{
 };
 use terrafill_core::{MeshOptions, RegionMesh};
 use terrafill_frame::{
-    BackendError, ColourWay, Frame, FrameInput, FrameTimes, MemoryUse, PreparedScene, RouteChoice,
-    VolumeBackend, paint,
+    BackendError, ColourWay, Frame, FrameInput, FrameTimes, MemoryUse, PositionFormat,
+    PreparedScene, RouteChoice, VolumeBackend, paint,
 };
 use terrafill_gpu::{Baseline, CpuStopwatch, Gpu, Stage};
 use terrafill_reference::ReferenceBackend;
@@ -240,6 +241,15 @@ impl<'a> GroupRun<'a> {
 
     /// Prepares a case and draws its probe frame. What goes wrong becomes the case's status.
     fn probe(&self, case: &'a BenchCase) -> Result<RunningCase<'a>, BenchError> {
+        self.probe_unless_rounded(case, rounding_px)
+    }
+
+    /// - `bound_px`: how far a format's roundings may move a boundary in a view
+    fn probe_unless_rounded(
+        &self,
+        case: &'a BenchCase,
+        bound_px: impl Fn(PositionFormat, &FrameInput) -> f64,
+    ) -> Result<RunningCase<'a>, BenchError> {
         let (drawer, probe) = match case.technique {
             Technique::Baseline(kind) => match Baseline::new(kind, &self.stages.wgpu) {
                 Ok(baseline) => (Drawer::Baseline(baseline), Probe::default()),
@@ -247,11 +257,25 @@ impl<'a> GroupRun<'a> {
             },
             _ => {
                 let (input, plan_cpu_ms) = self.input_for(case)?;
+                // A cell of the matrix has to be right; elsewhere its error is what is asked for.
+                let asked = case.roles.matrix && !case.roles.main;
+                let positions = case.technique.positions().filter(|_| asked);
+                let objection =
+                    positions.and_then(|format| objection(format, bound_px(format, &input)));
                 let drawn = case
                     .technique
                     .open(&self.stages)
+                    .filter(|_| objection.is_none())
                     .map(|backend| backend.and_then(|backend| draw_probe(backend, &input)));
                 match drawn {
+                    None if let Some(reason) = objection => {
+                        let probe = Probe {
+                            status: Some(Status::Skipped),
+                            reason,
+                            ..Probe::default()
+                        };
+                        (Drawer::None, probe)
+                    }
                     Some(Ok((mut backend, memory, frame))) => {
                         let probe = self.judge(case, &mut *backend, &input, memory, frame)?;
                         let probe = Probe {
@@ -833,5 +857,78 @@ mod tests {
         );
         let errors = wrong.texture_errors.expect("compared");
         assert!((errors.rms_texels[0] - 1.0).abs() < 0.1, "{errors:?}");
+    }
+
+    #[test]
+    fn what_rounds_too_much_to_be_right_is_left_out_of_the_matrix_by_its_bound_alone() {
+        let gpu = match Gpu::open(&terrafill_gpu::GpuOptions::default()) {
+            Ok(gpu) => gpu,
+            Err(why) => {
+                let required = std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_some();
+                assert!(!required, "{why}");
+                eprintln!("skipped: {why}");
+                return;
+            }
+        };
+        let place = tempfile::tempdir().expect("a folder");
+        let options = BenchOptions {
+            scenes: vec!["square-200km".to_owned()],
+            backends: vec!["vertex".to_owned()],
+            quick: false,
+            out: place.path().join("run"),
+            resume: false,
+            data_dir: None,
+            frames: Some(1),
+            size: terrafill_scene::ImageSize {
+                width: 512,
+                height: 512,
+            },
+            shard: None,
+            adapter: None,
+            ladder: None,
+            matrix: Some(vec!["square-200km".to_owned()]),
+            precision: Some(false),
+        };
+        let scene = Arc::new(terrafill_scene::Scene::shipped("square-200km", None).expect("ships"));
+        let view = scene.views.iter().find(|view| view.name == "edge-1m5");
+        let group = crate::group_cases(&scene, view.expect("a view"), &options);
+        let folder =
+            RunFolder::create(&options.out, &Default::default(), &Default::default()).expect("new");
+        let native = crate::technique::NativeGpu::new(None);
+        let progress = ProgressBar::hidden();
+        let run = GroupRun::new(&gpu, native, &options, &folder, &group, &progress).expect("a run");
+        let cell = |name: &str| {
+            let mut cases = group.cases.iter();
+            let case = cases.find(|case| case.key.variant == name);
+            case.expect("a cell of the matrix")
+        };
+        let naive = cell("doubled,positions=ecef-f32");
+        let found = run.probe(naive).expect("probed").probe;
+        assert_eq!(found.status, Some(Status::Skipped));
+        assert!(
+            found.reason.starts_with("ecef-f32 rounds by up to ")
+                && found.reason.ends_with(" px here, allowed 0.25"),
+            "{}",
+            found.reason
+        );
+        assert!(found.figures.is_none());
+        // Twin: were its bound nothing, it would be drawn, and red.
+        let unbounded = run.probe_unless_rounded(naive, |_, _| 0.0);
+        let found = unbounded.expect("probed").probe;
+        assert_eq!(found.status, Some(Status::Wrong), "{}", found.reason);
+        assert!(
+            found
+                .figures
+                .is_some_and(|figures| figures.mismatched_px > 100)
+        );
+        // What is right by its bound is asked, and so is everything that is not about positions.
+        for name in [
+            "doubled,positions=two-float",
+            "doubled",
+            "doubled,walls=list",
+        ] {
+            let found = run.probe(cell(name)).expect("probed").probe;
+            assert_eq!(found.status, Some(Status::Ok), "{name}: {}", found.reason);
+        }
     }
 }
