@@ -34,7 +34,7 @@ const NOT_COUNTED: &str = "not counted by this backend";
 const NOT_COMPARED: &str = "not compared with the reference";
 
 /// The columns, left to right.
-pub(crate) const COLUMNS: [Column; 15] = [
+pub(crate) const COLUMNS: [Column; 16] = [
     Column {
         term: "fill_cpu_ms",
         heading: "fill, CPU ms",
