@@ -244,7 +244,7 @@ impl SceneGeometry {
     /// Turned over by the order of their indices they would be clipped in that order. Where the near
     /// plane cuts the first corner off, what is left of the triangle then begins at another one, is
     /// split along another diagonal, and its depths round otherwise: single pixels belong to both
-    /// volumes or to neither (llvmpipe; one frame in forty with the eye inside a square of 200 km).
+    /// volumes or to neither (llvmpipe; one frame in thirty of those at the edge of a square of 200 km).
     fn push_inner_walls(&mut self, short: bool, mesh: &RegionMesh, triangles: &[[u32; 3]]) -> u32 {
         let outer: HashSet<[u32; 2]> = boundary_edges(mesh).collect();
         let sides = triangles
