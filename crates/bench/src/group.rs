@@ -16,8 +16,8 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_conformance::{
-    BAND_RADIUS_PX, TextureErrors, Verdict, boundary_band, boundary_moved_px, compare_closely,
-    difference_rgb, filled_only, verdict_of_moved,
+    BAND_RADIUS_PX, TextureErrors, Verdict, boundary_band, boundary_movement, compare_closely,
+    difference_rgb, filled_only, verdict_of_moved, with_movement,
 };
 use terrafill_core::{MeshOptions, RegionMesh};
 use terrafill_frame::{
@@ -457,12 +457,13 @@ impl<'a> GroupRun<'a> {
         } else {
             (&self.reference, frame)
         };
-        let figures = compare_closely(reference, frame, shows).and_then(|mut figures| {
-            if let Some(look) = look().filter(|_| is_moved) {
-                let shown_at = |place| as_judged(look.id_at(place));
-                figures.boundary_moved_px = boundary_moved_px(reference, frame, shown_at)?;
-            }
-            Ok(figures)
+        let figures = compare_closely(reference, frame, shows).and_then(|figures| {
+            let Some(look) = is_moved.then(look).flatten() else {
+                return Ok(figures);
+            };
+            let shown_at = |place| as_judged(look.id_at(place));
+            let movement = boundary_movement(reference, frame, shown_at)?;
+            Ok(with_movement(figures, movement))
         });
         let judgement = figures.map_err(|error| error.to_string());
         self.judgements.borrow_mut().insert(key, judgement.clone());

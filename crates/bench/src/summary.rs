@@ -110,6 +110,7 @@ impl GroupRun<'_> {
             colour_max: probe.colour_max,
             colour_mean: probe.colour_mean,
             boundary_moved_px: figures.and_then(|figures| figures.boundary_moved_px),
+            foreign_px: figures.and_then(|figures| figures.foreign_px),
         }
     }
 

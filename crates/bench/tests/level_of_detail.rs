@@ -11,7 +11,8 @@ use drawing::{Devices, differing, draw, judge, vertex};
 use std::sync::Arc;
 use terrafill_bench::Technique;
 use terrafill_conformance::{
-    BAND_RADIUS_PX, MOVED_STEP_PX, boundary_moved_px, compare_closely, verdict_of_moved,
+    BAND_RADIUS_PX, MOVED_STEP_PX, boundary_movement, compare_closely, verdict_of_moved,
+    with_movement,
 };
 use terrafill_frame::{Frame, FrameInput, NO_REGION, PreparedScene, Switches};
 use terrafill_native::{Indices, NativeVariant, Technique as Native};
@@ -64,10 +65,8 @@ fn figures(truth: &FrameInput, reference: &Frame, frame: &Frame) -> ErrorFigures
     let shows = |pixel: usize, id: u32| look.ids_within(pixel, BAND_RADIUS_PX).contains(&id);
     let figures = compare_closely(reference, frame, shows).expect("same size");
     let shown_at = |place| look.id_at(place);
-    ErrorFigures {
-        boundary_moved_px: boundary_moved_px(reference, frame, shown_at).expect("same size"),
-        ..figures
-    }
+    let movement = boundary_movement(reference, frame, shown_at).expect("same size");
+    with_movement(figures, movement)
 }
 
 fn boundary_vertices(input: &FrameInput) -> usize {

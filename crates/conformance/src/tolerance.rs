@@ -7,6 +7,7 @@
 //! | [`MAX_MISMATCHED_OUTSIDE_BAND_PX`] | 0 | beyond the band no rounding reaches; what is wrong there is a leak, a missing wall or another region's colour |
 //! | [`MAX_HAUSDORFF_PX`] | 1 | a boundary that moved by less than a pixel moves its pixels by one at most; what stays in the band but goes missing over a length, such as a strip two pixels wide, shows up here only |
 //! | [`allowed_moved_px`] | what is stated, 1/16 and 1/256 | a boundary drawn aside on purpose moves by as much as was stated for it; it is looked for in steps of [`MOVED_STEP_PX`], and then snapped to [`RASTERISER_PX`] |
+//! | [`MAX_FOREIGN_PX`] | 4 | two neighbours' positions round each by themselves, to a ten-thousandth of a pixel from afar, and ten thousand pixels lie on borders: one of them belongs to both or to none; 1 is the most that was seen |
 //! | [`SMALLEST_PIECE_PX`] | 4 | a piece of 1 to 3 pixels exists by the luck of where pixel centres fall; rounding may take it whole, or give it whole where the reference shows it between its pixels, and the distance to the next boundary is then anything |
 //! | [`MAX_NON_FINITE`] | 0 | NaN compares false with everything, so it would hide in any other figure |
 //! | [`MAX_TEXELS_RMS`] | ¼ | filtering with 8-bit weights blends neighbours in steps of 1/256 texel and eyes tell a quarter of one at best; a route to coordinates is chosen by that |
@@ -26,12 +27,15 @@ pub const MAX_MISMATCHED_OUTSIDE_BAND_PX: u64 = 0;
 /// Largest symmetric Hausdorff distance between the boundaries, pixels.
 pub const MAX_HAUSDORFF_PX: f64 = 1.0;
 
-/// Steps in which [`crate::boundary_moved_px`] looks for a boundary, pixels: what it finds may be as much
+/// Steps in which [`crate::boundary_movement`] looks for a boundary, pixels: what it finds may be as much
 /// farther than the truth.
 pub const MOVED_STEP_PX: f64 = 1.0 / 16.0;
 
 /// How far it looks, pixels: twice the band, in which all that moved on purpose stays.
 pub const MOVED_SEARCH_PX: f64 = 2.0;
+
+/// Pixels allowed on borders that were drawn aside that show neither side ([`crate::Movement`]).
+pub const MAX_FOREIGN_PX: u64 = 4;
 
 /// Rasterisers snap corners to this part of a pixel (Vulkan 1.3, `subPixelPrecisionBits` of 8).
 pub const RASTERISER_PX: f64 = 1.0 / 256.0;
@@ -87,7 +91,7 @@ pub fn verdict(figures: &ErrorFigures) -> Verdict {
 /// The same for a picture whose boundaries were drawn up to `moved_px` pixels aside on purpose, such
 /// as by levels of detail.
 ///
-/// How far they moved is measured ([`crate::boundary_moved_px`]) and held against [`allowed_moved_px`];
+/// How far they moved is measured ([`crate::boundary_movement`]) and held against [`allowed_moved_px`];
 /// a figure that was not measured fails. It stands for the Hausdorff distance, which no movement bounds:
 /// a feature thinner than twice the movement may vanish over any length. 0 outside the band holds as
 /// ever. Where `moved_px` is 0 this is [`verdict`].
@@ -101,11 +105,12 @@ pub fn verdict_of_moved(figures: &ErrorFigures, moved_px: f64) -> Verdict {
              {MAX_MISMATCHED_OUTSIDE_BAND_PX}"
         ));
     }
-    reasons.extend(if moved_px > 0.0 {
-        objection_to_movement(figures, allowed_moved_px(moved_px))
+    if moved_px > 0.0 {
+        reasons.extend(objection_to_movement(figures, allowed_moved_px(moved_px)));
+        reasons.extend(objection_to_foreign(figures));
     } else {
-        objection_to_distance(figures)
-    });
+        reasons.extend(objection_to_distance(figures));
+    }
     if figures.non_finite > MAX_NON_FINITE {
         reasons.push(format!(
             "{} NaN or infinite results, allowed {MAX_NON_FINITE}",
@@ -136,6 +141,13 @@ fn objection_to_movement(figures: &ErrorFigures, allowed_px: f64) -> Option<Stri
     };
     (moved.is_nan() || moved > allowed_px)
         .then(|| format!("boundaries moved by {moved:.3} px, allowed {allowed_px:.3}"))
+}
+
+fn objection_to_foreign(figures: &ErrorFigures) -> Option<String> {
+    let found = figures.foreign_px.filter(|px| *px > MAX_FOREIGN_PX)?;
+    Some(format!(
+        "{found} pixels show what the reference shows nowhere near them, allowed {MAX_FOREIGN_PX}"
+    ))
 }
 
 /// Holds the errors of a textured frame against the tolerances of this module. Errors of nothing at

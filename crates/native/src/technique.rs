@@ -26,8 +26,8 @@ pub enum Technique {
     /// In the geometry shader, one draw: triangles with their neighbours. Each makes 2 to 8
     /// triangles.
     GsAdjacency,
-    /// In the geometry shader, one draw: each triangle makes a closed volume of 8 triangles, those
-    /// inside a region as well.
+    /// In the geometry shader, two draws: each triangle makes a closed volume of 8 triangles, those
+    /// inside a region as well. The second draw makes the walls that cancel others of the first.
     GsPerTriangle,
 }
 

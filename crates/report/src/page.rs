@@ -745,7 +745,7 @@ fn picture_groups(
 fn caption(case: &Case) -> String {
     let figure = |value: Option<String>| value.unwrap_or_else(|| "–".to_owned());
     format!(
-        "{}{}: {} wrong px, {} outside the band, Hausdorff {} px{}",
+        "{}{}: {} wrong px, {} outside the band, Hausdorff {} px{}{}",
         case.name(),
         if case.outcome == Outcome::Ok {
             String::new()

@@ -229,6 +229,10 @@ pub struct Summary {
     /// mismatched pixel's centre is from where the reference shows the id that the frame shows there.
     #[serde(default)]
     pub boundary_moved_px: Option<f64>,
+    /// Of such boundaries, the mismatched pixels that show an id which the reference shows nowhere near
+    /// them: a pixel of a border that both sides own, or none.
+    #[serde(default)]
+    pub foreign_px: Option<u64>,
 }
 
 impl Summary {
@@ -303,6 +307,7 @@ impl Summary {
             colour_max: None,
             colour_mean: None,
             boundary_moved_px: None,
+            foreign_px: None,
         }
     }
 }
@@ -429,6 +434,8 @@ pub struct ErrorFigures {
     /// frame shows there, pixels; `None` unless boundaries are drawn aside on purpose, and where too many
     /// pixels mismatch to be asked about.
     pub boundary_moved_px: Option<f64>,
+    /// Mismatched pixels that show an id which the reference shows nowhere near them; `None` as above.
+    pub foreign_px: Option<u64>,
     /// Filled pixels over the reference's, minus 1; `None` when the reference fills nothing.
     pub area_error: Option<f64>,
     /// Pieces of fewer than 4 pixels in the reference, or shown by it between the centres of its pixels,
