@@ -760,6 +760,9 @@ fn caption(case: &Case) -> String {
                 ", moved {} px",
                 significant(px)
             )),
+        case.value(|row| row.foreign_px)
+            .filter(|px| *px > 0)
+            .map_or(String::new(), |px| format!(", {} foreign", count(px))),
     )
 }
 
