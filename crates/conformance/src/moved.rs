@@ -257,7 +257,7 @@ mod tests {
                 (MAX_FOREIGN_PX + 1, false),
             ] {
                 let mut drawn = seen(truth);
-                for k in 0..count as usize {
+                for (k, _) in (0..count).enumerate() {
                     drawn.ids[15 * 40 + 7 * k] = foreign;
                 }
                 let found = figures(truth, &drawn);
