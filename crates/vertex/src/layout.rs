@@ -106,7 +106,7 @@ pub(crate) struct RegionSlice {
     pub(crate) place: RegionPlace,
     /// Indices of the strips, or entries of the loop list.
     pub(crate) loop_index_count: u32,
-    /// Of those, the last ones: walls that are drawn turned over.
+    /// Of those, the last ones: the second walls on inner edges. The first ones, as many, precede them.
     pub(crate) turned_index_count: u32,
 }
 
@@ -236,28 +236,40 @@ impl SceneGeometry {
         }
     }
 
-    /// A wall along every edge of every triangle. Two triangles see an inner edge in opposite
-    /// directions, and both walls must cancel each other to the pixel: they are the same triangles
-    /// to the last index. The second ones follow all others and are drawn with front and back
-    /// exchanged ([`crate::pipeline::Part::TurnedWalls`]); gives the number of their indices.
+    /// A wall along every edge of every triangle: those on the boundary, then one on each inner edge,
+    /// then the second one there; gives the number of indices of the last. Two triangles see an
+    /// inner edge in opposite directions, and both walls must cancel each other to the pixel.
     ///
-    /// Turned over by the order of their indices they would be clipped in that order. Where the near
-    /// plane cuts the first corner off, what is left of the triangle then begins at another one, is
-    /// split along another diagonal, and its depths round otherwise: single pixels belong to both
-    /// volumes or to neither (llvmpipe; one frame in thirty of those at the edge of a square of 200 km).
+    /// Where both faces are drawn, the first ones are drawn again with front and back exchanged by the
+    /// pipeline ([`crate::pipeline::Part::TurnedWalls`]), and nothing can tell the two apart. Where faces
+    /// are culled llvmpipe then loses single pixels on walls seen edge on, and the second ones are
+    /// drawn: the first ones' triangles turned over, the same diagonal, else a sliver would lie in both
+    /// volumes or in neither, and the last two corners swapped, since a rasteriser that brings all
+    /// triangles into one winding must keep the first, provoking, corner where it is, and then
+    /// computes the same depths to the bit. Clipped, they are less alike: where the near plane or a side
+    /// cuts the first corner off, the rest begins at another one, is split along another diagonal, and
+    /// single pixels belong to both volumes or to neither (llvmpipe; one frame in thirty of those
+    /// at the edge of a square of 200 km).
     fn push_inner_walls(&mut self, short: bool, mesh: &RegionMesh, triangles: &[[u32; 3]]) -> u32 {
         let outer: HashSet<[u32; 2]> = boundary_edges(mesh).collect();
         let sides = triangles
             .iter()
             .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-        let (as_seen, turned): (Vec<_>, Vec<_>) =
-            sides.partition(|side| side[0] < side[1] || outer.contains(side));
-        for [start, end] in as_seen {
+        let (on_boundary, inner): (Vec<_>, Vec<_>) = sides.partition(|side| outer.contains(side));
+        for [start, end] in on_boundary {
+            self.push_wall(short, start, end);
+        }
+        let ascending: Vec<_> = inner.into_iter().filter(|side| side[0] < side[1]).collect();
+        for &[start, end] in &ascending {
             self.push_wall(short, start, end);
         }
         let first = self.indices.count(short);
-        for [start, end] in turned {
-            self.push_wall(short, end, start);
+        for [start, end] in ascending {
+            for [first, second, third] in wall_triangles(start, end) {
+                for index in [first, third, second] {
+                    self.indices.push(short, index);
+                }
+            }
         }
         self.indices.count(short) - first
     }
@@ -378,13 +390,8 @@ mod tests {
             }
             let meshes = std::slice::from_ref(&mesh);
             let geometry = SceneGeometry::build(&variant, meshes);
-            let mut short = geometry.indices.short;
-            // As the pipeline has them.
-            let turned = short.len() - geometry.regions[0].turned_index_count as usize;
-            for corners in short[turned..].chunks_exact_mut(3) {
-                corners.swap(1, 2);
-            }
-            assert!(is_closed(&short), "{}", variant.name());
+            let short = &geometry.indices.short;
+            assert!(is_closed(short), "{}", variant.name());
             // Twin: without its last triangle it is open.
             assert!(!is_closed(&short[..short.len() - 3]));
         }
@@ -403,7 +410,7 @@ mod tests {
     }
 
     #[test]
-    fn inner_walls_of_neighbours_are_the_same_triangles_to_the_last_index() {
+    fn inner_walls_of_neighbours_are_the_same_triangles_turned_over() {
         let variant = VertexVariant {
             layout: Layout::PerTriangle,
             ..VertexVariant::default()
@@ -411,18 +418,18 @@ mod tests {
         let mesh = disc(9);
         let geometry = SceneGeometry::build(&variant, std::slice::from_ref(&mesh));
         let walls = &geometry.indices.short[6 * mesh.triangles.len()..];
-        let mut seen = std::collections::BTreeMap::new();
-        for corners in walls.chunks_exact(3) {
-            *seen.entry(corners).or_insert(0) += 1;
-        }
-        // Nine inner edges seen twice, nine outer ones once, two triangles each.
-        let count = |times| seen.values().filter(|&&n| n == times).count();
-        assert_eq!((count(2), count(1)), (18, 18));
-        // The second ones are the last, which the pipeline turns over.
+        // Nine outer edges, nine inner ones seen twice, two triangles each.
         let turned = geometry.regions[0].turned_index_count as usize;
-        assert_eq!(turned, 3 * 18);
-        let again = walls[walls.len() - turned..].chunks_exact(3);
-        assert!(again.into_iter().all(|corners| seen[corners] == 2));
+        assert_eq!((turned, walls.len()), (3 * 18, 3 * 3 * 18));
+        let (first, second) = walls[walls.len() - 2 * turned..].split_at(turned);
+        for (first, second) in first.chunks_exact(3).zip(second.chunks_exact(3)) {
+            assert_eq!([second[0], second[2], second[1]], *first);
+        }
+        // Twin: those on the boundary are none of them.
+        let outer = &walls[..walls.len() - 2 * turned];
+        let again = |corners: &[u16]| first.chunks_exact(3).any(|inner| inner == corners);
+        assert_eq!(outer.len(), 3 * 18);
+        assert!(!outer.chunks_exact(3).any(again));
     }
 
     #[test]

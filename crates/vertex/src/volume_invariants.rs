@@ -17,6 +17,7 @@
 use crate::layout::{RegionSlice, SceneGeometry};
 use crate::{IndexOrder, Layout, VertexSize, VertexVariant, Walls};
 use glam::{DVec3, IVec3, Vec3};
+use std::collections::HashMap;
 use std::path::PathBuf;
 use terrafill_core::{
     ClosedSurface, EdgeRule, Ellipsoid, MeshOptions, RegionMesh, VolumeHeights, check_closed,
@@ -115,30 +116,39 @@ fn list(indices: &[u32]) -> Result<Vec<[u32; 3]>, String> {
     }
 }
 
-/// Walls in the order of the triangles whose sides they stand on, two a wall; those that the pipeline
-/// turns over, turned.
+/// Walls in the order of the triangles whose sides they stand on, two a wall.
 ///
 /// - `caps`: top caps, then as many bottom caps
-fn by_triangle(caps: &[[u32; 3]], as_seen: Vec<[u32; 3]>, turned: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
-    let count = as_seen.len() + turned.len();
-    let mut as_seen = as_seen.into_iter().peekable();
-    let mut turned = turned.into_iter().map(|[a, b, c]| [a, c, b]).peekable();
-    let mut walls = Vec::with_capacity(count);
-    for &[a, b, c] in &caps[..caps.len() / 2] {
-        for [start, end] in [[a, b], [b, c], [c, a]] {
-            let stands_here = as_seen
-                .peek()
-                .is_some_and(|wall| [wall[0] / 2, wall[2] / 2] == [start / 2, end / 2]);
-            if stands_here || turned.peek().is_none() {
-                walls.extend(as_seen.by_ref().take(2));
+/// - `walls`: on the boundary, the first on inner edges, the second there, each in any order
+fn by_triangle(caps: &[[u32; 3]], walls: [Vec<[u32; 3]>; 3]) -> Vec<[u32; 3]> {
+    // By the side that they stand on, as the triangle has it.
+    let mut standing: HashMap<[u32; 2], Vec<[u32; 3]>> = HashMap::new();
+    for (kind, walls) in walls.iter().enumerate() {
+        for wall in walls.chunks(2) {
+            let ends = wall[0]
+                .iter()
+                .chain(&wall[wall.len() - 1])
+                .map(|place| place / 2);
+            let start = wall[0][0] / 2;
+            let end = ends.clone().find(|end| *end != start).unwrap_or(start);
+            let side = if kind == 2 {
+                [end, start]
             } else {
-                walls.extend(turned.by_ref().take(2));
-            }
+                [start, end]
+            };
+            standing.entry(side).or_default().extend(wall);
         }
     }
-    walls.extend(as_seen);
-    walls.extend(turned);
-    walls
+    let mut ordered = Vec::new();
+    for &[a, b, c] in &caps[..caps.len() / 2] {
+        for side in [[a, b], [b, c], [c, a]].map(|side| side.map(|place| place / 2)) {
+            ordered.extend(standing.remove(&side).unwrap_or_default());
+        }
+    }
+    let mut left: Vec<[u32; 3]> = standing.into_values().flatten().collect();
+    left.sort_unstable();
+    ordered.extend(left);
+    ordered
 }
 
 /// The same corners for both windings of a triangle, and which one it was: 1 or −1, or 0 where the
@@ -230,6 +240,28 @@ impl Reader<'_> {
         indices.ok_or_else(|| format!("indices {range:?} are beyond the buffer"))
     }
 
+    /// Indices of walls on the boundary, the first ones on inner edges, and the second ones.
+    fn in_kinds<'b>(&self, walls: &'b [u32]) -> [&'b [u32]; 3] {
+        let turned = self.slice.turned_index_count as usize;
+        let second = walls.len().saturating_sub(turned);
+        let first = second.saturating_sub(turned);
+        [&walls[..first], &walls[first..second], &walls[second..]]
+    }
+
+    /// Whether every second wall is the first one turned over: where both faces are drawn, the first
+    /// one stands for it.
+    fn check_second_walls(&self) -> Result<(), String> {
+        let slice = self.slice;
+        let walls = self.indices(slice.place.first_loop_index, slice.loop_index_count)?;
+        let [_, firsts, seconds] = self.in_kinds(&walls).map(list);
+        let turned = seconds?.into_iter().map(|[a, b, c]| [a, c, b]);
+        if turned.eq(firsts?) {
+            Ok(())
+        } else {
+            Err("a second wall is not the first one turned over".to_owned())
+        }
+    }
+
     /// `doubled.wgsl`'s attributes: the flag lies behind the position, or in the buffer that every
     /// region reads from its start.
     fn fetch_stored(&self, index: u32) -> Result<Corner, String> {
@@ -260,8 +292,9 @@ impl Reader<'_> {
             };
             strip(&walls, restart)
         } else if self.variant.layout == Layout::PerTriangle {
-            let (as_seen, turned) = walls.split_at(walls.len() - slice.turned_index_count as usize);
-            by_triangle(&triangles, list(as_seen)?, list(turned)?)
+            let [outer, firsts, seconds] = self.in_kinds(&walls).map(list);
+            let (outer, firsts, seconds) = (outer?, firsts?, seconds?);
+            by_triangle(&triangles, [outer, firsts, seconds])
         } else {
             list(&walls)?
         });
@@ -570,6 +603,9 @@ impl Scene {
             }
             let caps = 2 * slice.place.triangle_count as usize;
             reader.check_walls(&triangles[caps..], mesh).map_err(fail)?;
+            if variant.layout == Layout::PerTriangle {
+                reader.check_second_walls().map_err(fail)?;
+            }
             let filled: Vec<[Corner; 3]> = triangles.into_iter().filter(is_somewhere).collect();
             self.check_volume(&reader, &filled, mesh, *expected_m3)
                 .map_err(fail)?;
@@ -1012,7 +1048,7 @@ fn walls_with_another_diagonal_or_first_corner_are_noticed() {
 }
 
 #[test]
-fn walls_that_the_pipeline_does_not_turn_are_noticed() {
+fn second_walls_that_are_not_the_first_ones_are_noticed() {
     let scene = pair();
     let per_triangle = |variant: &VertexVariant| variant.layout == Layout::PerTriangle;
     for variant in storages().into_iter().filter(per_triangle) {
@@ -1024,31 +1060,42 @@ fn walls_that_the_pipeline_does_not_turn_are_noticed() {
             let found = scene.check_built(&geometry, &variant);
             assert!(found.is_err(), "{}: {count} of {turned}", variant.name());
         }
-        // Turned over in the buffer as well: they face outwards twice.
+        // Turned over in another order of corners: as closed, and as many walls.
         let mut geometry = scene.build(&variant);
         let slice = geometry.regions[1];
         let end = (slice.place.first_loop_index + slice.loop_index_count) as usize;
-        for wall in geometry.indices.short[end - turned as usize..end].chunks_exact_mut(3) {
-            wall.swap(1, 2);
-        }
+        geometry.indices.short[end - 3..end].rotate_left(1);
         assert!(scene.check_built(&geometry, &variant).is_err());
+        // In another order of walls, which nothing else would tell.
+        let mut geometry = scene.build(&variant);
+        for k in 1..=6 {
+            geometry.indices.short.swap(end - k, end - 6 - k);
+        }
+        let found = scene.check_built(&geometry, &variant);
+        let found = found.expect_err("another order");
+        assert!(found.contains("not the first one turned over"), "{found}");
     }
 }
 
 #[test]
 fn volumes_of_triangles_must_each_be_closed() {
-    // Two triangles that have changed walls: together closed as before, none by itself.
+    // Two triangles that have changed the walls between them: together closed as before, none by itself.
     let scene = pair();
     let per_triangle = |variant: &VertexVariant| variant.layout == Layout::PerTriangle;
     for variant in storages().into_iter().filter(per_triangle) {
         let mut geometry = scene.build(&variant);
-        let wall = geometry.regions[1].place.first_loop_index as usize;
+        let slice = geometry.regions[1];
+        let turned = slice.turned_index_count as usize;
+        let end = (slice.place.first_loop_index + slice.loop_index_count) as usize;
         for k in 0..6 {
-            geometry.indices.short.swap(wall + k, wall + 18 + k);
+            geometry
+                .indices
+                .short
+                .swap(end - 2 * turned + k, end - turned + k);
         }
         let found = scene.check_built(&geometry, &variant);
         let found = found.expect_err("walls of another triangle");
-        assert!(found.contains("volume 0"), "{found}");
+        assert!(found.contains("volume "), "{found}");
     }
 }
 
