@@ -252,14 +252,17 @@ impl SceneGeometry {
     /// at the edge of a square of 200 km).
     fn push_inner_walls(&mut self, short: bool, mesh: &RegionMesh, triangles: &[[u32; 3]]) -> u32 {
         let outer: HashSet<[u32; 2]> = boundary_edges(mesh).collect();
-        let sides = triangles
-            .iter()
-            .flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-        let (on_boundary, inner): (Vec<_>, Vec<_>) = sides.partition(|side| outer.contains(side));
-        for [start, end] in on_boundary {
+        let sides = || {
+            let of_each = triangles.iter();
+            of_each.flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
+        };
+        let all: HashSet<[u32; 2]> = sides().collect();
+        let is_alone = |side: &[u32; 2]| outer.contains(side) || !all.contains(&[side[1], side[0]]);
+        for [start, end] in sides().filter(is_alone) {
             self.push_wall(short, start, end);
         }
-        let ascending: Vec<_> = inner.into_iter().filter(|side| side[0] < side[1]).collect();
+        let is_first = |side: &[u32; 2]| !is_alone(side) && side[0] < side[1];
+        let ascending: Vec<_> = sides().filter(is_first).collect();
         for &[start, end] in &ascending {
             self.push_wall(short, start, end);
         }
