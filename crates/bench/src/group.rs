@@ -4,6 +4,7 @@
 use crate::fingerprint::fingerprint;
 use crate::images::{drop_alpha, file_stem, write_rgb};
 use crate::memory::LayoutOfScene;
+use crate::rounding::{objection, rounding_px};
 use crate::scenes::{build_meshes, mesh_error};
 use crate::summary::baselines;
 use crate::technique::{SharedNativeGpu, Stages};
@@ -15,13 +16,13 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_conformance::{
-    BAND_RADIUS_PX, TextureErrors, Verdict, boundary_band, compare_closely, difference_rgb,
-    filled_only, verdict_of_moved,
+    BAND_RADIUS_PX, TextureErrors, Verdict, boundary_band, boundary_movement, compare_closely,
+    difference_rgb, filled_only, verdict_of_moved, with_movement,
 };
 use terrafill_core::{MeshOptions, RegionMesh};
 use terrafill_frame::{
-    BackendError, ColourWay, Frame, FrameInput, FrameTimes, MemoryUse, PreparedScene, RouteChoice,
-    VolumeBackend, paint,
+    BackendError, ColourWay, Frame, FrameInput, FrameTimes, MemoryUse, PositionFormat,
+    PreparedScene, RouteChoice, VolumeBackend, paint,
 };
 use terrafill_gpu::{Baseline, CpuStopwatch, Gpu, Stage};
 use terrafill_reference::ReferenceBackend;
@@ -114,7 +115,7 @@ pub(crate) struct GroupRun<'a> {
     inputs: RefCell<Vec<(InputKey, PlannedInput)>>,
     leveled: RefCell<Option<PreparedScene>>,
     /// What was said of each picture: equal pictures get equal figures.
-    judgements: RefCell<BTreeMap<(String, u64), Judgement>>,
+    judgements: RefCell<BTreeMap<(String, u64, bool), Judgement>>,
     pub(crate) disagreements: (u64, u64),
     pub(crate) reference_image: String,
 }
@@ -240,6 +241,15 @@ impl<'a> GroupRun<'a> {
 
     /// Prepares a case and draws its probe frame. What goes wrong becomes the case's status.
     fn probe(&self, case: &'a BenchCase) -> Result<RunningCase<'a>, BenchError> {
+        self.probe_unless_rounded(case, rounding_px)
+    }
+
+    /// - `bound_px`: how far a format's roundings may move a boundary in a view
+    fn probe_unless_rounded(
+        &self,
+        case: &'a BenchCase,
+        bound_px: impl Fn(PositionFormat, &FrameInput) -> f64,
+    ) -> Result<RunningCase<'a>, BenchError> {
         let (drawer, probe) = match case.technique {
             Technique::Baseline(kind) => match Baseline::new(kind, &self.stages.wgpu) {
                 Ok(baseline) => (Drawer::Baseline(baseline), Probe::default()),
@@ -247,11 +257,25 @@ impl<'a> GroupRun<'a> {
             },
             _ => {
                 let (input, plan_cpu_ms) = self.input_for(case)?;
+                // A cell of the matrix has to be right; elsewhere its error is what is asked for.
+                let asked = case.roles.matrix && !case.roles.main;
+                let positions = case.technique.positions().filter(|_| asked);
+                let objection =
+                    positions.and_then(|format| objection(format, bound_px(format, &input)));
                 let drawn = case
                     .technique
                     .open(&self.stages)
+                    .filter(|_| objection.is_none())
                     .map(|backend| backend.and_then(|backend| draw_probe(backend, &input)));
                 match drawn {
+                    None if let Some(reason) = objection => {
+                        let probe = Probe {
+                            status: Some(Status::Skipped),
+                            reason,
+                            ..Probe::default()
+                        };
+                        (Drawer::None, probe)
+                    }
                     Some(Ok((mut backend, memory, frame))) => {
                         let probe = self.judge(case, &mut *backend, &input, memory, frame)?;
                         let probe = Probe {
@@ -344,9 +368,9 @@ impl<'a> GroupRun<'a> {
             },
             ..Probe::default()
         };
-        match self.figures(&probe, &frame) {
+        let moved_px = case.plan.boundary_lod_px.unwrap_or(0.0);
+        match self.figures(&probe, &frame, moved_px > 0.0) {
             Ok(figures) => {
-                let moved_px = case.plan.boundary_lod_px.unwrap_or(0.0);
                 let mut reasons = match verdict_of_moved(&figures, moved_px) {
                     Verdict::Pass => Vec::new(),
                     Verdict::Fail(reasons) => reasons,
@@ -400,31 +424,47 @@ impl<'a> GroupRun<'a> {
     }
 
     /// How the frame differs from the reference; a fill in one colour is judged as a mask.
-    fn figures(&self, probe: &Probe, frame: &Frame) -> Judgement {
+    ///
+    /// - `is_moved`: boundaries are drawn aside on purpose, and how far is asked
+    fn figures(&self, probe: &Probe, frame: &Frame, is_moved: bool) -> Judgement {
         let as_mask = probe.ids_hash.is_empty();
         let hash = if as_mask {
             format!("mask {}", probe.mask_hash)
         } else {
             format!("ids {}", probe.ids_hash)
         };
-        let key = (hash, frame.non_finite);
+        let key = (hash, frame.non_finite, is_moved);
         if let Some(known) = self.judgements.borrow().get(&key) {
             return known.clone();
         }
         // Asked for hardly any picture, so made only then.
         let look = OnceCell::new();
+        let look = || {
+            let made = || ReferenceBackend::new().look_closely(&self.input).ok();
+            look.get_or_init(made).as_ref()
+        };
+        let as_judged = |id: u32| if as_mask { id.min(1) } else { id };
         let shows = |pixel: usize, id: u32| {
-            let look = look.get_or_init(|| ReferenceBackend::new().look_closely(&self.input).ok());
-            look.as_ref().is_some_and(|look| {
+            look().is_some_and(|look| {
                 let mut ids = look.ids_within(pixel, BAND_RADIUS_PX).into_iter();
-                ids.any(|shown| shown == id || as_mask && shown.min(1) == id)
+                ids.any(|shown| as_judged(shown) == id)
             })
         };
-        let figures = if as_mask {
-            compare_closely(&self.filled_reference, &filled_only(frame), shows)
+        let filled;
+        let (reference, frame) = if as_mask {
+            filled = filled_only(frame);
+            (&self.filled_reference, &filled)
         } else {
-            compare_closely(&self.reference, frame, shows)
+            (&self.reference, frame)
         };
+        let figures = compare_closely(reference, frame, shows).and_then(|figures| {
+            let Some(look) = is_moved.then(look).flatten() else {
+                return Ok(figures);
+            };
+            let shown_at = |place| as_judged(look.id_at(place));
+            let movement = boundary_movement(reference, frame, shown_at)?;
+            Ok(with_movement(figures, movement))
+        });
         let judgement = figures.map_err(|error| error.to_string());
         self.judgements.borrow_mut().insert(key, judgement.clone());
         judgement
@@ -818,5 +858,78 @@ mod tests {
         );
         let errors = wrong.texture_errors.expect("compared");
         assert!((errors.rms_texels[0] - 1.0).abs() < 0.1, "{errors:?}");
+    }
+
+    #[test]
+    fn what_rounds_too_much_to_be_right_is_left_out_of_the_matrix_by_its_bound_alone() {
+        let gpu = match Gpu::open(&terrafill_gpu::GpuOptions::default()) {
+            Ok(gpu) => gpu,
+            Err(why) => {
+                let required = std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_some();
+                assert!(!required, "{why}");
+                eprintln!("skipped: {why}");
+                return;
+            }
+        };
+        let place = tempfile::tempdir().expect("a folder");
+        let options = BenchOptions {
+            scenes: vec!["square-200km".to_owned()],
+            backends: vec!["vertex".to_owned()],
+            quick: false,
+            out: place.path().join("run"),
+            resume: false,
+            data_dir: None,
+            frames: Some(1),
+            size: terrafill_scene::ImageSize {
+                width: 512,
+                height: 512,
+            },
+            shard: None,
+            adapter: None,
+            ladder: None,
+            matrix: Some(vec!["square-200km".to_owned()]),
+            precision: Some(false),
+        };
+        let scene = Arc::new(terrafill_scene::Scene::shipped("square-200km", None).expect("ships"));
+        let view = scene.views.iter().find(|view| view.name == "edge-1m5");
+        let group = crate::group_cases(&scene, view.expect("a view"), &options);
+        let folder =
+            RunFolder::create(&options.out, &Default::default(), &Default::default()).expect("new");
+        let native = crate::technique::NativeGpu::new(None);
+        let progress = ProgressBar::hidden();
+        let run = GroupRun::new(&gpu, native, &options, &folder, &group, &progress).expect("a run");
+        let cell = |name: &str| {
+            let mut cases = group.cases.iter();
+            let case = cases.find(|case| case.key.variant == name);
+            case.expect("a cell of the matrix")
+        };
+        let naive = cell("doubled,positions=ecef-f32");
+        let found = run.probe(naive).expect("probed").probe;
+        assert_eq!(found.status, Some(Status::Skipped));
+        assert!(
+            found.reason.starts_with("ecef-f32 rounds by up to ")
+                && found.reason.ends_with(" px here, allowed 0.25"),
+            "{}",
+            found.reason
+        );
+        assert!(found.figures.is_none());
+        // Twin: were its bound nothing, it would be drawn, and red.
+        let unbounded = run.probe_unless_rounded(naive, |_, _| 0.0);
+        let found = unbounded.expect("probed").probe;
+        assert_eq!(found.status, Some(Status::Wrong), "{}", found.reason);
+        assert!(
+            found
+                .figures
+                .is_some_and(|figures| figures.mismatched_px > 100)
+        );
+        // What is right by its bound is asked, and so is everything that is not about positions.
+        for name in [
+            "doubled,positions=two-float",
+            "doubled",
+            "doubled,walls=list",
+        ] {
+            let found = run.probe(cell(name)).expect("probed").probe;
+            assert_eq!(found.status, Some(Status::Ok), "{name}: {}", found.reason);
+        }
     }
 }

@@ -21,6 +21,7 @@ mod matrix;
 mod memory;
 mod options;
 mod precision;
+mod rounding;
 mod runner;
 mod scenes;
 mod summary;

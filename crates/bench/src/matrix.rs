@@ -2,7 +2,9 @@
 //! The matrix: every backend in every layout, with each switch turned away from its default alone.
 //!
 //! All these fills must show the same mask to the pixel: they ask the same question of the same
-//! surface, in another way. They are drawn once and not timed.
+//! surface, in another way. They are drawn once and not timed. Where a way of storing positions rounds
+//! by so much that it may be seen, by its formula, it is not asked (`rounding.rs`): what it shows there
+//! is for the sweep through the formats, in which it may be wrong.
 
 use crate::technique::{Setting, Technique};
 use terrafill_compute::{ComputeVariant, GpuCulling, Transform};
@@ -43,6 +45,14 @@ fn own_switches(base: Setting) -> Vec<Setting> {
             },
             VertexVariant {
                 positions: PositionFormat::LocalF32,
+                ..variant
+            },
+            VertexVariant {
+                positions: PositionFormat::EcefF32,
+                ..variant
+            },
+            VertexVariant {
+                positions: PositionFormat::TwoFloat,
                 ..variant
             },
         ]
@@ -210,7 +220,9 @@ mod tests {
             "frustum-culling=off",
             "horizon-culling=off",
             "index-order=cache",
+            "positions=ecef-f32",
             "positions=local-f32",
+            "positions=two-float",
             "scissor=volumes",
             "stencil-clear=by-colour",
             "too-small-culling=off",

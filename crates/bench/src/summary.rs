@@ -109,6 +109,8 @@ impl GroupRun<'_> {
                 .filter(|_| case.roles.texture),
             colour_max: probe.colour_max,
             colour_mean: probe.colour_mean,
+            boundary_moved_px: figures.and_then(|figures| figures.boundary_moved_px),
+            foreign_px: figures.and_then(|figures| figures.foreign_px),
         }
     }
 

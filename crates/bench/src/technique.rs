@@ -7,7 +7,7 @@ use std::sync::Arc;
 use terrafill_compute::{ComputeBackend, ComputeVariant, Expansion, compute_bytes};
 use terrafill_core::RegionMesh;
 use terrafill_frame::{
-    BackendError, GeometryBytes, SwitchError, Switches, THIS_MACHINE, VolumeBackend,
+    BackendError, GeometryBytes, PositionFormat, SwitchError, Switches, THIS_MACHINE, VolumeBackend,
 };
 use terrafill_gpu::{BaselineKind, SharedStage};
 use terrafill_native::{NativeBackend, NativeVariant, native_bytes};
@@ -140,6 +140,14 @@ impl Technique {
             Self::Vertex(variant) => Some(&variant.switches),
             Self::Compute(variant) => Some(&variant.switches),
             Self::Native(variant) => Some(&variant.switches),
+        }
+    }
+
+    /// How it stores positions, where that is a choice.
+    pub(crate) fn positions(&self) -> Option<PositionFormat> {
+        match self {
+            Self::Vertex(variant) => Some(variant.positions),
+            Self::Baseline(_) | Self::Compute(_) | Self::Native(_) => None,
         }
     }
 

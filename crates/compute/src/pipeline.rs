@@ -172,6 +172,7 @@ impl Pipelines {
             constants: &[],
             buffers: if is_placed { &corner } else { &[] },
             strip_index_format: None,
+            front_face: wgpu::FrontFace::Ccw,
         };
         shader.pipeline(gpu, state, false)
     }

@@ -142,6 +142,8 @@ pub fn compare_closely(
         mismatched_px: mismatches.len() as u64,
         mismatched_px_outside_band: outside as u64,
         hausdorff_px: hausdorff.map(|distance| distance.min(diagonal)),
+        boundary_moved_px: None,
+        foreign_px: None,
         area_error: (required_px > 0).then(|| filled_px as f64 / required_px as f64 - 1.0),
         tiny_regions: tiny.count,
         non_finite: frame.non_finite,

@@ -6,13 +6,15 @@
 //! | [`BAND_RADIUS_PX`] | 1 | rasterisers snap vertices to 1/256 pixel and round depth, so the pixel that a boundary crosses may fall to either side, and no other pixel may; a boundary between the centres of the reference's pixels is one too ([`crate::compare_closely`]) |
 //! | [`MAX_MISMATCHED_OUTSIDE_BAND_PX`] | 0 | beyond the band no rounding reaches; what is wrong there is a leak, a missing wall or another region's colour |
 //! | [`MAX_HAUSDORFF_PX`] | 1 | a boundary that moved by less than a pixel moves its pixels by one at most; what stays in the band but goes missing over a length, such as a strip two pixels wide, shows up here only |
+//! | [`allowed_moved_px`] | what is stated, 1/16 and 1/256 | a boundary drawn aside on purpose moves by as much as was stated for it; it is looked for in steps of [`MOVED_STEP_PX`], and then snapped to [`RASTERISER_PX`] |
+//! | [`MAX_FOREIGN_PX`] | 4 | two neighbours' positions round each by themselves, to a ten-thousandth of a pixel from afar, and ten thousand pixels lie on borders: one of them belongs to both or to none; 1 is the most that was seen |
 //! | [`SMALLEST_PIECE_PX`] | 4 | a piece of 1 to 3 pixels exists by the luck of where pixel centres fall; rounding may take it whole, or give it whole where the reference shows it between its pixels, and the distance to the next boundary is then anything |
 //! | [`MAX_NON_FINITE`] | 0 | NaN compares false with everything, so it would hide in any other figure |
 //! | [`MAX_TEXELS_RMS`] | ¼ | filtering with 8-bit weights blends neighbours in steps of 1/256 texel and eyes tell a quarter of one at best; a route to coordinates is chosen by that |
 //! | [`MAX_TEXELS`] | ½ | twice the mean: a pixel that is off by more shows a neighbour's texel |
 //! | [`DEPTH_JUMP`] | 5 % | seen from 2 km the reciprocal distance of neighbouring rows bends by 2 % of itself two pixels below the horizon, and by less everywhere else on a smooth surface |
 
-use crate::TextureErrors;
+use crate::{MOST_MEASURED, TextureErrors};
 use terrafill_results::ErrorFigures;
 
 /// How far from a boundary pixel of the reference a mismatch is put down to rounding; counted in
@@ -24,6 +26,25 @@ pub const MAX_MISMATCHED_OUTSIDE_BAND_PX: u64 = 0;
 
 /// Largest symmetric Hausdorff distance between the boundaries, pixels.
 pub const MAX_HAUSDORFF_PX: f64 = 1.0;
+
+/// Steps in which [`crate::boundary_movement`] looks for a boundary, pixels: what it finds may be as much
+/// farther than the truth.
+pub const MOVED_STEP_PX: f64 = 1.0 / 16.0;
+
+/// How far it looks, pixels: twice the band, in which all that moved on purpose stays.
+pub const MOVED_SEARCH_PX: f64 = 2.0;
+
+/// Pixels allowed on borders that were drawn aside that show neither side ([`crate::Movement`]).
+pub const MAX_FOREIGN_PX: u64 = 4;
+
+/// Rasterisers snap corners to this part of a pixel (Vulkan 1.3, `subPixelPrecisionBits` of 8).
+pub const RASTERISER_PX: f64 = 1.0 / 256.0;
+
+/// How far boundaries may be found to have moved that were drawn up to `moved_px` pixels aside.
+#[must_use]
+pub fn allowed_moved_px(moved_px: f64) -> f64 {
+    moved_px + MOVED_STEP_PX + RASTERISER_PX
+}
 
 /// Pieces of the reference with fewer pixels are left out of the Hausdorff distance.
 pub const SMALLEST_PIECE_PX: u64 = 4;
@@ -68,12 +89,14 @@ pub fn verdict(figures: &ErrorFigures) -> Verdict {
 }
 
 /// The same for a picture whose boundaries were drawn up to `moved_px` pixels aside on purpose, such
-/// as by levels of detail. Two boundaries that face each other may both have moved, so what is
-/// thinner than twice that may fall between pixel centres: the distance may be as much larger, and
-/// nothing else.
+/// as by levels of detail.
+///
+/// How far they moved is measured ([`crate::boundary_movement`]) and held against [`allowed_moved_px`];
+/// a figure that was not measured fails. It stands for the Hausdorff distance, which no movement bounds:
+/// a feature thinner than twice the movement may vanish over any length. 0 outside the band holds as
+/// ever. Where `moved_px` is 0 this is [`verdict`].
 #[must_use]
 pub fn verdict_of_moved(figures: &ErrorFigures, moved_px: f64) -> Verdict {
-    let allowed_px = MAX_HAUSDORFF_PX + 2.0 * moved_px;
     let mut reasons = Vec::new();
     let outside = figures.mismatched_px_outside_band;
     if outside > MAX_MISMATCHED_OUTSIDE_BAND_PX {
@@ -82,12 +105,11 @@ pub fn verdict_of_moved(figures: &ErrorFigures, moved_px: f64) -> Verdict {
              {MAX_MISMATCHED_OUTSIDE_BAND_PX}"
         ));
     }
-    if let Some(distance) = figures.hausdorff_px
-        && (distance.is_nan() || distance > allowed_px)
-    {
-        reasons.push(format!(
-            "boundary Hausdorff distance {distance:.2} px, allowed {allowed_px:.2}"
-        ));
+    if moved_px > 0.0 {
+        reasons.extend(objection_to_movement(figures, allowed_moved_px(moved_px)));
+        reasons.extend(objection_to_foreign(figures));
+    } else {
+        reasons.extend(objection_to_distance(figures));
     }
     if figures.non_finite > MAX_NON_FINITE {
         reasons.push(format!(
@@ -100,6 +122,32 @@ pub fn verdict_of_moved(figures: &ErrorFigures, moved_px: f64) -> Verdict {
     } else {
         Verdict::Fail(reasons)
     }
+}
+
+fn objection_to_distance(figures: &ErrorFigures) -> Option<String> {
+    let distance = figures.hausdorff_px?;
+    (distance.is_nan() || distance > MAX_HAUSDORFF_PX).then(|| {
+        format!("boundary Hausdorff distance {distance:.2} px, allowed {MAX_HAUSDORFF_PX:.2}")
+    })
+}
+
+fn objection_to_movement(figures: &ErrorFigures, allowed_px: f64) -> Option<String> {
+    let Some(moved) = figures.boundary_moved_px else {
+        return Some(format!(
+            "how far boundaries moved was not measured: {} pixels mismatch, at most \
+             {MOST_MEASURED} are asked about",
+            figures.mismatched_px
+        ));
+    };
+    (moved.is_nan() || moved > allowed_px)
+        .then(|| format!("boundaries moved by {moved:.3} px, allowed {allowed_px:.3}"))
+}
+
+fn objection_to_foreign(figures: &ErrorFigures) -> Option<String> {
+    let found = figures.foreign_px.filter(|px| *px > MAX_FOREIGN_PX)?;
+    Some(format!(
+        "{found} pixels show what the reference shows nowhere near them, allowed {MAX_FOREIGN_PX}"
+    ))
 }
 
 /// Holds the errors of a textured frame against the tolerances of this module. Errors of nothing at
@@ -148,19 +196,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn boundaries_moved_on_purpose_may_be_as_far_and_no_farther() {
-        let figures = |hausdorff_px: f64, outside: u64| ErrorFigures {
+    fn boundaries_moved_on_purpose_are_judged_by_how_far_they_moved() {
+        let figures = |moved_px: f64, hausdorff_px: f64, outside: u64| ErrorFigures {
             hausdorff_px: Some(hausdorff_px),
+            boundary_moved_px: Some(moved_px),
             mismatched_px_outside_band: outside,
             ..ErrorFigures::default()
         };
         let diagonal = 2_f64.sqrt();
-        assert!(verdict_of_moved(&figures(diagonal, 0), 0.5).is_pass());
-        assert!(!verdict(&figures(diagonal, 0)).is_pass());
-        assert!(verdict_of_moved(&figures(2.0, 0), 0.5).is_pass());
-        assert!(!verdict_of_moved(&figures(5_f64.sqrt(), 0), 0.5).is_pass());
-        assert!(!verdict_of_moved(&figures(diagonal, 1), 0.5).is_pass());
-        assert!(!verdict_of_moved(&figures(f64::NAN, 0), 0.5).is_pass());
+        assert!(verdict_of_moved(&figures(0.5, diagonal, 0), 0.5).is_pass());
+        assert!(!verdict(&figures(0.5, diagonal, 0)).is_pass());
+        assert!(verdict_of_moved(&figures(0.5, 5_f64.sqrt(), 0), 0.5).is_pass());
+        assert!(!verdict_of_moved(&figures(0.75, diagonal, 0), 0.5).is_pass());
+        assert!(!verdict_of_moved(&figures(0.5, diagonal, 1), 0.5).is_pass());
+        assert!(!verdict_of_moved(&figures(f64::NAN, 0.0, 0), 0.5).is_pass());
     }
 
     #[test]

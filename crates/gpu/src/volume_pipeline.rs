@@ -27,6 +27,8 @@ pub struct VolumeShader<'a> {
     pub buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
     /// Strips with indices of this width; `None`: lists.
     pub strip_index_format: Option<wgpu::IndexFormat>,
+    /// The winding of faces that are seen from outside.
+    pub front_face: wgpu::FrontFace,
 }
 
 /// What the vertex stage of a volume hands on.
@@ -101,6 +103,7 @@ impl VolumeShader<'_> {
                     wgpu::PrimitiveTopology::TriangleList
                 },
                 strip_index_format: self.strip_index_format,
+                front_face: self.front_face,
                 cull_mode: match state.faces() {
                     FaceSet::Both => None,
                     FaceSet::Front => Some(wgpu::Face::Back),

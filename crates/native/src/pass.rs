@@ -231,7 +231,7 @@ impl<'a> Drawing<'a> {
             Part::Caps if without_bottom && self.variant.technique == Technique::VsControl => {
                 (slice.first_index, slice.index_count / 2)
             }
-            Part::Caps | Part::Whole => (slice.first_index, slice.index_count),
+            Part::Caps | Part::Whole | Part::Turned => (slice.first_index, slice.index_count),
         };
         let width = self.width(planned);
         let geometry = Geometry {

@@ -26,8 +26,8 @@ pub enum Technique {
     /// In the geometry shader, one draw: triangles with their neighbours. Each makes 2 to 8
     /// triangles.
     GsAdjacency,
-    /// In the geometry shader, one draw: each triangle makes a closed volume of 8 triangles, those
-    /// inside a region as well.
+    /// In the geometry shader, two draws: each triangle makes a closed volume of 8 triangles, those
+    /// inside a region as well. The second draw makes the walls that cancel others of the first.
     GsPerTriangle,
 }
 
@@ -65,6 +65,8 @@ pub(crate) enum Part {
     Walls,
     /// Both.
     Whole,
+    /// Beside them: walls with front and back exchanged.
+    Turned,
 }
 
 impl Technique {
@@ -122,9 +124,8 @@ impl Technique {
     pub(crate) fn parts(self) -> &'static [Part] {
         match self {
             Self::VsControl | Self::GsLine => &[Part::Caps, Part::Walls],
-            Self::GsDegenerate | Self::GsTwoEdges | Self::GsAdjacency | Self::GsPerTriangle => {
-                &[Part::Whole]
-            }
+            Self::GsDegenerate | Self::GsTwoEdges | Self::GsAdjacency => &[Part::Whole],
+            Self::GsPerTriangle => &[Part::Whole, Part::Turned],
         }
     }
 
@@ -175,7 +176,8 @@ impl Technique {
                 path,
                 hands_on,
                 // Walls have none anyway; one pipeline does for both.
-                draws_bottom: !without_bottom || part == Part::Walls,
+                draws_bottom: !without_bottom || matches!(part, Part::Walls | Part::Turned),
+                is_turned: part == Part::Turned,
             }),
             fragments: match state {
                 VolumeState::Colour { .. } => Fragments::Shader {

@@ -131,11 +131,15 @@ impl CloseLook<'_> {
                 .map(move |place| centre + f64::from(place) / f64::from(PLACES_PER_PX))
         };
         let all = along(centre[1]).flat_map(|y| along(centre[0]).map(move |x| [x, y]));
-        all.map(|place| {
-            let direction = self.input.camera.direction_ecef(self.input.size, place);
-            judge_direction(self.input, &self.locator, &self.surface, None, direction).id
-        })
-        .collect()
+        all.map(|place| self.id_at(place)).collect()
+    }
+
+    /// The id at a place of the image, pixels from its upper left corner; a pixel's centre is at half
+    /// pixels.
+    #[must_use]
+    pub fn id_at(&self, place: [f64; 2]) -> u32 {
+        let direction = self.input.camera.direction_ecef(self.input.size, place);
+        judge_direction(self.input, &self.locator, &self.surface, None, direction).id
     }
 }
 

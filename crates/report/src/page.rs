@@ -34,7 +34,7 @@ const NOT_COUNTED: &str = "not counted by this backend";
 const NOT_COMPARED: &str = "not compared with the reference";
 
 /// The columns, left to right.
-pub(crate) const COLUMNS: [Column; 15] = [
+pub(crate) const COLUMNS: [Column; 16] = [
     Column {
         term: "fill_cpu_ms",
         heading: "fill, CPU ms",
@@ -135,6 +135,14 @@ pub(crate) const COLUMNS: [Column; 15] = [
         cell: |case| case.value(|row| row.hausdorff_px).map(significant),
         is_time: false,
         absent_because: "one of the two pictures has no boundary, or they were not compared",
+    },
+    Column {
+        term: "boundary_moved_px",
+        heading: "moved, px",
+        cell: |case| case.value(|row| row.boundary_moved_px).map(significant),
+        is_time: false,
+        absent_because: "boundaries are drawn aside by levels of detail alone; or more pixels mismatch \
+                         than are asked about",
     },
     Column {
         term: "boundary_deviation_m",
@@ -737,7 +745,7 @@ fn picture_groups(
 fn caption(case: &Case) -> String {
     let figure = |value: Option<String>| value.unwrap_or_else(|| "–".to_owned());
     format!(
-        "{}{}: {} wrong px, {} outside the band, Hausdorff {} px",
+        "{}{}: {} wrong px, {} outside the band, Hausdorff {} px{}{}",
         case.name(),
         if case.outcome == Outcome::Ok {
             String::new()
@@ -747,6 +755,14 @@ fn caption(case: &Case) -> String {
         figure(case.value(|row| row.mismatched_px).map(count)),
         figure(case.value(|row| row.mismatched_px_outside_band).map(count)),
         figure(case.value(|row| row.hausdorff_px).map(significant)),
+        case.value(|row| row.boundary_moved_px)
+            .map_or(String::new(), |px| format!(
+                ", moved {} px",
+                significant(px)
+            )),
+        case.value(|row| row.foreign_px)
+            .filter(|px| *px > 0)
+            .map_or(String::new(), |px| format!(", {} foreign", count(px))),
     )
 }
 

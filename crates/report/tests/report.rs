@@ -272,7 +272,7 @@ fn what_was_not_measured_is_a_dash_with_a_reason_and_never_a_zero() {
     for variant in ["walls=list", "gs-line", "gs-adjacency"] {
         let row = row_of(&html, variant);
         let cells: Vec<&str> = row.split("<td").skip(2).collect();
-        assert_eq!(cells.len(), 15);
+        assert_eq!(cells.len(), 16);
         for cell in cells {
             assert!(cell.contains(">–<sup>"), "{variant}: {cell}");
             assert!(cell.contains("title=\""), "{variant}: {cell}");

@@ -225,6 +225,14 @@ pub struct Summary {
     /// Mean of those differences.
     #[serde(default)]
     pub colour_mean: Option<f64>,
+    /// How far boundaries moved that were drawn aside on purpose, pixels: the farthest that a
+    /// mismatched pixel's centre is from where the reference shows the id that the frame shows there.
+    #[serde(default)]
+    pub boundary_moved_px: Option<f64>,
+    /// Of such boundaries, the mismatched pixels that show an id which the reference shows nowhere near
+    /// them: a pixel of a border that both sides own, or none.
+    #[serde(default)]
+    pub foreign_px: Option<u64>,
 }
 
 impl Summary {
@@ -298,6 +306,8 @@ impl Summary {
             texture_bytes: None,
             colour_max: None,
             colour_mean: None,
+            boundary_moved_px: None,
+            foreign_px: None,
         }
     }
 }
@@ -420,6 +430,12 @@ pub struct ErrorFigures {
     pub mismatched_px_outside_band: u64,
     /// Symmetric boundary Hausdorff distance, pixels; `None` when either picture lacks a boundary.
     pub hausdorff_px: Option<f64>,
+    /// The farthest that a mismatched pixel's centre is from where the reference shows the id that the
+    /// frame shows there, pixels; `None` unless boundaries are drawn aside on purpose, and where too many
+    /// pixels mismatch to be asked about.
+    pub boundary_moved_px: Option<f64>,
+    /// Mismatched pixels that show an id which the reference shows nowhere near them; `None` as above.
+    pub foreign_px: Option<u64>,
     /// Filled pixels over the reference's, minus 1; `None` when the reference fills nothing.
     pub area_error: Option<f64>,
     /// Pieces of fewer than 4 pixels in the reference, or shown by it between the centres of its pixels,

@@ -324,7 +324,7 @@ fn ladders_and_bytes_are_kept_and_old_rows_without_new_columns_are_read() {
     let text = fs::read_to_string(&path).expect("rows");
     let older: Vec<String> = text
         .lines()
-        .map(|line| line.rsplitn(18, ',').last().unwrap_or_default().to_owned())
+        .map(|line| line.rsplitn(20, ',').last().unwrap_or_default().to_owned())
         .collect();
     assert!(older[0].ends_with(",plan_cpu_ms"), "{}", older[0]);
     fs::write(&path, older.join("\n") + "\n").expect("writable");

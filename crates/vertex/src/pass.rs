@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Volumes as the passes of a fill draw them: caps, then walls.
+//! Volumes as the passes of a fill draw them: caps, then walls, then those that are turned over.
 
 use crate::layout::{RegionSlice, SceneGeometry};
-use crate::pipeline::{Part, PipelineKey, Pipelines, parts};
+use crate::pipeline::{Part, PipelineKey, Pipelines, draws_first_walls_twice, parts};
 use crate::{Layout, VertexVariant};
 use terrafill_frame::{BackendError, FrameInput, GeometryBytes, RegionPlace, VolumeDraw};
 use terrafill_gpu::{Gpu, Stage, VolumeFill, VolumePass, Volumes};
@@ -142,7 +142,7 @@ impl Volumes for VertexVolumes {
             if drawn.next().is_none() {
                 continue;
             }
-            for part in parts(short_indices) {
+            for part in parts(self.variant.layout, draw.state, short_indices) {
                 let key = PipelineKey {
                     part,
                     state: draw.state,
@@ -171,7 +171,7 @@ impl Volumes for VertexVolumes {
             return;
         };
         for short_indices in [true, false] {
-            for part in parts(short_indices) {
+            for part in parts(self.variant.layout, draw.state, short_indices) {
                 let mut is_bound = false;
                 for planned in scene.of_width(pass.input, draw.regions, short_indices) {
                     if !is_bound {
@@ -187,7 +187,7 @@ impl Volumes for VertexVolumes {
                         is_bound = true;
                     }
                     pass.cut(planned, draw.scissor);
-                    self.draw_part(scene, pass, part, planned, draw.without_bottom);
+                    self.draw_part(scene, pass, part, planned, draw);
                 }
             }
         }
@@ -201,22 +201,30 @@ impl VertexVolumes {
         pass: &mut VolumePass<'_>,
         part: Part,
         planned: usize,
-        without_bottom: bool,
+        draw: &VolumeDraw<'_>,
     ) {
         let slice = scene.slice(pass.input, planned);
-        let caps = if without_bottom { 3 } else { 6 } * slice.place.triangle_count;
+        let caps = if draw.without_bottom { 3 } else { 6 } * slice.place.triangle_count;
         if scene.pulled.is_some() {
             let count = match part {
                 Part::Caps => caps,
                 // Entry e needs entry e + 1; the last one is a separator.
-                Part::Walls { .. } => 6 * slice.loop_index_count.saturating_sub(1),
+                Part::Walls { .. } | Part::TurnedWalls => {
+                    6 * slice.loop_index_count.saturating_sub(1)
+                }
             };
             pass.draw(0..count, planned);
             return;
         }
+        let (walls, turned) = (slice.loop_index_count, slice.turned_index_count);
+        let first_wall = slice.place.first_loop_index;
         let (first, count) = match part {
             Part::Caps => (slice.place.first_triangle_index, caps),
-            Part::Walls { .. } => (slice.place.first_loop_index, slice.loop_index_count),
+            Part::Walls { .. } if draws_first_walls_twice(self.variant.layout, draw.state) => {
+                (first_wall, walls - turned)
+            }
+            Part::Walls { .. } => (first_wall, walls),
+            Part::TurnedWalls => (first_wall + walls - 2 * turned, turned),
         };
         let base_vertex = if scene.flags.is_some() {
             // Every region starts at the first flag, so its positions must start there too.

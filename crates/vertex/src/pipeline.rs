@@ -3,7 +3,7 @@
 
 use crate::{FLAG_BYTES, Layout, VertexVariant};
 use std::collections::HashMap;
-use terrafill_frame::{BackendError, PositionFormat, VolumeState};
+use terrafill_frame::{BackendError, FaceSet, PositionFormat, VolumeState};
 use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
 
 /// Which part of a volume a pipeline draws. Doubled walls may be strips, and a strip's restart value
@@ -11,12 +11,28 @@ use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Part {
     Caps,
-    Walls { short_indices: bool },
+    Walls {
+        short_indices: bool,
+    },
+    /// Walls whose front is their back.
+    TurnedWalls,
 }
 
-/// The parts of volumes whose indices have this width.
-pub(crate) fn parts(short_indices: bool) -> [Part; 2] {
+/// The parts of volumes in a layout whose indices have this width, as a state draws them.
+pub(crate) fn parts(
+    layout: Layout,
+    state: VolumeState,
+    short_indices: bool,
+) -> impl Iterator<Item = Part> {
+    let turned = draws_first_walls_twice(layout, state).then_some(Part::TurnedWalls);
     [Part::Caps, Part::Walls { short_indices }]
+        .into_iter()
+        .chain(turned)
+}
+
+/// Whether the first wall on an inner edge stands for the second one too.
+pub(crate) fn draws_first_walls_twice(layout: Layout, state: VolumeState) -> bool {
+    layout == Layout::PerTriangle && state.faces() == FaceSet::Both
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -121,6 +137,10 @@ impl Pipelines {
             constants: &[("POSITIONS", positions_number(self.variant.positions))],
             buffers: &buffers,
             strip_index_format: self.strip_format(key.part),
+            front_face: match key.part {
+                Part::Caps | Part::Walls { .. } => wgpu::FrontFace::Ccw,
+                Part::TurnedWalls => wgpu::FrontFace::Cw,
+            },
         };
         shader.pipeline(gpu, key.state, key.blends)
     }
@@ -159,8 +179,8 @@ fn entry_point(vertices: Vertices, part: Part, handed_on: HandedOn) -> &'static 
         (Pulled, Part::Caps, HandedOn::Nothing) => "caps_main",
         (Pulled, Part::Caps, HandedOn::Colour) => "coloured_caps",
         (Pulled, Part::Caps, HandedOn::Number) => "numbered_caps",
-        (Pulled, Part::Walls { .. }, HandedOn::Nothing) => "walls_main",
-        (Pulled, Part::Walls { .. }, HandedOn::Colour) => "coloured_walls",
-        (Pulled, Part::Walls { .. }, HandedOn::Number) => "numbered_walls",
+        (Pulled, Part::Walls { .. } | Part::TurnedWalls, HandedOn::Nothing) => "walls_main",
+        (Pulled, Part::Walls { .. } | Part::TurnedWalls, HandedOn::Colour) => "coloured_walls",
+        (Pulled, Part::Walls { .. } | Part::TurnedWalls, HandedOn::Number) => "numbered_walls",
     }
 }

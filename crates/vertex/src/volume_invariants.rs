@@ -17,6 +17,7 @@
 use crate::layout::{RegionSlice, SceneGeometry};
 use crate::{IndexOrder, Layout, VertexSize, VertexVariant, Walls};
 use glam::{DVec3, IVec3, Vec3};
+use std::collections::HashMap;
 use std::path::PathBuf;
 use terrafill_core::{
     ClosedSurface, EdgeRule, Ellipsoid, MeshOptions, RegionMesh, VolumeHeights, check_closed,
@@ -115,6 +116,41 @@ fn list(indices: &[u32]) -> Result<Vec<[u32; 3]>, String> {
     }
 }
 
+/// Walls in the order of the triangles whose sides they stand on, two a wall.
+///
+/// - `caps`: top caps, then as many bottom caps
+/// - `walls`: on the boundary, the first on inner edges, the second there, each in any order
+fn by_triangle(caps: &[[u32; 3]], walls: [Vec<[u32; 3]>; 3]) -> Vec<[u32; 3]> {
+    // By the side that they stand on, as the triangle has it.
+    let mut standing: HashMap<[u32; 2], Vec<[u32; 3]>> = HashMap::new();
+    for (kind, walls) in walls.iter().enumerate() {
+        for wall in walls.chunks(2) {
+            let ends = wall[0]
+                .iter()
+                .chain(&wall[wall.len() - 1])
+                .map(|place| place / 2);
+            let start = wall[0][0] / 2;
+            let end = ends.clone().find(|end| *end != start).unwrap_or(start);
+            let side = if kind == 2 {
+                [end, start]
+            } else {
+                [start, end]
+            };
+            standing.entry(side).or_default().extend(wall);
+        }
+    }
+    let mut ordered = Vec::new();
+    for &[a, b, c] in &caps[..caps.len() / 2] {
+        for side in [[a, b], [b, c], [c, a]].map(|side| side.map(|place| place / 2)) {
+            ordered.extend(standing.remove(&side).unwrap_or_default());
+        }
+    }
+    let mut left: Vec<[u32; 3]> = standing.into_values().flatten().collect();
+    left.sort_unstable();
+    ordered.extend(left);
+    ordered
+}
+
 /// The same corners for both windings of a triangle, and which one it was: 1 or −1, or 0 where the
 /// triangle is its own back. Begins with its own first corner if it `keeps_first`, else with the
 /// least.
@@ -204,6 +240,28 @@ impl Reader<'_> {
         indices.ok_or_else(|| format!("indices {range:?} are beyond the buffer"))
     }
 
+    /// Indices of walls on the boundary, the first ones on inner edges, and the second ones.
+    fn in_kinds<'b>(&self, walls: &'b [u32]) -> [&'b [u32]; 3] {
+        let turned = self.slice.turned_index_count as usize;
+        let second = walls.len().saturating_sub(turned);
+        let first = second.saturating_sub(turned);
+        [&walls[..first], &walls[first..second], &walls[second..]]
+    }
+
+    /// Whether every second wall is the first one turned over: where both faces are drawn, the first
+    /// one stands for it.
+    fn check_second_walls(&self) -> Result<(), String> {
+        let slice = self.slice;
+        let walls = self.indices(slice.place.first_loop_index, slice.loop_index_count)?;
+        let [_, firsts, seconds] = self.in_kinds(&walls).map(list);
+        let turned = seconds?.into_iter().map(|[a, b, c]| [a, c, b]);
+        if turned.eq(firsts?) {
+            Ok(())
+        } else {
+            Err("a second wall is not the first one turned over".to_owned())
+        }
+    }
+
     /// `doubled.wgsl`'s attributes: the flag lies behind the position, or in the buffer that every
     /// region reads from its start.
     fn fetch_stored(&self, index: u32) -> Result<Corner, String> {
@@ -233,6 +291,10 @@ impl Reader<'_> {
                 u32::MAX
             };
             strip(&walls, restart)
+        } else if self.variant.layout == Layout::PerTriangle {
+            let [outer, firsts, seconds] = self.in_kinds(&walls).map(list);
+            let (outer, firsts, seconds) = (outer?, firsts?, seconds?);
+            by_triangle(&triangles, [outer, firsts, seconds])
         } else {
             list(&walls)?
         });
@@ -305,8 +367,8 @@ impl Reader<'_> {
     }
 
     /// Whether the walls are the boundary's once those that are each other turned over are left
-    /// out. Walls that cancel do so to the bit only if they have the same first corner, too: see
-    /// `push_inner_walls`.
+    /// out. Walls that cancel do so to the bit only if they have the same corners in the same order,
+    /// and so the same first one: see `push_inner_walls`.
     fn check_walls(&self, walls: &[[Corner; 3]], mesh: &RegionMesh) -> Result<(), String> {
         let keeps_first = self.variant.layout == Layout::PerTriangle;
         let expected = self.boundary_walls(mesh)?;
@@ -541,6 +603,9 @@ impl Scene {
             }
             let caps = 2 * slice.place.triangle_count as usize;
             reader.check_walls(&triangles[caps..], mesh).map_err(fail)?;
+            if variant.layout == Layout::PerTriangle {
+                reader.check_second_walls().map_err(fail)?;
+            }
             let filled: Vec<[Corner; 3]> = triangles.into_iter().filter(is_somewhere).collect();
             self.check_volume(&reader, &filled, mesh, *expected_m3)
                 .map_err(fail)?;
@@ -983,19 +1048,54 @@ fn walls_with_another_diagonal_or_first_corner_are_noticed() {
 }
 
 #[test]
+fn second_walls_that_are_not_the_first_ones_are_noticed() {
+    let scene = pair();
+    let per_triangle = |variant: &VertexVariant| variant.layout == Layout::PerTriangle;
+    for variant in storages().into_iter().filter(per_triangle) {
+        let turned = scene.build(&variant).regions[1].turned_index_count;
+        assert!(turned > 0 && turned.is_multiple_of(6), "{turned}");
+        for count in [0, turned - 6, turned + 6] {
+            let mut geometry = scene.build(&variant);
+            geometry.regions[1].turned_index_count = count;
+            let found = scene.check_built(&geometry, &variant);
+            assert!(found.is_err(), "{}: {count} of {turned}", variant.name());
+        }
+        // Turned over in another order of corners: as closed, and as many walls.
+        let mut geometry = scene.build(&variant);
+        let slice = geometry.regions[1];
+        let end = (slice.place.first_loop_index + slice.loop_index_count) as usize;
+        geometry.indices.short[end - 3..end].rotate_left(1);
+        assert!(scene.check_built(&geometry, &variant).is_err());
+        // In another order of walls, which nothing else would tell.
+        let mut geometry = scene.build(&variant);
+        for k in 1..=6 {
+            geometry.indices.short.swap(end - k, end - 6 - k);
+        }
+        let found = scene.check_built(&geometry, &variant);
+        let found = found.expect_err("another order");
+        assert!(found.contains("not the first one turned over"), "{found}");
+    }
+}
+
+#[test]
 fn volumes_of_triangles_must_each_be_closed() {
-    // Two triangles that have changed walls: together closed as before, none by itself.
+    // Two triangles that have changed the walls between them: together closed as before, none by itself.
     let scene = pair();
     let per_triangle = |variant: &VertexVariant| variant.layout == Layout::PerTriangle;
     for variant in storages().into_iter().filter(per_triangle) {
         let mut geometry = scene.build(&variant);
-        let wall = geometry.regions[1].place.first_loop_index as usize;
+        let slice = geometry.regions[1];
+        let turned = slice.turned_index_count as usize;
+        let end = (slice.place.first_loop_index + slice.loop_index_count) as usize;
         for k in 0..6 {
-            geometry.indices.short.swap(wall + k, wall + 18 + k);
+            geometry
+                .indices
+                .short
+                .swap(end - 2 * turned + k, end - turned + k);
         }
         let found = scene.check_built(&geometry, &variant);
         let found = found.expect_err("walls of another triangle");
-        assert!(found.contains("volume 0"), "{found}");
+        assert!(found.contains("volume "), "{found}");
     }
 }
 

@@ -34,6 +34,8 @@ pub struct GeometryStage {
     pub hands_on: HandsOn,
     /// Makes bottom caps.
     pub draws_bottom: bool,
+    /// Makes the walls that are turned over, and nothing else: front and back are exchanged.
+    pub is_turned: bool,
 }
 
 /// A fragment shader, or none for passes without colour.
@@ -322,17 +324,19 @@ fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, Ba
     let device = &gpu.device;
     let vertex_name = entry_name(descriptor.vertex.entry_point)?;
     let main_name = entry_name("main")?;
-    // A `bool` constant takes 4 bytes in SPIR-V.
-    let draws_bottom = u32::from(descriptor.geometry.is_none_or(|stage| stage.draws_bottom));
-    let constant_bytes = draws_bottom.to_ne_bytes();
-    let constant_entries = [vk::SpecializationMapEntry {
-        constant_id: 0,
-        offset: 0,
-        size: constant_bytes.len(),
-    }];
+    let is_turned = descriptor.geometry.is_some_and(|stage| stage.is_turned);
+    // `DRAWS_BOTTOM` and `TURNED`; a `bool` constant takes 4 bytes in SPIR-V.
+    let draws_bottom = descriptor.geometry.is_none_or(|stage| stage.draws_bottom);
+    let constant_values = [draws_bottom, is_turned].map(u32::from);
+    let constant_bytes: &[u8] = bytemuck::cast_slice(&constant_values);
+    let constant_entries = [0, 1].map(|constant_id: u32| vk::SpecializationMapEntry {
+        constant_id,
+        offset: 4 * constant_id,
+        size: size_of::<u32>(),
+    });
     let constants = vk::SpecializationInfo::default()
         .map_entries(&constant_entries)
-        .data(&constant_bytes);
+        .data(constant_bytes);
     let stage = |flag, module, name| {
         vk::PipelineShaderStageCreateInfo::default()
             .stage(flag)
@@ -382,6 +386,7 @@ fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, Ba
         format: descriptor.format,
         topology: descriptor.topology,
         faces: descriptor.state.faces(),
+        is_turned,
         depth_stencil: depth_stencil(descriptor.state),
         depth_bounds: descriptor.depth_bounds,
         blends: if has_colour { &blends } else { &[] },
@@ -397,6 +402,8 @@ pub(crate) struct Assembly<'a> {
     pub(crate) format: VertexFormat,
     pub(crate) topology: Topology,
     pub(crate) faces: FaceSet,
+    /// Front faces are clockwise.
+    pub(crate) is_turned: bool,
     pub(crate) depth_stencil: vk::PipelineDepthStencilStateCreateInfo<'a>,
     pub(crate) depth_bounds: bool,
     /// One for each colour target.
@@ -435,7 +442,11 @@ impl Assembly<'_> {
                 FaceSet::Back => vk::CullModeFlags::FRONT,
             })
             // The viewport's negative height turns y up, as WGSL has it.
-            .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
+            .front_face(if self.is_turned {
+                vk::FrontFace::CLOCKWISE
+            } else {
+                vk::FrontFace::COUNTER_CLOCKWISE
+            })
             .line_width(1.0);
         let multisample = vk::PipelineMultisampleStateCreateInfo::default()
             .rasterization_samples(vk::SampleCountFlags::TYPE_1);

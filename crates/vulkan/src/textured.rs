@@ -193,6 +193,7 @@ fn create(gpu: &Gpu, descriptor: &TexturedDescriptor<'_>) -> Result<vk::Pipeline
         format: VertexFormat::Number,
         topology: Topology::Triangles,
         faces: FaceSet::Both,
+        is_turned: false,
         depth_stencil: stencil_test(descriptor.test),
         depth_bounds: false,
         blends: &[over; 2][..1 + usize::from(is_probe)],
