@@ -21,6 +21,9 @@ use std::ops::ControlFlow;
 /// taken away by `snap` where the region is meshed.
 pub(crate) const MOST_ROUNDS: usize = 8;
 
+/// Crossings to those of an earlier round from which on there is no end of them.
+pub(crate) const MOST_GROWTH: usize = 2;
+
 impl Region {
     /// Makes a vertex of every place where two edges cross, so that the region can be meshed and is
     /// filled by the even-odd rule; returns how many there were and notes them in
@@ -31,12 +34,15 @@ impl Region {
     pub fn split_at_crossings(&mut self, rule: EdgeRule) -> usize {
         let mut total = 0;
         self.repaired = true;
+        let mut fewest = usize::MAX;
         for _ in 0..MOST_ROUNDS {
             let found = self.split_once(rule);
             total += found;
-            if found == 0 {
+            // Edges that are one to rounding cross more often with every place that they are split at.
+            if found == 0 || found > fewest.saturating_mul(MOST_GROWTH) {
                 break;
             }
+            fewest = fewest.min(found);
         }
         if total > 0 {
             let plural = if total == 1 { "" } else { "s" };
