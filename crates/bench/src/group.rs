@@ -727,6 +727,19 @@ fn is_all_silhouette(errors: &TextureErrors) -> bool {
 mod tests {
     use super::*;
 
+    /// `None`, with the reason printed, where there is none and none is required.
+    fn device() -> Option<Arc<Gpu>> {
+        match Gpu::open(&terrafill_gpu::GpuOptions::default()) {
+            Ok(gpu) => Some(gpu),
+            Err(why) => {
+                let required = std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_some();
+                assert!(!required, "{why}");
+                eprintln!("skipped: {why}");
+                None
+            }
+        }
+    }
+
     #[test]
     fn texels_that_are_all_at_silhouettes_are_no_verdict() {
         let all = TextureErrors {
@@ -787,15 +800,7 @@ mod tests {
 
     #[test]
     fn coordinates_that_are_shifted_make_the_row_wrong() {
-        let gpu = match Gpu::open(&terrafill_gpu::GpuOptions::default()) {
-            Ok(gpu) => gpu,
-            Err(why) => {
-                let required = std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_some();
-                assert!(!required, "{why}");
-                eprintln!("skipped: {why}");
-                return;
-            }
-        };
+        let Some(gpu) = device() else { return };
         let place = tempfile::tempdir().expect("a folder");
         let options = BenchOptions {
             scenes: vec!["california".to_owned()],
@@ -862,15 +867,7 @@ mod tests {
 
     #[test]
     fn what_rounds_too_much_to_be_right_is_left_out_of_the_matrix_by_its_bound_alone() {
-        let gpu = match Gpu::open(&terrafill_gpu::GpuOptions::default()) {
-            Ok(gpu) => gpu,
-            Err(why) => {
-                let required = std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_some();
-                assert!(!required, "{why}");
-                eprintln!("skipped: {why}");
-                return;
-            }
-        };
+        let Some(gpu) = device() else { return };
         let place = tempfile::tempdir().expect("a folder");
         let options = BenchOptions {
             scenes: vec!["square-200km".to_owned()],

@@ -442,7 +442,16 @@ pub(crate) fn split_outline(edges: &[OutlineEdge], crossings: &[Crossing]) -> Ve
             insertions.push((index, along, at));
         }
     }
+    split_at(edges, insertions)
+}
+
+/// Splits edges at places: index of the edge, how far along it, place.
+pub(crate) fn split_at(
+    edges: &[OutlineEdge],
+    mut insertions: Vec<(usize, f64, Degrees)>,
+) -> Vec<OutlineEdge> {
     insertions.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    insertions.dedup();
     let mut waiting = insertions.iter().peekable();
     let mut split = Vec::with_capacity(edges.len() + insertions.len());
     for (index, edge) in edges.iter().enumerate() {

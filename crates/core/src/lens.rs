@@ -16,7 +16,7 @@
 
 use crate::EdgeRule;
 use crate::box_tree::{AxisBox, BoxTree};
-use crate::crossings::{Crossing, find_crossings, great_ellipse_crossing};
+use crate::crossings::{Crossing, find_crossings, great_ellipse_crossing, split_at};
 use crate::edge::{Degrees, ROUNDING, arc_rad, in_order, normal, point_on_edge};
 use crate::outline::OutlineEdge;
 use glam::DVec3;
@@ -134,19 +134,7 @@ fn split_on_arcs(
             }
         }
     }
-    insertions.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    insertions.dedup();
-    let mut waiting = insertions.iter().peekable();
-    let mut split = Vec::with_capacity(edges.len() + insertions.len());
-    for (index, edge) in edges.iter().enumerate() {
-        let mut rest = *edge;
-        while let Some((_, _, at)) = waiting.next_if(|insertion| insertion.0 == index) {
-            split.push(OutlineEdge { end: *at, ..rest });
-            rest.start = *at;
-        }
-        split.push(rest);
-    }
-    split
+    split_at(edges, insertions)
 }
 
 /// An edge as places lie beside it.

@@ -12,6 +12,19 @@ fn region(coordinates: &str) -> Region {
     regions.remove(0)
 }
 
+/// Of a region that is meshed, and rightly.
+#[track_caller]
+fn sound_mesh(
+    region: &Region,
+    body: &Ellipsoid,
+    rule: EdgeRule,
+    options: &MeshOptions,
+) -> RegionMesh {
+    let mesh = RegionMesh::build(region, body, rule, options).expect("meshes");
+    assert_eq!(mesh.check_invariants(body), Ok(()));
+    mesh
+}
+
 fn build(region: &Region, rule: EdgeRule) -> Result<RegionMesh, MeshError> {
     let body = Ellipsoid::WGS84;
     let mesh = RegionMesh::build(region, &body, rule, &MeshOptions::default())?;
@@ -80,9 +93,7 @@ fn a_sliver_between_an_arc_and_its_chord_has_the_area_of_its_arcs() {
             boundary_tolerance_m,
             cap_step_deg: 0.01,
         };
-        let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options);
-        let mesh = mesh.expect("meshes");
-        assert_eq!(mesh.check_invariants(&body), Ok(()));
+        let mesh = sound_mesh(&region, &body, EdgeRule::GreatEllipse, &options);
         mesh.area_m2
     };
     let (coarse, fine) = (build(8.3), build(1e-5));
@@ -106,8 +117,7 @@ fn an_edge_bent_over_its_neighbour_by_its_splits_is_no_crossing() {
         boundary_tolerance_m: 788_906.275_193_956_9,
         cap_step_deg: 4.166_666_666_666_667,
     };
-    let mesh = RegionMesh::build(&region, &body, EdgeRule::Planar, &options).expect("meshes");
-    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    sound_mesh(&region, &body, EdgeRule::Planar, &options);
     // Twin: edges that do cross are refused.
     let bow_tie = self::region("[[[[160,5],[180,35],[160,33],[180,6]]]]");
     let error = RegionMesh::build(&bow_tie, &body, EdgeRule::Planar, &options).err();
@@ -212,9 +222,7 @@ fn an_arc_back_along_another_has_the_same_area_either_way_round_within_the_toler
         };
         let area = |ring: &str| {
             let region = region(&format!("[[[{ring}]]]"));
-            let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options);
-            let mesh = mesh.expect("meshes");
-            assert_eq!(mesh.check_invariants(&body), Ok(()));
+            let mesh = sound_mesh(&region, &body, EdgeRule::GreatEllipse, &options);
             mesh.area_m2
         };
         let difference_m2 = (area(there) - area(back)).abs();
@@ -236,8 +244,7 @@ fn an_arc_that_passes_a_pole_by_a_rounding_is_not_split_at_the_pole() {
         boundary_tolerance_m: 3.8e7,
         cap_step_deg: 20.0,
     };
-    let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options).expect("meshes");
-    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    let mesh = sound_mesh(&region, &body, EdgeRule::GreatEllipse, &options);
     // Half of a square with this half diagonal, in the plane that touches the pole, where the radius
     // of curvature is a²/b.
     let radius_m = body.equatorial_radius_m().powi(2) / body.polar_radius_m();
@@ -326,9 +333,7 @@ fn an_arc_that_is_cut_at_the_antimeridian_a_rounding_from_the_pole_goes_over_the
     let half_diagonal_m = 0.25_f64.to_radians() * radius_m;
     for third in ["[0,89.75]", "[180,89.75]"] {
         let region = region(&format!("[[[{arc},{third}]]]"));
-        let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options);
-        let mesh = mesh.expect("meshes");
-        assert_eq!(mesh.check_invariants(&body), Ok(()));
+        let mesh = sound_mesh(&region, &body, EdgeRule::GreatEllipse, &options);
         let error = mesh.area_m2 / half_diagonal_m.powi(2) - 1.0;
         assert!(error.abs() < 1e-4, "{third}: {error}");
         // As far as rounding allows, where it goes exactly over the pole.
@@ -488,10 +493,7 @@ fn arcs_of_a_hundred_degrees_a_rounding_apart_are_led_through_common_vertices() 
         };
         let mut repaired = region.clone();
         assert!(repaired.split_at_crossings(EdgeRule::GreatEllipse) > 0);
-        let mesh = RegionMesh::build(&repaired, &body, EdgeRule::GreatEllipse, &options);
-        let mesh = mesh.expect("meshes");
-        assert_eq!(mesh.check_invariants(&body), Ok(()));
-        mesh
+        sound_mesh(&repaired, &body, EdgeRule::GreatEllipse, &options)
     };
     // By `expectations/slivers.py`.
     let expected_m2 = 659_624.066;
@@ -540,9 +542,7 @@ fn slivers_beside_a_vertex_where_chords_cross_keep_their_area() {
             boundary_tolerance_m,
             cap_step_deg: 30.0,
         };
-        let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options);
-        let mesh = mesh.expect("meshes");
-        assert_eq!(mesh.check_invariants(&body), Ok(()));
+        let mesh = sound_mesh(&region, &body, EdgeRule::GreatEllipse, &options);
         // By `expectations/slivers.py`.
         let off = mesh.area_m2 / 969_167.646 - 1.0;
         assert!(off.abs() < 2e-5, "{boundary_tolerance_m} m: {off}");
@@ -570,8 +570,7 @@ fn the_feet_of_vertices_are_within_the_extent() {
         boundary_tolerance_m: 3_713.006_849_783_174_4,
         cap_step_deg: 30.0,
     };
-    let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options).expect("meshes");
-    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    let mesh = sound_mesh(&region, &body, EdgeRule::GreatEllipse, &options);
     let latitudes = mesh.vertices_deg.iter().map(|vertex| vertex[1]);
     let southernmost = latitudes.fold(90.0, f64::min);
     assert_eq!(mesh.extent.south_deg, southernmost);
@@ -610,8 +609,7 @@ fn interior_edges_a_rounding_apart_to_one_place_at_a_pole_are_both_halved() {
         boundary_tolerance_m: 458.285_613_663_488_33,
         cap_step_deg: 30.0,
     };
-    let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options).expect("meshes");
-    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    let mesh = sound_mesh(&region, &body, EdgeRule::GreatEllipse, &options);
     assert!(widest_deg(&mesh) <= 45.0, "{}°", widest_deg(&mesh));
     // Twin: the facet of which the wide edge was a side.
     let vertices_deg = vec![
@@ -681,8 +679,7 @@ fn a_vertex_moved_to_the_middle_of_its_cell_is_within_the_extent() {
         boundary_tolerance_m: 100_187.541_713_946_22,
         cap_step_deg: 7.5,
     };
-    let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options).expect("meshes");
-    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    let mesh = sound_mesh(&region, &body, EdgeRule::GreatEllipse, &options);
     let in_the_east = |longitude: &f64| (-180.0..-170.0).contains(longitude);
     let off_the_pole = mesh.vertices_deg.iter().filter(|vertex| vertex[1] > -90.0);
     let easternmost = off_the_pole.map(|vertex| vertex[0]).filter(in_the_east);
@@ -715,9 +712,7 @@ fn slivers_are_repaired_at_places_on_both_arcs() {
             boundary_tolerance_m,
             cap_step_deg: 30.0,
         };
-        let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options);
-        let mesh = mesh.expect("meshes");
-        assert_eq!(mesh.check_invariants(&body), Ok(()));
+        let mesh = sound_mesh(&region, &body, EdgeRule::GreatEllipse, &options);
         // By `expectations/slivers.py`, of the rings 180° further west.
         let off = mesh.area_m2 / 579_220.260_6 - 1.0;
         assert!(off.abs() < 2e-5, "{boundary_tolerance_m} m: {off}");
@@ -750,9 +745,7 @@ fn arcs_beside_a_pole_may_cross_by_rounding_where_they_are_followed() {
             cap_step_deg: 0.3,
         };
         let region = region(&format!("[[{:?}],[{:?}]]", rings[0], rings[1]));
-        let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options);
-        let mesh = mesh.expect("meshes");
-        assert_eq!(mesh.check_invariants(&body), Ok(()));
+        let mesh = sound_mesh(&region, &body, EdgeRule::GreatEllipse, &options);
         mesh.area_m2
     };
     let there = rings.map(<[_]>::to_vec);
@@ -794,8 +787,7 @@ fn rings_that_are_one_to_rounding_do_not_cross_more_with_every_repair() {
         boundary_tolerance_m: 1e9,
         cap_step_deg: 30.0,
     };
-    let mesh = RegionMesh::build(&region, &body, EdgeRule::Planar, &options).expect("meshes");
-    assert_eq!(mesh.check_invariants(&body), Ok(()));
+    let mesh = sound_mesh(&region, &body, EdgeRule::Planar, &options);
     assert!(mesh.vertex_count() < 1_000, "{}", mesh.vertex_count());
     // A hemisphere, but for a coast that is 15 nanoradians wide at most.
     let hemisphere_m2 = std::f64::consts::TAU * body.equatorial_radius_m().powi(2);
@@ -842,9 +834,7 @@ fn slivers_in_the_lenses_of_arcs_cost_a_vertex_for_each_of_theirs() {
             "[[[[0,50],[20,50],[{:?},{:?}]]]]",
             third[0], third[1]
         ));
-        let mesh = RegionMesh::build(&region, &body, EdgeRule::GreatEllipse, &options);
-        let mesh = mesh.expect("meshes");
-        assert_eq!(mesh.check_invariants(&body), Ok(()));
+        let mesh = sound_mesh(&region, &body, EdgeRule::GreatEllipse, &options);
         assert!(mesh.vertex_count() <= 12, "{}", mesh.vertex_count());
         areas.push(mesh.area_m2 / width_deg);
     }
