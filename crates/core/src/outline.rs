@@ -750,6 +750,10 @@ fn group(mut parts: Vec<Part>) -> Vec<Vec<OutlineEdge>> {
     done.sort_unstable();
     done.into_iter()
         .map(|members| {
+            // Most groups are one part, and a million edges are memory to fill once more.
+            if let [only] = members[..] {
+                return std::mem::take(&mut parts[only].edges);
+            }
             let count = members.iter().map(|&i| parts[i].edges.len()).sum();
             let mut edges = Vec::with_capacity(count);
             for i in members {
