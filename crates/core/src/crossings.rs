@@ -22,7 +22,7 @@ use std::ops::ControlFlow;
 pub(crate) const MOST_ROUNDS: usize = 8;
 
 /// Crossings to those of an earlier round from which on there is no end of them.
-pub(crate) const MOST_GROWTH: usize = 2;
+const MOST_GROWTH: usize = 2;
 
 impl Region {
     /// Makes a vertex of every place where two edges cross, so that the region can be meshed and is
