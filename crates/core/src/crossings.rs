@@ -502,7 +502,9 @@ pub(crate) fn crossing_places(
 pub(crate) fn planar_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degrees> {
     let [a, b] = [a, b].map(|ends| ends.map(|end| end.map(without_underflow)));
     let coord = |[x, y]: Degrees| robust::Coord { x, y };
-    let side = |[p, q]: [Degrees; 2], r| robust::orient2d(coord(p), coord(q), coord(r));
+    // Only the signs are exact. Their sizes, which say where, have the rounding of differences from the
+    // third place: from an end of the edge itself they are as good as the edge is short.
+    let side = |[p, q]: [Degrees; 2], r| robust::orient2d(coord(q), coord(r), coord(p));
     let (a0, a1) = (side(b, a[0]), side(b, a[1]));
     let (b0, b1) = (side(a, b[0]), side(a, b[1]));
     (opposite(a0, a1) && opposite(b0, b1)).then(|| {
@@ -618,6 +620,36 @@ mod tests {
             off_by_planes = off_by_planes.max(off(a, place.map(f64::to_degrees)));
         }
         assert!(off_by_planes > 1e-8, "{off_by_planes}");
+    }
+
+    /// From the find `a_crossing_told_half_a_millimetre_off_its_edge`: a long edge, the tiny edge of a
+    /// sliver over it, and the ends of another. Coordinates are those of the file.
+    #[test]
+    fn a_crossing_of_a_long_edge_and_a_tiny_one_is_on_both() {
+        let long = [
+            [-132.40000055, 51.07631785420905],
+            [-179.95000065, 60.1000007],
+        ];
+        let tiny = [
+            [-156.175000575, 55.58815932710453],
+            [-156.1750006, 55.58815927710452],
+        ];
+        let off = |[from, to]: [Degrees; 2], [x, y]: Degrees| {
+            let along = [to[0] - from[0], to[1] - from[1]];
+            let product = along[0] * (y - from[1]) - along[1] * (x - from[0]);
+            (product / along[0].hypot(along[1])).abs()
+        };
+        for (a, b) in [(long, tiny), (tiny, long)] {
+            let at = planar_crossing(a, b).expect("cross");
+            assert!(off(long, at) < 5e-14 && off(tiny, at) < 5e-14, "{at:?}");
+        }
+        // Twin: the sides of the long edge's ends as seen from these ends.
+        let coord = |[x, y]: Degrees| robust::Coord { x, y };
+        let side = |r| robust::orient2d(coord(tiny[0]), coord(tiny[1]), coord(r));
+        let (from, to) = (side(long[0]), side(long[1]));
+        let share = from / (from - to);
+        let at = [0, 1].map(|i| long[0][i] + (long[1][i] - long[0][i]) * share);
+        assert!(off(tiny, at) > 1e-8, "{at:?}");
     }
 
     #[test]
