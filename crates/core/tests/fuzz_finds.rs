@@ -519,6 +519,38 @@ fn arcs_of_a_hundred_degrees_a_rounding_apart_are_led_through_common_vertices() 
 }
 
 #[test]
+fn arcs_that_cross_more_with_every_split_are_led_through_one_another() {
+    // Five arcs of a hundred degrees, a last bit apart. Each place that two were split at made them
+    // cross others, so it ended with the crossings of chords 115 km off: 30,352 km² of a sliver of
+    // one square metre.
+    let sliver = "[[[-50.0,-19.9],[4.313725763931867,64.06216298919168],\
+        [-50.00000000000003,-19.900000000000006],[4.313725763931863,64.06216298919165],\
+        [-50.000000000000036,-19.900000000000013]]]";
+    let backwards = "[[[-50.000000000000036,-19.900000000000013],[4.313725763931863,64.06216298919165],\
+        [-50.00000000000003,-19.900000000000006],[4.313725763931867,64.06216298919168],\
+        [-50.0,-19.9]]]";
+    let triangle = "[[[-50.0,-19.9],[-51.0,-19.9],[-51.0,-21.0]]]";
+    let body = Ellipsoid::SATURN_LIKE;
+    let options = MeshOptions {
+        boundary_tolerance_m: 115_601.066_191_754_5,
+        cap_step_deg: 30.0,
+    };
+    let area_m2 = |polygons: &[&str]| {
+        let region = region(&format!("[{}]", polygons.join(",")));
+        sound_mesh(&region, &body, EdgeRule::GreatEllipse, &options).area_m2
+    };
+    let alone_m2 = area_m2(&[triangle]);
+    for sliver in [sliver, backwards] {
+        let added_m2 = area_m2(&[sliver, triangle]) - alone_m2;
+        assert!(added_m2.abs() < 10.0, "{added_m2} m²");
+    }
+    // Twin: a vertex a hundred thousandth of a degree off encloses more.
+    let moved = sliver.replace("-50.000000000000036", "-50.00001");
+    let added_m2 = area_m2(&[&moved, triangle]) - alone_m2;
+    assert!(added_m2 > 1e7, "{added_m2} m²");
+}
+
+#[test]
 fn slivers_beside_a_vertex_where_chords_cross_keep_their_area() {
     // Of three arcs millimetres apart two crossed by rounding, and their chords crossed off all three
     // by as much as a chord is off its arc: made a vertex there, it bent two of them past the third.
