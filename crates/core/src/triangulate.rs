@@ -120,20 +120,11 @@ fn load_without_false_crossings(
     {
         return Ok(group);
     }
-    let as_followed = |group| Group {
-        arcs_followed: true,
-        ..group
-    };
-    if let Ok(Some(group)) = Group::load(&followed) {
-        return Ok(as_followed(group));
-    }
-    // Arcs that are one to rounding can cross more with every place that they are split at.
-    let merged = follow_arcs(edges.clone(), WithinRounding::Merged);
-    if let Ok(Some(group)) = Group::load(&merged) {
-        return Ok(as_followed(group));
-    }
     if let Ok(group) = load_split_at_crossings(followed, rule) {
-        return Ok(as_followed(group));
+        return Ok(Group {
+            arcs_followed: true,
+            ..group
+        });
     }
     // The chords are within the tolerance as they were.
     drawn.map_or_else(|| load_split_at_crossings(edges, rule), Ok)

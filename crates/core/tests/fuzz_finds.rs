@@ -518,35 +518,73 @@ fn arcs_of_a_hundred_degrees_a_rounding_apart_are_led_through_common_vertices() 
     assert!(moved.abs() > 1e-2, "{moved}");
 }
 
+/// As coordinates of a polygon.
+fn rings_text(rings: &[Vec<[f64; 2]>]) -> String {
+    let ring = |ring: &Vec<[f64; 2]>| {
+        let places = ring.iter().map(|[x, y]| format!("[{x:?},{y:?}]"));
+        format!("[{}]", places.collect::<Vec<_>>().join(","))
+    };
+    let rings = rings.iter().map(ring);
+    format!("[{}]", rings.collect::<Vec<_>>().join(","))
+}
+
 #[test]
 fn arcs_that_cross_more_with_every_split_are_led_through_one_another() {
-    // Five arcs of a hundred degrees, a last bit apart. Each place that two were split at made them
-    // cross others, so it ended with the crossings of chords 115 km off: 30,352 km² of a sliver of
-    // one square metre.
-    let sliver = "[[[-50.0,-19.9],[4.313725763931867,64.06216298919168],\
-        [-50.00000000000003,-19.900000000000006],[4.313725763931863,64.06216298919165],\
-        [-50.000000000000036,-19.900000000000013]]]";
-    let backwards = "[[[-50.000000000000036,-19.900000000000013],[4.313725763931863,64.06216298919165],\
-        [-50.00000000000003,-19.900000000000006],[4.313725763931867,64.06216298919168],\
-        [-50.0,-19.9]]]";
-    let triangle = "[[[-50.0,-19.9],[-51.0,-19.9],[-51.0,-21.0]]]";
+    // Arcs of a hundred degrees, a last bit apart. Each place that two were split at made them cross
+    // others, so it ended with the crossings of chords 115 km off, 30,352 km² of a sliver of one square
+    // metre, or, one way round only, with chords that were on the wrong side of a vertex: 1,741 km².
+    let five = vec![vec![
+        [-50.0, -19.9],
+        [4.313725763931867, 64.06216298919168],
+        [-50.00000000000003, -19.900000000000006],
+        [4.313725763931863, 64.06216298919165],
+        [-50.000000000000036, -19.900000000000013],
+    ]];
+    let many = vec![
+        vec![
+            [53.74999999999997, -9.899999999999993],
+            [-30.00000000000001, 90.0],
+            [53.74999999999989, -9.900000000000004],
+        ],
+        vec![
+            [53.74999999999996, -69.89999999999998],
+            [-29.999999999999993, 30.0],
+            [29.374999999999986, -69.9],
+            [53.74999999999995, -69.89999999999999],
+            [29.374999999999975, -69.89999999999999],
+            [-30.000000000000007, 30.0],
+            [53.74999999999989, -69.9],
+            [29.374999999999975, -69.89999999999999],
+            [29.374999999999964, -69.89999999999998],
+        ],
+    ];
     let body = Ellipsoid::SATURN_LIKE;
-    let options = MeshOptions {
-        boundary_tolerance_m: 115_601.066_191_754_5,
-        cap_step_deg: 30.0,
-    };
-    let area_m2 = |polygons: &[&str]| {
-        let region = region(&format!("[{}]", polygons.join(",")));
+    let area_m2 = |slivers: &[Vec<[f64; 2]>], boundary_tolerance_m: f64| {
+        let triangle = vec![
+            [29.375, -9.899999999999999],
+            [51.25, 20.1],
+            [53.75, -9.899999999999999],
+        ];
+        let rings = [&[triangle], slivers].concat();
+        let options = MeshOptions {
+            boundary_tolerance_m,
+            cap_step_deg: 30.0,
+        };
+        let region = region(&format!("[{}]", rings_text(&rings)));
         sound_mesh(&region, &body, EdgeRule::GreatEllipse, &options).area_m2
     };
-    let alone_m2 = area_m2(&[triangle]);
-    for sliver in [sliver, backwards] {
-        let added_m2 = area_m2(&[sliver, triangle]) - alone_m2;
-        assert!(added_m2.abs() < 10.0, "{added_m2} m²");
+    for (mut slivers, tolerance_m) in [(five.clone(), 115_601.066), (many, 168_194.817_871_351_6)] {
+        let alone_m2 = area_m2(&[], tolerance_m);
+        for _ in ["as found", "reversed"] {
+            let added_m2 = area_m2(&slivers, tolerance_m) - alone_m2;
+            assert!(added_m2.abs() < 100.0, "{added_m2} m²");
+            slivers.iter_mut().for_each(|ring| ring.reverse());
+        }
     }
     // Twin: a vertex a hundred thousandth of a degree off encloses more.
-    let moved = sliver.replace("-50.000000000000036", "-50.00001");
-    let added_m2 = area_m2(&[&moved, triangle]) - alone_m2;
+    let mut moved = five;
+    moved[0][4][0] = -50.00001;
+    let added_m2 = area_m2(&moved, 115_601.066) - area_m2(&[], 115_601.066);
     assert!(added_m2 > 1e7, "{added_m2} m²");
 }
 
