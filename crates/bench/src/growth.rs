@@ -8,11 +8,12 @@
 //! user's build is. In a process that has scenes loaded and shapes meshed already the allocator has
 //! memory to hand out again, whose pages are there: enough for a hundred thousand vertices and not for
 //! a million, whose arrays are above the 32 MiB from which on glibc asks the system every time. That
-//! alone made the growth from one to the other a tenth steeper than it is.
+//! alone made the growth from one to the other a tenth steeper than it is. Nor does that process make
+//! the shape: it reads it from a file, as a user's build does.
 
 use crate::BenchError;
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh, parse_regions};
 use terrafill_gpu::CpuStopwatch;
@@ -30,15 +31,19 @@ const REPETITIONS: u32 = 5;
 pub struct GrowthProgram {
     /// Executable.
     pub path: PathBuf,
-    /// First argument; the family's name and the number of vertices follow. It is to print what
-    /// [`growth_sample`] returns.
+    /// First argument; a file of GeoJSON follows. It is to print what [`growth_sample`] returns.
     pub verb: &'static str,
 }
 
 impl GrowthProgram {
-    fn measure(&self, family: ShapeFamily, vertices: u32) -> Result<(u64, f64), String> {
+    fn measure(&self, shape: &str) -> Result<(u64, f64), String> {
+        let file = tempfile::NamedTempFile::new()
+            .map_err(|error| format!("{}: {error}", std::env::temp_dir().display()))?;
+        std::fs::write(&file, shape)
+            .map_err(|error| format!("{}: {error}", file.path().display()))?;
         let output = Command::new(&self.path)
-            .args([self.verb, family.name(), &vertices.to_string()])
+            .arg(self.verb)
+            .arg(file.path())
             .output()
             .map_err(|error| format!("{}: {error}", self.path.display()))?;
         let text = String::from_utf8_lossy(&output.stdout);
@@ -55,14 +60,20 @@ impl GrowthProgram {
     }
 }
 
-/// Meshes one shape and says, in a line, how many vertices its outline has and what CPU time its mesh
-/// took from its text on, milliseconds.
+/// Meshes the first region of a file and says, in a line, how many vertices its outline has and what
+/// CPU time its mesh took from its text on, milliseconds.
 ///
 /// # Errors
-/// [`BenchError::Growth`] where the shape does not mesh.
-pub fn growth_sample(family: ShapeFamily, vertices: u32) -> Result<String, BenchError> {
-    let (vertices, cpu_ms) = mesh_ready(family, vertices).map_err(|why| failed(family, why))?;
-    Ok(format!("{vertices} {cpu_ms}\n"))
+/// [`BenchError::Growth`] where the file cannot be read or its region does not mesh.
+pub fn growth_sample(file: &Path) -> Result<String, BenchError> {
+    let shape = file.display().to_string();
+    let sample = std::fs::read(file)
+        .map_err(|error| error.to_string())
+        .and_then(|text| mesh_ready(&text));
+    match sample {
+        Ok((vertices, cpu_ms)) => Ok(format!("{vertices} {cpu_ms}\n")),
+        Err(message) => Err(BenchError::Growth { shape, message }),
+    }
 }
 
 /// Measures what the run's folder does not have yet and appends row by row; in this process without
@@ -98,11 +109,15 @@ pub(crate) fn measure(
         if done.contains(&(family.name().to_owned(), Some(asked), repetition)) {
             continue;
         }
+        let text = family.geojson(asked);
         let measured = match program {
-            Some(program) => program.measure(family, asked),
-            None => mesh_ready(family, asked),
+            Some(program) => program.measure(&text),
+            None => mesh_ready(text.as_bytes()),
         };
-        let (vertices, cpu_ms) = measured.map_err(|why| failed(family, why))?;
+        let (vertices, cpu_ms) = measured.map_err(|message| BenchError::Growth {
+            shape: family.name().to_owned(),
+            message,
+        })?;
         folder.append_growth(&GrowthRow {
             shape: family.name().to_owned(),
             outline_vertices: vertices,
@@ -113,19 +128,10 @@ pub(crate) fn measure(
     Ok(())
 }
 
-fn failed(family: ShapeFamily, message: String) -> BenchError {
-    BenchError::Growth {
-        shape: family.name(),
-        message,
-    }
-}
-
 /// Vertices of the outline and CPU time from its text to its mesh.
-fn mesh_ready(family: ShapeFamily, vertices: u32) -> Result<(u64, f64), String> {
-    let text = family.geojson(vertices);
+fn mesh_ready(text: &[u8]) -> Result<(u64, f64), String> {
     let watch = CpuStopwatch::start();
-    let regions =
-        parse_regions(text.as_bytes(), family.name()).map_err(|error| error.to_string())?;
+    let regions = parse_regions(text, "shape").map_err(|error| error.to_string())?;
     let region = regions.first().ok_or("no region")?;
     let (body, options) = (Ellipsoid::WGS84, MeshOptions::default());
     let mesh = RegionMesh::build(region, &body, EdgeRule::Planar, &options);
@@ -203,7 +209,9 @@ mod tests {
                 .iter()
                 .all(|row| row.mesh_cpu_ms == 0.5)
         );
-        let sample = growth_sample(ShapeFamily::Circle, 1_000).expect("meshes");
+        let file = folder.path().join("circle.geojson");
+        std::fs::write(&file, ShapeFamily::Circle.geojson(1_000)).expect("writable");
+        let sample = growth_sample(&file).expect("meshes");
         let mut words = sample.split_whitespace();
         assert_eq!(words.next(), Some("1000"));
         let cpu_ms: f64 = words.next().expect("a time").parse().expect("a number");

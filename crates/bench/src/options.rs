@@ -188,8 +188,8 @@ pub enum BenchError {
     /// A made-up shape cannot be meshed: a fault of this program.
     #[error("growth, {shape}: {message}")]
     Growth {
-        /// Its family.
-        shape: &'static str,
+        /// Its family, or the file that it was read from.
+        shape: String,
         /// Why.
         message: String,
     },

@@ -5,7 +5,6 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use terrafill_bench::Shard;
 use terrafill_core::{EdgeRule, Ellipsoid};
-use terrafill_scene::ShapeFamily;
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done · 1 a picture is wrong · 2 bad input or usage · 3 inconclusive ·
@@ -46,7 +45,7 @@ pub(crate) enum Verb {
     /// List the devices of this machine, what runs on them, and what the rest lack
     #[command(after_help = "Example: terrafill devices")]
     Devices,
-    /// Mesh one shape and print its vertices and CPU milliseconds: what `bench` starts for each
+    /// Mesh one region and print its vertices and CPU milliseconds: what `bench` starts for each
     #[command(hide = true, name = GROWTH_SAMPLE)]
     GrowthSample(GrowthSampleArguments),
 }
@@ -56,17 +55,8 @@ pub(crate) const GROWTH_SAMPLE: &str = "growth-sample";
 
 #[derive(Debug, Args)]
 pub(crate) struct GrowthSampleArguments {
-    /// Family of shapes
-    #[arg(value_parser = shape_family)]
-    pub(crate) shape: ShapeFamily,
-    /// Vertices of the outline
-    pub(crate) vertices: u32,
-}
-
-fn shape_family(text: &str) -> Result<ShapeFamily, String> {
-    let mut families = ShapeFamily::ALL.into_iter();
-    let found = families.find(|family| family.name() == text);
-    found.ok_or_else(|| ShapeFamily::ALL.map(ShapeFamily::name).join(", "))
+    /// GeoJSON of one region
+    pub(crate) file: PathBuf,
 }
 
 #[derive(Debug, Args)]

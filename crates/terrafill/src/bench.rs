@@ -61,7 +61,7 @@ pub(crate) fn run(arguments: BenchArguments) -> Result<Outcome, Failure> {
 }
 
 pub(crate) fn growth_sample(arguments: &GrowthSampleArguments) -> Result<Outcome, Failure> {
-    let sample = terrafill_bench::growth_sample(arguments.shape, arguments.vertices);
+    let sample = terrafill_bench::growth_sample(&arguments.file);
     print(&sample.map_err(Failure::bad_input)?);
     Ok(Outcome::Done)
 }

@@ -312,24 +312,34 @@ fn ran_to_the_end(desk: &Desk) -> String {
 }
 
 #[test]
-fn a_growth_sample_is_two_numbers_of_a_shape_that_there_is() {
+fn a_growth_sample_is_two_numbers_of_the_region_of_a_file() {
     let desk = Desk::new();
-    let sample = desk.run(&["growth-sample", "comb", "3000"]).succeeded();
+    let square = r#"{"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1],[0,1],[0,0]]]}"#;
+    desk.write("square.geojson", square);
+    let sample = desk.run(&["growth-sample", "square.geojson"]).succeeded();
     let numbers: Vec<f64> = sample
         .split_whitespace()
         .map(|word| word.parse().expect("a number"))
         .collect();
     assert!(
-        matches!(numbers[..], [vertices, cpu_ms] if (vertices - 3000.0).abs() < 30.0 && cpu_ms > 0.0)
+        matches!(numbers[..], [4.0, cpu_ms] if cpu_ms > 0.0),
+        "{sample}"
     );
-    // Twin: of another shape there is none.
-    let wrong = desk.run(&["growth-sample", "star", "3000"]);
-    assert_eq!(wrong.code, 2);
-    assert!(
-        wrong
-            .stderr
-            .contains("allowed: circle, comb, fractal, holes, islands"),
-        "{}",
-        wrong.stderr
+    // Twins: no file, and one whose region crosses itself.
+    desk.write(
+        "bow-tie.geojson",
+        square.replace("[1,1],[0,1]", "[0,1],[1,1]"),
     );
+    for (file, why) in [
+        ("missing.geojson", "No such file"),
+        ("bow-tie.geojson", "crosses"),
+    ] {
+        let wrong = desk.run(&["growth-sample", file]);
+        assert_eq!(wrong.code, 2);
+        assert!(
+            wrong.stderr.contains(file) && wrong.stderr.contains(why),
+            "{}",
+            wrong.stderr
+        );
+    }
 }
