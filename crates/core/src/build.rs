@@ -450,6 +450,15 @@ impl Meshed {
         };
         let groups: Vec<_> = groups.into_iter().zip(followed.iter().map(arcs)).collect();
         let groups = triangulate_groups(region, body, rule, options, groups, at_splits)?;
+        // Chords within the tolerance of arcs may lie apart where these cross. No arc does unless a
+        // vertex lies between another and its chord, which has them followed.
+        if !region.repaired && groups.iter().any(|group| group.mesh.arcs_followed) {
+            let places = region.arc_crossings(MOST_LISTED_CROSSINGS + 1);
+            if !places.is_empty() {
+                let counted_all = places.len() <= MOST_LISTED_CROSSINGS;
+                return Err(self_crossings(region, places, counted_all));
+            }
+        }
         let notes = if groups.iter().any(|group| group.in_doubt || group.is_joined) {
             notes_on_parts(region, body, rule, options, &groups)?
         } else {

@@ -12,7 +12,7 @@ use crate::box_tree::{AxisBox, BoxTree};
 use crate::edge::{Degrees, normal};
 use crate::outline::{OutlineEdge, Piece, edges_cross, planar_pieces};
 use crate::triangulate::without_underflow;
-use crate::{EdgePlace, EdgeRule, Region, Ring};
+use crate::{EdgePlace, EdgeRule, Polygon, Region, Ring};
 use glam::DVec3;
 use std::ops::ControlFlow;
 
@@ -111,6 +111,39 @@ impl Region {
     pub(crate) fn has_crossings(&self, rule: EdgeRule) -> bool {
         let found = self.find_crossings(rule, 1);
         !(found.crossings.is_empty() && found.at_cuts.is_empty())
+    }
+
+    /// Up to `most` places where arcs cross, as the file has its edges.
+    pub(crate) fn arc_crossings(&self, most: usize) -> Vec<CrossingPlaces> {
+        let rings_of = |(index, polygon): (usize, &Polygon)| {
+            (0..polygon.rings().count()).map(move |ring| (index, ring))
+        };
+        let rings: Vec<(usize, usize)> = self
+            .polygons
+            .iter()
+            .enumerate()
+            .flat_map(rings_of)
+            .collect();
+        let found = self.find_crossings(EdgeRule::GreatEllipse, most);
+        let place = |index: usize| {
+            let RingPiece { ring, piece } = &found.pieces[index];
+            let (polygon, ring) = rings[*ring];
+            let vertex = piece.vertex;
+            EdgePlace {
+                polygon,
+                ring,
+                vertex,
+            }
+        };
+        let places = found.crossings.iter().map(|(pair, at)| {
+            let [a, b] = pair.map(place);
+            CrossingPlaces {
+                first: a.min(b),
+                second: a.max(b),
+                at: *at,
+            }
+        });
+        places.collect()
     }
 
     /// Up to `most` of those between cuts and as many of those on the antimeridian.
@@ -568,7 +601,7 @@ fn distance(rule: EdgeRule, a: Degrees, b: Degrees) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Ellipsoid, MeshError, MeshOptions, Polygon, RegionMesh};
+    use crate::{Ellipsoid, MeshError, MeshOptions, RegionMesh};
 
     fn region(rings: &[&[Degrees]]) -> Region {
         let polygons = rings
@@ -675,6 +708,49 @@ mod tests {
             // Even-odd leaves the pentagon in the middle empty: one loop of ten would fill it.
             assert_eq!(mesh.triangle_count(), 5, "{}", rule.name());
             assert_eq!(mesh.boundary_edge_count(), 15);
+        }
+    }
+
+    #[test]
+    fn arcs_that_cross_are_refused_whatever_the_tolerance() {
+        // The northern edges meet at this latitude; the southern one rises to 50.43° there.
+        let ring = |latitude: f64| {
+            let vertices = [
+                [0.0, 50.0],
+                [20.0, 50.0],
+                [20.0, 51.0],
+                [10.0, latitude],
+                [0.0, 51.0],
+            ];
+            region(&[&vertices])
+        };
+        let body = Ellipsoid::WGS84;
+        for boundary_tolerance_m in [1.0, 1_000.0, 100_000.0] {
+            let options = MeshOptions {
+                boundary_tolerance_m,
+                ..MeshOptions::default()
+            };
+            let build = |region: &Region, rule| RegionMesh::build(region, &body, rule, &options);
+            let error = build(&ring(50.2), EdgeRule::GreatEllipse).expect_err("crosses");
+            let MeshError::SelfCrossing {
+                first,
+                second,
+                longitude_deg,
+                latitude_deg,
+                ..
+            } = error
+            else {
+                panic!("{error}");
+            };
+            assert_eq!([first.vertex, second.vertex], [0, 2]);
+            assert!((10.0..20.0).contains(&longitude_deg), "{longitude_deg}");
+            assert!((50.2..50.43).contains(&latitude_deg), "{latitude_deg}");
+            let mut repaired = ring(50.2);
+            assert_eq!(repaired.split_at_crossings(EdgeRule::GreatEllipse), 2);
+            assert!(build(&repaired, EdgeRule::GreatEllipse).is_ok());
+            // Twins: north of the arc, and as straight lines.
+            assert!(build(&ring(50.5), EdgeRule::GreatEllipse).is_ok());
+            assert!(build(&ring(50.2), EdgeRule::Planar).is_ok());
         }
     }
 
