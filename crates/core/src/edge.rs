@@ -261,10 +261,11 @@ pub(crate) fn point_on_edge(
     fraction: f64,
 ) -> Degrees {
     let (start, end) = in_order(start, end);
-    let planar = [
-        start[0] * (1.0 - fraction) + end[0] * fraction,
-        start[1] * (1.0 - fraction) + end[1] * fraction,
-    ];
+    // Rounding must not carry the point past the edge's ends: along a meridian, off it.
+    let planar = [0, 1].map(|i| {
+        let (low, high) = (start[i].min(end[i]), start[i].max(end[i]));
+        (start[i] * (1.0 - fraction) + end[i] * fraction).clamp(low, high)
+    });
     let meridian = start[0] == end[0] || start[1].abs() == 90.0 || end[1].abs() == 90.0;
     if rule == EdgeRule::Planar || meridian {
         return planar;
@@ -277,8 +278,7 @@ pub(crate) fn point_on_edge(
     let point = from * ((1.0 - fraction) * angle).sin() + to * (fraction * angle).sin();
     let longitude_deg = point.y.atan2(point.x).to_degrees();
     let latitude_deg = point.z.atan2(point.x.hypot(point.y)).to_degrees();
-    // Rounding must not carry the point past the edge's ends, nor onto a pole: what ends there is
-    // drawn as a meridian, and this arc's parts are none.
+    // Nor onto a pole: what ends there is drawn as a meridian, and this arc's parts are none.
     let highest_deg = 90_f64.next_down();
     [
         longitude_deg.clamp(start[0], end[0]),
@@ -545,6 +545,24 @@ mod tests {
             let middle = point_on_edge(EdgeRule::GreatEllipse, a, b, 0.5);
             assert!(a[1] <= middle[1] && middle[1] <= b[1], "{middle:?}");
         }
+    }
+
+    #[test]
+    fn places_of_an_edge_along_the_antimeridian_are_on_it() {
+        let ends = [[-180.0, 0.1], [-180.0, 0.3]];
+        let mut off_without_clamp = 0;
+        for step in 1..1_000 {
+            let share = f64::from(step) / 1_000.0;
+            for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
+                let [longitude, latitude] = point_on_edge(rule, ends[0], ends[1], share);
+                assert_eq!(longitude, -180.0);
+                assert!((0.1..=0.3).contains(&latitude));
+            }
+            // Twin: as the sum alone.
+            let sum = ends[0][0] * (1.0 - share) + ends[1][0] * share;
+            off_without_clamp += u32::from(sum < -180.0);
+        }
+        assert!(off_without_clamp > 10, "{off_without_clamp}");
     }
 
     #[test]
