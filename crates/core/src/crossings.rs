@@ -755,6 +755,71 @@ mod tests {
     }
 
     #[test]
+    fn a_coast_beside_an_arc_is_refused_if_and_only_if_it_crosses() {
+        let body = Ellipsoid::WGS84;
+        let options = MeshOptions {
+            boundary_tolerance_m: 1e6,
+            ..MeshOptions::default()
+        };
+        let refused = |region: &Region| {
+            let mesh = RegionMesh::build(region, &body, EdgeRule::GreatEllipse, &options);
+            matches!(mesh, Err(MeshError::SelfCrossing { .. }))
+        };
+        let crosses = |region: &Region| {
+            let mut repaired = region.clone();
+            repaired.split_at_crossings(EdgeRule::GreatEllipse) > 0
+        };
+        // The vertex in the lens, the ninth, is no corner of the flat triangle beside the arc.
+        let mut coast = [
+            [0.0, 43.277497375078475],
+            [20.0, 46.21451845788132],
+            [20.4, 48.391826798273875],
+            [18.980727227641424, 46.245925428100115],
+            [18.565376967027948, 46.12708654088134],
+            [17.631383745950796, 46.23916743601111],
+            [10.50224075214462, 45.47812084202469],
+            [7.454906021571159, 45.02616318057405],
+            [6.267840171578126, 44.75601674820085],
+            [5.262381147082305, 44.432816572977956],
+            [1.669926304579843, 43.76847933253629],
+            [-0.4, 45.45480571547103],
+        ];
+        assert!(refused(&region(&[&coast])) && crosses(&region(&[&coast])));
+        for vertex in &mut coast[3..11] {
+            vertex[1] += 0.2;
+        }
+        assert!(!refused(&region(&[&coast])) && !crosses(&region(&[&coast])));
+
+        let mut state = 11_u64;
+        let mut random = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let mut crossing = 0;
+        for round in 0..2_000 {
+            let width = [1.0, 5.0, 20.0, 60.0][round % 4];
+            let (south, slope) = (10.0 + 50.0 * random(), 0.3 * (random() - 0.5));
+            let bow = width * width * 0.001 * (2.0 * south.to_radians()).sin();
+            let mut eastings: Vec<f64> = (0..3 + round % 9).map(|_| random()).collect();
+            eastings.sort_by(|a, b| b.total_cmp(a));
+            let mut ring = vec![[0.0, south], [width, south + slope * width]];
+            ring.push([1.02 * width, south + slope * width + 6.0 * bow]);
+            for share in eastings {
+                let height = bow * (4.5 * share * (1.0 - share) + 0.3 * random());
+                ring.push([share * width, south + slope * share * width + height]);
+            }
+            ring.push([-0.02 * width, south + 6.0 * bow]);
+            let region = region(&[&ring]);
+            assert_eq!(refused(&region), crosses(&region), "{ring:?}");
+            crossing += u32::from(crosses(&region));
+        }
+        // Twin: there were both.
+        assert!((200..1_800).contains(&crossing), "{crossing}");
+    }
+
+    #[test]
     fn polygons_that_overlap_are_filled_where_an_odd_number_of_them_is() {
         let a = [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
         let b = a.map(|[x, y]| [x + 1.0, y + 1.0]);

@@ -127,21 +127,78 @@ fn without_pairs(edges: Vec<OutlineEdge>) -> Vec<OutlineEdge> {
         .collect()
 }
 
-/// Whether a place lies between an arc and its chord, and the arc is off its chord there by more than
-/// rounding.
-pub(crate) fn is_in_lens([start, end]: [Degrees; 2], place: Degrees) -> bool {
+/// What a corner of a triangle beside a chord tells of the places in the lens.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sight {
+    /// The corner is in the lens, and the arc is off its chord there by more than rounding.
+    InLens,
+    /// The lens is within the triangle, so no other vertex is in it.
+    Clear,
+    /// The lens may reach beyond the triangle.
+    Hidden,
+}
+
+/// Of the triangle between an arc's chord and a place. In its narrow corners the lens may be wider than
+/// it.
+pub(crate) fn sight_of([start, end]: [Degrees; 2], place: Degrees) -> Sight {
+    let chord = [0, 1].map(|k| end[k] - start[k]);
+    let length_deg = chord[0].hypot(chord[1]);
+    let off_deg = off_chord([start, end], place).abs();
     // A straight line in longitude and latitude leaves the arc by an eighth of the acceleration
-    // (2 tan φ Δλ Δφ, sin φ cos φ Δλ²); half as much again covers its change on the way. Most places are
-    // a thousand times as far away.
-    if start[1].abs().max(end[1].abs()) < STEEP_DEG {
-        let [width, height] = [0, 1].map(|k| (end[k] - start[k]).abs());
+    // (2 tan φ Δλ Δφ, sin φ cos φ Δλ²), and sets out from its ends at half of it; half as much again
+    // covers its change on the way. Most places are a thousand times as far away.
+    let mut lens = None;
+    let (bow_deg, steepest) = if start[1].abs().max(end[1].abs()) < STEEP_DEG {
+        let [width, height] = chord.map(f64::abs);
         let bow_deg = 0.19 * width.to_radians() * (0.5 * width).hypot(2.0 * STEEP_TANGENT * height);
-        if off_chord([start, end], place).abs() > bow_deg {
-            return false;
+        (bow_deg, 4.0 * bow_deg / length_deg)
+    } else {
+        lens = Lens::of(start, end);
+        let bow_deg = lens.as_ref().map_or(0.0, |lens| lens.height_deg);
+        // Measured, and not where it is steepest.
+        (bow_deg, 8.0 * bow_deg / length_deg)
+    };
+    if off_deg <= bow_deg {
+        let lens = lens.or_else(|| Lens::of(start, end));
+        let Some(lens) = lens else {
+            return Sight::Clear;
+        };
+        if lens.foot_of(place, WithinRounding::Kept).is_some() {
+            return Sight::InLens;
         }
     }
-    let lens = Lens::of(start, end);
-    lens.is_some_and(|lens| lens.foot_of(place, WithinRounding::Kept).is_some())
+    let along = |from: Degrees, towards: f64| {
+        let by = [0, 1].map(|k| (place[k] - from[k]) * chord[k] * towards);
+        (by[0] + by[1]) / length_deg
+    };
+    if off_deg >= steepest * along(start, 1.0).max(along(end, -1.0)) {
+        Sight::Clear
+    } else {
+        Sight::Hidden
+    }
+}
+
+/// Whether any of the places is in the lens of one of the arcs.
+///
+/// - cost: O(n log n) for n places, and for each arc log n and the places beside its chord
+pub(crate) fn any_in_lens(arcs: &[[Degrees; 2]], places: &[Degrees]) -> bool {
+    let boxes: Vec<AxisBox> = places.iter().copied().map(box_of).collect();
+    let tree = BoxTree::new(&boxes);
+    let lenses = arcs
+        .iter()
+        .filter_map(|[start, end]| Lens::of(*start, *end));
+    let holds = |lens: Lens| {
+        let found = Cell::new(false);
+        tree.visit(
+            &mut |bounds| !found.get() && lens.may_hold(bounds),
+            &mut |index| {
+                let foot = lens.foot_of(places[index], WithinRounding::Kept);
+                found.set(found.get() || foot.is_some());
+            },
+        );
+        found.get()
+    };
+    lenses.into_iter().any(holds)
 }
 
 /// Splits arcs beside the places where their chords cross: at one place if it is on both to rounding.

@@ -13,7 +13,7 @@ use crate::crossings::{
     split_outline,
 };
 use crate::edge::{Degrees, arc_rad};
-use crate::lens::{WithinRounding, follow_arcs, is_in_lens};
+use crate::lens::{Sight, WithinRounding, any_in_lens, follow_arcs, sight_of};
 use crate::outline::OutlineEdge;
 use crate::{EdgeRule, MeshOptions};
 use delaunay::{Blocked, Delaunay, FRAME_CORNERS, Place};
@@ -262,25 +262,37 @@ impl Group {
         Ok(self.mesh.insert(self.planar(position))?)
     }
 
-    /// Whether a vertex lies on an edge, or a triangle beside one has its third corner between the edge
-    /// and its arc. That is the vertex which sees the edge at the widest angle, so in most cases the one
-    /// in the lens if any is.
+    /// Whether a vertex lies on an edge, or between one and its arc.
+    ///
+    /// That is the third corner of the triangle beside the edge, which sees it at the widest angle, unless
+    /// that triangle is so flat that the arc leaves it on another side.
     fn is_vertex_in_lens(&self) -> bool {
         if self.mesh.has_touches() {
             return true;
         }
         let edges = self.mesh.edges();
-        let mut constraints = edges.filter(|&(triangle, i)| self.mesh.is_constraint(triangle, i));
-        constraints.any(|(triangle, i)| {
+        let constraints = edges.filter(|&(triangle, i)| self.mesh.is_constraint(triangle, i));
+        let mut hidden = Vec::new();
+        for (triangle, i) in constraints {
             let ends = self.mesh.ends(triangle, i);
             let across = self.mesh.neighbour(triangle, i);
+            let arc = ends.map(|vertex| self.position(vertex));
             let corners = [Some(triangle), across].into_iter().flatten();
             let corners = corners.flat_map(|triangle| self.mesh.corners(triangle));
-            let mut beside = corners
-                .filter(|corner| !ends.contains(corner) && *corner as usize >= FRAME_CORNERS);
-            let [start, end] = ends.map(|vertex| self.position(vertex));
-            beside.any(|corner| is_in_lens([start, end], self.position(corner)))
-        })
+            for corner in corners.filter(|corner| !ends.contains(corner)) {
+                match sight_of(arc, self.position(corner)) {
+                    Sight::InLens if corner as usize >= FRAME_CORNERS => return true,
+                    Sight::InLens | Sight::Clear => {}
+                    Sight::Hidden => hidden.push(arc),
+                }
+            }
+        }
+        if hidden.is_empty() {
+            return false;
+        }
+        let outline = self.outline_order.iter();
+        let places: Vec<Degrees> = outline.map(|vertex| self.position(*vertex)).collect();
+        any_in_lens(&hidden, &places)
     }
 
     /// Adds interior points until no interior edge is too long.

@@ -195,6 +195,29 @@ fn a_mesh_that_lies_is_found_out() {
     let mut crossing = case.clone();
     crossing.polygons[0][1] = rectangle(2.0, 2.0, 12.0, 2.2);
     assert!(find(&crossing, &Ok(right)).is_err(), "crossing overlooked");
+    // Arcs that cross where their chords do not: the southern one rises to 50.43° in the middle.
+    for (latitude, crosses) in [(50.2, true), (50.5, false)] {
+        let notch = vec![
+            [0.0, 50.0],
+            [20.0, 50.0],
+            [20.0, 51.0],
+            [10.0, latitude],
+            [0.0, 51.0],
+        ];
+        let straight = self::case(vec![vec![notch]]);
+        let chords = RegionMesh::build(
+            &region(&straight),
+            &straight.body,
+            straight.rule,
+            &straight.options,
+        );
+        let arcs = Case {
+            rule: EdgeRule::GreatEllipse,
+            ..straight
+        };
+        let found = find(&arcs, &chords).expect_err("of another rule");
+        assert_eq!(found.contains("edges cross by"), crosses, "{found}");
+    }
 }
 
 #[test]

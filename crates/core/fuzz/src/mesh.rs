@@ -142,12 +142,16 @@ pub fn judge(
                 .map_err(|violation| violation.to_string())?;
             judge_volume(mesh, case)?;
             judge_numbers(mesh, case)?;
-            judge_area(region, case, mesh.area_m2, reached)?;
-            if case.rule == EdgeRule::Planar
-                && let Some(depth_deg) = certain_crossing(region)
-            {
+            let crossing = match case.rule {
+                EdgeRule::Planar => certain_crossing(region),
+                // A repair makes vertices where arcs cross, on both to rounding.
+                EdgeRule::GreatEllipse if case.repair => None,
+                EdgeRule::GreatEllipse => certain_arc_crossing(region),
+            };
+            if let Some(depth_deg) = crossing {
                 return Err(format!("meshed although edges cross by {depth_deg}°"));
             }
+            judge_area(region, case, mesh.area_m2, reached)?;
             count_shape(region, case, mesh, reached);
             Ok(())
         }
@@ -472,6 +476,42 @@ fn certain_crossing(region: &Region) -> Option<f64> {
                 if depth.is_some_and(|depth| deepest.is_none_or(|other| depth > other)) {
                     deepest = depth;
                 }
+            }
+        }
+    }
+    deepest
+}
+
+/// Depth of a crossing of two arcs, degrees; `None` as for [`certain_crossing`].
+fn certain_arc_crossing(region: &Region) -> Option<f64> {
+    let edges = region.rings().flat_map(|ring| ring.edges_deg());
+    let arcs = edges.map(|(start, end)| [unit(start), unit(end)]);
+    // The plane of a shorter arc is not known well enough.
+    let arcs: Vec<[glam::DVec3; 2]> = arcs.filter(|[a, b]| a.distance(*b) > 1e-4).collect();
+    let offset_deg = |[from, to]: [glam::DVec3; 2], point: glam::DVec3| {
+        let plane = from.cross(to - from).normalize();
+        plane.dot(point - from).asin().to_degrees()
+    };
+    let mut deepest: Option<f64> = None;
+    for (i, a) in arcs.iter().enumerate() {
+        for b in &arcs[i + 1..] {
+            let off_b = a.map(|end| offset_deg(*b, end));
+            let off_a = b.map(|end| offset_deg(*a, end));
+            let sides = [off_b[0], off_b[1], off_a[0], off_a[1]].map(f64::abs);
+            if sides.into_iter().filter(|off| *off < CERTAIN_DEG).count() > 2 {
+                return None;
+            }
+            let place = a[0] * off_b[1].abs() + a[1] * off_b[0].abs();
+            let cross = off_b[0] * off_b[1] < 0.0 && off_a[0] * off_a[1] < 0.0;
+            // Or on the far side of the body.
+            if cross && place.dot(b[0] + b[1]) > 0.0 {
+                let depth = sides.into_iter().fold(f64::INFINITY, f64::min);
+                let is_deeper = deepest.is_none_or(|other| depth > other);
+                deepest = if depth > CERTAIN_DEG && is_deeper {
+                    Some(depth)
+                } else {
+                    deepest
+                };
             }
         }
     }
