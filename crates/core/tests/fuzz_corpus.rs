@@ -302,6 +302,20 @@ fn a_refusal_without_a_reason_is_found_out() {
         let said = find(&touching, &Err(feigned.clone())).expect_err("crosses nowhere");
         assert!(said.ends_with("no crossing to repair"), "{said}");
     }
+    // A place beside one of the edges.
+    for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
+        let bow_tie = Case {
+            rule,
+            ..bow_tie.clone()
+        };
+        let mut told = refused(&bow_tie);
+        assert_eq!(find(&bow_tie, &Err(told.clone())), Ok(()));
+        if let MeshError::SelfCrossing { latitude_deg, .. } = &mut told {
+            *latitude_deg += 1e-8;
+        }
+        let said = find(&bow_tie, &Err(told)).expect_err("is not there");
+        assert!(said.contains("° from the edge"), "{said}");
+    }
     let mut repaired = bow_tie.clone();
     repaired.repair = true;
     let crossing = refused(&bow_tie);

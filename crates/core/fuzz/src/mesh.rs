@@ -417,13 +417,13 @@ fn judge_crossing(region: &Region, case: &Case, error: &MeshError) -> Result<(),
         let Some((start, end)) = edge else {
             return Err(format!("{error}: no such edge"));
         };
-        if case.rule == EdgeRule::GreatEllipse {
-            continue;
-        }
-        let away_deg = TURNS_DEG
-            .map(|turn| distance_to_edge([longitude_deg + turn, *latitude_deg], start, end))
-            .into_iter()
-            .fold(f64::INFINITY, f64::min);
+        let away_deg = match case.rule {
+            EdgeRule::GreatEllipse => distance_to_arc([*longitude_deg, *latitude_deg], start, end),
+            EdgeRule::Planar => TURNS_DEG
+                .map(|turn| distance_to_edge([longitude_deg + turn, *latitude_deg], start, end))
+                .into_iter()
+                .fold(f64::INFINITY, f64::min),
+        };
         if away_deg.is_nan() || away_deg > 1e-9 {
             return Err(format!("{error}: {away_deg}° from the edge at {place}"));
         }
@@ -445,6 +445,20 @@ fn distance_to_edge(point: Degrees, start: Degrees, end: Degrees) -> f64 {
     let (px, py) = (point[0] - start[0], point[1] - start[1]);
     let along = ((px * x + py * y) / (x * x + y * y)).clamp(0.0, 1.0);
     (px - along * x).hypot(py - along * y)
+}
+
+/// As an angle at the centre of a sphere with the body's normals.
+fn distance_to_arc(point: Degrees, start: Degrees, end: Degrees) -> f64 {
+    let [point, from, to] = [point, start, end].map(unit);
+    let to_ends = [from, to].map(|end| point.distance(end));
+    let nearest = to_ends[0].min(to_ends[1]);
+    let is_beside = to_ends.iter().all(|away| *away < from.distance(to));
+    let plane = from.cross(to - from).try_normalize();
+    let away = match plane {
+        Some(plane) if is_beside => plane.dot(point - from).abs().min(nearest),
+        _ => nearest,
+    };
+    away.to_degrees()
 }
 
 /// Depth of a crossing of two file edges that no rounding explains away, planar rule.
