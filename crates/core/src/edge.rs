@@ -37,8 +37,11 @@ pub(crate) const ROUNDING: f64 = 2e-14;
 /// Planar edges that span more longitude than this are split unmeasured, radians; none that a step
 /// of 30° allows does, except on a circle round a pole that [`LARGEST_RELATIVE_BOW`] splits anyway.
 const WIDEST_MEASURED_RAD: f64 = 1.0;
-/// Arcs shorter than this are straight in longitude and latitude to the last bit.
+/// Arcs shorter than this are straight in longitude and latitude to the last bit, unless they span more
+/// longitude than [`STRAIGHT_WIDTH_RAD`], as they do beside a pole.
 const STRAIGHT_ARC_RAD: f64 = 1e-9;
+/// A straight line in degrees is off an arc by a quarter of the product of the two.
+const STRAIGHT_WIDTH_RAD: f64 = 1e-7;
 /// Halvings of one edge after which splitting stops: a millionth of the edge is below the rounding
 /// of its coordinates' use in metres.
 const MOST_HALVINGS: u32 = 20;
@@ -272,7 +275,8 @@ pub(crate) fn point_on_edge(
     }
     let (from, to) = (normal(start), normal(end));
     let angle = arc_rad(start, end);
-    if angle < STRAIGHT_ARC_RAD {
+    let width_rad = (end[0] - start[0]).to_radians();
+    if angle < STRAIGHT_ARC_RAD && width_rad < STRAIGHT_WIDTH_RAD {
         return planar;
     }
     let point = from * ((1.0 - fraction) * angle).sin() + to * (fraction * angle).sin();
@@ -544,6 +548,22 @@ mod tests {
             let b = [0, 1].map(|i| a[i] + (b[i] - a[i]) * scale);
             let middle = point_on_edge(EdgeRule::GreatEllipse, a, b, 0.5);
             assert!(a[1] <= middle[1] && middle[1] <= b[1], "{middle:?}");
+        }
+    }
+
+    #[test]
+    fn a_tiny_arc_beside_a_pole_is_no_straight_line_in_degrees() {
+        let [start, end] = [[-6.813_725_5, -89.999_999_994], [60.0, -89.999_999_999_9]];
+        let (from, to) = (normal(start), normal(end));
+        let plane = from.cross(to - from).normalize();
+        let off = |place: Degrees| plane.dot(normal(place) - from).abs();
+        for share in [0.125, 0.5, 0.75] {
+            let on_arc = point_on_edge(EdgeRule::GreatEllipse, start, end, share);
+            // The last bit of a latitude near 90.
+            assert!(off(on_arc) < 3e-16, "{share}: {}", off(on_arc));
+            // Twin: as a straight line.
+            let straight = point_on_edge(EdgeRule::Planar, start, end, share);
+            assert!(off(straight) > 1e-12, "{share}: {}", off(straight));
         }
     }
 
