@@ -184,9 +184,8 @@ pub(crate) fn sight_of([start, end]: [Degrees; 2], place: Degrees) -> Sight {
 pub(crate) fn any_in_lens(arcs: &[[Degrees; 2]], places: &[Degrees]) -> bool {
     let boxes: Vec<AxisBox> = places.iter().copied().map(box_of).collect();
     let tree = BoxTree::new(&boxes);
-    let lenses = arcs
-        .iter()
-        .filter_map(|[start, end]| Lens::of(*start, *end));
+    let arcs = arcs.iter();
+    let mut lenses = arcs.filter_map(|[start, end]| Lens::of(*start, *end));
     let holds = |lens: Lens| {
         let found = Cell::new(false);
         tree.visit(
@@ -198,7 +197,7 @@ pub(crate) fn any_in_lens(arcs: &[[Degrees; 2]], places: &[Degrees]) -> bool {
         );
         found.get()
     };
-    lenses.into_iter().any(holds)
+    lenses.any(holds)
 }
 
 /// Splits arcs beside the places where their chords cross: at one place if it is on both to rounding.

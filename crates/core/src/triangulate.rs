@@ -282,8 +282,8 @@ impl Group {
             for corner in corners.filter(|corner| !ends.contains(corner)) {
                 match sight_of(arc, self.position(corner)) {
                     Sight::InLens if corner as usize >= FRAME_CORNERS => return true,
-                    Sight::InLens | Sight::Clear => {}
-                    Sight::Hidden => hidden.push(arc),
+                    Sight::Clear => {}
+                    Sight::InLens | Sight::Hidden => hidden.push(arc),
                 }
             }
         }
