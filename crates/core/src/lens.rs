@@ -61,7 +61,8 @@ pub(crate) enum WithinRounding {
 /// lenses, and where chords cross all the same. Those are arcs within rounding of one another, and the
 /// place is one on them: a vertex where the *chords* cross is off the arcs by as much as a lens is
 /// high, and in the lenses of all arcs beside these two. Arcs that do cross are split where they do;
-/// which are refused has been decided before.
+/// whether they are refused is decided by the edges of the file, of which these may be parts a rounding
+/// off.
 ///
 /// Arcs that are one to the last bit can cross more of one another with every place that they are split
 /// at. Where there is no end of that, what is within rounding is merged although `near` is to keep it.

@@ -105,15 +105,10 @@ fn load_without_false_crossings(
     if rule == EdgeRule::Planar || arcs == Arcs::Settled {
         return load_split_at_crossings(edges, rule);
     }
-    let drawn = Group::load(&edges)?;
-    match drawn {
+    let drawn = match Group::load(&edges)? {
         Some(group) if !group.is_vertex_in_lens() => return Ok(group),
-        Some(_) => {}
-        // Arcs that cross are refused before any is followed.
-        None => {
-            false_crossings(&edges, rule)?;
-        }
-    }
+        drawn => drawn,
+    };
     let followed = follow_arcs(edges.clone(), WithinRounding::Kept);
     if followed.len() == edges.len()
         && let Some(group) = drawn
