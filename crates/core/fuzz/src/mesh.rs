@@ -418,7 +418,10 @@ fn judge_crossing(region: &Region, case: &Case, error: &MeshError) -> Result<(),
             return Err(format!("{error}: no such edge"));
         };
         let away_deg = match case.rule {
-            EdgeRule::GreatEllipse => distance_to_arc([*longitude_deg, *latitude_deg], start, end),
+            EdgeRule::GreatEllipse => {
+                let place = [*longitude_deg, *latitude_deg];
+                distance_to_arc(place, start, end) - plane_rounding_deg(start, end)
+            }
             EdgeRule::Planar => TURNS_DEG
                 .map(|turn| distance_to_edge([longitude_deg + turn, *latitude_deg], start, end))
                 .into_iter()
@@ -461,6 +464,16 @@ fn distance_to_arc(point: Degrees, start: Degrees, end: Degrees) -> f64 {
     away.to_degrees()
 }
 
+/// How well the plane of an arc is known between ends that are nearly opposite, degrees.
+fn plane_rounding_deg(start: Degrees, end: Degrees) -> f64 {
+    let [from, to] = [start, end].map(unit);
+    if from.dot(to) < 0.0 {
+        (1e-15 / from.cross(to).length()).to_degrees()
+    } else {
+        0.0
+    }
+}
+
 /// Depth of a crossing of two file edges that no rounding explains away, planar rule.
 ///
 /// `None` as well where edges lie on one another: what cancels modulo 2 can be crossed freely.
@@ -500,8 +513,9 @@ fn certain_crossing(region: &Region) -> Option<f64> {
 fn certain_arc_crossing(region: &Region) -> Option<f64> {
     let edges = region.rings().flat_map(|ring| ring.edges_deg());
     let arcs = edges.map(|(start, end)| [unit(start), unit(end)]);
-    // The plane of a shorter arc is not known well enough.
-    let arcs: Vec<[glam::DVec3; 2]> = arcs.filter(|[a, b]| a.distance(*b) > 1e-4).collect();
+    // The plane of a shorter arc is not known well enough, nor of one from a side to the other.
+    let has_plane = |[a, b]: &[glam::DVec3; 2]| a.distance(*b) > 1e-4 && (*a + *b).length() > 1e-4;
+    let arcs: Vec<[glam::DVec3; 2]> = arcs.filter(has_plane).collect();
     let offset_deg = |[from, to]: [glam::DVec3; 2], point: glam::DVec3| {
         let plane = from.cross(to - from).normalize();
         plane.dot(point - from).asin().to_degrees()
