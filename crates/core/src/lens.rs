@@ -216,9 +216,12 @@ fn split_on_arcs(
         let on_first = first.nearest(at);
         let on_second = second.nearest(on_first);
         let is_one = arc_rad(on_first, on_second) <= SAME_ARC_ROUNDINGS * ROUNDING;
-        let places = match is_one {
-            true => [on_first; 2],
-            false => [on_first, on_second],
+        let places = if is_one && second.may_pass(on_first) {
+            [on_first; 2]
+        } else if is_one && first.may_pass(on_second) {
+            [on_second; 2]
+        } else {
+            [on_first, on_second]
         };
         for (index, arc, place) in [(a, first, places[0]), (b, second, places[1])] {
             let place = match near {
@@ -270,6 +273,17 @@ impl Arc {
                     share => point_on_edge(EdgeRule::Planar, start, end, share),
                 }
             }
+        }
+    }
+
+    /// Whether the edge may be led through a place that is one with it on the body. What ends at a pole
+    /// keeps its longitude: beside the pole all of them are one.
+    fn may_pass(&self, place: Degrees) -> bool {
+        let [start, end] = self.ends;
+        match [start, end].map(|end| end[1].abs() == 90.0) {
+            [true, false] => place[0] == end[0],
+            [false, true] => place[0] == start[0],
+            _ => true,
         }
     }
 
@@ -569,6 +583,22 @@ mod tests {
             back.sort_by(|a, b| a[0].total_cmp(&b[0]));
             assert_eq!(there, back);
         }
+    }
+
+    #[test]
+    fn what_ends_at_a_pole_keeps_its_longitude() {
+        // Beside the pole a tenth of a degree of longitude is less than rounding.
+        let beside = [10.0, 89.999_999_999_986_7];
+        let meridian = |longitude: f64| edges(&[[longitude, 90.0], [longitude, 89.9]])[0];
+        let other = edges(&[beside, [10.2, 89.9]])[0];
+        let made = |edge: OutlineEdge| {
+            let split = split_on_arcs(&[edge, other], &[([0, 1], beside)], WithinRounding::Kept);
+            places(&split)
+        };
+        assert_eq!(made(meridian(10.1))[1], [10.1, beside[1]]);
+        // Twin: of what does not end there the common place is taken.
+        let level = edges(&[[9.9, beside[1]], [10.1, beside[1]]])[0];
+        assert_eq!(made(level)[1], beside);
     }
 
     #[test]
