@@ -22,6 +22,7 @@ use crate::outline::OutlineEdge;
 use glam::DVec3;
 use std::cell::{Cell, RefCell};
 use std::cmp::Ordering;
+use std::collections::BTreeSet;
 
 /// Edges that one edge of a group may become on average.
 const MOST_PARTS: usize = 32;
@@ -224,9 +225,10 @@ fn split_on_arcs(
             [on_first, on_second]
         };
         for (index, arc, place) in [(a, first, places[0]), (b, second, places[1])] {
+            let may_move = ![a, b].iter().any(|index| ends_at_pole(&edges[*index]));
             let place = match near {
-                WithinRounding::Kept => place,
-                WithinRounding::Merged => middle_of_cell(place),
+                WithinRounding::Merged if may_move => middle_of_cell(place),
+                _ => place,
             };
             if place != arc.ends[0] && place != arc.ends[1] {
                 insertions.push((index, arc.along(place, edges[index].start), place));
@@ -340,14 +342,29 @@ fn split_at_feet(edges: Vec<OutlineEdge>, near: WithinRounding, most: usize) -> 
     edges
 }
 
+/// Of what ends at a pole nothing is moved: it would leave its meridian.
 fn merged(edges: Vec<OutlineEdge>) -> Vec<OutlineEdge> {
+    let bits = |place: Degrees| place.map(f64::to_bits);
+    let polar = edges.iter().filter(|edge| ends_at_pole(edge));
+    let kept: BTreeSet<[u64; 2]> = polar
+        .flat_map(|edge| [bits(edge.start), bits(edge.end)])
+        .collect();
+    let merge = |place: Degrees| match kept.contains(&bits(place)) {
+        true => place,
+        false => middle_of_cell(place),
+    };
     let merge = |edge: OutlineEdge| OutlineEdge {
-        start: middle_of_cell(edge.start),
-        end: middle_of_cell(edge.end),
+        start: merge(edge.start),
+        end: merge(edge.end),
         ..edge
     };
     let edges = edges.into_iter().map(merge);
     edges.filter(|edge| edge.start != edge.end).collect()
+}
+
+/// And does not run along it.
+fn ends_at_pole(edge: &OutlineEdge) -> bool {
+    (edge.start[1].abs() == 90.0) != (edge.end[1].abs() == 90.0)
 }
 
 /// Nothing is moved onto the antimeridian or a pole, nor along them.
@@ -500,8 +517,11 @@ impl Lens {
             WithinRounding::Kept => foot,
             WithinRounding::Merged => middle_of_cell(foot),
         };
-        let is_between = self.ends[0][0] < foot[0] && foot[0] < self.ends[1][0];
-        is_between.then_some((share, foot))
+        // Beside a pole an arc runs along one longitude to the last bit. On the antimeridian the other side
+        // would have to be split as well.
+        let [west, east] = self.ends.map(|end| end[0]);
+        let is_within = (west..=east).contains(&foot[0]) && foot[0].abs() != 180.0;
+        (is_within && !self.ends.contains(&foot)).then_some((share, foot))
     }
 }
 
@@ -583,6 +603,29 @@ mod tests {
             back.sort_by(|a, b| a[0].total_cmp(&b[0]));
             assert_eq!(there, back);
         }
+    }
+
+    #[test]
+    fn an_arc_past_a_pole_has_feet_at_the_longitude_of_its_end() {
+        let lens = Lens::of([10.9999, 90_f64.next_down()], [11.0, 89.0]).expect("bows");
+        let foot_of = |vertex| lens.foot_of(vertex, WithinRounding::Kept);
+        let feet = (10..90).map(|percent| {
+            let latitude = 89.0 + 0.01 * f64::from(percent);
+            let (_, foot) = foot_of([10.999_999, latitude]).expect("in the lens");
+            foot[0]
+        });
+        // Where rounding does not carry it to the west.
+        let at_the_end = feet.filter(|longitude| *longitude == 11.0).count();
+        assert!(at_the_end > 10, "{at_the_end}");
+        // Twin: beyond the chord.
+        assert_eq!(foot_of([10.999_93, 89.5]), None);
+        // Merged, nothing of an edge to the pole leaves its meridian.
+        let polar = edges(&[[10.1, 90.0], [10.1, 89.999_92]])[0];
+        assert_eq!(merged(vec![polar])[0].start, polar.start);
+        assert_eq!(merged(vec![polar])[0].end, polar.end);
+        // Twin: of another edge it does.
+        let free = edges(&[[10.1, 89.999_92], [10.2, 89.9]])[0];
+        assert_ne!(merged(vec![free])[0].start, free.start);
     }
 
     #[test]
