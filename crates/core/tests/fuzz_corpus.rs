@@ -399,6 +399,12 @@ fn area_by_slabs_is_right_by_arithmetic() {
             slabs(&[rectangle(10.0, 80.0, 370.0, 90.0)]),
             zone(80.0, 90.0, 360.0),
         );
+        // A find: an edge across the cut of a ring round the pole, which is as far in the west as in the
+        // east. The judge took it for an end of the cut.
+        let ring = rectangle(0.0, 1.0, 360.0, 90.0);
+        let wedge = vec![[-180.0, 2.0], [180.0, 8.0], [180.0, 2.0]];
+        let alone = slabs(std::slice::from_ref(&wedge));
+        close(slabs(&[ring, wedge]), zone(1.0, 90.0, 360.0) - alone);
     }
     // A find: a wedge at the pole in one slab of 2°, and cut into slabs of a sixteenth of that, which
     // leaves 16⁻¹⁰ of what quadrature leaves out.

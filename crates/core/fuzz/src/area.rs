@@ -84,9 +84,12 @@ fn slab_area_m2(body: &Ellipsoid, edges: &[[Degrees; 2]], south: f64, north: f64
             north_deg: at(north) - 360.0 * turn,
         });
     }
+    // What a ring round a pole is closed by is there twice, a turn apart, and may be crossed: nothing
+    // may come between the two.
     sides.sort_by(|a, b| {
         let middle = |side: &Side| side.south_deg + side.north_deg;
-        middle(a).total_cmp(&middle(b))
+        let by_middle = middle(a).total_cmp(&middle(b));
+        by_middle.then(a.south_deg.total_cmp(&b.south_deg))
     });
     let border = |degrees: f64| Side {
         south_deg: degrees,
