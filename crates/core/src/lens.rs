@@ -306,7 +306,9 @@ fn split_at_feet(edges: Vec<OutlineEdge>, near: WithinRounding, most: usize) -> 
     };
     let asked_left = Cell::new(MOST_ASKED * most);
     for _ in 0..MOST_ROUNDS {
-        let mut places: Vec<Degrees> = edges.iter().map(|edge| edge.start).collect();
+        // Either end: without what cancels no edge need start where another ends.
+        let ends = edges.iter().flat_map(|edge| [edge.start, edge.end]);
+        let mut places: Vec<Degrees> = ends.collect();
         places.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
         places.dedup();
         let boxes: Vec<AxisBox> = places.iter().copied().map(box_of).collect();

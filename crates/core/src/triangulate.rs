@@ -110,9 +110,10 @@ fn load_without_false_crossings(
         drawn => drawn,
     };
     let followed = follow_arcs(edges.clone(), WithinRounding::Kept);
-    if followed.len() == edges.len()
-        && let Some(group) = drawn
-    {
+    // Not by their number alone: what cancels is left out, and feet are added.
+    let ends = |edge: &OutlineEdge| (edge.start, edge.end);
+    let is_unchanged = followed.iter().map(ends).eq(edges.iter().map(ends));
+    if is_unchanged && let Some(group) = drawn {
         return Ok(group);
     }
     if let Ok(group) = load_split_at_crossings(followed, rule) {

@@ -609,6 +609,36 @@ fn arcs_that_cross_more_with_every_split_are_led_through_one_another() {
 }
 
 #[test]
+fn a_lens_beside_edges_that_cancel_is_filled() {
+    // Twice round a triangle, and there and back along its southern arc by a vertex on its chord.
+    let mut ring = vec![
+        [-2.4, -2.4],
+        [-2.1, -2.4],
+        [-1.5, 0.6],
+        [0.8999999999999999, -2.4],
+        [-2.1, -2.4],
+        [-1.5, 0.6],
+        [0.8999999999999999, -2.4],
+    ];
+    let body = Ellipsoid::SATURN_LIKE;
+    let area_m2 = |ring: &[[f64; 2]], boundary_tolerance_m: f64| {
+        let options = MeshOptions {
+            boundary_tolerance_m,
+            cap_step_deg: 30.0,
+        };
+        let region = region(&format!("[{}]", rings_text(&[ring.to_vec()])));
+        sound_mesh(&region, &body, EdgeRule::GreatEllipse, &options).area_m2
+    };
+    // What is left of it, with chords a thousand times as fine.
+    let lens_m2 = area_m2(&[ring[0], ring[1], ring[6]], 100.0);
+    for _ in ["as found", "reversed"] {
+        let off = area_m2(&ring, 378_675.0) / lens_m2 - 1.0;
+        assert!(off.abs() < 1e-9, "{off}");
+        ring.reverse();
+    }
+}
+
+#[test]
 fn slivers_beside_a_vertex_where_chords_cross_keep_their_area() {
     // Of three arcs millimetres apart two crossed by rounding, and their chords crossed off all three
     // by as much as a chord is off its arc: made a vertex there, it bent two of them past the third.
