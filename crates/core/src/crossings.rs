@@ -137,11 +137,7 @@ impl Region {
         };
         let places = found.crossings.iter().map(|(pair, at)| {
             let [a, b] = pair.map(place);
-            CrossingPlaces {
-                first: a.min(b),
-                second: a.max(b),
-                at: *at,
-            }
+            CrossingPlaces::of([a, b], *at)
         });
         places.collect()
     }
@@ -506,6 +502,16 @@ pub(crate) struct CrossingPlaces {
     pub(crate) at: Degrees,
 }
 
+impl CrossingPlaces {
+    pub(crate) fn of([a, b]: [EdgePlace; 2], at: Degrees) -> Self {
+        Self {
+            first: a.min(b),
+            second: a.max(b),
+            at,
+        }
+    }
+}
+
 /// Crossings of ring edges, by those of the outline's edges that are parts of them.
 pub(crate) fn crossing_places(
     edges: &[OutlineEdge],
@@ -515,11 +521,7 @@ pub(crate) fn crossing_places(
         .iter()
         .map(|&(pair, at)| {
             let [a, b] = pair.map(|index| edges[index].place);
-            CrossingPlaces {
-                first: a.min(b),
-                second: a.max(b),
-                at,
-            }
+            CrossingPlaces::of([a, b], at)
         })
         .collect();
     places.sort_by_key(|crossing| (crossing.first, crossing.second));
@@ -625,6 +627,16 @@ mod tests {
         let mesh = RegionMesh::build(region, &body, rule, &MeshOptions::default())?;
         assert_eq!(mesh.check_invariants(&body), Ok(()));
         Ok(mesh)
+    }
+
+    /// From 0 up to 1, the same for the same seed.
+    fn random_numbers(mut state: u64) -> impl FnMut() -> f64 {
+        move || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        }
     }
 
     /// Sine of the angle at which a place is off the plane of an arc.
@@ -790,13 +802,7 @@ mod tests {
         }
         assert!(!refused(&region(&[&coast])) && !crosses(&region(&[&coast])));
 
-        let mut state = 11_u64;
-        let mut random = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
+        let mut random = random_numbers(11);
         let mut crossing = 0;
         for round in 0..2_000 {
             let width = [1.0, 5.0, 20.0, 60.0][round % 4];
@@ -863,13 +869,7 @@ mod tests {
 
     #[test]
     fn random_rings_a_turn_apart_mesh_once_they_are_split() {
-        let mut state = 5_u64;
-        let mut random = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (state >> 11) as f64 / (1_u64 << 53) as f64
-        };
+        let mut random = random_numbers(5);
         let mut crossings = 0;
         for _ in 0..200 {
             let mut ring = |west: f64| -> Vec<Degrees> {

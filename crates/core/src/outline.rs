@@ -187,11 +187,7 @@ impl Outline {
         let found = crossings_at_antimeridian(rule, &self.splits.at_antimeridian, most);
         let place = |(pair, at): ([usize; 2], Degrees)| {
             let [a, b] = pair.map(|index| self.splits.at_antimeridian_places[index]);
-            CrossingPlaces {
-                first: a.min(b),
-                second: a.max(b),
-                at,
-            }
+            CrossingPlaces::of([a, b], at)
         };
         found.into_iter().map(place).collect()
     }
