@@ -439,7 +439,7 @@ impl Meshed {
                 (outline.groups, at_splits)
             }
             Crossings::SnappedAway => {
-                let mut groups = snap_rounded(&outline.groups);
+                let mut groups = snap_rounded(rule, &outline.groups);
                 share_breakpoints(&mut groups.iter_mut().collect::<Vec<_>>());
                 (groups, Vec::new())
             }

@@ -10,7 +10,7 @@
 
 use crate::box_tree::{AxisBox, BoxTree};
 use crate::edge::{Degrees, normal};
-use crate::outline::{OutlineEdge, Piece, edges_cross, planar_pieces};
+use crate::outline::{OutlineEdge, Piece, edges_cross, or_at_pole, planar_pieces};
 use crate::triangulate::without_underflow;
 use crate::{EdgePlace, EdgeRule, Polygon, Region, Ring};
 use glam::DVec3;
@@ -228,7 +228,7 @@ pub(crate) fn pieces_as_compared(rule: EdgeRule, ring: &Ring) -> Vec<Piece> {
 
 fn as_written(ring: &Ring, vertex: usize) -> Degrees {
     let [_, latitude] = ring.vertices_deg()[vertex];
-    [ring.written_longitude_deg(vertex), latitude]
+    [ring.written_longitude_deg(vertex), or_at_pole(latitude)]
 }
 
 /// A place on a piece as its file would write it.

@@ -27,7 +27,7 @@ const HARMLESS_SPAN_DEG: f64 = 11.4;
 /// A power of two, so that their latitudes are exact.
 const POLE_APPROACH_RATIO: f64 = 4.0;
 /// Distance from the pole of the last such place, degrees: 2⁻³⁶, on the Earth 1.6 µm.
-const POLE_APPROACH_END_DEG: f64 = 1.0 / (1_u64 << 36) as f64;
+pub(crate) const POLE_APPROACH_END_DEG: f64 = 1.0 / (1_u64 << 36) as f64;
 /// Longest edge along a pole, degrees of longitude: its triangles reach down to the next vertices.
 pub(crate) const POLE_STEP_DEG: f64 = 30.0;
 /// Edges along a pole are split at multiples of this, a sixteenth of a turn.
@@ -95,7 +95,7 @@ impl<'a> EdgeSplitter<'a> {
         halvings_left: u32,
         emit: &mut impl FnMut(Degrees),
     ) {
-        if halvings_left == 0 || !self.should_split(start, end) {
+        if halvings_left == 0 || is_at_pole(start, end) || !self.should_split(start, end) {
             return;
         }
         let middle = point_on_edge(self.rule, start, end, 0.5);
@@ -154,6 +154,16 @@ impl<'a> EdgeSplitter<'a> {
         self.deviation_m = self.deviation_m.max(measured.deviation_m);
         false
     }
+}
+
+/// Whether an edge has one end at a pole and the other no farther from it than where
+/// [`pole_approach`] ends: places between the two would be the pole to rounding.
+fn is_at_pole(start: Degrees, end: Degrees) -> bool {
+    let apart_deg = (start[1] - end[1]).abs();
+    [start, end]
+        .iter()
+        .any(|[_, latitude]| latitude.abs() == 90.0)
+        && apart_deg <= POLE_APPROACH_END_DEG
 }
 
 /// Places that split a planar edge with an end at a pole, in order from `start` to `end`; none for

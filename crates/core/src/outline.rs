@@ -14,7 +14,9 @@ use crate::crossings::{
     AtAntimeridian, CrossingPlaces, crossing_places, crossings_at_antimeridian, find_crossings,
     planar_crossing,
 };
-use crate::edge::{Degrees, EdgeSplitter, along_pole, great_circle_latitude};
+use crate::edge::{
+    Degrees, EdgeSplitter, POLE_APPROACH_END_DEG, along_pole, great_circle_latitude,
+};
 use crate::mesh::Extent;
 use crate::{EdgePlace, EdgeRule, Polygon, Region, Ring};
 use std::cmp::Ordering;
@@ -445,13 +447,19 @@ fn ring_pieces(rule: EdgeRule, ring: &Ring) -> Result<Vec<Piece>, Vec<usize>> {
 /// Whether planar edges of a ring have nothing to do with the antimeridian.
 fn is_uncut(ring: &Ring) -> bool {
     let mut vertices = ring.vertices_deg().iter();
-    ring.winding_deg() == 0.0 && vertices.all(|vertex| is_off_antimeridian(vertex[0]))
+    let stays = |[longitude, latitude]: &Degrees| {
+        is_off_antimeridian(*longitude) && or_at_pole(*latitude) == *latitude
+    };
+    ring.winding_deg() == 0.0 && vertices.all(stays)
 }
 
 /// See [`ring_pieces`].
 pub(crate) fn planar_pieces(ring: &Ring) -> Vec<Piece> {
     let vertices = ring.vertices_deg();
-    let within = |vertex: &Degrees| vertex[0].abs() == 180.0 || is_off_antimeridian(vertex[0]);
+    let within = |[longitude, latitude]: &Degrees| {
+        (longitude.abs() == 180.0 || is_off_antimeridian(*longitude))
+            && or_at_pole(*latitude) == *latitude
+    };
     let mut pieces = Vec::with_capacity(vertices.len());
     if ring.winding_deg() == 0.0 && vertices.iter().all(within) {
         for (vertex, (start, end)) in ring.edges_deg().enumerate() {
@@ -473,6 +481,10 @@ pub(crate) fn planar_pieces(ring: &Ring) -> Vec<Piece> {
             Turned::of_vertex(ring, 0, turns)
         };
         let first = pieces.len();
+        if end.degrees == start.degrees && end.turns == start.turns {
+            // Both within rounding of a pole.
+            continue;
+        }
         if end.is_west_of(&start) {
             cut_planar(end, start, vertex, &mut pieces);
             pieces[first..].reverse();
@@ -494,6 +506,19 @@ fn is_off_antimeridian(longitude_deg: f64) -> bool {
     longitude_deg.abs() < 180.0 - ANTIMERIDIAN_SNAP_DEG
 }
 
+/// The latitude that is meant by one a rounding away from a pole: ±90.
+///
+/// All of a pole's longitudes are one place, so edges that go to it at different ones are kept apart
+/// by parallels down to [`POLE_APPROACH_END_DEG`]. Nothing can keep them apart if one of them ends
+/// above that and not at the pole: they are drawn as one.
+pub(crate) fn or_at_pole(latitude_deg: f64) -> f64 {
+    if (0.0..POLE_APPROACH_END_DEG).contains(&(90.0 - latitude_deg.abs())) {
+        90.0_f64.copysign(latitude_deg)
+    } else {
+        latitude_deg
+    }
+}
+
 /// A position as longitude within ±180 and whole turns, so that the same place has the same bits
 /// whichever turn it was written in.
 #[derive(Clone, Copy)]
@@ -510,7 +535,7 @@ impl Turned {
             longitude = 180.0_f64.copysign(longitude);
         }
         Self {
-            degrees: [longitude, position[1]],
+            degrees: [longitude, or_at_pole(position[1])],
             turns: turns + extra_turns,
         }
     }
@@ -552,7 +577,7 @@ fn cut_planar(mut west: Turned, mut east: Turned, vertex: usize, pieces: &mut Ve
         let to_west = (180.0 - west.degrees[0]) + 360.0 * (turn - west.turns);
         let to_east = (180.0 + east.degrees[0]) + 360.0 * (east.turns - turn - 1.0);
         let share = to_west / (to_west + to_east);
-        let latitude = west.degrees[1] + (east.degrees[1] - west.degrees[1]) * share;
+        let latitude = or_at_pole(west.degrees[1] + (east.degrees[1] - west.degrees[1]) * share);
         pieces.push(Piece {
             start,
             end: [180.0, latitude],

@@ -139,7 +139,7 @@ pub(crate) fn find_overlaps(
         return Some(cover.overlaps(&edges, rule, tolerance_deg));
     }
     // Chords cross where arcs do not, and what was split may cross by a rounding.
-    let edges = snap_rounded(&[edges]).swap_remove(0);
+    let edges = snap_rounded(rule, &[edges]).swap_remove(0);
     let cover = Cover::new(&edges)?;
     Some(cover.overlaps(&edges, rule, tolerance_deg))
 }

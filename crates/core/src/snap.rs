@@ -11,17 +11,21 @@
 //!
 //! The cells are as wide as the last bit of the largest longitude and as high as that of the largest
 //! latitude, so that nothing is moved further than its file could have rounded it, and nothing that
-//! was not there is moved onto a pole or the antimeridian.
+//! was not there is moved onto the antimeridian.
 
+use crate::EdgeRule;
 use crate::box_tree::{AxisBox, BoxTree};
 use crate::edge::Degrees;
-use crate::outline::OutlineEdge;
+use crate::outline::{OutlineEdge, or_at_pole};
 use crate::triangulate::SMALLEST_COORDINATE_DEG;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
 /// Middle of a cell, in halves of its sides: even numbers, below 2⁵⁴.
 type Cell = [i64; 2];
+
+/// Times that places beside a pole are moved there, each of which may make new ones.
+const MOST_MOVES_TO_POLES: u32 = 4;
 
 /// Cells round the multiples of two powers of two.
 #[derive(Debug, Clone, Copy)]
@@ -55,7 +59,41 @@ impl Grid {
 }
 
 /// Edges that cross nowhere, close to `groups`; what lies within one cell vanishes.
-pub(crate) fn snap_rounded(groups: &[Vec<OutlineEdge>]) -> Vec<Vec<OutlineEdge>> {
+///
+/// Of planar edges cells beside a pole are moved to it ([`or_at_pole`]), which may move an edge over
+/// another one. An arc to a pole would be a meridian, and not go where its chord does.
+pub(crate) fn snap_rounded(rule: EdgeRule, groups: &[Vec<OutlineEdge>]) -> Vec<Vec<OutlineEdge>> {
+    let mut snapped = snapped_once(groups);
+    let rounds = match rule {
+        EdgeRule::Planar => MOST_MOVES_TO_POLES,
+        EdgeRule::GreatEllipse => 0,
+    };
+    for _ in 0..rounds {
+        if !move_to_poles(&mut snapped) {
+            break;
+        }
+        snapped = snapped_once(&snapped);
+    }
+    snapped
+}
+
+/// Moves ends that are a rounding away from a pole there; whether there were any.
+fn move_to_poles(groups: &mut [Vec<OutlineEdge>]) -> bool {
+    let mut has_moved = false;
+    for edges in groups {
+        for edge in &mut *edges {
+            for end in [&mut edge.start, &mut edge.end] {
+                let latitude = or_at_pole(end[1]);
+                has_moved |= latitude != end[1];
+                end[1] = latitude;
+            }
+        }
+        edges.retain(|edge| edge.start != edge.end);
+    }
+    has_moved
+}
+
+fn snapped_once(groups: &[Vec<OutlineEdge>]) -> Vec<Vec<OutlineEdge>> {
     let edges = || groups.iter().flatten();
     // One grid for all: along the antimeridian the sides of two groups have to cancel.
     let grid = Grid::of(edges().flat_map(|edge| [edge.start, edge.end]));
@@ -308,7 +346,8 @@ mod tests {
             let ends = bundle(&mut random, 12);
             let edges = outline(&ends);
             before += crossings(&edges);
-            let snapped = snap_rounded(std::slice::from_ref(&edges)).swap_remove(0);
+            let snapped =
+                snap_rounded(EdgeRule::Planar, std::slice::from_ref(&edges)).swap_remove(0);
             assert_eq!(crossings(&snapped), 0, "{ends:?}");
             // Twin: vertices made where they cross, rounded, leave crossings.
             let (found, _) = find_crossings(EdgeRule::Planar, &ends, usize::MAX);
@@ -402,14 +441,18 @@ mod tests {
                 [180.0, 89.999_999_999_999_99],
             ],
         ]);
-        let snapped = snap_rounded(std::slice::from_ref(&square)).swap_remove(0);
+        let snapped = |rule| snap_rounded(rule, std::slice::from_ref(&square)).swap_remove(0);
         let ends = |edges: &[OutlineEdge]| -> Vec<[Degrees; 2]> {
             edges.iter().map(|edge| [edge.start, edge.end]).collect()
         };
-        assert_eq!(ends(&snapped), ends(&square));
+        assert_eq!(ends(&snapped(EdgeRule::GreatEllipse)), ends(&square));
+        // Twin: where all of a pole's longitudes are ends of edges, what is beside it is moved there.
+        let at_pole = ends(&snapped(EdgeRule::Planar));
+        assert_eq!(at_pole[0], [[180.0, 90.0], [-180.0, 90.0]]);
+        assert_eq!(at_pole[1], ends(&square)[1]);
         // Twin: an edge through the cell of one of these vertices is led through it.
         let beside = outline(&[[[180.0, 0.0], [-180.0, 0.0]], [[0.0, 1e-30], [3.0, 80.0]]]);
-        let snapped = snap_rounded(&[beside]).swap_remove(0);
+        let snapped = snap_rounded(EdgeRule::Planar, &[beside]).swap_remove(0);
         assert_eq!(
             ends(&snapped)[..2],
             [[[180.0, 0.0], [0.0; 2]], [[0.0; 2], [-180.0, 0.0]]]

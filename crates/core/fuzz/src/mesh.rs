@@ -214,8 +214,8 @@ fn hole_touches(polygon: &terrafill_core::Polygon) -> bool {
 /// Largest share of the radius that counts as rounding in a deviation, as the splitter has it.
 const ROUNDING: f64 = 2e-14;
 
-/// Vertices are moved this far at most, to ±180 and to 0, after the extent is known.
-const SNAP_DEG: f64 = 1.1e-11;
+/// Vertices are moved this far at most, to ±180 and to the poles.
+const SNAP_DEG: f64 = 1.5e-11;
 
 fn judge_numbers(mesh: &RegionMesh, case: &Case) -> Result<(), String> {
     let extent = mesh.extent;
@@ -382,7 +382,7 @@ fn judge_no_area(region: &Region, case: &Case) -> Result<(), String> {
         .flat_map(|ring| ring.edges_deg())
         .map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1]).to_radians() * radius_m)
         .sum();
-    let width_m = case.options.boundary_tolerance_m + 1e-13 * radius_m;
+    let width_m = case.options.boundary_tolerance_m + SNAP_DEG.to_radians() * radius_m;
     let allowed_m2 = width_m * length_m;
     if area_m2 > allowed_m2 {
         return Err(format!(
@@ -608,18 +608,22 @@ fn judge_area(
     Ok(())
 }
 
-/// Places in degrees are rounded when edges are split and turns taken off, and longitudes a
-/// micrometre (1e-11°) off ±180 are moved there; each edge's area may move by that times its length.
+/// Places in degrees are rounded when edges are split and turns taken off, and those a micrometre
+/// (1e-11°) off ±180 or a pole are moved there; each edge's area may move by that times its length.
 fn rounding_m2(case: &Case, paths: &[Vec<Degrees>]) -> f64 {
     let radius_m = case.body.equatorial_radius_m();
     let mut sum = 0.0;
     for path in paths {
         for (a, b) in path.iter().zip(path.iter().cycle().skip(1)) {
             let length = (b[0] - a[0]).hypot(b[1] - a[1]);
-            let off = |longitude: f64| (longitude.abs().rem_euclid(360.0) - 180.0).abs();
+            let off = |[longitude, latitude]: Degrees| {
+                let off_antimeridian = (longitude.abs().rem_euclid(360.0) - 180.0).abs();
+                [off_antimeridian, 90.0 - latitude.abs()]
+            };
+            let is_moved = |off_deg: f64| (1e-300..SNAP_DEG).contains(&off_deg);
             let snapped = [a, b]
                 .iter()
-                .any(|end| (1e-300..SNAP_DEG).contains(&off(end[0])));
+                .any(|end| off(**end).map(is_moved) != [false; 2]);
             let width = if snapped { SNAP_DEG } else { 3e-13 };
             sum += width * length;
         }
