@@ -399,12 +399,15 @@ fn area_by_slabs_is_right_by_arithmetic() {
             slabs(&[rectangle(10.0, 80.0, 370.0, 90.0)]),
             zone(80.0, 90.0, 360.0),
         );
-        // A find: an edge across the cut of a ring round the pole, which is as far in the west as in the
-        // east. The judge took it for an end of the cut.
-        let ring = rectangle(0.0, 1.0, 360.0, 90.0);
-        let wedge = vec![[-180.0, 2.0], [180.0, 8.0], [180.0, 2.0]];
-        let alone = slabs(std::slice::from_ref(&wedge));
-        close(slabs(&[ring, wedge]), zone(1.0, 90.0, 360.0) - alone);
+        // Two finds: an edge across the cut of a ring round the pole, which is as far in the west as in
+        // the east. The judge took it for an end of the cut, and then for one of its two sides where
+        // those were not the same to the last bit.
+        for (south, north, to_deg) in [(2.0, 8.0, 180.0), (3.930772794662713, 13.0125, -45.0)] {
+            let ring = rectangle(0.0, 1.2, 360.0, 90.0);
+            let wedge = vec![[-180.0, south], [180.0, north], [to_deg, south]];
+            let alone = slabs(std::slice::from_ref(&wedge));
+            close(slabs(&[ring, wedge]), zone(1.2, 90.0, 360.0) - alone);
+        }
     }
     // A find: a wedge at the pole in one slab of 2°, and cut into slabs of a sixteenth of that, which
     // leaves 16⁻¹⁰ of what quadrature leaves out.

@@ -22,10 +22,36 @@ pub fn even_odd_area_m2(body: &Ellipsoid, paths: &[Vec<Degrees>]) -> f64 {
     let mut latitudes: Vec<f64> = edges.iter().flatten().map(|end| end[1]).collect();
     latitudes.sort_by(f64::total_cmp);
     latitudes.dedup();
+    let is_seam = seams(&edges);
+    let edges: Vec<([Degrees; 2], bool)> = edges.into_iter().zip(is_seam).collect();
     latitudes
         .windows(2)
         .map(|slab| slab_area_m2(body, &edges, slab[0], slab[1]))
         .sum()
+}
+
+/// Which edges run along a meridian in pairs, turns apart: what a ring round a pole is closed by. On
+/// the body the two cancel, and others may cross them.
+fn seams(edges: &[[Degrees; 2]]) -> Vec<bool> {
+    let mut is_seam = vec![false; edges.len()];
+    let is_meridian = |[a, b]: &[Degrees; 2]| a[0] == b[0];
+    let latitudes = |[a, b]: &[Degrees; 2]| [a[1].min(b[1]), a[1].max(b[1])];
+    for (i, a) in edges.iter().enumerate().filter(|(_, a)| is_meridian(a)) {
+        let is_twin = |j: usize| {
+            let b = &edges[j];
+            let turns = ((b[0][0] - a[0][0]) / 360.0).round();
+            let off_deg = b[0][0] - a[0][0] - 360.0 * turns;
+            // A turn is added with rounding.
+            let is_same = turns != 0.0 && off_deg.abs() < 2e-13;
+            is_same && is_meridian(b) && latitudes(a) == latitudes(b)
+        };
+        let twin = (i + 1..edges.len()).find(|&j| !is_seam[i] && !is_seam[j] && is_twin(j));
+        if let Some(j) = twin {
+            is_seam[i] = true;
+            is_seam[j] = true;
+        }
+    }
+    is_seam
 }
 
 /// Cuts an edge at 180° + 360° k and leaves out what runs along a parallel.
@@ -58,11 +84,12 @@ struct Side {
     north_deg: f64,
 }
 
-fn slab_area_m2(body: &Ellipsoid, edges: &[[Degrees; 2]], south: f64, north: f64) -> f64 {
+/// Of edges and whether they are [`seams`].
+fn slab_area_m2(body: &Ellipsoid, edges: &[([Degrees; 2], bool)], south: f64, north: f64) -> f64 {
     let mut sides: Vec<Side> = Vec::new();
     // Parity just east of −180: of what lies west of each −180 + 360 k.
     let mut inside = false;
-    for [a, b] in edges {
+    for ([a, b], is_seam) in edges {
         let (low, high) = if a[1] < b[1] { (a, b) } else { (b, a) };
         if low[1] > south || high[1] < north {
             continue;
@@ -79,18 +106,16 @@ fn slab_area_m2(body: &Ellipsoid, edges: &[[Degrees; 2]], south: f64, north: f64
             inside = !inside;
             later += 1.0;
         }
+        if *is_seam {
+            continue;
+        }
         sides.push(Side {
             south_deg: at(south) - 360.0 * turn,
             north_deg: at(north) - 360.0 * turn,
         });
     }
-    // What a ring round a pole is closed by is there twice, a turn apart, and may be crossed: nothing
-    // may come between the two.
-    sides.sort_by(|a, b| {
-        let middle = |side: &Side| side.south_deg + side.north_deg;
-        let by_middle = middle(a).total_cmp(&middle(b));
-        by_middle.then(a.south_deg.total_cmp(&b.south_deg))
-    });
+    let middle = |side: &Side| side.south_deg + side.north_deg;
+    sides.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
     let border = |degrees: f64| Side {
         south_deg: degrees,
         north_deg: degrees,
