@@ -30,6 +30,11 @@ pub fn even_odd_area_m2(body: &Ellipsoid, paths: &[Vec<Degrees>]) -> f64 {
         .sum()
 }
 
+/// Turns from longitudes within ±180 to those of an edge.
+fn turn_of([a, b]: &[Degrees; 2]) -> f64 {
+    ((0.5 * (a[0] + b[0]) + 180.0) / 360.0).floor()
+}
+
 /// Which edges run along a meridian in pairs, turns apart: what a ring round a pole is closed by. On
 /// the body the two cancel, and others may cross them.
 fn seams(edges: &[[Degrees; 2]]) -> Vec<bool> {
@@ -39,9 +44,9 @@ fn seams(edges: &[[Degrees; 2]]) -> Vec<bool> {
     for (i, a) in edges.iter().enumerate().filter(|(_, a)| is_meridian(a)) {
         let is_twin = |j: usize| {
             let b = &edges[j];
-            let turns = ((b[0][0] - a[0][0]) / 360.0).round();
+            let turns = turn_of(b) - turn_of(a);
+            // Turns are added with rounding.
             let off_deg = b[0][0] - a[0][0] - 360.0 * turns;
-            // A turn is added with rounding.
             let is_same = turns != 0.0 && off_deg.abs() < 2e-13;
             is_same && is_meridian(b) && latitudes(a) == latitudes(b)
         };
@@ -89,7 +94,8 @@ fn slab_area_m2(body: &Ellipsoid, edges: &[([Degrees; 2], bool)], south: f64, no
     let mut sides: Vec<Side> = Vec::new();
     // Parity just east of −180: of what lies west of each −180 + 360 k.
     let mut inside = false;
-    for ([a, b], is_seam) in edges {
+    for (edge, is_seam) in edges {
+        let [a, b] = edge;
         let (low, high) = if a[1] < b[1] { (a, b) } else { (b, a) };
         if low[1] > south || high[1] < north {
             continue;
@@ -98,7 +104,7 @@ fn slab_area_m2(body: &Ellipsoid, edges: &[([Degrees; 2], bool)], south: f64, no
             let share = (latitude - low[1]) / (high[1] - low[1]);
             low[0] * (1.0 - share) + high[0] * share
         };
-        let turn = ((0.5 * (a[0] + b[0]) + 180.0) / 360.0).floor();
+        let turn = turn_of(edge);
         // West of the start of each later turn; of two turns on either side every path has been
         // crossed an even number of times.
         let mut later = turn + 1.0;

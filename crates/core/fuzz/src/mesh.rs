@@ -10,7 +10,8 @@ use super::bytes::Bytes;
 use super::reached::Reached;
 use std::fmt::Write;
 use terrafill_core::{
-    EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, VolumeHeights, parse_regions,
+    EdgeRule, Ellipsoid, MeshError, MeshOptions, Polygon, Region, RegionMesh, VolumeHeights,
+    parse_regions,
 };
 
 /// Places that a run must come to.
@@ -204,7 +205,7 @@ fn count_shape(region: &Region, case: &Case, mesh: &RegionMesh, reached: &mut Re
     );
 }
 
-fn hole_touches(polygon: &terrafill_core::Polygon) -> bool {
+fn hole_touches(polygon: &Polygon) -> bool {
     polygon.holes.iter().any(|hole| {
         let shell = polygon.shell.vertices_deg();
         hole.vertices_deg().iter().any(|v| shell.contains(v))
@@ -350,21 +351,31 @@ fn judge_overlap(region: &Region, case: &Case, error: &MeshError) -> Result<(), 
         let index = index.next();
         index == Some(first.polygon) || index == Some(second.polygon)
     });
-    let together = even_odd_area_m2(&case.body, &planar_paths(&region));
-    let mut one_by_one = 0.0;
+    let area_m2 = |polygons: Vec<Polygon>| {
+        let alone = Region {
+            polygons,
+            ..region.clone()
+        };
+        even_odd_area_m2(&case.body, &planar_paths(&alone))
+    };
+    let together = area_m2(region.polygons.clone());
+    let mut of_polygons = 0.0;
+    let mut holes_overlap = false;
     for polygon in &region.polygons {
-        for (index, ring) in polygon.rings().enumerate() {
-            let mut alone = region.clone();
+        let rings = polygon.rings().enumerate().map(|(index, ring)| {
             let mut only = polygon.clone();
             only.shell = ring.clone();
             only.holes.clear();
-            alone.polygons = vec![only];
-            let area_m2 = even_odd_area_m2(&case.body, &planar_paths(&alone));
-            one_by_one += if index == 0 { area_m2 } else { -area_m2 };
-        }
+            let ring_m2 = area_m2(vec![only]);
+            if index == 0 { ring_m2 } else { -ring_m2 }
+        });
+        let of_rings: f64 = rings.sum();
+        let of_polygon = area_m2(vec![polygon.clone()]);
+        holes_overlap |= of_rings != of_polygon;
+        of_polygons += of_polygon;
     }
     // To the last bit: an overlap may be as small as rounding.
-    if one_by_one == together {
+    if of_polygons == together && !holes_overlap {
         return Err(format!("{error}: yet together they enclose {together} m²"));
     }
     Ok(())
