@@ -365,10 +365,11 @@ impl Group {
             for (triangle, i) in self.mesh.edges_at(*vertex) {
                 let [from, to] = self.mesh.ends(triangle, i);
                 let ends = [from.min(to), from.max(to)];
-                // A point that came to lie on the outline has edges to the frame.
-                let leaves = (ends[0] as usize) < FRAME_CORNERS;
-                let stays = self.mesh.is_constraint(triangle, i);
-                if !leaves && !stays && self.is_too_long(ends, step_deg) {
+                // A point that came to lie on the outline has edges outside, which may be as long as the
+                // way round from +180 to −180.
+                let is_inner =
+                    self.mesh.is_inside(triangle) && !self.mesh.is_constraint(triangle, i);
+                if is_inner && self.is_too_long(ends, step_deg) {
                     long.push(ends);
                 }
             }
@@ -815,6 +816,31 @@ mod tests {
                 .fold(0.0, f64::max)
         };
         assert!(longest(&fine) <= 3.0 && longest(&coarse) > 10.0);
+    }
+
+    #[test]
+    fn nothing_is_refined_outside() {
+        // A find: the middle of an interior edge came to lie on the outline, and from there edges led
+        // outside, round to the part on the other side of ±180. A band of a million points took 90 s.
+        let text = r#"{"type":"Polygon","coordinates":[[[179.992,-0.008],
+            [180.00099999999978,1.862645149230957e-12],[180.0,0.0070000000000000045],[180.0,0.007]]]}"#;
+        let region = crate::parse_regions(text.as_bytes(), "find").expect("valid");
+        let body = crate::Ellipsoid::MOON;
+        let options = MeshOptions {
+            boundary_tolerance_m: 1.7,
+            cap_step_deg: 0.01,
+        };
+        let mut splitter = crate::edge::EdgeSplitter::new(&body, EdgeRule::Planar, &options);
+        let outline =
+            crate::outline::Outline::new(&region[0], EdgeRule::Planar, &mut splitter).ok();
+        let groups = outline.expect("no opposite ends").groups;
+        let edges = crate::snap::snap_rounded(EdgeRule::Planar, &groups).remove(0);
+        let mut group = Group::load(&edges).ok().flatten().expect("crosses nowhere");
+        group.mesh.find_inside();
+        let before = group.mesh.vertex_count();
+        group.refine(options.cap_step_deg).ok().expect("refined");
+        let added = group.mesh.vertex_count() - before;
+        assert!((1..9).contains(&added), "{added}");
     }
 
     #[test]
