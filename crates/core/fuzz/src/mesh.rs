@@ -475,11 +475,12 @@ fn distance_to_arc(point: Degrees, start: Degrees, end: Degrees) -> f64 {
     away.to_degrees()
 }
 
-/// How well the plane of an arc is known between ends that are nearly opposite, degrees.
+/// How well the plane of an arc is known between ends that are nearly opposite, degrees: their
+/// normals have the rounding of degrees turned into radians and of sines, here and in the program.
 fn plane_rounding_deg(start: Degrees, end: Degrees) -> f64 {
     let [from, to] = [start, end].map(unit);
     if from.dot(to) < 0.0 {
-        (1e-15 / from.cross(to).length()).to_degrees()
+        (1e-14 / from.cross(to).length()).to_degrees()
     } else {
         0.0
     }
