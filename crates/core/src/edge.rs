@@ -370,7 +370,7 @@ pub(crate) struct ZoneArea {
     e2: f64,
     reference_rad: f64,
     sin_reference: f64,
-    /// Bound on `dZ/dφ = M N cos φ`, square metres per steradian.
+    /// Bound on `dZ/dφ / cos φ = M N`, square metres per steradian: as at a pole.
     largest_slope: f64,
 }
 
@@ -382,7 +382,7 @@ impl ZoneArea {
             e2: body.eccentricity_squared(),
             reference_rad: reference_deg.to_radians(),
             sin_reference: reference_deg.to_radians().sin(),
-            largest_slope: body.equatorial_radius_m().powi(2),
+            largest_slope: (body.equatorial_radius_m().powi(2) / b).powi(2),
         }
     }
 
@@ -454,11 +454,14 @@ impl ZoneArea {
         let second = self.under_arc_gauss(middle, end);
         let span_rad = (end[0] - start[0]).abs().to_radians();
         let rise = (end[1] - start[1]).abs();
-        // The latitudes carry rounding of 1e-16 rad, and dZ/dφ is at most a². The longitudes carry
-        // theirs, by which a steep arc rises: halving one that spans a few of their last bits would
-        // never end.
+        // The latitudes carry rounding of 1e-16 rad, which is little of Z near a pole, but for what
+        // the sum with φ₀ carries of it. The longitudes carry theirs, by which a steep arc rises:
+        // halving one that spans a few of their last bits would never end.
+        let from_reference = [start, end].map(|[_, y]| (y.to_radians() - self.reference_rad).abs());
+        let slope = self.largest_slope
+            * (largest_cosine(start[1], end[1]) + from_reference[0].max(from_reference[1]));
         let last_bits_rad = 4e-16 * start[0].abs().max(end[0].abs()).to_radians();
-        let rounding = self.largest_slope * (1e-15 * span_rad + last_bits_rad * rise.to_radians());
+        let rounding = slope * (1e-15 * span_rad + last_bits_rad * rise.to_radians());
         let allowed = 1e-13 * (first.abs() + second.abs()) + rounding;
         // Beside a pole all nodes may lie behind the turn and agree on having missed it; then the
         // middle is hardly nearer to one end's latitude than the other end.
@@ -482,6 +485,15 @@ impl ZoneArea {
         });
         half.to_radians() * sum
     }
+}
+
+/// Of the latitudes of an arc, which lies nowhere nearer to the equator than its ends unless it
+/// crosses it.
+fn largest_cosine(start_deg: f64, end_deg: f64) -> f64 {
+    if start_deg * end_deg <= 0.0 {
+        return 1.0;
+    }
+    start_deg.abs().min(end_deg.abs()).to_radians().cos()
 }
 
 /// Nodes and weights on [−1, 1] (Abramowitz & Stegun, table 25.4); nodes not listed are mirrored.
