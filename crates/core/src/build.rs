@@ -222,8 +222,9 @@ impl RegionMesh {
     ///
     /// Inside is what an odd number of the region's ring edges separates from the outside, so holes
     /// and islands in holes need no nesting order. Longitudes within 10⁻¹¹ degrees of ±180 are on the
-    /// antimeridian, and latitudes within 2⁻³⁶ degrees (1.6 µm on the Earth) of ±90 at the pole. Which pole a ring round the axis holds is said
-    /// at [`Polygon::pole_held`](crate::Polygon::pole_held).
+    /// antimeridian, and latitudes within 2⁻³⁶ degrees (1.6 µm on the Earth) of ±90 at the pole. Which
+    /// pole a ring round the axis holds is said at
+    /// [`Polygon::pole_held`](crate::Polygon::pole_held).
     ///
     /// # Errors
     /// [`MeshError`]; the first one found.

@@ -393,7 +393,13 @@ fn judge_no_area(region: &Region, case: &Case) -> Result<(), String> {
         .flat_map(|ring| ring.edges_deg())
         .map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1]).to_radians() * radius_m)
         .sum();
-    let width_m = case.options.boundary_tolerance_m + SNAP_DEG.to_radians() * radius_m;
+    let vertices = region.rings().flat_map(|ring| ring.vertices_deg());
+    let rounding = if vertices.copied().any(is_moved) {
+        SNAP_DEG.to_radians()
+    } else {
+        1e-13
+    };
+    let width_m = case.options.boundary_tolerance_m + rounding * radius_m;
     let allowed_m2 = width_m * length_m;
     if area_m2 > allowed_m2 {
         return Err(format!(
@@ -628,19 +634,22 @@ fn rounding_m2(case: &Case, paths: &[Vec<Degrees>]) -> f64 {
     for path in paths {
         for (a, b) in path.iter().zip(path.iter().cycle().skip(1)) {
             let length = (b[0] - a[0]).hypot(b[1] - a[1]);
-            let off = |[longitude, latitude]: Degrees| {
-                let off_antimeridian = (longitude.abs().rem_euclid(360.0) - 180.0).abs();
-                [off_antimeridian, 90.0 - latitude.abs()]
+            let width = if is_moved(*a) || is_moved(*b) {
+                SNAP_DEG
+            } else {
+                3e-13
             };
-            let is_moved = |off_deg: f64| (1e-300..SNAP_DEG).contains(&off_deg);
-            let snapped = [a, b]
-                .iter()
-                .any(|end| off(**end).map(is_moved) != [false; 2]);
-            let width = if snapped { SNAP_DEG } else { 3e-13 };
             sum += width * length;
         }
     }
     sum.to_radians() * radius_m * radius_m * 1_f64.to_radians() * 1.3
+}
+
+/// Whether the mesher moves a vertex to ±180 or to a pole.
+fn is_moved([longitude, latitude]: Degrees) -> bool {
+    let off_antimeridian_deg = (longitude.abs().rem_euclid(360.0) - 180.0).abs();
+    let off_deg = [off_antimeridian_deg, 90.0 - latitude.abs()];
+    off_deg.iter().any(|off| (1e-300..SNAP_DEG).contains(off))
 }
 
 /// Closed paths of the rings in degrees; those round the axis run on up to the pole they hold.
