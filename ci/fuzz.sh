@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT OR Apache-2.0
 #
-# Runs the fuzz targets of crates/core/fuzz with libFuzzer, coverage guided, on the stable toolchain.
+# Runs the fuzz targets of crates/ground/core/fuzz with libFuzzer, coverage guided, on the stable toolchain.
 #
 # usage: [TERRAFILL_FUZZ_PROCESSES=N] ci/fuzz.sh [SECONDS] [TARGET…]
 #
@@ -25,7 +25,7 @@ processes=${TERRAFILL_FUZZ_PROCESSES:-1}
 targets=("$@")
 [ ${#targets[@]} -gt 0 ] || targets=(geojson mesh)
 
-fuzz=crates/core/fuzz
+fuzz=crates/ground/core/fuzz
 build=${CARGO_TARGET_DIR:-target}/fuzz
 mkdir -p "$build"
 build=$(cd "$build" && pwd)

@@ -12,21 +12,21 @@ use std::path::Path;
 
 /// What a crate may depend on, in the short names of the folders.
 ///
-/// `core ← scene ← frame ← backends ← {conformance, bench}`; `core ← texture ← {scene, frame,
-/// shaders}`; `{conformance, bench, report} → results`. Backends never name each other; the reference
+/// `core ← scene ← fill ← backends ← {conformance, filling}`; `core ← texture ← {scene, fill,
+/// shaders}`; `{conformance, filling, report} → results`. Backends never name each other; the reference
 /// finds texture coordinates by itself. `report` opens no device, so it sees results only.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("core", &[]),
     ("texture", &["core"]),
     ("scene", &["core", "texture"]),
-    ("frame", &["core", "texture", "scene"]),
+    ("fill", &["core", "texture", "scene"]),
     ("shaders", &["texture"]),
-    ("gpu", &["core", "texture", "scene", "frame", "shaders"]),
-    ("vulkan", &["core", "scene", "frame", "shaders"]),
-    ("vertex", &["core", "scene", "frame", "shaders", "gpu"]),
-    ("compute", &["core", "scene", "frame", "shaders", "gpu"]),
-    ("native", &["core", "scene", "frame", "shaders", "vulkan"]),
-    ("reference", &["core", "scene", "frame"]),
+    ("gpu", &["core", "texture", "scene", "fill", "shaders"]),
+    ("vulkan", &["core", "scene", "fill", "shaders"]),
+    ("vertex", &["core", "scene", "fill", "shaders", "gpu"]),
+    ("compute", &["core", "scene", "fill", "shaders", "gpu"]),
+    ("native", &["core", "scene", "fill", "shaders", "vulkan"]),
+    ("reference", &["core", "scene", "fill"]),
     ("results", &[]),
     (
         "conformance",
@@ -34,7 +34,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "core",
             "texture",
             "scene",
-            "frame",
+            "fill",
             "shaders",
             "gpu",
             "vulkan",
@@ -46,12 +46,12 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     (
-        "bench",
+        "filling",
         &[
             "core",
             "texture",
             "scene",
-            "frame",
+            "fill",
             "shaders",
             "gpu",
             "vulkan",
@@ -69,7 +69,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &[
             "core",
             "scene",
-            "frame",
+            "fill",
             "shaders",
             "gpu",
             "vulkan",
@@ -79,7 +79,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "reference",
             "conformance",
             "results",
-            "bench",
+            "filling",
             "report",
         ],
     ),
@@ -258,7 +258,7 @@ mod tests {
 
     #[test]
     fn edges_of_the_architecture_pass() {
-        let good = [("scene", "core"), ("vertex", "gpu"), ("bench", "results")];
+        let good = [("scene", "core"), ("vertex", "gpu"), ("filling", "results")];
         let edges: Vec<Edge> = good.map(|(from, to)| edge(from, to)).to_vec();
         assert_eq!(
             check(&edges).expect("allowed"),
@@ -270,7 +270,7 @@ mod tests {
     fn every_forbidden_edge_is_refused_by_name() {
         let forbidden = [
             ("core", "scene"),
-            ("frame", "gpu"),
+            ("fill", "gpu"),
             ("vertex", "compute"),
             ("vertex", "reference"),
             ("gpu", "vulkan"),
@@ -280,9 +280,9 @@ mod tests {
             ("texture", "scene"),
             ("results", "core"),
             ("report", "gpu"),
-            ("report", "bench"),
-            ("bench", "report"),
-            ("bench", "terrafill"),
+            ("report", "filling"),
+            ("filling", "report"),
+            ("filling", "terrafill"),
             ("shaders", "core"),
             ("newcomer", "core"),
         ];
@@ -302,14 +302,14 @@ mod tests {
 
     #[test]
     fn edges_are_read_from_metadata_with_those_of_tests() {
-        let metadata = r#"{"packages":[{"name":"terrafill-frame","dependencies":[
+        let metadata = r#"{"packages":[{"name":"terrafill-fill","dependencies":[
             {"name":"glam","kind":null},
             {"name":"terrafill-scene","kind":null,"path":"p"},
             {"name":"terrafill-gpu","kind":"dev","path":"p"}]}]}"#;
         let edges = edges(metadata).expect("valid");
-        assert_eq!(listing(&edges), "frame -> gpu (dev)\nframe -> scene\n");
+        assert_eq!(listing(&edges), "fill -> gpu (dev)\nfill -> scene\n");
         let error = check(&edges).expect_err("an edge of tests is an edge");
-        assert!(error.to_string().contains("frame -> gpu"), "{error}");
+        assert!(error.to_string().contains("fill -> gpu"), "{error}");
     }
 
     #[test]

@@ -58,7 +58,7 @@ fn main() -> ExitCode {
 
 fn check_deps() -> Result<String> {
     let edges = dependencies::edges(&metadata()?)?;
-    let imports = dependencies::check_reference(&root().join("crates/reference/src"))?;
+    let imports = dependencies::check_reference(&root().join("crates/judges/reference/src"))?;
     Ok(format!("{}; {imports}", dependencies::check(&edges)?))
 }
 

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The scenes of `bench-scenes/`, built into the program so that it works from any folder.
+
+/// One file of `bench-scenes/` with its name.
+macro_rules! file {
+    ($name:literal) => {
+        (
+            $name,
+            include_str!(concat!("../../../../bench-scenes/", $name)),
+        )
+    };
+}
+
+/// Scenes that need nothing else first, then those that need data.
+const SCENES: &[(&str, &str)] = &[
+    file!("planet-134.toml"),
+    file!("california.toml"),
+    file!("square-10m.toml"),
+    file!("square-200km.toml"),
+    file!("countries-110m.toml"),
+    file!("countries-50m.toml"),
+    file!("us-states.toml"),
+    file!("blue-marble.toml"),
+];
+
+/// Region files that scenes name by `embedded`.
+const DATA: &[(&str, &str)] = &[
+    file!("california.geojson"),
+    file!("square-10m.geojson"),
+    file!("square-200km.geojson"),
+];
+
+/// Names of the scenes that ship with the program, those without need of data first.
+#[must_use]
+pub fn shipped_scene_names() -> Vec<&'static str> {
+    SCENES
+        .iter()
+        .map(|(file, _)| file.trim_end_matches(".toml"))
+        .collect()
+}
+
+pub(crate) fn scene_text(name: &str) -> Option<&'static str> {
+    find(SCENES, &format!("{name}.toml"))
+}
+
+pub(crate) fn data_text(name: &str) -> Option<&'static str> {
+    find(DATA, name)
+}
+
+pub(crate) fn data_names() -> Vec<&'static str> {
+    DATA.iter().map(|(name, _)| *name).collect()
+}
+
+fn find(files: &[(&str, &'static str)], name: &str) -> Option<&'static str> {
+    files
+        .iter()
+        .find(|(file, _)| *file == name)
+        .map(|(_, text)| *text)
+}

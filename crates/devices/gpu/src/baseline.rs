@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The two full-screen passes that fills are measured against, in the same run on the same targets.
+
+use crate::covers::full_screen;
+use crate::stage::{attached, read_only_depth};
+use crate::volume_pipeline::{colour_state, colour_target};
+use crate::{SharedStage, TimedPass};
+use terrafill_fill::{BackendError, CpuStopwatch, FrameTimes, StencilTest};
+
+/// Which pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BaselineKind {
+    /// Reads depth, writes a constant colour: what any technique must pay that looks at depth in a
+    /// shader.
+    Bound,
+    /// Clears the stencil and writes a stencil-tested constant colour: what any stencil technique
+    /// must pay.
+    Floor,
+}
+
+impl BaselineKind {
+    /// Name in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bound => "bound",
+            Self::Floor => "floor",
+        }
+    }
+}
+
+/// A full-screen pass on a stage.
+#[derive(Debug)]
+pub struct Baseline {
+    kind: BaselineKind,
+    stage: SharedStage,
+    pipeline: wgpu::RenderPipeline,
+    bind_group: Option<wgpu::BindGroup>,
+}
+
+impl Baseline {
+    /// Builds the pass.
+    ///
+    /// # Errors
+    /// [`BackendError::Shader`].
+    pub fn new(kind: BaselineKind, stage: &SharedStage) -> Result<Self, BackendError> {
+        let borrowed = stage.borrow();
+        let gpu = borrowed.gpu();
+        let layout = gpu.texture_layout("depth", wgpu::TextureSampleType::Depth);
+        let reads_depth = kind == BaselineKind::Bound;
+        let bind_group =
+            reads_depth.then(|| gpu.bind_texture("depth", &layout, &borrowed.depth_view()));
+        let path = match kind {
+            BaselineKind::Bound => "baseline/bound.wgsl",
+            BaselineKind::Floor => "baseline/floor.wgsl",
+        };
+        let shader = gpu.shader(path)?;
+        let layouts: &[Option<&wgpu::BindGroupLayout>] =
+            if reads_depth { &[Some(&layout)] } else { &[] };
+        let pipeline_layout = gpu.pipeline_layout(kind.name(), layouts);
+        let unmarked = StencilTest {
+            is_equal: true,
+            reference: 0,
+            read_mask: 0xff,
+            zeroes: false,
+        };
+        let depth_stencil = (kind == BaselineKind::Floor).then(|| colour_state(unmarked));
+        let (label, target) = (kind.name(), colour_target(false));
+        let pipeline = full_screen(gpu, label, &pipeline_layout, &shader, depth_stencil, target);
+        drop(borrowed);
+        Ok(Self {
+            kind,
+            stage: SharedStage::clone(stage),
+            pipeline,
+            bind_group,
+        })
+    }
+
+    /// Which pass this is.
+    #[must_use]
+    pub fn kind(&self) -> BaselineKind {
+        self.kind
+    }
+
+    /// Draws it once over whatever the stage holds and waits.
+    ///
+    /// # Errors
+    /// [`BackendError::DeviceLost`].
+    pub fn time_frame(&mut self) -> Result<FrameTimes, BackendError> {
+        let stage = self.stage.borrow();
+        let gpu = stage.gpu();
+        let (colour, depth_stencil) = (stage.colour_view(), stage.depth_stencil_view());
+        let watch = CpuStopwatch::start();
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(self.kind.name()),
+            color_attachments: &[Some(attached(&colour, wgpu::LoadOp::Load))],
+            depth_stencil_attachment: (self.kind == BaselineKind::Floor)
+                .then(|| read_only_depth(&depth_stencil, Some(wgpu::LoadOp::Clear(0)))),
+            timestamp_writes: stage.timer().map(|t| t.around(TimedPass::Baseline)),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        if let Some(bind_group) = &self.bind_group {
+            pass.set_bind_group(0, bind_group, &[]);
+        }
+        pass.draw(0..3, 0..1);
+        drop(pass);
+        gpu.queue.submit([encoder.finish()]);
+        gpu.wait()?;
+        let (fill_cpu_ms, fill_wall_ms) = (watch.cpu_ms(), watch.wall_ms());
+        let fill_gpu_ms = match stage.timer() {
+            Some(timer) => timer
+                .read(gpu, TimedPass::Baseline, TimedPass::Baseline)?
+                .pass_ms(TimedPass::Baseline),
+            None => None,
+        };
+        Ok(FrameTimes {
+            fill_gpu_ms,
+            fill_cpu_ms,
+            fill_wall_ms,
+            ..FrameTimes::default()
+        })
+    }
+}

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Triangles over the screen that bring colours: covers of marked pixels, and the lookup of
+//! accumulated numbers. The one place where they are made and bound.
+
+use crate::stage::target;
+use crate::volume_pipeline::{NUMBER_FORMAT, colour_state, colour_target, unchanged};
+use crate::{Gpu, VolumePass};
+use std::collections::HashMap;
+use terrafill_fill::{BackendError, NUMBER_BYTES, StencilTest};
+use terrafill_scene::ImageSize;
+
+/// Pipelines on one device, made when first asked for.
+#[derive(Debug)]
+pub(crate) struct Covers {
+    cover_shader: wgpu::ShaderModule,
+    cover_layout: wgpu::PipelineLayout,
+    /// By test, and whether they are blended over what lies under them.
+    covers: HashMap<(StencilTest, bool), wgpu::RenderPipeline>,
+    resolve_layout: wgpu::PipelineLayout,
+    resolve: Option<wgpu::RenderPipeline>,
+    number_layout: wgpu::BindGroupLayout,
+}
+
+impl Covers {
+    /// - `frame_layout`: group 0, view and regions
+    pub(crate) fn new(
+        gpu: &Gpu,
+        frame_layout: &wgpu::BindGroupLayout,
+    ) -> Result<Self, BackendError> {
+        let number = wgpu::TextureSampleType::Float { filterable: false };
+        let number_layout = gpu.texture_layout("accumulated numbers", number);
+        let resolved = [Some(frame_layout), Some(&number_layout)];
+        Ok(Self {
+            cover_shader: gpu.shader("vertex/cover.wgsl")?,
+            cover_layout: gpu.pipeline_layout("cover", &[Some(frame_layout)]),
+            covers: HashMap::new(),
+            resolve_layout: gpu.pipeline_layout("resolve", &resolved),
+            resolve: None,
+            number_layout,
+        })
+    }
+
+    /// Makes a cover's pipeline unless it is there.
+    pub(crate) fn ensure_cover(&mut self, gpu: &Gpu, test: StencilTest, blends: bool) {
+        let (layout, shader) = (&self.cover_layout, &self.cover_shader);
+        self.covers.entry((test, blends)).or_insert_with(|| {
+            let (state, target) = (Some(colour_state(test)), colour_target(blends));
+            full_screen(gpu, "cover", layout, shader, state, target)
+        });
+    }
+
+    /// Makes the lookup's pipeline unless it is there.
+    pub(crate) fn ensure_resolve(&mut self, gpu: &Gpu) -> Result<(), BackendError> {
+        if self.resolve.is_none() {
+            let shader = gpu.shader("vertex/resolve.wgsl")?;
+            let state = Some(unchanged(wgpu::CompareFunction::Always));
+            let target = colour_target(false);
+            let layout = &self.resolve_layout;
+            self.resolve = Some(full_screen(gpu, "resolve", layout, &shader, state, target));
+        }
+        Ok(())
+    }
+
+    /// Covers marked pixels in the colours of `regions`, in this order.
+    pub(crate) fn draw_covers(
+        &self,
+        pass: &mut VolumePass<'_>,
+        test: StencilTest,
+        blends: bool,
+        scissor: bool,
+        regions: &[usize],
+    ) {
+        if let Some(pipeline) = self.covers.get(&(test, blends)) {
+            pass.raw.set_pipeline(pipeline);
+        }
+        pass.raw.set_stencil_reference(u32::from(test.reference));
+        for &planned in regions {
+            pass.cut(planned, scissor);
+            pass.draw(0..3, planned);
+        }
+    }
+
+    /// Looks up the colours of accumulated numbers.
+    pub(crate) fn draw_resolve(&self, pass: &mut VolumePass<'_>, numbers: &Numbers) {
+        if let Some(pipeline) = &self.resolve {
+            pass.raw.set_pipeline(pipeline);
+        }
+        pass.raw.set_bind_group(1, &numbers.bind_group, &[]);
+        pass.cut(0, false);
+        pass.draw(0..3, 0);
+    }
+}
+
+/// The accumulation target.
+#[derive(Debug)]
+pub(crate) struct Numbers {
+    pub(crate) size: ImageSize,
+    pub(crate) view: wgpu::TextureView,
+    bind_group: wgpu::BindGroup,
+}
+
+impl Numbers {
+    pub(crate) fn new(gpu: &Gpu, covers: &Covers, size: ImageSize) -> Self {
+        let sampled = wgpu::TextureUsages::TEXTURE_BINDING;
+        let texture = target(gpu, size, "accumulated numbers", NUMBER_FORMAT, sampled);
+        let view = texture.create_view(&Default::default());
+        let layout = &covers.number_layout;
+        let bind_group = gpu.bind_texture("accumulated numbers", layout, &view);
+        Self {
+            size,
+            view,
+            bind_group,
+        }
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        self.size.pixel_count() as u64 * NUMBER_BYTES
+    }
+}
+
+/// A pipeline for one triangle over the screen, by the entry points `vertex_main` and `fragment_main`.
+pub(crate) fn full_screen(
+    gpu: &Gpu,
+    label: &str,
+    layout: &wgpu::PipelineLayout,
+    shader: &wgpu::ShaderModule,
+    depth_stencil: Option<wgpu::DepthStencilState>,
+    target: wgpu::ColorTargetState,
+) -> wgpu::RenderPipeline {
+    gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(label),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module: shader,
+            entry_point: Some("vertex_main"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: Default::default(),
+        depth_stencil,
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: shader,
+            entry_point: Some("fragment_main"),
+            compilation_options: Default::default(),
+            targets: &[Some(target)],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What every wgpu backend stands on: the device, the targets and the surface pass that fills them,
+//! fills by volumes with all but the volumes themselves, GPU clocks, read-back, and the two
+//! full-screen passes that fills are measured against.
+
+mod adapter;
+mod baseline;
+mod bindings;
+#[cfg(test)]
+mod constants;
+mod covers;
+mod evaluate;
+mod fill;
+mod readback;
+mod route_table;
+mod stage;
+mod statistics;
+mod textured;
+mod timing;
+mod validation;
+mod volume_pass;
+mod volume_pipeline;
+mod work;
+
+pub use terrafill_fill::{CpuStopwatch, WorkDone};
+pub use terrafill_shaders::source_hash as shader_source_hash;
+
+pub use adapter::{DeviceFacts, Features, Gpu, GpuOptions, list_adapters, open_for_test};
+pub use baseline::{Baseline, BaselineKind};
+pub use evaluate::{
+    EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluation, EvaluationTime, Evaluator, Kernel,
+    KernelTable, TableFormat,
+};
+pub use fill::{VolumeFill, Volumes};
+pub use readback::read_buffer;
+pub use stage::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, SharedStage, Stage};
+pub use textured::{BoundCover, CoverPurpose, Probe, TexturedFill};
+pub use timing::{PassTimer, Stamps, TimedPass};
+pub use validation::{POSITIVE_CONTROL, ValidationMessage, make_deliberate_error, messages};
+pub use volume_pass::VolumePass;
+pub use volume_pipeline::{HandedOn, VolumeShader};

@@ -1,0 +1,399 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The stage that every wgpu backend plays on: one pair of targets and the surface drawn into them.
+//!
+//! Backends share one stage, so that "after the same surface, into the same formats" holds by
+//! construction. A fill reads depth and never writes it, so one surface pass serves any number of
+//! fills of the same view.
+
+use crate::readback::read_texture;
+use crate::{Gpu, PassTimer, TimedPass};
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::Arc;
+use terrafill_fill::{
+    BackendError, FrameInput, Picture, SKY, ViewConstants, check_target_size, count_u32,
+};
+use terrafill_scene::ImageSize;
+
+/// Colour target: ids and colours are exact in it.
+pub const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+/// Reversed depth needs float: on a 24-bit depth buffer it gains nothing.
+pub const DEPTH_STENCIL_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32FloatStencil8;
+
+/// A stage shared by the backends of one run.
+pub type SharedStage = Rc<RefCell<Stage>>;
+
+/// Targets, surface and timer on one device.
+#[derive(Debug)]
+pub struct Stage {
+    gpu: Arc<Gpu>,
+    size: ImageSize,
+    colour: wgpu::Texture,
+    depth_stencil: wgpu::Texture,
+    timer: Option<PassTimer>,
+    view_constants: wgpu::Buffer,
+    bind_group: wgpu::BindGroup,
+    pipeline: wgpu::RenderPipeline,
+    prepared: Option<PreparedSurface>,
+}
+
+#[derive(Debug)]
+struct PreparedSurface {
+    source: Arc<[[f32; 3]]>,
+    vertices: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    index_count: u32,
+}
+
+impl Stage {
+    /// A stage of the given size.
+    ///
+    /// # Errors
+    /// [`BackendError::Unsupported`] when the device has no textures that large.
+    pub fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Result<Self, BackendError> {
+        let limit = gpu.device.limits().max_texture_dimension_2d;
+        check_target_size(size, limit, &gpu.facts.name)?;
+        let device = &gpu.device;
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("surface"),
+            entries: &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+                ty: wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Uniform,
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+                count: None,
+            }],
+        });
+        let view_constants = gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("view constants"),
+            size: size_of::<ViewConstants>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("surface"),
+            layout: &layout,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: view_constants.as_entire_binding(),
+            }],
+        });
+        let copied = wgpu::TextureUsages::COPY_SRC;
+        Ok(Self {
+            gpu: Arc::clone(gpu),
+            size,
+            colour: target(gpu, size, "colour", COLOUR_FORMAT, copied),
+            depth_stencil: target(
+                gpu,
+                size,
+                "depth and stencil",
+                DEPTH_STENCIL_FORMAT,
+                copied | wgpu::TextureUsages::TEXTURE_BINDING,
+            ),
+            timer: PassTimer::new(gpu),
+            view_constants,
+            bind_group,
+            pipeline: surface_pipeline(gpu, &layout)?,
+            prepared: None,
+        })
+    }
+
+    /// The same, shared.
+    ///
+    /// # Errors
+    /// As [`Stage::new`].
+    pub fn shared(gpu: &Arc<Gpu>, size: ImageSize) -> Result<SharedStage, BackendError> {
+        Ok(Rc::new(RefCell::new(Self::new(gpu, size)?)))
+    }
+
+    /// The device.
+    #[must_use]
+    pub fn gpu(&self) -> &Arc<Gpu> {
+        &self.gpu
+    }
+
+    /// Size of the targets.
+    #[must_use]
+    pub fn size(&self) -> ImageSize {
+        self.size
+    }
+
+    /// GPU clock, where there is one.
+    #[must_use]
+    pub fn timer(&self) -> Option<&PassTimer> {
+        self.timer.as_ref()
+    }
+
+    /// Constants of the view that was prepared last.
+    #[must_use]
+    pub fn view_constants(&self) -> &wgpu::Buffer {
+        &self.view_constants
+    }
+
+    /// Colour target.
+    #[must_use]
+    pub fn colour_view(&self) -> wgpu::TextureView {
+        self.colour.create_view(&Default::default())
+    }
+
+    /// Depth and stencil as an attachment.
+    #[must_use]
+    pub fn depth_stencil_view(&self) -> wgpu::TextureView {
+        self.depth_stencil.create_view(&Default::default())
+    }
+
+    /// Depth for sampling.
+    #[must_use]
+    pub fn depth_view(&self) -> wgpu::TextureView {
+        self.depth_stencil
+            .create_view(&wgpu::TextureViewDescriptor {
+                aspect: wgpu::TextureAspect::DepthOnly,
+                ..Default::default()
+            })
+    }
+
+    /// Uploads the view and its surface, unless they are there already.
+    ///
+    /// # Errors
+    /// [`BackendError::OverCapacity`] when the input's size is not the stage's.
+    pub fn prepare(&mut self, input: &FrameInput) -> Result<(), BackendError> {
+        input.check_size(self.size)?;
+        let is_same =
+            |prepared: &PreparedSurface| Arc::ptr_eq(&prepared.source, &input.surface_rte);
+        if self.prepared.as_ref().is_some_and(is_same) {
+            return Ok(());
+        }
+        let constants = ViewConstants::new(input);
+        self.gpu
+            .write_buffer(&self.view_constants, 0, bytemuck::bytes_of(&constants));
+        let indices = input.scene.surface.triangles.as_flattened();
+        self.prepared = Some(PreparedSurface {
+            source: Arc::clone(&input.surface_rte),
+            vertices: self.upload(
+                "surface vertices",
+                bytemuck::cast_slice(&input.surface_rte),
+                wgpu::BufferUsages::VERTEX,
+            )?,
+            indices: self.upload(
+                "surface indices",
+                bytemuck::cast_slice(indices),
+                wgpu::BufferUsages::INDEX,
+            )?,
+            index_count: count_u32("surface indices", indices.len())?,
+        });
+        Ok(())
+    }
+
+    /// Creates a buffer with these contents, padded with zeros to a multiple of 4 bytes.
+    ///
+    /// # Errors
+    /// [`BackendError::OverCapacity`] when the device has no buffers that large.
+    pub fn upload(
+        &self,
+        label: &str,
+        bytes: &[u8],
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer, BackendError> {
+        let size = (bytes.len() as u64).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT);
+        let limits = self.gpu.device.limits();
+        let allowed = if usage.contains(wgpu::BufferUsages::STORAGE) {
+            limits
+                .max_buffer_size
+                .min(limits.max_storage_buffer_binding_size)
+        } else {
+            limits.max_buffer_size
+        };
+        if size > allowed {
+            return Err(BackendError::OverCapacity {
+                what: format!("bytes of {label}"),
+                found: size,
+                allowed,
+            });
+        }
+        let buffer = self.gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            // A buffer of 0 bytes is not allowed; an empty scene still draws its surface.
+            size: size.max(wgpu::COPY_BUFFER_ALIGNMENT),
+            usage: usage | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: true,
+        });
+        buffer
+            .get_mapped_range_mut(..)
+            .map_err(|error| BackendError::DeviceLost(error.to_string()))?
+            .slice(..bytes.len())
+            .copy_from_slice(bytes);
+        buffer.unmap();
+        self.gpu.work.count_upload(bytes.len() as u64);
+        Ok(buffer)
+    }
+
+    /// Clears the targets, draws the surface, waits, and gives the pass's GPU time.
+    ///
+    /// # Errors
+    /// [`BackendError::NotPrepared`], [`BackendError::DeviceLost`].
+    pub fn draw_surface(&mut self) -> Result<Option<f64>, BackendError> {
+        let Some(prepared) = &self.prepared else {
+            return Err(BackendError::no_surface());
+        };
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let (colour, depth_stencil) = (self.colour_view(), self.depth_stencil_view());
+        let [r, g, b, a] = SKY.map(f64::from);
+        let sky = wgpu::Color { r, g, b, a };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("surface"),
+            color_attachments: &[Some(attached(&colour, wgpu::LoadOp::Clear(sky)))],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &depth_stencil,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store: wgpu::StoreOp::Store,
+                }),
+                stencil_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0),
+                    store: wgpu::StoreOp::Store,
+                }),
+            }),
+            timestamp_writes: self.timer.as_ref().map(|t| t.around(TimedPass::Surface)),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.bind_group, &[]);
+        pass.set_vertex_buffer(0, prepared.vertices.slice(..));
+        pass.set_index_buffer(prepared.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..prepared.index_count, 0, 0..1);
+        drop(pass);
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.wait()?;
+        match &self.timer {
+            Some(timer) => {
+                let stamps = timer.read(&self.gpu, TimedPass::Surface, TimedPass::Surface)?;
+                Ok(stamps.pass_ms(TimedPass::Surface))
+            }
+            None => Ok(None),
+        }
+    }
+
+    /// Reads the targets back.
+    ///
+    /// # Errors
+    /// [`BackendError::DeviceLost`].
+    pub fn read(&self) -> Result<Picture, BackendError> {
+        let depth = read_texture(
+            &self.gpu,
+            &self.depth_stencil,
+            wgpu::TextureAspect::DepthOnly,
+        )?;
+        Ok(Picture {
+            size: self.size,
+            rgba: read_texture(&self.gpu, &self.colour, wgpu::TextureAspect::All)?,
+            depth: bytemuck::pod_collect_to_vec(&depth),
+        })
+    }
+}
+
+/// A texture of one level that is drawn into, and whatever `usage` says beside.
+pub(crate) fn target(
+    gpu: &Gpu,
+    size: ImageSize,
+    label: &str,
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d {
+            width: size.width,
+            height: size.height,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
+        view_formats: &[],
+    })
+}
+
+/// Depth as it is, and the stencil to be written, or, without a way to load it, to be left as it is too.
+pub(crate) fn read_only_depth(
+    view: &wgpu::TextureView,
+    stencil: Option<wgpu::LoadOp<u32>>,
+) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: None,
+        stencil_ops: stencil.map(|load| wgpu::Operations {
+            load,
+            store: wgpu::StoreOp::Store,
+        }),
+    }
+}
+
+/// A colour target, written.
+pub(crate) fn attached(
+    view: &wgpu::TextureView,
+    load: wgpu::LoadOp<wgpu::Color>,
+) -> wgpu::RenderPassColorAttachment<'_> {
+    wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations {
+            load,
+            store: wgpu::StoreOp::Store,
+        },
+    }
+}
+
+fn surface_pipeline(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+) -> Result<wgpu::RenderPipeline, BackendError> {
+    let shader = gpu.shader("surface/surface.wgsl")?;
+    let layout = gpu
+        .device
+        .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("surface"),
+            bind_group_layouts: &[Some(layout)],
+            immediate_size: 0,
+        });
+    Ok(gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("surface"),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &shader,
+            entry_point: Some("vertex_main"),
+            compilation_options: Default::default(),
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: 12,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+            })],
+        },
+        primitive: wgpu::PrimitiveState {
+            cull_mode: Some(wgpu::Face::Back),
+            ..Default::default()
+        },
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH_STENCIL_FORMAT,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(wgpu::CompareFunction::Greater),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &shader,
+            entry_point: Some("fragment_main"),
+            compilation_options: Default::default(),
+            targets: &[Some(COLOUR_FORMAT.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    }))
+}

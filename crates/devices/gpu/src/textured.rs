@@ -1,0 +1,610 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Textured covers on wgpu: the picture on the device, its samplers, the constants of a view, and one
+//! pipeline for each kind of cover that a scene needs.
+//!
+//! A textured cover stands where a plain one would: a triangle over the screen, cut by scissor and
+//! stencil. It reads the depth that the surface left through a second view of the texture that is
+//! attached, which is allowed while neither depth nor stencil is written: so no depth is copied, and
+//! covers that take the stencil back to 0 cannot be textured.
+
+use crate::readback::read_texture;
+use crate::route_table::RouteTable;
+use crate::volume_pipeline::{colour_state, colour_target};
+use crate::{Gpu, Stage};
+use std::collections::HashMap;
+use std::sync::Arc;
+use terrafill_fill::{
+    AddressMode, BackendError, CoverOverrides, FrameInput, Probed, StencilTest, Switches,
+    TexturedCover, TexturedPlan,
+};
+use terrafill_scene::{ImageSize, MipChain, MipLevel, PlannedRegion, SceneTexture, TextureShare};
+use terrafill_shaders::{RouteText, TEXTURED_COVER, TexturedParts, TexturedPlacement};
+
+/// Format of the probe's targets: what the shader computes, unrounded.
+const PROBE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+
+/// What a cover is drawn for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum CoverPurpose {
+    /// The picture's colours.
+    Colour,
+    /// Where the picture's texels came from, into the targets of a [`Probe`].
+    Probe,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+struct CoverKey {
+    shader: usize,
+    test: StencilTest,
+    purpose: CoverPurpose,
+    overrides: CoverOverrides,
+    blends: bool,
+}
+
+/// Textured covers of one scene and view.
+#[derive(Debug)]
+pub struct TexturedFill {
+    /// Groups 0, view; 1, depth and regions; 2, picture.
+    bindings: [wgpu::BindGroupLayout; 3],
+    shaders: Vec<Shader>,
+    pipelines: HashMap<CoverKey, wgpu::RenderPipeline>,
+    images: Vec<wgpu::Texture>,
+    /// Whether the pictures hide what lies under them.
+    images_are_opaque: bool,
+    image_groups: HashMap<ImageKey, wgpu::BindGroup>,
+    view: Option<TexturedView>,
+}
+
+/// A copy of the picture, and what is seen beyond it.
+type ImageKey = (usize, [AddressMode; 2]);
+
+/// A composed shader and what its route reads besides constants.
+#[derive(Debug)]
+struct Shader {
+    parts: TexturedParts,
+    module: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
+    table: Option<RouteTable>,
+}
+
+#[derive(Debug)]
+struct TexturedView {
+    constants: wgpu::Buffer,
+    written: Vec<[f32; 4]>,
+    /// Bytes from one region's constants to the next one's.
+    stride: u32,
+    bind_group: wgpu::BindGroup,
+    /// By planned region, with the place of its shader in `TexturedFill::shaders`.
+    covers: Vec<(TexturedCover, usize)>,
+}
+
+impl TexturedFill {
+    /// Nothing uploaded and no pipeline made yet.
+    ///
+    /// - `frame_layout`: group 0, the view's constants at binding 0
+    #[must_use]
+    pub fn new(gpu: &Gpu, frame_layout: &wgpu::BindGroupLayout) -> Self {
+        let group = |label, types: &[wgpu::BindingType]| gpu.fragment_layout(label, types);
+        let texture = |sample_type| wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        let regions = wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset: true,
+            min_binding_size: None,
+        };
+        let depth = texture(wgpu::TextureSampleType::Depth);
+        let image = texture(wgpu::TextureSampleType::Float { filterable: true });
+        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+        Self {
+            bindings: [
+                frame_layout.clone(),
+                group("depth and textured regions", &[depth, regions]),
+                group("picture", &[image, sampler]),
+            ],
+            shaders: Vec::new(),
+            pipelines: HashMap::new(),
+            images: Vec::new(),
+            images_are_opaque: true,
+            image_groups: HashMap::new(),
+            view: None,
+        }
+    }
+
+    /// Uploads `copies` of a picture with all its levels in place of those there were.
+    ///
+    /// # Errors
+    /// [`BackendError::OverCapacity`] when the device has no textures that large.
+    pub fn upload_image(
+        &mut self,
+        gpu: &Gpu,
+        image: &MipChain,
+        copies: usize,
+    ) -> Result<(), BackendError> {
+        let allowed = gpu.device.limits().max_texture_dimension_2d;
+        let [width, height] = image.size_px();
+        if width.max(height) > allowed {
+            return Err(BackendError::OverCapacity {
+                what: "texels along a side of the picture".to_owned(),
+                found: u64::from(width.max(height)),
+                allowed: u64::from(allowed),
+            });
+        }
+        let texels = image.levels()[0].rgba.chunks_exact(4);
+        self.images_are_opaque = texels.into_iter().all(|texel| texel[3] == u8::MAX);
+        self.image_groups.clear();
+        self.images = (0..copies).map(|_| picture(gpu, image)).collect();
+        Ok(())
+    }
+
+    /// Bytes of the pictures on the device, and of the routes' tables.
+    #[must_use]
+    pub fn texture_bytes(&self) -> u64 {
+        let tables = self.shaders.iter().filter_map(|made| made.table.as_ref());
+        let images: u64 = self.images.iter().map(bytes_of).sum();
+        images + tables.map(|table| table.bytes).sum::<u64>()
+    }
+
+    /// Bytes of the regions' constants.
+    #[must_use]
+    pub fn constant_bytes(&self) -> u64 {
+        let written = self.view.as_ref().map(|view| size_of_val(&*view.written));
+        written.unwrap_or(0) as u64
+    }
+
+    /// Takes over a view: constants are written where they changed, shaders and bind groups made
+    /// where they are missing.
+    ///
+    /// # Errors
+    /// [`BackendError::Shader`], [`BackendError::OverCapacity`], and [`BackendError::Unsupported`]
+    /// for a route whose table the device cannot hold.
+    pub fn set_view(&mut self, stage: &Stage, plan: &TexturedPlan) -> Result<(), BackendError> {
+        let gpu = stage.gpu();
+        let mut covers = Vec::with_capacity(plan.covers.len());
+        for cover in &plan.covers {
+            covers.push((cover.clone(), self.shader(gpu, plan, cover)?));
+            self.ensure_image_group(gpu, (cover.texture.image, cover.texture.address));
+        }
+        let alignment = gpu.device.limits().min_uniform_buffer_offset_alignment;
+        let (written, stride) = plan.aligned_constants(alignment as usize);
+        let stride = u32::try_from(stride).unwrap_or(u32::MAX);
+        let there = self.view.take();
+        let (constants, bind_group) = match there {
+            Some(view) if (view.written.len(), view.stride) == (written.len(), stride) => {
+                if view.written != written {
+                    gpu.write_buffer(&view.constants, 0, bytemuck::cast_slice(&written));
+                }
+                (view.constants, view.bind_group)
+            }
+            _ => {
+                let bytes = bytemuck::cast_slice(&written);
+                let usage = wgpu::BufferUsages::UNIFORM;
+                let constants = stage.upload("textured regions", bytes, usage)?;
+                let bind_group = self.bind_constants(stage, &constants, stride);
+                (constants, bind_group)
+            }
+        };
+        self.view = Some(TexturedView {
+            constants,
+            written,
+            stride,
+            bind_group,
+            covers,
+        });
+        Ok(())
+    }
+
+    /// Makes the pipelines that cover `regions` where they are missing.
+    pub fn ensure(
+        &mut self,
+        gpu: &Gpu,
+        test: StencilTest,
+        purpose: CoverPurpose,
+        regions: &[usize],
+    ) {
+        for &planned in regions {
+            let Some((key, _)) = self.cover(test, purpose, planned) else {
+                continue;
+            };
+            if !self.pipelines.contains_key(&key) {
+                let pipeline = self.pipeline(gpu, key);
+                self.pipelines.insert(key, pipeline);
+            }
+        }
+    }
+
+    /// Binds what covers one planned region with a triangle of three vertices; group 0 and the stencil reference are the caller's. What the pass has bound already stays: `bound`
+    /// says what the last call left. False where [`TexturedFill::ensure`] was not called for it.
+    pub fn bind(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        test: StencilTest,
+        purpose: CoverPurpose,
+        planned: usize,
+        bound: &mut BoundCover,
+    ) -> bool {
+        let Some((key, cover)) = self.cover(test, purpose, planned) else {
+            return false;
+        };
+        let image = (cover.texture.image, cover.texture.address);
+        let found = self.pipelines.get(&key).zip(self.image_groups.get(&image));
+        let (Some((pipeline, image_group)), Some(view)) = (found, &self.view) else {
+            return false;
+        };
+        if bound.key != Some(key) {
+            pass.set_pipeline(pipeline);
+            if let Some(table) = &self.shaders[key.shader].table {
+                pass.set_bind_group(3, &table.group, &[]);
+            }
+            bound.key = Some(key);
+        }
+        if bound.image != Some(image) {
+            pass.set_bind_group(2, image_group, &[]);
+            bound.image = Some(image);
+        }
+        if bound.planned != Some(planned) {
+            let index = u32::try_from(planned).unwrap_or(u32::MAX);
+            pass.set_bind_group(1, &view.bind_group, &[index.saturating_mul(view.stride)]);
+            bound.planned = Some(planned);
+        }
+        true
+    }
+
+    fn cover(
+        &self,
+        test: StencilTest,
+        purpose: CoverPurpose,
+        planned: usize,
+    ) -> Option<(CoverKey, &TexturedCover)> {
+        let view = self.view.as_ref()?;
+        let (cover, shader) = view.covers.get(planned)?;
+        let colours = purpose == CoverPurpose::Colour;
+        let key = CoverKey {
+            shader: *shader,
+            test,
+            purpose,
+            overrides: match purpose {
+                CoverPurpose::Colour => cover.overrides(),
+                CoverPurpose::Probe => cover.overrides().of_probe(),
+            },
+            blends: colours && (cover.is_translucent() || !self.images_are_opaque),
+        };
+        Some((key, cover))
+    }
+
+    fn shader(
+        &mut self,
+        gpu: &Gpu,
+        plan: &TexturedPlan,
+        cover: &TexturedCover,
+    ) -> Result<usize, BackendError> {
+        let parts = parts(plan, cover);
+        let there = self.shaders.iter().position(|made| made.parts == parts);
+        if let Some(there) = there {
+            return Ok(there);
+        }
+        let failed = |error: terrafill_shaders::ShaderError| BackendError::Shader {
+            name: format!("{TEXTURED_COVER} with {}", cover.route.name()),
+            message: error.to_string(),
+        };
+        let composed = parts.compose().map_err(failed)?;
+        // A route that does not compile is an error to report, not one to stop the device.
+        terrafill_shaders::validate(TEXTURED_COVER, &composed).map_err(failed)?;
+        let module = gpu
+            .device
+            .create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(TEXTURED_COVER),
+                source: wgpu::ShaderSource::Wgsl(composed.into()),
+            });
+        let table = RouteTable::new(gpu, cover)?;
+        let groups: Vec<_> = self
+            .bindings
+            .iter()
+            .chain(table.as_ref().map(|table| &table.layout))
+            .map(Some)
+            .collect();
+        let layout = gpu.pipeline_layout("textured cover", &groups);
+        self.shaders.push(Shader {
+            parts,
+            module,
+            layout,
+            table,
+        });
+        Ok(self.shaders.len() - 1)
+    }
+
+    fn ensure_image_group(&mut self, gpu: &Gpu, key: ImageKey) {
+        let Some(image) = self.images.get(key.0) else {
+            return;
+        };
+        if self.image_groups.contains_key(&key) {
+            return;
+        }
+        let [address_mode_u, address_mode_v] = key.1.map(sampled);
+        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("trilinear"),
+            address_mode_u,
+            address_mode_v,
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..Default::default()
+        });
+        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("picture"),
+            layout: &self.bindings[2],
+            entries: &[
+                wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: wgpu::BindingResource::TextureView(
+                        &image.create_view(&Default::default()),
+                    ),
+                },
+                wgpu::BindGroupEntry {
+                    binding: 1,
+                    resource: wgpu::BindingResource::Sampler(&sampler),
+                },
+            ],
+        });
+        self.image_groups.insert(key, group);
+    }
+
+    fn bind_constants(
+        &self,
+        stage: &Stage,
+        constants: &wgpu::Buffer,
+        stride: u32,
+    ) -> wgpu::BindGroup {
+        let device = &stage.gpu().device;
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("depth and textured regions"),
+            layout: &self.bindings[1],
+            entries: &[
+                wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: wgpu::BindingResource::TextureView(&stage.depth_view()),
+                },
+                wgpu::BindGroupEntry {
+                    binding: 1,
+                    resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                        buffer: constants,
+                        offset: 0,
+                        size: std::num::NonZeroU64::new(u64::from(stride)),
+                    }),
+                },
+            ],
+        })
+    }
+
+    fn pipeline(&self, gpu: &Gpu, key: CoverKey) -> wgpu::RenderPipeline {
+        let Shader { module, layout, .. } = &self.shaders[key.shader];
+        let (entry_point, targets) = match key.purpose {
+            CoverPurpose::Colour => ("fragment_main", vec![Some(colour_target(key.blends))]),
+            CoverPurpose::Probe => ("probe_main", vec![Some(PROBE_FORMAT.into()); 2]),
+        };
+        let constants = key.overrides.constants();
+        gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("textured cover"),
+            layout: Some(layout),
+            vertex: wgpu::VertexState {
+                module,
+                entry_point: Some("vertex_main"),
+                compilation_options: Default::default(),
+                buffers: &[],
+            },
+            primitive: Default::default(),
+            depth_stencil: Some(colour_state(key.test)),
+            multisample: Default::default(),
+            fragment: Some(wgpu::FragmentState {
+                module,
+                entry_point: Some(entry_point),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants: &constants,
+                    ..Default::default()
+                },
+                targets: &targets,
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+}
+
+/// The textured side of a backend's fill: what was planned last, and what the device holds of it.
+#[derive(Debug)]
+pub(crate) struct Textured {
+    switches: Switches,
+    pub(crate) covers: TexturedFill,
+    image: Option<Arc<SceneTexture>>,
+    planned: Option<Planned>,
+}
+
+/// A plan, and what it was made from.
+#[derive(Debug)]
+struct Planned {
+    surface_rte: Arc<[[f32; 3]]>,
+    regions: Vec<PlannedRegion>,
+    plan: TexturedPlan,
+}
+
+impl Textured {
+    /// `None` for a plain fill.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        frame_layout: &wgpu::BindGroupLayout,
+        switches: &Switches,
+    ) -> Option<Self> {
+        switches.texture.map(|_| Self {
+            switches: *switches,
+            covers: TexturedFill::new(gpu, frame_layout),
+            image: None,
+            planned: None,
+        })
+    }
+
+    /// The plan of the view that was uploaded last.
+    pub(crate) fn plan(&self) -> Option<&TexturedPlan> {
+        self.planned.as_ref().map(|planned| &planned.plan)
+    }
+
+    /// Plans and uploads the view of `input`; the same view again costs nothing.
+    pub(crate) fn upload(&mut self, stage: &Stage, input: &FrameInput) -> Result<(), BackendError> {
+        let is_same = |planned: &Planned| {
+            Arc::ptr_eq(&planned.surface_rte, &input.surface_rte)
+                && planned.regions == input.plan.regions
+        };
+        if self.planned.as_ref().is_some_and(is_same) && self.holds_image(input) {
+            return Ok(());
+        }
+        let Some(plan) = TexturedPlan::of_switches(input, &self.switches)? else {
+            return Ok(());
+        };
+        if let Some(texture) = input
+            .scene
+            .texture
+            .as_ref()
+            .filter(|_| !self.holds_image(input))
+        {
+            let copies = match texture.share {
+                TextureShare::One => 1,
+                TextureShare::Each => input.scene.regions.len(),
+            };
+            self.covers
+                .upload_image(stage.gpu(), &texture.image, copies)?;
+            self.image = Some(Arc::clone(texture));
+        }
+        self.covers.set_view(stage, &plan)?;
+        self.planned = Some(Planned {
+            surface_rte: Arc::clone(&input.surface_rte),
+            regions: input.plan.regions.clone(),
+            plan,
+        });
+        Ok(())
+    }
+
+    fn holds_image(&self, input: &FrameInput) -> bool {
+        let both = self.image.as_ref().zip(input.scene.texture.as_ref());
+        both.is_some_and(|(held, wanted)| Arc::ptr_eq(held, wanted))
+    }
+}
+
+/// What the last cover of a pass left bound.
+#[derive(Debug, Default)]
+pub struct BoundCover {
+    key: Option<CoverKey>,
+    image: Option<ImageKey>,
+    planned: Option<usize>,
+}
+
+/// Targets of the covers' probe.
+#[derive(Debug)]
+pub struct Probe {
+    textures: [wgpu::Texture; 2],
+}
+
+impl Probe {
+    /// Targets as large as the image.
+    #[must_use]
+    pub fn new(gpu: &Gpu, size: ImageSize) -> Self {
+        let target = |label| {
+            let usage = wgpu::TextureUsages::COPY_SRC;
+            crate::stage::target(gpu, size, label, PROBE_FORMAT, usage)
+        };
+        Self {
+            textures: [target("probed places"), target("probed sizes")],
+        }
+    }
+
+    /// The targets, in the order of the shader's locations.
+    #[must_use]
+    pub fn views(&self) -> [wgpu::TextureView; 2] {
+        [0, 1].map(|i| self.textures[i].create_view(&Default::default()))
+    }
+
+    /// Reads the targets back; `None` where nothing was covered.
+    ///
+    /// # Errors
+    /// [`BackendError::DeviceLost`].
+    pub fn read(&self, gpu: &Gpu) -> Result<Vec<Option<Probed>>, BackendError> {
+        let read = |texture| -> Result<Vec<[f32; 4]>, BackendError> {
+            let bytes = read_texture(gpu, texture, wgpu::TextureAspect::All)?;
+            Ok(bytemuck::pod_collect_to_vec(&bytes))
+        };
+        let [places, sizes] = &self.textures;
+        Ok(Probed::of_targets(&read(places)?, &read(sizes)?))
+    }
+}
+
+fn sampled(mode: AddressMode) -> wgpu::AddressMode {
+    match mode {
+        AddressMode::Repeat => wgpu::AddressMode::Repeat,
+        AddressMode::ClampToEdge | AddressMode::Transparent => wgpu::AddressMode::ClampToEdge,
+    }
+}
+
+/// The shader of one cover; what tells it from the others of its plan is its route.
+fn parts(plan: &TexturedPlan, cover: &TexturedCover) -> TexturedParts {
+    TexturedParts {
+        position: RouteText {
+            wgsl: plan.position_wgsl(),
+            constants: cover.position_constants.len(),
+        },
+        route: RouteText {
+            wgsl: cover.route_wgsl(),
+            constants: cover.route_constants.len(),
+        },
+        placement: match cover.texture.pattern {
+            Some(_) => TexturedPlacement::Pattern,
+            None => TexturedPlacement::Affine,
+        },
+    }
+}
+
+fn picture(gpu: &Gpu, image: &MipChain) -> wgpu::Texture {
+    let levels = image.levels();
+    let extent = |level: &MipLevel| wgpu::Extent3d {
+        width: level.width,
+        height: level.height,
+        depth_or_array_layers: 1,
+    };
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("picture"),
+        size: extent(&levels[0]),
+        mip_level_count: u32::try_from(levels.len()).unwrap_or(1),
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        // The sampler filters in linear light, as the levels were made.
+        format: wgpu::TextureFormat::Rgba8UnormSrgb,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    for (mip_level, level) in (0..).zip(levels) {
+        gpu.work.count_upload(level.rgba.len() as u64);
+        gpu.queue.write_texture(
+            wgpu::TexelCopyTextureInfo {
+                texture: &texture,
+                mip_level,
+                origin: wgpu::Origin3d::ZERO,
+                aspect: wgpu::TextureAspect::All,
+            },
+            &level.rgba,
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(4 * level.width),
+                rows_per_image: None,
+            },
+            extent(level),
+        );
+    }
+    texture
+}
+
+fn bytes_of(texture: &wgpu::Texture) -> u64 {
+    let level = |i: u32| {
+        let side = |size: u32| u64::from((size >> i).max(1));
+        4 * side(texture.width()) * side(texture.height())
+    };
+    (0..texture.mip_level_count()).map(level).sum()
+}

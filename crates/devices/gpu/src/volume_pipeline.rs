@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Pipelines of a fill: what is tested, what is written, whatever the volumes are made of.
+//!
+//! Reversed depth: what is nearer is greater. No pipeline here writes depth.
+
+use crate::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, Gpu};
+use terrafill_fill::{
+    BackendError, DepthRule, FaceEffect, FaceSet, StencilRule, StencilTest, VolumeState,
+};
+
+/// Format of the accumulation target: integers to 2²⁴ are exact in it.
+pub(crate) const NUMBER_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
+
+/// What a backend's volumes are drawn by, apart from the state that the fill asks for.
+#[derive(Debug)]
+pub struct VolumeShader<'a> {
+    /// Vertex and fragment shaders. Of the latter: `no_colour`, `region_colour`, `counted`,
+    /// `number_behind`, `number_before`.
+    pub module: &'a wgpu::ShaderModule,
+    /// Bindings; group 0 holds view and regions.
+    pub layout: &'a wgpu::PipelineLayout,
+    /// Entry point of the vertex stage.
+    pub vertex_entry: &'a str,
+    /// Overrides of the vertex stage.
+    pub constants: &'a [(&'a str, f64)],
+    /// Vertex buffers.
+    pub buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
+    /// Strips with indices of this width; `None`: lists.
+    pub strip_index_format: Option<wgpu::IndexFormat>,
+    /// The winding of faces that are seen from outside.
+    pub front_face: wgpu::FrontFace,
+}
+
+/// What the vertex stage of a volume hands on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HandedOn {
+    /// The position only.
+    Nothing,
+    /// The region's colour.
+    Colour,
+    /// The region's number.
+    Number,
+}
+
+impl HandedOn {
+    /// What the fragments of a state need.
+    #[must_use]
+    pub fn of(state: VolumeState) -> Self {
+        match state {
+            VolumeState::Mark { .. } | VolumeState::Count { .. } => Self::Nothing,
+            VolumeState::Colour { .. } => Self::Colour,
+            VolumeState::Accumulate { .. } => Self::Number,
+        }
+    }
+}
+
+impl VolumeShader<'_> {
+    /// The pipeline that draws volumes in `state`; with `blends`, colours are blended over what lies
+    /// under them.
+    #[must_use]
+    pub fn pipeline(&self, gpu: &Gpu, state: VolumeState, blends: bool) -> wgpu::RenderPipeline {
+        let unwritten = target(COLOUR_FORMAT, None, wgpu::ColorWrites::empty());
+        let (fragment_entry, target, depth_stencil) = match state {
+            VolumeState::Mark { rule, has_colour } => {
+                let target = has_colour.then_some(unwritten);
+                ("no_colour", target, mark_state(rule))
+            }
+            VolumeState::Count { .. } => (
+                "counted",
+                Some(unwritten),
+                unchanged(wgpu::CompareFunction::Always),
+            ),
+            VolumeState::Colour { test, .. } => (
+                "region_colour",
+                Some(colour_target(blends)),
+                colour_state(test),
+            ),
+            VolumeState::Accumulate { depth, .. } => {
+                let entry = match depth {
+                    DepthRule::Fail => "number_behind",
+                    DepthRule::Pass => "number_before",
+                };
+                let added = target(NUMBER_FORMAT, Some(ADDED), wgpu::ColorWrites::ALL);
+                (entry, Some(added), accumulate_state(depth))
+            }
+        };
+        gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("volume"),
+            layout: Some(self.layout),
+            vertex: wgpu::VertexState {
+                module: self.module,
+                entry_point: Some(self.vertex_entry),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants: self.constants,
+                    ..Default::default()
+                },
+                buffers: self.buffers,
+            },
+            primitive: wgpu::PrimitiveState {
+                topology: if self.strip_index_format.is_some() {
+                    wgpu::PrimitiveTopology::TriangleStrip
+                } else {
+                    wgpu::PrimitiveTopology::TriangleList
+                },
+                strip_index_format: self.strip_index_format,
+                front_face: self.front_face,
+                cull_mode: match state.faces() {
+                    FaceSet::Both => None,
+                    FaceSet::Front => Some(wgpu::Face::Back),
+                    FaceSet::Back => Some(wgpu::Face::Front),
+                },
+                ..Default::default()
+            },
+            depth_stencil: Some(depth_stencil),
+            multisample: Default::default(),
+            fragment: target.is_some().then_some(wgpu::FragmentState {
+                module: self.module,
+                entry_point: Some(fragment_entry),
+                compilation_options: Default::default(),
+                targets: &[target],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+}
+
+/// Whether numbers can be accumulated.
+///
+/// # Errors
+/// [`BackendError::Unsupported`].
+pub(crate) fn check_blendable(gpu: &Gpu) -> Result<(), BackendError> {
+    let needed = wgpu::Features::FLOAT32_BLENDABLE;
+    if gpu.device.features().contains(needed) {
+        return Ok(());
+    }
+    Err(BackendError::unsupported(
+        "blending into 32-bit floats",
+        &gpu.facts.name,
+    ))
+}
+
+/// The colour target, written or blended into.
+pub(crate) fn colour_target(blends: bool) -> wgpu::ColorTargetState {
+    let blend = blends.then_some(wgpu::BlendState::ALPHA_BLENDING);
+    target(COLOUR_FORMAT, blend, wgpu::ColorWrites::ALL)
+}
+
+fn target(
+    format: wgpu::TextureFormat,
+    blend: Option<wgpu::BlendState>,
+    write_mask: wgpu::ColorWrites,
+) -> wgpu::ColorTargetState {
+    wgpu::ColorTargetState {
+        format,
+        blend,
+        write_mask,
+    }
+}
+
+/// Source and target added.
+const ADDED: wgpu::BlendState = {
+    let added = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    wgpu::BlendState {
+        color: added,
+        alpha: added,
+    }
+};
+
+/// Depth tested, and the stencil not; both left as they are.
+pub(crate) fn unchanged(compare: wgpu::CompareFunction) -> wgpu::DepthStencilState {
+    tested(compare, wgpu::StencilState::default())
+}
+
+fn tested(compare: wgpu::CompareFunction, stencil: wgpu::StencilState) -> wgpu::DepthStencilState {
+    wgpu::DepthStencilState {
+        format: DEPTH_STENCIL_FORMAT,
+        depth_write_enabled: Some(false),
+        depth_compare: Some(compare),
+        stencil,
+        bias: Default::default(),
+    }
+}
+
+/// Fragments behind the surface are those that the depth test, `Greater`, fails: exactly the others,
+/// equal depths included.
+fn accumulate_state(depth: DepthRule) -> wgpu::DepthStencilState {
+    unchanged(match depth {
+        DepthRule::Fail => wgpu::CompareFunction::LessEqual,
+        DepthRule::Pass => wgpu::CompareFunction::Greater,
+    })
+}
+
+/// Counting behind the surface is right wherever the eye is and whatever the near plane cuts
+/// (Carmack, 2000; Everitt and Kilgard, 2002); counting in front of it (Heidmann, 1991) touches
+/// fewer fragments where the surface is close.
+fn mark_state(rule: StencilRule) -> wgpu::DepthStencilState {
+    let keep = wgpu::StencilOperation::Keep;
+    let face = |operation| match rule.depth {
+        DepthRule::Fail => wgpu::StencilFaceState {
+            compare: wgpu::CompareFunction::Always,
+            fail_op: keep,
+            depth_fail_op: operation,
+            pass_op: keep,
+        },
+        DepthRule::Pass => wgpu::StencilFaceState {
+            compare: wgpu::CompareFunction::Always,
+            fail_op: keep,
+            depth_fail_op: keep,
+            pass_op: operation,
+        },
+    };
+    let operation = |effect| match effect {
+        FaceEffect::Invert => wgpu::StencilOperation::Invert,
+        FaceEffect::Add => wgpu::StencilOperation::IncrementWrap,
+        FaceEffect::Take => wgpu::StencilOperation::DecrementWrap,
+    };
+    let (front, back, mask) = rule.effects();
+    let stencil = wgpu::StencilState {
+        front: face(operation(front)),
+        back: face(operation(back)),
+        read_mask: 0xff,
+        write_mask: u32::from(mask),
+    };
+    tested(wgpu::CompareFunction::Greater, stencil)
+}
+
+/// Whatever the depth, where the stencil says so.
+pub(crate) fn colour_state(test: StencilTest) -> wgpu::DepthStencilState {
+    let keep = wgpu::StencilOperation::Keep;
+    let face = wgpu::StencilFaceState {
+        compare: if test.is_equal {
+            wgpu::CompareFunction::Equal
+        } else {
+            wgpu::CompareFunction::NotEqual
+        },
+        fail_op: keep,
+        depth_fail_op: keep,
+        pass_op: if test.zeroes {
+            wgpu::StencilOperation::Zero
+        } else {
+            keep
+        },
+    };
+    let stencil = wgpu::StencilState {
+        front: face,
+        back: face,
+        read_mask: u32::from(test.read_mask),
+        write_mask: if test.zeroes { 0xff } else { 0 },
+    };
+    tested(wgpu::CompareFunction::Always, stencil)
+}

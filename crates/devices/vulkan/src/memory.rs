@@ -1,0 +1,476 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Buffers and images, each with memory of its own: a scene has a handful of them, and what each
+//! takes can be read off.
+
+use crate::Gpu;
+use crate::failure::failure;
+use ash::vk;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use terrafill_fill::BackendError;
+
+/// What a buffer is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BufferUse {
+    /// Vertices.
+    Vertex,
+    /// Indices.
+    Index,
+    /// A uniform block.
+    Uniform,
+    /// Uniform blocks one after the other, of which each draw reads one.
+    Constants,
+    /// An array that shaders read.
+    Storage,
+}
+
+impl BufferUse {
+    fn flags(self) -> vk::BufferUsageFlags {
+        match self {
+            Self::Vertex => vk::BufferUsageFlags::VERTEX_BUFFER,
+            Self::Index => vk::BufferUsageFlags::INDEX_BUFFER,
+            Self::Uniform | Self::Constants => vk::BufferUsageFlags::UNIFORM_BUFFER,
+            Self::Storage => vk::BufferUsageFlags::STORAGE_BUFFER,
+        }
+    }
+}
+
+/// A buffer in device memory.
+#[derive(Debug)]
+pub struct Buffer {
+    gpu: Arc<Gpu>,
+    pub(crate) raw: vk::Buffer,
+    memory: Memory,
+    size: u64,
+    use_for: Option<BufferUse>,
+}
+
+/// One allocation.
+#[derive(Debug)]
+struct Memory {
+    raw: vk::DeviceMemory,
+    bytes: u64,
+}
+
+impl Memory {
+    fn new(
+        gpu: &Gpu,
+        label: &str,
+        needs: vk::MemoryRequirements,
+        wanted: &[vk::MemoryPropertyFlags],
+    ) -> Result<Self, BackendError> {
+        let fits = |flags: vk::MemoryPropertyFlags| {
+            let types = gpu.memory.memory_types_as_slice();
+            (0_u32..)
+                .zip(types)
+                .find(|(index, kind)| {
+                    needs.memory_type_bits >> index & 1 == 1 && kind.property_flags.contains(flags)
+                })
+                .map(|(index, _)| index)
+        };
+        let out_of_memory = || BackendError::OutOfMemory {
+            what: label.to_owned(),
+            bytes: needs.size,
+        };
+        let kind = wanted.iter().find_map(|&flags| fits(flags));
+        let info = vk::MemoryAllocateInfo::default()
+            .allocation_size(needs.size)
+            .memory_type_index(kind.ok_or_else(out_of_memory)?);
+        // SAFETY: size and type are what the driver asked for.
+        let raw = unsafe { gpu.device.allocate_memory(&info, None) }
+            .map_err(|error| failure(error, label, needs.size))?;
+        let counted = &gpu.allocated_bytes;
+        counted.fetch_add(needs.size, Ordering::Relaxed);
+        Ok(Self {
+            raw,
+            bytes: needs.size,
+        })
+    }
+
+    /// # Safety
+    /// Nothing that lies in the memory may be used any more.
+    unsafe fn free(&self, gpu: &Gpu) {
+        // SAFETY: as promised; the memory is the device's.
+        unsafe { gpu.device.free_memory(self.raw, None) };
+        let counted = &gpu.allocated_bytes;
+        counted.fetch_sub(self.bytes, Ordering::Relaxed);
+    }
+}
+
+const DEVICE: &[vk::MemoryPropertyFlags] = &[
+    vk::MemoryPropertyFlags::DEVICE_LOCAL,
+    vk::MemoryPropertyFlags::empty(),
+];
+
+/// Coherent, so that mapping needs no flushes; cached where there is a choice, since read-back
+/// from uncached memory takes many times as long.
+const HOST: &[vk::MemoryPropertyFlags] = &[
+    vk::MemoryPropertyFlags::from_raw(
+        vk::MemoryPropertyFlags::HOST_VISIBLE.as_raw()
+            | vk::MemoryPropertyFlags::HOST_COHERENT.as_raw()
+            | vk::MemoryPropertyFlags::HOST_CACHED.as_raw(),
+    ),
+    vk::MemoryPropertyFlags::from_raw(
+        vk::MemoryPropertyFlags::HOST_VISIBLE.as_raw()
+            | vk::MemoryPropertyFlags::HOST_COHERENT.as_raw(),
+    ),
+];
+
+/// Most bytes that a command may carry.
+const CHUNK: usize = 65_536;
+
+/// Whatever follows reads what was copied into buffers before.
+///
+/// # Safety
+/// Recording is under way, outside of a pass.
+unsafe fn let_be_read(device: &ash::Device, commands: vk::CommandBuffer) {
+    let barrier = [vk::MemoryBarrier::default()
+        .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
+        .dst_access_mask(vk::AccessFlags::MEMORY_READ)];
+    // SAFETY: the caller's promise.
+    unsafe {
+        device.cmd_pipeline_barrier(
+            commands,
+            vk::PipelineStageFlags::TRANSFER,
+            vk::PipelineStageFlags::ALL_COMMANDS,
+            vk::DependencyFlags::empty(),
+            &barrier,
+            &[],
+            &[],
+        );
+    }
+}
+
+impl Buffer {
+    /// A buffer in device memory with these contents, of exactly that size; 4 bytes when there are
+    /// none, since a buffer of 0 bytes is not allowed.
+    ///
+    /// # Errors
+    /// [`BackendError::OverCapacity`] when the device cannot bind one that large,
+    /// [`BackendError::OutOfMemory`].
+    pub fn upload(
+        gpu: &Arc<Gpu>,
+        label: &str,
+        bytes: &[u8],
+        use_for: BufferUse,
+    ) -> Result<Self, BackendError> {
+        let size = bytes.len().max(4) as u64;
+        let allowed = match use_for {
+            BufferUse::Uniform => u64::from(gpu.limits.max_uniform_buffer_range),
+            BufferUse::Storage => u64::from(gpu.limits.max_storage_buffer_range),
+            // What is bound of constants at a time is checked when it is.
+            BufferUse::Vertex | BufferUse::Index | BufferUse::Constants => u64::MAX,
+        };
+        if size > allowed {
+            return Err(BackendError::OverCapacity {
+                what: format!("bytes of {label}"),
+                found: size,
+                allowed,
+            });
+        }
+        let usage = use_for.flags() | vk::BufferUsageFlags::TRANSFER_DST;
+        let mut buffer = Self::new(gpu, label, size, usage, DEVICE)?;
+        buffer.use_for = Some(use_for);
+        gpu.work.count_buffer();
+        if !bytes.is_empty() {
+            let staging = Self::staging(gpu, label, bytes)?;
+            gpu.work.count_upload(bytes.len() as u64);
+            let region = [vk::BufferCopy::default().size(size)];
+            // SAFETY: both buffers have this size and live until the submission is done. Fewer than 4
+            // bytes leave the rest of the staging buffer as the driver made it, which nothing reads.
+            unsafe {
+                gpu.submit(|device, commands| {
+                    device.cmd_copy_buffer(commands, staging.raw, buffer.raw, &region);
+                    let_be_read(device, commands);
+                })?;
+            }
+        }
+        Ok(buffer)
+    }
+
+    /// Overwrites the start of a buffer that was uploaded; meant for constants.
+    ///
+    /// # Errors
+    /// [`BackendError::OverCapacity`] when the bytes do not fit or are no whole words,
+    /// [`BackendError::DeviceLost`].
+    pub fn rewrite(&self, bytes: &[u8]) -> Result<(), BackendError> {
+        let found = bytes.len() as u64;
+        if found > self.size || !found.is_multiple_of(4) || self.use_for.is_none() {
+            return Err(BackendError::OverCapacity {
+                what: "bytes written into a buffer, in whole words".to_owned(),
+                found,
+                allowed: self.size,
+            });
+        }
+        // SAFETY: the chunks lie inside the buffer, which was made to be written to; they are whole
+        // words of at most 65,536 bytes, the most that a command may carry.
+        unsafe {
+            self.gpu.submit(|device, commands| {
+                for (offset, chunk) in (0..).step_by(CHUNK).zip(bytes.chunks(CHUNK)) {
+                    device.cmd_update_buffer(commands, self.raw, offset, chunk);
+                }
+                let_be_read(device, commands);
+            })?;
+        }
+        self.gpu.work.count_upload(bytes.len() as u64);
+        Ok(())
+    }
+
+    /// A buffer that carries bytes to images.
+    pub(crate) fn staging(gpu: &Arc<Gpu>, label: &str, bytes: &[u8]) -> Result<Self, BackendError> {
+        let size = bytes.len().max(4) as u64;
+        let staging = Self::new(gpu, label, size, vk::BufferUsageFlags::TRANSFER_SRC, HOST)?;
+        staging.write(bytes)?;
+        Ok(staging)
+    }
+
+    /// A buffer that the device writes and the host reads.
+    pub(crate) fn for_reading(
+        gpu: &Arc<Gpu>,
+        label: &str,
+        size: u64,
+    ) -> Result<Self, BackendError> {
+        Self::new(gpu, label, size, vk::BufferUsageFlags::TRANSFER_DST, HOST)
+    }
+
+    fn new(
+        gpu: &Arc<Gpu>,
+        label: &str,
+        size: u64,
+        usage: vk::BufferUsageFlags,
+        wanted: &[vk::MemoryPropertyFlags],
+    ) -> Result<Self, BackendError> {
+        let info = vk::BufferCreateInfo::default()
+            .size(size)
+            .usage(usage)
+            .sharing_mode(vk::SharingMode::EXCLUSIVE);
+        // SAFETY: the size is not 0 and the device outlives the buffer, which holds it.
+        let raw = unsafe { gpu.device.create_buffer(&info, None) }
+            .map_err(|error| failure(error, label, size))?;
+        // SAFETY: the buffer is the device's.
+        let needs = unsafe { gpu.device.get_buffer_memory_requirements(raw) };
+        let memory = Memory::new(gpu, label, needs, wanted).and_then(|memory| {
+            // SAFETY: fresh memory of the type and size that the buffer asked for.
+            match unsafe { gpu.device.bind_buffer_memory(raw, memory.raw, 0) } {
+                Ok(()) => Ok(memory),
+                Err(error) => {
+                    // SAFETY: nothing lies in it.
+                    unsafe { memory.free(gpu) };
+                    Err(failure(error, label, size))
+                }
+            }
+        });
+        match memory {
+            Ok(memory) => Ok(Self {
+                gpu: Arc::clone(gpu),
+                raw,
+                memory,
+                size,
+                use_for: None,
+            }),
+            Err(error) => {
+                // SAFETY: never used.
+                unsafe { gpu.device.destroy_buffer(raw, None) };
+                Err(error)
+            }
+        }
+    }
+
+    /// Bytes as asked for.
+    #[must_use]
+    pub fn size(&self) -> u64 {
+        self.size
+    }
+
+    /// Bytes that the driver took for it.
+    #[must_use]
+    pub fn allocated_bytes(&self) -> u64 {
+        self.memory.bytes
+    }
+
+    /// What it is for; none for one that only carries bytes to or from the host.
+    #[must_use]
+    pub fn use_for(&self) -> Option<BufferUse> {
+        self.use_for
+    }
+
+    pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
+        Arc::ptr_eq(&self.gpu, gpu)
+    }
+
+    /// Copies `bytes` to the start of a buffer in host memory.
+    fn write(&self, bytes: &[u8]) -> Result<(), BackendError> {
+        self.mapped(|start| {
+            // SAFETY: `start` is the first of at least `bytes.len()` mapped bytes that nobody else
+            // looks at.
+            unsafe { std::ptr::copy_nonoverlapping(bytes.as_ptr(), start, bytes.len()) };
+        })
+    }
+
+    /// Contents of a buffer in host memory.
+    pub(crate) fn read(&self) -> Result<Vec<u8>, BackendError> {
+        let len = usize::try_from(self.size).unwrap_or(usize::MAX);
+        self.mapped(|start| {
+            // SAFETY: `start` is the first of `size` mapped bytes; the device has written what it
+            // was asked to and been waited for, and memory is never uninitialised to the host.
+            unsafe { std::slice::from_raw_parts(start, len) }.to_vec()
+        })
+    }
+
+    fn mapped<T>(&self, use_it: impl FnOnce(*mut u8) -> T) -> Result<T, BackendError> {
+        let device = &self.gpu.device;
+        // SAFETY: the memory is host-visible, coherent and not mapped: this crate maps only here,
+        // and unmaps before it returns.
+        let start = unsafe {
+            device.map_memory(self.memory.raw, 0, self.size, vk::MemoryMapFlags::empty())
+        }
+        .map_err(|error| failure(error, "mapping", self.size))?;
+        let result = use_it(start.cast());
+        // SAFETY: mapped above.
+        unsafe { device.unmap_memory(self.memory.raw) };
+        Ok(result)
+    }
+}
+
+impl Drop for Buffer {
+    fn drop(&mut self) {
+        // SAFETY: every submission that used it has been waited for.
+        unsafe {
+            self.gpu.device.destroy_buffer(self.raw, None);
+            self.memory.free(&self.gpu);
+        }
+    }
+}
+
+/// An image with a view of all of it.
+#[derive(Debug)]
+pub(crate) struct Image {
+    gpu: Arc<Gpu>,
+    pub(crate) raw: vk::Image,
+    pub(crate) view: vk::ImageView,
+    memory: Memory,
+}
+
+/// What an image is made of.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ImageKind {
+    pub(crate) extent: vk::Extent2D,
+    pub(crate) format: vk::Format,
+    pub(crate) usage: vk::ImageUsageFlags,
+    pub(crate) aspects: vk::ImageAspectFlags,
+    pub(crate) levels: u32,
+    /// The six faces of a cube, or one flat picture.
+    pub(crate) is_cube: bool,
+}
+
+impl ImageKind {
+    pub(crate) fn layers(&self) -> u32 {
+        if self.is_cube { 6 } else { 1 }
+    }
+
+    /// All levels and layers.
+    pub(crate) fn whole(&self) -> vk::ImageSubresourceRange {
+        vk::ImageSubresourceRange::default()
+            .aspect_mask(self.aspects)
+            .level_count(self.levels)
+            .layer_count(self.layers())
+    }
+}
+
+impl Image {
+    /// A target, which can be read back.
+    pub(crate) fn target(
+        gpu: &Arc<Gpu>,
+        label: &str,
+        extent: vk::Extent2D,
+        format: vk::Format,
+        usage: vk::ImageUsageFlags,
+        aspects: vk::ImageAspectFlags,
+    ) -> Result<Self, BackendError> {
+        let kind = ImageKind {
+            extent,
+            format,
+            usage: usage | vk::ImageUsageFlags::TRANSFER_SRC,
+            aspects,
+            levels: 1,
+            is_cube: false,
+        };
+        Self::new(gpu, label, &kind)
+    }
+
+    /// The extent is within the device's limits, and the format can be used so.
+    pub(crate) fn new(gpu: &Arc<Gpu>, label: &str, kind: &ImageKind) -> Result<Self, BackendError> {
+        let info = vk::ImageCreateInfo::default()
+            .flags(if kind.is_cube {
+                vk::ImageCreateFlags::CUBE_COMPATIBLE
+            } else {
+                vk::ImageCreateFlags::empty()
+            })
+            .image_type(vk::ImageType::TYPE_2D)
+            .format(kind.format)
+            .extent(kind.extent.into())
+            .mip_levels(kind.levels)
+            .array_layers(kind.layers())
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .tiling(vk::ImageTiling::OPTIMAL)
+            .usage(kind.usage)
+            .sharing_mode(vk::SharingMode::EXCLUSIVE)
+            .initial_layout(vk::ImageLayout::UNDEFINED);
+        // SAFETY: extent, format and usage are the device's (checked by whoever makes the image, or
+        // when the device was chosen, or guaranteed).
+        let raw = unsafe { gpu.device.create_image(&info, None) }
+            .map_err(|error| failure(error, label, 0))?;
+        // SAFETY: the image is the device's.
+        let needs = unsafe { gpu.device.get_image_memory_requirements(raw) };
+        let bound = Memory::new(gpu, label, needs, DEVICE).and_then(|memory| {
+            let view_info = vk::ImageViewCreateInfo::default()
+                .image(raw)
+                .view_type(if kind.is_cube {
+                    vk::ImageViewType::CUBE
+                } else {
+                    vk::ImageViewType::TYPE_2D
+                })
+                .format(kind.format)
+                .subresource_range(kind.whole());
+            // SAFETY: fresh memory of the type and size that the image asked for; the view is of
+            // all of the image, in its own format.
+            let view = unsafe {
+                gpu.device
+                    .bind_image_memory(raw, memory.raw, 0)
+                    .and_then(|()| gpu.device.create_image_view(&view_info, None))
+            };
+            match view {
+                Ok(view) => Ok((memory, view)),
+                Err(error) => {
+                    // SAFETY: never used.
+                    unsafe { memory.free(gpu) };
+                    Err(failure(error, label, needs.size))
+                }
+            }
+        });
+        match bound {
+            Ok((memory, view)) => Ok(Self {
+                gpu: Arc::clone(gpu),
+                raw,
+                view,
+                memory,
+            }),
+            Err(error) => {
+                // SAFETY: never used.
+                unsafe { gpu.device.destroy_image(raw, None) };
+                Err(error)
+            }
+        }
+    }
+}
+
+impl Drop for Image {
+    fn drop(&mut self) {
+        // SAFETY: every submission that used it has been waited for.
+        unsafe {
+            self.gpu.device.destroy_image_view(self.view, None);
+            self.gpu.device.destroy_image(self.raw, None);
+            self.memory.free(&self.gpu);
+        }
+    }
+}

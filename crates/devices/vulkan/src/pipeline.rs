@@ -1,0 +1,607 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Graphics pipelines of the surface and the fill.
+//!
+//! Depth and stencil states are those of the frame's program, so a rule means here what it means in
+//! the wgpu backends; viewport and scissor are dynamic, and depth bounds where they are tested.
+
+use crate::Gpu;
+use crate::failure::failure;
+use crate::fixtures::Fixtures;
+use ash::vk;
+use std::collections::HashMap;
+use std::ffi::CString;
+use std::sync::{Arc, Mutex, PoisonError};
+use terrafill_fill::{
+    BackendError, DepthRule, FaceEffect, FaceSet, StencilRule, StencilTest, VolumeState,
+};
+use terrafill_shaders::{HandsOn, SpirvStage, geometry_spirv, wgsl_to_spirv};
+
+/// A vertex shader.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct VertexStage {
+    /// WGSL module, relative to `shaders/`.
+    pub path: &'static str,
+    /// Its entry point.
+    pub entry_point: &'static str,
+}
+
+/// A geometry shader.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct GeometryStage {
+    /// GLSL, relative to `shaders/`.
+    pub path: &'static str,
+    /// What it hands on besides the position.
+    pub hands_on: HandsOn,
+    /// Makes bottom caps.
+    pub draws_bottom: bool,
+    /// Makes the walls that are turned over, and nothing else: front and back are exchanged.
+    pub is_turned: bool,
+}
+
+/// A fragment shader, or none for passes without colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Fragments {
+    /// Depth and stencil only.
+    None,
+    /// WGSL module and entry point.
+    Shader {
+        /// Relative to `shaders/`.
+        path: &'static str,
+        /// Its entry point.
+        entry_point: &'static str,
+    },
+}
+
+/// What a vertex is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum VertexFormat {
+    /// Nothing: the shader has its number.
+    Number,
+    /// Three `f32`, 12 bytes.
+    Metres,
+    /// Three `i32`, 12 bytes.
+    Fixed,
+    /// Three `i32` and a `u32`, 16 bytes.
+    FixedAndFlag,
+}
+
+/// How vertices become primitives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Topology {
+    /// Three each.
+    Triangles,
+    /// Strips of triangles that the largest index ends.
+    Strips,
+    /// Strips of lines that the largest index ends.
+    LineStrips,
+    /// Six each: corners, and between them those of the neighbours.
+    TrianglesWithAdjacency,
+    /// Strips of triangles that the largest index ends: after each corner one of a neighbour.
+    StripsWithAdjacency,
+}
+
+impl Topology {
+    /// Whether the largest index ends a primitive and begins another.
+    fn restarts(self) -> bool {
+        match self {
+            Self::Triangles | Self::TrianglesWithAdjacency => false,
+            Self::Strips | Self::LineStrips | Self::StripsWithAdjacency => true,
+        }
+    }
+}
+
+/// What a pipeline draws into, and when.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum PipelineState {
+    /// The surface: nearest depth wins, back faces are culled.
+    Surface,
+    /// Into the stencil, in a pass with or without a colour target that is left alone.
+    Mark {
+        /// Which fragments do what.
+        rule: StencilRule,
+        /// The pass has a colour target.
+        has_colour: bool,
+    },
+    /// Nowhere and without any test, in a pass without colour, for queries to count.
+    Count {
+        /// Faces drawn.
+        faces: FaceSet,
+    },
+    /// Into the colour target where the stencil says so.
+    Colour {
+        /// What the stencil must say.
+        test: StencilTest,
+        /// Faces drawn.
+        faces: FaceSet,
+    },
+    /// Adds to the accumulated numbers.
+    Accumulate {
+        /// Which fragments count.
+        depth: DepthRule,
+        /// Faces drawn.
+        faces: FaceSet,
+    },
+    /// Into the colour target, by a shader that reads the accumulated numbers.
+    Resolve,
+}
+
+impl From<VolumeState> for PipelineState {
+    fn from(state: VolumeState) -> Self {
+        match state {
+            VolumeState::Mark { rule, has_colour } => Self::Mark { rule, has_colour },
+            VolumeState::Count { faces } => Self::Count { faces },
+            VolumeState::Colour { test, faces } => Self::Colour { test, faces },
+            VolumeState::Accumulate { depth, faces } => Self::Accumulate { depth, faces },
+        }
+    }
+}
+
+/// What a pass draws into.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum PassTarget {
+    Stencil,
+    Colour,
+    Numbers,
+    /// As `Colour`, shaders reading depth.
+    Textured,
+    Probe,
+}
+
+impl PipelineState {
+    pub(crate) fn target(self) -> PassTarget {
+        match self {
+            Self::Mark {
+                has_colour: false, ..
+            }
+            | Self::Count { .. } => PassTarget::Stencil,
+            Self::Mark { .. } | Self::Surface | Self::Colour { .. } | Self::Resolve => {
+                PassTarget::Colour
+            }
+            Self::Accumulate { .. } => PassTarget::Numbers,
+        }
+    }
+
+    fn faces(self) -> FaceSet {
+        match self {
+            Self::Surface => FaceSet::Front,
+            Self::Mark { rule, .. } => rule.faces,
+            Self::Count { faces } | Self::Colour { faces, .. } | Self::Accumulate { faces, .. } => {
+                faces
+            }
+            Self::Resolve => FaceSet::Both,
+        }
+    }
+}
+
+/// All that makes a pipeline.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct PipelineDescriptor {
+    /// Vertex shader.
+    pub vertex: VertexStage,
+    /// Geometry shader.
+    pub geometry: Option<GeometryStage>,
+    /// Fragment shader.
+    pub fragments: Fragments,
+    /// Vertices.
+    pub format: VertexFormat,
+    /// Primitives.
+    pub topology: Topology,
+    /// Tests and targets.
+    pub state: PipelineState,
+    /// The surface's depth must lie within bounds set for each draw.
+    pub depth_bounds: bool,
+}
+
+/// A pipeline.
+#[derive(Debug)]
+pub struct Pipeline {
+    gpu: Arc<Gpu>,
+    pub(crate) raw: vk::Pipeline,
+    descriptor: PipelineDescriptor,
+}
+
+/// What a shader module was made from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum ModuleKey {
+    Vertex(VertexStage),
+    Geometry(&'static str, HandsOn),
+    Fragment(&'static str, &'static str),
+}
+
+/// Shader modules, made once.
+#[derive(Debug, Default)]
+pub(crate) struct ShaderModules(Mutex<HashMap<ModuleKey, vk::ShaderModule>>);
+
+impl ShaderModules {
+    fn get(&self, device: &ash::Device, key: ModuleKey) -> Result<vk::ShaderModule, BackendError> {
+        let mut modules = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(module) = modules.get(&key) {
+            return Ok(*module);
+        }
+        let (path, spirv) = match key {
+            ModuleKey::Vertex(VertexStage { path, entry_point }) => (
+                path,
+                wgsl_to_spirv(path, SpirvStage::Vertex, entry_point, &[]),
+            ),
+            ModuleKey::Geometry(path, hands_on) => (path, geometry_spirv(path, hands_on)),
+            ModuleKey::Fragment(path, entry_point) => (
+                path,
+                wgsl_to_spirv(path, SpirvStage::Fragment, entry_point, &[]),
+            ),
+        };
+        let spirv = spirv.map_err(|error| BackendError::Shader {
+            name: path.to_owned(),
+            message: error.to_string(),
+        })?;
+        let info = vk::ShaderModuleCreateInfo::default().code(&spirv);
+        // SAFETY: naga validated the source, or spirv-val what was compiled before.
+        let module = unsafe { device.create_shader_module(&info, None) }
+            .map_err(|error| failure(error, path, spirv.len() as u64 * 4))?;
+        modules.insert(key, module);
+        Ok(module)
+    }
+
+    pub(crate) fn destroy(&mut self, device: &ash::Device) {
+        let modules = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
+        #[allow(
+            clippy::iter_over_hash_type,
+            reason = "the order in which they go changes nothing"
+        )]
+        for (_, module) in modules.drain() {
+            // SAFETY: pipelines keep what they need of a module.
+            unsafe { device.destroy_shader_module(module, None) };
+        }
+    }
+}
+
+pub(crate) fn entry_name(name: &str) -> Result<CString, BackendError> {
+    CString::new(name).map_err(|error| BackendError::Shader {
+        name: name.to_owned(),
+        message: error.to_string(),
+    })
+}
+
+impl Pipeline {
+    /// Makes a pipeline.
+    ///
+    /// # Errors
+    /// [`BackendError::Unsupported`] when the device lacks geometry shaders or depth bounds and the
+    /// pipeline needs them, [`BackendError::Shader`], [`BackendError::OutOfMemory`].
+    pub fn new(gpu: &Arc<Gpu>, descriptor: PipelineDescriptor) -> Result<Self, BackendError> {
+        let lacks = |capability: &str| BackendError::unsupported(capability, &gpu.facts.name);
+        if descriptor.geometry.is_some() && !gpu.facts.features.geometry_shader {
+            return Err(lacks("geometryShader"));
+        }
+        if descriptor.depth_bounds && !gpu.facts.features.depth_bounds {
+            return Err(lacks("depthBounds"));
+        }
+        let accumulates = descriptor.state.target() == PassTarget::Numbers;
+        if accumulates && !gpu.facts.features.blends_float {
+            return Err(lacks("blending into R32_SFLOAT"));
+        }
+        let raw = create(gpu, &descriptor)?;
+        gpu.work.count_pipeline();
+        Ok(Self {
+            gpu: Arc::clone(gpu),
+            raw,
+            descriptor,
+        })
+    }
+
+    pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
+        Arc::ptr_eq(&self.gpu, gpu)
+    }
+
+    pub(crate) fn target(&self) -> PassTarget {
+        self.descriptor.state.target()
+    }
+
+    pub(crate) fn reads_numbers(&self) -> bool {
+        self.descriptor.state == PipelineState::Resolve
+    }
+
+    pub(crate) fn is_surface(&self) -> bool {
+        self.descriptor.state == PipelineState::Surface
+    }
+
+    pub(crate) fn needs_vertices(&self) -> bool {
+        self.descriptor.format != VertexFormat::Number
+    }
+
+    pub(crate) fn tests_depth_bounds(&self) -> bool {
+        self.descriptor.depth_bounds
+    }
+}
+
+impl Drop for Pipeline {
+    fn drop(&mut self) {
+        // SAFETY: every submission that used it has been waited for.
+        unsafe { self.gpu.device.destroy_pipeline(self.raw, None) };
+    }
+}
+
+fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, BackendError> {
+    let device = &gpu.device;
+    let vertex_name = entry_name(descriptor.vertex.entry_point)?;
+    let main_name = entry_name("main")?;
+    let is_turned = descriptor.geometry.is_some_and(|stage| stage.is_turned);
+    // `DRAWS_BOTTOM` and `TURNED`; a `bool` constant takes 4 bytes in SPIR-V.
+    let draws_bottom = descriptor.geometry.is_none_or(|stage| stage.draws_bottom);
+    let constant_values = [draws_bottom, is_turned].map(u32::from);
+    let constant_bytes: &[u8] = bytemuck::cast_slice(&constant_values);
+    let constant_entries = [0, 1].map(|constant_id: u32| vk::SpecializationMapEntry {
+        constant_id,
+        offset: 4 * constant_id,
+        size: size_of::<u32>(),
+    });
+    let constants = vk::SpecializationInfo::default()
+        .map_entries(&constant_entries)
+        .data(constant_bytes);
+    let stage = |flag, module, name| {
+        vk::PipelineShaderStageCreateInfo::default()
+            .stage(flag)
+            .module(module)
+            .name(name)
+    };
+    let modules = &gpu.shader_modules;
+    let mut stages = vec![stage(
+        vk::ShaderStageFlags::VERTEX,
+        modules.get(device, ModuleKey::Vertex(descriptor.vertex))?,
+        &vertex_name,
+    )];
+    if let Some(geometry) = &descriptor.geometry {
+        let key = ModuleKey::Geometry(geometry.path, geometry.hands_on);
+        let module = modules.get(device, key)?;
+        stages.push(
+            stage(vk::ShaderStageFlags::GEOMETRY, module, &main_name)
+                .specialization_info(&constants),
+        );
+    }
+    let fragment_name;
+    if let Fragments::Shader { path, entry_point } = descriptor.fragments {
+        fragment_name = entry_name(entry_point)?;
+        let module = modules.get(device, ModuleKey::Fragment(path, entry_point))?;
+        stages.push(stage(
+            vk::ShaderStageFlags::FRAGMENT,
+            module,
+            &fragment_name,
+        ));
+    }
+    let write_mask = match descriptor.state {
+        PipelineState::Mark { .. } | PipelineState::Count { .. } => {
+            vk::ColorComponentFlags::empty()
+        }
+        _ => vk::ColorComponentFlags::RGBA,
+    };
+    let target = descriptor.state.target();
+    let blends = [vk::PipelineColorBlendAttachmentState::default()
+        .color_write_mask(write_mask)
+        .blend_enable(target == PassTarget::Numbers)
+        .src_color_blend_factor(vk::BlendFactor::ONE)
+        .dst_color_blend_factor(vk::BlendFactor::ONE)
+        .color_blend_op(vk::BlendOp::ADD)];
+    let has_colour = target != PassTarget::Stencil;
+    Assembly {
+        stages: &stages,
+        format: descriptor.format,
+        topology: descriptor.topology,
+        faces: descriptor.state.faces(),
+        is_turned,
+        depth_stencil: depth_stencil(descriptor.state),
+        depth_bounds: descriptor.depth_bounds,
+        blends: if has_colour { &blends } else { &[] },
+        layout: gpu.fixtures.pipeline_layout,
+        render_pass: render_pass(&gpu.fixtures, descriptor.state),
+    }
+    .create(gpu)
+}
+
+/// All that makes a pipeline, its shaders made.
+pub(crate) struct Assembly<'a> {
+    pub(crate) stages: &'a [vk::PipelineShaderStageCreateInfo<'a>],
+    pub(crate) format: VertexFormat,
+    pub(crate) topology: Topology,
+    pub(crate) faces: FaceSet,
+    /// Front faces are clockwise.
+    pub(crate) is_turned: bool,
+    pub(crate) depth_stencil: vk::PipelineDepthStencilStateCreateInfo<'a>,
+    pub(crate) depth_bounds: bool,
+    /// One for each colour target.
+    pub(crate) blends: &'a [vk::PipelineColorBlendAttachmentState],
+    pub(crate) layout: vk::PipelineLayout,
+    pub(crate) render_pass: vk::RenderPass,
+}
+
+impl Assembly<'_> {
+    pub(crate) fn create(&self, gpu: &Gpu) -> Result<vk::Pipeline, BackendError> {
+        let (bindings, attributes) = vertex_input(self.format);
+        let input = vk::PipelineVertexInputStateCreateInfo::default()
+            .vertex_binding_descriptions(&bindings)
+            .vertex_attribute_descriptions(&attributes);
+        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
+            .topology(match self.topology {
+                Topology::Triangles => vk::PrimitiveTopology::TRIANGLE_LIST,
+                Topology::Strips => vk::PrimitiveTopology::TRIANGLE_STRIP,
+                Topology::LineStrips => vk::PrimitiveTopology::LINE_STRIP,
+                Topology::TrianglesWithAdjacency => {
+                    vk::PrimitiveTopology::TRIANGLE_LIST_WITH_ADJACENCY
+                }
+                Topology::StripsWithAdjacency => {
+                    vk::PrimitiveTopology::TRIANGLE_STRIP_WITH_ADJACENCY
+                }
+            })
+            .primitive_restart_enable(self.topology.restarts());
+        let viewport = vk::PipelineViewportStateCreateInfo::default()
+            .viewport_count(1)
+            .scissor_count(1);
+        let rasterization = vk::PipelineRasterizationStateCreateInfo::default()
+            .polygon_mode(vk::PolygonMode::FILL)
+            .cull_mode(match self.faces {
+                FaceSet::Both => vk::CullModeFlags::NONE,
+                FaceSet::Front => vk::CullModeFlags::BACK,
+                FaceSet::Back => vk::CullModeFlags::FRONT,
+            })
+            // The viewport's negative height turns y up, as WGSL has it.
+            .front_face(if self.is_turned {
+                vk::FrontFace::CLOCKWISE
+            } else {
+                vk::FrontFace::COUNTER_CLOCKWISE
+            })
+            .line_width(1.0);
+        let multisample = vk::PipelineMultisampleStateCreateInfo::default()
+            .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+        let depth_stencil = self
+            .depth_stencil
+            .depth_bounds_test_enable(self.depth_bounds);
+        let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(self.blends);
+        let dynamic_states = [
+            vk::DynamicState::VIEWPORT,
+            vk::DynamicState::SCISSOR,
+            vk::DynamicState::DEPTH_BOUNDS,
+        ];
+        let dynamic_count = if self.depth_bounds { 3 } else { 2 };
+        let dynamic = vk::PipelineDynamicStateCreateInfo::default()
+            .dynamic_states(&dynamic_states[..dynamic_count]);
+        let info = [vk::GraphicsPipelineCreateInfo::default()
+            .stages(self.stages)
+            .vertex_input_state(&input)
+            .input_assembly_state(&assembly)
+            .viewport_state(&viewport)
+            .rasterization_state(&rasterization)
+            .multisample_state(&multisample)
+            .depth_stencil_state(&depth_stencil)
+            .color_blend_state(&blend)
+            .dynamic_state(&dynamic)
+            .layout(self.layout)
+            .render_pass(self.render_pass)
+            .subpass(0)];
+        // SAFETY: the structures live through the call; the stages' interfaces fit each other, which
+        // the tests with the validation layer on hold down.
+        let made = unsafe {
+            let none = vk::PipelineCache::null();
+            gpu.device.create_graphics_pipelines(none, &info, None)
+        };
+        let pipelines = made.map_err(|(_, error)| failure(error, "pipeline", 0))?;
+        Ok(pipelines.first().copied().unwrap_or_default())
+    }
+}
+
+/// Passes that differ in what they load are compatible.
+fn render_pass(fixtures: &Fixtures, state: PipelineState) -> vk::RenderPass {
+    match state {
+        PipelineState::Surface => fixtures.surface,
+        PipelineState::Accumulate { .. } => fixtures.numbers,
+        _ => fixtures.fill(false, state.target() == PassTarget::Colour),
+    }
+}
+
+fn vertex_input(
+    format: VertexFormat,
+) -> (
+    Vec<vk::VertexInputBindingDescription>,
+    Vec<vk::VertexInputAttributeDescription>,
+) {
+    let attribute = |location, format, offset| vk::VertexInputAttributeDescription {
+        location,
+        binding: 0,
+        format,
+        offset,
+    };
+    let position = |format| attribute(0, format, 0);
+    let (stride, attributes) = match format {
+        VertexFormat::Number => return (Vec::new(), Vec::new()),
+        VertexFormat::Metres => (12, vec![position(vk::Format::R32G32B32_SFLOAT)]),
+        VertexFormat::Fixed => (12, vec![position(vk::Format::R32G32B32_SINT)]),
+        VertexFormat::FixedAndFlag => (
+            16,
+            vec![
+                position(vk::Format::R32G32B32_SINT),
+                attribute(1, vk::Format::R32_UINT, 12),
+            ],
+        ),
+    };
+    let binding = vk::VertexInputBindingDescription {
+        binding: 0,
+        stride,
+        input_rate: vk::VertexInputRate::VERTEX,
+    };
+    (vec![binding], attributes)
+}
+
+/// Counting behind the surface is right wherever the eye is and whatever the near plane cuts
+/// (Carmack, 2000; Everitt and Kilgard, 2002); counting in front of it (Heidmann, 1991) touches
+/// fewer fragments where the surface is close.
+fn depth_stencil(state: PipelineState) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
+    let base = vk::PipelineDepthStencilStateCreateInfo::default();
+    match state {
+        PipelineState::Surface => base
+            .depth_test_enable(true)
+            .depth_write_enable(true)
+            .depth_compare_op(vk::CompareOp::GREATER),
+        PipelineState::Mark { rule, .. } => {
+            let (front, back, mask) = rule.effects();
+            base.depth_test_enable(true)
+                .depth_compare_op(vk::CompareOp::GREATER)
+                .stencil_test_enable(true)
+                .front(mark_face(rule.depth, front, mask))
+                .back(mark_face(rule.depth, back, mask))
+        }
+        PipelineState::Count { .. } | PipelineState::Resolve => base,
+        PipelineState::Accumulate { depth, .. } => {
+            base.depth_test_enable(true).depth_compare_op(match depth {
+                // The complement of `Greater`.
+                DepthRule::Fail => vk::CompareOp::LESS_OR_EQUAL,
+                DepthRule::Pass => vk::CompareOp::GREATER,
+            })
+        }
+        PipelineState::Colour { test, .. } => stencil_test(test),
+    }
+}
+
+/// Whatever the depth, where the stencil says so.
+pub(crate) fn stencil_test(test: StencilTest) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
+    let face = vk::StencilOpState {
+        fail_op: vk::StencilOp::KEEP,
+        pass_op: if test.zeroes {
+            vk::StencilOp::ZERO
+        } else {
+            vk::StencilOp::KEEP
+        },
+        depth_fail_op: vk::StencilOp::KEEP,
+        compare_op: if test.is_equal {
+            vk::CompareOp::EQUAL
+        } else {
+            vk::CompareOp::NOT_EQUAL
+        },
+        compare_mask: u32::from(test.read_mask),
+        write_mask: if test.zeroes { 0xff } else { 0 },
+        reference: u32::from(test.reference),
+    };
+    vk::PipelineDepthStencilStateCreateInfo::default()
+        .depth_compare_op(vk::CompareOp::ALWAYS)
+        .stencil_test_enable(true)
+        .front(face)
+        .back(face)
+}
+
+fn mark_face(depth: DepthRule, effect: FaceEffect, mask: u8) -> vk::StencilOpState {
+    let operation = match effect {
+        FaceEffect::Invert => vk::StencilOp::INVERT,
+        FaceEffect::Add => vk::StencilOp::INCREMENT_AND_WRAP,
+        FaceEffect::Take => vk::StencilOp::DECREMENT_AND_WRAP,
+    };
+    let keep = vk::StencilOp::KEEP;
+    let (pass_op, depth_fail_op) = match depth {
+        DepthRule::Fail => (keep, operation),
+        DepthRule::Pass => (operation, keep),
+    };
+    vk::StencilOpState {
+        fail_op: keep,
+        pass_op,
+        depth_fail_op,
+        compare_op: vk::CompareOp::ALWAYS,
+        compare_mask: 0xff,
+        write_mask: u32::from(mask),
+        reference: 0,
+    }
+}

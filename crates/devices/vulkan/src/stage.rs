@@ -1,0 +1,604 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The stage that every Vulkan backend plays on: one pair of targets and the surface drawn into
+//! them, by the same shader and in the same formats as the wgpu stage's.
+//!
+//! A fill reads depth and never writes it, so one surface pass serves any number of fills of the
+//! same view.
+
+use crate::failure::failure;
+use crate::fixtures::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, NUMBER_FORMAT};
+use crate::memory::Image;
+use crate::queries::{Queries, QueryKind, span_ms};
+use crate::readback::read_targets;
+use crate::{
+    BindGroup, Buffer, BufferUse, DepthBindings, FillRecorder, FillTimes, Fragments, Gpu,
+    PassStatistics, Pipeline, PipelineDescriptor, PipelineState, Probe, Topology, VertexFormat,
+    VertexStage,
+};
+use ash::vk;
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::Arc;
+use terrafill_fill::{
+    BackendError, FillProgram, FrameInput, NUMBER_BYTES, Picture, SKY, ViewConstants,
+    check_target_size, count_u32,
+};
+use terrafill_scene::ImageSize;
+
+/// A stage shared by the backends of one run.
+pub type SharedStage = Rc<RefCell<Stage>>;
+
+/// What is measured of a fill.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measured {
+    /// Nothing.
+    Nothing,
+    /// GPU times.
+    Times,
+    /// Pipeline statistics.
+    Statistics,
+    /// Samples that pass depth and stencil test.
+    Samples,
+}
+
+/// What was measured; absent where the device cannot, or it was not asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FillReport {
+    /// GPU times.
+    pub times: FillTimes,
+    /// Pipeline statistics.
+    pub statistics: Option<PassStatistics>,
+    /// Samples that passed the depth and stencil test.
+    pub samples: Option<u64>,
+}
+
+/// Colour, depth and stencil, as attachments.
+#[derive(Debug)]
+pub(crate) struct Targets {
+    gpu: Arc<Gpu>,
+    extent: vk::Extent2D,
+    colour: Image,
+    /// Shared with whoever reads its depth in shaders.
+    depth_stencil: Arc<Image>,
+    /// Depth and stencil only, with colour, and with colour for textured covers.
+    framebuffers: [vk::Framebuffer; 3],
+    numbers: Option<Numbers>,
+}
+
+/// Target of accumulated numbers, and how shaders read it.
+#[derive(Debug)]
+pub(crate) struct Numbers {
+    gpu: Arc<Gpu>,
+    _image: Image,
+    pub(crate) framebuffer: vk::Framebuffer,
+    pool: vk::DescriptorPool,
+    pub(crate) set: vk::DescriptorSet,
+}
+
+impl Numbers {
+    fn new(targets: &Targets) -> Result<Self, BackendError> {
+        let gpu = &targets.gpu;
+        let image = Image::target(
+            gpu,
+            "accumulated numbers",
+            targets.extent,
+            NUMBER_FORMAT,
+            vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED,
+            vk::ImageAspectFlags::COLOR,
+        )?;
+        let view = image.view;
+        let mut numbers = Self {
+            gpu: Arc::clone(gpu),
+            _image: image,
+            framebuffer: vk::Framebuffer::null(),
+            pool: vk::DescriptorPool::null(),
+            set: vk::DescriptorSet::null(),
+        };
+        let views = [view, targets.depth_stencil.view];
+        let framebuffer_info = vk::FramebufferCreateInfo::default()
+            .render_pass(gpu.fixtures.numbers)
+            .attachments(&views)
+            .width(targets.extent.width)
+            .height(targets.extent.height)
+            .layers(1);
+        let sizes = [vk::DescriptorPoolSize {
+            ty: vk::DescriptorType::SAMPLED_IMAGE,
+            descriptor_count: 1,
+        }];
+        let pool_info = vk::DescriptorPoolCreateInfo::default()
+            .max_sets(1)
+            .pool_sizes(&sizes);
+        let layouts = [gpu.fixtures.number_set_layout];
+        let broken = |error| failure(error, "accumulated numbers", 0);
+        // SAFETY: the views are of the pass's formats and of this size; the pool has room for one
+        // set of this layout, which then points at an image that lives as long as the set.
+        unsafe {
+            numbers.framebuffer = gpu
+                .device
+                .create_framebuffer(&framebuffer_info, None)
+                .map_err(broken)?;
+            numbers.pool = gpu
+                .device
+                .create_descriptor_pool(&pool_info, None)
+                .map_err(broken)?;
+            let set_info = vk::DescriptorSetAllocateInfo::default()
+                .descriptor_pool(numbers.pool)
+                .set_layouts(&layouts);
+            let sets = gpu
+                .device
+                .allocate_descriptor_sets(&set_info)
+                .map_err(broken)?;
+            numbers.set = sets.first().copied().unwrap_or_default();
+            let images = [vk::DescriptorImageInfo {
+                sampler: vk::Sampler::null(),
+                image_view: view,
+                image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
+            }];
+            let write = vk::WriteDescriptorSet::default()
+                .dst_set(numbers.set)
+                .dst_binding(0)
+                .descriptor_type(vk::DescriptorType::SAMPLED_IMAGE)
+                .image_info(&images);
+            gpu.device.update_descriptor_sets(&[write], &[]);
+        }
+        Ok(numbers)
+    }
+}
+
+impl Drop for Numbers {
+    fn drop(&mut self) {
+        // SAFETY: every submission that used them has been waited for; null is ignored.
+        unsafe {
+            self.gpu.device.destroy_framebuffer(self.framebuffer, None);
+            self.gpu.device.destroy_descriptor_pool(self.pool, None);
+        }
+    }
+}
+
+impl Targets {
+    fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Result<Self, BackendError> {
+        let extent = vk::Extent2D {
+            width: size.width,
+            height: size.height,
+        };
+        let mut targets = Self {
+            gpu: Arc::clone(gpu),
+            extent,
+            colour: Image::target(
+                gpu,
+                "colour",
+                extent,
+                COLOUR_FORMAT,
+                vk::ImageUsageFlags::COLOR_ATTACHMENT,
+                vk::ImageAspectFlags::COLOR,
+            )?,
+            depth_stencil: Arc::new(Image::target(
+                gpu,
+                "depth and stencil",
+                extent,
+                DEPTH_STENCIL_FORMAT,
+                // As on wgpu, whether or not a fill reads depth: one surface serves all fills.
+                if gpu.facts.features.samples_depth {
+                    vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED
+                } else {
+                    vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT
+                },
+                vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL,
+            )?),
+            framebuffers: [vk::Framebuffer::null(); 3],
+            numbers: None,
+        };
+        let views = [targets.colour.view, targets.depth_stencil.view];
+        let fixtures = &gpu.fixtures;
+        let passes = [
+            (fixtures.fill(false, false), &views[1..]),
+            (fixtures.fill(false, true), &views[..]),
+            (fixtures.textured, &views[..]),
+        ];
+        for (framebuffer, (render_pass, views)) in targets.framebuffers.iter_mut().zip(passes) {
+            let info = vk::FramebufferCreateInfo::default()
+                .render_pass(render_pass)
+                .attachments(views)
+                .width(extent.width)
+                .height(extent.height)
+                .layers(1);
+            // SAFETY: the views are of the pass's formats and of this size.
+            *framebuffer = unsafe { gpu.device.create_framebuffer(&info, None) }
+                .map_err(|error| failure(error, "framebuffer", 0))?;
+        }
+        Ok(targets)
+    }
+
+    pub(crate) fn framebuffer(&self, has_colour: bool) -> vk::Framebuffer {
+        self.framebuffers[usize::from(has_colour)]
+    }
+
+    pub(crate) fn textured_framebuffer(&self) -> vk::Framebuffer {
+        self.framebuffers[2]
+    }
+
+    pub(crate) fn numbers(&self) -> Option<&Numbers> {
+        self.numbers.as_ref()
+    }
+
+    pub(crate) fn area(&self) -> vk::Rect2D {
+        self.extent.into()
+    }
+
+    pub(crate) fn colour(&self) -> vk::Image {
+        self.colour.raw
+    }
+
+    pub(crate) fn depth_stencil(&self) -> &Arc<Image> {
+        &self.depth_stencil
+    }
+
+    /// Of negative height: WGSL has y up, Vulkan down.
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "images are far smaller than 2^24 pixels a side"
+    )]
+    pub(crate) fn viewport(&self) -> vk::Viewport {
+        let (width, height) = (self.extent.width as f32, self.extent.height as f32);
+        vk::Viewport {
+            x: 0.0,
+            y: height,
+            width,
+            height: -height,
+            min_depth: 0.0,
+            max_depth: 1.0,
+        }
+    }
+}
+
+impl Drop for Targets {
+    fn drop(&mut self) {
+        for framebuffer in self.framebuffers {
+            // SAFETY: every submission that used it has been waited for; null is ignored.
+            unsafe { self.gpu.device.destroy_framebuffer(framebuffer, None) };
+        }
+    }
+}
+
+/// Targets, surface and clock on one device.
+#[derive(Debug)]
+pub struct Stage {
+    gpu: Arc<Gpu>,
+    size: ImageSize,
+    targets: Targets,
+    stamps: Option<Queries>,
+    pipeline: Pipeline,
+    prepared: Option<PreparedSurface>,
+    /// The surface of what is prepared is in the targets, and these are in their layouts.
+    is_drawn: bool,
+}
+
+#[derive(Debug)]
+struct PreparedSurface {
+    source: Arc<[[f32; 3]]>,
+    constants: Arc<Buffer>,
+    bindings: BindGroup,
+    vertices: Buffer,
+    indices: Buffer,
+    index_count: u32,
+}
+
+/// Stamps: three of a fill, two of the surface.
+const STAMPS: u32 = 5;
+const SURFACE_STAMPS: u32 = 3;
+
+const SURFACE: PipelineDescriptor = PipelineDescriptor {
+    vertex: VertexStage {
+        path: "surface/surface.wgsl",
+        entry_point: "vertex_main",
+    },
+    geometry: None,
+    fragments: Fragments::Shader {
+        path: "surface/surface.wgsl",
+        entry_point: "fragment_main",
+    },
+    format: VertexFormat::Metres,
+    topology: Topology::Triangles,
+    state: PipelineState::Surface,
+    depth_bounds: false,
+};
+
+impl Stage {
+    /// A stage of the given size.
+    ///
+    /// # Errors
+    /// [`BackendError::Unsupported`] when the device has no targets that large.
+    pub fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Result<Self, BackendError> {
+        let limits = &gpu.limits;
+        let limit = limits
+            .max_image_dimension2_d
+            .min(limits.max_framebuffer_width)
+            .min(limits.max_framebuffer_height)
+            .min(limits.max_viewport_dimensions[0])
+            .min(limits.max_viewport_dimensions[1]);
+        check_target_size(size, limit, &gpu.facts.name)?;
+        Ok(Self {
+            gpu: Arc::clone(gpu),
+            size,
+            targets: Targets::new(gpu, size)?,
+            stamps: Queries::new(gpu, QueryKind::Timestamps, STAMPS)?,
+            pipeline: Pipeline::new(gpu, SURFACE)?,
+            prepared: None,
+            is_drawn: false,
+        })
+    }
+
+    /// The same, shared.
+    ///
+    /// # Errors
+    /// As [`Stage::new`].
+    pub fn shared(gpu: &Arc<Gpu>, size: ImageSize) -> Result<SharedStage, BackendError> {
+        Ok(Rc::new(RefCell::new(Self::new(gpu, size)?)))
+    }
+
+    /// The device.
+    #[must_use]
+    pub fn gpu(&self) -> &Arc<Gpu> {
+        &self.gpu
+    }
+
+    /// Size of the targets.
+    #[must_use]
+    pub fn size(&self) -> ImageSize {
+        self.size
+    }
+
+    /// Constants of the view that was prepared last.
+    #[must_use]
+    pub fn view_constants(&self) -> Option<&Arc<Buffer>> {
+        self.prepared.as_ref().map(|prepared| &prepared.constants)
+    }
+
+    /// Makes the target of accumulated numbers, unless it is there.
+    ///
+    /// # Errors
+    /// [`BackendError::Unsupported`] when the device cannot blend into it,
+    /// [`BackendError::OutOfMemory`].
+    pub fn ensure_numbers(&mut self) -> Result<(), BackendError> {
+        if !self.gpu.facts.features.blends_float {
+            return Err(BackendError::unsupported(
+                "blending into R32_SFLOAT",
+                &self.gpu.facts.name,
+            ));
+        }
+        if self.targets.numbers.is_none() {
+            self.targets.numbers = Some(Numbers::new(&self.targets)?);
+        }
+        Ok(())
+    }
+
+    /// Bytes of the target of accumulated numbers, if `program` draws into it.
+    #[must_use]
+    pub fn number_bytes(&self, program: &FillProgram) -> u64 {
+        if program.accumulates() {
+            self.size.pixel_count() as u64 * NUMBER_BYTES
+        } else {
+            0
+        }
+    }
+
+    /// The depth that the surface leaves and regions' constants, for textured covers on this stage.
+    ///
+    /// - `regions`: constants of one region after the other, `stride` bytes each,
+    ///   a multiple of [`DepthBindings::alignment`]
+    ///
+    /// # Errors
+    /// [`BackendError::Unsupported`] when the device's shaders cannot read depth, or the buffer does
+    /// not fit; [`BackendError::OutOfMemory`].
+    pub fn bind_depth(
+        &self,
+        regions: &Arc<Buffer>,
+        stride: usize,
+    ) -> Result<DepthBindings, BackendError> {
+        DepthBindings::new(&self.targets, &self.gpu, regions, stride)
+    }
+
+    /// Targets of a textured fill's probe.
+    ///
+    /// # Errors
+    /// [`BackendError::OutOfMemory`].
+    pub fn probe(&self) -> Result<Probe, BackendError> {
+        Probe::new(&self.targets, &self.gpu)
+    }
+
+    /// Uploads the view and its surface, unless they are there already.
+    ///
+    /// # Errors
+    /// [`BackendError::OverCapacity`] when the input's size is not the stage's.
+    pub fn prepare(&mut self, input: &FrameInput) -> Result<(), BackendError> {
+        input.check_size(self.size)?;
+        if self.is_prepared(input) {
+            return Ok(());
+        }
+        self.is_drawn = false;
+        self.prepared = None;
+        let constants = ViewConstants::new(input);
+        let indices = input.scene.surface.triangles.as_flattened();
+        let upload = |label, bytes, use_for| Buffer::upload(&self.gpu, label, bytes, use_for);
+        let constants = Arc::new(upload(
+            "view constants",
+            bytemuck::bytes_of(&constants),
+            BufferUse::Uniform,
+        )?);
+        self.prepared = Some(PreparedSurface {
+            source: Arc::clone(&input.surface_rte),
+            bindings: BindGroup::new(&self.gpu, &constants, None)?,
+            constants,
+            vertices: upload(
+                "surface vertices",
+                bytemuck::cast_slice(&input.surface_rte),
+                BufferUse::Vertex,
+            )?,
+            indices: upload(
+                "surface indices",
+                bytemuck::cast_slice(indices),
+                BufferUse::Index,
+            )?,
+            index_count: count_u32("surface indices", indices.len())?,
+        });
+        Ok(())
+    }
+
+    fn is_prepared(&self, input: &FrameInput) -> bool {
+        self.prepared
+            .as_ref()
+            .is_some_and(|prepared| Arc::ptr_eq(&prepared.source, &input.surface_rte))
+    }
+
+    /// Whether the targets hold the surface of this input.
+    #[must_use]
+    pub fn holds(&self, input: &FrameInput) -> bool {
+        self.is_drawn && self.is_prepared(input)
+    }
+
+    /// Clears the targets, draws the surface, waits, and gives the pass's GPU time.
+    ///
+    /// # Errors
+    /// [`BackendError::NotPrepared`], [`BackendError::DeviceLost`].
+    pub fn draw_surface(&mut self) -> Result<Option<f64>, BackendError> {
+        let Some(prepared) = &self.prepared else {
+            return Err(BackendError::no_surface());
+        };
+        let clears = [
+            vk::ClearValue {
+                color: vk::ClearColorValue { float32: SKY },
+            },
+            vk::ClearValue {
+                depth_stencil: vk::ClearDepthStencilValue::default(),
+            },
+        ];
+        let begin = vk::RenderPassBeginInfo::default()
+            .render_pass(self.gpu.fixtures.surface)
+            .framebuffer(self.targets.framebuffer(true))
+            .render_area(self.targets.area())
+            .clear_values(&clears);
+        let stamps = self.stamps.as_ref();
+        let graphics = vk::PipelineBindPoint::GRAPHICS;
+        // SAFETY: pipeline, bindings and buffers were made for this pass on this device and live
+        // until the submission is done; the indices are all there.
+        unsafe {
+            self.gpu.submit(|device, commands| {
+                if let Some(stamps) = stamps {
+                    device.cmd_reset_query_pool(commands, stamps.raw, SURFACE_STAMPS, 2);
+                    let start = vk::PipelineStageFlags::TOP_OF_PIPE;
+                    device.cmd_write_timestamp(commands, start, stamps.raw, SURFACE_STAMPS);
+                }
+                device.cmd_begin_render_pass(commands, &begin, vk::SubpassContents::INLINE);
+                device.cmd_set_viewport(commands, 0, &[self.targets.viewport()]);
+                device.cmd_set_scissor(commands, 0, &[self.targets.area()]);
+                device.cmd_bind_pipeline(commands, graphics, self.pipeline.raw);
+                device.cmd_bind_descriptor_sets(
+                    commands,
+                    graphics,
+                    self.gpu.fixtures.pipeline_layout,
+                    0,
+                    &[prepared.bindings.set()],
+                    &[],
+                );
+                device.cmd_bind_vertex_buffers(commands, 0, &[prepared.vertices.raw], &[0]);
+                let width = vk::IndexType::UINT32;
+                device.cmd_bind_index_buffer(commands, prepared.indices.raw, 0, width);
+                device.cmd_draw_indexed(commands, prepared.index_count, 1, 0, 0, 0);
+                device.cmd_end_render_pass(commands);
+                if let Some(stamps) = stamps {
+                    let end = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
+                    device.cmd_write_timestamp(commands, end, stamps.raw, SURFACE_STAMPS + 1);
+                }
+            })?;
+        }
+        self.is_drawn = true;
+        match stamps {
+            Some(stamps) => {
+                let ticks = stamps.read(SURFACE_STAMPS, 2)?;
+                Ok(span_ms(ticks[0], ticks[1], self.gpu.timestamp_period_ns()))
+            }
+            None => Ok(None),
+        }
+    }
+
+    /// Records a fill of at most `passes` passes on top of the surface, submits it and waits.
+    /// `record` must not upload, draw a surface or fill: the queue is taken while it runs.
+    ///
+    /// # Errors
+    /// [`BackendError::NotPrepared`] when there is no surface in the targets; the first draw's error
+    /// that could not be recorded; [`BackendError::DeviceLost`].
+    pub fn fill<'a>(
+        &'a self,
+        passes: usize,
+        measured: Measured,
+        record: impl FnOnce(&mut FillRecorder<'a>),
+    ) -> Result<FillReport, BackendError> {
+        if !self.is_drawn {
+            return Err(BackendError::no_surface());
+        }
+        let count = u32::try_from(passes).unwrap_or(u32::MAX);
+        let queries = match measured {
+            Measured::Statistics => Queries::new(&self.gpu, QueryKind::Statistics, count)?,
+            Measured::Samples => Queries::new(&self.gpu, QueryKind::Samples, count)?,
+            Measured::Nothing | Measured::Times => None,
+        };
+        let stamps = self.stamps.as_ref().filter(|_| measured == Measured::Times);
+        let mut recorder = FillRecorder::new(&self.gpu, &self.targets, queries.as_ref(), stamps);
+        // SAFETY: the recorder records what fits only; it borrows what draws use for `'a`, which
+        // outlives this call, and the queries live until the end of it.
+        unsafe {
+            self.gpu.submit(|_, commands| {
+                recorder.begin(commands);
+                record(&mut recorder);
+                recorder.end();
+            })?;
+        }
+        let drawn = recorder.finish()?;
+        let mut report = FillReport::default();
+        if let Some(stamps) = stamps.filter(|_| drawn > 0) {
+            report.times = self.fill_times(stamps, drawn)?;
+        }
+        if let Some(queries) = &queries {
+            // Queries that were never begun would be waited for in vain.
+            let counted = drawn.min(queries.count);
+            if queries.kind == QueryKind::Statistics {
+                report.statistics = Some(queries.read_statistics(counted)?);
+            } else {
+                report.samples = Some(queries.read(0, counted)?.iter().sum());
+            }
+        }
+        Ok(report)
+    }
+
+    fn fill_times(&self, stamps: &Queries, passes: u32) -> Result<FillTimes, BackendError> {
+        let ticks = stamps.read(0, SURFACE_STAMPS)?;
+        let span = |from: usize, to: usize| {
+            span_ms(ticks[from], ticks[to], self.gpu.timestamp_period_ns())
+        };
+        Ok(FillTimes {
+            stencil_ms: span(0, 1).filter(|_| passes == 2),
+            colour_ms: span(1, 2).filter(|_| passes == 2),
+            fill_ms: span(0, 2),
+        })
+    }
+
+    /// Reads the targets back.
+    ///
+    /// # Errors
+    /// [`BackendError::NotPrepared`] when nothing was drawn yet, [`BackendError::DeviceLost`].
+    pub fn read(&self) -> Result<Picture, BackendError> {
+        if !self.is_drawn {
+            return Err(BackendError::no_surface());
+        }
+        let (rgba, depth) = read_targets(&self.gpu, &self.targets)?;
+        let (depths, _) = depth.as_chunks::<4>();
+        Ok(Picture {
+            size: self.size,
+            rgba,
+            depth: depths
+                .iter()
+                .map(|&bytes| f32::from_ne_bytes(bytes))
+                .collect(),
+        })
+    }
+}

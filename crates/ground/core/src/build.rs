@@ -1,0 +1,1039 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Region → [`RegionMesh`]: outline, triangles, stitching, boundary loops, area.
+//!
+//! Pieces are meshed in degrees and put together on the body: vertices at longitude −180 and +180
+//! with the same latitude become one, all vertices at a pole become one, and what that makes
+//! degenerate vanishes. A boundary edge whose reverse then exists too was a cut, not a border.
+
+use crate::crossings::CrossingPlaces;
+use crate::edge::{Degrees, EdgeSplitter, ROUNDING, ZoneArea, surface_point};
+use crate::geojson::feature_label;
+use crate::lens::{WithinRounding, follow_arcs};
+use crate::mesh::sagitta_m;
+use crate::outline::{OppositeEnds, Outline, OutlineEdge, share_breakpoints};
+use crate::overlaps::{OverlapPlace, RingAreas, find_overlaps, shared_edges};
+use crate::snap::snap_rounded;
+use crate::triangulate::{Arcs, GroupMesh, TriangulateError, index_u32, triangulate};
+use crate::{EdgeRule, Ellipsoid, Extent, MeshOptions, Region, RegionMesh, Ring};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, HashMap};
+use std::f64::consts::{FRAC_PI_2, TAU};
+use std::fmt;
+
+/// A ring edge in its file; indices count from 0, repeated positions included.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct EdgePlace {
+    /// Areal part of the feature.
+    pub polygon: usize,
+    /// Ring of the polygon; 0 is the shell.
+    pub ring: usize,
+    /// Vertex that the edge starts at.
+    pub vertex: usize,
+}
+
+impl fmt::Display for EdgePlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            polygon,
+            ring,
+            vertex,
+        } = self;
+        write!(f, "polygon {polygon}, ring {ring}, vertex {vertex}")
+    }
+}
+
+/// Why a region cannot be meshed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// Two edges of a region cross other than at a common vertex.
+    #[error(
+        "{}: the edge from {first} crosses the edge from {second} at longitude \
+         {longitude_deg:.7}, latitude {latitude_deg:.7}", feature_label(*feature, name)
+    )]
+    SelfCrossing {
+        /// Index in the file.
+        feature: usize,
+        /// Its name.
+        name: String,
+        /// The edge that comes first in the file.
+        first: EdgePlace,
+        /// The other.
+        second: EdgePlace,
+        /// Of the crossing.
+        longitude_deg: f64,
+        /// Of the crossing.
+        latitude_deg: f64,
+    },
+    /// Two parts of a region lie over one another, or a hole over what is outside its shell.
+    #[error(
+        "{}: {} at longitude {longitude_deg:.7}, latitude {latitude_deg:.7}",
+        feature_label(*feature, name), overlap_label(*first, *second)
+    )]
+    Overlap {
+        /// Index in the file.
+        feature: usize,
+        /// Its name.
+        name: String,
+        /// The ring that comes first in the file; vertex 0.
+        first: EdgePlace,
+        /// The other; vertex 0.
+        second: EdgePlace,
+        /// Of a place in the midst of what both cover.
+        longitude_deg: f64,
+        /// Of that place.
+        latitude_deg: f64,
+    },
+    /// More crossings than are worth listing.
+    #[error(
+        "{}: {}{more} more crossings",
+        feature_label(*feature, name), if *counted_all { "" } else { "over " }
+    )]
+    MoreCrossings {
+        /// Index in the file.
+        feature: usize,
+        /// Its name.
+        name: String,
+        /// How many are not listed.
+        more: usize,
+        /// Whether `more` is all of them: the search ends when it has found far too many.
+        counted_all: bool,
+    },
+    /// An edge between opposite points: every plane through them holds the centre.
+    #[error(
+        "{}: the great-ellipse edge from {place} joins the opposite points {start:?} and {end:?}; \
+         put a vertex between them", feature_label(*feature, name)
+    )]
+    OppositeEnds {
+        /// Index in the file.
+        feature: usize,
+        /// Its name.
+        name: String,
+        /// The edge.
+        place: EdgePlace,
+        /// Longitude and latitude of its start, degrees.
+        start: [f64; 2],
+        /// Longitude and latitude of its end, degrees.
+        end: [f64; 2],
+    },
+    /// The rings cancel one another or have no width, if only by the rounding of their coordinates.
+    #[error("{}: the rings enclose no area", feature_label(*feature, name))]
+    NoArea {
+        /// Index in the file.
+        feature: usize,
+        /// Its name.
+        name: String,
+    },
+    /// A knob out of its range.
+    #[error("{option} is {found}; allowed is {allowed}")]
+    Option {
+        /// Its name in [`MeshOptions`].
+        option: &'static str,
+        /// Its value.
+        found: f64,
+        /// Its range.
+        allowed: &'static str,
+    },
+    /// A fault of this program, not of the file.
+    #[error("{}: triangulation failed: {message}", feature_label(*feature, name))]
+    Triangulation {
+        /// Index in the file.
+        feature: usize,
+        /// Its name.
+        name: String,
+        /// What went wrong.
+        message: String,
+    },
+}
+
+impl MeshError {
+    /// Index of the feature, where one is to blame.
+    #[must_use]
+    pub fn feature(&self) -> Option<usize> {
+        match self {
+            Self::SelfCrossing { feature, .. }
+            | Self::Overlap { feature, .. }
+            | Self::MoreCrossings { feature, .. }
+            | Self::OppositeEnds { feature, .. }
+            | Self::NoArea { feature, .. }
+            | Self::Triangulation { feature, .. } => Some(*feature),
+            Self::Option { .. } => None,
+        }
+    }
+
+    /// The edge to blame, where there is one.
+    #[must_use]
+    pub fn place(&self) -> Option<EdgePlace> {
+        match self {
+            Self::SelfCrossing { first, .. } | Self::Overlap { first, .. } => Some(*first),
+            Self::OppositeEnds { place, .. } => Some(*place),
+            Self::MoreCrossings { .. }
+            | Self::NoArea { .. }
+            | Self::Triangulation { .. }
+            | Self::Option { .. } => None,
+        }
+    }
+}
+
+fn overlap_label(first: EdgePlace, second: EdgePlace) -> String {
+    let polygon = first.polygon;
+    let (other_polygon, other) = (second.polygon, second.ring);
+    if polygon != other_polygon {
+        format!("polygon {polygon} and polygon {other_polygon} overlap")
+    } else {
+        format!("polygon {polygon}, ring {other} is a hole outside its shell")
+    }
+}
+
+/// Crossings listed of one region; the rest are counted.
+const MOST_LISTED_CROSSINGS: usize = 100;
+/// Edges of a region from which its groups are triangulated several at a time: below that, handing
+/// them out costs more than it saves.
+const PARALLEL_FROM_EDGES: usize = 2_000;
+
+impl MeshOptions {
+    /// # Errors
+    /// [`MeshError::Option`] for a value that cannot be meshed with.
+    pub fn check(&self) -> Result<(), MeshError> {
+        let tolerance = self.boundary_tolerance_m;
+        if !(tolerance > 0.0 && tolerance.is_finite()) {
+            return Err(MeshError::Option {
+                option: "boundary_tolerance_m",
+                found: tolerance,
+                allowed: "above 0 and finite",
+            });
+        }
+        // Upwards of 30° a facet's sagitta is a large part of the body; downwards of 0.01° a
+        // whole globe has a billion facets.
+        if !(0.01..=30.0).contains(&self.cap_step_deg) {
+            return Err(MeshError::Option {
+                option: "cap_step_deg",
+                found: self.cap_step_deg,
+                allowed: "0.01 … 30",
+            });
+        }
+        Ok(())
+    }
+}
+
+impl RegionMesh {
+    /// Meshes one region.
+    ///
+    /// Inside is what an odd number of the region's ring edges separates from the outside, so holes
+    /// and islands in holes need no nesting order. Longitudes within 10⁻¹¹ degrees of ±180 are on the
+    /// antimeridian, and latitudes within 2⁻³⁶ degrees (1.6 µm on the Earth) of ±90 at the pole. Which
+    /// pole a ring round the axis holds is said at
+    /// [`Polygon::pole_held`](crate::Polygon::pole_held).
+    ///
+    /// # Errors
+    /// [`MeshError`]; the first one found.
+    pub fn build(
+        region: &Region,
+        body: &Ellipsoid,
+        rule: EdgeRule,
+        options: &MeshOptions,
+    ) -> Result<Self, MeshError> {
+        Self::build_or_list(region, body, rule, options).map_err(|mut errors| errors.swap_remove(0))
+    }
+
+    /// # Errors
+    /// At least one [`MeshError`]: everything that is wrong with the region.
+    fn build_or_list(
+        region: &Region,
+        body: &Ellipsoid,
+        rule: EdgeRule,
+        options: &MeshOptions,
+    ) -> Result<Self, Vec<MeshError>> {
+        options.check().map_err(|error| vec![error])?;
+        let build = |crossings| Self::build_once(region, body, rule, options, crossings);
+        build(Crossings::Refused).or_else(|errors| {
+            if !only_parts_cross(region, rule, &errors) {
+                return Err(errors);
+            }
+            build(Crossings::SnappedAway)
+        })
+    }
+
+    fn build_once(
+        region: &Region,
+        body: &Ellipsoid,
+        rule: EdgeRule,
+        options: &MeshOptions,
+        crossings: Crossings,
+    ) -> Result<Self, Vec<MeshError>> {
+        let no_area = || {
+            vec![MeshError::NoArea {
+                feature: region.index,
+                name: region.name.clone(),
+            }]
+        };
+        let mesh = |bent: &Bent| Meshed::new(region, body, rule, options, crossings, bent);
+        let mut bent = Bent::new();
+        let mut meshed = mesh(&bent)?;
+        for near in [WithinRounding::Kept, WithinRounding::Merged] {
+            let turned_over = turned_over(body, &meshed.groups);
+            if turned_over.is_empty() {
+                break;
+            }
+            bent.extend(turned_over.into_iter().map(|group| (group, near)));
+            meshed = mesh(&bent)?;
+        }
+        let Meshed {
+            groups,
+            extent,
+            boundary_deviation_m,
+            notes,
+        } = meshed;
+        let mut stitcher = Stitcher::default();
+        let mut area_m2 = 0.0;
+        for (group, group_area_m2) in groups {
+            area_m2 += group_area_m2;
+            stitcher.add(body, group);
+        }
+        if stitcher.triangles.is_empty() {
+            return Err(no_area());
+        }
+        let Some(boundary_loops) = stitcher.boundary_loops() else {
+            return Err(vec![MeshError::Triangulation {
+                feature: region.index,
+                name: region.name.clone(),
+                message: "the boundary is not closed".to_owned(),
+            }]);
+        };
+        // Without a border there is only the whole body. Anything else is within micrometres of a
+        // pole, where its border became a point.
+        let whole_m2 = body.quadrangle_area_m2(TAU, -FRAC_PI_2, FRAC_PI_2);
+        if boundary_loops.is_empty() && area_m2 < 0.999_999 * whole_m2 {
+            return Err(no_area());
+        }
+        let cap_sagitta_m = stitcher
+            .triangles
+            .iter()
+            .map(|corners| sagitta_m(body, corners.map(|i| stitcher.vertices_ecef[i as usize])))
+            .fold(0.0, f64::max);
+        let mesh = Self {
+            region_index: region.index,
+            name: region.name.clone(),
+            vertices_ecef: stitcher.vertices_ecef,
+            vertices_deg: stitcher.vertices_deg,
+            triangles: stitcher.triangles,
+            boundary_loops,
+            holes: region
+                .polygons
+                .iter()
+                .map(|polygon| polygon.holes.len())
+                .sum(),
+            // Of what is narrower than rounding it may be a rounding below.
+            area_m2: area_m2.max(0.0),
+            extent,
+            boundary_deviation_m,
+            cap_sagitta_m,
+            warnings: [region.warnings.as_slice(), &notes].concat(),
+        };
+        // Rare enough to be looked at again: what was a rounding wide has been moved by as much.
+        if !bent.is_empty() || matches!(crossings, Crossings::SnappedAway) {
+            mesh.check_invariants(body).map_err(|violation| {
+                vec![MeshError::Triangulation {
+                    feature: region.index,
+                    name: region.name.clone(),
+                    message: violation.to_string(),
+                }]
+            })?;
+        }
+        Ok(mesh)
+    }
+
+    /// Meshes every region, several at a time.
+    ///
+    /// # Errors
+    /// Everything that is wrong with any region, in order: each crossing is a [`MeshError`] of its
+    /// own, up to a hundred a region, and the rest are counted.
+    pub fn build_all(
+        regions: &[Region],
+        body: &Ellipsoid,
+        rule: EdgeRule,
+        options: &MeshOptions,
+    ) -> Result<Vec<Self>, Vec<MeshError>> {
+        options.check().map_err(|error| vec![error])?;
+        let results: Vec<Result<Self, Vec<MeshError>>> = regions
+            .par_iter()
+            .map(|region| Self::build_or_list(region, body, rule, options))
+            .collect();
+        let mut meshes = Vec::with_capacity(results.len());
+        let mut errors = Vec::new();
+        for result in results {
+            match result {
+                Ok(mesh) => meshes.push(mesh),
+                Err(of_region) => errors.extend(of_region),
+            }
+        }
+        if errors.is_empty() {
+            Ok(meshes)
+        } else {
+            Err(errors)
+        }
+    }
+}
+
+fn opposite_ends(region: &Region, opposite: Vec<OppositeEnds>) -> Vec<MeshError> {
+    let error = |OppositeEnds { place, start, end }| MeshError::OppositeEnds {
+        feature: region.index,
+        name: region.name.clone(),
+        place: in_file(region, place),
+        start,
+        end,
+    };
+    opposite.into_iter().map(error).collect()
+}
+
+/// What becomes of places where parts of edges cross.
+#[derive(Clone, Copy)]
+enum Crossings {
+    /// As they should be: edges of a file cross at its vertices only.
+    Refused,
+    /// Where [`only_parts_cross`].
+    SnappedAway,
+}
+
+/// Groups of which arcs are followed before they are triangulated, or snapped.
+type Bent = BTreeMap<usize, WithinRounding>;
+
+/// A region's groups, not yet put together.
+struct Meshed {
+    /// With the area of each.
+    groups: Vec<(GroupMesh, f64)>,
+    extent: Extent,
+    boundary_deviation_m: f64,
+    /// For the warnings.
+    notes: Vec<String>,
+}
+
+impl Meshed {
+    /// # Errors
+    /// At least one [`MeshError`].
+    fn new(
+        region: &Region,
+        body: &Ellipsoid,
+        rule: EdgeRule,
+        options: &MeshOptions,
+        crossings: Crossings,
+        bent: &Bent,
+    ) -> Result<Self, Vec<MeshError>> {
+        let mut splitter = EdgeSplitter::new(body, rule, options);
+        let mut outline = Outline::new(region, rule, &mut splitter)
+            .map_err(|opposite| opposite_ends(region, opposite))?;
+        let mut followed = vec![false; outline.groups.len()];
+        for (group, edges) in outline.groups.iter_mut().enumerate() {
+            let near = match crossings {
+                Crossings::Refused => bent.get(&group).copied(),
+                // Snapped where chords cross, arcs would be led to places off themselves.
+                Crossings::SnappedAway => bent.get(&group).copied().or(Some(WithinRounding::Kept)),
+            };
+            if let Some(near) = near.filter(|_| rule == EdgeRule::GreatEllipse) {
+                *edges = follow_arcs(std::mem::take(edges), near);
+                followed[group] = true;
+            }
+        }
+        let (groups, at_splits) = match crossings {
+            Crossings::Refused => {
+                let at_splits = outline.crossings_at_splits(rule, MOST_LISTED_CROSSINGS);
+                (outline.groups, at_splits)
+            }
+            Crossings::SnappedAway => {
+                let mut groups = snap_rounded(rule, &outline.groups);
+                share_breakpoints(&mut groups.iter_mut().collect::<Vec<_>>());
+                (groups, Vec::new())
+            }
+        };
+        let arcs = |followed: &bool| match *followed {
+            true => Arcs::Settled,
+            false => Arcs::AsDrawn,
+        };
+        let groups: Vec<_> = groups.into_iter().zip(followed.iter().map(arcs)).collect();
+        let groups = triangulate_groups(region, body, rule, options, groups, at_splits)?;
+        // Chords within the tolerance of arcs may lie apart where these cross. No arc does unless a
+        // vertex lies between another and its chord, which has them followed.
+        if !region.repaired && groups.iter().any(|group| group.mesh.arcs_followed) {
+            let places = region.arc_crossings(MOST_LISTED_CROSSINGS + 1);
+            if !places.is_empty() {
+                let counted_all = places.len() <= MOST_LISTED_CROSSINGS;
+                return Err(self_crossings(region, places, counted_all));
+            }
+        }
+        let notes = if groups.iter().any(|group| group.in_doubt || group.is_joined) {
+            notes_on_parts(region, body, rule, options, &groups)?
+        } else {
+            Vec::new()
+        };
+        let mut extent = outline.extent;
+        for (group, followed) in groups.iter().zip(followed) {
+            // Feet may lie nearer to the arc's highest latitude than the places it was split at, and
+            // what lies in one cell has been moved to its middle.
+            if followed || group.mesh.arcs_followed {
+                for position in &group.mesh.vertices {
+                    widen(&mut extent, *position);
+                }
+            }
+        }
+        let groups = groups.into_iter().map(|group| (group.mesh, group.area_m2));
+        Ok(Self {
+            groups: groups.collect(),
+            extent,
+            boundary_deviation_m: splitter.deviation_m,
+            notes,
+        })
+    }
+}
+
+/// Moves the nearer end of either interval to a vertex that is a little outside. ±180 is one
+/// meridian, and at a pole there is none.
+fn widen(extent: &mut Extent, [longitude, latitude]: Degrees) {
+    extent.south_deg = extent.south_deg.min(latitude);
+    extent.north_deg = extent.north_deg.max(latitude);
+    let (west, east) = (extent.west_deg, extent.east_deg);
+    let is_within = if west <= east {
+        (west..=east).contains(&longitude)
+    } else {
+        longitude >= west || longitude <= east
+    };
+    if is_within || longitude.abs() == 180.0 || latitude.abs() == 90.0 {
+        return;
+    }
+    if (longitude - east).rem_euclid(360.0) < (west - longitude).rem_euclid(360.0) {
+        extent.east_deg = longitude;
+    } else {
+        extent.west_deg = longitude;
+    }
+}
+
+/// What is to be said of groups in which parts overlap or have edges in common.
+///
+/// # Errors
+/// [`MeshError::Overlap`] of every pair of rings, unless the region is repaired.
+fn notes_on_parts(
+    region: &Region,
+    body: &Ellipsoid,
+    rule: EdgeRule,
+    options: &MeshOptions,
+    groups: &[TriangulatedGroup],
+) -> Result<Vec<String>, Vec<MeshError>> {
+    // Seldom enough that the edges are made again and not kept.
+    let mut splitter = EdgeSplitter::new(body, rule, options);
+    let outline = Outline::new(region, rule, &mut splitter)
+        .map_err(|opposite| opposite_ends(region, opposite))?;
+    let tolerance_deg = (options.boundary_tolerance_m / body.polar_radius_m()).to_degrees();
+    let (mut overlaps, mut shared) = (Vec::new(), 0);
+    for (edges, group) in outline.groups.into_iter().zip(groups) {
+        if group.is_joined {
+            shared += shared_edges(&edges);
+        }
+        if group.in_doubt {
+            let found = find_overlaps(edges, rule, tolerance_deg).ok_or_else(|| {
+                vec![MeshError::Triangulation {
+                    feature: region.index,
+                    name: region.name.clone(),
+                    message: "parts that overlap could not be looked for".to_owned(),
+                }]
+            })?;
+            overlaps.extend(found);
+        }
+    }
+    let plural = |count: usize| if count == 1 { "" } else { "s" };
+    let mut notes = Vec::new();
+    if shared > 0 {
+        notes.push(format!(
+            "{shared} edge{} shared by parts: no boundary there",
+            plural(shared)
+        ));
+    }
+    if overlaps.is_empty() {
+        return Ok(notes);
+    }
+    if region.repaired {
+        notes.push(format!(
+            "{} overlap{} of parts: filled by the even-odd rule",
+            overlaps.len(),
+            plural(overlaps.len())
+        ));
+        return Ok(notes);
+    }
+    let error = |overlap: OverlapPlace| MeshError::Overlap {
+        feature: region.index,
+        name: region.name.clone(),
+        first: overlap.rings[0],
+        second: overlap.rings[1],
+        longitude_deg: overlap.at[0],
+        latitude_deg: overlap.at[1],
+    };
+    overlaps.truncate(MOST_LISTED_CROSSINGS);
+    Err(overlaps.into_iter().map(error).collect())
+}
+
+/// A group's triangles.
+struct TriangulatedGroup {
+    mesh: GroupMesh,
+    area_m2: f64,
+    /// Whether its rings enclose another area than they do one by one.
+    in_doubt: bool,
+    /// Whether edges have fallen out of its boundary or were split.
+    is_joined: bool,
+}
+
+/// Whether all that is wrong are crossings of parts of edges that do not cross as the file has them,
+/// or cross by no more than a repair left of them.
+///
+/// Where an edge is split or cut at the antimeridian is rounded, which bends it over a vertex that
+/// touches it or over another edge a rounding away.
+fn only_parts_cross(region: &Region, rule: EdgeRule, errors: &[MeshError]) -> bool {
+    let crossings = |error: &MeshError| {
+        matches!(
+            error,
+            MeshError::SelfCrossing { .. } | MeshError::MoreCrossings { .. }
+        )
+    };
+    errors.iter().all(crossings) && (region.repaired || !region.has_crossings(rule))
+}
+
+fn ring_at(region: &Region, place: EdgePlace) -> Option<&Ring> {
+    region.polygons.get(place.polygon)?.rings().nth(place.ring)
+}
+
+/// Counted as the file counts.
+fn in_file(region: &Region, place: EdgePlace) -> EdgePlace {
+    let vertex = ring_at(region, place).map(|ring| ring.file_vertex(place.vertex));
+    EdgePlace {
+        vertex: vertex.unwrap_or(place.vertex),
+        ..place
+    }
+}
+
+/// Indices of the groups that are turned over.
+///
+/// The triangles see chords. Of a sliver between an arc and its chord they see the far side: its
+/// border runs round it the wrong way and its area is below 0. Arcs split where it lies in their
+/// lenses put that right ([`follow_arcs`]), unless its width is rounding, which does not count.
+fn turned_over(body: &Ellipsoid, groups: &[(GroupMesh, f64)]) -> Vec<usize> {
+    let rounding_m = ROUNDING * body.equatorial_radius_m();
+    let is_turned_over = |(group, area_m2): &(GroupMesh, f64)| {
+        let length_m = |ends: &[u32; 2]| {
+            let [start, end] = ends.map(|i| surface_point(body, group.vertices[i as usize]));
+            start.distance(end)
+        };
+        *area_m2 < 0.0 && -area_m2 > rounding_m * group.boundary.iter().map(length_m).sum::<f64>()
+    };
+    let turned_over = groups
+        .iter()
+        .enumerate()
+        .filter(|(_, group)| is_turned_over(group));
+    turned_over.map(|(index, _)| index).collect()
+}
+
+/// Triangles and area of each group.
+///
+/// # Errors
+/// `crossings`, and those of all groups, or a fault of this program.
+fn triangulate_groups(
+    region: &Region,
+    body: &Ellipsoid,
+    rule: EdgeRule,
+    options: &MeshOptions,
+    groups: Vec<(Vec<OutlineEdge>, Arcs)>,
+    mut crossings: Vec<CrossingPlaces>,
+) -> Result<Vec<TriangulatedGroup>, Vec<MeshError>> {
+    let mesh_one = |(edges, arcs): (Vec<OutlineEdge>, Arcs)| {
+        let one_by_one = RingAreas::of(&edges);
+        let edge_count = edges.len();
+        triangulate(edges, rule, options, arcs).map(|mesh| TriangulatedGroup {
+            area_m2: enclosed_area_m2(body, rule, &mesh),
+            in_doubt: one_by_one.is_some_and(|areas| areas.differ_from(&mesh)),
+            is_joined: one_by_one.is_some() && mesh.boundary.len() != edge_count,
+            mesh,
+        })
+    };
+    let edge_count: usize = groups.iter().map(|(edges, _)| edges.len()).sum();
+    let results: Vec<Result<TriangulatedGroup, TriangulateError>> =
+        if groups.len() > 1 && edge_count >= PARALLEL_FROM_EDGES {
+            groups.into_par_iter().map(mesh_one).collect()
+        } else {
+            groups.into_iter().map(mesh_one).collect()
+        };
+    let mut meshed = Vec::with_capacity(results.len());
+    let mut counted_all = true;
+    for result in results {
+        match result {
+            Ok(group) => meshed.push(group),
+            Err(TriangulateError::Crossings { found, complete }) => {
+                crossings.extend(found);
+                counted_all &= complete;
+            }
+            Err(TriangulateError::Refused(message)) => {
+                return Err(vec![MeshError::Triangulation {
+                    feature: region.index,
+                    name: region.name.clone(),
+                    message,
+                }]);
+            }
+        }
+    }
+    if crossings.is_empty() {
+        Ok(meshed)
+    } else {
+        Err(self_crossings(region, crossings, counted_all))
+    }
+}
+
+fn self_crossings(
+    region: &Region,
+    mut crossings: Vec<CrossingPlaces>,
+    counted_all: bool,
+) -> Vec<MeshError> {
+    crossings.sort_by_key(|crossing| (crossing.first, crossing.second));
+    crossings.dedup_by_key(|crossing| (crossing.first, crossing.second));
+    let more = crossings.len().saturating_sub(MOST_LISTED_CROSSINGS);
+    crossings.truncate(MOST_LISTED_CROSSINGS);
+    let (feature, name) = (region.index, &region.name);
+    let mut errors: Vec<MeshError> = crossings
+        .into_iter()
+        .map(|crossing| MeshError::SelfCrossing {
+            feature,
+            name: name.clone(),
+            first: in_file(region, crossing.first),
+            second: in_file(region, crossing.second),
+            longitude_deg: crossing.at[0],
+            latitude_deg: crossing.at[1],
+        })
+        .collect();
+    if more > 0 {
+        errors.push(MeshError::MoreCrossings {
+            feature,
+            name: name.clone(),
+            more,
+            counted_all,
+        });
+    }
+    errors
+}
+
+/// `−∮ (Z − Z₀) dλ` round the boundary, each edge by its rule: Green's theorem for
+/// `dA = (dZ/dφ) dφ dλ`. Exact for the rings: splitting an edge does not change where it runs.
+/// Below 0 where [`turned_over`] says why.
+fn enclosed_area_m2(body: &Ellipsoid, rule: EdgeRule, group: &GroupMesh) -> f64 {
+    let Some(first) = group.vertices.first() else {
+        return 0.0;
+    };
+    let zone = ZoneArea::new(body, first[1]);
+    let under = group.boundary.iter().map(|ends| {
+        let [start, end] = ends.map(|i| group.vertices[i as usize]);
+        zone.under_edge(rule, start, end)
+    });
+    -compensated_sum(under)
+}
+
+/// What lies under the two sides of a sliver is a million times the sliver, and a plain sum rounds
+/// at the size of the former (Neumaier 1974).
+fn compensated_sum(terms: impl Iterator<Item = f64>) -> f64 {
+    let (mut sum, mut lost) = (0.0_f64, 0.0_f64);
+    for term in terms {
+        let next = sum + term;
+        lost += if sum.abs() >= term.abs() {
+            (sum - next) + term
+        } else {
+            (term - next) + sum
+        };
+        sum = next;
+    }
+    sum + lost
+}
+
+fn append<T>(list: &mut Vec<T>, mut more: Vec<T>) {
+    if list.is_empty() {
+        *list = more;
+    } else {
+        list.append(&mut more);
+    }
+}
+
+/// Puts pieces together on the body.
+#[derive(Default)]
+struct Stitcher {
+    vertices_ecef: Vec<DVec3>,
+    vertices_deg: Vec<Degrees>,
+    triangles: Vec<[u32; 3]>,
+    /// Directed, inside on the left; cuts still among them.
+    boundary: Vec<[u32; 2]>,
+    /// Vertices on the antimeridian and at the poles, by the bits of their one position.
+    shared: HashMap<[u64; 2], u32>,
+}
+
+impl Stitcher {
+    fn add(&mut self, body: &Ellipsoid, group: GroupMesh) {
+        self.vertices_ecef.reserve(group.vertices.len());
+        self.vertices_deg.reserve(group.vertices.len());
+        let index: Vec<u32> = group
+            .vertices
+            .into_iter()
+            .map(|position| self.vertex(body, position))
+            .collect();
+        let distinct = |ends: &[u32]| {
+            ends.iter()
+                .zip(ends.iter().cycle().skip(1))
+                .all(|(a, b)| a != b)
+        };
+        // In place, and the lists of the first group, mostly the only one, become the region's.
+        let GroupMesh {
+            mut triangles,
+            mut boundary,
+            ..
+        } = group;
+        for corners in &mut triangles {
+            *corners = corners.map(|i| index[i as usize]);
+        }
+        triangles.retain(|corners| distinct(corners));
+        append(&mut self.triangles, triangles);
+        for ends in &mut boundary {
+            *ends = ends.map(|i| index[i as usize]);
+        }
+        boundary.retain(|ends| distinct(ends));
+        append(&mut self.boundary, boundary);
+    }
+
+    fn vertex(&mut self, body: &Ellipsoid, position: Degrees) -> u32 {
+        let new = index_u32(self.vertices_deg.len());
+        let position = if position[1].abs() == 90.0 {
+            [0.0, position[1]]
+        } else if position[0].abs() == 180.0 {
+            [180.0, position[1]]
+        } else {
+            self.push(body, position);
+            return new;
+        };
+        let key = position.map(f64::to_bits);
+        if let Some(existing) = self.shared.get(&key) {
+            return *existing;
+        }
+        self.shared.insert(key, new);
+        self.push(body, position);
+        new
+    }
+
+    fn push(&mut self, body: &Ellipsoid, position: Degrees) {
+        self.vertices_deg.push(position);
+        self.vertices_ecef.push(surface_point(body, position));
+    }
+
+    /// Whether stitching may have laid another edge on this one: along the antimeridian, and at a
+    /// pole, where lines towards different longitudes become one.
+    fn may_be_doubled(&self, a: u32, b: u32) -> bool {
+        let [a, b] = [a, b].map(|vertex| self.vertices_deg[vertex as usize]);
+        let at_pole = |position: Degrees| position[1].abs() == 90.0;
+        at_pole(a) || at_pole(b) || a[0] == 180.0 && b[0] == 180.0
+    }
+
+    /// Drops the edges whose reverse is there too, and chains the rest; `None` where one leads
+    /// nowhere.
+    fn boundary_loops(&mut self) -> Option<Vec<Vec<u32>>> {
+        let (mut maybe_cuts, mut edges): (Vec<_>, Vec<_>) = std::mem::take(&mut self.boundary)
+            .into_iter()
+            .partition(|[a, b]| self.may_be_doubled(*a, *b));
+        maybe_cuts.sort_unstable_by_key(|&[a, b]| (a.min(b), a.max(b), a));
+        for same_ends in maybe_cuts.chunk_by(|a, b| a == b || *a == [b[1], b[0]]) {
+            let forward = same_ends.iter().filter(|ends| ends[0] < ends[1]).count();
+            let backward = same_ends.len() - forward;
+            let [low, high] = [
+                same_ends[0][0].min(same_ends[0][1]),
+                same_ends[0][0].max(same_ends[0][1]),
+            ];
+            for _ in backward..forward {
+                edges.push([low, high]);
+            }
+            for _ in forward..backward {
+                edges.push([high, low]);
+            }
+        }
+        self.chain(edges)
+    }
+
+    fn chain(&self, mut edges: Vec<[u32; 2]>) -> Option<Vec<Vec<u32>>> {
+        edges.sort_unstable();
+        let angles = self.sort_by_angle(&mut edges);
+        let mut first_from = vec![u32::MAX; self.vertices_deg.len()];
+        for (i, edge) in edges.iter().enumerate().rev() {
+            first_from[edge[0] as usize] = index_u32(i);
+        }
+        let mut used = vec![false; edges.len()];
+        let mut loops = Vec::new();
+        for start in 0..edges.len() {
+            if used[start] {
+                continue;
+            }
+            let mut ring = Vec::new();
+            let mut at = start;
+            while !used[at] {
+                used[at] = true;
+                let [from, to] = edges[at];
+                ring.push(from);
+                let first = first_from[to as usize] as usize;
+                at = match edges.get(first..)? {
+                    [_, second, ..] if second[0] == to => {
+                        let leaving = edges[first..].partition_point(|edge| edge[0] == to);
+                        let leaving = first..first + leaving;
+                        let back = self.angle(to, from);
+                        let split = angles[leaving.clone()].partition_point(|angle| *angle <= back);
+                        let split = first + split;
+                        // The smallest clockwise turn from the way back.
+                        let mut clockwise = (first..split).rev().chain((split..leaving.end).rev());
+                        clockwise.find(|&i| !used[i]).unwrap_or(start)
+                    }
+                    _ => first,
+                };
+            }
+            loops.push(ring);
+        }
+        Some(loops)
+    }
+
+    /// Sorts edges that leave the same vertex by their angles there, so that a vertex where very many
+    /// meet does not take the square of their number; returns the angles, 0 where one edge leaves.
+    fn sort_by_angle(&self, edges: &mut [[u32; 2]]) -> Vec<f64> {
+        let mut angles = Vec::with_capacity(edges.len());
+        for leaving in edges.chunk_by_mut(|a, b| a[0] == b[0]) {
+            if let [_] = leaving {
+                angles.push(0.0);
+                continue;
+            }
+            leaving.sort_by(|[at, a], [_, b]| self.angle(*at, *a).total_cmp(&self.angle(*at, *b)));
+            angles.extend(leaving.iter().map(|[at, next]| self.angle(*at, *next)));
+        }
+        angles
+    }
+
+    /// Direction from one vertex to another, counter-clockwise seen from outside. The inside lies
+    /// left of the way in, so the smallest clockwise turn from the way back leads on along the other
+    /// side of the same corner of the inside.
+    fn angle(&self, at: u32, to: u32) -> f64 {
+        let up = crate::edge::normal(self.vertices_deg[at as usize]);
+        let x_axis = up.any_orthonormal_vector();
+        let y_axis = up.cross(x_axis);
+        let direction = self.vertices_ecef[to as usize] - self.vertices_ecef[at as usize];
+        direction.dot(y_axis).atan2(direction.dot(x_axis))
+    }
+}
+
+#[cfg(test)]
+#[path = "../../../contract/scene/src/shape_family.rs"]
+#[allow(
+    unreachable_pub,
+    dead_code,
+    reason = "public in the crate that it is shared with, of which one family is used here"
+)]
+mod shape_family;
+
+#[cfg(test)]
+mod tests {
+    use super::shape_family::ShapeFamily;
+    use super::*;
+
+    fn groups(region: &Region) -> Vec<TriangulatedGroup> {
+        let (body, rule, options) = (Ellipsoid::WGS84, EdgeRule::Planar, MeshOptions::default());
+        let mut splitter = EdgeSplitter::new(&body, rule, &options);
+        let Ok(outline) = Outline::new(region, rule, &mut splitter) else {
+            panic!("planar edges have no opposite ends");
+        };
+        let groups = outline
+            .groups
+            .into_iter()
+            .map(|edges| (edges, Arcs::AsDrawn));
+        let groups =
+            triangulate_groups(region, &body, rule, &options, groups.collect(), Vec::new());
+        groups.expect("crosses nowhere")
+    }
+
+    /// Groups of which overlaps and shared edges are looked for.
+    fn searched(groups: &[TriangulatedGroup]) -> usize {
+        let searched = groups
+            .iter()
+            .filter(|group| group.in_doubt || group.is_joined);
+        searched.count()
+    }
+
+    /// `−∮ (φ − φ₀) dλ` and the sum of its terms' sizes, added up as they come.
+    fn plain_area(edges: impl Iterator<Item = [Degrees; 2]>, reference: f64) -> [f64; 2] {
+        let term = |[start, end]: [Degrees; 2]| {
+            0.5 * ((start[1] - reference) + (end[1] - reference)) * (start[0] - end[0])
+        };
+        edges.fold([0.0, 0.0], |[sum, scale], edge| {
+            [sum + term(edge), scale + term(edge).abs()]
+        })
+    }
+
+    #[test]
+    fn very_many_holes_are_not_searched_for_overlaps() {
+        let text = ShapeFamily::Holes.geojson(300_000);
+        let mut regions = crate::parse_regions(text.as_bytes(), "holes").expect("valid");
+        let mut region = regions.remove(0);
+        assert!(region.vertex_count() > 290_000 && region.rings().count() > 37_000);
+        let found = groups(&region);
+        assert_eq!((searched(&found), found.len()), (0, 1));
+        // Twin: by plain sums it would have been.
+        let mesh = &found[0].mesh;
+        let boundary = mesh
+            .boundary
+            .iter()
+            .map(|ends| ends.map(|i| mesh.vertices[i as usize]));
+        let [together, terms] = plain_area(boundary, mesh.vertices[0][1]);
+        let (mut one_by_one, mut scale) = (0.0, 0.0);
+        for (index, ring) in region.rings().enumerate() {
+            let edges = ring.edges_deg().map(|(start, end)| [start, end]);
+            let [area, terms] = plain_area(edges, ring.vertices_deg()[0][1]);
+            one_by_one += if index == 0 { area.abs() } else { -area.abs() };
+            scale += terms;
+        }
+        let difference = (one_by_one - together.abs()).abs();
+        assert!(difference > 1e-14 * (scale + terms), "{difference}");
+        // Twin: one hole, a 37,000th of them, outside of the shell.
+        let outside = |[x, y]: Degrees| [x + 40.0, y];
+        let hole = region.polygons[0].holes.pop().expect("holes");
+        let moved = hole.vertices_deg().iter().copied().map(outside).collect();
+        let moved = Ring::from_checked(moved, 0.0);
+        region.polygons[0].holes.push(moved);
+        assert_eq!(searched(&groups(&region)), 1);
+    }
+
+    #[test]
+    fn a_vertex_outside_moves_the_nearer_end_of_an_extent() {
+        let extent = |west_deg, east_deg| Extent {
+            west_deg,
+            south_deg: -10.0,
+            east_deg,
+            north_deg: 10.0,
+        };
+        let widened = |mut extent: Extent, position| {
+            widen(&mut extent, position);
+            [
+                extent.west_deg,
+                extent.south_deg,
+                extent.east_deg,
+                extent.north_deg,
+            ]
+        };
+        for (west, east) in [(20.0, 30.0), (170.0, -170.0)] {
+            let as_it_was = [west, -10.0, east, 10.0];
+            let at = |position| widened(extent(west, east), position);
+            assert_eq!(at([east + 1e-9, 11.0]), [west, -10.0, east + 1e-9, 11.0]);
+            assert_eq!(at([west - 1e-9, -11.0]), [west - 1e-9, -11.0, east, 10.0]);
+            // Twins: within it, and where longitudes say nothing.
+            assert_eq!(at([west + 1.0, 0.0]), as_it_was);
+            assert_eq!(at([-180.0, 0.0]), as_it_was);
+            assert_eq!(at([0.0, 90.0]), [west, -10.0, east, 90.0]);
+        }
+    }
+
+    #[test]
+    fn a_compensated_sum_keeps_what_a_plain_one_loses() {
+        let terms = [1e16, 3.0, -1e16, 1.0, 1e-3];
+        assert!((compensated_sum(terms.into_iter()) - 4.001).abs() < 1e-15);
+        // Twin: the plain sum does lose it.
+        assert!((terms.iter().sum::<f64>() - 4.001).abs() > 0.5);
+    }
+}

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A case: one point of a study, under named conditions.
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Condition that names the case whose work this one repeats: an A/A twin, measured to see by how
+/// much identical work differs.
+pub const REPEATS: &str = "repeats";
+
+/// What tells a case from all others.
+///
+/// The name is for people and for joining tables; nobody has to take it apart, since every condition
+/// has a column of its own in `cases.csv`.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct CaseId {
+    /// The study that it belongs to.
+    pub study: String,
+    /// Unique within the study, `california/globe/vertex/doubled`.
+    pub name: String,
+    /// `scene`, `view`, `technique`, `colour` …, each with its value.
+    pub conditions: BTreeMap<String, String>,
+}
+
+impl CaseId {
+    /// A case of `study`.
+    #[must_use]
+    pub fn new(
+        study: &str,
+        name: impl Into<String>,
+        conditions: impl IntoIterator<Item = (&'static str, String)>,
+    ) -> Self {
+        Self {
+            study: study.to_owned(),
+            name: name.into(),
+            conditions: conditions
+                .into_iter()
+                .map(|(key, value)| (key.to_owned(), value))
+                .collect(),
+        }
+    }
+
+    /// `study/name`: the `case` column of every table.
+    #[must_use]
+    pub fn key(&self) -> String {
+        format!("{}/{}", self.study, self.name)
+    }
+
+    /// Value of a condition; empty where the case has none of that name.
+    #[must_use]
+    pub fn condition(&self, key: &str) -> &str {
+        self.conditions.get(key).map_or("", String::as_str)
+    }
+
+    /// The same work under another name, see [`REPEATS`].
+    #[must_use]
+    pub fn twin(&self) -> Self {
+        let mut twin = self.clone();
+        twin.name.push_str(" (again)");
+        twin.conditions.insert(REPEATS.to_owned(), self.key());
+        twin
+    }
+}
+
+impl std::fmt::Display for CaseId {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}/{}", self.study, self.name)
+    }
+}
+
+/// A case that a run set out to measure.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PlannedCase {
+    /// Which.
+    pub id: CaseId,
+    /// Timed samples in each process; 0 for a case that is only verified.
+    pub samples: u32,
+    /// Whether its error is the question, so that a wrong answer is a result and no defect.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub may_be_wrong: bool,
+}
+
+/// What a case's probe showed, before anything is timed.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Verdict {
+    /// How it ended.
+    pub status: Status,
+    /// Why, unless `ok`; also remarks, such as why a cell is empty.
+    pub reason: String,
+    /// Figures of the probe by metric name: counters, bytes and errors.
+    pub figures: Vec<(&'static str, f64)>,
+    /// Texts by name: picture paths, hashes, what was left out.
+    pub notes: Vec<(&'static str, String)>,
+}
+
+impl Verdict {
+    /// Not run, for this reason.
+    #[must_use]
+    pub fn skipped(reason: impl Into<String>) -> Self {
+        Self {
+            status: Status::Skipped,
+            reason: reason.into(),
+            ..Self::default()
+        }
+    }
+
+    /// Broke off, for this reason.
+    #[must_use]
+    pub fn failed(reason: impl Into<String>) -> Self {
+        Self {
+            status: Status::Failed,
+            reason: reason.into(),
+            ..Self::default()
+        }
+    }
+}
+
+/// A row of `cases.csv`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CaseRow {
+    /// Which case.
+    pub id: CaseId,
+    /// How it ended.
+    pub status: Status,
+    /// Why.
+    pub reason: String,
+    /// Whether it has timed samples.
+    pub timed: bool,
+    /// Commit that measured it.
+    pub commit: String,
+}
+
+/// A row of `measurements.csv`: raw, appended, never edited.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Measurement {
+    /// [`CaseId::key`].
+    pub case: String,
+    /// [`crate::Metric::name`].
+    pub metric: String,
+    /// Which process measured it, from 0: one process is one replicate.
+    pub process: u32,
+    /// Counts the samples of a case in one process from 0. Figures of the probe have sample 0.
+    pub sample: u32,
+    /// In the metric's unit.
+    pub value: f64,
+}
+
+/// A row of `notes.csv`: what is said of a case in words.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Note {
+    /// [`CaseId::key`].
+    pub case: String,
+    /// `image`, `mask_hash`, `left_out` …
+    pub note: String,
+    /// The text.
+    pub text: String,
+}
+
+/// How a case ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, Default)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// The picture is right and the times were measured.
+    Ok,
+    /// The picture is wrong; times, if any, count for nothing.
+    Wrong,
+    /// Not run, for the reason given.
+    #[default]
+    Skipped,
+    /// Started and broke off, for the reason given.
+    Failed,
+}
+
+impl Status {
+    /// Every status.
+    pub const ALL: [Self; 4] = [Self::Ok, Self::Wrong, Self::Skipped, Self::Failed];
+
+    /// As in the `status` column.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Wrong => "wrong",
+            Self::Skipped => "skipped",
+            Self::Failed => "failed",
+        }
+    }
+
+    /// The inverse of [`Status::name`].
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|status| status.name() == name)
+    }
+}

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Cases, metrics and measurements: the vocabulary between studies and their readers, and the folder
+//! that holds a run.
+//!
+//! A run is a folder of plain tables. `plan.json` names every case before the first is measured, so
+//! that a reader can say what is missing; `cases.csv` has a row for each case that was verified, with
+//! a column for each condition; `measurements.csv` has a row for each measured value; `notes.csv` has
+//! texts, such as paths of pictures; `metrics.csv` and `schema.json` say what all of it means. An
+//! absent value is an absent row, and `reason` says why; it is never 0.
+
+mod block;
+mod case;
+mod environment;
+mod folder;
+pub mod legacy;
+mod metric;
+mod plan;
+mod read;
+mod statistic;
+
+pub use block::{
+    Block, Cell, CellClass, Chapter, ChapterError, DerivedTable, Finding, Heading, Picture,
+    Pictures, Plot, Row, Standing, Table,
+};
+pub use case::{CaseId, CaseRow, Measurement, Note, PlannedCase, REPEATS, Status, Verdict};
+pub use environment::{Clock, RunEnvironment};
+pub use folder::{
+    CASE_COLUMNS, MEASUREMENT_COLUMNS, METRIC_COLUMNS, NOTE_COLUMNS, RunError, RunFolder, SCHEMA,
+};
+pub use metric::{Direction, Kind, Metric, MetricRow};
+pub use plan::{RunPlan, Shard, Skipped};
+pub use read::{Case, Outcome, Run, Samples, repeated_cases};
+pub use statistic::{Spread, median, quantile, spread};

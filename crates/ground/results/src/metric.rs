@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What a figure is: declared once by the study that measures it.
+//!
+//! `GLOSSARY.md`'s list of metrics, `metrics.csv` and `schema.json` are made from these declarations,
+//! so a figure cannot be written under a name that is explained nowhere.
+
+use serde::{Deserialize, Serialize};
+
+/// How a figure comes about, which decides how it may be compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// Exact and repeatable: draws, vertices, pixels. Compared without statistics.
+    Counter,
+    /// Exact as well, and added up over buffers.
+    Bytes,
+    /// Noisy: compared over processes, with an interval.
+    Time,
+    /// Difference from the reference.
+    Error,
+}
+
+/// Which way a figure should go.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Direction {
+    /// Less is better.
+    Less,
+    /// More is better.
+    More,
+    /// Neither: it describes the case.
+    Neither,
+}
+
+/// One declared figure. Names are unique over all studies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Metric {
+    /// `fill_cpu_ms`: lower case, with the unit at the end where there is one.
+    pub name: &'static str,
+    /// `ms`, `bytes`, `px` …; empty for a plain number.
+    pub unit: &'static str,
+    /// How it comes about.
+    pub kind: Kind,
+    /// Which way it should go.
+    pub better: Direction,
+    /// One or two sentences for the glossary.
+    pub meaning: &'static str,
+}
+
+impl Metric {
+    /// A figure that is better when it is smaller.
+    #[must_use]
+    pub const fn less(
+        name: &'static str,
+        unit: &'static str,
+        kind: Kind,
+        meaning: &'static str,
+    ) -> Self {
+        Self {
+            name,
+            unit,
+            kind,
+            better: Direction::Less,
+            meaning,
+        }
+    }
+
+    /// A figure that describes its case.
+    #[must_use]
+    pub const fn neither(
+        name: &'static str,
+        unit: &'static str,
+        kind: Kind,
+        meaning: &'static str,
+    ) -> Self {
+        Self {
+            name,
+            unit,
+            kind,
+            better: Direction::Neither,
+            meaning,
+        }
+    }
+}
+
+/// A row of `metrics.csv`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MetricRow {
+    /// See [`Metric::name`].
+    pub name: String,
+    /// See [`Metric::unit`].
+    pub unit: String,
+    /// See [`Metric::kind`].
+    pub kind: Kind,
+    /// See [`Metric::better`].
+    pub better: Direction,
+    /// See [`Metric::meaning`].
+    pub meaning: String,
+}
+
+impl From<&Metric> for MetricRow {
+    fn from(metric: &Metric) -> Self {
+        Self {
+            name: metric.name.to_owned(),
+            unit: metric.unit.to_owned(),
+            kind: metric.kind,
+            better: metric.better,
+            meaning: metric.meaning.to_owned(),
+        }
+    }
+}

@@ -1,0 +1,398 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A run as its readers see it: every planned case with its figures, or why it has none.
+//!
+//! Strict: a table that is missing, a column that is not the expected one, another schema version, a
+//! row of another commit, or a value of a metric that was never declared is an error that names the
+//! file and the place. Only a torn last row is let pass, since a killed run leaves one.
+
+use crate::folder::{
+    CASE_COLUMNS, CASES, ENVIRONMENT, MEASUREMENT_COLUMNS, MEASUREMENTS, METRIC_COLUMNS, METRICS,
+    NOTE_COLUMNS, NOTES, PLAN, RunError, check_schema, duplicates, read_json, read_table,
+};
+use crate::{
+    CaseId, Clock, Measurement, MetricRow, Note, PlannedCase, REPEATS, RunEnvironment, RunPlan,
+    Status, median,
+};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+/// How a planned case ended, including that it has not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Outcome {
+    /// Right, and measured as often as planned.
+    Ok,
+    /// Wrong.
+    Wrong,
+    /// Not run, with a reason.
+    Skipped,
+    /// Broke off, with a reason.
+    Failed,
+    /// The run ended before it was verified, or before all its samples were taken.
+    Missing,
+}
+
+impl Outcome {
+    /// In tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Wrong => "wrong",
+            Self::Skipped => "skipped",
+            Self::Failed => "failed",
+            Self::Missing => "missing",
+        }
+    }
+}
+
+/// Values of one metric of one case: process → sample → value.
+pub type Samples = BTreeMap<u32, BTreeMap<u32, f64>>;
+
+/// One planned case and what is known of it.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// As planned.
+    pub planned: PlannedCase,
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Why, or a remark; for a missing case, what is missing.
+    pub reason: String,
+    figures: BTreeMap<String, Samples>,
+    notes: BTreeMap<String, String>,
+}
+
+impl Case {
+    /// Which case.
+    #[must_use]
+    pub fn id(&self) -> &CaseId {
+        &self.planned.id
+    }
+
+    /// Value of a condition; empty where the case has none of that name.
+    #[must_use]
+    pub fn condition(&self, key: &str) -> &str {
+        self.planned.id.condition(key)
+    }
+
+    /// Whether it repeats the work of another case, to see by how much identical work differs.
+    #[must_use]
+    pub fn is_twin(&self) -> bool {
+        self.planned.id.conditions.contains_key(REPEATS)
+    }
+
+    /// Whether its figures may be compared with others'.
+    #[must_use]
+    pub fn counts(&self) -> bool {
+        self.outcome == Outcome::Ok
+    }
+
+    /// Every value of a metric; `None` where it was not measured.
+    #[must_use]
+    pub fn samples(&self, metric: &str) -> Option<&Samples> {
+        self.figures.get(metric)
+    }
+
+    /// One number per process, its median over the process's samples: the replicates.
+    #[must_use]
+    pub fn replicates(&self, metric: &str) -> Vec<f64> {
+        let processes = self.figures.get(metric).into_iter().flatten();
+        processes
+            .filter_map(|(_, samples)| {
+                let values: Vec<f64> = samples.values().copied().collect();
+                median(&values)
+            })
+            .collect()
+    }
+
+    /// The metric's value: the median over processes of their medians. A counter has one sample.
+    #[must_use]
+    pub fn value(&self, metric: &str) -> Option<f64> {
+        let all = self.replicates(metric);
+        match all.as_slice() {
+            [only] => Some(*only),
+            [] => self.single(metric),
+            _ => median(&all),
+        }
+    }
+
+    /// A value that is no number stays one, which a median would drop.
+    fn single(&self, metric: &str) -> Option<f64> {
+        let samples = self.figures.get(metric)?.values().next()?;
+        samples.values().next().copied()
+    }
+
+    /// A text of the case, such as `image`; empty where there is none.
+    #[must_use]
+    pub fn note(&self, name: &str) -> &str {
+        self.notes.get(name).map_or("", String::as_str)
+    }
+}
+
+/// A run, read and checked.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// Its folder.
+    pub path: PathBuf,
+    /// Where and with what it was made.
+    pub environment: RunEnvironment,
+    /// What it set out to measure.
+    pub plan: RunPlan,
+    /// Declarations of everything measured.
+    pub metrics: Vec<MetricRow>,
+    /// In the plan's order.
+    pub cases: Vec<Case>,
+}
+
+impl Run {
+    /// Reads a run's folder.
+    ///
+    /// # Errors
+    /// [`RunError`], for anything that does not fit the schema or the rest of the folder.
+    pub fn load(path: &Path) -> Result<Self, RunError> {
+        check_schema(path)?;
+        let plan: RunPlan = read_json(&path.join(PLAN))?;
+        let environment: RunEnvironment = read_json(&path.join(ENVIRONMENT))?;
+        let metrics = read_metrics(&path.join(METRICS))?;
+        let mut rows = read_cases(&path.join(CASES), &plan, &environment)?;
+        let names: BTreeSet<&str> = metrics.iter().map(|metric| metric.name.as_str()).collect();
+        let planned: BTreeSet<String> = plan.cases.iter().map(|case| case.id.key()).collect();
+        let mut figures = read_measurements(&path.join(MEASUREMENTS), &planned, &names)?;
+        let mut notes = read_notes(&path.join(NOTES), &planned)?;
+        let cases = plan
+            .cases
+            .iter()
+            .map(|planned| {
+                let key = planned.id.key();
+                let figures = figures.remove(&key).unwrap_or_default();
+                let (outcome, reason) = outcome(planned, &plan, rows.remove(&key), &figures);
+                Case {
+                    planned: planned.clone(),
+                    outcome,
+                    reason,
+                    figures,
+                    notes: notes.remove(&key).unwrap_or_default(),
+                }
+            })
+            .collect();
+        Ok(Self {
+            path: path.to_owned(),
+            environment,
+            plan,
+            metrics,
+            cases,
+        })
+    }
+
+    /// The clock of every ratio, ranking and plot of this run.
+    #[must_use]
+    pub fn clock(&self) -> Clock {
+        self.environment.primary_clock()
+    }
+
+    /// Cases of one study, A/A twins included.
+    pub fn of_study<'a>(&'a self, study: &'a str) -> impl Iterator<Item = &'a Case> {
+        self.cases
+            .iter()
+            .filter(move |case| case.id().study == study)
+    }
+
+    /// Cases that ended so, A/A twins not counted.
+    #[must_use]
+    pub fn count(&self, outcome: Outcome) -> usize {
+        let cases = self.cases.iter().filter(|case| !case.is_twin());
+        cases.filter(|case| case.outcome == outcome).count()
+    }
+
+    /// The case of this key.
+    #[must_use]
+    pub fn case(&self, key: &str) -> Option<&Case> {
+        self.cases.iter().find(|case| case.id().key() == key)
+    }
+
+    /// Declaration of a metric.
+    #[must_use]
+    pub fn metric(&self, name: &str) -> Option<&MetricRow> {
+        self.metrics.iter().find(|metric| metric.name == name)
+    }
+}
+
+fn outcome(
+    planned: &PlannedCase,
+    plan: &RunPlan,
+    row: Option<(Status, String)>,
+    figures: &BTreeMap<String, Samples>,
+) -> (Outcome, String) {
+    let Some((status, reason)) = row else {
+        return (
+            Outcome::Missing,
+            "the run ended before this case".to_owned(),
+        );
+    };
+    let outcome = match status {
+        Status::Ok => Outcome::Ok,
+        Status::Wrong => Outcome::Wrong,
+        Status::Skipped => return (Outcome::Skipped, reason),
+        Status::Failed => return (Outcome::Failed, reason),
+    };
+    if outcome == Outcome::Wrong && !planned.may_be_wrong {
+        return (outcome, reason);
+    }
+    let wanted = planned.samples as usize * plan.processes as usize;
+    let found = samples_taken(figures);
+    if found < wanted {
+        let reason = format!("the run ended after {found} of {wanted} samples of this case");
+        return (Outcome::Missing, reason);
+    }
+    (outcome, reason)
+}
+
+/// Samples of the metric that has most; figures of the probe have one each.
+fn samples_taken(figures: &BTreeMap<String, Samples>) -> usize {
+    let counts = figures
+        .values()
+        .map(|samples| samples.values().map(BTreeMap::len).sum());
+    counts.max().unwrap_or(0)
+}
+
+fn strings(columns: &[&str]) -> Vec<String> {
+    columns.iter().map(ToString::to_string).collect()
+}
+
+/// A row number as people count them: the header is 1.
+fn numbered<T>(rows: Vec<T>) -> impl Iterator<Item = (u64, T)> {
+    (2..).zip(rows)
+}
+
+fn cell(path: &Path, row: u64, column: &str, found: &str, expected: impl Into<String>) -> RunError {
+    RunError::Cell {
+        path: path.to_owned(),
+        row,
+        column: column.to_owned(),
+        found: found.to_owned(),
+        expected: expected.into(),
+    }
+}
+
+fn read_metrics(path: &Path) -> Result<Vec<MetricRow>, RunError> {
+    let columns = strings(&METRIC_COLUMNS);
+    let header: csv::StringRecord = columns.iter().collect();
+    numbered(read_table(path, &columns)?)
+        .map(|(row, record)| {
+            record
+                .deserialize(Some(&header))
+                .map_err(|error| match error.kind() {
+                    csv::ErrorKind::Deserialize { err, .. } => {
+                        let index = err.field().and_then(|i| usize::try_from(i).ok());
+                        let column = index.and_then(|i| METRIC_COLUMNS.get(i)).unwrap_or(&"");
+                        let found = index.and_then(|i| record.get(i)).unwrap_or_default();
+                        cell(path, row, column, found, err.kind().to_string())
+                    }
+                    _ => cell(path, row, "", "", error.to_string()),
+                })
+        })
+        .collect()
+}
+
+type CaseRows = BTreeMap<String, (Status, String)>;
+
+fn read_cases(
+    path: &Path,
+    plan: &RunPlan,
+    environment: &RunEnvironment,
+) -> Result<CaseRows, RunError> {
+    let mut columns = strings(&CASE_COLUMNS);
+    columns.extend(plan.conditions());
+    let mut rows = CaseRows::new();
+    let planned: BTreeMap<String, &PlannedCase> = plan
+        .cases
+        .iter()
+        .map(|case| (case.id.key(), case))
+        .collect();
+    for (row, record) in numbered(read_table(path, &columns)?) {
+        let of = |index: usize| record.get(index).unwrap_or_default();
+        let Some(case) = planned.get(of(0)) else {
+            return Err(cell(path, row, "case", of(0), "a case of plan.json"));
+        };
+        if of(5) != environment.commit {
+            let expected = format!("{:?}, that of environment.json", environment.commit);
+            return Err(cell(path, row, "commit", of(5), expected));
+        }
+        for (index, column) in columns.iter().enumerate().skip(CASE_COLUMNS.len()) {
+            let expected = case.id.condition(column);
+            if of(index) != expected {
+                let expected = format!("{expected:?}, as in plan.json");
+                return Err(cell(path, row, column, of(index), expected));
+            }
+        }
+        let status = Status::from_name(of(2))
+            .ok_or_else(|| cell(path, row, "status", of(2), "ok, wrong, skipped or failed"))?;
+        rows.insert(of(0).to_owned(), (status, of(3).to_owned()));
+    }
+    Ok(rows)
+}
+
+fn read_measurements(
+    path: &Path,
+    planned: &BTreeSet<String>,
+    metrics: &BTreeSet<&str>,
+) -> Result<BTreeMap<String, BTreeMap<String, Samples>>, RunError> {
+    let mut figures: BTreeMap<String, BTreeMap<String, Samples>> = BTreeMap::new();
+    let columns = strings(&MEASUREMENT_COLUMNS);
+    for (row, record) in numbered(read_table(path, &columns)?) {
+        let of = |index: usize| record.get(index).unwrap_or_default();
+        let wrong = |index: usize, expected: &str| {
+            cell(path, row, MEASUREMENT_COLUMNS[index], of(index), expected)
+        };
+        if !planned.contains(of(0)) {
+            return Err(wrong(0, "a case of plan.json"));
+        }
+        if !metrics.contains(of(1)) {
+            return Err(wrong(1, "a metric of metrics.csv"));
+        }
+        let measurement = Measurement {
+            case: of(0).to_owned(),
+            metric: of(1).to_owned(),
+            process: of(2).parse().map_err(|_| wrong(2, "a whole number"))?,
+            sample: of(3).parse().map_err(|_| wrong(3, "a whole number"))?,
+            value: of(4).parse().map_err(|_| wrong(4, "a number"))?,
+        };
+        figures
+            .entry(measurement.case)
+            .or_default()
+            .entry(measurement.metric)
+            .or_default()
+            .entry(measurement.process)
+            .or_default()
+            .insert(measurement.sample, measurement.value);
+    }
+    Ok(figures)
+}
+
+fn read_notes(
+    path: &Path,
+    planned: &BTreeSet<String>,
+) -> Result<BTreeMap<String, BTreeMap<String, String>>, RunError> {
+    let mut notes: BTreeMap<String, BTreeMap<String, String>> = BTreeMap::new();
+    for (row, record) in numbered(read_table(path, &strings(&NOTE_COLUMNS))?) {
+        let of = |index: usize| record.get(index).unwrap_or_default();
+        if !planned.contains(of(0)) {
+            return Err(cell(path, row, "case", of(0), "a case of plan.json"));
+        }
+        let note = Note {
+            case: of(0).to_owned(),
+            note: of(1).to_owned(),
+            text: of(2).to_owned(),
+        };
+        notes
+            .entry(note.case)
+            .or_default()
+            .insert(note.note, note.text);
+    }
+    Ok(notes)
+}
+
+/// Keys of the plan that stand twice: their rows could not be told apart.
+#[must_use]
+pub fn repeated_cases(plan: &RunPlan) -> Vec<String> {
+    duplicates(plan.cases.iter().map(|case| case.id.key()))
+}

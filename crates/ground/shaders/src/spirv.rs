@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! SPIR-V for backends that talk to Vulkan themselves: naga's from the WGSL sources, and geometry
+//! shaders, which WGSL has none of, compiled from GLSL beforehand and checked in.
+//!
+//! `cargo xtask check-shaders` compiles the GLSL again and compares, so that what is checked in is
+//! what the sources say.
+
+use crate::{ShaderError, compose, parse_and_validate};
+use naga::back::{PipelineConstants, pipeline_constants::process_overrides, spv};
+use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
+
+/// SPIR-V of Vulkan 1.1, which any driver with geometry shaders has.
+const LANGUAGE_VERSION: (u8, u8) = (1, 3);
+
+/// A stage that WGSL knows and a pipeline here has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum SpirvStage {
+    /// Vertex shader.
+    Vertex,
+    /// Fragment shader.
+    Fragment,
+}
+
+/// SPIR-V of one entry point of the WGSL module at `path`, its `override` constants set.
+///
+/// Clip space stays as WGSL has it, y up: draw with a viewport of negative height, as wgpu does.
+/// Storage buffers are read unchecked: the device must be opened with `robustBufferAccess`.
+///
+/// # Errors
+/// [`ShaderError`].
+pub fn wgsl_to_spirv(
+    path: &str,
+    stage: SpirvStage,
+    entry_point: &str,
+    constants: &[(&str, f64)],
+) -> Result<Vec<u32>, ShaderError> {
+    composed_to_spirv(path, &compose(path)?, stage, entry_point, constants)
+}
+
+/// As [`wgsl_to_spirv`], of WGSL that is put together already; `path` names it in messages.
+///
+/// # Errors
+/// [`ShaderError`].
+pub fn composed_to_spirv(
+    path: &str,
+    composed: &str,
+    stage: SpirvStage,
+    entry_point: &str,
+    constants: &[(&str, f64)],
+) -> Result<Vec<u32>, ShaderError> {
+    let invalid = |message: String| ShaderError::Invalid {
+        path: path.to_owned(),
+        message,
+    };
+    let (module, info) = parse_and_validate(path, composed)?;
+    let shader_stage = match stage {
+        SpirvStage::Vertex => naga::ShaderStage::Vertex,
+        SpirvStage::Fragment => naga::ShaderStage::Fragment,
+    };
+    let mut values = PipelineConstants::default();
+    for &(name, value) in constants {
+        values.insert(name.to_owned(), value);
+    }
+    let entry = Some((shader_stage, entry_point));
+    let (module, info) = process_overrides(&module, &info, entry, &values)
+        .map_err(|error| invalid(error.to_string()))?;
+    let options = spv::Options {
+        lang_version: LANGUAGE_VERSION,
+        flags: spv::WriterFlags::LABEL_VARYINGS,
+        bounds_check_policies: BoundsCheckPolicies {
+            index: BoundsCheckPolicy::Restrict,
+            buffer: BoundsCheckPolicy::Unchecked,
+            ..BoundsCheckPolicies::default()
+        },
+        ..spv::Options::default()
+    };
+    let pipeline_options = spv::PipelineOptions {
+        shader_stage,
+        entry_point: entry_point.to_owned(),
+    };
+    spv::write_vec(&module, &info, &options, Some(&pipeline_options))
+        .map_err(|error| invalid(error.to_string()))
+}
+
+/// A geometry shader: its GLSL source and what became of it.
+#[derive(Debug, Clone, Copy)]
+pub struct GeometryShader {
+    /// GLSL, relative to `shaders/`.
+    pub source: &'static str,
+    /// SPIR-V by what fragments get, relative to `shaders/`.
+    pub spirv: [(HandsOn, &'static str); 3],
+    bytes: [&'static [u8]; 3],
+}
+
+/// What a geometry shader hands on to fragments besides the position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum HandsOn {
+    /// Nothing: for passes that only mark.
+    Nothing,
+    /// The region's colour: for covers by volume.
+    Colour,
+    /// The region's number: for the accumulation of numbers.
+    Number,
+}
+
+impl HandsOn {
+    /// What is defined when the GLSL is compiled.
+    #[must_use]
+    pub fn define(self) -> Option<&'static str> {
+        match self {
+            Self::Nothing => None,
+            Self::Colour => Some("COLOURED"),
+            Self::Number => Some("NUMBERED"),
+        }
+    }
+}
+
+macro_rules! geometry_shaders {
+    ($($name:literal),* $(,)?) => {
+        &[$(GeometryShader {
+            source: concat!("native/", $name, ".geom"),
+            spirv: [
+                (HandsOn::Nothing, concat!("native/", $name, ".spv")),
+                (HandsOn::Colour, concat!("native/", $name, ".coloured.spv")),
+                (HandsOn::Number, concat!("native/", $name, ".numbered.spv")),
+            ],
+            bytes: [
+                include_bytes!(concat!("../../../../shaders/native/", $name, ".spv")),
+                include_bytes!(concat!("../../../../shaders/native/", $name, ".coloured.spv")),
+                include_bytes!(concat!("../../../../shaders/native/", $name, ".numbered.spv")),
+            ],
+        }),*]
+    };
+}
+
+const GEOMETRY_SHADERS: &[GeometryShader] = geometry_shaders![
+    "degenerate",
+    "two_edges",
+    "caps",
+    "walls",
+    "adjacency",
+    "per_triangle",
+];
+
+/// GLSL that geometry shaders include.
+const GEOMETRY_SHARED: &[&str] = &["native/volume.glsl"];
+
+/// Every geometry shader.
+#[must_use]
+pub fn geometry_shaders() -> &'static [GeometryShader] {
+    GEOMETRY_SHADERS
+}
+
+/// Every GLSL file: what lies in `shaders/` must be these.
+pub fn glsl_paths() -> impl Iterator<Item = &'static str> {
+    let sources = GEOMETRY_SHADERS.iter().map(|shader| shader.source);
+    sources.chain(GEOMETRY_SHARED.iter().copied())
+}
+
+/// Checked-in bytes of every geometry shader, for [`crate::source_hash`].
+pub(crate) fn geometry_bytes() -> impl Iterator<Item = u8> {
+    GEOMETRY_SHADERS.iter().flat_map(|shader| {
+        let path = shader.source.bytes();
+        path.chain(shader.bytes.iter().copied().flatten().copied())
+    })
+}
+
+/// SPIR-V of the geometry shader whose GLSL is at `path`.
+///
+/// # Errors
+/// [`ShaderError::Unknown`], or [`ShaderError::Invalid`] when the file is no SPIR-V.
+pub fn geometry_spirv(path: &str, hands_on: HandsOn) -> Result<Vec<u32>, ShaderError> {
+    let shader = GEOMETRY_SHADERS
+        .iter()
+        .find(|shader| shader.source == path)
+        .ok_or_else(|| ShaderError::Unknown(path.to_owned()))?;
+    let kinds = shader.spirv.iter().zip(shader.bytes);
+    let found = kinds.into_iter().find(|((kind, _), _)| *kind == hands_on);
+    words(path, found.map_or(&[], |(_, bytes)| bytes))
+}
+
+/// First word of every SPIR-V module.
+const MAGIC: u32 = 0x0723_0203;
+
+fn words(path: &str, bytes: &[u8]) -> Result<Vec<u32>, ShaderError> {
+    let (words, rest) = bytes.as_chunks::<4>();
+    let words: Vec<u32> = words.iter().map(|word| u32::from_le_bytes(*word)).collect();
+    if words.first() != Some(&MAGIC) || !rest.is_empty() {
+        return Err(ShaderError::Invalid {
+            path: path.to_owned(),
+            message: format!(
+                "{} bytes that begin with {:08x?}, allowed: whole words that begin with {MAGIC:08x}",
+                bytes.len(),
+                words.first()
+            ),
+        });
+    }
+    Ok(words)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_entry_point_becomes_spirv() {
+        for (path, stage, entry) in [
+            ("surface/surface.wgsl", SpirvStage::Vertex, "vertex_main"),
+            (
+                "surface/surface.wgsl",
+                SpirvStage::Fragment,
+                "fragment_main",
+            ),
+            ("native/volume.wgsl", SpirvStage::Vertex, "vertex_main"),
+            ("native/volume.wgsl", SpirvStage::Vertex, "coloured_main"),
+            ("native/volume.wgsl", SpirvStage::Fragment, "region_colour"),
+        ] {
+            let spirv = wgsl_to_spirv(path, stage, entry, &[]).expect(entry);
+            assert_eq!(spirv[0], MAGIC);
+            // Word 1 is the version: 0x00MMmm00.
+            assert_eq!(spirv[1], 0x0001_0300);
+        }
+        let twin = wgsl_to_spirv("native/volume.wgsl", SpirvStage::Vertex, "no_such", &[]);
+        assert!(twin.is_err());
+    }
+
+    #[test]
+    fn an_override_changes_the_code() {
+        let with = |value| {
+            let constants = [("POSITIONS", value)];
+            let path = "vertex/doubled.wgsl";
+            wgsl_to_spirv(path, SpirvStage::Vertex, "vertex_main", &constants).expect("valid")
+        };
+        assert_ne!(with(0.0), with(1.0));
+    }
+
+    #[test]
+    fn geometry_shaders_are_spirv_and_come_in_three_kinds() {
+        assert_eq!(geometry_shaders().len(), 6);
+        for shader in geometry_shaders() {
+            let [plain, coloured, numbered] = shader
+                .spirv
+                .map(|(kind, _)| geometry_spirv(shader.source, kind).expect("SPIR-V"));
+            assert_ne!(plain, coloured, "{}", shader.source);
+            assert_ne!(coloured, numbered, "{}", shader.source);
+        }
+        assert!(geometry_spirv("native/nothing.geom", HandsOn::Nothing).is_err());
+    }
+
+    #[test]
+    fn what_is_no_spirv_is_refused() {
+        assert!(words("x", b"").is_err());
+        assert!(words("x", &[3, 2, 0x23, 7, 0]).is_err(), "half a word more");
+        assert!(words("x", &[7, 0x23, 2, 3]).is_err(), "the other way round");
+        assert_eq!(words("x", &[3, 2, 0x23, 7]).expect("magic"), [MAGIC]);
+    }
+}

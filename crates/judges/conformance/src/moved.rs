@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! How far boundaries that are drawn aside on purpose, such as by levels of detail, have really moved.
+//!
+//! Pixels of the image; places count from its upper left corner, so that a pixel's centre is at half
+//! pixels. When no point of a curve moves by more than δ, a pixel's id changes only if some curve swept
+//! over its centre, and a curve that did so was within δ of it before: each mismatched centre lies
+//! within δ of a place where the reference shows the id that the frame shows. So the largest such
+//! distance is measured, by asking the reference at places on rings about the centre.
+//!
+//! The distance between two pictures' boundaries as sets of pixels cannot stand in for it. A tongue
+//! of sea thinner than 2δ may close over its whole length, and that distance is then the length.
+//! Here every pixel of the tongue is within δ of its shore, while in a strip too wide to close the
+//! middle is not.
+
+use crate::compare::{CompareError, check};
+use crate::tolerance::{MOVED_SEARCH_PX, MOVED_STEP_PX};
+use std::f64::consts::TAU;
+use terrafill_fill::Frame;
+use terrafill_results::legacy::ErrorFigures;
+
+/// Mismatched pixels that are asked about; what differs at more of them was not moved a little.
+///
+/// A pixel at distance d asks the reference about 2π (d / step)² times: 400 times at half a pixel
+/// and 6,400 at the end of the search. At the limit that is as much as judging an image of 1024² pixels
+/// six times where pixels are off by half of one.
+pub const MOST_MEASURED: usize = 16_384;
+
+/// What became of boundaries that were drawn aside.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Movement {
+    /// The farthest that the centre of a mismatched pixel is from where the reference shows the frame's
+    /// id for that pixel, and of a foreign one from where it shows any other id than at the centre.
+    pub farthest_px: f64,
+    /// Mismatched pixels whose id the reference shows nowhere within [`MOVED_SEARCH_PX`]. Positions of two
+    /// neighbours round each by themselves, so a pixel on their border may belong to both or to none; a
+    /// fill that tells regions apart by sums of their numbers then shows a third one's id, or none.
+    pub foreign_px: u64,
+}
+
+/// How far boundaries moved, pixels.
+///
+/// - `shown_at`: the id that the reference shows at a place
+/// - returns: never less than the true distance, since every answer is a place that was found; beyond
+///   a straight boundary at most a [`MOVED_STEP_PX`] more. 0 where nothing mismatches. The image's
+///   diagonal, which no distance in it exceeds, where nothing is found within [`MOVED_SEARCH_PX`]; and
+///   `None` where more than [`MOST_MEASURED`] pixels mismatch.
+///
+/// # Errors
+/// [`CompareError`] when the two cannot be laid over one another, or the reference is broken.
+pub fn boundary_movement(
+    reference: &Frame,
+    frame: &Frame,
+    shown_at: impl Fn([f64; 2]) -> u32,
+) -> Result<Option<Movement>, CompareError> {
+    check(reference, frame)?;
+    let differ = |index: &usize| reference.ids[*index] != frame.ids[*index];
+    let mismatches: Vec<usize> = (0..frame.ids.len()).filter(differ).collect();
+    if mismatches.len() > MOST_MEASURED {
+        return Ok(None);
+    }
+    let width = frame.size.width.max(1) as usize;
+    let mut movement = Movement::default();
+    for index in mismatches {
+        let centre = [index % width, index / width].map(|at| at as f64 + 0.5);
+        let (shown, expected) = (frame.ids[index], reference.ids[index]);
+        let mut distance_px = nearest_px(centre, |place| shown_at(place) == shown);
+        if distance_px.is_none() {
+            movement.foreign_px += 1;
+            distance_px = nearest_px(centre, |place| shown_at(place) != expected);
+        }
+        let Some(distance_px) = distance_px else {
+            let [width, height] = [frame.size.width, frame.size.height].map(f64::from);
+            movement.farthest_px = width.hypot(height);
+            return Ok(Some(movement));
+        };
+        movement.farthest_px = movement.farthest_px.max(distance_px);
+    }
+    Ok(Some(movement))
+}
+
+/// The figures with what was measured of it.
+#[must_use]
+pub fn with_movement(figures: ErrorFigures, movement: Option<Movement>) -> ErrorFigures {
+    ErrorFigures {
+        boundary_moved_px: movement.map(|movement| movement.farthest_px),
+        foreign_px: movement.map(|movement| movement.foreign_px),
+        ..figures
+    }
+}
+
+/// Radius of the smallest ring about `centre` on which some place `is_it`.
+fn nearest_px(centre: [f64; 2], is_it: impl Fn([f64; 2]) -> bool) -> Option<f64> {
+    let mut places = 1_u32;
+    let mut ring = 0_u32;
+    loop {
+        let radius_px = f64::from(ring) * MOVED_STEP_PX;
+        if radius_px > MOVED_SEARCH_PX {
+            return None;
+        }
+        let on_ring = |place: u32| {
+            let (sine, cosine) = (TAU * f64::from(place) / f64::from(places)).sin_cos();
+            [centre[0] + radius_px * cosine, centre[1] + radius_px * sine]
+        };
+        if (0..places).any(|place| is_it(on_ring(place))) {
+            return Some(radius_px);
+        }
+        ring += 1;
+        // Half a step apart: a straight boundary that a ring has passed by a thousandth of a pixel is
+        // then met by one of its places, from a quarter of a pixel on (step² / 32 d).
+        places = 13 * ring;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::tests::picture;
+    use crate::{
+        MAX_FOREIGN_PX, Verdict, allowed_moved_px, compare, compare_closely, verdict,
+        verdict_of_moved,
+    };
+
+    /// What a map of the plane looks like at the centres of 40 × 30 pixels.
+    fn seen(map: impl Fn([f64; 2]) -> u32) -> Frame {
+        let mut frame = picture(&[&"."; 30].map(|_| "........................................"));
+        for (index, id) in frame.ids.iter_mut().enumerate() {
+            *id = map([index % 40, index / 40].map(|at| at as f64 + 0.5));
+        }
+        frame
+    }
+
+    /// Figures of a picture of `drawn` by a reference of `truth`, as the bench takes them.
+    fn figures(truth: impl Fn([f64; 2]) -> u32, drawn: &Frame) -> ErrorFigures {
+        let reference = seen(&truth);
+        let shows = |pixel: usize, id: u32| {
+            let centre = [pixel % 40, pixel / 40].map(|at| at as f64 + 0.5);
+            let steps = || (-8..=8).map(|k| f64::from(k) / 8.0);
+            steps().any(|y| steps().any(|x| truth([centre[0] + x, centre[1] + y]) == id))
+        };
+        let figures = compare_closely(&reference, drawn, shows).expect("same size");
+        let movement = boundary_movement(&reference, drawn, &truth).expect("same size");
+        with_movement(figures, movement)
+    }
+
+    fn moved_px(truth: impl Fn([f64; 2]) -> u32, drawn: &Frame) -> f64 {
+        figures(truth, drawn).boundary_moved_px.expect("measured")
+    }
+
+    /// Land on the left of a shore through `x` that turns away from upright by `slope`.
+    fn land(x: f64, slope: f64) -> impl Fn([f64; 2]) -> u32 {
+        move |place| u32::from(place[0] + slope * (place[1] - 15.0) < x)
+    }
+
+    #[test]
+    fn a_border_has_moved_by_as_much_as_it_was_moved() {
+        for slope in [0.0, 0.3, 0.7, 1.0, -2.3] {
+            let truth = land(20.3, slope);
+            assert_eq!(moved_px(&truth, &seen(&truth)), 0.0);
+            for by_px in [0.25, 0.5, 0.9] {
+                for side in [-1.0, 1.0] {
+                    let drawn = land(20.3 + side * by_px * slope.hypot(1.0), slope);
+                    let found = figures(&truth, &seen(drawn));
+                    let moved = found.boundary_moved_px.expect("measured");
+                    assert!(moved <= by_px + MOVED_STEP_PX, "{slope}: {moved}, {by_px}");
+                    assert!(verdict_of_moved(&found, by_px).is_pass(), "{found:?}");
+                    // By a shore along rows or diagonals of centres all are as far, and a picture
+                    // tells no more; else some is nearly as far as can be. Twin: a quarter of the
+                    // truth is too little to state.
+                    if ![0.0, 1.0].contains(&slope) {
+                        assert!(moved >= 0.8 * by_px, "{slope}: {moved}, {by_px}");
+                        assert!(!verdict_of_moved(&found, by_px / 4.0).is_pass());
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_pixel_is_too_far_where_half_of_one_was_stated() {
+        for slope in [0.0, 0.3, 0.7, -2.3] {
+            let truth = land(20.6, slope);
+            let drawn = seen(land(20.6 + slope.hypot(1.0), slope));
+            let found = figures(&truth, &drawn);
+            assert!(!verdict_of_moved(&found, 0.5).is_pass(), "{found:?}");
+            assert!(verdict_of_moved(&found, 1.0).is_pass(), "{found:?}");
+            // Nothing else would have told: it is all in the band, and no farther than two pixels.
+            assert_eq!(found.mismatched_px_outside_band, 0);
+            assert!(found.hausdorff_px.is_some_and(|px| px <= 2.0), "{found:?}");
+        }
+    }
+
+    /// Sea on the right, and a tongue of it, `width` pixels from shore to shore, into the land.
+    fn tongue(top: f64, width: f64, from: f64) -> impl Fn([f64; 2]) -> u32 {
+        move |[x, y]| u32::from(x < 30.0 && !(x > from && y > top && y < top + width))
+    }
+
+    #[test]
+    fn a_tongue_thinner_than_a_pixel_may_close_over_any_length() {
+        for from in [27.2, 22.2, 5.2] {
+            // Both shores by half a pixel: nothing is left of it.
+            let truth = tongue(10.1, 0.9, from);
+            let closed = seen(tongue(10.6, -0.1, from));
+            let found = figures(&truth, &closed);
+            assert!(found.mismatched_px >= 3, "{found:?}");
+            assert!(found.hausdorff_px.is_some_and(|px| px > 2.0), "{found:?}");
+            assert!(verdict_of_moved(&found, 0.5).is_pass(), "{found:?}");
+            // Twins: boundaries that were not moved on purpose, or by a quarter as much.
+            assert!(!verdict(&found).is_pass());
+            assert!(!verdict_of_moved(&found, 0.125).is_pass());
+        }
+    }
+
+    #[test]
+    fn a_strip_two_pixels_wide_may_not_go_missing() {
+        for top in [4.1, 4.25, 4.75, 4.9] {
+            let strip = move |[x, y]: [f64; 2]| u32::from(x > 10.0 && y > top && y < top + 2.0);
+            let found = figures(strip, &seen(|_| 0));
+            // Its two rows of centres are all in the band.
+            assert_eq!(found.mismatched_px_outside_band, 0, "{top}");
+            assert!(!verdict_of_moved(&found, 0.5).is_pass(), "{top}: {found:?}");
+        }
+        // Between two rows of centres each is just half a pixel inside: exactly what both shores may
+        // move by, and not a sixteenth less.
+        let strip = |[x, y]: [f64; 2]| u32::from(x > 10.0 && y > 4.0 && y < 6.0);
+        let found = figures(strip, &seen(|_| 0));
+        assert!(found.boundary_moved_px.is_some_and(|px| px >= 0.5));
+        assert!(!verdict_of_moved(&found, 0.5 - 2.0 * MOVED_STEP_PX).is_pass());
+    }
+
+    #[test]
+    fn one_wrong_pixel_is_found_wherever_it_is() {
+        let truth = |place: [f64; 2]| land(20.3, 0.3)(place) * if place[1] < 15.0 { 1 } else { 2 };
+        let diagonal = 40_f64.hypot(30.0);
+        // In the middle of the land, of the sea, beside the shore by more than a pixel and a half; and in
+        // the land with the id of another one.
+        for (column, row, id) in [(5, 5, 0), (35, 25, 1), (27, 5, 1), (10, 5, 2)] {
+            let mut drawn = seen(truth);
+            drawn.ids[row * 40 + column] = id;
+            let found = figures(truth, &drawn);
+            assert_eq!(found.mismatched_px, 1);
+            let moved = found.boundary_moved_px.expect("measured");
+            assert!(moved > 1.5, "{column}, {row}: {moved}");
+            assert!(moved <= MOVED_SEARCH_PX || moved == diagonal, "{moved}");
+            assert!(!verdict_of_moved(&found, 0.5).is_pass());
+            assert!(!verdict_of_moved(&found, 1.0).is_pass());
+        }
+    }
+
+    #[test]
+    fn a_few_pixels_of_a_border_may_belong_to_both_sides_or_none_and_no_more() {
+        let truth = |place: [f64; 2]| if place[1] < 15.3 { 1 } else { 2 };
+        // Numbers 1 and 2 add up to a third region's; or nobody owns the pixel.
+        for foreign in [3, 0] {
+            for (count, passes) in [
+                (1, true),
+                (MAX_FOREIGN_PX, true),
+                (MAX_FOREIGN_PX + 1, false),
+            ] {
+                let mut drawn = seen(truth);
+                for (k, _) in (0..count).enumerate() {
+                    drawn.ids[15 * 40 + 7 * k] = foreign;
+                }
+                let found = figures(truth, &drawn);
+                assert_eq!(found.foreign_px, Some(count));
+                assert!(
+                    found.boundary_moved_px.is_some_and(|px| px <= 0.25),
+                    "{found:?}"
+                );
+                assert_eq!(verdict_of_moved(&found, 0.5).is_pass(), passes, "{found:?}");
+            }
+            // One that is a pixel from the border is no luck.
+            let mut drawn = seen(truth);
+            drawn.ids[16 * 40 + 7] = foreign;
+            let found = figures(truth, &drawn);
+            assert!(!verdict_of_moved(&found, 0.5).is_pass(), "{found:?}");
+        }
+    }
+
+    #[test]
+    fn what_was_not_measured_does_not_pass() {
+        let (empty, full) = (seen(|_| 0), seen(|_| 1));
+        let many = |rows: u32| {
+            let mut frame = empty.clone();
+            frame.size.height = rows;
+            frame.ids = vec![0; 40 * rows as usize];
+            frame
+        };
+        let rows = 410; // × 40 = 16,400, just above the limit.
+        let (reference, mut drawn) = (many(rows), many(rows));
+        assert!(drawn.ids.len() > MOST_MEASURED);
+        drawn.ids[..MOST_MEASURED].fill(1);
+        let everywhere = |_: [f64; 2]| 1;
+        let measured = |drawn: &Frame| boundary_movement(&reference, drawn, everywhere);
+        assert_eq!(measured(&drawn), Ok(Some(Movement::default())));
+        drawn.ids[MOST_MEASURED] = 1;
+        assert_eq!(measured(&drawn), Ok(None));
+        let unmeasured = ErrorFigures {
+            mismatched_px: MOST_MEASURED as u64 + 1,
+            ..ErrorFigures::default()
+        };
+        let Verdict::Fail(reasons) = verdict_of_moved(&unmeasured, 0.5) else {
+            panic!("passed")
+        };
+        assert!(reasons[0].contains("16385") && reasons[0].contains("16384"));
+        // Another size is no comparison at all.
+        assert!(boundary_movement(&reference, &full, everywhere).is_err());
+        assert!(compare(&reference, &full).is_err());
+    }
+
+    #[test]
+    fn a_border_at_the_limit_passes_and_a_step_farther_fails() {
+        let of = |moved: f64| ErrorFigures {
+            boundary_moved_px: Some(moved),
+            hausdorff_px: Some(9.0),
+            ..ErrorFigures::default()
+        };
+        let allowed = allowed_moved_px(0.5);
+        assert!((allowed - 0.5 - 1.0 / 16.0 - 1.0 / 256.0).abs() < 1e-12);
+        assert!(verdict_of_moved(&of(allowed), 0.5).is_pass());
+        assert!(!verdict_of_moved(&of(allowed + 1e-9), 0.5).is_pass());
+        assert!(!verdict_of_moved(&of(f64::NAN), 0.5).is_pass());
+        // Where nothing was to move, the distance of the boundaries counts as ever.
+        assert!(!verdict_of_moved(&of(0.0), 0.0).is_pass());
+        assert!(!verdict_of_moved(&of(0.0), f64::NAN).is_pass());
+    }
+}

@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The reference as a backend: one ray and one classification per pixel.
+
+use crate::locator::{Locator, Point};
+use crate::sampling::encoded;
+use crate::surface::SurfaceTriangles;
+use crate::texture::Texturing;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+use terrafill_fill::{
+    Backend, BackendError, Capabilities, Frame, FrameInput, MemoryUse, NO_REGION, TexturePixel,
+    paint,
+};
+
+/// Judges frames on the CPU, in f64.
+#[derive(Debug)]
+pub struct ReferenceBackend {
+    capabilities: Capabilities,
+    /// Scene and view of the last `prepare`.
+    prepared: Option<(String, String)>,
+    /// Whether frames are judged with the scene's texture.
+    is_textured: bool,
+}
+
+/// A judged frame.
+#[derive(Debug, Clone)]
+pub struct ReferenceFrame {
+    /// The picture, by the first inside test; where regions overlap, the last one.
+    pub frame: Frame,
+    /// Per pixel: whether the two inside tests differ about any region there.
+    pub disagreements: Vec<bool>,
+    /// The textured fill over the surface in one colour, RGB, row 0 at the top; `None` of a plain
+    /// fill. Overlapping regions are blended in their order.
+    pub picture: Option<Vec<u8>>,
+}
+
+impl ReferenceFrame {
+    /// Pixels about which the two inside tests differ.
+    #[must_use]
+    pub fn disagreement_px(&self) -> u64 {
+        self.disagreements.iter().filter(|&&differ| differ).count() as u64
+    }
+}
+
+impl Default for ReferenceBackend {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl ReferenceBackend {
+    /// A reference, ready to judge.
+    #[must_use]
+    pub fn new() -> Self {
+        Self {
+            capabilities: Capabilities {
+                backend: "reference",
+                adapter: "cpu".to_owned(),
+                gpu_timestamps: false,
+                pipeline_statistics: false,
+            },
+            prepared: None,
+            is_textured: false,
+        }
+    }
+
+    /// A reference that fills with the scene's texture where it has one: frames say where their
+    /// texels come from, and there is a picture.
+    #[must_use]
+    pub fn textured() -> Self {
+        Self {
+            is_textured: true,
+            ..Self::new()
+        }
+    }
+
+    /// Judges `input`; the same input gives the same frame whatever the number of threads.
+    ///
+    /// # Errors
+    /// [`BackendError::Unsupported`] when a region leaves open what is inside it.
+    pub fn judge(&self, input: &FrameInput) -> Result<ReferenceFrame, BackendError> {
+        let texturing = if self.is_textured {
+            Texturing::new(input)
+        } else {
+            None
+        };
+        Ok(judge(input, &self.locator(input)?, texturing.as_ref()))
+    }
+
+    /// Looks at `input` between the centres of pixels.
+    ///
+    /// # Errors
+    /// As [`ReferenceBackend::judge`].
+    pub fn look_closely<'a>(&self, input: &'a FrameInput) -> Result<CloseLook<'a>, BackendError> {
+        Ok(CloseLook {
+            input,
+            locator: self.locator(input)?,
+            surface: SurfaceTriangles::new(&input.surface_rte, &input.scene.surface.triangles),
+        })
+    }
+
+    fn locator(&self, input: &FrameInput) -> Result<Locator, BackendError> {
+        Locator::new(&input.scene.regions, input.scene.edge_rule).map_err(|error| {
+            BackendError::Unsupported {
+                capability: format!("a reading of its regions: {error}"),
+                adapter: format!("the {} of {}", self.capabilities.backend, input.scene.name),
+            }
+        })
+    }
+}
+
+/// What a view shows at any place of the image, not only where pixels have their centres.
+#[derive(Debug)]
+pub struct CloseLook<'a> {
+    input: &'a FrameInput,
+    locator: Locator,
+    surface: SurfaceTriangles,
+}
+
+impl CloseLook<'_> {
+    /// Ids, those of no region among them, within `radius_px` columns and rows of a pixel's centre, as
+    /// far as places [`PLACES_PER_PX`] to a pixel show them.
+    #[must_use]
+    pub fn ids_within(&self, pixel: usize, radius_px: u32) -> BTreeSet<u32> {
+        let width = self.input.size.width.max(1) as usize;
+        let centre = [pixel % width, pixel / width].map(|at| at as f64 + 0.5);
+        let places = i32::try_from(radius_px * PLACES_PER_PX).unwrap_or(i32::MAX);
+        let along = |centre: f64| {
+            (-places..=places)
+                .map(move |place| centre + f64::from(place) / f64::from(PLACES_PER_PX))
+        };
+        let all = along(centre[1]).flat_map(|y| along(centre[0]).map(move |x| [x, y]));
+        all.map(|place| self.id_at(place)).collect()
+    }
+
+    /// The id at a place of the image, pixels from its upper left corner; a pixel's centre is at half
+    /// pixels.
+    #[must_use]
+    pub fn id_at(&self, place: [f64; 2]) -> u32 {
+        let direction = self.input.camera.direction_ecef(self.input.size, place);
+        judge_direction(self.input, &self.locator, &self.surface, None, direction).id
+    }
+}
+
+/// Places in a row of a pixel at which a [`CloseLook`] asks.
+pub const PLACES_PER_PX: u32 = 8;
+
+impl Backend for ReferenceBackend {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    /// Checks that every region can be judged. The reference keeps nothing between frames, so the
+    /// memory that it holds is none.
+    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, BackendError> {
+        self.locator(input)?;
+        self.prepared = Some((input.scene.name.clone(), input.view.clone()));
+        Ok(MemoryUse::default())
+    }
+
+    fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError> {
+        let asked = (input.scene.name.clone(), input.view.clone());
+        if self.prepared.as_ref() != Some(&asked) {
+            return Err(BackendError::NotPrepared {
+                backend: self.capabilities.backend,
+                scene: asked.0,
+                view: asked.1,
+            });
+        }
+        Ok(self.judge(input)?.frame)
+    }
+}
+
+/// What one pixel shows.
+#[derive(Debug, Clone, Copy, Default)]
+struct Pixel {
+    id: u32,
+    is_surface: bool,
+    differ: bool,
+    is_non_finite: bool,
+    texture: Option<TexturePixel>,
+    /// What is blended over the surface: sRGB times opacity, and what shows through.
+    paint: Blend,
+}
+
+/// Layers laid over one another: their colours' sum, and the share of what is below.
+#[derive(Debug, Clone, Copy)]
+struct Blend {
+    rgb: [f64; 3],
+    below: f64,
+}
+
+impl Default for Blend {
+    fn default() -> Self {
+        Self {
+            rgb: [0.0; 3],
+            below: 1.0,
+        }
+    }
+}
+
+impl Blend {
+    /// Lays a layer on top, as a blend unit does: on encoded values.
+    fn cover(&mut self, [r, g, b, alpha]: [f64; 4]) {
+        for (sum, light) in self.rgb.iter_mut().zip([r, g, b]) {
+            *sum = *sum * (1.0 - alpha) + encoded(light) * alpha;
+        }
+        self.below *= 1.0 - alpha;
+    }
+
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to 0 … 255"
+    )]
+    fn over(&self, background: u8, channel: usize) -> u8 {
+        let value = self.rgb[channel] * 255.0 + f64::from(background) * self.below;
+        value.round().clamp(0.0, 255.0) as u8
+    }
+}
+
+/// [`ReferenceBackend::judge`] by a given locator.
+pub(crate) fn judge(
+    input: &FrameInput,
+    locator: &Locator,
+    texturing: Option<&Texturing<'_>>,
+) -> ReferenceFrame {
+    let surface = SurfaceTriangles::new(&input.surface_rte, &input.scene.surface.triangles);
+    let width = input.size.width as usize;
+    let mut pixels = vec![Pixel::default(); input.size.pixel_count()];
+    if width > 0 {
+        pixels
+            .par_chunks_mut(width)
+            .zip(0..input.size.height)
+            .for_each(|(pixels, row)| {
+                for (pixel, column) in pixels.iter_mut().zip(0..) {
+                    *pixel = judge_pixel(input, locator, &surface, texturing, column, row);
+                }
+            });
+    }
+    let non_finite = pixels.iter().filter(|pixel| pixel.is_non_finite).count() as u64;
+    ReferenceFrame {
+        frame: Frame {
+            size: input.size,
+            ids: pixels.iter().map(|pixel| pixel.id).collect(),
+            surface: pixels.iter().map(|pixel| pixel.is_surface).collect(),
+            non_finite: non_finite + surface.non_finite(),
+            counters: None,
+            texture: texturing.map(|texturing| {
+                texturing.coordinates(pixels.iter().map(|pixel| pixel.texture).collect())
+            }),
+        },
+        picture: texturing.map(|_| picture(input, &pixels)),
+        disagreements: pixels.iter().map(|pixel| pixel.differ).collect(),
+    }
+}
+
+/// The pixels' paint over the surface and the sky, both in one colour.
+fn picture(input: &FrameInput, pixels: &[Pixel]) -> Vec<u8> {
+    let background = paint(&Frame {
+        size: input.size,
+        ids: vec![NO_REGION; pixels.len()],
+        surface: pixels.iter().map(|pixel| pixel.is_surface).collect(),
+        non_finite: 0,
+        counters: None,
+        texture: None,
+    });
+    let channels = background
+        .chunks_exact(3)
+        .zip(pixels)
+        .flat_map(|(rgb, pixel)| (0..3).map(|channel| pixel.paint.over(rgb[channel], channel)));
+    channels.collect()
+}
+
+fn judge_pixel(
+    input: &FrameInput,
+    locator: &Locator,
+    surface: &SurfaceTriangles,
+    texturing: Option<&Texturing<'_>>,
+    column: u32,
+    row: u32,
+) -> Pixel {
+    let direction = input.camera.pixel_direction_ecef(input.size, column, row);
+    judge_direction(input, locator, surface, texturing, direction)
+}
+
+fn judge_direction(
+    input: &FrameInput,
+    locator: &Locator,
+    surface: &SurfaceTriangles,
+    texturing: Option<&Texturing<'_>>,
+    direction: DVec3,
+) -> Pixel {
+    let Some(depth) = surface.hit(direction, input.camera.near_m) else {
+        return Pixel::default();
+    };
+    let hit_ecef = input.camera.eye_ecef + direction * depth;
+    let geodetic = input.scene.body.ecef_to_geodetic(hit_ecef);
+    let mut pixel = Pixel {
+        id: NO_REGION,
+        is_surface: true,
+        ..Pixel::default()
+    };
+    let longitude_deg = geodetic.longitude_rad.to_degrees();
+    let latitude_deg = geodetic.latitude_rad.to_degrees().clamp(-90.0, 90.0);
+    let Some(point) = Point::new(longitude_deg, latitude_deg) else {
+        pixel.is_non_finite = true;
+        return pixel;
+    };
+    locator.for_each_region(&point, |region, verdicts| {
+        if verdicts.first {
+            pixel.id = u32::try_from(region + 1).expect("fewer regions than bytes of memory");
+            if let Some(texturing) = texturing {
+                let texture = texturing.pixel(region, direction, depth);
+                pixel.paint.cover(texturing.colour(region, &texture));
+                pixel.is_non_finite |= !texture.is_finite();
+                pixel.texture = Some(texture);
+            }
+        }
+        pixel.differ |= verdicts.first != verdicts.second;
+    });
+    pixel
+}

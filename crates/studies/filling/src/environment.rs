@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The fingerprint of the machine and build that a run was made with.
+
+use crate::BenchOptions;
+use std::process::Command;
+use std::time::{SystemTime, UNIX_EPOCH};
+use sysinfo::System;
+use terrafill_gpu::DeviceFacts;
+use terrafill_results::legacy::RunEnvironment;
+
+/// Version of the CSV and JSON files' schema.
+const SCHEMA: u32 = 1;
+
+/// Facts about this machine, device and build.
+#[must_use]
+pub fn environment(device: &DeviceFacts, options: &BenchOptions) -> RunEnvironment {
+    // Unknown facts stay empty or 0: a report shows them as not known.
+    let system = System::new().ok().map(|mut system| {
+        system.refresh_memory();
+        system.refresh_cpu_all();
+        system
+    });
+    let cpus = system.as_ref().map_or(&[][..], |system| system.cpus());
+    let cpu = cpus.first().map(|cpu| cpu.brand().trim().to_owned());
+    let started = SystemTime::now().duration_since(UNIX_EPOCH);
+    RunEnvironment {
+        schema: SCHEMA,
+        commit: commit(),
+        started_unix_s: started.map(|time| time.as_secs()).unwrap_or(0),
+        cpu: cpu.unwrap_or_default(),
+        cores: u32::try_from(cpus.len()).unwrap_or(u32::MAX),
+        memory_bytes: system.as_ref().map_or(0, System::total_memory),
+        os: format!(
+            "{}, kernel {}",
+            System::long_os_version().unwrap_or_default(),
+            kernel_release(&System::kernel_version().unwrap_or_default())
+        ),
+        gpu: device.name.clone(),
+        device_type: device.device_type.to_owned(),
+        vendor_id: device.vendor_id,
+        device_id: device.device_id,
+        driver: device.driver.clone(),
+        driver_info: device.driver_info.clone(),
+        mesa_version: mesa_version(&device.driver_info),
+        api: "Vulkan through wgpu 30.0.1; backend native through ash 0.38.0".to_owned(),
+        width: options.size.width,
+        height: options.size.height,
+        shader_hash: format!("{:016x}", terrafill_gpu::shader_source_hash()),
+        profile: if cfg!(debug_assertions) {
+            "debug"
+        } else {
+            "release"
+        }
+        .to_owned(),
+        options: options.describe(),
+    }
+}
+
+/// `6.18.44-build-x` → `6.18.44`: builds differ between machines of one kind.
+fn kernel_release(version: &str) -> &str {
+    let is_release = |c: char| c.is_ascii_digit() || c == '.';
+    let end = version.find(|c| !is_release(c)).unwrap_or(version.len());
+    &version[..end]
+}
+
+/// `Mesa 25.0.7-2…` → `25.0.7-2…`.
+fn mesa_version(driver_info: &str) -> String {
+    let mut words = driver_info.split_whitespace();
+    words
+        .find(|&word| word == "Mesa")
+        .and_then(|_| words.next())
+        .unwrap_or_default()
+        .to_owned()
+}
+
+/// HEAD of the repository around the working directory; empty where there is none.
+fn commit() -> String {
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").args(arguments).output().ok()?;
+        let text = String::from_utf8(output.stdout).ok()?;
+        output.status.success().then(|| text.trim().to_owned())
+    };
+    let Some(head) = git(&["rev-parse", "HEAD"]) else {
+        return String::new();
+    };
+    match git(&["status", "--porcelain", "--untracked-files=no"]) {
+        Some(changes) if changes.is_empty() => head,
+        _ => head + "+dirty",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_kernel_is_named_by_its_release() {
+        assert_eq!(kernel_release("6.1.0-18-amd64"), "6.1.0");
+        assert_eq!(kernel_release("6.18.44"), "6.18.44");
+        assert_eq!(kernel_release(""), "");
+    }
+
+    #[test]
+    fn the_mesa_version_is_cut_out_and_other_drivers_have_none() {
+        assert_eq!(
+            mesa_version("Mesa 25.0.7-2~bpo12+1 (LLVM 15.0.6)"),
+            "25.0.7-2~bpo12+1"
+        );
+        assert_eq!(mesa_version("570.86.15"), "");
+    }
+}

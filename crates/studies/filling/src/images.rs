@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Pictures of a run, as PNG files in its folder.
+
+use crate::BenchError;
+use image::{ExtendedColorType, ImageFormat};
+use std::path::Path;
+use terrafill_results::legacy::CaseKey;
+use terrafill_scene::ImageSize;
+
+/// Writes RGB pixels under `folder/images/` and returns the path relative to `folder`.
+pub(crate) fn write_rgb(
+    folder: &Path,
+    name: &str,
+    size: ImageSize,
+    rgb: &[u8],
+) -> Result<String, BenchError> {
+    let relative = format!("images/{name}.png");
+    let path = folder.join(&relative);
+    image::save_buffer_with_format(
+        &path,
+        rgb,
+        size.width,
+        size.height,
+        ExtendedColorType::Rgb8,
+        ImageFormat::Png,
+    )
+    .map_err(|error| BenchError::Image {
+        path,
+        message: error.to_string(),
+    })?;
+    Ok(relative)
+}
+
+/// RGBA to RGB.
+pub(crate) fn drop_alpha(rgba: &[u8]) -> Vec<u8> {
+    rgba.chunks_exact(4)
+        .flat_map(|pixel| &pixel[..3])
+        .copied()
+        .collect()
+}
+
+/// A case as a file name.
+pub(crate) fn file_stem(key: &CaseKey) -> String {
+    let text = format!("{}_{}_{}_{}", key.scene, key.view, key.backend, key.variant);
+    text.chars()
+        .map(|c| {
+            if c.is_ascii_alphanumeric() || "-_".contains(c) {
+                c
+            } else {
+                '-'
+            }
+        })
+        .collect()
+}

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Sums of measured errors, and what is said where formula and measurement part.
+
+use std::f64::consts::{PI, TAU};
+use terrafill_results::legacy::{PrecisionRow, Status};
+use terrafill_texture::{SAMPLING_SLACK, Sample};
+
+/// Measured and computed error that differ by more need a reason.
+pub(crate) const AGREEMENT: f64 = 2.0;
+
+/// Errors of angles over places.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct AngleErrors {
+    pub(crate) non_finite: u64,
+    count: f64,
+    max_m: f64,
+    squares_m: f64,
+    max_rad: [f64; 2],
+    squares_rad: [f64; 2],
+    textured: f64,
+    max_texels: f64,
+    squares_texels: [f64; 2],
+}
+
+/// What a set of errors came to.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AngleFigures {
+    pub(crate) max_m: f64,
+    pub(crate) rms_m: f64,
+    pub(crate) max_rad: f64,
+    pub(crate) rms_rad: f64,
+    pub(crate) max_texels: f64,
+    pub(crate) rms_texels: f64,
+}
+
+impl AngleErrors {
+    /// Takes an answer at a place.
+    ///
+    /// - `texel_rad`: radians per texel along both axes
+    /// - `is_polar`: nearer to a pole than a texel, where a row of texels is one place and its
+    ///   longitude has no meaning
+    pub(crate) fn add(
+        &mut self,
+        answer: [f32; 2],
+        sample: &Sample,
+        texel_rad: [f64; 2],
+        is_polar: bool,
+    ) {
+        if answer.iter().any(|angle| !angle.is_finite()) {
+            self.non_finite += 1;
+            return;
+        }
+        let [longitude, latitude] = answer.map(f64::from);
+        let errors = [
+            if sample.on_axis {
+                0.0
+            } else {
+                short_way(longitude - sample.angles_rad[0])
+            },
+            (latitude - sample.angles_rad[1]).abs(),
+        ];
+        let metres = (errors[0] * sample.metres_per_radian[0])
+            .hypot(errors[1] * sample.metres_per_radian[1]);
+        self.count += 1.0;
+        self.max_m = self.max_m.max(metres);
+        self.squares_m += metres * metres;
+        self.textured += f64::from(u8::from(!is_polar));
+        for axis in 0..2 {
+            self.max_rad[axis] = self.max_rad[axis].max(errors[axis]);
+            self.squares_rad[axis] += errors[axis].powi(2);
+            if !is_polar {
+                let texels = errors[axis] / texel_rad[axis];
+                self.max_texels = self.max_texels.max(texels);
+                self.squares_texels[axis] += texels * texels;
+            }
+        }
+    }
+
+    /// `None` without a finite answer.
+    pub(crate) fn figures(&self) -> Option<AngleFigures> {
+        if self.count < 1.0 {
+            return None;
+        }
+        let rms = |squares: [f64; 2], count: f64| (squares[0].max(squares[1]) / count).sqrt();
+        Some(AngleFigures {
+            max_m: self.max_m,
+            rms_m: (self.squares_m / self.count).sqrt(),
+            max_rad: self.max_rad[0].max(self.max_rad[1]),
+            rms_rad: rms(self.squares_rad, self.count),
+            max_texels: self.max_texels,
+            rms_texels: rms(self.squares_texels, self.textured.max(1.0)),
+        })
+    }
+}
+
+/// Errors of positions, metres.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct LengthErrors {
+    pub(crate) non_finite: u64,
+    count: f64,
+    max: f64,
+    squares: f64,
+}
+
+impl LengthErrors {
+    pub(crate) fn add(&mut self, error_m: f64) {
+        if !error_m.is_finite() {
+            self.non_finite += 1;
+            return;
+        }
+        self.count += 1.0;
+        self.max = self.max.max(error_m);
+        self.squares += error_m * error_m;
+    }
+
+    /// Largest and root mean square; `None` without a finite error.
+    pub(crate) fn figures(&self) -> Option<[f64; 2]> {
+        (self.count > 0.0).then(|| [self.max, (self.squares / self.count).sqrt()])
+    }
+}
+
+/// Magnitude of a difference of longitudes, the short way round.
+fn short_way(difference: f64) -> f64 {
+    ((difference + PI).rem_euclid(TAU) - PI).abs()
+}
+
+/// From here on an error is as large as the body: half the Earth's circumference, metres.
+const NO_MAP_M: f64 = 2e7;
+
+/// Sets status, ratios and reasons of a row whose errors are in it.
+///
+/// - `rounding_share`: how much of the expected error is rounding
+pub(crate) fn judge(row: &mut PrecisionRow, rounding_share: f64) {
+    let over = |measured: Option<f64>, computed: Option<f64>| {
+        let (measured, computed) = (measured?, computed?);
+        (computed.is_finite() && computed > 0.0).then(|| measured / computed)
+    };
+    row.max_over_residual = over(row.device_max_m, row.residual_max_m);
+    row.rms_over_residual = match row.residual_rms_rad {
+        Some(_) => over(row.device_rms_rad, row.residual_rms_rad),
+        None => over(row.device_rms_m, row.residual_rms_m),
+    };
+    let is_map = row.residual_max_m.is_none_or(|bound| bound < NO_MAP_M);
+    row.measured_over_expected = match row.expected_max_rad {
+        _ if !is_map => None,
+        Some(_) => over(row.device_max_rad, row.expected_max_rad),
+        None => row.rms_over_residual,
+    };
+    row.residual_reason = residual_reason(row, rounding_share);
+    (row.status, row.reason) = if row.non_finite() > 0 {
+        let all = u64::from(row.points);
+        let reason = format!(
+            "not finite: {} of {all} emulated, {} on the device",
+            row.non_finite_emulated.unwrap_or(0),
+            row.non_finite_device.unwrap_or(0)
+        );
+        (Status::Wrong, reason)
+    } else if !is_map {
+        let reason = "no answer here: by its formula the error is as large as the body";
+        (Status::Wrong, reason.to_owned())
+    } else if row
+        .max_over_residual
+        .is_some_and(|ratio| ratio > SAMPLING_SLACK)
+    {
+        (Status::Wrong, "the error is above its bound".to_owned())
+    } else {
+        (Status::Ok, String::new())
+    };
+}
+
+fn agrees(ratio: f64) -> bool {
+    (1.0 / AGREEMENT..=AGREEMENT).contains(&ratio)
+}
+
+fn residual_reason(row: &PrecisionRow, rounding_share: f64) -> String {
+    let Some(ratio) = row.measured_over_expected.filter(|ratio| !agrees(*ratio)) else {
+        return String::new();
+    };
+    let reason = if row.transcendental.is_some_and(|calls| calls > 0) {
+        "expected is a correctly rounded function; the device's own is another, within what WGSL grants"
+    } else if row.rms_over_residual.is_some_and(agrees) && ratio < 1.0 {
+        "few of the measured places come near the largest error; root mean squares agree"
+    } else if row.texture_fetches.is_some_and(|fetches| fetches > 0) {
+        "the sampler's own error: expected by the largest that it was seen to make, which other texels do not meet"
+    } else if rounding_share > 0.5 && ratio < 1.0 {
+        "rounding: steps that are exact here, such as products with 0, are taken for rounded ones"
+    } else if row.device_max_m == Some(0.0) || row.device_rms_m == Some(0.0) {
+        "no error at all at the measured places"
+    } else {
+        "no reason known"
+    };
+    reason.to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample(angles_rad: [f64; 2]) -> Sample {
+        Sample {
+            offset_m: [0.0; 3],
+            angles_rad,
+            metres_per_radian: [3e6, 6e6],
+            on_axis: false,
+        }
+    }
+
+    #[test]
+    fn errors_by_hand() {
+        let mut errors = AngleErrors::default();
+        errors.add([0.5, 0.25], &sample([0.5, 0.25]), [1e-3; 2], false);
+        errors.add([0.5, 0.25], &sample([0.5, 0.25 - 1e-6]), [1e-3; 2], false);
+        let figures = errors.figures().expect("finite");
+        assert!((figures.max_m - 6.0).abs() < 1e-6);
+        assert!((figures.rms_m - 6.0 / 2.0_f64.sqrt()).abs() < 1e-6);
+        assert!((figures.max_texels - 1e-3).abs() < 1e-9);
+        // Twin: longitude and latitude swapped are far off.
+        let mut swapped = AngleErrors::default();
+        swapped.add([0.25, 0.5], &sample([0.5, 0.25]), [1e-3; 2], false);
+        assert!(swapped.figures().expect("finite").max_m > 1e5);
+    }
+
+    #[test]
+    fn the_antimeridian_is_one_place() {
+        let mut errors = AngleErrors::default();
+        let pi = std::f32::consts::PI;
+        errors.add([-pi, 0.0], &sample([f64::from(pi), 0.0]), [1e-3; 2], false);
+        assert!(errors.figures().expect("finite").max_m < 1.0);
+        // Twin: the same in latitude is not.
+        let mut wrong = AngleErrors::default();
+        wrong.add([0.0, -pi], &sample([0.0, f64::from(pi)]), [1e-3; 2], false);
+        assert!(wrong.figures().expect("finite").max_m > 1e6);
+    }
+
+    #[test]
+    fn what_is_not_finite_is_counted_and_hides_nothing() {
+        let mut errors = AngleErrors::default();
+        errors.add([f32::NAN, 0.0], &sample([0.0; 2]), [1e-3; 2], false);
+        errors.add([0.0, f32::INFINITY], &sample([0.0; 2]), [1e-3; 2], false);
+        assert_eq!(errors.non_finite, 2);
+        assert!(errors.figures().is_none());
+        errors.add([1e-3, 0.0], &sample([0.0; 2]), [1e-3; 2], true);
+        let figures = errors.figures().expect("one answer");
+        assert!(
+            (figures.max_m - 3000.0).abs() < 0.01,
+            "metres count at a pole too"
+        );
+        assert!(figures.max_texels <= 0.0, "texels do not");
+    }
+
+    fn row(device: f64, bound: f64, non_finite: u64) -> PrecisionRow {
+        let mut row = PrecisionRow {
+            device_max_m: Some(device),
+            residual_max_m: Some(bound),
+            device_max_rad: Some(device),
+            expected_max_rad: Some(0.5),
+            non_finite_device: Some(non_finite),
+            transcendental: Some(2),
+            ..PrecisionRow::default()
+        };
+        judge(&mut row, 0.0);
+        row
+    }
+
+    #[test]
+    fn a_row_is_wrong_above_its_bound_and_says_why_far_from_what_was_expected() {
+        let near = row(0.9, 1.0, 0);
+        assert_eq!(
+            (near.status, near.residual_reason.as_str()),
+            (Status::Ok, "")
+        );
+        let below = row(0.1, 1.0, 0);
+        assert_eq!(below.status, Status::Ok);
+        assert!(below.residual_reason.contains("the device's own"));
+        let above = row(1.1, 1.0, 0);
+        assert_eq!(above.status, Status::Wrong);
+        assert!(above.residual_reason.contains("the device's own"));
+        assert_eq!(row(0.9, 1.0, 1).status, Status::Wrong, "NaN is no answer");
+        let nowhere = row(3e7, 4e7, 0);
+        assert_eq!(
+            (nowhere.status, nowhere.measured_over_expected),
+            (Status::Wrong, None)
+        );
+        assert_eq!(row(0.9, f64::INFINITY, 0).status, Status::Wrong);
+        // Twin: without a call of the device's own there is no such excuse.
+        let mut bare = PrecisionRow {
+            transcendental: None,
+            ..row(1.1, 2.0, 0)
+        };
+        judge(&mut bare, 0.0);
+        assert_eq!(bare.residual_reason, "no reason known");
+    }
+}

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What the suite's rows have against a route: the table that the chooser reads.
+//!
+//! A route is spoken against where its bound is finite, so that by its formula it has an answer, and where
+//! nonetheless an error was measured above the bound or an answer was not finite.
+
+use terrafill_results::legacy::{PrecisionPart, PrecisionRow, Status};
+use terrafill_texture::{CoordinateRoute, SuiteCell, SuiteFinding};
+
+/// Findings of `rows`, one for each route and cell at most: the worst over all heights, special inputs
+/// counted with the region they lie in. In the rows' order.
+#[must_use]
+pub fn suite_findings(rows: &[PrecisionRow]) -> Vec<SuiteFinding> {
+    let mut cells: Vec<SuiteFinding> = Vec::new();
+    for row in rows.iter().filter(|row| is_believed(row)) {
+        let Some(found) = finding(row) else { continue };
+        match find(&mut cells, &found) {
+            Some(there) => add(there, &found),
+            None => cells.push(found),
+        }
+    }
+    let special =
+        |row: &&PrecisionRow| row.part == PrecisionPart::Special && row.status == Status::Wrong;
+    for found in rows.iter().filter(special).filter_map(finding) {
+        // Outside its domain a route may answer as it likes.
+        if let Some(there) = find(&mut cells, &found) {
+            add(there, &found);
+        }
+    }
+    cells.retain(SuiteFinding::contradicts);
+    cells
+}
+
+/// Whether the formula says that there is an answer.
+fn is_believed(row: &PrecisionRow) -> bool {
+    row.part == PrecisionPart::Coordinate && row.residual_max_m.is_some_and(f64::is_finite)
+}
+
+fn finding(row: &PrecisionRow) -> Option<SuiteFinding> {
+    Some(SuiteFinding {
+        route: CoordinateRoute::parse(&row.route)?,
+        cell: SuiteCell {
+            extent_deg: row.extent_deg?,
+            latitude_deg: row.latitude_deg?,
+        },
+        worst_over_bound: row.max_over_residual.unwrap_or(0.0),
+        non_finite: row.non_finite(),
+    })
+}
+
+fn find<'a>(cells: &'a mut [SuiteFinding], like: &SuiteFinding) -> Option<&'a mut SuiteFinding> {
+    let same = |other: &&mut SuiteFinding| (other.route, other.cell) == (like.route, like.cell);
+    cells.iter_mut().find(same)
+}
+
+fn add(there: &mut SuiteFinding, found: &SuiteFinding) {
+    // A ratio that is NaN is the worst, and stays: no number is above it.
+    if found.worst_over_bound.is_nan() || found.worst_over_bound > there.worst_over_bound {
+        there.worst_over_bound = found.worst_over_bound;
+    }
+    there.non_finite += found.non_finite;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(part: PrecisionPart, route: &str, ratio: f64, non_finite: u64) -> PrecisionRow {
+        let is_wrong = non_finite > 0 || ratio > 1.02;
+        PrecisionRow {
+            part,
+            route: route.to_owned(),
+            extent_deg: Some(10.0),
+            latitude_deg: Some(45.0),
+            residual_max_m: Some(5.0),
+            max_over_residual: Some(ratio),
+            non_finite_device: Some(non_finite),
+            status: if is_wrong { Status::Wrong } else { Status::Ok },
+            ..PrecisionRow::default()
+        }
+    }
+
+    #[test]
+    fn heights_and_special_inputs_are_one_cell_and_what_holds_is_left_out() {
+        use PrecisionPart::{Coordinate, Position, Special};
+        let rows = [
+            row(Coordinate, "gnomonic-3", 0.9, 0),
+            row(Coordinate, "planes", 1.1, 0),
+            row(Coordinate, "planes", 1.3, 0),
+            row(Coordinate, "odd-7+bowring-1", 0.9, 0),
+            row(Special, "odd-7+bowring-1", 0.0, 1),
+            row(Position, "planes", 9.0, 9),
+        ];
+        let found = suite_findings(&rows);
+        let of: Vec<_> = found
+            .iter()
+            .map(|f| (f.route.name(), f.worst_over_bound, f.non_finite))
+            .collect();
+        let expected = [
+            ("planes".to_owned(), 1.3, 0),
+            ("odd-7+bowring-1".to_owned(), 0.9, 1),
+        ];
+        assert_eq!(of, expected);
+        let mut unknown = rows.clone();
+        unknown[1].max_over_residual = Some(f64::NAN);
+        assert!(suite_findings(&unknown)[0].worst_over_bound.is_nan());
+        // Twin: where the formula says itself that it is no map, nobody has to be told.
+        let beyond = rows.map(|row| PrecisionRow {
+            residual_max_m: Some(f64::INFINITY),
+            ..row
+        });
+        assert_eq!(suite_findings(&beyond), []);
+    }
+}

@@ -1,0 +1,399 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Routes on the device: the text of each, compiled once and asked for every region.
+
+use super::place::{Place, radical_inverse};
+use super::position::{self, MAPPINGS};
+use super::timing::LoopTime;
+use crate::BenchError;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use terrafill_gpu::{
+    EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluation, Evaluator, Gpu, Kernel, KernelTable,
+    TableFormat,
+};
+use terrafill_results::legacy::{PrecisionPart, PrecisionTime, RunFolder};
+use terrafill_texture::{
+    CoordinateRoute, DepthMapping, Filter, LookupTable, PositionRoute, Program, Sampler,
+    TexelFormat,
+};
+
+/// Turns of the timed loop: some milliseconds of the native arctangents on a software device.
+const TURNS: u32 = 48;
+
+/// Region whose fragments are timed, degrees: what a formula costs does not depend on its constants.
+const TIMED_EXTENT_DEG: f64 = 1.0;
+const TIMED_LATITUDE_DEG: f64 = 45.0;
+/// How far a fragment moves between two timed evaluations, metres: far enough to be another number,
+/// and all of them together far less than the region.
+const TIMED_STEP_M: f32 = 0.01;
+
+/// A coordinate route on the device.
+pub(crate) struct CoordinateKernel {
+    pub(crate) route: CoordinateRoute,
+    pub(crate) program: Program,
+    /// How this device's sampler reads the route's texture, where it was asked.
+    pub(crate) sampler: Option<Sampler>,
+    /// Or why it does not run.
+    pub(crate) device: Result<Evaluator, String>,
+}
+
+/// A position route on the device, for the depths of one mapping.
+pub(crate) struct PositionKernel {
+    pub(crate) route: PositionRoute,
+    pub(crate) mapping: DepthMapping,
+    pub(crate) device: Result<Evaluator, String>,
+}
+
+/// All of them.
+pub(crate) struct Kernels {
+    pub(crate) coordinate: Vec<CoordinateKernel>,
+    pub(crate) position: Vec<PositionKernel>,
+    empty: Result<Evaluator, String>,
+}
+
+/// A device's failure as the run's.
+pub(crate) fn lost(error: EvaluateError) -> BenchError {
+    BenchError::Precision {
+        message: error.to_string(),
+    }
+}
+
+/// What the device's linear sampler does with each format of a table.
+struct Samplers(Vec<(TexelFormat, Sampler)>);
+
+impl Samplers {
+    /// Asks it; a format that it does not filter has no entry.
+    fn ask(gpu: &Arc<Gpu>) -> Self {
+        let asked = TexelFormat::ALL.into_iter().filter_map(|format| {
+            let table = LookupTable::arctangent(PROBE_TEXELS, format, Filter::Linear);
+            let answers = sampled(gpu, &table)?;
+            Some((format, sampler_of(&table, &answers)))
+        });
+        Self(asked.collect())
+    }
+
+    /// Of what a program reads through it; a cube texture holds single floats.
+    fn of(&self, program: &Program) -> Option<Sampler> {
+        let format = match program.table() {
+            Some(table) if table.filter() == Filter::Linear => table.format(),
+            Some(_) => return None,
+            None => program.cube().map(|_| TexelFormat::R32Float)?,
+        };
+        self.0.iter().find(|(of, _)| *of == format).map(|(_, s)| *s)
+    }
+}
+
+/// Entries of the table that a sampler is asked about: so few that a step of a weight is far above the
+/// last place of an answer.
+const PROBE_TEXELS: u16 = 16;
+/// Texture coordinates at which it is asked.
+const PROBES: u16 = 4096;
+/// What an answer of 1 may be off by in `f32` after a handful of operations: below, a sampler has no error
+/// of its own.
+const ROUNDED: f64 = 4e-7;
+
+/// Texture coordinates and the sampler's answers.
+fn sampled(gpu: &Arc<Gpu>, table: &LookupTable) -> Option<Vec<(f32, f32)>> {
+    let mut text = table.declarations(1, 0);
+    text.push_str(
+        "fn probe(x: vec4f) -> vec4f {\n    \
+         return textureSampleLevel(route_table, route_sampler, vec2f(x.x, 0.5), 0.0);\n}\n",
+    );
+    let kernel = Kernel {
+        name: "sampler",
+        wgsl: &text,
+        constants: None,
+        call: "probe(x)",
+        table: Some(KernelTable {
+            format: table_format(table.format()),
+            width: u32::from(PROBE_TEXELS),
+            height: 1,
+            cube: false,
+            linear: true,
+            texels: &table.bytes(),
+        }),
+    };
+    let device = Evaluator::new(gpu, &kernel, 0).ok()?;
+    let places: Vec<f32> = (0..PROBES)
+        .map(|i| (f32::from(i) + 0.37) / f32::from(PROBES))
+        .collect();
+    let inputs: Vec<[f32; 4]> = places.iter().map(|u| [*u, 0.0, 0.0, 0.0]).collect();
+    let answers = device.evaluate(&inputs).ok()?;
+    let values = answers.values.iter().map(|value| value[0]);
+    Some(places.into_iter().zip(values).collect())
+}
+
+/// The way of weighing that leaves the answers in the narrower range, and what they are off by beyond it:
+/// an error of the filter's own is as wide for both.
+fn sampler_of(table: &LookupTable, answers: &[(f32, f32)]) -> Sampler {
+    let model = |weighs_exactly| {
+        let sampler = Sampler {
+            weighs_exactly,
+            off: [0.0; 2],
+        };
+        let table = table.clone().on(sampler);
+        let off = |(u, answer): &(f32, f32)| f64::from(*answer) - f64::from(table.sample(*u));
+        let low = answers.iter().map(off).fold(f64::INFINITY, f64::min);
+        let high = answers.iter().map(off).fold(f64::NEG_INFINITY, f64::max);
+        let seen = |off: f64| if off.abs() > ROUNDED { off } else { 0.0 };
+        let off = [seen(low), seen(high)];
+        (high - low, Sampler { off, ..sampler })
+    };
+    let ((common, by_steps), (exact, exactly)) = (model(false), model(true));
+    if exact < common { exactly } else { by_steps }
+}
+
+fn table_format(format: TexelFormat) -> TableFormat {
+    match format {
+        TexelFormat::R8Unorm => TableFormat::R8Unorm,
+        TexelFormat::R16Unorm => TableFormat::R16Unorm,
+        TexelFormat::R16Float => TableFormat::R16Float,
+        TexelFormat::R32Float => TableFormat::R32Float,
+    }
+}
+
+impl Kernels {
+    pub(crate) fn new(gpu: &Arc<Gpu>, routes: &[CoordinateRoute]) -> Self {
+        let samplers = Samplers::ask(gpu);
+        let coordinate = routes.iter().map(|route| {
+            let program = route.program();
+            CoordinateKernel {
+                route: *route,
+                sampler: samplers.of(&program),
+                device: coordinate_evaluator(gpu, &route.name(), &program),
+                program,
+            }
+        });
+        let position = PositionRoute::ALL.into_iter().flat_map(|route| {
+            MAPPINGS.map(|mapping| PositionKernel {
+                route,
+                mapping,
+                device: position_evaluator(gpu, route, mapping),
+            })
+        });
+        Self {
+            coordinate: coordinate.collect(),
+            position: position.collect(),
+            empty: Evaluator::new(gpu, &Kernel::BASELINE, 0).map_err(|error| error.to_string()),
+        }
+    }
+
+    /// Times what the folder has no times of, in rounds in which every kernel takes a turn; the
+    /// first round warms up and is dropped.
+    pub(crate) fn time(&mut self, folder: &RunFolder, rounds: u32) -> Result<(), BenchError> {
+        let done: BTreeSet<u32> = folder.precision_times()?.iter().map(|t| t.round).collect();
+        if done.len() >= rounds as usize {
+            return Ok(());
+        }
+        let Ok(empty) = &mut self.empty else {
+            return Ok(());
+        };
+        let offsets = timed_offsets();
+        let of_offset = [TIMED_STEP_M; 4];
+        let depths = position::timed_inputs();
+        let of_pixel = position::TIMED_STEP;
+        empty.prepare_timing(&offsets, of_offset, TURNS);
+        let empty = &self.empty;
+        let mut timed: Vec<(PrecisionPart, String, &mut Evaluator)> = Vec::new();
+        let region = Place::new(TIMED_EXTENT_DEG, TIMED_LATITUDE_DEG, ("0", 0.0, 0.0));
+        for kernel in &mut self.coordinate {
+            if let (Ok(device), Some(place)) = (&mut kernel.device, &region) {
+                let constants = kernel.route.constants(&place.region);
+                device.set_constants(&constants).map_err(lost)?;
+                device.prepare_timing(&offsets, of_offset, TURNS);
+                timed.push((PrecisionPart::Coordinate, kernel.route.name(), device));
+            }
+        }
+        for kernel in &mut self.position {
+            if let Ok(device) = &mut kernel.device {
+                let constants = position::timed_constants(kernel.route, kernel.mapping);
+                device.set_constants(&constants).map_err(lost)?;
+                device.prepare_timing(&depths, of_pixel, TURNS);
+                let name = position::timed_name(kernel.route, kernel.mapping);
+                timed.push((PrecisionPart::Position, name, device));
+            }
+        }
+        let Ok(empty) = empty else { return Ok(()) };
+        let missing = (0..rounds).filter(|round| !done.contains(round));
+        for round in std::iter::once(None).chain(missing.map(Some)) {
+            let beside = LoopTime::of_empty(empty, TURNS)?;
+            let mut rows = Vec::new();
+            for (part, name, device) in &timed {
+                let time = device.time(TURNS).map_err(lost)?;
+                rows.push(PrecisionTime {
+                    part: *part,
+                    route: name.clone(),
+                    round: round.unwrap_or_default(),
+                    evaluations: time.evaluations,
+                    cpu_ms: time.cpu_ms,
+                    empty_cpu_ms: beside.cpu_ms,
+                    gpu_ms: time.gpu_ms,
+                    empty_gpu_ms: beside.gpu_ms,
+                });
+            }
+            if round.is_some() {
+                folder.append_precision_times(&rows)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Offsets of fragments, as many as a dispatch takes.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "offsets as a shader has them"
+)]
+fn timed_offsets() -> Vec<[f32; 4]> {
+    let metres = TIMED_EXTENT_DEG.to_radians() * 6.4e6 * 0.5;
+    let at = |index: usize, base: u32| {
+        let index = u32::try_from(index).unwrap_or(u32::MAX);
+        ((2.0 * radical_inverse(index, base) - 1.0) * metres) as f32
+    };
+    (1..=EVALUATIONS_PER_DISPATCH)
+        .map(|i| [at(i, 2), at(i, 3), at(i, 5), 0.0])
+        .collect()
+}
+
+/// The route's evaluator, or why there is none.
+pub(crate) fn coordinate_evaluator(
+    gpu: &Arc<Gpu>,
+    name: &str,
+    program: &Program,
+) -> Result<Evaluator, String> {
+    coordinate_evaluator_of(gpu, name, program, &program.wgsl())
+}
+
+/// The same with a text of its own, so that a wrong one can be shown to be noticed.
+pub(crate) fn coordinate_evaluator_of(
+    gpu: &Arc<Gpu>,
+    name: &str,
+    program: &Program,
+    wgsl: &str,
+) -> Result<Evaluator, String> {
+    let mut text = String::new();
+    let mut texels = Vec::new();
+    let mut shape = None;
+    if let Some(table) = program.table() {
+        text = table.declarations(1, 0);
+        texels = table.bytes();
+        let format = table_format(table.format());
+        let linear = table.filter() == Filter::Linear;
+        let width = u32::try_from(table.texels()).map_err(|error| error.to_string())?;
+        shape = Some((format, width, 1, false, linear));
+    } else if let Some(cube) = program.cube() {
+        text = cube.declarations(1, 0);
+        texels = (0..6)
+            .flat_map(|face| cube.face(face))
+            .flatten()
+            .flat_map(f32::to_le_bytes)
+            .collect();
+        let size = cube.size();
+        shape = Some((TableFormat::Rg32Float, size, size, true, true));
+    }
+    text.push_str(wgsl);
+    let kernel = Kernel {
+        name,
+        wgsl: &text,
+        constants: Some("RouteConstants"),
+        call: "vec4f(route_angles(x.xyz, constants), 0.0, 0.0)",
+        table: shape.map(|(format, width, height, cube, linear)| KernelTable {
+            format,
+            width,
+            height,
+            cube,
+            linear,
+            texels: &texels,
+        }),
+    };
+    Evaluator::new(gpu, &kernel, program.constant_vectors()).map_err(|error| error.to_string())
+}
+
+fn position_evaluator(
+    gpu: &Arc<Gpu>,
+    route: PositionRoute,
+    mapping: DepthMapping,
+) -> Result<Evaluator, String> {
+    let format = position::timed_format(mapping);
+    let kernel = Kernel {
+        name: &position::timed_name(route, mapping),
+        wgsl: &route.wgsl(&format),
+        constants: Some("PositionConstants"),
+        call: "vec4f(fragment_offset(x.xy, x.z, constants), 0.0)",
+        table: None,
+    };
+    let vectors = route.program(&format).constant_vectors();
+    Evaluator::new(gpu, &kernel, vectors).map_err(|error| error.to_string())
+}
+
+/// Asks a kernel for every input under these constants; the reason where it cannot be asked.
+pub(crate) fn ask(
+    device: &Result<Evaluator, String>,
+    constants: &[[f32; 4]],
+    inputs: &[[f32; 4]],
+) -> Result<Result<Evaluation, String>, BenchError> {
+    match device {
+        Ok(device) => {
+            device.set_constants(constants).map_err(lost)?;
+            device.evaluate(inputs).map(Ok).map_err(lost)
+        }
+        Err(why) => Ok(Err(format!("not on this device: {why}"))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_gpu::{GpuOptions, open_for_test};
+
+    /// What a sampler of these properties would answer.
+    fn answers_of(table: &LookupTable, weighs_exactly: bool, shift: f32) -> Vec<(f32, f32)> {
+        let off = [0.0; 2];
+        let table = table.clone().on(Sampler {
+            weighs_exactly,
+            off,
+        });
+        let places = (0..PROBES).map(|i| (f32::from(i) + 0.37) / f32::from(PROBES));
+        let answer = |u: f32| (u, table.sample(u) + if u > 0.5 { shift } else { 0.0 });
+        places.map(answer).collect()
+    }
+
+    #[test]
+    fn a_sampler_is_known_by_its_answers() {
+        let table = LookupTable::arctangent(PROBE_TEXELS, TexelFormat::R8Unorm, Filter::Linear);
+        let of = |exactly, shift| sampler_of(&table, &answers_of(&table, exactly, shift));
+        assert_eq!(of(false, 0.0), Sampler::COMMON);
+        assert!(of(true, 0.0).weighs_exactly, "twin");
+        // One that truncates answers to 8 bits is off to one side.
+        let [low, high] = of(true, -1.0 / 255.0).off;
+        assert!(
+            (low + 1.0 / 255.0).abs() < 1e-6 && high.abs() < 1e-6,
+            "{low} {high}"
+        );
+    }
+
+    #[test]
+    fn this_devices_sampler_is_within_what_the_bound_grants() {
+        let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+            return;
+        };
+        let samplers = Samplers::ask(&gpu);
+        assert!(
+            samplers.0.len() >= 3,
+            "formats that WebGPU filters everywhere"
+        );
+        for (format, sampler) in &samplers.0 {
+            let most = sampler
+                .off
+                .iter()
+                .fold(0.0, |most: f64, off| most.max(off.abs()));
+            // A step of the format at most, beyond half a step of the weights.
+            let step = match format {
+                TexelFormat::R8Unorm => 1.0 / 255.0,
+                TexelFormat::R16Unorm => 1.0 / 65_535.0,
+                TexelFormat::R16Float | TexelFormat::R32Float => 1e-6,
+            };
+            assert!(most <= step * 1.01, "{format:?}: {sampler:?}");
+        }
+    }
+}

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Coordinate routes at inputs where formulas break: zeros, subnormals, the axis, the octants' seams,
+//! the antimeridian, what is not a number.
+
+use super::coordinate::blank_row;
+use super::kernel::{CoordinateKernel, Kernels, ask};
+use super::place::Place;
+use super::timing::Times;
+use crate::BenchError;
+use terrafill_results::legacy::{PrecisionPart, PrecisionRow, Status};
+use terrafill_texture::{Arithmetic, MapRegion};
+
+/// One input.
+struct Special {
+    name: &'static str,
+    /// Of the whole globe, anchored at 20° on the equator; else of 10° at 45°.
+    on_globe: bool,
+    /// Whether a fragment can be there.
+    is_fragment: bool,
+    /// Offset from the anchor.
+    offset: fn(&MapRegion) -> [f32; 3],
+}
+
+/// The position, meridian axes, from the body's centre, as an offset.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "offsets as a shader has them"
+)]
+fn from_centre(region: &MapRegion, position: [f64; 3]) -> [f32; 3] {
+    let anchor = region.anchor_meridian().to_array();
+    [0, 1, 2].map(|axis: usize| (position[axis] - anchor[axis]) as f32)
+}
+
+fn radius(region: &MapRegion) -> f64 {
+    region.body().equatorial_radius_m()
+}
+
+/// On the equator at this longitude from the anchor's, on the globe.
+fn on_equator(region: &MapRegion, longitude_deg: f64) -> [f32; 3] {
+    let (sin, cos) = longitude_deg.to_radians().sin_cos();
+    from_centre(region, [radius(region) * cos, radius(region) * sin, 0.0])
+}
+
+fn pole(region: &MapRegion, sign: f64) -> [f32; 3] {
+    from_centre(region, [0.0, 0.0, sign * region.body().polar_radius_m()])
+}
+
+/// Every input. Those of the globe reach every octant; of a small region's only those inside.
+const INPUTS: [Special; 24] = [
+    inside("anchor, +0", |_| [0.0; 3]),
+    inside("anchor, -0", |_| [-0.0; 3]),
+    inside("anchor, mixed zeros", |_| [0.0, -0.0, 0.0]),
+    inside("subnormal offset", |_| [1e-40, -1e-40, 1e-40]),
+    inside("smallest subnormal offset", |_| [f32::from_bits(1); 3]),
+    inside("1 m north", |_| [0.0, 0.0, 1.0]),
+    inside("1 m east", |_| [0.0, 1.0, 0.0]),
+    globe("meridian, +0", |region| {
+        let [x, _, z] = on_equator(region, 0.0);
+        [x, 0.0, z]
+    }),
+    globe("octant seam 45°", |region| on_equator(region, 45.0)),
+    globe("octant seam -45°", |region| on_equator(region, -45.0)),
+    globe("octant seam 90°", |region| on_equator(region, 90.0)),
+    globe("octant seam 135°", |region| on_equator(region, 135.0)),
+    globe("octant seam -135°", |region| on_equator(region, -135.0)),
+    globe("antimeridian, +0", |region| {
+        let [x, _, z] = on_equator(region, 180.0);
+        [x, 0.0, z]
+    }),
+    globe("antimeridian, -0", |region| {
+        let [x, _, z] = on_equator(region, 180.0);
+        [x, -0.0, z]
+    }),
+    globe("north pole", |region| pole(region, 1.0)),
+    globe("south pole", |region| pole(region, -1.0)),
+    globe("1 mm beside the north pole", |region| {
+        let mut position = [1e-3, 0.0, 0.0];
+        position[2] = region.body().polar_radius_m();
+        from_centre(region, position)
+    }),
+    beyond("body's centre", |region| from_centre(region, [0.0; 3])),
+    beyond("+∞", |_| [f32::INFINITY, 0.0, 0.0]),
+    beyond("-∞", |_| [0.0, f32::NEG_INFINITY, 0.0]),
+    beyond("∞ on every axis", |_| [f32::INFINITY; 3]),
+    beyond("NaN", |_| [f32::NAN; 3]),
+    beyond("largest float", |_| [f32::MAX; 3]),
+];
+
+const fn inside(name: &'static str, offset: fn(&MapRegion) -> [f32; 3]) -> Special {
+    Special {
+        name,
+        on_globe: false,
+        is_fragment: true,
+        offset,
+    }
+}
+
+const fn globe(name: &'static str, offset: fn(&MapRegion) -> [f32; 3]) -> Special {
+    Special {
+        name,
+        on_globe: true,
+        is_fragment: true,
+        offset,
+    }
+}
+
+/// Where no fragment is: what cleared depth or a broken position would give.
+const fn beyond(name: &'static str, offset: fn(&MapRegion) -> [f32; 3]) -> Special {
+    Special {
+        name,
+        on_globe: true,
+        is_fragment: false,
+        offset,
+    }
+}
+
+/// Conditions of the special rows.
+pub(crate) fn names() -> Vec<String> {
+    INPUTS.iter().map(|input| input.name.to_owned()).collect()
+}
+
+/// Rows of every route at the input called `name`.
+pub(crate) fn rows(
+    name: &str,
+    kernels: &Kernels,
+    times: &Times,
+) -> Result<Vec<PrecisionRow>, BenchError> {
+    let mut rows = Vec::new();
+    let Some(special) = INPUTS.iter().find(|input| input.name == name) else {
+        return Ok(rows);
+    };
+    let (extent_deg, latitude_deg) = if special.on_globe {
+        (360.0, 0.0)
+    } else {
+        (10.0, 45.0)
+    };
+    let Some(place) = Place::new(extent_deg, latitude_deg, ("0", 0.0, 0.0)) else {
+        return Ok(rows);
+    };
+    for kernel in &kernels.coordinate {
+        rows.push(row(special, &place, kernel, times)?);
+    }
+    Ok(rows)
+}
+
+fn row(
+    special: &Special,
+    place: &Place,
+    kernel: &CoordinateKernel,
+    times: &Times,
+) -> Result<PrecisionRow, BenchError> {
+    let mut row = blank_row(kernel, times);
+    row.part = PrecisionPart::Special;
+    row.condition = special.name.to_owned();
+    row.extent_deg = Some(place.extent_deg);
+    row.latitude_deg = Some(place.latitude_deg);
+    row.points = 1;
+    let offset = (special.offset)(&place.region);
+    let constants = kernel.route.constants(&place.region);
+    let emulated = kernel
+        .program
+        .emulate(&constants, offset, Arithmetic::Fused);
+    row.emulated_answer = text(emulated);
+    row.non_finite_emulated = Some(count(emulated));
+    let [x, y, z] = offset;
+    row.status = Status::Ok;
+    match ask(&kernel.device, &constants, &[[x, y, z, 0.0]])? {
+        Ok(answers) => {
+            let [longitude, latitude, ..] = answers.values[0];
+            row.device_answer = text([longitude, latitude]);
+            row.non_finite_device = Some(count([longitude, latitude]));
+        }
+        Err(why) => (row.status, row.reason) = (Status::Skipped, why),
+    }
+    if row.non_finite() > 0 && special.is_fragment {
+        (row.status, row.reason) = (Status::Wrong, "not finite".to_owned());
+    } else if !special.is_fragment && row.reason.is_empty() {
+        row.reason = "no fragment is there".to_owned();
+    }
+    Ok(row)
+}
+
+fn count(answer: [f32; 2]) -> u64 {
+    u64::from(answer.iter().any(|angle| !angle.is_finite()))
+}
+
+fn text([longitude, latitude]: [f32; 2]) -> String {
+    format!("{longitude:?} {latitude:?}")
+}

@@ -1,0 +1,415 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What is measured of textured fill: the comparisons of the 2007 document, and how far each frame's
+//! texture coordinates are from the reference's.
+//!
+//! The document compares a plain fill with textured ones: both angles by the device's own arctangent
+//! or by something cheaper, one picture for all regions or one each, a large picture or a small one,
+//! and with a normalisation that nothing needs. Each is a row beside the plain fill of the same
+//! rounds. Errors in texels; colours of 0 to 255.
+
+use crate::technique::Technique;
+use crate::{BenchError, Setting};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+use std::sync::Arc;
+use terrafill_conformance::{TextureErrors, Verdict, compare_texture, texture_verdict};
+use terrafill_fill::{Frame, FrameInput, NO_REGION, Picture, RouteChoice};
+use terrafill_reference::ReferenceBackend;
+use terrafill_scene::{ImageSize, Scene, SceneTexture, TextureShare, View, checker};
+
+/// Scenes that are about pictures: only textured fills are drawn of them, each once.
+pub const PICTURE_SCENES: [&str; 1] = ["blue-marble"];
+
+/// The one scene and view that a quick run measures textured.
+const QUICK: (&str, &str) = ("california", "top-down");
+
+/// The document's angles: the device's own arctangent, from the position itself.
+const NATIVE_ROUTE: &str = "atan2-native";
+
+/// Texels along the side of the document's small picture, and cells of a checker of that size.
+const SMALL_PX: u32 = 32;
+const SMALL_CELLS: u32 = 16;
+
+/// How much a difference of colours is amplified, so that one level of 255 can be seen.
+const AMPLIFIED: i32 = 10;
+
+/// Longest side of a cut-out, pixels: at one pixel to a pixel texels and their errors can be seen.
+const CUT_OUT_PX: u32 = 480;
+
+/// Where a difference has no meaning: not filled by both with the same region.
+const NOT_COMPARED: [u8; 3] = [18, 20, 26];
+
+/// Which picture a textured case shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub enum ShownPicture {
+    /// The scene's, shared as the scene says.
+    #[default]
+    Scene,
+    /// The scene's, a copy for each region.
+    Each,
+    /// A checker of 32² texels.
+    Small,
+}
+
+impl ShownPicture {
+    /// `key=value` in the variant; empty for the scene's own.
+    #[must_use]
+    pub fn name(self) -> Option<&'static str> {
+        match self {
+            Self::Scene => None,
+            Self::Each => Some("picture=each"),
+            Self::Small => Some("picture=32"),
+        }
+    }
+
+    /// The same view with the picture shown; `None` where the scene has none.
+    pub(crate) fn input(self, input: &FrameInput) -> Option<FrameInput> {
+        let texture = input.scene.texture.as_deref()?;
+        let shown = match self {
+            Self::Scene => return Some(input.clone()),
+            Self::Each => SceneTexture {
+                share: TextureShare::Each,
+                ..texture.clone()
+            },
+            Self::Small => SceneTexture {
+                source: format!("checker {SMALL_PX}² of {SMALL_CELLS}² cells"),
+                image: checker(SMALL_PX, SMALL_CELLS)?,
+                ..texture.clone()
+            },
+        };
+        let mut changed = input.clone();
+        changed.scene.texture = Some(Arc::new(shown));
+        Some(changed)
+    }
+}
+
+/// Whether only textured fills of a scene are drawn.
+pub(crate) fn is_picture_scene(scene: &Scene) -> bool {
+    PICTURE_SCENES.contains(&scene.name.as_str()) && scene.texture.is_some()
+}
+
+/// The textured cases of a backend in one view, from its main variant `plain`.
+pub(crate) fn textured_settings(
+    plain: Setting,
+    scene: &Scene,
+    view: &View,
+    quick: bool,
+) -> Vec<(Setting, ShownPicture)> {
+    if scene.texture.is_none() {
+        return Vec::new();
+    }
+    let is_quick_view = QUICK == (scene.name.as_str(), view.name.as_str());
+    let by = |choice: RouteChoice| {
+        let textured = plain.with(|switches| switches.texture = Some(choice));
+        (textured, ShownPicture::Scene)
+    };
+    let chosen = by(RouteChoice::Chosen);
+    let is_first = matches!(plain.technique, Technique::Vertex(_));
+    let native = RouteChoice::parse(NATIVE_ROUTE).filter(|_| is_first);
+    let native = native.map(by);
+    if is_picture_scene(scene) {
+        return [chosen].into_iter().chain(native).collect();
+    }
+    if quick {
+        let both = [chosen].into_iter().chain(native);
+        return both.filter(|_| is_quick_view && is_first).collect();
+    }
+    let mut settings = vec![chosen];
+    if let Some((setting, shown)) = native {
+        let normalized = setting.with(|switches| switches.superfluous_normalize = true);
+        settings.extend([
+            (setting, shown),
+            by(RouteChoice::Floor),
+            (normalized, shown),
+            (chosen.0, ShownPicture::Each),
+            (chosen.0, ShownPicture::Small),
+        ]);
+    }
+    settings
+}
+
+/// The reference's textured frames of one view: one for each size of picture, drawn when first asked
+/// for. How many copies there are changes nothing that is seen.
+#[derive(Default)]
+pub(crate) struct TexturedReferences {
+    known: RefCell<BTreeMap<[u32; 2], Judged>>,
+}
+
+type Judged = Result<Rc<TexturedReference>, String>;
+
+/// What the reference says of a textured frame.
+pub(crate) struct TexturedReference {
+    frame: Frame,
+    rgb: Vec<u8>,
+}
+
+impl TexturedReferences {
+    fn of(&self, input: &FrameInput) -> Judged {
+        let Some(texture) = &input.scene.texture else {
+            return Err("the scene has no picture to compare with".to_owned());
+        };
+        let mut known = self.known.borrow_mut();
+        let judge = || {
+            let judged = ReferenceBackend::textured().judge(input);
+            let judged = judged.map_err(|error| error.to_string())?;
+            let missing = || "the reference drew no picture".to_owned();
+            Ok(Rc::new(TexturedReference {
+                rgb: judged.picture.ok_or_else(missing)?,
+                frame: judged.frame,
+            }))
+        };
+        let size = texture.image.size_px();
+        known.entry(size).or_insert_with(judge).clone()
+    }
+
+    /// Errors of the places that a textured frame's texels come from, and what speaks against them.
+    pub(crate) fn judge(
+        &self,
+        input: &FrameInput,
+        frame: &Frame,
+    ) -> (Option<TextureErrors>, Vec<String>) {
+        let compared = self.of(input).and_then(|reference| {
+            compare_texture(&reference.frame, frame).map_err(|error| error.to_string())
+        });
+        match compared {
+            Ok(errors) => match texture_verdict(&errors) {
+                Verdict::Pass => (Some(errors), Vec::new()),
+                Verdict::Fail(reasons) => (Some(errors), reasons),
+            },
+            Err(error) => (None, vec![error]),
+        }
+    }
+
+    /// Lays a backend's picture beside the reference's.
+    ///
+    /// # Errors
+    /// One sentence: there is no reference, or what lies under a translucent fill shows, which the
+    /// reference paints in one colour.
+    pub(crate) fn pictures(
+        &self,
+        input: &FrameInput,
+        frame: &Frame,
+        picture: &Picture,
+    ) -> Result<Pictures, String> {
+        let reference = self.of(input)?;
+        let texture = input.scene.texture.as_deref();
+        let is_opaque =
+            texture.is_some_and(|texture| texture.alpha >= 1.0 && texture.fade_m.is_none());
+        if !is_opaque {
+            return Err(
+                "no difference of colours: what lies under the fill shows, and the reference \
+                 paints it in one colour"
+                    .to_owned(),
+            );
+        }
+        let found: Vec<u8> = crate::images::drop_alpha(&picture.rgba);
+        Ok(Pictures::new(
+            &reference.frame.ids,
+            &frame.ids,
+            &reference.rgb,
+            found,
+            input.size.width as usize,
+        ))
+    }
+}
+
+/// A backend's picture, the reference's, and ten times their difference; RGB.
+pub(crate) struct Pictures {
+    pub(crate) found: Vec<u8>,
+    pub(crate) reference: Vec<u8>,
+    pub(crate) difference: Vec<u8>,
+    /// Largest difference of a channel, and the mean over channels and pixels compared; `None` where
+    /// no pixel was.
+    pub(crate) largest: Option<u64>,
+    pub(crate) mean: Option<f64>,
+    /// Column and row of the middle of the pixels compared.
+    pub(crate) centre: [usize; 2],
+}
+
+impl Pictures {
+    /// Pixels count that both fill with the same region: `expected` and `ids` say with which.
+    fn new(expected: &[u32], ids: &[u32], reference: &[u8], found: Vec<u8>, width: usize) -> Self {
+        let mut difference = Vec::with_capacity(found.len());
+        let (mut largest, mut sum, mut count) = (0, 0_u64, 0_u64);
+        let pixels = reference.chunks_exact(3).zip(found.chunks_exact(3));
+        for ((a, b), (expected, id)) in pixels.zip(expected.iter().zip(ids)) {
+            if *id == NO_REGION || id != expected {
+                difference.extend(NOT_COMPARED);
+                continue;
+            }
+            for (a, b) in a.iter().zip(b) {
+                let apart = (i32::from(*a) - i32::from(*b)).abs();
+                let shown = (apart * AMPLIFIED).clamp(0, 255);
+                difference.push(u8::try_from(shown).unwrap_or(u8::MAX));
+                largest = largest.max(apart.unsigned_abs());
+                sum += u64::from(apart.unsigned_abs());
+                count += 1;
+            }
+        }
+        let is_compared = count > 0;
+        Self {
+            found,
+            reference: reference.to_vec(),
+            difference,
+            centre: centre(expected, ids, width),
+            largest: is_compared.then_some(u64::from(largest)),
+            mean: is_compared.then(|| sum as f64 / count as f64),
+        }
+    }
+}
+
+/// Mean column and row of the pixels that both fill with the same region.
+fn centre(expected: &[u32], ids: &[u32], width: usize) -> [usize; 2] {
+    let alike = (0..ids.len()).filter(|&at| ids[at] != NO_REGION && ids[at] == expected[at]);
+    let (count, columns, rows) = alike.fold((0, 0, 0), |(count, columns, rows), at| {
+        (count + 1, columns + at % width, rows + at / width)
+    });
+    [columns, rows].map(|sum| sum / count.max(1))
+}
+
+/// Part of an RGB picture round `centre`, at most [`CUT_OUT_PX`] a side.
+pub(crate) fn cut_out(size: ImageSize, centre: [usize; 2], rgb: &[u8]) -> (ImageSize, Vec<u8>) {
+    let smaller = ImageSize {
+        width: size.width.min(CUT_OUT_PX),
+        height: size.height.min(CUT_OUT_PX),
+    };
+    let start = |centre: usize, whole: u32, part: u32| {
+        let furthest = (whole - part) as usize;
+        centre.saturating_sub(part as usize / 2).min(furthest)
+    };
+    let left = start(centre[0], size.width, smaller.width);
+    let top = start(centre[1], size.height, smaller.height);
+    let rows = rgb.chunks_exact(3 * size.width as usize);
+    let cut = rows
+        .skip(top)
+        .take(smaller.height as usize)
+        .flat_map(|row| &row[3 * left..3 * (left + smaller.width as usize)]);
+    (smaller, cut.copied().collect())
+}
+
+/// Why a quick run leaves a scene out.
+pub(crate) fn left_out_of_quick_runs(name: &str) -> Option<String> {
+    let is_left_out = PICTURE_SCENES.contains(&name);
+    is_left_out.then(|| {
+        "its pictures are left out of quick runs over all scenes; name it to see them".to_owned()
+    })
+}
+
+/// A cut-out written under `folder/images/`; its path relative to `folder`.
+pub(crate) fn write_cut_out(
+    folder: &std::path::Path,
+    name: &str,
+    size: ImageSize,
+    centre: [usize; 2],
+    rgb: &[u8],
+) -> Result<String, BenchError> {
+    let (size, rgb) = cut_out(size, centre, rgb);
+    crate::images::write_rgb(folder, name, size, &rgb)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_vertex::VertexVariant;
+
+    fn plain() -> Setting {
+        Setting::new(Technique::Vertex(VertexVariant::default()))
+    }
+
+    fn names(scene: &str, view: usize, quick: bool) -> Vec<String> {
+        let scene = Scene::shipped(scene, None).expect("needs no data");
+        let view = &scene.views[view];
+        textured_settings(plain(), &scene, view, quick)
+            .into_iter()
+            .map(|(setting, shown)| {
+                let shown = shown.name().map(|name| format!(",{name}"));
+                setting.variant_name() + &shown.unwrap_or_default()
+            })
+            .collect()
+    }
+
+    #[test]
+    fn the_documents_comparisons_are_all_there() {
+        let all = names("california", 0, false);
+        assert_eq!(
+            all,
+            [
+                "doubled,texture=chosen",
+                "doubled,texture=atan2-native+bowring-1",
+                "doubled,texture=floor",
+                "doubled,normalize=superfluous,texture=atan2-native+bowring-1",
+                "doubled,texture=chosen,picture=each",
+                "doubled,texture=chosen,picture=32",
+            ]
+        );
+        assert_eq!(names("planet-134", 0, false), all);
+    }
+
+    #[test]
+    fn a_quick_run_takes_one_view() {
+        let views = [0, 1, 2].map(|view| names("california", view, true).len());
+        assert_eq!(views, [0, 2, 0]);
+        assert_eq!(names("planet-134", 1, true).len(), 0);
+    }
+
+    #[test]
+    fn a_scene_without_a_picture_has_no_textured_cases() {
+        let mut scene = Scene::shipped("california", None).expect("needs no data");
+        scene.texture = None;
+        let settings = textured_settings(plain(), &scene, &scene.views[0], false);
+        assert!(settings.is_empty());
+    }
+
+    #[test]
+    fn a_difference_of_colours_counts_where_both_fill_alike() {
+        // Four pixels: alike, one level apart, another region, none.
+        let reference = [100, 100, 100].repeat(4);
+        let mut found = reference.clone();
+        found[4] = 101;
+        found[6] = 0;
+        found[9] = 0;
+        let pictures = Pictures::new(&[1, 1, 1, 0], &[1, 1, 2, 0], &reference, found.clone(), 2);
+        assert_eq!(pictures.difference[..6], [0, 0, 0, 0, 10, 0]);
+        assert_eq!(
+            pictures.difference[6..],
+            [NOT_COMPARED, NOT_COMPARED].concat()
+        );
+        assert_eq!(
+            (pictures.largest, pictures.mean),
+            (Some(1), Some(1.0 / 6.0))
+        );
+        // Twins: a difference that the third pixel has counts once it is the same region; with none
+        // alike there is no figure, which is not 0.
+        let alike = Pictures::new(&[1, 1, 2, 0], &[1, 1, 2, 0], &reference, found.clone(), 2);
+        assert_eq!(alike.largest, Some(100));
+        let none = Pictures::new(&[1; 4], &[2; 4], &reference, found, 2);
+        assert_eq!((none.largest, none.mean), (None, None));
+    }
+
+    #[test]
+    fn a_cut_out_lies_round_what_is_filled() {
+        assert_eq!(centre(&[0, 1, 0, 1], &[0, 1, 0, 1], 2), [1, 0]);
+        assert_eq!(centre(&[0, 0, 2, 2], &[0, 0, 1, 2], 2), [1, 1]);
+        let size = ImageSize {
+            width: CUT_OUT_PX + 2,
+            height: 3,
+        };
+        let mut rgb = vec![0; 3 * size.pixel_count()];
+        rgb[..3].fill(1);
+        rgb[3..6].fill(2);
+        let (cut, pixels) = cut_out(size, [CUT_OUT_PX as usize / 2 + 1, 1], &rgb);
+        assert_eq!((cut.width, cut.height), (CUT_OUT_PX, 3));
+        assert_eq!(pixels.len(), 3 * cut.pixel_count());
+        assert_eq!(pixels[..3], [2; 3], "a column is cut off on the left");
+        // At a rim it stays inside.
+        let (cut, pixels) = cut_out(size, [0, 2], &rgb);
+        assert_eq!((cut.width, pixels[..3].to_vec()), (CUT_OUT_PX, vec![1; 3]));
+        // One that is small enough stays whole.
+        let small = ImageSize {
+            width: 2,
+            height: 1,
+        };
+        assert_eq!(cut_out(small, [1, 0], &[7; 6]), (small, vec![7; 6]));
+    }
+}

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What every backend must do in every variant: be right before the reference, and show what the
+//! vertex backend shows, to the pixel; and be wrong where it must be.
+
+use super::sights::{MUTANTS, Notices, POSES, Sight, square_from, three_regions_from};
+use super::{
+    Devices, SIZE, Stages, differing, draw, figures, is_right, judge, shipped, vertex, with_colour,
+    with_switches,
+};
+use terrafill_conformance::{filled_only, verdict};
+use terrafill_fill::{ColourWay, DepthRuleChoice, FacePasses, Frame, FrameInput, Switches};
+use terrafill_filling::Technique;
+use terrafill_native::Technique as Native;
+use terrafill_scene::{Overlap, PlanOptions};
+use terrafill_vertex::Layout;
+
+/// The vertex backend's picture with the same switches is what the others' are compared with; its own
+/// other layouts and formats may round otherwise, and have the reference alone.
+fn is_held_against_vertex(technique: &Technique) -> bool {
+    !matches!(technique, Technique::Vertex(_))
+}
+
+/// A volume around every triangle, with walls between triangles of one region.
+fn has_inner_walls(technique: &Technique) -> bool {
+    match technique {
+        Technique::Vertex(variant) => variant.layout == Layout::PerTriangle,
+        Technique::Native(variant) => variant.technique == Native::GsPerTriangle,
+        Technique::Compute(_) | Technique::Baseline(_) => false,
+    }
+}
+
+fn switches_of(technique: &Technique) -> Switches {
+    *technique.switches().expect("draws volumes")
+}
+
+fn name_of(technique: &Technique) -> String {
+    format!("{}/{}", technique.backend(), technique.variant_name())
+}
+
+/// Pictures of the vertex backend, one for all that have the same switches.
+struct ByVertex<'a> {
+    devices: &'a Devices,
+    input: &'a FrameInput,
+    drawn: Vec<(Switches, Frame)>,
+}
+
+impl ByVertex<'_> {
+    fn frame(&mut self, switches: Switches) -> &Frame {
+        let known = self.drawn.iter().position(|(known, _)| *known == switches);
+        let index = known.unwrap_or_else(|| {
+            let frame = draw(self.devices, self.input, vertex(switches));
+            self.drawn.push((switches, frame));
+            self.drawn.len() - 1
+        });
+        &self.drawn[index].1
+    }
+}
+
+/// Every technique is right and the vertex backend's picture to the pixel, and every view has both
+/// filled and empty surface in it.
+pub(crate) fn assert_all_right(sights: &[Sight], techniques: &[Technique]) {
+    let Some(devices) = Devices::open_for(techniques) else {
+        return;
+    };
+    assert!(!sights.is_empty() && !techniques.is_empty());
+    for (what, input) in sights {
+        let judged = judge(input);
+        let filled = judged.filled_px();
+        let surface = judged.surface.iter().filter(|&&is| is).count() as u64;
+        assert!(filled > 100, "{what}: only {filled} pixels are filled");
+        assert!(filled + 100 < surface, "{what}: no boundary in sight");
+        let mut by_vertex = ByVertex {
+            devices: &devices,
+            input,
+            drawn: Vec::new(),
+        };
+        for &technique in techniques {
+            let frame = draw(&devices, input, technique);
+            let beside = is_held_against_vertex(&technique)
+                .then(|| by_vertex.frame(switches_of(&technique)));
+            assert_right(what, input, technique, &judged, &frame, beside);
+        }
+    }
+}
+
+fn assert_right(
+    what: &str,
+    input: &FrameInput,
+    technique: Technique,
+    judged: &Frame,
+    frame: &Frame,
+    by_vertex: Option<&Frame>,
+) {
+    let name = name_of(&technique);
+    if let Some(by_vertex) = by_vertex {
+        assert_eq!(frame.surface, by_vertex.surface, "{what}, {name}");
+    }
+    // Where regions are not told apart, which of several volumes over a pixel brings the colour is a
+    // matter of order.
+    let told_apart = |frame: &Frame| {
+        if switches_of(&technique).colour.tells_regions_apart() {
+            frame.clone()
+        } else {
+            filled_only(frame)
+        }
+    };
+    let (judged, frame) = (told_apart(judged), told_apart(frame));
+    let differ = by_vertex.map_or(0, |by_vertex| differing(&frame, &told_apart(by_vertex)));
+    let found = figures(&judged, &frame);
+    let verdict = verdict(&found);
+    // Where faces are culled, an inner wall that the near plane clips becomes a fan around another
+    // corner when it is turned over, and the two fans' depths differ in the last bit: where the surface
+    // lies between them, a pixel is counted once. One in 147,456 was seen on llvmpipe.
+    let is_cracked = has_inner_walls(&technique)
+        && switches_of(&technique).faces == FacePasses::TwoPass
+        && is_clipped(input)
+        && found.mismatched_px_outside_band <= 4
+        && differ <= 4;
+    assert!(
+        (verdict.is_pass() && differ == 0) || is_cracked,
+        "{what}, {name}: {verdict:?}, {differ} pixels differ from vertex"
+    );
+}
+
+/// Whether some mesh reaches behind the eye.
+fn is_clipped(input: &FrameInput) -> bool {
+    let is_behind = |&ecef| input.camera.project_px(input.size, ecef).is_none();
+    let mut meshes = input.scene.meshes.iter();
+    meshes.any(|mesh| mesh.vertices_ecef.iter().any(is_behind))
+}
+
+/// Shipped scenes and, where they are here, real countries; `techniques` are those for the switches
+/// that a scene is drawn with.
+pub(crate) fn assert_shipped_scenes_right(techniques: impl Fn(Switches) -> Vec<Technique>) {
+    let Some(devices) = Devices::open_for(&techniques(Switches::default())) else {
+        return;
+    };
+    for name in ["california", "planet-134", "countries-110m"] {
+        let Some((prepared, views)) = shipped(name) else {
+            continue;
+        };
+        let switches = Switches::for_overlap(prepared.overlap);
+        for view in &views {
+            let input = FrameInput::new(&prepared, view, SIZE, PlanOptions::default());
+            let judged = judge(&input);
+            let by_vertex = draw(&devices, &input, vertex(switches));
+            for technique in techniques(switches) {
+                let frame = draw(&devices, &input, technique);
+                let what = format!("{name}/{}/{}", view.name, name_of(&technique));
+                let found = figures(&judged, &frame);
+                let verdict = verdict(&found);
+                assert!(verdict.is_pass(), "{what}: {verdict:?} {found:?}");
+                if is_held_against_vertex(&technique) {
+                    assert_eq!(differing(&frame, &by_vertex), 0, "{what}");
+                }
+            }
+        }
+    }
+}
+
+/// From each of [`POSES`] the same pixels are filled, and by the same regions where they are told
+/// apart.
+///
+/// - `techniques`: by the number of the pose
+pub(crate) fn assert_no_switch_changes_a_pixel(techniques: impl Fn(usize) -> Vec<Technique>) {
+    let Some(devices) = Devices::open_for(&techniques(0)) else {
+        return;
+    };
+    for (place, pose) in POSES.into_iter().enumerate() {
+        let input = three_regions_from(pose);
+        let judged = judge(&input);
+        // One stage for all: making targets takes longer than drawing into them.
+        let stages = Stages::new(&devices, input.size);
+        let first = stages.draw(&input, vertex(Switches::default()));
+        assert!(is_right(&judged, &first), "{pose:?}");
+        let mask = filled_only(&first);
+        for technique in techniques(place) {
+            let frame = stages.draw(&input, technique);
+            let what = format!("{pose:?} {}", name_of(&technique));
+            assert_eq!(differing(&filled_only(&frame), &mask), 0, "{what}");
+            if switches_of(&technique).colour.tells_regions_apart() {
+                assert_eq!(differing(&frame, &first), 0, "{what}");
+                assert!(is_right(&judged, &frame), "{what}");
+            }
+        }
+    }
+}
+
+/// From inside a volume, counting in front of the surface is wrong, and the automatic rule knows.
+pub(crate) fn assert_forced_in_front_is_wrong_from_inside(techniques: &[Technique]) {
+    let Some(devices) = Devices::open_for(techniques) else {
+        return;
+    };
+    let input = square_from((5.0, 9.0, 300.0, 0.0, -5.0));
+    assert!(input.plan.regions[0].near_plane_meets_volume);
+    let judged = judge(&input);
+    for (depth_rule, right) in [
+        (DepthRuleChoice::Automatic, true),
+        (DepthRuleChoice::Fail, true),
+        (DepthRuleChoice::Pass, false),
+    ] {
+        for &technique in techniques {
+            let switches = Switches {
+                depth_rule,
+                ..switches_of(&technique)
+            };
+            let technique = with_switches(technique, switches);
+            let found = figures(&judged, &draw(&devices, &input, technique));
+            let what = format!("{}: {found:?}", name_of(&technique));
+            assert_eq!(verdict(&found).is_pass(), right, "{what}");
+        }
+    }
+}
+
+/// Each of [`MUTANTS`] is wrong before the reference, by bits that are flipped and by counting,
+/// except where it cannot be noticed.
+pub(crate) fn assert_broken_volumes_are_noticed(techniques: &[Technique]) {
+    let Some(devices) = Devices::open_for(techniques) else {
+        return;
+    };
+    let whole = square_from((5.0, -1.0, 2e4, 0.0, -15.0));
+    assert_eq!(whole.scene.overlap, Overlap::Disjoint);
+    let judged = judge(&whole);
+    for mutant in &MUTANTS {
+        let mut input = whole.clone();
+        let mut meshes = input.scene.meshes.to_vec();
+        (mutant.change)(&mut meshes[0]);
+        input.scene.meshes = meshes.into();
+        let colours: &[ColourWay] = if mutant.asks_for_counting {
+            &[ColourWay::Rectangle]
+        } else {
+            &[ColourWay::Xor, ColourWay::Rectangle]
+        };
+        for &colour in colours {
+            for &technique in techniques {
+                let technique = with_switches(technique, with_colour(colour));
+                let is_noticed = match mutant.notices {
+                    Notices::Nobody => false,
+                    Notices::Everybody => true,
+                    Notices::WhoeverAsksForLoops => !has_inner_walls(&technique),
+                };
+                let found = figures(&judged, &draw(&devices, &input, technique));
+                let what = format!("{}, {}: {found:?}", mutant.name, name_of(&technique));
+                assert_eq!(verdict(&found).is_pass(), !is_noticed, "{what}");
+            }
+        }
+    }
+}

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Regions written down in a test, views of them, and whatever draws them.
+//!
+//! A backend is asked for by its [`Technique`], as the bench asks, and drawn with as a
+//! [`VolumeBackend`]: what every backend must do is then written once, in [`checks`], over the views
+//! of [`sights`]. Another backend joins by an arm in [`Stages::open`] and a list of its variants.
+
+#![allow(dead_code, reason = "each test binary uses its own part of this")]
+
+pub(crate) mod checks;
+pub(crate) mod sights;
+
+use std::cell::OnceCell;
+use std::sync::Arc;
+use terrafill_compute::ComputeBackend;
+use terrafill_conformance::{compare, verdict};
+use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh, parse_regions};
+use terrafill_fill::{
+    Backend, ColourWay, Counters, Frame, FrameInput, PreparedScene, Switches, VolumeBackend,
+};
+use terrafill_filling::{Technique, open_scene};
+use terrafill_native::NativeBackend;
+use terrafill_reference::ReferenceBackend;
+use terrafill_results::legacy::ErrorFigures;
+use terrafill_scene::{
+    CameraPose, ImageSize, Overlap, PlanOptions, SurfaceMesh, View, data_dir_from_env,
+};
+use terrafill_vertex::{VertexBackend, VertexVariant};
+
+/// Size of most pictures here.
+pub(crate) const SIZE: ImageSize = ImageSize {
+    width: 384,
+    height: 384,
+};
+
+/// The adapter through wgpu and, where a test asks for it, through Vulkan itself.
+pub(crate) struct Devices {
+    pub(crate) wgpu: Arc<terrafill_gpu::Gpu>,
+    vulkan: OnceCell<Arc<terrafill_vulkan::Gpu>>,
+}
+
+impl Devices {
+    /// Through wgpu; `None`, said aloud, where there is no device.
+    pub(crate) fn open() -> Option<Self> {
+        Some(Self {
+            wgpu: terrafill_gpu::open_for_test(&Default::default())?,
+            vulkan: OnceCell::new(),
+        })
+    }
+
+    /// Both ways.
+    pub(crate) fn open_both() -> Option<Self> {
+        let devices = Self::open()?;
+        let vulkan = terrafill_vulkan::open_for_test(&Default::default())?;
+        devices.vulkan.set(vulkan).ok()?;
+        Some(devices)
+    }
+
+    /// As many ways as `techniques` need.
+    pub(crate) fn open_for(techniques: &[Technique]) -> Option<Self> {
+        let is_native = |technique| matches!(technique, &Technique::Native(_));
+        if techniques.iter().any(is_native) {
+            Self::open_both()
+        } else {
+            Self::open()
+        }
+    }
+
+    pub(crate) fn vulkan(&self) -> &Arc<terrafill_vulkan::Gpu> {
+        self.vulkan.get().expect("opened both ways")
+    }
+}
+
+/// Targets of one size on each device, made when they are first drawn on.
+pub(crate) struct Stages<'a> {
+    devices: &'a Devices,
+    size: ImageSize,
+    wgpu: OnceCell<terrafill_gpu::SharedStage>,
+    vulkan: OnceCell<terrafill_vulkan::SharedStage>,
+}
+
+impl<'a> Stages<'a> {
+    pub(crate) fn new(devices: &'a Devices, size: ImageSize) -> Self {
+        Self {
+            devices,
+            size,
+            wgpu: OnceCell::new(),
+            vulkan: OnceCell::new(),
+        }
+    }
+
+    pub(crate) fn wgpu(&self) -> &terrafill_gpu::SharedStage {
+        let make = || terrafill_gpu::Stage::shared(&self.devices.wgpu, self.size);
+        self.wgpu.get_or_init(|| make().expect("small targets"))
+    }
+
+    pub(crate) fn vulkan(&self) -> &terrafill_vulkan::SharedStage {
+        let make = || terrafill_vulkan::Stage::shared(self.devices.vulkan(), self.size);
+        self.vulkan.get_or_init(|| make().expect("small targets"))
+    }
+
+    /// What draws so.
+    pub(crate) fn open(&self, technique: Technique) -> Box<dyn VolumeBackend> {
+        match technique {
+            Technique::Baseline(kind) => panic!("{} is no technique", kind.name()),
+            Technique::Vertex(variant) => {
+                Box::new(VertexBackend::new(self.wgpu(), variant).expect("valid shaders"))
+            }
+            Technique::Compute(variant) => {
+                Box::new(ComputeBackend::new(self.wgpu(), variant).expect("valid shaders"))
+            }
+            Technique::Native(variant) => {
+                Box::new(NativeBackend::new(self.vulkan(), variant).expect("has the features"))
+            }
+        }
+    }
+
+    /// The frame on targets that may hold the surface already.
+    pub(crate) fn draw(&self, input: &FrameInput, technique: Technique) -> Frame {
+        draw_with(&mut *self.open(technique), input)
+    }
+}
+
+/// The frame on targets of its own.
+pub(crate) fn draw(devices: &Devices, input: &FrameInput, technique: Technique) -> Frame {
+    Stages::new(devices, input.size).draw(input, technique)
+}
+
+/// The frame by a backend that may have drawn others.
+pub(crate) fn draw_with(backend: &mut (impl Backend + ?Sized), input: &FrameInput) -> Frame {
+    backend.prepare(input).expect("fits");
+    backend.render(input).expect("draws")
+}
+
+/// What other backends are laid beside: doubled vertices with these switches.
+pub(crate) fn vertex(switches: Switches) -> Technique {
+    Technique::Vertex(VertexVariant {
+        switches,
+        ..VertexVariant::default()
+    })
+}
+
+/// The same technique with other switches.
+pub(crate) fn with_switches(mut technique: Technique, switches: Switches) -> Technique {
+    match &mut technique {
+        Technique::Baseline(kind) => panic!("{} has no switches", kind.name()),
+        Technique::Vertex(variant) => variant.switches = switches,
+        Technique::Compute(variant) => variant.switches = switches,
+        Technique::Native(variant) => variant.switches = switches,
+    }
+    technique
+}
+
+/// Default switches but for the way of colouring.
+pub(crate) fn with_colour(colour: ColourWay) -> Switches {
+    Switches {
+        colour,
+        ..Switches::default()
+    }
+}
+
+/// What the reference finds.
+pub(crate) fn judge(input: &FrameInput) -> Frame {
+    ReferenceBackend::new().judge(input).expect("judges").frame
+}
+
+/// What the comparison with the reference says.
+pub(crate) fn figures(reference: &Frame, frame: &Frame) -> ErrorFigures {
+    compare(reference, frame).expect("same size")
+}
+
+/// Whether the frame may pass for what the reference found.
+pub(crate) fn is_right(reference: &Frame, frame: &Frame) -> bool {
+    verdict(&figures(reference, frame)).is_pass()
+}
+
+/// Pixels that belong to another region, or to one in one frame alone.
+pub(crate) fn differing(a: &Frame, b: &Frame) -> usize {
+    assert_eq!(a.ids.len(), b.ids.len());
+    a.ids.iter().zip(&b.ids).filter(|(a, b)| a != b).count()
+}
+
+/// What a GPU backend counted.
+pub(crate) fn counters(frame: &Frame) -> Counters {
+    frame.counters.expect("a GPU backend counts")
+}
+
+/// Longitude, latitude, height, heading, pitch, in degrees and metres.
+pub(crate) type Pose = (f64, f64, f64, f64, f64);
+
+/// A view of disjoint regions.
+pub(crate) fn input(geojson: &str, body: Ellipsoid, rows: u32, pose: Pose) -> FrameInput {
+    let scene = scene(geojson, body, rows, Overlap::Disjoint);
+    look(&scene, pose, pose.2 * 1e-3, SIZE)
+}
+
+/// Regions over a grid of `rows` rows.
+pub(crate) fn scene(geojson: &str, body: Ellipsoid, rows: u32, overlap: Overlap) -> PreparedScene {
+    let tolerance_m = body.equatorial_radius_m() * 1e-7;
+    scene_within(tolerance_m, geojson, body, rows, overlap)
+}
+
+/// The same with boundaries this close to what the reference judges by.
+pub(crate) fn scene_within(
+    boundary_tolerance_m: f64,
+    geojson: &str,
+    body: Ellipsoid,
+    rows: u32,
+    overlap: Overlap,
+) -> PreparedScene {
+    let regions = parse_regions(geojson.as_bytes(), "test").expect("valid regions");
+    let options = MeshOptions {
+        boundary_tolerance_m,
+        cap_step_deg: 3.0,
+    };
+    let meshes = RegionMesh::build_all(&regions, &body, EdgeRule::Planar, &options);
+    PreparedScene {
+        name: "test".to_owned(),
+        body,
+        edge_rule: EdgeRule::Planar,
+        overlap,
+        regions: regions.into(),
+        meshes: Arc::new([]),
+        levels: Arc::default(),
+        bounds: Arc::new([]),
+        surface: Arc::new(SurfaceMesh::ellipsoid(&body, rows)),
+        texture: None,
+    }
+    .with_meshes(meshes.expect("meshes").into())
+}
+
+/// A view of `scene`.
+pub(crate) fn look(scene: &PreparedScene, pose: Pose, near_m: f64, size: ImageSize) -> FrameInput {
+    let (longitude, latitude, height_m, heading, pitch) = pose;
+    let view = View {
+        name: "test".to_owned(),
+        pose: CameraPose {
+            eye: Geodetic::from_degrees(longitude, latitude, height_m),
+            heading_rad: heading.to_radians(),
+            pitch_rad: pitch.to_radians(),
+            fov_y_rad: 60_f64.to_radians(),
+            near_m,
+        },
+        note: None,
+    };
+    FrameInput::new(scene, &view, size, PlanOptions::default())
+}
+
+/// A shipped scene with its views; `None`, said aloud, where its data is not here.
+pub(crate) fn shipped(name: &str) -> Option<(PreparedScene, Vec<View>)> {
+    let scene = match open_scene(name, data_dir_from_env().as_deref()) {
+        Ok(scene) => scene,
+        Err(error) => {
+            eprintln!("skipped: {error}");
+            return None;
+        }
+    };
+    let meshes = RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh)
+        .expect("meshes");
+    let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
+    let prepared = PreparedScene::new(&scene, meshes.into(), surface);
+    Some((prepared, scene.views))
+}
+
+/// A feature.
+pub(crate) fn polygon(name: &str, rings: &str) -> String {
+    format!(
+        r#"{{"type":"Feature","properties":{{"name":"{name}"}},
+            "geometry":{{"type":"Polygon","coordinates":[{rings}]}}}}"#
+    )
+}
+
+/// Features as a file.
+pub(crate) fn collection(features: &[String]) -> String {
+    let joined = features.join(",");
+    format!(r#"{{"type":"FeatureCollection","features":[{joined}]}}"#)
+}

@@ -1,0 +1,469 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The native backend held against the reference and, to the pixel, against the vertex backend:
+//! every technique, way of colouring and depth rule on extreme regions and views; its bytes; its
+//! steady state; and the twins that must be noticed.
+//!
+//! Without a Vulkan device these tests are skipped with the reason printed, unless
+//! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.
+
+mod drawing;
+
+use drawing::sights::{self, POSES, square_from, three_regions_from};
+use drawing::{Devices, SIZE, Stages, checks, counters, differing, draw, shipped, vertex};
+use terrafill_fill::{
+    Backend as _, BackendError, BottomCap, ColourWay, Counters, DepthRuleChoice, FacePasses,
+    FrameInput, StencilClear, Switches, TimedBackend as _, VolumeBackend as _,
+};
+use terrafill_filling::Technique;
+use terrafill_native::{
+    Indices, NativeBackend, NativeVariant, Technique as Native, depth_range, native_bytes,
+    walls_with_other_diagonal,
+};
+use terrafill_scene::{ImageSize, PlanOptions};
+use terrafill_vertex::{Layout, layout_bytes};
+
+#[test]
+fn both_ways_open_the_same_adapter() {
+    let Some(devices) = Devices::open_both() else {
+        return;
+    };
+    let (a, b) = (&devices.wgpu.facts, &devices.vulkan().facts);
+    assert_eq!((&a.name, a.device_type), (&b.name, b.device_type));
+    assert_eq!((a.vendor_id, a.device_id), (b.vendor_id, b.device_id));
+    assert_eq!((&a.driver, &a.driver_info), (&b.driver, &b.driver_info));
+    assert_eq!(a.features.timestamps, b.features.timestamps);
+    assert_eq!(
+        a.features.pipeline_statistics,
+        b.features.pipeline_statistics
+    );
+}
+
+/// Every technique with every kind of indices that it has.
+fn storages() -> Vec<(Native, Indices)> {
+    let lists = Native::ALL.map(|technique| (technique, Indices::List));
+    let own = Native::ALL.into_iter();
+    let own = own.filter(|technique| technique.has_index_choice());
+    let strips = own.map(|technique| (technique, Indices::Strip));
+    lists.into_iter().chain(strips).collect()
+}
+
+/// All of them, drawn so.
+fn techniques(switches: Switches) -> Vec<Technique> {
+    let of = |(technique, indices)| stored(technique, indices, switches);
+    storages().into_iter().map(of).collect()
+}
+
+fn stored(technique: Native, indices: Indices, switches: Switches) -> Technique {
+    Technique::Native(NativeVariant {
+        technique,
+        indices: Some(indices),
+        switches,
+    })
+}
+
+fn native(technique: Native, switches: Switches) -> Technique {
+    stored(technique, Indices::List, switches)
+}
+
+fn plain(technique: Native) -> Technique {
+    native(technique, Switches::default())
+}
+
+/// With default switches, on these targets.
+fn backend_of(stages: &Stages<'_>, technique: Native, indices: Indices) -> NativeBackend {
+    let variant = NativeVariant {
+        technique,
+        indices: Some(indices),
+        ..NativeVariant::default()
+    };
+    NativeBackend::new(stages.vulkan(), variant).expect("has the features")
+}
+
+/// Every way of colouring with every depth rule that is right everywhere.
+fn ways_and_rules() -> Vec<Switches> {
+    let mut all = Vec::new();
+    for colour in ColourWay::ALL {
+        for depth_rule in [DepthRuleChoice::Fail, DepthRuleChoice::Automatic] {
+            all.push(Switches {
+                colour,
+                depth_rule,
+                ..Switches::default()
+            });
+        }
+    }
+    all
+}
+
+/// All of them with every technique.
+fn all_variants() -> Vec<Technique> {
+    ways_and_rules().into_iter().flat_map(techniques).collect()
+}
+
+#[test]
+fn a_hole_an_island_in_it_and_a_neighbour() {
+    checks::assert_all_right(&sights::hole_island_and_neighbour(), &all_variants());
+}
+
+#[test]
+fn across_the_antimeridian_and_over_the_poles() {
+    checks::assert_all_right(&sights::seam_and_poles(), &all_variants());
+}
+
+#[test]
+fn a_ten_metre_square_from_fifty_metres() {
+    checks::assert_all_right(&sights::ten_metres(), &all_variants());
+}
+
+#[test]
+fn other_bodies() {
+    checks::assert_all_right(&sights::other_bodies(), &all_variants());
+}
+
+#[test]
+fn shipped_scenes_and_real_countries() {
+    checks::assert_shipped_scenes_right(techniques);
+}
+
+#[test]
+fn no_switch_changes_a_pixel() {
+    let all: Vec<Technique> = some_switches().into_iter().flat_map(techniques).collect();
+    checks::assert_no_switch_changes_a_pixel(|_| all.clone());
+}
+
+#[test]
+fn counting_in_front_is_wrong_from_inside_and_the_automatic_rule_knows() {
+    checks::assert_forced_in_front_is_wrong_from_inside(&techniques(Switches::default()));
+}
+
+#[test]
+fn broken_volumes_are_noticed() {
+    checks::assert_broken_volumes_are_noticed(&techniques(Switches::default()));
+}
+
+/// Thousands of borders that two countries share, with numbers that descend along many of them. What
+/// makes it pass is how vertices are numbered; that numbers as they come fail is shown where they
+/// are given.
+#[test]
+fn volumes_of_single_triangles_leave_no_sliver_between_neighbours() {
+    let Some(devices) = Devices::open_both() else {
+        return;
+    };
+    for name in ["planet-134", "us-states", "countries-110m", "countries-50m"] {
+        let Some((prepared, views)) = shipped(name) else {
+            continue;
+        };
+        for mesh in &*prepared.meshes {
+            assert_eq!(walls_with_other_diagonal(mesh), 0, "{name}, {}", mesh.name);
+        }
+        let Some(view) = views.iter().find(|view| view.name == "globe") else {
+            continue;
+        };
+        let size = ImageSize {
+            width: 512,
+            height: 512,
+        };
+        let input = FrameInput::new(&prepared, view, size, PlanOptions::default());
+        let switches = Switches::for_overlap(prepared.overlap);
+        let by_vertex = draw(&devices, &input, vertex(switches));
+        let frame = draw(&devices, &input, native(Native::GsPerTriangle, switches));
+        assert!(frame.filled_px() > 1000, "{name}");
+        assert_eq!(differing(&frame, &by_vertex), 0, "{name}");
+    }
+}
+
+/// Every switch that changes what a program does, each on its own and all that go together.
+fn some_switches() -> Vec<Switches> {
+    let base = Switches::default();
+    let rectangle = Switches {
+        colour: ColourWay::Rectangle,
+        ..base
+    };
+    let accumulated = Switches {
+        colour: ColourWay::IdAccumulation,
+        ..base
+    };
+    let by_volume = Switches {
+        colour: ColourWay::Volume,
+        ..base
+    };
+    let where_needed = Switches {
+        bottom_cap: BottomCap::WhereNeeded,
+        depth_rule: DepthRuleChoice::Automatic,
+        ..base
+    };
+    vec![
+        Switches {
+            faces: FacePasses::TwoPass,
+            ..base
+        },
+        Switches {
+            scissor: true,
+            ..base
+        },
+        Switches {
+            faces: FacePasses::TwoPass,
+            scissor: true,
+            ..accumulated
+        },
+        Switches {
+            bottom_cap: BottomCap::WhereNeeded,
+            depth_rule: DepthRuleChoice::Automatic,
+            ..accumulated
+        },
+        where_needed,
+        Switches {
+            colour: ColourWay::Rectangle,
+            ..where_needed
+        },
+        Switches {
+            stencil_clear: StencilClear::ByColour,
+            ..rectangle
+        },
+        Switches {
+            cover_culls_faces: true,
+            ..by_volume
+        },
+        Switches {
+            cover_culls_faces: true,
+            stencil_clear: StencilClear::ByColour,
+            faces: FacePasses::TwoPass,
+            scissor: true,
+            colour: ColourWay::Volume,
+            ..where_needed
+        },
+    ]
+}
+
+#[test]
+fn bytes_are_what_the_formula_says_and_in_strips_less_than_half_of_doubled_vertices() {
+    let Some(devices) = Devices::open_both() else {
+        return;
+    };
+    for name in ["planet-134", "countries-110m", "countries-50m"] {
+        let Some((prepared, views)) = shipped(name) else {
+            continue;
+        };
+        let input = FrameInput::new(&prepared, &views[0], SIZE, PlanOptions::default());
+        let doubled: u64 = prepared
+            .meshes
+            .iter()
+            .map(|mesh| layout_bytes(Layout::Doubled, mesh).total())
+            .sum();
+        for (technique, indices) in storages() {
+            let stages = Stages::new(&devices, SIZE);
+            let switches = Switches::for_overlap(prepared.overlap);
+            let mut backend = stages.open(stored(technique, indices, switches));
+            let memory = backend.prepare(&input).expect("fits");
+            let formula: u64 = prepared
+                .meshes
+                .iter()
+                .map(|mesh| native_bytes(technique, indices, mesh).total())
+                .sum();
+            let what = format!("{name}, {}/{}", technique.name(), indices.name());
+            assert_eq!(memory.geometry_bytes(), formula, "{what}");
+            assert_eq!(
+                memory.upload_bytes,
+                formula + memory.constant_bytes,
+                "{what}"
+            );
+            let share = formula as f64 / doubled as f64;
+            eprintln!("{what}: {formula} bytes, {share:.3} of vertex/doubled");
+            match (technique, indices) {
+                (Native::VsControl, _) => assert_eq!(formula, doubled, "{what}"),
+                // Three indices an edge, or six a triangle: half, where a region has hardly a
+                // vertex inside. It is the twin of the strips, which do with less.
+                (Native::GsDegenerate | Native::GsAdjacency, Indices::List) => {
+                    assert!(share <= 0.51, "{what}: {share}");
+                    assert!(share > 0.45, "{what}: {share}");
+                }
+                _ => assert!(share <= 0.45, "{what}: {share}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn a_frame_needs_preparing_and_a_second_unchanged_one_makes_nothing() {
+    let Some(devices) = Devices::open_both() else {
+        return;
+    };
+    let pose = (5.0, 5.0, 2e6, 0.0, -90.0);
+    let [first, other] = [square_from(pose), square_from(pose)];
+    for (technique, indices) in storages() {
+        let stages = Stages::new(&devices, SIZE);
+        let mut backend = backend_of(&stages, technique, indices);
+        let error = backend.render(&first).expect_err("not prepared");
+        assert_eq!(error.to_string(), "native was not prepared for test/test");
+        assert!(backend.time_frame(&first).is_err());
+        backend.prepare(&first).expect("fits");
+        let frame = backend.render(&first).expect("draws");
+        let start = counters(&frame);
+        let draws = match technique {
+            Native::VsControl | Native::GsLine | Native::GsPerTriangle => 3,
+            _ => 2,
+        };
+        assert_eq!((start.draws, start.upload_bytes), (draws, 0));
+        assert_eq!((start.buffer_creations, start.uploads > 0), (4, true));
+        assert_eq!(start.pipeline_creations, draws);
+        // The same again, prepared once more.
+        let made = devices.vulkan().work_done();
+        let memory = backend.prepare(&first).expect("fits");
+        assert_eq!(memory.upload_bytes, 0);
+        let twice = backend.render(&first).expect("draws");
+        let again = counters(&twice);
+        assert_eq!(devices.vulkan().work_done() - made, Default::default());
+        assert_eq!(twice.ids, frame.ids);
+        let nothing = Counters {
+            buffer_creations: 0,
+            pipeline_creations: 0,
+            uploads: 0,
+            ..start
+        };
+        assert_eq!(again, nothing, "{}", technique.name());
+        assert!(backend.render(&other).is_err(), "another input");
+        backend
+            .time_frame(&first)
+            .expect("the stage holds its surface");
+        let mut second = backend_of(&stages, technique, indices);
+        second.prepare(&other).expect("fits");
+        second.draw_own_surface(&other).expect("draws");
+        assert!(backend.time_frame(&first).is_err(), "over another surface");
+        // Twin: a changed input makes something.
+        backend.prepare(&other).expect("fits");
+        assert!((devices.vulkan().work_done() - made).uploads > 0);
+    }
+}
+
+#[test]
+fn geometry_shaders_make_the_triangles_that_the_vertex_shader_is_given() {
+    let Some(devices) = Devices::open_both() else {
+        return;
+    };
+    if !devices.vulkan().facts.features.pipeline_statistics {
+        eprintln!("skipped: no pipeline statistics");
+        return;
+    }
+    let pose = (5.0, 5.0, 2e6, 0.0, -90.0);
+    let input = three_regions_from(pose);
+    let meshes = input
+        .plan
+        .regions
+        .iter()
+        .map(|planned| &input.scene.meshes[planned.mesh]);
+    let (mut caps, mut walls) = (0, 0);
+    for mesh in meshes {
+        caps += 2 * mesh.triangle_count() as u64;
+        walls += 2 * mesh.boundary_edge_count() as u64;
+    }
+    for (technique, indices) in storages() {
+        let frame = draw(
+            &devices,
+            &input,
+            stored(technique, indices, Switches::default()),
+        );
+        let counted = counters(&frame);
+        let expected = match technique {
+            Native::VsControl => 0,
+            Native::GsPerTriangle => 4 * caps,
+            _ => caps + walls,
+        };
+        let made = counted.geometry_shader_primitives;
+        assert_eq!(made, Some(expected), "{}", technique.name());
+        let control = draw(&devices, &input, plain(Native::VsControl));
+        let fragments = counters(&control).stencil_fragments;
+        assert!(fragments.is_some_and(|fragments| fragments > 0));
+        if technique != Native::GsPerTriangle {
+            assert_eq!(counted.stencil_fragments, fragments, "{}", technique.name());
+        }
+    }
+}
+
+#[test]
+fn times_are_measured_and_pictures_in_the_regions_colours() {
+    let Some(devices) = Devices::open_both() else {
+        return;
+    };
+    let pose = (5.0, 5.0, 2e6, 0.0, -90.0);
+    let input = three_regions_from(pose);
+    let stages = Stages::new(&devices, SIZE);
+    let mut backend = backend_of(&stages, Native::default(), Indices::Strip);
+    assert_eq!(backend.variant_name(), "gs-degenerate");
+    backend.prepare(&input).expect("fits");
+    backend.draw_own_surface(&input).expect("draws");
+    let times = backend.time_frame(&input).expect("draws");
+    assert!(times.fill_cpu_ms > 0.0 && times.fill_wall_ms > 0.0);
+    let parts = [times.stencil_gpu_ms, times.colour_gpu_ms, times.fill_gpu_ms];
+    let timestamps = backend.capabilities().gpu_timestamps;
+    assert!(parts.iter().all(|part| part.is_some() == timestamps));
+    let frame = backend.render(&input).expect("draws");
+    let picture = backend.picture(&input).expect("draws");
+    let again = backend.render(&input).expect("draws");
+    assert_eq!(frame.ids, again.ids, "the picture's colours are taken back");
+    let filled = |alpha: &[u8]| alpha[3] == 255;
+    let count = picture.rgba.chunks_exact(4).filter(|p| filled(p)).count() as u64;
+    assert_eq!(count, frame.filled_px());
+}
+
+#[test]
+fn what_the_device_lacks_is_refused_by_name() {
+    let Some(devices) = Devices::open_both() else {
+        return;
+    };
+    let stages = Stages::new(&devices, SIZE);
+    let bounded = NativeVariant {
+        technique: Native::GsDegenerate,
+        indices: None,
+        switches: Switches {
+            depth_bounds: true,
+            ..Switches::default()
+        },
+    };
+    assert_eq!(bounded.name(), "gs-degenerate,depth-bounds=on");
+    match NativeBackend::new(stages.vulkan(), bounded) {
+        Err(BackendError::Unsupported { capability, .. }) => {
+            assert_eq!(capability, "depthBounds");
+            assert!(!devices.vulkan().facts.features.depth_bounds);
+        }
+        Err(other) => panic!("{other}"),
+        Ok(_) => {
+            assert!(devices.vulkan().facts.features.depth_bounds);
+            for pose in POSES {
+                let input = three_regions_from(pose);
+                let with_bounds = draw(&devices, &input, Technique::Native(bounded));
+                let without = draw(&devices, &input, plain(Native::GsDegenerate));
+                assert_eq!(differing(&with_bounds, &without), 0, "{pose:?}");
+            }
+        }
+    }
+}
+
+/// Whether every filled pixel's depth lies in the range of its region.
+fn ranges_hold(input: &FrameInput, ids: &[u32], depth: &[f32], tightened: f32) -> bool {
+    input.plan.regions.iter().all(|planned| {
+        let range = depth_range(input, planned);
+        let id = u32::try_from(planned.region).expect("few regions") + 1;
+        let of_region = ids.iter().zip(depth).filter(|(found, _)| **found == id);
+        of_region
+            .into_iter()
+            .all(|(_, depth)| range.low * tightened <= *depth && *depth <= range.high / tightened)
+    })
+}
+
+#[test]
+fn depth_bounds_hold_every_pixel_of_their_region() {
+    let Some(devices) = Devices::open_both() else {
+        return;
+    };
+    let mut has_room = true;
+    for pose in POSES {
+        let input = three_regions_from(pose);
+        let stages = Stages::new(&devices, SIZE);
+        let mut backend = backend_of(&stages, Native::default(), Indices::Strip);
+        backend.prepare(&input).expect("fits");
+        let ids = backend.render(&input).expect("draws").ids;
+        let depth = stages.vulkan().borrow().read().expect("reads").depth;
+        assert!(ranges_hold(&input, &ids, &depth, 1.0), "{pose:?}");
+        has_room &= ranges_hold(&input, &ids, &depth, 2.0);
+    }
+    assert!(!has_room, "the ranges say nothing");
+}

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A frame that does not differ from the one before it asks the device for nothing: no buffer, no
+//! pipeline, no upload, whatever the layout and the way of colouring; and what is counted is what
+//! the work really was.
+
+mod drawing;
+
+use drawing::{
+    Devices, SIZE, Stages, collection, counters, draw, look, polygon, scene, vertex, with_colour,
+};
+use terrafill_core::Ellipsoid;
+use terrafill_fill::{ColourWay, Counters, FrameInput, GeometryBytes, PreparedScene, Switches};
+use terrafill_filling::Technique;
+use terrafill_gpu::WorkDone;
+use terrafill_scene::{ImageSize, Overlap};
+use terrafill_vertex::{Layout, VertexVariant, shared_flag_bytes, variant_bytes};
+
+fn two_squares() -> PreparedScene {
+    let text = collection(&[
+        polygon("west", "[[0,0],[4,0],[4,4],[0,4],[0,0]]"),
+        polygon("east", "[[4,0],[9,0],[9,4],[4,4],[4,0]]"),
+    ]);
+    scene(&text, Ellipsoid::WGS84, 90, Overlap::Disjoint)
+}
+
+fn seen_from(scene: &PreparedScene, height_m: f64) -> FrameInput {
+    look(scene, (4.0, 2.0, height_m, 0.0, -90.0), 100.0, SIZE)
+}
+
+fn in_layout(layout: Layout, switches: Switches) -> Technique {
+    Technique::Vertex(VertexVariant {
+        layout,
+        switches,
+        ..VertexVariant::default()
+    })
+}
+
+fn made(counters: Counters) -> [u64; 3] {
+    [
+        counters.buffer_creations,
+        counters.pipeline_creations,
+        counters.uploads,
+    ]
+}
+
+#[test]
+fn the_second_unchanged_frame_makes_and_uploads_nothing() {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    let scene = two_squares();
+    let (input, nearer) = (seen_from(&scene, 2e6), seen_from(&scene, 1e6));
+    let stages = Stages::new(&devices, SIZE);
+    for layout in Layout::ALL {
+        for colour in ColourWay::ALL {
+            let technique = in_layout(layout, with_colour(colour));
+            let name = technique.variant_name();
+            let mut backend = stages.open(technique);
+            let mut frame = |input: &FrameInput| {
+                backend.prepare(input).expect("fits");
+                made(counters(&backend.render(input).expect("draws")))
+            };
+            let [buffers, pipelines, uploads] = frame(&input);
+            assert!(buffers >= 3 && pipelines >= 2 && uploads >= 2, "{name}");
+            assert_eq!(frame(&input), [0, 0, 0], "{name}");
+            // Twin: another view writes its constants, into the buffer there is.
+            assert_eq!(frame(&nearer), [0, 0, 1], "{name}");
+            assert_eq!(frame(&nearer), [0, 0, 0], "{name}");
+            // Nor does anything beside the fill: the device saw no work at all, surface included.
+            let before = devices.wgpu.work_done();
+            backend.prepare(&nearer).expect("fits");
+            backend.time_frame(&nearer).expect("draws");
+            assert_eq!(
+                devices.wgpu.work_done() - before,
+                WorkDone::default(),
+                "{name}"
+            );
+        }
+    }
+}
+
+#[test]
+fn bytes_by_formula_are_the_bytes_handed_to_the_device() {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    let scene = two_squares();
+    let input = seen_from(&scene, 2e6);
+    let stages = Stages::new(&devices, SIZE);
+    stages.wgpu().borrow_mut().prepare(&input).expect("fits");
+    let mut totals = Vec::new();
+    for name in [
+        "doubled",
+        "doubled,walls=list",
+        "doubled,vertex-bytes=20",
+        "doubled,index-order=cache",
+        "separate",
+        "separate,walls=list",
+        "per-triangle",
+        "pulled",
+    ] {
+        let mut variant = VertexVariant::default();
+        let (layout, switches) = name.split_once(',').unwrap_or((name, ""));
+        assert_eq!(variant.set("layout", layout), Ok(true));
+        if let Some((key, value)) = switches.split_once('=') {
+            assert_eq!(variant.set(key, value), Ok(true));
+        }
+        let meshes = &scene.meshes;
+        let regions: GeometryBytes = meshes
+            .iter()
+            .map(|mesh| variant_bytes(&variant, mesh))
+            .sum();
+        let formula = regions.total() + shared_flag_bytes(variant.layout, meshes);
+        let before = devices.wgpu.work_done();
+        let mut backend = stages.open(Technique::Vertex(variant));
+        let memory = backend.prepare(&input).expect("fits");
+        let done = devices.wgpu.work_done() - before;
+        assert_eq!(memory.geometry_bytes(), formula, "{name}");
+        assert_eq!(done.upload_bytes, formula + memory.constant_bytes, "{name}");
+        assert_eq!(done.buffer_creations, memory.buffers, "{name}");
+        totals.push(formula);
+    }
+    let [
+        doubled,
+        list,
+        padded,
+        ordered,
+        separate,
+        _,
+        per_triangle,
+        pulled,
+    ] = totals[..]
+    else {
+        panic!("eight layouts");
+    };
+    assert_eq!(doubled, ordered);
+    assert!(pulled < separate && separate < doubled && doubled < list);
+    assert!(list < per_triangle && doubled < padded);
+}
+
+#[test]
+fn pictures_for_people_leave_no_trace_in_the_next_frame() {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    let input = seen_from(&two_squares(), 2e6);
+    let stages = Stages::new(&devices, SIZE);
+    let mut backend = stages.open(vertex(Switches::default()));
+    backend.prepare(&input).expect("fits");
+    let first = backend.render(&input).expect("draws");
+    backend.picture(&input).expect("draws");
+    backend.prepare(&input).expect("fits");
+    let again = backend.render(&input).expect("draws");
+    assert_eq!(first.ids, again.ids);
+}
+
+/// Pixels of the widest region's rectangle, filled from above, count twice: top and bottom. The rest
+/// of a volume seen from above is thin.
+#[test]
+fn every_fragment_of_the_stencil_work_is_counted() {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    if !devices.wgpu.facts.features.pipeline_statistics {
+        eprintln!("skipped: no pipeline statistics");
+        return;
+    }
+    let input = seen_from(&two_squares(), 2e6);
+    let stages = Stages::new(&devices, SIZE);
+    let count = |input: &FrameInput, switches: Switches, layout: Layout| {
+        let frame = stages.draw(input, in_layout(layout, switches));
+        let fragments = counters(&frame).stencil_fragments.expect("counted");
+        (fragments, frame.filled_px())
+    };
+    for colour in ColourWay::ALL {
+        let (fragments, filled) = count(&input, with_colour(colour), Layout::Doubled);
+        let per_pixel = fragments as f64 / filled as f64;
+        // Two caps, both larger than the filled area by the walls' height, and the walls.
+        assert!((2.0..2.3).contains(&per_pixel), "{colour:?}: {per_pixel}");
+    }
+    // Twins: inner walls add fragments, and without the bottom about half are left.
+    let (all, _) = count(&input, Switches::default(), Layout::Doubled);
+    let (per_triangle, _) = count(&input, Switches::default(), Layout::PerTriangle);
+    assert!(per_triangle > all, "{per_triangle} {all}");
+    let mut front = Switches::default();
+    assert_eq!(front.set("depth-rule", "automatic"), Ok(true));
+    assert_eq!(front.set("bottom-cap", "where-needed"), Ok(true));
+    let (without_bottom, _) = count(&input, front, Layout::Doubled);
+    let share = without_bottom as f64 / all as f64;
+    assert!((0.4..0.6).contains(&share), "{share}");
+    // Nothing in view is no fragment.
+    let away = look(&two_squares(), (120.0, 0.0, 1e5, 0.0, -90.0), 100.0, SIZE);
+    assert_eq!(count(&away, Switches::default(), Layout::Doubled), (0, 0));
+}
+
+/// Whatever the fill needs is made through the counting functions of the device: a call past them
+/// would make the counters lie.
+#[test]
+fn nothing_is_made_past_the_counters() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut checked = 0;
+    for folder in ["devices/gpu/src", "techniques/vertex/src"] {
+        for entry in std::fs::read_dir(root.join(folder)).expect("readable") {
+            let path = entry.expect("readable").path();
+            let text = std::fs::read_to_string(&path).expect("readable");
+            let name = path
+                .file_name()
+                .and_then(|name| name.to_str())
+                .unwrap_or("");
+            // Measuring: queries and read-back, and the numerical suite, which no frame passes through;
+            // the deliberate error; and the counters themselves.
+            let exempt = [
+                "evaluate.rs",
+                "work.rs",
+                "readback.rs",
+                "timing.rs",
+                "statistics.rs",
+                "validation.rs",
+            ];
+            let past = past_the_counters(&text);
+            if exempt.contains(&name) {
+                checked += usize::from(past);
+            } else {
+                assert!(!past, "{}", path.display());
+            }
+        }
+    }
+    // Twin: where such calls are allowed they are found.
+    assert!(checked >= 4, "{checked}");
+}
+
+fn past_the_counters(text: &str) -> bool {
+    let joined: String = text.split_whitespace().collect();
+    [
+        "device.create_buffer(",
+        "device.create_render_pipeline(",
+        "raw.create_buffer(",
+        "queue.write_buffer(",
+    ]
+    .iter()
+    .any(|call| joined.contains(call))
+}
+
+#[test]
+fn a_target_of_another_size_is_made_anew() {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    let scene = two_squares();
+    let small = ImageSize {
+        width: 96,
+        height: 64,
+    };
+    let accumulated = vertex(with_colour(ColourWay::IdAccumulation));
+    for size in [SIZE, small] {
+        let input = look(&scene, (4.0, 2.0, 2e6, 0.0, -90.0), 100.0, size);
+        let frame = draw(&devices, &input, accumulated);
+        let plain = draw(&devices, &input, vertex(Switches::default()));
+        assert_eq!(frame.ids, plain.ids);
+        assert!(frame.filled_px() > 100);
+    }
+}

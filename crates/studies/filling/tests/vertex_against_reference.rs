@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The vertex backend held against the reference, every layout, position format and way of
+//! colouring, on extreme regions and views; and the twins that must be noticed.
+//!
+//! Without a Vulkan device these tests are skipped with the reason printed, unless
+//! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.
+
+mod drawing;
+
+use drawing::sights::{self, square_from};
+use drawing::{
+    Devices, SIZE, Stages, checks, collection, counters, differing, draw, figures, input, judge,
+    polygon, shipped, vertex, with_colour,
+};
+use std::collections::BTreeSet;
+use terrafill_conformance::verdict;
+use terrafill_core::Ellipsoid;
+use terrafill_fill::{ColourWay, Counters, FrameInput, PositionFormat, Switches};
+use terrafill_filling::Technique;
+use terrafill_scene::{Overlap, PlanOptions};
+use terrafill_vertex::{Layout, VertexBackend, VertexVariant};
+
+/// Every layout, drawn so.
+fn layouts(switches: Switches) -> Vec<Technique> {
+    let technique = |layout| {
+        Technique::Vertex(VertexVariant {
+            layout,
+            switches,
+            ..VertexVariant::default()
+        })
+    };
+    Layout::ALL.map(technique).into()
+}
+
+fn all_variants() -> Vec<Technique> {
+    let mut variants = Vec::new();
+    for layout in Layout::ALL {
+        for positions in [PositionFormat::Fixed, PositionFormat::LocalF32] {
+            for colour in [ColourWay::Xor, ColourWay::Rectangle] {
+                variants.push(Technique::Vertex(VertexVariant {
+                    layout,
+                    positions,
+                    switches: with_colour(colour),
+                    ..VertexVariant::default()
+                }));
+            }
+        }
+    }
+    variants
+}
+
+#[test]
+fn a_hole_an_island_in_it_and_a_neighbour() {
+    checks::assert_all_right(&sights::hole_island_and_neighbour(), &all_variants());
+}
+
+#[test]
+fn across_the_antimeridian_and_over_the_poles() {
+    checks::assert_all_right(&sights::seam_and_poles(), &all_variants());
+}
+
+#[test]
+fn a_ten_metre_square_from_fifty_metres() {
+    checks::assert_all_right(&sights::ten_metres(), &all_variants());
+}
+
+#[test]
+fn other_bodies() {
+    checks::assert_all_right(&sights::other_bodies(), &all_variants());
+}
+
+#[test]
+fn shipped_scenes_and_real_countries() {
+    checks::assert_shipped_scenes_right(layouts);
+}
+
+#[test]
+fn counting_in_front_is_wrong_from_inside_and_the_automatic_rule_knows() {
+    checks::assert_forced_in_front_is_wrong_from_inside(&layouts(Switches::default()));
+}
+
+#[test]
+fn broken_volumes_are_noticed() {
+    checks::assert_broken_volumes_are_noticed(&layouts(Switches::default()));
+}
+
+#[test]
+fn culling_changes_no_pixel() {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    let (prepared, views) = shipped("planet-134").expect("ships with the project");
+    for view in &views {
+        let culled = FrameInput::new(&prepared, view, SIZE, PlanOptions::default());
+        let everything = culled.remeshed(
+            &prepared,
+            PlanOptions {
+                frustum_culling: false,
+                horizon_culling: false,
+                too_small_culling: false,
+                ..PlanOptions::default()
+            },
+        );
+        assert!(culled.plan.regions.len() < everything.plan.regions.len());
+        let technique = vertex(with_colour(ColourWay::Rectangle));
+        let [a, b] = [culled, everything].map(|input| draw(&devices, &input, technique));
+        assert_eq!(differing(&a, &b), 0, "{}", view.name);
+    }
+}
+
+/// Every key of a variant with all its values that may be judged; `zpass` has a test of its own.
+const KEYS: [(&str, &[&str]); 11] = [
+    ("layout", &["doubled", "separate", "per-triangle", "pulled"]),
+    (
+        "colour",
+        &[
+            "xor",
+            "rectangle",
+            "volume",
+            "bit-planes",
+            "one-colour",
+            "one-colour-volumes",
+            "id-accumulation",
+        ],
+    ),
+    ("walls", &["strip", "list"]),
+    ("index-order", &["mesh", "cache"]),
+    ("vertex-bytes", &["16", "20"]),
+    ("faces", &["two-sided", "two-pass"]),
+    ("depth-rule", &["zfail", "automatic"]),
+    ("bottom-cap", &["always", "where-needed"]),
+    ("scissor", &["covers", "volumes"]),
+    ("cover-faces", &["both", "culled"]),
+    ("stencil-clear", &["at-start", "by-colour"]),
+];
+
+/// Values of all keys, numbered through.
+const VALUES: usize = 29;
+
+/// Every two values of a row, as one number.
+fn pairs(row: &[usize]) -> Vec<usize> {
+    let mut first = 0;
+    let mut numbers = Vec::with_capacity(row.len());
+    for (value, (_, values)) in row.iter().zip(KEYS) {
+        numbers.push(first + value);
+        first += values.len();
+    }
+    let mut pairs = Vec::new();
+    for (later, number) in numbers.iter().enumerate() {
+        pairs.extend(
+            numbers[..later]
+                .iter()
+                .map(|earlier| earlier * VALUES + number),
+        );
+    }
+    pairs
+}
+
+fn variant_of(row: &[usize]) -> Option<VertexVariant> {
+    let mut variant = VertexVariant::default();
+    for ((key, values), &value) in KEYS.iter().zip(row) {
+        assert_eq!(variant.set(key, values[value]), Ok(true), "{key}");
+    }
+    variant.check(Overlap::Disjoint).is_ok().then_some(variant)
+}
+
+/// Few variants in which every two values of two keys that go together meet at least once: what
+/// two switches do to each other shows in pairs (Kuhn, Wallace and Gallo, 2004). Greedy: the variant
+/// with most pairs that are still missing comes next.
+fn pairwise_variants() -> Vec<VertexVariant> {
+    let mut rows: Vec<Vec<usize>> = vec![Vec::new()];
+    for (_, values) in KEYS {
+        let longer = |row: Vec<usize>| {
+            (0..values.len()).map(move |value| [row.as_slice(), &[value]].concat())
+        };
+        rows = rows.into_iter().flat_map(longer).collect();
+    }
+    rows.retain(|row| variant_of(row).is_some());
+    let rows: Vec<_> = rows.iter().map(|row| (row, pairs(row))).collect();
+    let mut is_missing = [false; VALUES * VALUES];
+    for pair in rows.iter().flat_map(|(_, pairs)| pairs) {
+        is_missing[*pair] = true;
+    }
+    let mut chosen = Vec::new();
+    loop {
+        let gain = |pairs: &[usize]| pairs.iter().filter(|&&pair| is_missing[pair]).count();
+        let best = rows.iter().max_by_key(|(_, pairs)| gain(pairs));
+        let Some((row, pairs)) = best.filter(|(_, pairs)| gain(pairs) > 0) else {
+            return chosen;
+        };
+        for &pair in pairs {
+            is_missing[pair] = false;
+        }
+        chosen.extend(variant_of(row));
+    }
+}
+
+#[test]
+fn pairs_of_switches_are_all_chosen() {
+    assert_eq!(
+        KEYS.iter().map(|(_, values)| values.len()).sum::<usize>(),
+        VALUES
+    );
+    let variants = pairwise_variants();
+    assert!(variants.len() < 60, "{}", variants.len());
+    let names: BTreeSet<String> = variants.iter().map(VertexVariant::name).collect();
+    assert_eq!(names.len(), variants.len());
+    for name in [
+        ["separate", "walls=list"],
+        ["per-triangle", "colour=id-accumulation"],
+        ["depth-rule=automatic", "bottom-cap=where-needed"],
+        ["colour=volume", "cover-faces=culled"],
+        ["index-order=cache", "vertex-bytes=20"],
+    ] {
+        let meet = |found: &String| name.iter().all(|part| found.contains(part));
+        assert!(names.iter().any(meet), "{name:?}");
+    }
+    // Twin: what does not go together is not among them.
+    assert!(
+        !names
+            .iter()
+            .any(|name| name.starts_with("pulled") && name.contains("walls=list"))
+    );
+}
+
+#[test]
+fn no_switch_changes_a_pixel() {
+    let techniques: Vec<Technique> = pairwise_variants()
+        .into_iter()
+        .map(Technique::Vertex)
+        .collect();
+    checks::assert_no_switch_changes_a_pixel(|_| techniques.clone());
+}
+
+#[test]
+fn numbers_mix_where_regions_overlap_and_one_at_a_time_is_right() {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    let text = collection(&[
+        polygon("under", "[[0,0],[10,0],[10,10],[0,10],[0,0]]"),
+        polygon("over", "[[5,5],[15,5],[15,15],[5,15],[5,5]]"),
+    ]);
+    let input = input(&text, Ellipsoid::WGS84, 180, (7.0, 7.0, 3e6, 0.0, -90.0));
+    let judged = judge(&input);
+    // The scene is said to be disjoint, so that nothing is refused.
+    for (colour, is_right) in [
+        (ColourWay::Rectangle, true),
+        (ColourWay::Xor, false),
+        (ColourWay::IdAccumulation, false),
+    ] {
+        let technique = vertex(with_colour(colour));
+        let found = figures(&judged, &draw(&devices, &input, technique));
+        assert_eq!(verdict(&found).is_pass(), is_right, "{colour:?}: {found:?}");
+    }
+}
+
+#[test]
+fn a_frame_needs_preparing_and_an_unchanged_one_uploads_no_geometry() {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    let pose = (5.0, 5.0, 2e6, 0.0, -90.0);
+    let [first, other] = [square_from(pose), square_from(pose)];
+    let stages = Stages::new(&devices, SIZE);
+    let mut backend = stages.open(vertex(Switches::default()));
+    let error = backend.render(&first).expect_err("not prepared");
+    assert_eq!(error.to_string(), "vertex was not prepared for test/test");
+    assert!(backend.time_frame(&first).is_err());
+    let memory = backend.prepare(&first).expect("fits");
+    assert_eq!(
+        memory.upload_bytes,
+        memory.geometry_bytes() + memory.constant_bytes
+    );
+    let again = backend.prepare(&first).expect("fits");
+    assert_eq!(again.upload_bytes, 0);
+    let frame = backend.render(&first).expect("draws");
+    let start = counters(&frame);
+    assert_eq!((start.upload_bytes, start.draws), (0, 3));
+    assert!(backend.render(&other).is_err(), "another input");
+    let twice = backend.render(&first).expect("draws");
+    assert_eq!(frame.ids, twice.ids);
+    // What `prepare` made belongs to the first frame; all other work is the same.
+    let again = counters(&twice);
+    assert!(start.buffer_creations > 0 && start.pipeline_creations > 0);
+    assert_eq!(
+        (
+            again.buffer_creations,
+            again.pipeline_creations,
+            again.uploads
+        ),
+        (0, 0, 0)
+    );
+    let without_making = Counters {
+        buffer_creations: 0,
+        pipeline_creations: 0,
+        uploads: 0,
+        ..start
+    };
+    assert_eq!(without_making, again);
+}
+
+#[test]
+fn what_wgpu_cannot_do_is_refused_and_not_left_out_in_silence() {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    let stages = Stages::new(&devices, SIZE);
+    let mut variant = VertexVariant::default();
+    assert!(VertexBackend::new(stages.wgpu(), variant).is_ok());
+    variant.switches.depth_bounds = true;
+    let error = VertexBackend::new(stages.wgpu(), variant).expect_err("no such test");
+    assert_eq!(error.to_string(), "wgpu lacks a depth-bounds test");
+}

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What a compute pass reads and writes, and what that costs in bytes, by formula and as built.
+//!
+//! Indices that are read are 16 bits where a region's vertices fit and 32 where they do not,
+//! region by region; those that are written are 32 bits.
+
+use terrafill_core::RegionMesh;
+use terrafill_fill::{FixedPoint, RegionPlace};
+
+/// Bytes of one or more regions, what is stored and what is made from it apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct ComputeBytes {
+    /// Positions, uploaded.
+    pub input_vertex_bytes: u64,
+    /// Triangles of one cap and the boundary, uploaded.
+    pub input_index_bytes: u64,
+    /// Caps and walls, written by the device.
+    pub output_index_bytes: u64,
+    /// Corners in clip space, written by the device; 0 where the vertex shader puts them there.
+    pub output_vertex_bytes: u64,
+}
+
+impl ComputeBytes {
+    /// What is uploaded.
+    #[must_use]
+    pub fn input(self) -> u64 {
+        self.input_vertex_bytes + self.input_index_bytes
+    }
+
+    /// All of it.
+    #[must_use]
+    pub fn total(self) -> u64 {
+        self.input() + self.output_index_bytes + self.output_vertex_bytes
+    }
+}
+
+impl std::iter::Sum for ComputeBytes {
+    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
+        parts.fold(Self::default(), |sum, part| Self {
+            input_vertex_bytes: sum.input_vertex_bytes + part.input_vertex_bytes,
+            input_index_bytes: sum.input_index_bytes + part.input_index_bytes,
+            output_index_bytes: sum.output_index_bytes + part.output_index_bytes,
+            output_vertex_bytes: sum.output_vertex_bytes + part.output_vertex_bytes,
+        })
+    }
+}
+
+/// Largest number of vertices that 16 bits tell apart: no value has another meaning here.
+const MAX_SHORT_VERTICES: usize = 0x1_0000;
+
+/// Bytes that `mesh` takes, by formula. With *v* vertices, *t* triangles, *e* boundary edges in *l*
+/// loops and *i* bytes an index: 12·v + i·(3t + e + l) read, the loops closed and the last word
+/// filled up, and 4·(6t + 6e) written.
+#[must_use]
+pub fn compute_bytes(mesh: &RegionMesh) -> ComputeBytes {
+    let (vertices, triangles) = (mesh.vertices_ecef.len(), mesh.triangles.len());
+    let (edges, loops) = (mesh.boundary_edge_count(), mesh.boundary_loops.len());
+    let indices = 3 * triangles + edges + loops;
+    let words = if vertices <= MAX_SHORT_VERTICES {
+        indices.div_ceil(2)
+    } else {
+        indices
+    };
+    ComputeBytes {
+        input_vertex_bytes: 12 * vertices as u64,
+        input_index_bytes: 4 * words as u64,
+        output_index_bytes: 24 * (triangles + edges) as u64,
+        output_vertex_bytes: 0,
+    }
+}
+
+/// Bytes of the corners of `mesh` in clip space: two a vertex, of four floats.
+#[must_use]
+pub fn placed_bytes(mesh: &RegionMesh) -> u64 {
+    32 * mesh.vertices_ecef.len() as u64
+}
+
+/// Where one region lies in the scene's buffers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct MeshSlice {
+    /// Loops lie one after the other, each closed.
+    pub(crate) place: RegionPlace,
+    pub(crate) edge_count: u32,
+}
+
+impl MeshSlice {
+    /// Indices that the region's volume takes.
+    pub(crate) fn output_indices(&self) -> u64 {
+        6 * (u64::from(self.place.triangle_count) + u64::from(self.edge_count))
+    }
+}
+
+/// Contents of a scene's geometry buffers.
+#[derive(Debug, Default)]
+pub(crate) struct SceneGeometry {
+    /// Three words a vertex.
+    pub(crate) positions: Vec<i32>,
+    /// Indices of 32 bits, or two of 16 bits a word, low half first.
+    pub(crate) indices: Vec<u32>,
+    pub(crate) meshes: Vec<MeshSlice>,
+}
+
+impl SceneGeometry {
+    /// Lays out every mesh.
+    pub(crate) fn build(meshes: &[RegionMesh]) -> Self {
+        let mut geometry = Self::default();
+        for mesh in meshes {
+            geometry.push(mesh);
+        }
+        geometry
+    }
+
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "buffers are refused by the device long before 2^32 elements"
+    )]
+    fn push(&mut self, mesh: &RegionMesh) {
+        let fixed = FixedPoint::for_mesh(mesh);
+        let first_vertex = (self.positions.len() / 3) as u32;
+        for vertex in &mesh.vertices_ecef {
+            self.positions.extend(fixed.quantize(*vertex).to_array());
+        }
+        let has_short_indices = mesh.vertices_ecef.len() <= MAX_SHORT_VERTICES;
+        let corners = mesh.triangles.as_flattened().iter().copied();
+        let closed = mesh
+            .boundary_loops
+            .iter()
+            .flat_map(|ring| ring.iter().chain(ring.first()).copied());
+        let list: Vec<u32> = corners.chain(closed).collect();
+        let first_word = self.indices.len() as u32;
+        let first_triangle_index = if has_short_indices {
+            let word = |pair: &[u32]| pair[0] | pair.get(1).copied().unwrap_or(0) << 16;
+            self.indices.extend(list.chunks(2).map(word));
+            2 * first_word
+        } else {
+            self.indices.extend(list);
+            first_word
+        };
+        self.meshes.push(MeshSlice {
+            place: RegionPlace {
+                fixed,
+                first_vertex,
+                first_triangle_index,
+                first_loop_index: first_triangle_index + 3 * mesh.triangles.len() as u32,
+                triangle_count: mesh.triangles.len() as u32,
+                has_short_indices,
+            },
+            edge_count: mesh.boundary_edge_count() as u32,
+        });
+    }
+
+    /// Bytes as built.
+    pub(crate) fn bytes(&self) -> ComputeBytes {
+        ComputeBytes {
+            input_vertex_bytes: self.positions.len() as u64 * 4,
+            input_index_bytes: self.indices.len() as u64 * 4,
+            output_index_bytes: self.meshes.iter().map(|m| 4 * m.output_indices()).sum(),
+            output_vertex_bytes: 0,
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::by_hand::{circle_deg, mesh};
+
+    /// A fan of `count` boundary vertices around one interior vertex.
+    pub(crate) fn disc(count: u32) -> RegionMesh {
+        let mut vertices_deg = circle_deg(count, 1.0);
+        vertices_deg.push([10.0, 50.0]);
+        let fan = (0..count).map(|i| [i, (i + 1) % count, count]).collect();
+        mesh(vertices_deg, fan, vec![(0..count).collect()])
+    }
+
+    #[test]
+    fn the_formula_and_the_buffers_agree() {
+        for count in [3, 4, 100, 65_534, 65_535, 65_536, 70_000] {
+            let mesh = disc(count);
+            let built = SceneGeometry::build(std::slice::from_ref(&mesh)).bytes();
+            assert_eq!(built, compute_bytes(&mesh), "{count}");
+        }
+    }
+
+    #[test]
+    fn indices_read_back_as_they_were_at_either_width() {
+        let meshes = [disc(5), disc(65_536), disc(4), disc(65_535)];
+        let geometry = SceneGeometry::build(&meshes);
+        for (mesh, slice) in meshes.iter().zip(&geometry.meshes) {
+            let read = |element: u32| {
+                if slice.place.has_short_indices {
+                    let word = geometry.indices[element as usize / 2];
+                    word >> (16 * (element % 2)) & 0xffff
+                } else {
+                    geometry.indices[element as usize]
+                }
+            };
+            let corners = mesh.triangles.as_flattened();
+            for (element, &corner) in (slice.place.first_triangle_index..).zip(corners) {
+                assert_eq!(read(element), corner);
+            }
+            let ring = &mesh.boundary_loops[0];
+            for (element, &vertex) in
+                (slice.place.first_loop_index..).zip(ring.iter().chain(&ring[..1]))
+            {
+                assert_eq!(read(element), vertex);
+            }
+        }
+        let widths: Vec<bool> = geometry
+            .meshes
+            .iter()
+            .map(|m| m.place.has_short_indices)
+            .collect();
+        assert_eq!(widths, [true, false, true, true]);
+    }
+}

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Volumes as a frame makes and draws them: the compute pass, then one draw a volume.
+
+use crate::culling::DRAW_ARGUMENTS_BYTES;
+use crate::expansion::WORKGROUP_SIZE;
+use crate::volumes::ComputeVolumes;
+use terrafill_fill::{FrameInput, VolumeDraw};
+use terrafill_gpu::{Gpu, VolumePass, Volumes};
+
+impl Volumes for ComputeVolumes {
+    fn ensure(&mut self, gpu: &Gpu, _input: &FrameInput, draw: &VolumeDraw<'_>, _blends: bool) {
+        self.pipelines.ensure(gpu, draw.state);
+    }
+
+    fn are_made_per_frame(&self) -> bool {
+        let view = &self.view;
+        view.expanded.is_some() || view.culling.is_some() || view.placed.is_some()
+    }
+
+    /// Decides what is drawn, then makes it.
+    fn make(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        input: &FrameInput,
+        constants: &wgpu::BindGroup,
+        stamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
+    ) {
+        self.decided_draws.clear();
+        let Some(scene) = &self.scene else {
+            return;
+        };
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("expansion"),
+            timestamp_writes: stamps,
+        });
+        let (pipelines, view) = (&self.pipelines, &self.view);
+        pass.set_bind_group(0, constants, &[]);
+        pass.set_bind_group(1, &scene.bind_group, &[]);
+        if let (Some(placed), Some(pipeline)) = (&view.placed, &pipelines.place) {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(2, &placed.corners.bind_group, &[]);
+            placed.corners.dispatch(&mut pass);
+        }
+        if let Some(expanded) = self.expanded() {
+            pass.set_bind_group(2, &expanded.indices.bind_group, &[]);
+        }
+        if let (Some(culling), Some(pipeline)) = (&view.culling, &pipelines.cull) {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(3, &culling.bind_group, &[]);
+            let regions = input.plan.regions.len().div_ceil(WORKGROUP_SIZE);
+            pass.dispatch_workgroups(u32::try_from(regions).unwrap_or(u32::MAX), 1, 1);
+        }
+        if let Some(expanded) = &view.expanded {
+            pass.set_pipeline(&pipelines.expand);
+            expanded.indices.dispatch(&mut pass);
+        }
+    }
+
+    fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
+        if let Some(scene) = &self.scene {
+            pass.set_bind_group(1, &scene.bind_group, &[]);
+        }
+        if let Some(placed) = &self.view.placed {
+            pass.set_vertex_buffer(0, placed.corners.buffer.slice(..));
+        }
+        if let Some(expanded) = self.expanded() {
+            let indices = expanded.indices.buffer.slice(..);
+            pass.set_index_buffer(indices, wgpu::IndexFormat::Uint32);
+        }
+    }
+
+    fn draw(&mut self, pass: &mut VolumePass<'_>, draw: &VolumeDraw<'_>, _blends: bool) {
+        if let Some(pipeline) = self.pipelines.volume(draw.state) {
+            pass.raw.set_pipeline(pipeline);
+        }
+        for &planned in draw.regions {
+            pass.cut(planned, draw.scissor);
+            self.draw_volume(pass, planned, draw.without_bottom);
+        }
+    }
+}
+
+impl ComputeVolumes {
+    /// One draw a volume: its triangles lie in one piece. Where the device decided what is drawn,
+    /// it is asked how much that is.
+    fn draw_volume(&mut self, pass: &mut VolumePass<'_>, planned: usize, without_bottom: bool) {
+        if let Some(culling) = &self.view.culling {
+            let draw = 2 * planned + usize::from(without_bottom);
+            pass.draw_as_decided(&culling.draws, draw as u64 * DRAW_ARGUMENTS_BYTES);
+            self.decided_draws.push(draw);
+            return;
+        }
+        let mesh = pass.input.plan.regions[planned].mesh;
+        let Some(output) = self.output(planned, mesh) else {
+            return;
+        };
+        let end = output.first_index + output.bottom_count + output.upper_count;
+        let first = if without_bottom {
+            output.first_index + output.bottom_count
+        } else {
+            output.first_index
+        };
+        pass.draw_indexed(first..end, self.base_vertex(planned), planned);
+    }
+}

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Pipelines of the compute pass, and those that draw volumes.
+
+use crate::{ComputeVariant, Expansion, GpuCulling, Transform};
+use std::collections::HashMap;
+use terrafill_fill::{BackendError, VolumeState};
+use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
+
+/// What each bind group holds, by its number; 0 holds view and regions.
+#[derive(Debug)]
+pub(crate) struct Bindings {
+    /// 1: positions and indices of the scene.
+    pub(crate) geometry: wgpu::BindGroupLayout,
+    /// 2: work and expanded indices.
+    pub(crate) expansion: wgpu::BindGroupLayout,
+    /// 3: draws, and what decides on them.
+    pub(crate) culling: wgpu::BindGroupLayout,
+}
+
+const READ: wgpu::BufferBindingType = wgpu::BufferBindingType::Storage { read_only: true };
+const WRITTEN: wgpu::BufferBindingType = wgpu::BufferBindingType::Storage { read_only: false };
+
+impl Bindings {
+    fn new(gpu: &Gpu) -> Self {
+        let compute = wgpu::ShaderStages::COMPUTE;
+        let both = compute | wgpu::ShaderStages::VERTEX;
+        let uniform = wgpu::BufferBindingType::Uniform;
+        let culling = [WRITTEN, READ, uniform, WRITTEN];
+        Self {
+            geometry: gpu.buffer_layout("meshes", both, &[READ, READ]),
+            expansion: gpu.buffer_layout("expansion", compute, &[READ, WRITTEN]),
+            culling: gpu.buffer_layout("culling", compute, &culling),
+        }
+    }
+}
+
+/// Pipelines of one variant on one device. Those that draw are made when first asked for.
+#[derive(Debug)]
+pub(crate) struct Pipelines {
+    pub(crate) bindings: Bindings,
+    pub(crate) expand: wgpu::ComputePipeline,
+    pub(crate) cull: Option<wgpu::ComputePipeline>,
+    pub(crate) place: Option<wgpu::ComputePipeline>,
+    transform: Transform,
+    volume_shader: wgpu::ShaderModule,
+    volume_layout: wgpu::PipelineLayout,
+    volumes: HashMap<VolumeState, wgpu::RenderPipeline>,
+}
+
+/// Layouts of the groups that an entry point of the compute pass may read, 0 first.
+struct Groups<'a>([Option<&'a wgpu::BindGroupLayout>; 4]);
+
+impl<'a> Groups<'a> {
+    fn new(frame: &'a wgpu::BindGroupLayout, bindings: &'a Bindings) -> Self {
+        Self([
+            Some(frame),
+            Some(&bindings.geometry),
+            Some(&bindings.expansion),
+            Some(&bindings.culling),
+        ])
+    }
+}
+
+fn compute_pipeline(
+    gpu: &Gpu,
+    (path, entry_point): (&str, &str),
+    groups: &[Option<&wgpu::BindGroupLayout>],
+    constants: &[(&str, f64)],
+) -> Result<wgpu::ComputePipeline, BackendError> {
+    Ok(
+        gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(entry_point),
+            layout: Some(&gpu.pipeline_layout("compute", groups)),
+            module: &gpu.shader(path)?,
+            entry_point: Some(entry_point),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants,
+                ..Default::default()
+            },
+            cache: None,
+        }),
+    )
+}
+
+fn expand_pipeline(
+    gpu: &Gpu,
+    Groups(all): &Groups<'_>,
+    variant: ComputeVariant,
+) -> Result<wgpu::ComputePipeline, BackendError> {
+    let (entry_point, groups) = match (variant.expansion, variant.culling) {
+        // No view is known yet.
+        (Expansion::Cached, _) => ("expand_all", &[None, all[1], all[2]] as &[_]),
+        (Expansion::PerFrame, GpuCulling::Off) => ("expand_all", &all[..3]),
+        (Expansion::PerFrame, GpuCulling::Regions) => ("expand_drawn", &all[..]),
+        (Expansion::PerFrame, GpuCulling::Triangles) => ("expand_visible", &all[..]),
+    };
+    compute_pipeline(gpu, ("compute/expand.wgsl", entry_point), groups, &[])
+}
+
+fn cull_pipeline(
+    gpu: &Gpu,
+    Groups(all): &Groups<'_>,
+    culling: GpuCulling,
+) -> Result<wgpu::ComputePipeline, BackendError> {
+    // Two groups more than it reads: pipelines of one pass whose layouts differ before a group
+    // disturb that group (Vulkan 1.3, "Pipeline Layout Compatibility"), and wgpu does not bind it
+    // again where a layout has a gap.
+    let tests_pieces = f64::from(u8::from(culling == GpuCulling::Triangles));
+    let constants = [("TESTS_PIECES", tests_pieces)];
+    compute_pipeline(gpu, ("compute/cull.wgsl", "cull_main"), all, &constants)
+}
+
+impl Pipelines {
+    pub(crate) fn new(fill: &VolumeFill, variant: ComputeVariant) -> Result<Self, BackendError> {
+        let gpu = fill.gpu();
+        let bindings = Bindings::new(&gpu);
+        let groups = Groups::new(fill.frame_layout(), &bindings);
+        let cull = match variant.culling {
+            GpuCulling::Off => None,
+            culling => Some(cull_pipeline(&gpu, &groups, culling)?),
+        };
+        let place = match variant.transform {
+            Transform::VertexStage => None,
+            Transform::ComputeStage => {
+                let entry_point = ("compute/expand.wgsl", "place_corners");
+                Some(compute_pipeline(&gpu, entry_point, &groups.0[..3], &[])?)
+            }
+        };
+        Ok(Self {
+            place,
+            transform: variant.transform,
+            expand: expand_pipeline(&gpu, &groups, variant)?,
+            cull,
+            volume_shader: gpu.shader("compute/fill.wgsl")?,
+            volume_layout: gpu.pipeline_layout("compute", &groups.0[..2]),
+            volumes: HashMap::new(),
+            bindings,
+        })
+    }
+
+    /// Makes the pipeline of a state unless it is there.
+    pub(crate) fn ensure(&mut self, gpu: &Gpu, state: VolumeState) {
+        if !self.volumes.contains_key(&state) {
+            let pipeline = self.volume_pipeline(gpu, state);
+            self.volumes.insert(state, pipeline);
+        }
+    }
+
+    /// A pipeline that [`Pipelines::ensure`] made.
+    pub(crate) fn volume(&self, state: VolumeState) -> Option<&wgpu::RenderPipeline> {
+        self.volumes.get(&state)
+    }
+
+    fn volume_pipeline(&self, gpu: &Gpu, state: VolumeState) -> wgpu::RenderPipeline {
+        let is_placed = self.transform == Transform::ComputeStage;
+        let corner = [Some(wgpu::VertexBufferLayout {
+            array_stride: 16,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &wgpu::vertex_attr_array![0 => Float32x4],
+        })];
+        let shader = VolumeShader {
+            module: &self.volume_shader,
+            layout: &self.volume_layout,
+            vertex_entry: match (HandedOn::of(state), is_placed) {
+                (HandedOn::Nothing, false) => "vertex_main",
+                (HandedOn::Nothing, true) => "placed_main",
+                (HandedOn::Number, false) => "numbered_main",
+                (HandedOn::Number, true) => "placed_numbered",
+                (HandedOn::Colour, false) => "coloured_main",
+                (HandedOn::Colour, true) => "placed_coloured",
+            },
+            constants: &[],
+            buffers: if is_placed { &corner } else { &[] },
+            strip_index_format: None,
+            front_face: wgpu::FrontFace::Ccw,
+        };
+        shader.pipeline(gpu, state, false)
+    }
+}

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The switches of this backend.
+
+use terrafill_fill::{SwitchError, Switches, pick};
+
+/// When volumes are made from meshes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
+pub enum Expansion {
+    /// Every frame, for the regions in the frame's plan: what a geometry shader does.
+    #[default]
+    PerFrame,
+    /// Once, for all regions of the scene.
+    Cached,
+}
+
+impl Expansion {
+    /// Name in variants and reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PerFrame => "per-frame",
+            Self::Cached => "cached",
+        }
+    }
+}
+
+/// What the device leaves out, on top of what the frame plan did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
+pub enum GpuCulling {
+    /// Nothing.
+    #[default]
+    Off,
+    /// Regions whose box lies outside the frustum or in the body's shadow.
+    Regions,
+    /// Those, and of the others the cap triangles and walls that lie outside the frustum. Not
+    /// those in the body's shadow: where fragments behind the surface count, a ray through the
+    /// body may enter a volume by one piece and leave it by another.
+    Triangles,
+}
+
+impl GpuCulling {
+    /// Name in variants and reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Regions => "regions",
+            Self::Triangles => "triangles",
+        }
+    }
+}
+
+/// Which stage puts corners where they are seen. On lavapipe the compute stage takes 6 to 10 % off
+/// a globe made every frame (its workgroups run on all cores, vertex shaders on one) and adds up to
+/// 7 % close up, where the dispatch costs more than the few corners; numbers take a third less room
+/// than corners with numbers and hold for every view, so they are the default.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
+pub enum Transform {
+    /// The vertex shader, corner by corner as draws ask for them: what is expanded are numbers
+    /// only.
+    #[default]
+    VertexStage,
+    /// The compute pass, every corner of the regions in the plan once a frame: 32 more bytes a
+    /// vertex, and a vertex shader that hands them on.
+    ComputeStage,
+}
+
+/// A variant: when volumes are made, what the device leaves out, and the switches of the fill.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct ComputeVariant {
+    /// When volumes are made.
+    pub expansion: Expansion,
+    /// What the device leaves out.
+    pub culling: GpuCulling,
+    /// What puts corners where they are seen.
+    pub transform: Transform,
+    /// What the fill does.
+    pub switches: Switches,
+}
+
+impl ComputeVariant {
+    /// Expansion first, then what differs from the default, `key=value`, in alphabetical order.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let mut names = self.switches.names();
+        if self.culling != GpuCulling::default() {
+            names.push(format!("gpu-culling={}", self.culling.name()));
+        }
+        if self.transform == Transform::ComputeStage {
+            names.push("transform=compute".to_owned());
+        }
+        names.sort_unstable();
+        names.insert(0, self.expansion.name().to_owned());
+        names.join(",")
+    }
+
+    /// Every key of its own that [`ComputeVariant::set`] takes, with its values; the others are
+    /// [`Switches::KEYS`].
+    pub const KEYS: &str =
+        "expansion=per-frame|cached, gpu-culling=off|regions|triangles, transform=vertex|compute";
+
+    /// Sets the switch `key` to `value`; with `expansion=` the inverse of [`ComputeVariant::name`].
+    ///
+    /// # Errors
+    /// [`SwitchError`] when the value is none of the switch's; `Ok(false)` when there is no such
+    /// switch.
+    pub fn set(&mut self, key: &str, value: &str) -> Result<bool, SwitchError> {
+        match key {
+            "expansion" => {
+                let choices = [Expansion::PerFrame, Expansion::Cached];
+                let choices = choices.map(|choice| (choice.name(), choice));
+                self.expansion = pick("expansion", value, &choices)?;
+            }
+            "gpu-culling" => {
+                let choices = [GpuCulling::Off, GpuCulling::Regions, GpuCulling::Triangles];
+                let choices = choices.map(|choice| (choice.name(), choice));
+                self.culling = pick("gpu-culling", value, &choices)?;
+            }
+            "transform" => {
+                let choices = [
+                    ("vertex", Transform::VertexStage),
+                    ("compute", Transform::ComputeStage),
+                ];
+                self.transform = pick("transform", value, &choices)?;
+            }
+            _ => return self.switches.set(key, value),
+        }
+        Ok(true)
+    }
+
+    /// Whether expansion and culling go together.
+    ///
+    /// # Errors
+    /// [`SwitchError`]: volumes that are made once cannot leave out what one view does not show.
+    pub fn check(&self) -> Result<(), SwitchError> {
+        if self.expansion == Expansion::Cached && self.culling == GpuCulling::Triangles {
+            return Err(SwitchError {
+                switch: "gpu-culling",
+                found: "triangles with volumes that are cached for every view".to_owned(),
+                allowed: "off, regions, or triangles with per-frame".to_owned(),
+            });
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_fill::ColourWay;
+
+    #[test]
+    fn names_tell_variants_apart() {
+        let default = ComputeVariant::default();
+        assert_eq!(default.name(), "per-frame");
+        let cached = ComputeVariant {
+            expansion: Expansion::Cached,
+            ..default
+        };
+        assert_eq!(cached.name(), "cached");
+        let culled = ComputeVariant {
+            culling: GpuCulling::Triangles,
+            transform: Transform::ComputeStage,
+            switches: Switches {
+                colour: ColourWay::Rectangle,
+                scissor: true,
+                ..Switches::default()
+            },
+            ..default
+        };
+        let name = "per-frame,colour=rectangle,gpu-culling=triangles,scissor=volumes";
+        assert_eq!(culled.name(), format!("{name},transform=compute"));
+    }
+
+    #[test]
+    fn what_is_set_ends_up_in_the_name() {
+        let mut compute = ComputeVariant::default();
+        for (key, value) in [
+            ("expansion", "cached"),
+            ("gpu-culling", "regions"),
+            ("transform", "compute"),
+            ("faces", "two-pass"),
+        ] {
+            assert_eq!(compute.set(key, value), Ok(true));
+        }
+        let name = "cached,faces=two-pass,gpu-culling=regions,transform=compute";
+        assert_eq!(compute.name(), name);
+        for key in ["expansion", "gpu-culling", "transform"] {
+            let error = compute.set(key, "never").expect_err("no such value");
+            assert_eq!((error.switch, error.found.as_str()), (key, "never"));
+        }
+        assert_eq!(compute.set("transforms", "compute"), Ok(false));
+        assert_eq!(compute.name(), name);
+    }
+
+    #[test]
+    fn cached_volumes_know_no_view() {
+        for expansion in [Expansion::PerFrame, Expansion::Cached] {
+            for culling in [GpuCulling::Off, GpuCulling::Regions, GpuCulling::Triangles] {
+                let variant = ComputeVariant {
+                    expansion,
+                    culling,
+                    ..ComputeVariant::default()
+                };
+                let is_refused = expansion == Expansion::Cached && culling == GpuCulling::Triangles;
+                assert_eq!(variant.check().is_err(), is_refused, "{}", variant.name());
+            }
+        }
+    }
+}

@@ -1,0 +1,406 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Buffers of a scene and of a view: what the compute pass reads, and what it makes.
+
+use crate::culling::{CullRegion, DrawArguments, Horizon, LEFT_OUT};
+use crate::expansion::{Capacity, ExpansionPlan, OutputSlice, PlacingPlan, WorkGroup};
+use crate::layout::{MeshSlice, SceneGeometry};
+use crate::pipeline::Pipelines;
+use crate::{ComputeBytes, ComputeVariant, Expansion, GpuCulling, Transform};
+use terrafill_fill::{BackendError, FrameInput, RegionPlace};
+use terrafill_gpu::{Gpu, Stage, VolumeFill, read_buffer};
+use terrafill_scene::PlannedRegion;
+
+/// Volumes of a scene, and what makes and draws them.
+#[derive(Debug)]
+pub(crate) struct ComputeVolumes {
+    variant: ComputeVariant,
+    capacity: Capacity,
+    pub(crate) pipelines: Pipelines,
+    pub(crate) scene: Option<SceneBuffers>,
+    pub(crate) view: ViewBuffers,
+    /// Draws of this frame whose size the device decided: indices into the list of their arguments.
+    pub(crate) decided_draws: Vec<usize>,
+}
+
+/// Meshes of every region of a scene, in view or not.
+#[derive(Debug)]
+pub(crate) struct SceneBuffers {
+    meshes: Vec<MeshSlice>,
+    positions: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    /// Both of them.
+    pub(crate) bind_group: wgpu::BindGroup,
+    bytes: ComputeBytes,
+    /// [`Expansion::Cached`]: all volumes, by mesh.
+    pub(crate) expanded: Option<Expanded>,
+}
+
+/// What is made for a view.
+#[derive(Debug, Default)]
+pub(crate) struct ViewBuffers {
+    /// [`Expansion::PerFrame`]: volumes in the plan, by their place in it.
+    pub(crate) expanded: Option<Expanded>,
+    pub(crate) culling: Option<Culling>,
+    /// [`Transform::ComputeStage`]: corners of the regions in the plan.
+    pub(crate) placed: Option<Placed>,
+}
+
+/// A buffer that the compute pass fills, and what it takes to fill it.
+#[derive(Debug)]
+pub(crate) struct Filled {
+    pub(crate) buffer: wgpu::Buffer,
+    work: wgpu::Buffer,
+    /// Both of them.
+    pub(crate) bind_group: wgpu::BindGroup,
+    dispatch_size: [u32; 2],
+    output_bytes: u64,
+    work_bytes: u64,
+}
+
+impl Filled {
+    pub(crate) fn dispatch(&self, pass: &mut wgpu::ComputePass<'_>) {
+        let [columns, rows] = self.dispatch_size;
+        pass.dispatch_workgroups(columns, rows, 1);
+    }
+
+    fn buffers(&self) -> usize {
+        [&self.buffer, &self.work].len()
+    }
+}
+
+/// A list of volumes.
+#[derive(Debug)]
+pub(crate) struct Expanded {
+    pub(crate) indices: Filled,
+    outputs: Vec<OutputSlice>,
+}
+
+/// Corners in clip space.
+#[derive(Debug)]
+pub(crate) struct Placed {
+    pub(crate) corners: Filled,
+    /// Of the plan's regions, in its order.
+    first_corners: Vec<u32>,
+}
+
+/// What the device decides draws by, and the draws.
+#[derive(Debug)]
+pub(crate) struct Culling {
+    pub(crate) draws: wgpu::Buffer,
+    pub(crate) bind_group: wgpu::BindGroup,
+    states: wgpu::Buffer,
+    /// Of the plan's regions, in its order.
+    meshes: Vec<usize>,
+    bytes: u64,
+}
+
+impl Placed {
+    fn base_vertex(&self, planned: usize) -> i32 {
+        i32::try_from(self.first_corners[planned]).unwrap_or(i32::MAX)
+    }
+}
+
+fn read_vec<T: bytemuck::Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<T>, BackendError> {
+    Ok(bytemuck::pod_collect_to_vec(&read_buffer(gpu, buffer)?))
+}
+
+/// Bytes of a storage binding, which may not be empty.
+fn storage_bytes<T: bytemuck::Pod>(elements: &[T]) -> Vec<u8> {
+    if elements.is_empty() {
+        vec![0; size_of::<T>()]
+    } else {
+        bytemuck::cast_slice(elements).to_vec()
+    }
+}
+
+/// What a backend holds, for [`terrafill_fill::MemoryUse`].
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Held {
+    /// What the compute pass reads besides meshes and constants.
+    pub(crate) work_bytes: u64,
+    /// Buffers of all.
+    pub(crate) buffers: u64,
+}
+
+impl ComputeVolumes {
+    pub(crate) fn new(
+        fill: &VolumeFill,
+        variant: ComputeVariant,
+        capacity: Capacity,
+    ) -> Result<Self, BackendError> {
+        Ok(Self {
+            variant,
+            capacity,
+            pipelines: Pipelines::new(fill, variant)?,
+            scene: None,
+            view: ViewBuffers::default(),
+            decided_draws: Vec::new(),
+        })
+    }
+
+    /// The list of volumes, whoever made it.
+    pub(crate) fn expanded(&self) -> Option<&Expanded> {
+        let of_scene = self.scene.as_ref().and_then(|s| s.expanded.as_ref());
+        self.view.expanded.as_ref().or(of_scene)
+    }
+
+    /// Where the volume of a planned region lies in it.
+    pub(crate) fn output(&self, planned: usize, mesh: usize) -> Option<OutputSlice> {
+        let cached = self.scene.as_ref().and_then(|s| s.expanded.as_ref());
+        match (cached, &self.view.expanded) {
+            (Some(cached), _) => Some(cached.outputs[mesh]),
+            (None, expanded) => expanded.as_ref().map(|e| e.outputs[planned]),
+        }
+    }
+
+    /// What is added to the indices of a planned region.
+    pub(crate) fn base_vertex(&self, planned: usize) -> i32 {
+        let placed = self.view.placed.as_ref();
+        placed.map_or(0, |placed| placed.base_vertex(planned))
+    }
+
+    /// Where a mesh lies; `None` before anything is uploaded.
+    pub(crate) fn places(&self) -> Option<impl Fn(usize) -> RegionPlace> {
+        let scene = self.scene.as_ref()?;
+        Some(|mesh: usize| scene.meshes[mesh].place)
+    }
+
+    /// Bytes as allocated.
+    pub(crate) fn bytes(&self) -> ComputeBytes {
+        let (scene, placed) = (self.scene.as_ref(), self.view.placed.as_ref());
+        ComputeBytes {
+            output_index_bytes: self.expanded().map_or(0, |e| e.indices.output_bytes),
+            output_vertex_bytes: placed.map_or(0, |placed| placed.corners.output_bytes),
+            ..scene.map_or(ComputeBytes::default(), |scene| scene.bytes)
+        }
+    }
+
+    /// What is held besides the constants of the regions.
+    pub(crate) fn held(&self) -> Held {
+        let lists = self.expanded().map(|expanded| &expanded.indices);
+        let corners = self.view.placed.as_ref().map(|placed| &placed.corners);
+        let filled = || lists.into_iter().chain(corners);
+        let scene = self.scene.as_ref();
+        let read = scene.map_or(0, |s| [&s.positions, &s.indices].len());
+        // Draws, boxes, horizon, states.
+        let culling = self.view.culling.as_ref().map_or((0, 0), |c| (4, c.bytes));
+        Held {
+            work_bytes: filled().map(|filled| filled.work_bytes).sum::<u64>() + culling.1,
+            buffers: (read + filled().map(Filled::buffers).sum::<usize>() + culling.0) as u64,
+        }
+    }
+
+    /// Refuses constants that the device cannot hold.
+    pub(crate) fn check_constants(&self, bytes: u64) -> Result<(), BackendError> {
+        self.capacity.check_bytes("region constants", bytes)
+    }
+
+    /// Vertices of this frame's draws whose size only the device knows.
+    pub(crate) fn drawn_by_device(&self, gpu: &Gpu) -> Result<u64, BackendError> {
+        let Some(culling) = &self.view.culling else {
+            return Ok(0);
+        };
+        let arguments: Vec<DrawArguments> = read_vec(gpu, &culling.draws)?;
+        let vertices = |&draw: &usize| u64::from(arguments[draw].index_count);
+        Ok(self.decided_draws.iter().map(vertices).sum())
+    }
+
+    /// Meshes that the device left out of the last frame.
+    pub(crate) fn left_out(&self, gpu: &Gpu) -> Result<Vec<usize>, BackendError> {
+        let Some(culling) = &self.view.culling else {
+            return Ok(Vec::new());
+        };
+        let states: Vec<u32> = read_vec(gpu, &culling.states)?;
+        let planned = culling.meshes.iter().zip(states);
+        Ok(planned
+            .filter(|&(_, state)| state == LEFT_OUT)
+            .map(|(&mesh, _)| mesh)
+            .collect())
+    }
+
+    pub(crate) fn upload_scene(
+        &mut self,
+        stage: &Stage,
+        input: &FrameInput,
+    ) -> Result<(), BackendError> {
+        let geometry = SceneGeometry::build(&input.scene.meshes);
+        let bytes = geometry.bytes();
+        let capacity = self.capacity;
+        capacity.check_bytes("positions", bytes.input_vertex_bytes)?;
+        capacity.check_bytes("mesh indices", bytes.input_index_bytes)?;
+        let storage = wgpu::BufferUsages::STORAGE;
+        let positions: &[u8] = bytemuck::cast_slice(&geometry.positions);
+        let positions = stage.upload("positions", positions, storage)?;
+        let indices: &[u8] = bytemuck::cast_slice(&geometry.indices);
+        let indices = stage.upload("mesh indices", indices, storage)?;
+        let (gpu, layout) = (stage.gpu(), &self.pipelines.bindings.geometry);
+        let bind_group = gpu.bind_buffers("meshes", layout, &[&positions, &indices]);
+        let expanded = match self.variant.expansion {
+            Expansion::PerFrame => None,
+            Expansion::Cached => {
+                let meshes = input.scene.meshes.iter().zip(&geometry.meshes);
+                let expanded = self.make_room(stage, ExpansionPlan::new(meshes)?)?;
+                self.expand_once(gpu, &bind_group, &expanded);
+                Some(expanded)
+            }
+        };
+        self.scene = Some(SceneBuffers {
+            meshes: geometry.meshes,
+            positions,
+            indices,
+            bind_group,
+            bytes,
+            expanded,
+        });
+        Ok(())
+    }
+
+    pub(crate) fn upload_view(
+        &mut self,
+        stage: &Stage,
+        input: &FrameInput,
+    ) -> Result<(), BackendError> {
+        self.view = ViewBuffers::default();
+        let Some(scene) = &self.scene else {
+            return Ok(());
+        };
+        let planned = &input.plan.regions;
+        let expanded = match self.variant.expansion {
+            Expansion::Cached => None,
+            Expansion::PerFrame => {
+                let mesh = |region: &PlannedRegion| {
+                    (&input.scene.meshes[region.mesh], &scene.meshes[region.mesh])
+                };
+                let plan = ExpansionPlan::new(planned.iter().map(mesh))?;
+                Some(self.make_room(stage, plan)?)
+            }
+        };
+        let placed = match self.variant.transform {
+            Transform::VertexStage => None,
+            Transform::ComputeStage => Some(self.make_placed(stage, input)?),
+        };
+        self.view.expanded = expanded;
+        self.view.placed = placed;
+        if self.variant.culling != GpuCulling::Off {
+            let region = |(index, planned): (usize, &PlannedRegion)| {
+                let output = self.output(index, planned.mesh)?;
+                let base_vertex = self.base_vertex(index);
+                Some(CullRegion::new(input, planned, output, base_vertex))
+            };
+            let regions = planned.iter().enumerate().filter_map(region).collect();
+            self.view.culling = Some(self.upload_culling(stage, input, regions)?);
+        }
+        Ok(())
+    }
+
+    /// A list of exactly the size that `plan` fills, not filled yet.
+    fn make_room(&self, stage: &Stage, plan: ExpansionPlan) -> Result<Expanded, BackendError> {
+        let labels = ["expanded volumes", "expansion work"];
+        let (bytes, usage) = (plan.output_bytes(), wgpu::BufferUsages::INDEX);
+        Ok(Expanded {
+            indices: self.make_filled(stage, labels, &plan.work, bytes, usage)?,
+            outputs: plan.outputs,
+        })
+    }
+
+    /// Room for the corners of the regions in the plan.
+    fn make_placed(&self, stage: &Stage, input: &FrameInput) -> Result<Placed, BackendError> {
+        let planned = input.plan.regions.iter();
+        let plan = PlacingPlan::new(planned.map(|planned| &input.scene.meshes[planned.mesh]))?;
+        let labels = ["corners in clip space", "placing work"];
+        let (bytes, usage) = (plan.output_bytes(), wgpu::BufferUsages::VERTEX);
+        Ok(Placed {
+            corners: self.make_filled(stage, labels, &plan.work, bytes, usage)?,
+            first_corners: plan.first_corners,
+        })
+    }
+
+    /// - `labels`: of the buffer and of the work that fills it
+    fn make_filled(
+        &self,
+        stage: &Stage,
+        [label, work_label]: [&str; 2],
+        work: &[WorkGroup],
+        output_bytes: u64,
+        usage: wgpu::BufferUsages,
+    ) -> Result<Filled, BackendError> {
+        let work_bytes = size_of_val(work) as u64;
+        self.capacity.check_bytes(label, output_bytes)?;
+        self.capacity.check_bytes(work_label, work_bytes)?;
+        let dispatch_size = self.capacity.dispatch_size(work.len())?;
+        let gpu = stage.gpu();
+        let buffer = gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            // A binding of 0 bytes is not allowed; an empty plan draws nothing. 16 are one corner.
+            size: output_bytes.max(16),
+            usage: wgpu::BufferUsages::STORAGE | usage,
+            mapped_at_creation: false,
+        });
+        let storage = wgpu::BufferUsages::STORAGE;
+        let work = stage.upload(work_label, &storage_bytes(work), storage)?;
+        let layout = &self.pipelines.bindings.expansion;
+        Ok(Filled {
+            bind_group: gpu.bind_buffers(label, layout, &[&work, &buffer]),
+            buffer,
+            work,
+            dispatch_size,
+            output_bytes,
+            work_bytes,
+        })
+    }
+
+    fn expand_once(&self, gpu: &Gpu, meshes: &wgpu::BindGroup, expanded: &Expanded) {
+        let mut encoder = gpu.device.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&self.pipelines.expand);
+        pass.set_bind_group(1, meshes, &[]);
+        pass.set_bind_group(2, &expanded.indices.bind_group, &[]);
+        expanded.indices.dispatch(&mut pass);
+        drop(pass);
+        gpu.queue.submit([encoder.finish()]);
+    }
+
+    fn upload_culling(
+        &self,
+        stage: &Stage,
+        input: &FrameInput,
+        regions: Vec<CullRegion>,
+    ) -> Result<Culling, BackendError> {
+        let planned = &input.plan.regions;
+        let draw_bytes = 2 * (size_of::<DrawArguments>() * planned.len().max(1)) as u64;
+        let region_bytes = size_of_val(&*regions) as u64;
+        self.capacity.check_bytes("draw arguments", draw_bytes)?;
+        self.capacity.check_bytes("region boxes", region_bytes)?;
+        let horizon = Horizon::new(input);
+        let horizon_bytes = size_of_val(&horizon) as u64;
+        let uniform = wgpu::BufferUsages::UNIFORM;
+        let horizon = stage.upload("horizon", bytemuck::bytes_of(&horizon), uniform)?;
+        let regions = storage_bytes(&regions);
+        let regions = stage.upload("region boxes", &regions, wgpu::BufferUsages::STORAGE)?;
+        let gpu = stage.gpu();
+        let draws = gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("draw arguments"),
+            size: draw_bytes,
+            usage: wgpu::BufferUsages::STORAGE
+                | wgpu::BufferUsages::INDIRECT
+                | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        let state_bytes = 4 * planned.len().max(1) as u64;
+        let states = gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("region states"),
+            size: state_bytes,
+            usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        let layout = &self.pipelines.bindings.culling;
+        let buffers = [&draws, &regions, &horizon, &states];
+        Ok(Culling {
+            bind_group: gpu.bind_buffers("culling", layout, &buffers),
+            draws,
+            states,
+            meshes: planned.iter().map(|planned| planned.mesh).collect(),
+            bytes: draw_bytes + region_bytes + horizon_bytes + state_bytes,
+        })
+    }
+}

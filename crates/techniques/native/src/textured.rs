@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The textured side of a fill on Vulkan: what was planned last, and what the device holds of it.
+//!
+//! Textured covers stand where plain ones would. Plan, constants and WGSL are those of the wgpu
+//! backends; a plain fill has nothing of this, neither buffers nor pipelines nor a picture.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::sync::Arc;
+use terrafill_fill::{
+    AddressMode, BackendError, FillPass, FillStep, FrameInput, Probed, StencilTest, Switches,
+    TexturedCover, TexturedPlan,
+};
+use terrafill_scene::{MipChain, PlannedRegion, SceneTexture, TextureShare};
+use terrafill_vulkan::{
+    BindGroup, Buffer, BufferUse, CoverPurpose, CoverState, DepthBindings, Gpu, ImageBindings,
+    Probe, RouteText, SampledImage, Stage, TexturedDescriptor, TexturedParts, TexturedPipeline,
+    TexturedPlacement,
+};
+
+/// A copy of the picture, and what is seen beyond it.
+type ImageKey = (usize, [AddressMode; 2]);
+
+/// Shader, stencil test and purpose.
+type PipelineKey = (usize, StencilTest, CoverPurpose);
+
+/// Textured covers of one scene and view.
+#[derive(Debug)]
+pub(crate) struct Textured {
+    switches: Switches,
+    shaders: Vec<Shader>,
+    pipelines: HashMap<PipelineKey, TexturedPipeline>,
+    source: Option<Arc<SceneTexture>>,
+    images: Vec<Arc<SampledImage>>,
+    /// Whether the pictures hide what lies under them.
+    images_are_opaque: bool,
+    image_bindings: HashMap<ImageKey, ImageBindings>,
+    view: Option<View>,
+}
+
+/// A composed shader, and the table that its route reads.
+#[derive(Debug)]
+struct Shader {
+    parts: TexturedParts,
+    table: Option<Table>,
+}
+
+#[derive(Debug)]
+struct Table {
+    image: Arc<SampledImage>,
+    bindings: ImageBindings,
+}
+
+/// A plan, what it was made from, and its constants.
+#[derive(Debug)]
+struct View {
+    surface_rte: Arc<[[f32; 3]]>,
+    regions: Vec<PlannedRegion>,
+    plan: TexturedPlan,
+    /// By planned region, the place of its shader.
+    shaders: Vec<usize>,
+    constants: Arc<Buffer>,
+    written: Vec<[f32; 4]>,
+    stride: usize,
+    bindings: DepthBindings,
+}
+
+/// What covers are drawn for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    Colour,
+    Probe,
+}
+
+impl Textured {
+    /// `None` for a plain fill.
+    pub(crate) fn new(switches: &Switches) -> Option<Self> {
+        switches.texture.map(|_| Self {
+            switches: *switches,
+            shaders: Vec::new(),
+            pipelines: HashMap::new(),
+            source: None,
+            images: Vec::new(),
+            images_are_opaque: true,
+            image_bindings: HashMap::new(),
+            view: None,
+        })
+    }
+
+    /// The plan of the view that was uploaded last.
+    pub(crate) fn plan(&self) -> Option<&TexturedPlan> {
+        self.view.as_ref().map(|view| &view.plan)
+    }
+
+    /// Bytes of the pictures on the device, and of the routes' tables.
+    pub(crate) fn texture_bytes(&self) -> u64 {
+        let tables = self.shaders.iter().filter_map(|made| made.table.as_ref());
+        let tables = tables.map(|table| &table.image);
+        self.images.iter().chain(tables).map(|i| i.bytes()).sum()
+    }
+
+    /// Bytes of the regions' constants.
+    pub(crate) fn constant_bytes(&self) -> u64 {
+        let written = self.view.as_ref().map(|view| size_of_val(&*view.written));
+        written.unwrap_or(0) as u64
+    }
+
+    /// Plans and uploads the view of `input`; the same view again costs nothing.
+    pub(crate) fn upload(&mut self, stage: &Stage, input: &FrameInput) -> Result<(), BackendError> {
+        let is_same = |view: &View| {
+            Arc::ptr_eq(&view.surface_rte, &input.surface_rte) && view.regions == input.plan.regions
+        };
+        if self.view.as_ref().is_some_and(is_same) && self.holds_image(input) {
+            return Ok(());
+        }
+        let Some(plan) = TexturedPlan::of_switches(input, &self.switches)? else {
+            return Ok(());
+        };
+        let gpu = stage.gpu();
+        if let Some(texture) = &input.scene.texture
+            && !self.holds_image(input)
+        {
+            let copies = match texture.share {
+                TextureShare::One => 1,
+                TextureShare::Each => input.scene.regions.len(),
+            };
+            self.upload_image(gpu, &texture.image, copies)?;
+            self.source = Some(Arc::clone(texture));
+        }
+        let mut shaders = Vec::with_capacity(plan.covers.len());
+        for cover in &plan.covers {
+            shaders.push(self.shader(gpu, &plan, cover)?);
+            self.ensure_image_bindings((cover.texture.image, cover.texture.address))?;
+        }
+        let (written, stride) = plan.aligned_constants(DepthBindings::alignment(gpu));
+        let bytes = bytemuck::cast_slice(&written);
+        let (constants, bindings) = match self.view.take() {
+            Some(view) if (view.written.len(), view.stride) == (written.len(), stride) => {
+                if view.written != written {
+                    view.constants.rewrite(bytes)?;
+                }
+                (view.constants, view.bindings)
+            }
+            _ => {
+                let label = "textured regions";
+                let constants = Arc::new(Buffer::upload(gpu, label, bytes, BufferUse::Constants)?);
+                let bindings = stage.bind_depth(&constants, stride)?;
+                (constants, bindings)
+            }
+        };
+        self.view = Some(View {
+            surface_rte: Arc::clone(&input.surface_rte),
+            regions: input.plan.regions.clone(),
+            plan,
+            shaders,
+            constants,
+            written,
+            stride,
+            bindings,
+        });
+        Ok(())
+    }
+
+    fn holds_image(&self, input: &FrameInput) -> bool {
+        let both = self.source.as_ref().zip(input.scene.texture.as_ref());
+        both.is_some_and(|(held, wanted)| Arc::ptr_eq(held, wanted))
+    }
+
+    fn upload_image(
+        &mut self,
+        gpu: &Arc<Gpu>,
+        image: &MipChain,
+        copies: usize,
+    ) -> Result<(), BackendError> {
+        let mut texels = image.levels()[0].rgba.chunks_exact(4);
+        self.images_are_opaque = texels.all(|texel| texel[3] == u8::MAX);
+        self.image_bindings.clear();
+        self.images = (0..copies)
+            .map(|_| SampledImage::picture(gpu, image).map(Arc::new))
+            .collect::<Result<_, _>>()?;
+        Ok(())
+    }
+
+    fn shader(
+        &mut self,
+        gpu: &Arc<Gpu>,
+        plan: &TexturedPlan,
+        cover: &TexturedCover,
+    ) -> Result<usize, BackendError> {
+        let parts = parts(plan, cover);
+        let there = self.shaders.iter().position(|made| made.parts == parts);
+        if let Some(there) = there {
+            return Ok(there);
+        }
+        let table = match cover.route_texels() {
+            None => None,
+            Some(texels) => {
+                let image = Arc::new(SampledImage::route(gpu, &texels)?);
+                let bindings = ImageBindings::route(&image, texels.is_filtered)?;
+                Some(Table { image, bindings })
+            }
+        };
+        self.shaders.push(Shader { parts, table });
+        Ok(self.shaders.len() - 1)
+    }
+
+    fn ensure_image_bindings(&mut self, key: ImageKey) -> Result<(), BackendError> {
+        let Some(image) = self.images.get(key.0) else {
+            return Ok(());
+        };
+        if let Entry::Vacant(place) = self.image_bindings.entry(key) {
+            place.insert(ImageBindings::picture(image, key.1)?);
+        }
+        Ok(())
+    }
+
+    /// Makes the pipelines of the covers of these passes where they are missing.
+    pub(crate) fn ensure<'a>(
+        &mut self,
+        gpu: &Arc<Gpu>,
+        passes: impl Iterator<Item = &'a FillPass>,
+        purpose: Purpose,
+    ) -> Result<(), BackendError> {
+        for step in passes.flat_map(FillPass::steps) {
+            let FillStep::Cover { test, regions, .. } = step else {
+                continue;
+            };
+            for &planned in regions {
+                let Some((key, _)) = self.key(test, purpose, planned) else {
+                    continue;
+                };
+                let Shader { parts, table } = &self.shaders[key.0];
+                if let Entry::Vacant(place) = self.pipelines.entry(key) {
+                    let descriptor = TexturedDescriptor {
+                        parts,
+                        table_is_sampled: table.as_ref().map(|table| table.bindings.is_sampled()),
+                        test,
+                        purpose: key.2,
+                    };
+                    place.insert(TexturedPipeline::new(gpu, &descriptor)?);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn key(
+        &self,
+        test: StencilTest,
+        purpose: Purpose,
+        planned: usize,
+    ) -> Option<(PipelineKey, &TexturedCover)> {
+        let view = self.view.as_ref()?;
+        let (cover, shader) = view
+            .plan
+            .covers
+            .get(planned)
+            .zip(view.shaders.get(planned))?;
+        let purpose = match purpose {
+            Purpose::Colour => CoverPurpose::Colour {
+                overrides: cover.overrides(),
+                blends: cover.is_translucent() || !self.images_are_opaque,
+            },
+            Purpose::Probe => CoverPurpose::Probe {
+                overrides: cover.overrides().of_probe(),
+            },
+        };
+        Some(((*shader, test, purpose), cover))
+    }
+
+    /// What covers one planned region; `None` where [`Textured::ensure`] was not called for it.
+    pub(crate) fn cover<'a>(
+        &'a self,
+        bindings: &'a BindGroup,
+        test: StencilTest,
+        purpose: Purpose,
+        planned: usize,
+    ) -> Option<CoverState<'a>> {
+        let (key, cover) = self.key(test, purpose, planned)?;
+        let image = (cover.texture.image, cover.texture.address);
+        let table = self.shaders[key.0].table.as_ref();
+        Some(CoverState {
+            pipeline: self.pipelines.get(&key)?,
+            bindings,
+            depth: &self.view.as_ref()?.bindings,
+            picture: self.image_bindings.get(&image)?,
+            table: table.map(|table| &table.bindings),
+        })
+    }
+}
+
+/// What the covers left in `probe`; nothing where none was drawn.
+pub(crate) fn probed(probe: &Probe, pixels: usize) -> Result<Vec<Option<Probed>>, BackendError> {
+    Ok(match probe.read()? {
+        Some([places, sizes]) => Probed::of_targets(&places, &sizes),
+        None => vec![None; pixels],
+    })
+}
+
+/// The shader of one cover.
+fn parts(plan: &TexturedPlan, cover: &TexturedCover) -> TexturedParts {
+    TexturedParts {
+        position: RouteText {
+            wgsl: plan.position_wgsl(),
+            constants: cover.position_constants.len(),
+        },
+        route: RouteText {
+            wgsl: cover.route_wgsl(),
+            constants: cover.route_constants.len(),
+        },
+        placement: match cover.texture.pattern {
+            Some(_) => TexturedPlacement::Pattern,
+            None => TexturedPlacement::Affine,
+        },
+    }
+}

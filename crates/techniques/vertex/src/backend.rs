@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The backend: its volumes, and the fill that every backend on wgpu shares.
+
+use crate::VertexVariant;
+use crate::pass::VertexVolumes;
+use terrafill_fill::{
+    Backend, BackendError, Capabilities, Colours, FillProgram, Frame, FrameInput, FrameTimes,
+    MemoryUse, Picture, RegionConstants, TimedBackend, VolumeBackend,
+};
+use terrafill_gpu::{SharedStage, VolumeFill};
+
+/// Shadow volumes extruded in the vertex shader.
+#[derive(Debug)]
+pub struct VertexBackend {
+    variant: VertexVariant,
+    fill: VolumeFill,
+    volumes: VertexVolumes,
+}
+
+impl VertexBackend {
+    /// A backend on `stage`.
+    ///
+    /// # Errors
+    /// [`BackendError::Switch`] when the layout lacks what was chosen for it;
+    /// [`BackendError::Unsupported`] for what wgpu has no way to ask for; [`BackendError::Shader`].
+    pub fn new(stage: &SharedStage, variant: VertexVariant) -> Result<Self, BackendError> {
+        variant.check_layout()?;
+        let fill = VolumeFill::new(stage, "vertex", &variant.switches)?;
+        Ok(Self {
+            variant,
+            volumes: VertexVolumes::new(&fill, variant)?,
+            fill,
+        })
+    }
+
+    /// The switches.
+    #[must_use]
+    pub fn variant(&self) -> VertexVariant {
+        self.variant
+    }
+
+    /// Brings program and constants up to date; nothing is made or written where they are already.
+    fn upload_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), BackendError> {
+        let Some(place_of) = self.volumes.places() else {
+            return self.fill.check_prepared(input);
+        };
+        let program = FillProgram::new(&input.plan, &self.variant.switches, input.scene.overlap)?;
+        let positions = self.variant.positions;
+        let constants = RegionConstants::bytes_of_all(input, positions, colours, place_of);
+        self.fill.upload_view(input, program, constants)
+    }
+
+    /// Brings geometry, constants and pipelines up to date, and gives the bytes handed over.
+    fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, BackendError> {
+        let before = self.fill.gpu().work_done();
+        if !self.fill.holds_meshes(input) {
+            self.volumes.upload(&self.fill.stage().borrow(), input)?;
+            self.fill.hold_meshes(input);
+        }
+        self.upload_view(input, Colours::Ids)?;
+        self.fill
+            .ensure_pipelines(&mut self.volumes, input, false)?;
+        Ok(self.fill.count_work_since(before))
+    }
+}
+
+impl Backend for VertexBackend {
+    fn capabilities(&self) -> &Capabilities {
+        self.fill.capabilities()
+    }
+
+    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, BackendError> {
+        input.check_region_count()?;
+        self.fill.stage().borrow_mut().prepare(input)?;
+        let upload_bytes = self.bring_up_to_date(input)?;
+        let (bytes, buffers) = self.volumes.memory();
+        Ok(MemoryUse {
+            vertex_bytes: bytes.vertex_bytes,
+            index_bytes: bytes.index_bytes,
+            constant_bytes: RegionConstants::byte_count(input) + self.fill.textured_bytes(),
+            target_bytes: self.fill.target_bytes(),
+            texture_bytes: self.fill.texture_bytes(),
+            // And the constants'.
+            buffers: buffers + self.fill.constant_buffers(),
+            upload_bytes,
+        })
+    }
+
+    fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError> {
+        let (picture, mut counters) = self.fill.draw_and_read(&mut self.volumes, input, false)?;
+        counters.stencil_fragments = self.fill.count_fragments(&mut self.volumes, input)?;
+        self.fill
+            .frame(&mut self.volumes, input, &picture, counters)
+    }
+}
+
+impl TimedBackend for VertexBackend {
+    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, BackendError> {
+        self.fill.time_frame(&mut self.volumes, input)
+    }
+}
+
+impl VolumeBackend for VertexBackend {
+    fn variant_name(&self) -> String {
+        self.variant.name()
+    }
+
+    fn tells_regions_apart(&self) -> bool {
+        self.variant.switches.colour.tells_regions_apart()
+    }
+
+    fn note(&self) -> Option<String> {
+        self.fill.note()
+    }
+
+    fn picture(&mut self, input: &FrameInput) -> Result<Picture, BackendError> {
+        self.variant.check(input.scene.overlap)?;
+        let blends = self.variant.opacity_percent < 100;
+        let opacity = f32::from(self.variant.opacity_percent) / 100.0;
+        self.upload_view(input, Colours::Palette { opacity })?;
+        self.fill
+            .ensure_pipelines(&mut self.volumes, input, blends)?;
+        let drawn = self.fill.draw_and_read(&mut self.volumes, input, blends);
+        self.upload_view(input, Colours::Ids)?;
+        drawn.map(|(picture, _)| picture)
+    }
+}

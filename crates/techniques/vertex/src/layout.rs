@@ -1,0 +1,526 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! How meshes lie in GPU buffers, and what that costs in bytes, by formula and as built.
+//!
+//! Indices are 16 bits where a region's vertices fit and 32 where they do not, region by region.
+
+use crate::{IndexOrder, Layout, VertexVariant, cache_ordered};
+use glam::{DVec3, IVec3, Vec3};
+use std::borrow::Cow;
+use std::collections::HashSet;
+use terrafill_core::RegionMesh;
+use terrafill_fill::{
+    FixedPoint, GeometryBytes, IndexLists, PositionFormat, RegionPlace, boundary_edges, two_float,
+};
+
+/// Largest number of distinct indices in 16 bits: 0xffff restarts strips and separates loops.
+const MAX_SHORT_INDICES: usize = 0xffff;
+
+/// Whether a region's indices fit 16 bits.
+fn has_short_indices(layout: Layout, vertices: usize) -> bool {
+    let copies = if layout.is_doubled() { 2 } else { 1 };
+    copies * vertices <= MAX_SHORT_INDICES
+}
+
+/// Bytes of a stored flag in layout `separate`. One would do, and was enough in 2007; WebGPU wants
+/// strides in multiples of four.
+pub const FLAG_BYTES: usize = 4;
+
+/// Bytes that `mesh` takes in a layout with nothing else chosen: see [`variant_bytes`].
+#[must_use]
+pub fn layout_bytes(layout: Layout, mesh: &RegionMesh) -> GeometryBytes {
+    let variant = VertexVariant {
+        layout,
+        ..VertexVariant::default()
+    };
+    variant_bytes(&variant, mesh)
+}
+
+/// Bytes that `mesh` takes, by formula. With *v* vertices, *t* triangles, *e* boundary edges in *l*
+/// loops and *i* bytes an index:
+///
+/// - `doubled`: 2·16·v + i·(6t + 2(e + l) + l), the strips closed and followed by a restart; with
+///   walls as lists i·(6t + 6e); with vertices of 20 bytes 2·20·v;
+/// - `separate`: 2·12·v and indices as `doubled`, plus what all regions share
+///   ([`shared_flag_bytes`]);
+/// - `per-triangle`: 2·16·v + i·24t, two caps of 3 and three walls of 6 indices a triangle. Strips
+///   of 4 would be 18 without restarts ([`per_triangle_volume_bytes`], as the 2007 document counts
+///   them) and 21 with them;
+/// - `pulled`: 12·v + i·(3t + e + 2l), the loops closed and followed by a separator.
+///
+/// Positions of two floats take 24 bytes for 12: 12·v more where vertices are stored once, 2·12·v
+/// where they are stored twice.
+#[must_use]
+pub fn variant_bytes(variant: &VertexVariant, mesh: &RegionMesh) -> GeometryBytes {
+    let (vertices, triangles) = (mesh.vertices_ecef.len(), mesh.triangles.len());
+    let (edges, loops) = (mesh.boundary_edge_count(), mesh.boundary_loops.len());
+    let short = has_short_indices(variant.layout, vertices);
+    let index_size = if short { 2 } else { 4 };
+    let (copies, indices) = match variant.layout {
+        Layout::Doubled | Layout::Separate if variant.has_strips() => {
+            (2, 6 * triangles + 2 * (edges + loops) + loops)
+        }
+        Layout::Doubled | Layout::Separate => (2, 6 * triangles + 6 * edges),
+        Layout::PerTriangle => (2, 24 * triangles),
+        Layout::Pulled => (1, 3 * triangles + edges + 2 * loops),
+    };
+    GeometryBytes {
+        vertex_bytes: (copies * variant.vertex_words() * 4 * vertices) as u64,
+        index_bytes: (indices * index_size) as u64,
+    }
+}
+
+/// Bytes of the flags that all regions share in layout `separate`: two for each vertex of the
+/// largest; 0 in the others.
+#[must_use]
+pub fn shared_flag_bytes(layout: Layout, meshes: &[RegionMesh]) -> u64 {
+    if layout != Layout::Separate {
+        return 0;
+    }
+    let largest = meshes.iter().map(|mesh| mesh.vertices_ecef.len()).max();
+    (2 * FLAG_BYTES * largest.unwrap_or(0)) as u64
+}
+
+/// Bytes of a mesh whose vertices are shared by all its triangles: what a geometry shader reads.
+/// Cozzi (2007): California with 1,056 vertices of 24 bytes and 3,321 16-bit indices, 31,986 bytes.
+#[must_use]
+pub fn shared_mesh_bytes(vertices: u64, vertex_size: u64, indices: u64, index_size: u64) -> u64 {
+    vertices * vertex_size + indices * index_size
+}
+
+/// Bytes of one closed volume per triangle over doubled vertices. Per triangle 18 indices: two caps
+/// of 3 and three walls of 4. Cozzi (2007): the same California, 90,540 bytes.
+#[must_use]
+pub fn per_triangle_volume_bytes(
+    vertices: u64,
+    vertex_size: u64,
+    triangles: u64,
+    index_size: u64,
+) -> u64 {
+    2 * vertices * vertex_size + triangles * (2 * 3 + 3 * 4) * index_size
+}
+
+/// Where one region lies in the scene's buffers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RegionSlice {
+    /// Vertices are counted as stored: two per mesh vertex when doubled.
+    pub(crate) place: RegionPlace,
+    /// Indices of the strips, or entries of the loop list.
+    pub(crate) loop_index_count: u32,
+    /// Of those, the last ones: the second walls on inner edges. The first ones, as many, precede them.
+    pub(crate) turned_index_count: u32,
+}
+
+/// Contents of a scene's geometry buffers.
+#[derive(Debug, Default)]
+pub(crate) struct SceneGeometry {
+    /// Vertices of [`VertexVariant::vertex_words`] words.
+    pub(crate) vertices: Vec<i32>,
+    /// Layout `separate`: 0 and 255 in turn, each in [`FLAG_BYTES`].
+    pub(crate) flags: Vec<[u8; FLAG_BYTES]>,
+    pub(crate) indices: IndexLists,
+    pub(crate) regions: Vec<RegionSlice>,
+}
+
+impl SceneGeometry {
+    /// Lays out every mesh.
+    pub(crate) fn build(variant: &VertexVariant, meshes: &[RegionMesh]) -> Self {
+        let mut geometry = Self::default();
+        let flags = shared_flag_bytes(variant.layout, meshes) / FLAG_BYTES as u64;
+        geometry.flags = (0..flags)
+            .map(|vertex| [if vertex % 2 == 0 { 0 } else { 255 }, 0, 0, 0])
+            .collect();
+        for mesh in meshes {
+            geometry.push(variant, mesh);
+        }
+        geometry
+    }
+
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "buffers are refused by the device long before 2^32 elements"
+    )]
+    fn push(&mut self, variant: &VertexVariant, mesh: &RegionMesh) {
+        let fixed = FixedPoint::for_mesh(mesh);
+        let first_vertex = (self.vertices.len() / variant.vertex_words()) as u32;
+        for vertex in &mesh.vertices_ecef {
+            let stored = store(&fixed, variant.positions, *vertex);
+            self.push_vertex(variant, &stored[..variant.positions.words()]);
+        }
+        let triangles = match variant.index_order {
+            IndexOrder::Mesh => Cow::Borrowed(mesh.triangles.as_slice()),
+            IndexOrder::Cache => cache_ordered(&mesh.triangles, mesh.vertices_ecef.len()),
+        };
+        let layout = variant.layout;
+        let short_indices = has_short_indices(layout, mesh.vertices_ecef.len());
+        let first_triangle_index = self.indices.count(short_indices);
+        self.push_caps(layout, short_indices, &triangles);
+        let first_loop_index = self.indices.count(short_indices);
+        let mut turned_index_count = 0;
+        match layout {
+            Layout::Pulled => self.push_loops(short_indices, mesh),
+            Layout::PerTriangle => {
+                turned_index_count = self.push_inner_walls(short_indices, mesh, &triangles);
+            }
+            _ if variant.has_strips() => self.push_strips(short_indices, mesh),
+            _ => self.push_wall_list(short_indices, mesh),
+        }
+        self.regions.push(RegionSlice {
+            place: RegionPlace {
+                fixed,
+                first_vertex,
+                first_triangle_index,
+                first_loop_index,
+                triangle_count: mesh.triangles.len() as u32,
+                has_short_indices: short_indices,
+            },
+            loop_index_count: self.indices.count(short_indices) - first_loop_index,
+            turned_index_count,
+        });
+    }
+
+    fn push_vertex(&mut self, variant: &VertexVariant, position: &[i32]) {
+        let padding = variant.vertex_words().saturating_sub(position.len() + 1);
+        match variant.layout {
+            Layout::Doubled | Layout::PerTriangle => {
+                for flag in [0, 1] {
+                    self.vertices.extend(position);
+                    self.vertices.push(flag);
+                    self.vertices.extend(std::iter::repeat_n(0, padding));
+                }
+            }
+            Layout::Separate => {
+                self.vertices.extend(position);
+                self.vertices.extend(position);
+            }
+            Layout::Pulled => self.vertices.extend(position),
+        }
+    }
+
+    fn push_caps(&mut self, layout: Layout, short: bool, triangles: &[[u32; 3]]) {
+        // All of the top, then all of the bottom, so that the bottom may be left out of a draw.
+        let copies = if layout.is_doubled() { 2 } else { 1 };
+        for corner in triangles.as_flattened() {
+            self.indices.push(short, copies * corner);
+        }
+        if layout.is_doubled() {
+            for &[a, b, c] in triangles {
+                for corner in [a, c, b] {
+                    self.indices.push(short, 2 * corner + 1);
+                }
+            }
+        }
+    }
+
+    fn push_loops(&mut self, short: bool, mesh: &RegionMesh) {
+        for ring in &mesh.boundary_loops {
+            for &vertex in ring.iter().chain(ring.first()) {
+                self.indices.push(short, vertex);
+            }
+            self.indices.push(short, u32::MAX);
+        }
+    }
+
+    fn push_strips(&mut self, short: bool, mesh: &RegionMesh) {
+        for ring in &mesh.boundary_loops {
+            for &vertex in ring.iter().chain(ring.first()) {
+                self.indices.push(short, 2 * vertex);
+                self.indices.push(short, 2 * vertex + 1);
+            }
+            self.indices.push(short, u32::MAX);
+        }
+    }
+
+    fn push_wall_list(&mut self, short: bool, mesh: &RegionMesh) {
+        for [start, end] in boundary_edges(mesh) {
+            self.push_wall(short, start, end);
+        }
+    }
+
+    /// A wall along every edge of every triangle: those on the boundary, then one on each inner edge,
+    /// then the second one there; gives the number of indices of the last. Two triangles see an
+    /// inner edge in opposite directions, and both walls must cancel each other to the pixel.
+    ///
+    /// Where both faces are drawn, the first ones are drawn again with front and back exchanged by the
+    /// pipeline ([`crate::pipeline::Part::TurnedWalls`]), and nothing can tell the two apart. Where faces
+    /// are culled llvmpipe then loses single pixels on walls seen edge on, and the second ones are
+    /// drawn: the first ones' triangles turned over, the same diagonal, else a sliver would lie in both
+    /// volumes or in neither, and the last two corners swapped, since a rasteriser that brings all
+    /// triangles into one winding must keep the first, provoking, corner where it is, and then
+    /// computes the same depths to the bit. Clipped, they are less alike: where the near plane or a side
+    /// cuts the first corner off, the rest begins at another one, is split along another diagonal, and
+    /// single pixels belong to both volumes or to neither (llvmpipe; one frame in thirty of those
+    /// at the edge of a square of 200 km).
+    fn push_inner_walls(&mut self, short: bool, mesh: &RegionMesh, triangles: &[[u32; 3]]) -> u32 {
+        let outer: HashSet<[u32; 2]> = boundary_edges(mesh).collect();
+        let sides = || {
+            let of_each = triangles.iter();
+            of_each.flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]])
+        };
+        let all: HashSet<[u32; 2]> = sides().collect();
+        let is_alone = |side: &[u32; 2]| outer.contains(side) || !all.contains(&[side[1], side[0]]);
+        for [start, end] in sides().filter(is_alone) {
+            self.push_wall(short, start, end);
+        }
+        let is_first = |side: &[u32; 2]| !is_alone(side) && side[0] < side[1];
+        let ascending: Vec<_> = sides().filter(is_first).collect();
+        for &[start, end] in &ascending {
+            self.push_wall(short, start, end);
+        }
+        let first = self.indices.count(short);
+        for [start, end] in ascending {
+            for [first, second, third] in wall_triangles(start, end) {
+                for index in [first, third, second] {
+                    self.indices.push(short, index);
+                }
+            }
+        }
+        self.indices.count(short) - first
+    }
+
+    fn push_wall(&mut self, short: bool, start: u32, end: u32) {
+        for index in wall_triangles(start, end).as_flattened() {
+            self.indices.push(short, *index);
+        }
+    }
+
+    /// Bytes as built.
+    pub(crate) fn bytes(&self) -> GeometryBytes {
+        GeometryBytes {
+            vertex_bytes: (self.vertices.len() * 4 + self.flags.len() * FLAG_BYTES) as u64,
+            index_bytes: self.indices.bytes(),
+        }
+    }
+}
+
+/// The two triangles that a strip of 2·start, 2·start + 1, 2·end, 2·end + 1 has.
+fn wall_triangles(start: u32, end: u32) -> [[u32; 3]; 2] {
+    [
+        [2 * start, 2 * start + 1, 2 * end],
+        [2 * end, 2 * start + 1, 2 * end + 1],
+    ]
+}
+
+/// A position's words; of those only the first [`PositionFormat::words`] are stored.
+fn store(fixed: &FixedPoint, format: PositionFormat, ecef: DVec3) -> [i32; 6] {
+    let (first, second) = match format {
+        PositionFormat::Fixed => (fixed.quantize(ecef), IVec3::ZERO),
+        PositionFormat::LocalF32 => (bits((ecef - fixed.origin_ecef).as_vec3()), IVec3::ZERO),
+        PositionFormat::EcefF32 => (bits(ecef.as_vec3()), IVec3::ZERO),
+        PositionFormat::TwoFloat => {
+            let [high, low] = two_float(ecef);
+            (bits(high), bits(low))
+        }
+    };
+    let [[x, y, z], [u, v, w]] = [first.to_array(), second.to_array()];
+    [x, y, z, u, v, w]
+}
+
+#[allow(
+    clippy::cast_possible_wrap,
+    reason = "the bits of a float are carried in an integer attribute"
+)]
+fn bits(value: Vec3) -> IVec3 {
+    IVec3::from_array(value.to_array().map(|value| value.to_bits() as i32))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::by_hand::{circle_deg, mesh};
+    use crate::{VertexSize, Walls};
+
+    /// A fan of `count` boundary vertices around one interior vertex.
+    fn disc(count: u32) -> RegionMesh {
+        let mut vertices_deg = circle_deg(count, 1.0);
+        vertices_deg.push([10.0, 50.0]);
+        let fan = (0..count).map(|i| [i, (i + 1) % count, count]).collect();
+        mesh(vertices_deg, fan, vec![(0..count).collect()])
+    }
+
+    /// Every way to store geometry.
+    fn every_storage() -> Vec<VertexVariant> {
+        let mut all = Vec::new();
+        for layout in Layout::ALL {
+            for positions in PositionFormat::ALL {
+                for walls in [Walls::Strip, Walls::List] {
+                    for index_order in [IndexOrder::Mesh, IndexOrder::Cache] {
+                        for vertex_size in [VertexSize::Bytes16, VertexSize::Bytes20] {
+                            all.push(VertexVariant {
+                                layout,
+                                positions,
+                                walls,
+                                index_order,
+                                vertex_size,
+                                ..VertexVariant::default()
+                            });
+                        }
+                    }
+                }
+            }
+        }
+        all.retain(|variant| variant.check_layout().is_ok());
+        all
+    }
+
+    #[test]
+    fn the_formula_and_the_buffers_agree() {
+        // Orders, and with each the layouts' choices; none of 20 bytes has two floats.
+        assert_eq!(every_storage().len(), 2 * (4 * (4 + 2 + 1 + 1) - 2));
+        for count in [3, 100, 32_765, 32_767, 65_534, 65_600] {
+            let meshes = [disc(count), disc(7)];
+            for variant in every_storage() {
+                // The order of indices changes no count, and its search is slow on large discs.
+                if count > 100 && variant.index_order == IndexOrder::Cache {
+                    continue;
+                }
+                let built = SceneGeometry::build(&variant, &meshes).bytes();
+                let mut formula: GeometryBytes = meshes
+                    .iter()
+                    .map(|mesh| variant_bytes(&variant, mesh))
+                    .sum();
+                formula.vertex_bytes += shared_flag_bytes(variant.layout, &meshes);
+                assert_eq!(built, formula, "{} {count}", variant.name());
+            }
+        }
+    }
+
+    #[test]
+    fn every_edge_of_every_volume_is_used_once_each_way() {
+        let mesh = disc(9);
+        for variant in every_storage() {
+            if !variant.layout.is_doubled() || variant.has_strips() {
+                continue;
+            }
+            let meshes = std::slice::from_ref(&mesh);
+            let geometry = SceneGeometry::build(&variant, meshes);
+            let short = &geometry.indices.short;
+            assert!(is_closed(short), "{}", variant.name());
+            // Twin: without its last triangle it is open.
+            assert!(!is_closed(&short[..short.len() - 3]));
+        }
+    }
+
+    fn is_closed(indices: &[u16]) -> bool {
+        let mut uses = std::collections::BTreeMap::new();
+        for corners in indices.chunks_exact(3) {
+            for k in 0..3 {
+                let (from, to) = (corners[k], corners[(k + 1) % 3]);
+                *uses.entry((from.min(to), from.max(to))).or_insert(0) +=
+                    if from < to { 1 } else { -1 };
+            }
+        }
+        uses.values().all(|&sum| sum == 0)
+    }
+
+    #[test]
+    fn inner_walls_of_neighbours_are_the_same_triangles_turned_over() {
+        let variant = VertexVariant {
+            layout: Layout::PerTriangle,
+            ..VertexVariant::default()
+        };
+        let mesh = disc(9);
+        let geometry = SceneGeometry::build(&variant, std::slice::from_ref(&mesh));
+        let walls = &geometry.indices.short[6 * mesh.triangles.len()..];
+        // Nine outer edges, nine inner ones seen twice, two triangles each.
+        let turned = geometry.regions[0].turned_index_count as usize;
+        assert_eq!((turned, walls.len()), (3 * 18, 3 * 3 * 18));
+        let (first, second) = walls[walls.len() - 2 * turned..].split_at(turned);
+        for (first, second) in first.chunks_exact(3).zip(second.chunks_exact(3)) {
+            assert_eq!([second[0], second[2], second[1]], *first);
+        }
+        // Twin: those on the boundary are none of them.
+        let outer = &walls[..walls.len() - 2 * turned];
+        let again = |corners: &[u16]| first.chunks_exact(3).any(|inner| inner == corners);
+        assert_eq!(outer.len(), 3 * 18);
+        assert!(!outer.chunks_exact(3).any(again));
+    }
+
+    #[test]
+    fn no_index_collides_with_the_restart_value() {
+        for count in [32_766, 65_533, 65_534] {
+            let mesh = disc(count);
+            let in_mesh_order = |v: &VertexVariant| v.index_order == IndexOrder::Mesh;
+            for variant in every_storage().into_iter().filter(in_mesh_order) {
+                let meshes = std::slice::from_ref(&mesh);
+                let geometry = SceneGeometry::build(&variant, meshes);
+                let short = geometry.indices.short.iter().filter(|&&i| i == 0xffff);
+                let long = geometry.indices.long.iter().filter(|&&i| i == u32::MAX);
+                let separates = variant.has_strips() || variant.layout == Layout::Pulled;
+                let expected = usize::from(separates);
+                assert_eq!(short.count() + long.count(), expected, "{}", variant.name());
+            }
+        }
+    }
+
+    #[test]
+    fn the_2007_documents_arithmetic() {
+        assert_eq!(shared_mesh_bytes(1_056, 24, 3_321, 2), 31_986);
+        assert_eq!(per_triangle_volume_bytes(1_056, 24, 3_321 / 3, 2), 90_540);
+        // Twins: another vertex size or index width does not reproduce the document.
+        assert_ne!(shared_mesh_bytes(1_056, 20, 3_321, 2), 31_986);
+        assert_ne!(per_triangle_volume_bytes(1_056, 24, 3_321 / 3, 4), 90_540);
+    }
+
+    #[test]
+    fn a_doubled_vertex_is_stored_twice_and_flagged_once() {
+        let meshes = [disc(3)];
+        for vertex_size in [VertexSize::Bytes16, VertexSize::Bytes20] {
+            let variant = VertexVariant {
+                vertex_size,
+                ..VertexVariant::default()
+            };
+            let words = variant.vertex_words();
+            let geometry = SceneGeometry::build(&variant, &meshes);
+            for pair in geometry.vertices.chunks(2 * words) {
+                assert_eq!(pair[..3], pair[words..words + 3]);
+                assert_eq!((pair[3], pair[words + 3]), (0, 1));
+            }
+        }
+        let separate = VertexVariant {
+            layout: Layout::Separate,
+            ..VertexVariant::default()
+        };
+        let geometry = SceneGeometry::build(&separate, &meshes);
+        for pair in geometry.vertices.chunks(6) {
+            assert_eq!(pair[..3], pair[3..]);
+        }
+        for pair in geometry.flags.chunks(2) {
+            assert_eq!(pair, [[0, 0, 0, 0], [255, 0, 0, 0]]);
+        }
+        assert_eq!(geometry.flags.len(), 8);
+    }
+
+    #[test]
+    fn two_floats_cost_twelve_bytes_a_stored_vertex_and_bring_back_the_position() {
+        let mesh = disc(5);
+        let vertices = mesh.vertices_ecef.len() as u64;
+        for layout in Layout::ALL {
+            let bytes = |positions| {
+                let variant = VertexVariant {
+                    layout,
+                    positions,
+                    ..VertexVariant::default()
+                };
+                variant_bytes(&variant, &mesh)
+            };
+            let fixed = bytes(PositionFormat::Fixed);
+            assert_eq!(bytes(PositionFormat::LocalF32), fixed);
+            assert_eq!(bytes(PositionFormat::EcefF32), fixed);
+            let copies = if layout.is_doubled() { 2 } else { 1 };
+            let two_float = bytes(PositionFormat::TwoFloat);
+            let more = two_float.vertex_bytes - fixed.vertex_bytes;
+            assert_eq!(more, 12 * copies * vertices);
+            assert_eq!(two_float.index_bytes, fixed.index_bytes);
+        }
+        let fixed = FixedPoint::for_mesh(&mesh);
+        let ecef = mesh.vertices_ecef[0];
+        let error = |format| {
+            let part = |word: i32| f64::from(f32::from_bits(word.cast_unsigned()));
+            let [x, y, z, u, v, w] = store(&fixed, format, ecef).map(part);
+            (DVec3::new(x + u, y + v, z + w) - ecef).length()
+        };
+        assert!(error(PositionFormat::TwoFloat) < 1e-7);
+        // Twin: one float is off by decimetres, and so would two be whose second is lost.
+        assert!(error(PositionFormat::EcefF32) > 1e-3);
+    }
+}

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Shadow volumes extruded in the vertex shader, on wgpu.
+//!
+//! A region's mesh is extruded along the geodetic normal into a closed solid: two caps and the walls
+//! along its boundary. Drawn into the stencil with depth-fail counting, the solid marks the surface
+//! pixels inside it, and a screen-space pass colours them. The technique is Cozzi's (2007), after
+//! Heidmann (1991) and Carmack's depth-fail variant (2000); this backend is its vertex-shader form,
+//! in the layouts that the document compared and one that duplicates no vertex.
+
+mod backend;
+#[cfg(test)]
+#[path = "../../../ground/core/tests/by_hand/mod.rs"]
+mod by_hand;
+mod cache_order;
+mod layout;
+mod pass;
+mod pipeline;
+mod variant;
+#[cfg(test)]
+mod volume_invariants;
+
+pub use backend::VertexBackend;
+pub use cache_order::{CACHE_SIZE, acmr, cache_ordered};
+pub use layout::{
+    FLAG_BYTES, layout_bytes, per_triangle_volume_bytes, shared_flag_bytes, shared_mesh_bytes,
+    variant_bytes,
+};
+pub use variant::{IndexOrder, Layout, VertexSize, VertexVariant, Walls};

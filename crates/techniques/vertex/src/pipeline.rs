@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Pipelines that draw volumes.
+
+use crate::{FLAG_BYTES, Layout, VertexVariant};
+use std::collections::HashMap;
+use terrafill_fill::{BackendError, FaceSet, PositionFormat, VolumeState};
+use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
+
+/// Which part of a volume a pipeline draws. Doubled walls may be strips, and a strip's restart value
+/// belongs to the pipeline.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Part {
+    Caps,
+    Walls {
+        short_indices: bool,
+    },
+    /// Walls whose front is their back.
+    TurnedWalls,
+}
+
+/// The parts of volumes in a layout whose indices have this width, as a state draws them.
+pub(crate) fn parts(
+    layout: Layout,
+    state: VolumeState,
+    short_indices: bool,
+) -> impl Iterator<Item = Part> {
+    let turned = draws_first_walls_twice(layout, state).then_some(Part::TurnedWalls);
+    [Part::Caps, Part::Walls { short_indices }]
+        .into_iter()
+        .chain(turned)
+}
+
+/// Whether the first wall on an inner edge stands for the second one too.
+pub(crate) fn draws_first_walls_twice(layout: Layout, state: VolumeState) -> bool {
+    layout == Layout::PerTriangle && state.faces() == FaceSet::Both
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct PipelineKey {
+    pub(crate) part: Part,
+    pub(crate) state: VolumeState,
+    /// Colours are blended over what lies under them.
+    pub(crate) blends: bool,
+}
+
+/// Pipelines of one variant on one device, made when first asked for.
+#[derive(Debug)]
+pub(crate) struct Pipelines {
+    variant: VertexVariant,
+    shader: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
+    volumes: HashMap<PipelineKey, wgpu::RenderPipeline>,
+    /// Group 1 of layout `pulled`: vertices and indices.
+    pub(crate) geometry_layout: wgpu::BindGroupLayout,
+}
+
+impl Pipelines {
+    pub(crate) fn new(fill: &VolumeFill, variant: VertexVariant) -> Result<Self, BackendError> {
+        let gpu = fill.gpu();
+        let storage = wgpu::BufferBindingType::Storage { read_only: true };
+        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let geometry_layout = gpu.buffer_layout("pulled geometry", stages, &[storage, storage]);
+        let frame = Some(fill.frame_layout());
+        let (path, layout) = match variant.layout {
+            Layout::Pulled => (
+                "vertex/pulled.wgsl",
+                gpu.pipeline_layout("vertex", &[frame, Some(&geometry_layout)]),
+            ),
+            _ => (
+                "vertex/doubled.wgsl",
+                gpu.pipeline_layout("vertex", &[frame]),
+            ),
+        };
+        Ok(Self {
+            variant,
+            shader: gpu.shader(path)?,
+            layout,
+            volumes: HashMap::new(),
+            geometry_layout,
+        })
+    }
+
+    /// Makes a pipeline unless it is there.
+    pub(crate) fn ensure(&mut self, gpu: &Gpu, key: PipelineKey) {
+        if !self.volumes.contains_key(&key) {
+            let pipeline = self.volume_pipeline(gpu, key);
+            self.volumes.insert(key, pipeline);
+        }
+    }
+
+    /// A pipeline that [`Pipelines::ensure`] made.
+    pub(crate) fn volume(&self, key: PipelineKey) -> Option<&wgpu::RenderPipeline> {
+        self.volumes.get(&key)
+    }
+
+    fn strip_format(&self, part: Part) -> Option<wgpu::IndexFormat> {
+        match part {
+            Part::Walls { short_indices } if self.variant.has_strips() => Some(if short_indices {
+                wgpu::IndexFormat::Uint16
+            } else {
+                wgpu::IndexFormat::Uint32
+            }),
+            _ => None,
+        }
+    }
+
+    fn volume_pipeline(&self, gpu: &Gpu, key: PipelineKey) -> wgpu::RenderPipeline {
+        let has_low_part = self.variant.positions == PositionFormat::TwoFloat;
+        let short = wgpu::vertex_attr_array![0 => Sint32x3, 1 => Uint32];
+        let long = wgpu::vertex_attr_array![0 => Sint32x3, 2 => Sint32x3, 1 => Uint32];
+        let attributes: &[wgpu::VertexAttribute] = if has_low_part { &long } else { &short };
+        // Without the flag, which comes last.
+        let position = &attributes[..attributes.len() - 1];
+        let buffer = |stride: usize, attributes| {
+            Some(wgpu::VertexBufferLayout {
+                array_stride: stride as u64,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes,
+            })
+        };
+        let stride = 4 * self.variant.vertex_words();
+        let flags = wgpu::vertex_attr_array![1 => Uint32];
+        let buffers = match self.variant.layout {
+            Layout::Pulled => vec![],
+            Layout::Separate => vec![buffer(stride, position), buffer(FLAG_BYTES, &flags)],
+            Layout::Doubled | Layout::PerTriangle => vec![buffer(stride, attributes)],
+        };
+        let vertices = match (self.variant.layout.is_doubled(), has_low_part) {
+            (true, false) => Vertices::Stored,
+            (true, true) => Vertices::StoredTwoFloat,
+            (false, _) => Vertices::Pulled,
+        };
+        let shader = VolumeShader {
+            module: &self.shader,
+            layout: &self.layout,
+            vertex_entry: entry_point(vertices, key.part, HandedOn::of(key.state)),
+            constants: &[("POSITIONS", positions_number(self.variant.positions))],
+            buffers: &buffers,
+            strip_index_format: self.strip_format(key.part),
+            front_face: match key.part {
+                Part::Caps | Part::Walls { .. } => wgpu::FrontFace::Ccw,
+                Part::TurnedWalls => wgpu::FrontFace::Cw,
+            },
+        };
+        shader.pipeline(gpu, key.state, key.blends)
+    }
+}
+
+/// `POSITIONS` of `shared/region.wgsl`.
+fn positions_number(positions: PositionFormat) -> f64 {
+    match positions {
+        PositionFormat::Fixed => 0.0,
+        PositionFormat::LocalF32 => 1.0,
+        PositionFormat::EcefF32 => 2.0,
+        PositionFormat::TwoFloat => 3.0,
+    }
+}
+
+/// What hands vertices to the shader.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Vertices {
+    /// Attributes.
+    Stored,
+    /// Attributes, one more of them.
+    StoredTwoFloat,
+    /// The shader takes them from buffers.
+    Pulled,
+}
+
+fn entry_point(vertices: Vertices, part: Part, handed_on: HandedOn) -> &'static str {
+    use Vertices::{Pulled, Stored, StoredTwoFloat};
+    match (vertices, part, handed_on) {
+        (Stored, _, HandedOn::Nothing) => "vertex_main",
+        (Stored, _, HandedOn::Colour) => "coloured_main",
+        (Stored, _, HandedOn::Number) => "numbered_main",
+        (StoredTwoFloat, _, HandedOn::Nothing) => "two_float_main",
+        (StoredTwoFloat, _, HandedOn::Colour) => "coloured_two_float",
+        (StoredTwoFloat, _, HandedOn::Number) => "numbered_two_float",
+        (Pulled, Part::Caps, HandedOn::Nothing) => "caps_main",
+        (Pulled, Part::Caps, HandedOn::Colour) => "coloured_caps",
+        (Pulled, Part::Caps, HandedOn::Number) => "numbered_caps",
+        (Pulled, Part::Walls { .. } | Part::TurnedWalls, HandedOn::Nothing) => "walls_main",
+        (Pulled, Part::Walls { .. } | Part::TurnedWalls, HandedOn::Colour) => "coloured_walls",
+        (Pulled, Part::Walls { .. } | Part::TurnedWalls, HandedOn::Number) => "numbered_walls",
+    }
+}

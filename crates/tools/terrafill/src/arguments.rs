@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Verbs and their arguments.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+use terrafill_core::{EdgeRule, Ellipsoid};
+use terrafill_filling::Shard;
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 done · 1 a picture is wrong · 2 bad input or usage · 3 inconclusive ·
+            4 nothing measured · 5 no usable device
+Example: terrafill bench california --quick --out out/first";
+
+/// Fills polygon regions on planets on the GPU and measures the error and the cost.
+#[derive(Debug, Parser)]
+#[command(version, after_help = EXIT_CODES, max_term_width = 100)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) verb: Verb,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Verb {
+    /// Measure cases; writes samples.csv, summary.csv, environment.json, images and report.html
+    #[command(after_help = "Example: terrafill bench planet-134 california --out out/first")]
+    Bench(BenchArguments),
+    /// Rebuild report.html of a run from its CSV alone
+    #[command(after_help = "Example: terrafill report out/first")]
+    Report(ReportArguments),
+    /// Draw one picture
+    #[command(
+        after_help = "Example: terrafill render california --view globe --out california.png"
+    )]
+    Render(RenderArguments),
+    /// Mesh regions and print what came of it
+    #[command(after_help = "Example: terrafill mesh countries.geojson --json | jq .totals")]
+    Mesh(MeshArguments),
+    /// Say which regions hold which points, by the reference's exact tests
+    #[command(after_help = "Example: terrafill locate countries.geojson --points points.csv")]
+    Locate(LocateArguments),
+    /// List the shipped scenes and whether they can run
+    #[command(after_help = "Example: terrafill scenes --data natural-earth")]
+    Scenes(ScenesArguments),
+    /// List the devices of this machine, what runs on them, and what the rest lack
+    #[command(after_help = "Example: terrafill devices")]
+    Devices,
+    /// Mesh one region and print its vertices and CPU milliseconds: what `bench` starts for each
+    #[command(hide = true, name = GROWTH_SAMPLE)]
+    GrowthSample(GrowthSampleArguments),
+}
+
+/// Verb by which this program measures itself in a fresh process.
+pub(crate) const GROWTH_SAMPLE: &str = "growth-sample";
+
+#[derive(Debug, Args)]
+pub(crate) struct GrowthSampleArguments {
+    /// GeoJSON of one region
+    pub(crate) file: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BenchArguments {
+    /// Shipped scenes by name, or paths of scene files [default: all shipped scenes]
+    pub(crate) scenes: Vec<String>,
+    /// Backend to run; may be repeated [default: all]
+    #[arg(long)]
+    pub(crate) backend: Vec<String>,
+    /// 8 frames a case, main variants only
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// Folder for the run
+    #[arg(long, default_value = "out/run")]
+    pub(crate) out: PathBuf,
+    /// Go on with a run that was killed
+    #[arg(long)]
+    pub(crate) resume: bool,
+    /// Folder with real data [default: $TERRAFILL_DATA]
+    #[arg(long)]
+    pub(crate) data: Option<PathBuf>,
+    /// Timed frames per case [default: 30, with --quick 8]
+    #[arg(long, value_parser = parse_frames)]
+    pub(crate) frames: Option<u32>,
+    /// Image size, WIDTHxHEIGHT or one number for both
+    #[arg(long, default_value = "1024", value_parser = parse_size)]
+    pub(crate) size: (u32, u32),
+    /// Part m of n of the scene views
+    #[arg(long, value_name = "M/N", value_parser = parse_shard)]
+    pub(crate) shard: Option<Shard>,
+    /// Part of the adapter's name
+    #[arg(long)]
+    pub(crate) adapter: Option<String>,
+    #[arg(long, value_name = "SCENE", help = LADDER_HELP)]
+    pub(crate) ladder: Vec<String>,
+    #[arg(long, value_name = "SCENE", help = MATRIX_HELP)]
+    pub(crate) matrix: Vec<String>,
+    /// Measure the numerical suite [default: with all scenes]
+    #[arg(long, conflicts_with = "no_precision")]
+    pub(crate) precision: bool,
+    /// Leave the numerical suite out
+    #[arg(long)]
+    pub(crate) no_precision: bool,
+}
+
+const LADDER_HELP: &str = "\
+Scene to measure switch by switch, from the un-optimised
+method to the full plan, or none; may be repeated
+[default: planet-134, with --quick none]";
+
+const MATRIX_HELP: &str = "\
+Scene to draw by every backend, layout and switch, or none;
+may be repeated [default: planet-134, california,
+countries-110m, with --quick none]";
+
+#[derive(Debug, Args)]
+pub(crate) struct ReportArguments {
+    /// Folder of a run
+    pub(crate) run: PathBuf,
+}
+
+const VARIANT_HELP: &str = "\
+Switch of the backend or of the plan; may be repeated:
+layout=pulled, technique=gs-line, expansion=cached,
+colour=rectangle … A wrong one is answered with all";
+
+#[derive(Debug, Args)]
+pub(crate) struct RenderArguments {
+    /// Shipped scene by name, or path of a scene file
+    pub(crate) scene: String,
+    /// View of the scene
+    #[arg(long)]
+    pub(crate) view: String,
+    /// vertex, compute, native or reference
+    #[arg(long, default_value = "vertex", hide_possible_values = true)]
+    pub(crate) backend: RenderBackend,
+    #[arg(long, value_name = "KEY=VALUE", help = VARIANT_HELP)]
+    pub(crate) variant: Vec<String>,
+    /// Picture to write, PNG
+    #[arg(long)]
+    pub(crate) out: PathBuf,
+    /// Region ids to write, 16-bit grey PNG: feature index + 1, 0 for none
+    #[arg(long)]
+    pub(crate) ids: Option<PathBuf>,
+    /// Counters, memory and what was left out, JSON
+    #[arg(long)]
+    pub(crate) stats: Option<PathBuf>,
+    /// Folder with real data [default: $TERRAFILL_DATA]
+    #[arg(long)]
+    pub(crate) data: Option<PathBuf>,
+    /// Image size, WIDTHxHEIGHT or one number for both
+    #[arg(long, default_value = "1024", value_parser = parse_size)]
+    pub(crate) size: (u32, u32),
+    /// Part of the adapter's name
+    #[arg(long)]
+    pub(crate) adapter: Option<String>,
+}
+
+/// What can draw a picture. The values have no help of their own: with it clap prints a paragraph
+/// per option, and the page no longer fits a screen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum RenderBackend {
+    // Shadow volumes in the vertex shader.
+    Vertex,
+    // The geometry shader emulated in compute.
+    Compute,
+    // Geometry shaders, on Vulkan itself.
+    Native,
+    // The f64 reference on the CPU.
+    Reference,
+}
+
+impl RenderBackend {
+    /// Name in rows, and of those but the reference in `terrafill_filling::BACKENDS`.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Vertex => "vertex",
+            Self::Compute => "compute",
+            Self::Native => "native",
+            Self::Reference => "reference",
+        }
+    }
+}
+
+/// Edge rule by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Edges {
+    // Straight in longitude and latitude (RFC 7946).
+    Planar,
+    // In the plane through the body's centre.
+    GreatEllipse,
+}
+
+impl From<Edges> for EdgeRule {
+    fn from(edges: Edges) -> Self {
+        match edges {
+            Edges::Planar => Self::Planar,
+            Edges::GreatEllipse => Self::GreatEllipse,
+        }
+    }
+}
+
+/// What to do about rings that cross themselves or one another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Repair {
+    // Inside is what an odd number of edges separates from the outside.
+    EvenOdd,
+}
+
+const EDGES_HELP: &str = "\
+What an edge between two vertices is: planar (straight in
+longitude and latitude, RFC 7946) or great-ellipse (in the
+plane through the body's centre)";
+
+const BODY_HELP: &str = "\
+Ellipsoid: wgs84, moon, mars, saturn-like, unit-sphere or
+asteroid-250m";
+
+const REPAIR_HELP: &str = "\
+Rings that cross: even-odd fills what an odd number of edges
+separates from the outside; without it they are refused";
+
+#[derive(Debug, Args)]
+pub(crate) struct MeshArguments {
+    /// GeoJSON file
+    pub(crate) regions: PathBuf,
+    #[arg(long, default_value = "planar", hide_possible_values = true, help = EDGES_HELP)]
+    pub(crate) edges: Edges,
+    #[arg(long, hide_possible_values = true, help = REPAIR_HELP)]
+    pub(crate) repair: Option<Repair>,
+    /// Go on with the features that are right, and list the others
+    #[arg(long)]
+    pub(crate) skip_invalid: bool,
+    #[arg(long, default_value = "wgs84", value_parser = parse_body, help = BODY_HELP)]
+    pub(crate) body: Ellipsoid,
+    /// Largest distance of a drawn edge from its rule
+    #[arg(long, default_value = "100", value_name = "METRES", value_parser = parse_number)]
+    pub(crate) boundary_tolerance_m: f64,
+    /// Largest edge of a cap triangle
+    #[arg(long, default_value = "3", value_name = "DEGREES", value_parser = parse_number)]
+    pub(crate) cap_step_deg: f64,
+    /// Print one JSON object instead of a table
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct LocateArguments {
+    /// GeoJSON file
+    pub(crate) regions: PathBuf,
+    /// CSV file with columns lon and lat, degrees
+    #[arg(long)]
+    pub(crate) points: PathBuf,
+    #[arg(long, default_value = "planar", hide_possible_values = true, help = EDGES_HELP)]
+    pub(crate) edges: Edges,
+    #[arg(long, hide_possible_values = true, help = REPAIR_HELP)]
+    pub(crate) repair: Option<Repair>,
+    /// Go on with the features that are right, and list the others
+    #[arg(long)]
+    pub(crate) skip_invalid: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ScenesArguments {
+    /// Folder with real data [default: $TERRAFILL_DATA]
+    #[arg(long)]
+    pub(crate) data: Option<PathBuf>,
+}
+
+// The error of each parser is what is allowed; the message around it is made in `usage`.
+
+/// `1024` or `1920x1080`.
+fn parse_size(text: &str) -> Result<(u32, u32), &'static str> {
+    let (width, height) = text.split_once('x').unwrap_or((text, text));
+    let parse = |side: &str| match side.parse::<u32>() {
+        Ok(pixels @ 1..=16_384) => Ok(pixels),
+        _ => Err("1 … 16384 pixels a side, such as 1024 or 1920x1080"),
+    };
+    Ok((parse(width)?, parse(height)?))
+}
+
+fn parse_frames(text: &str) -> Result<u32, &'static str> {
+    match text.parse() {
+        Ok(frames @ 1..=100_000) => Ok(frames),
+        _ => Err("1 … 100000"),
+    }
+}
+
+fn parse_shard(text: &str) -> Result<Shard, &'static str> {
+    text.parse().map_err(|_| "M/N with 1 ≤ M ≤ N")
+}
+
+fn parse_number(text: &str) -> Result<f64, &'static str> {
+    text.parse().map_err(|_| "a number")
+}
+
+fn parse_body(text: &str) -> Result<Ellipsoid, String> {
+    Ellipsoid::by_name(text).ok_or_else(|| Ellipsoid::ALL.map(|body| body.name()).join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        use clap::CommandFactory as _;
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn sizes_are_read_and_refused() {
+        assert_eq!(parse_size("1024"), Ok((1024, 1024)));
+        assert_eq!(parse_size("1920x1080"), Ok((1920, 1080)));
+        for wrong in ["0", "16385", "x", "10x", "-1", "10x20x30", ""] {
+            assert!(parse_size(wrong).is_err(), "{wrong}");
+        }
+    }
+}
