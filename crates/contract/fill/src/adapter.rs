@@ -144,7 +144,7 @@ impl FrameInput {
             return Ok(());
         }
         Err(BackendError::OverCapacity {
-            what: "image size differs from the stage's, pixels".to_owned(),
+            what: "image size differs from the targets', pixels".to_owned(),
             found: self.size.pixel_count() as u64,
             allowed: targets.pixel_count() as u64,
         })

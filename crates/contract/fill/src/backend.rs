@@ -151,7 +151,7 @@ pub trait VolumeBackend: TimedBackend {
     fn picture(&mut self, input: &FrameInput) -> Result<Picture, BackendError>;
 
     /// Draws the surface into the backend's own targets, if it has any: once a round, untimed, so
-    /// that every timed fill finds the same surface. Backends that share a stage leave it to that.
+    /// that every timed fill finds the same surface. Backends that share targets leave it to those.
     ///
     /// # Errors
     /// As [`Backend::render`].

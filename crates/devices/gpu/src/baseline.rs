@@ -2,9 +2,9 @@
 //! The two full-screen passes that fills are measured against, in the same run on the same targets.
 
 use crate::covers::full_screen;
-use crate::stage::{attached, read_only_depth};
+use crate::targets::{attached, read_only_depth};
 use crate::volume_pipeline::{colour_state, colour_target};
-use crate::{SharedStage, TimedPass};
+use crate::{SharedTargets, TimedPass};
 use terrafill_fill::{BackendError, CpuStopwatch, FrameTimes, StencilTest};
 
 /// Which pass.
@@ -29,11 +29,11 @@ impl BaselineKind {
     }
 }
 
-/// A full-screen pass on a stage.
+/// A full-screen pass on the targets.
 #[derive(Debug)]
 pub struct Baseline {
     kind: BaselineKind,
-    stage: SharedStage,
+    targets: SharedTargets,
     pipeline: wgpu::RenderPipeline,
     bind_group: Option<wgpu::BindGroup>,
 }
@@ -43,8 +43,8 @@ impl Baseline {
     ///
     /// # Errors
     /// [`BackendError::Shader`].
-    pub fn new(kind: BaselineKind, stage: &SharedStage) -> Result<Self, BackendError> {
-        let borrowed = stage.borrow();
+    pub fn new(kind: BaselineKind, targets: &SharedTargets) -> Result<Self, BackendError> {
+        let borrowed = targets.borrow();
         let gpu = borrowed.gpu();
         let layout = gpu.texture_layout("depth", wgpu::TextureSampleType::Depth);
         let reads_depth = kind == BaselineKind::Bound;
@@ -70,7 +70,7 @@ impl Baseline {
         drop(borrowed);
         Ok(Self {
             kind,
-            stage: SharedStage::clone(stage),
+            targets: SharedTargets::clone(targets),
             pipeline,
             bind_group,
         })
@@ -82,14 +82,14 @@ impl Baseline {
         self.kind
     }
 
-    /// Draws it once over whatever the stage holds and waits.
+    /// Draws it once over whatever the targets hold and waits.
     ///
     /// # Errors
     /// [`BackendError::DeviceLost`].
     pub fn time_frame(&mut self) -> Result<FrameTimes, BackendError> {
-        let stage = self.stage.borrow();
-        let gpu = stage.gpu();
-        let (colour, depth_stencil) = (stage.colour_view(), stage.depth_stencil_view());
+        let targets = self.targets.borrow();
+        let gpu = targets.gpu();
+        let (colour, depth_stencil) = (targets.colour_view(), targets.depth_stencil_view());
         let watch = CpuStopwatch::start();
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -97,7 +97,7 @@ impl Baseline {
             color_attachments: &[Some(attached(&colour, wgpu::LoadOp::Load))],
             depth_stencil_attachment: (self.kind == BaselineKind::Floor)
                 .then(|| read_only_depth(&depth_stencil, Some(wgpu::LoadOp::Clear(0)))),
-            timestamp_writes: stage.timer().map(|t| t.around(TimedPass::Baseline)),
+            timestamp_writes: targets.timer().map(|t| t.around(TimedPass::Baseline)),
             ..Default::default()
         });
         pass.set_pipeline(&self.pipeline);
@@ -109,7 +109,7 @@ impl Baseline {
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;
         let (fill_cpu_ms, fill_wall_ms) = (watch.cpu_ms(), watch.wall_ms());
-        let fill_gpu_ms = match stage.timer() {
+        let fill_gpu_ms = match targets.timer() {
             Some(timer) => timer
                 .read(gpu, TimedPass::Baseline, TimedPass::Baseline)?
                 .pass_ms(TimedPass::Baseline),

@@ -7,11 +7,11 @@
 //! there, and stand in passes that leave the stencil alone as well.
 
 use crate::covers::{Covers, Numbers};
-use crate::stage::{attached, read_only_depth};
 use crate::statistics::Statistics;
+use crate::targets::{attached, read_only_depth};
 use crate::textured::{BoundCover, CoverPurpose, Probe, Textured};
 use crate::volume_pipeline::check_blendable;
-use crate::{Gpu, SharedStage, Stage, TimedPass, VolumePass};
+use crate::{Gpu, RenderTargets, SharedTargets, TimedPass, VolumePass};
 use std::sync::Arc;
 use terrafill_core::RegionMesh;
 use terrafill_fill::{
@@ -48,10 +48,10 @@ pub trait Volumes {
     fn draw(&mut self, pass: &mut VolumePass<'_>, draw: &VolumeDraw<'_>, blends: bool);
 }
 
-/// A fill on a stage.
+/// A fill on the targets.
 #[derive(Debug)]
 pub struct VolumeFill {
-    stage: SharedStage,
+    targets: SharedTargets,
     capabilities: Capabilities,
     frame_layout: wgpu::BindGroupLayout,
     covers: Covers,
@@ -90,12 +90,12 @@ struct Recording<'a> {
 }
 
 impl VolumeFill {
-    /// A fill on `stage` by the backend of this name.
+    /// A fill on `targets` by the backend of this name.
     ///
     /// # Errors
     /// [`BackendError::Unsupported`] for what wgpu has no way to ask for, [`BackendError::Shader`].
     pub fn new(
-        stage: &SharedStage,
+        targets: &SharedTargets,
         backend: &'static str,
         switches: &Switches,
     ) -> Result<Self, BackendError> {
@@ -103,7 +103,7 @@ impl VolumeFill {
         if switches.depth_bounds {
             return Err(BackendError::unsupported("a depth-bounds test", "wgpu"));
         }
-        let gpu = Arc::clone(stage.borrow().gpu());
+        let gpu = Arc::clone(targets.borrow().gpu());
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
         let frame_layout = gpu.buffer_layout(
             "view and regions",
@@ -111,7 +111,7 @@ impl VolumeFill {
             &[wgpu::BufferBindingType::Uniform, storage],
         );
         Ok(Self {
-            stage: SharedStage::clone(stage),
+            targets: SharedTargets::clone(targets),
             capabilities: Capabilities {
                 backend,
                 adapter: gpu.facts.title(),
@@ -135,14 +135,14 @@ impl VolumeFill {
 
     /// Where it draws.
     #[must_use]
-    pub fn stage(&self) -> &SharedStage {
-        &self.stage
+    pub fn targets(&self) -> &SharedTargets {
+        &self.targets
     }
 
     /// The device.
     #[must_use]
     pub fn gpu(&self) -> Arc<Gpu> {
-        Arc::clone(self.stage.borrow().gpu())
+        Arc::clone(self.targets.borrow().gpu())
     }
 
     /// Layout of group 0: view and regions.
@@ -227,10 +227,10 @@ impl VolumeFill {
         program: FillProgram,
         constants: Vec<u8>,
     ) -> Result<(), BackendError> {
-        let stage = self.stage.borrow();
-        let gpu = stage.gpu();
+        let targets = self.targets.borrow();
+        let gpu = targets.gpu();
         if let Some(textured) = &mut self.textured {
-            textured.upload(&stage, input)?;
+            textured.upload(&targets, input)?;
         }
         let before = self.view.take();
         let (there, numbers) = match before {
@@ -255,8 +255,8 @@ impl VolumeFill {
             }
             None => {
                 let usage = wgpu::BufferUsages::STORAGE;
-                let buffer = stage.upload("region constants", &constants, usage)?;
-                let buffers = [stage.view_constants(), &buffer];
+                let buffer = targets.upload("region constants", &constants, usage)?;
+                let buffers = [targets.view_constants(), &buffer];
                 let label = "view and regions";
                 let bind_group = gpu.bind_buffers(label, &self.frame_layout, &buffers);
                 (buffer, bind_group)
@@ -324,10 +324,10 @@ impl VolumeFill {
         blends: bool,
     ) -> Result<(Picture, Counters), BackendError> {
         self.check_prepared(input)?;
-        let mut stage = self.stage.borrow_mut();
-        stage.prepare(input)?;
-        stage.draw_surface()?;
-        let gpu = Arc::clone(stage.gpu());
+        let mut targets = self.targets.borrow_mut();
+        targets.prepare(input)?;
+        targets.draw_surface()?;
+        let gpu = Arc::clone(targets.gpu());
         let passes = self
             .view
             .as_ref()
@@ -339,13 +339,13 @@ impl VolumeFill {
             blends,
             ..Recording::default()
         };
-        let mut counters = self.fill(&stage, volumes, input, recording)?;
+        let mut counters = self.fill(&targets, volumes, input, recording)?;
         let prepared = std::mem::take(&mut self.work);
         WorkDone::write_into(&mut counters, prepared, gpu.work_done() - before);
         if let Some(statistics) = &statistics {
             statistics.read_into(&gpu, &mut counters)?;
         }
-        Ok((stage.read()?, counters))
+        Ok((targets.read()?, counters))
     }
 
     /// What came out: the ids that are in the picture; of a textured fill, ids and places in the
@@ -364,7 +364,7 @@ impl VolumeFill {
         let (Some(textured), Some(view)) = (&mut self.textured, &self.view) else {
             return Ok(plain);
         };
-        let gpu = Arc::clone(self.stage.borrow().gpu());
+        let gpu = Arc::clone(self.targets.borrow().gpu());
         for step in view.program.passes.iter().flat_map(FillPass::steps) {
             if let FillStep::Cover { test, regions, .. } = step {
                 let purpose = CoverPurpose::Probe;
@@ -376,7 +376,7 @@ impl VolumeFill {
             probe: Some(&probe),
             ..Recording::default()
         };
-        self.fill(&self.stage.borrow(), volumes, input, recording)?;
+        self.fill(&self.targets.borrow(), volumes, input, recording)?;
         let probed = probe.read(&gpu)?;
         let plan = self.textured.as_ref().and_then(Textured::plan);
         // What was drawn was planned.
@@ -404,15 +404,15 @@ impl VolumeFill {
         if view.program.passes.is_empty() {
             return Ok(Some(0));
         }
-        let stage = self.stage.borrow();
-        let gpu = stage.gpu();
+        let targets = self.targets.borrow();
+        let gpu = targets.gpu();
         let Some(statistics) = Statistics::new(gpu, 1) else {
             return Ok(None);
         };
         for draw in view.program.counted() {
             volumes.ensure(gpu, input, &draw, false);
         }
-        let (colour, depth_stencil) = (stage.colour_view(), stage.depth_stencil_view());
+        let (colour, depth_stencil) = (targets.colour_view(), targets.depth_stencil_view());
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let mut raw = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("fragment count"),
@@ -450,32 +450,32 @@ impl VolumeFill {
         input: &FrameInput,
     ) -> Result<FrameTimes, BackendError> {
         self.check_prepared(input)?;
-        let stage = self.stage.borrow();
+        let targets = self.targets.borrow();
         let watch = CpuStopwatch::start();
         let recording = Recording {
             timed: true,
             ..Recording::default()
         };
-        self.fill(&stage, volumes, input, recording)?;
+        self.fill(&targets, volumes, input, recording)?;
         let mut times = FrameTimes {
             fill_cpu_ms: watch.cpu_ms(),
             fill_wall_ms: watch.wall_ms(),
             ..FrameTimes::default()
         };
-        self.read_stamps(&stage, volumes.are_made_per_frame(), &mut times)?;
+        self.read_stamps(&targets, volumes.are_made_per_frame(), &mut times)?;
         Ok(times)
     }
 
     fn read_stamps(
         &self,
-        stage: &Stage,
+        targets: &RenderTargets,
         makes_volumes: bool,
         times: &mut FrameTimes,
     ) -> Result<(), BackendError> {
-        let (Some(timer), Some(view)) = (stage.timer(), &self.view) else {
+        let (Some(timer), Some(view)) = (targets.timer(), &self.view) else {
             return Ok(());
         };
-        let gpu = stage.gpu();
+        let gpu = targets.gpu();
         match (view.program.passes.len(), makes_volumes) {
             // Nothing in view: no pass was recorded.
             (0, _) => {}
@@ -498,7 +498,7 @@ impl VolumeFill {
     /// Records the frame, submits it and waits.
     fn fill(
         &self,
-        stage: &Stage,
+        targets: &RenderTargets,
         volumes: &mut impl Volumes,
         input: &FrameInput,
         recording: Recording<'_>,
@@ -508,20 +508,20 @@ impl VolumeFill {
             self.check_prepared(input)?;
             return Ok(counters);
         };
-        let gpu = stage.gpu();
+        let gpu = targets.gpu();
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let passes = &view.program.passes;
         let makes_volumes = volumes.are_made_per_frame();
         if makes_volumes && !passes.is_empty() {
-            let stamps = compute_stamps(stage, recording, passes.len());
+            let stamps = compute_stamps(targets, recording, passes.len());
             volumes.make(&mut encoder, input, &view.bind_group, stamps);
         }
-        let (colour, depth_stencil) = (stage.colour_view(), stage.depth_stencil_view());
+        let (colour, depth_stencil) = (targets.colour_view(), targets.depth_stencil_view());
         let probe_views = recording.probe.map(Probe::views);
         let mut zero = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
         for (index, steps) in passes.iter().enumerate() {
             let is_textured = steps.has_colour && self.textured.is_some();
-            let targets = match (&view.numbers, &probe_views) {
+            let attachments = match (&view.numbers, &probe_views) {
                 (Some(numbers), _) if steps.accumulates() => {
                     let zero = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
                     vec![Some(attached(&numbers.view, zero))]
@@ -551,9 +551,9 @@ impl VolumeFill {
                 } else {
                     "stencil"
                 }),
-                color_attachments: &targets,
+                color_attachments: &attachments,
                 depth_stencil_attachment: Some(read_only_depth(&depth_stencil, stencil)),
-                timestamp_writes: stamps(stage, recording, index, passes.len(), makes_volumes),
+                timestamp_writes: stamps(targets, recording, index, passes.len(), makes_volumes),
                 ..Default::default()
             });
             if let Some(statistics) = recording.statistics {
@@ -649,13 +649,13 @@ fn is_coloured(draw: &VolumeDraw<'_>) -> bool {
 /// The last pass is stamped as colour; of several, the first as stencil. A compute pass before them
 /// has begun that slot.
 fn stamps<'a>(
-    stage: &'a Stage,
+    targets: &'a RenderTargets,
     recording: Recording<'_>,
     index: usize,
     count: usize,
     makes_volumes: bool,
 ) -> Option<wgpu::RenderPassTimestampWrites<'a>> {
-    let timer = stage.timer().filter(|_| recording.timed)?;
+    let timer = targets.timer().filter(|_| recording.timed)?;
     match index {
         _ if index + 1 == count => Some(timer.around(TimedPass::Colour)),
         0 if makes_volumes => Some(timer.writes(None, Some(TimedPass::Stencil))),
@@ -665,11 +665,11 @@ fn stamps<'a>(
 }
 
 fn compute_stamps<'a>(
-    stage: &'a Stage,
+    targets: &'a RenderTargets,
     recording: Recording<'_>,
     passes: usize,
 ) -> Option<wgpu::ComputePassTimestampWrites<'a>> {
-    let timer = stage.timer().filter(|_| recording.timed)?;
+    let timer = targets.timer().filter(|_| recording.timed)?;
     // With one pass to come the slot is free; otherwise the first pass ends it.
     let end = (passes == 1).then_some(TimedPass::Stencil);
     let writes = timer.writes(Some(TimedPass::Stencil), end);

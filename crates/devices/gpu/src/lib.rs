@@ -13,8 +13,8 @@ mod evaluate;
 mod fill;
 mod readback;
 mod route_table;
-mod stage;
 mod statistics;
+mod targets;
 mod textured;
 mod timing;
 mod validation;
@@ -33,7 +33,7 @@ pub use evaluate::{
 };
 pub use fill::{VolumeFill, Volumes};
 pub use readback::read_buffer;
-pub use stage::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, SharedStage, Stage};
+pub use targets::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, RenderTargets, SharedTargets};
 pub use textured::{BoundCover, CoverPurpose, Probe, TexturedFill};
 pub use timing::{PassTimer, Stamps, TimedPass};
 pub use validation::{POSITIVE_CONTROL, ValidationMessage, make_deliberate_error, messages};

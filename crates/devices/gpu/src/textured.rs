@@ -10,7 +10,7 @@
 use crate::readback::read_texture;
 use crate::route_table::RouteTable;
 use crate::volume_pipeline::{colour_state, colour_target};
-use crate::{Gpu, Stage};
+use crate::{Gpu, RenderTargets};
 use std::collections::HashMap;
 use std::sync::Arc;
 use terrafill_fill::{
@@ -160,8 +160,12 @@ impl TexturedFill {
     /// # Errors
     /// [`BackendError::Shader`], [`BackendError::OverCapacity`], and [`BackendError::Unsupported`]
     /// for a route whose table the device cannot hold.
-    pub fn set_view(&mut self, stage: &Stage, plan: &TexturedPlan) -> Result<(), BackendError> {
-        let gpu = stage.gpu();
+    pub fn set_view(
+        &mut self,
+        targets: &RenderTargets,
+        plan: &TexturedPlan,
+    ) -> Result<(), BackendError> {
+        let gpu = targets.gpu();
         let mut covers = Vec::with_capacity(plan.covers.len());
         for cover in &plan.covers {
             covers.push((cover.clone(), self.shader(gpu, plan, cover)?));
@@ -181,8 +185,8 @@ impl TexturedFill {
             _ => {
                 let bytes = bytemuck::cast_slice(&written);
                 let usage = wgpu::BufferUsages::UNIFORM;
-                let constants = stage.upload("textured regions", bytes, usage)?;
-                let bind_group = self.bind_constants(stage, &constants, stride);
+                let constants = targets.upload("textured regions", bytes, usage)?;
+                let bind_group = self.bind_constants(targets, &constants, stride);
                 (constants, bind_group)
             }
         };
@@ -353,18 +357,18 @@ impl TexturedFill {
 
     fn bind_constants(
         &self,
-        stage: &Stage,
+        targets: &RenderTargets,
         constants: &wgpu::Buffer,
         stride: u32,
     ) -> wgpu::BindGroup {
-        let device = &stage.gpu().device;
+        let device = &targets.gpu().device;
         device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("depth and textured regions"),
             layout: &self.bindings[1],
             entries: &[
                 wgpu::BindGroupEntry {
                     binding: 0,
-                    resource: wgpu::BindingResource::TextureView(&stage.depth_view()),
+                    resource: wgpu::BindingResource::TextureView(&targets.depth_view()),
                 },
                 wgpu::BindGroupEntry {
                     binding: 1,
@@ -450,7 +454,11 @@ impl Textured {
     }
 
     /// Plans and uploads the view of `input`; the same view again costs nothing.
-    pub(crate) fn upload(&mut self, stage: &Stage, input: &FrameInput) -> Result<(), BackendError> {
+    pub(crate) fn upload(
+        &mut self,
+        targets: &RenderTargets,
+        input: &FrameInput,
+    ) -> Result<(), BackendError> {
         let is_same = |planned: &Planned| {
             Arc::ptr_eq(&planned.surface_rte, &input.surface_rte)
                 && planned.regions == input.plan.regions
@@ -472,10 +480,10 @@ impl Textured {
                 TextureShare::Each => input.scene.regions.len(),
             };
             self.covers
-                .upload_image(stage.gpu(), &texture.image, copies)?;
+                .upload_image(targets.gpu(), &texture.image, copies)?;
             self.image = Some(Arc::clone(texture));
         }
-        self.covers.set_view(stage, &plan)?;
+        self.covers.set_view(targets, &plan)?;
         self.planned = Some(Planned {
             surface_rte: Arc::clone(&input.surface_rte),
             regions: input.plan.regions.clone(),
@@ -510,7 +518,7 @@ impl Probe {
     pub fn new(gpu: &Gpu, size: ImageSize) -> Self {
         let target = |label| {
             let usage = wgpu::TextureUsages::COPY_SRC;
-            crate::stage::target(gpu, size, label, PROBE_FORMAT, usage)
+            crate::targets::target(gpu, size, label, PROBE_FORMAT, usage)
         };
         Self {
             textures: [target("probed places"), target("probed sizes")],

@@ -6,8 +6,8 @@ mod globe;
 
 use globe::{SIZE, assert_depth_of_the_ellipsoid, globe_from};
 use terrafill_gpu::{
-    Baseline, BaselineKind, GpuOptions, POSITIVE_CONTROL, Stage, make_deliberate_error, messages,
-    open_for_test,
+    Baseline, BaselineKind, GpuOptions, POSITIVE_CONTROL, RenderTargets, make_deliberate_error,
+    messages, open_for_test,
 };
 use terrafill_scene::ImageSize;
 
@@ -41,11 +41,11 @@ fn the_surface_has_the_depth_of_the_ellipsoid() {
         return;
     };
     let input = globe_from(8e6);
-    let mut stage = Stage::new(&gpu, SIZE).expect("small targets");
-    stage.prepare(&input).expect("fits");
-    let time = stage.draw_surface().expect("draws");
+    let mut targets = RenderTargets::new(&gpu, SIZE).expect("small targets");
+    targets.prepare(&input).expect("fits");
+    let time = targets.draw_surface().expect("draws");
     assert_eq!(time.is_some(), gpu.facts.features.timestamps);
-    let picture = stage.read().expect("reads");
+    let picture = targets.read().expect("reads");
     assert_depth_of_the_ellipsoid(&picture);
 }
 
@@ -58,10 +58,10 @@ fn a_stage_refuses_an_input_of_another_size_and_a_size_no_device_has() {
         width: 10,
         height: 10,
     };
-    let mut stage = Stage::new(&gpu, small).expect("small targets");
-    let error = stage.prepare(&globe_from(8e6)).expect_err("another size");
+    let mut targets = RenderTargets::new(&gpu, small).expect("small targets");
+    let error = targets.prepare(&globe_from(8e6)).expect_err("another size");
     assert!(error.to_string().contains("image size differs"), "{error}");
-    let sized = |width, height| Stage::new(&gpu, ImageSize { width, height });
+    let sized = |width, height| RenderTargets::new(&gpu, ImageSize { width, height });
     let error = sized(1 << 20, 10).expect_err("too large");
     assert!(error.to_string().contains("1048576 × 10 pixels"), "{error}");
     assert!(sized(0, 1).is_err());
@@ -74,13 +74,13 @@ fn baselines_cover_every_pixel() {
     };
     let input = globe_from(8e6);
     for kind in [BaselineKind::Bound, BaselineKind::Floor] {
-        let stage = Stage::shared(&gpu, SIZE).expect("small targets");
-        stage.borrow_mut().prepare(&input).expect("fits");
-        stage.borrow_mut().draw_surface().expect("draws");
-        let mut baseline = Baseline::new(kind, &stage).expect("valid shader");
+        let targets = RenderTargets::shared(&gpu, SIZE).expect("small targets");
+        targets.borrow_mut().prepare(&input).expect("fits");
+        targets.borrow_mut().draw_surface().expect("draws");
+        let mut baseline = Baseline::new(kind, &targets).expect("valid shader");
         let times = baseline.time_frame().expect("draws");
         assert!(times.fill_cpu_ms > 0.0 && times.fill_wall_ms > 0.0);
-        let picture = stage.borrow().read().expect("reads");
+        let picture = targets.borrow().read().expect("reads");
         assert!(
             picture
                 .rgba

@@ -11,7 +11,7 @@ use terrafill_fill::{
     Switches, TexturedPlan, TexturedRegion,
 };
 use terrafill_gpu::{
-    BoundCover, CoverPurpose, Gpu, GpuOptions, Probe, Stage, TexturedFill, open_for_test,
+    BoundCover, CoverPurpose, Gpu, GpuOptions, Probe, RenderTargets, TexturedFill, open_for_test,
 };
 use terrafill_scene::{
     CameraPose, ImageSize, MipChain, Outside, Overlap, PixelRect, PlanOptions, PlannedRegion,
@@ -217,24 +217,24 @@ fn frame_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
 }
 
 fn draw(gpu: &Arc<Gpu>, input: &FrameInput, plan: &TexturedPlan) -> Result<Drawn, BackendError> {
-    let mut stage = Stage::new(gpu, SIZE).expect("small targets");
-    stage.prepare(input).expect("fits");
-    stage.draw_surface().expect("draws");
+    let mut targets = RenderTargets::new(gpu, SIZE).expect("small targets");
+    targets.prepare(input).expect("fits");
+    targets.draw_surface().expect("draws");
     let layout = frame_layout(gpu);
     let frame_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: None,
         layout: &layout,
         entries: &[wgpu::BindGroupEntry {
             binding: 0,
-            resource: stage.view_constants().as_entire_binding(),
+            resource: targets.view_constants().as_entire_binding(),
         }],
     });
     let mut fill = TexturedFill::new(gpu, &layout);
     let texture = input.scene.texture.as_ref().expect("a picture");
     fill.upload_image(gpu, &texture.image, 1)?;
-    fill.set_view(&stage, plan)?;
+    fill.set_view(&targets, plan)?;
     let probe = Probe::new(gpu, SIZE);
-    let (colour, depth_stencil) = (stage.colour_view(), stage.depth_stencil_view());
+    let (colour, depth_stencil) = (targets.colour_view(), targets.depth_stencil_view());
     let probe_views = probe.views();
     for purpose in [CoverPurpose::Colour, CoverPurpose::Probe] {
         fill.ensure(gpu, EVERYWHERE, purpose, &[0]);
@@ -274,7 +274,7 @@ fn draw(gpu: &Arc<Gpu>, input: &FrameInput, plan: &TexturedPlan) -> Result<Drawn
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;
     }
-    let picture = stage.read()?;
+    let picture = targets.read()?;
     Ok(Drawn {
         rgba: picture.rgba,
         depth: picture.depth,
@@ -858,7 +858,7 @@ fn a_second_view_of_as_many_regions_makes_nothing_and_writes_what_changed() {
     let Some(gpu) = open_for_test(&GpuOptions::default()) else {
         return;
     };
-    let stage = Stage::new(&gpu, SIZE).expect("small targets");
+    let targets = RenderTargets::new(&gpu, SIZE).expect("small targets");
     let mut fill = TexturedFill::new(&gpu, &frame_layout(&gpu));
     let sight = sight("45°");
     let texture = sight.input.scene.texture.as_ref().expect("a picture");
@@ -869,7 +869,7 @@ fn a_second_view_of_as_many_regions_makes_nothing_and_writes_what_changed() {
     other.covers[0].region.alpha = 0.5;
     let set = |fill: &mut TexturedFill, plan: &TexturedPlan| {
         let before = gpu.work_done();
-        fill.set_view(&stage, plan).expect("valid shader");
+        fill.set_view(&targets, plan).expect("valid shader");
         gpu.work_done() - before
     };
     assert_eq!(set(&mut fill, &one).buffer_creations, 1);

@@ -27,7 +27,7 @@ mod pipeline;
 mod queries;
 mod readback;
 mod sampled;
-mod stage;
+mod targets;
 mod textured;
 mod validation;
 
@@ -43,6 +43,6 @@ pub use pipeline::{
 };
 pub use queries::{FillTimes, PassStatistics};
 pub use sampled::{ImageBindings, SampledImage};
-pub use stage::{FillReport, Measured, SharedStage, Stage};
+pub use targets::{FillReport, Measured, RenderTargets, SharedTargets};
 pub use textured::{CoverPurpose, DepthBindings, Probe, TexturedDescriptor, TexturedPipeline};
 pub use validation::{POSITIVE_CONTROL, ValidationMessage, make_deliberate_error, messages};

@@ -6,7 +6,7 @@
 
 use crate::pipeline::PassTarget;
 use crate::queries::{Queries, QueryKind};
-use crate::stage::Targets;
+use crate::targets::Targets;
 use crate::{
     BindGroup, Buffer, BufferUse, DepthBindings, Gpu, ImageBindings, Pipeline, Probe,
     TexturedPipeline,
@@ -174,7 +174,7 @@ impl<'a> FillRecorder<'a> {
         self.refused.map_or(Ok(self.passes), Err)
     }
 
-    /// One pass over the stage's targets, depth read-only.
+    /// One pass over the targets' targets, depth read-only.
     pub fn pass(
         &mut self,
         clears_stencil: bool,
@@ -191,12 +191,12 @@ impl<'a> FillRecorder<'a> {
         self.run(target, render_pass, framebuffer, record);
     }
 
-    /// One pass over the accumulated numbers, which it clears, depth read-only; the stage must have
+    /// One pass over the accumulated numbers, which it clears, depth read-only; the targets must have
     /// been asked for them.
     pub fn accumulate(&mut self, record: impl FnOnce(&mut PassRecorder<'a, '_>)) {
         let Some(numbers) = self.targets.numbers() else {
             self.refused.get_or_insert(BackendError::unsupported(
-                "drawing: numbers that the stage was not asked for",
+                "drawing: numbers that the targets were not asked for",
                 &self.gpu.facts.name,
             ));
             return;
@@ -211,18 +211,18 @@ impl<'a> FillRecorder<'a> {
         self.has_numbers = true;
     }
 
-    /// One pass over the stage's targets for textured covers, which writes neither depth nor stencil.
+    /// One pass over the targets' targets for textured covers, which writes neither depth nor stencil.
     pub fn textured(&mut self, record: impl FnOnce(&mut PassRecorder<'a, '_>)) {
         let render_pass = self.gpu.fixtures.textured;
         let framebuffer = self.targets.textured_framebuffer();
         self.run(PassTarget::Textured, render_pass, framebuffer, record);
     }
 
-    /// One pass over the probe's targets in place of one over the stage's; the first clears them.
+    /// One pass over the probe's targets in place of one over the targets'; the first clears them.
     pub fn probe(&mut self, probe: &'a Probe, record: impl FnOnce(&mut PassRecorder<'a, '_>)) {
         if !probe.is_beside(self.targets) {
             self.refused.get_or_insert(BackendError::unsupported(
-                "drawing: a probe of another stage",
+                "drawing: a probe of other targets",
                 &self.gpu.facts.name,
             ));
             return;
@@ -249,7 +249,7 @@ impl<'a> FillRecorder<'a> {
             .framebuffer(framebuffer)
             .render_area(self.targets.area())
             .clear_values(&clears);
-        // SAFETY: recording is under way (the stage begins it), framebuffer and pass are
+        // SAFETY: recording is under way (the targets begin it), framebuffer and pass are
         // compatible, and no pass is open: passes are closed below.
         unsafe {
             if let Some((pool, flags, _)) = query {

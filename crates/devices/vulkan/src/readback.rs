@@ -3,7 +3,7 @@
 
 use crate::fixtures::DEPTH_READ_ONLY;
 use crate::memory::Image;
-use crate::stage::Targets;
+use crate::targets::Targets;
 use crate::{Buffer, Gpu};
 use ash::vk;
 use std::sync::Arc;

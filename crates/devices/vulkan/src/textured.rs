@@ -10,7 +10,7 @@ use crate::fixtures::{PROBE_FORMAT, REGION_KIND};
 use crate::memory::Image;
 use crate::pipeline::{Assembly, entry_name, stencil_test};
 use crate::readback::read_probed;
-use crate::stage::Targets;
+use crate::targets::Targets;
 use crate::{Buffer, BufferUse, Gpu, ImageBindings, Topology, VertexFormat};
 use ash::vk;
 use std::cell::Cell;
@@ -324,7 +324,7 @@ impl Drop for DepthBindings {
     }
 }
 
-/// Targets of the textured covers' probe, as large as the stage's.
+/// Targets of the textured covers' probe, as large as the targets'.
 #[derive(Debug)]
 pub struct Probe {
     gpu: Arc<Gpu>,

@@ -15,17 +15,17 @@ use terrafill_scene::{ImageSize, MipChain, PixelRect};
 use terrafill_vulkan::{
     BindGroup, Buffer, BufferUse, CoverPurpose, CoverState, DepthBindings, DrawState, Fragments,
     Geometry, Gpu, GpuOptions, ImageBindings, IndexWidth, Measured, POSITIVE_CONTROL, Pipeline,
-    PipelineDescriptor, PipelineState, RouteText, SampledImage, Stage, TexturedDescriptor,
+    PipelineDescriptor, PipelineState, RenderTargets, RouteText, SampledImage, TexturedDescriptor,
     TexturedParts, TexturedPipeline, TexturedPlacement, Topology, VertexFormat, VertexStage,
     list_adapters, make_deliberate_error, messages, open_for_test,
 };
 
-/// A stage with the globe drawn on it.
-fn drawn(gpu: &Arc<Gpu>) -> Stage {
-    let mut stage = Stage::new(gpu, SIZE).expect("small targets");
-    stage.prepare(&globe_from(8e6)).expect("fits");
-    stage.draw_surface().expect("draws");
-    stage
+/// A targets with the globe drawn on it.
+fn drawn(gpu: &Arc<Gpu>) -> RenderTargets {
+    let mut targets = RenderTargets::new(gpu, SIZE).expect("small targets");
+    targets.prepare(&globe_from(8e6)).expect("fits");
+    targets.draw_surface().expect("draws");
+    targets
 }
 
 #[test]
@@ -78,13 +78,13 @@ fn the_surface_has_the_depth_of_the_ellipsoid() {
     let Some(gpu) = open_for_test(&GpuOptions::default()) else {
         return;
     };
-    let mut stage = Stage::new(&gpu, SIZE).expect("small targets");
-    assert!(stage.read().is_err(), "nothing is drawn yet");
-    assert!(stage.draw_surface().is_err(), "nothing is prepared yet");
-    stage.prepare(&globe_from(8e6)).expect("fits");
-    let time = stage.draw_surface().expect("draws");
+    let mut targets = RenderTargets::new(&gpu, SIZE).expect("small targets");
+    assert!(targets.read().is_err(), "nothing is drawn yet");
+    assert!(targets.draw_surface().is_err(), "nothing is prepared yet");
+    targets.prepare(&globe_from(8e6)).expect("fits");
+    let time = targets.draw_surface().expect("draws");
     assert_eq!(time.is_some(), gpu.facts.features.timestamps);
-    let picture = stage.read().expect("reads");
+    let picture = targets.read().expect("reads");
     assert_depth_of_the_ellipsoid(&picture);
 }
 
@@ -97,11 +97,12 @@ fn a_stage_refuses_an_input_of_another_size_and_a_size_no_device_has() {
         width: 10,
         height: 10,
     };
-    let mut stage = Stage::new(&gpu, small).expect("small targets");
-    let error = stage.prepare(&globe_from(8e6)).expect_err("another size");
+    let mut targets = RenderTargets::new(&gpu, small).expect("small targets");
+    let error = targets.prepare(&globe_from(8e6)).expect_err("another size");
     assert!(error.to_string().contains("image size differs"), "{error}");
     for (width, height) in [(1 << 20, 10), (0, 1)] {
-        let error = Stage::new(&gpu, ImageSize { width, height }).expect_err("no such size");
+        let error =
+            RenderTargets::new(&gpu, ImageSize { width, height }).expect_err("no such size");
         let size = format!("{width} × {height} pixels");
         assert!(error.to_string().contains(&size), "{error}");
     }
@@ -165,12 +166,12 @@ fn cover_descriptor(test: StencilTest) -> PipelineDescriptor {
     }
 }
 
-fn cover(gpu: &Arc<Gpu>, stage: &Stage) -> Cover {
+fn cover(gpu: &Arc<Gpu>, targets: &RenderTargets) -> Cover {
     let mut constants: RegionConstants = bytemuck::Zeroable::zeroed();
     constants.colour = [1.0, 0.0, 0.0, 1.0];
     let bytes = bytemuck::bytes_of(&constants);
     let regions = Buffer::upload(gpu, "regions", bytes, BufferUse::Storage).expect("fits");
-    let view = stage.view_constants().expect("prepared");
+    let view = targets.view_constants().expect("prepared");
     Cover {
         pipeline: Pipeline::new(gpu, cover_descriptor(EVERYWHERE)).expect("valid"),
         bindings: BindGroup::new(gpu, view, Some(&Arc::new(regions))).expect("fits"),
@@ -182,8 +183,8 @@ fn a_cover_stays_inside_its_scissor_and_is_counted() {
     let Some(gpu) = open_for_test(&GpuOptions::default()) else {
         return;
     };
-    let stage = drawn(&gpu);
-    let cover = cover(&gpu, &stage);
+    let targets = drawn(&gpu);
+    let cover = cover(&gpu, &targets);
     let state = DrawState {
         pipeline: &cover.pipeline,
         bindings: &cover.bindings,
@@ -202,7 +203,7 @@ fn a_cover_stays_inside_its_scissor_and_is_counted() {
         Measured::Statistics,
         Measured::Samples,
     ] {
-        let report = stage
+        let report = targets
             .fill(1, measured, |recorder| {
                 recorder.pass(true, true, |pass| {
                     pass.scissor(rect);
@@ -223,7 +224,7 @@ fn a_cover_stays_inside_its_scissor_and_is_counted() {
         let samples = (measured == Measured::Samples).then_some(11 * 7);
         assert_eq!(report.samples, samples);
     }
-    let picture = stage.read().expect("reads");
+    let picture = targets.read().expect("reads");
     let red = picture
         .rgba
         .chunks_exact(4)
@@ -247,9 +248,9 @@ fn a_draw_that_does_not_fit_is_refused_and_nothing_is_drawn() {
     let Some(gpu) = open_for_test(&GpuOptions::default()) else {
         return;
     };
-    let stage = drawn(&gpu);
-    let before = stage.read().expect("reads").rgba;
-    let cover = cover(&gpu, &stage);
+    let targets = drawn(&gpu);
+    let before = targets.read().expect("reads").rgba;
+    let cover = cover(&gpu, &targets);
     let mark = StencilRule {
         depth: DepthRule::Fail,
         operation: StencilOperation::Count,
@@ -310,7 +311,7 @@ fn a_draw_that_does_not_fit_is_refused_and_nothing_is_drawn() {
         ),
     ];
     for (state, has_colour, count, words) in cases {
-        let outcome = stage.fill(1, Measured::Nothing, |recorder| {
+        let outcome = targets.fill(1, Measured::Nothing, |recorder| {
             recorder.pass(true, has_colour, |pass| {
                 pass.draw_indexed(&state, 0, count, 0, 0);
             });
@@ -323,14 +324,14 @@ fn a_draw_that_does_not_fit_is_refused_and_nothing_is_drawn() {
             }
         }
     }
-    let without_vertices = stage.fill(1, Measured::Nothing, |recorder| {
+    let without_vertices = targets.fill(1, Measured::Nothing, |recorder| {
         recorder.pass(true, false, |pass| {
             pass.draw(&state(&volumes, None), 3, 0);
         });
     });
     assert!(without_vertices.is_err());
-    let numbers = stage.fill(1, Measured::Nothing, |recorder| recorder.accumulate(|_| {}));
-    let error = numbers.expect_err("the stage was not asked for numbers");
+    let numbers = targets.fill(1, Measured::Nothing, |recorder| recorder.accumulate(|_| {}));
+    let error = numbers.expect_err("the targets were not asked for numbers");
     assert!(error.to_string().contains("numbers"), "{error}");
     let resolve = PipelineDescriptor {
         vertex: VertexStage {
@@ -345,15 +346,15 @@ fn a_draw_that_does_not_fit_is_refused_and_nothing_is_drawn() {
         ..cover_descriptor(EVERYWHERE)
     };
     let resolve = Pipeline::new(&gpu, resolve).expect("valid");
-    let unwritten = stage.fill(1, Measured::Nothing, |recorder| {
+    let unwritten = targets.fill(1, Measured::Nothing, |recorder| {
         recorder.pass(false, true, |pass| pass.draw(&state(&resolve, None), 3, 0));
     });
     assert!(unwritten.is_err(), "numbers that no pass has written");
-    let bounds = stage.fill(1, Measured::Nothing, |recorder| {
+    let bounds = targets.fill(1, Measured::Nothing, |recorder| {
         recorder.pass(true, false, |pass| pass.depth_bounds(0.5, 0.25));
     });
     assert!(bounds.is_err());
-    assert_eq!(stage.read().expect("reads").rgba, before);
+    assert_eq!(targets.read().expect("reads").rgba, before);
 }
 
 #[test]
@@ -398,7 +399,7 @@ fn two_devices_do_not_mix() {
     ) else {
         return;
     };
-    let (stage, foreign) = (drawn(&gpu), drawn(&other));
+    let (targets, foreign) = (drawn(&gpu), drawn(&other));
     let view = foreign.view_constants().expect("prepared");
     assert!(BindGroup::new(&gpu, view, None).is_err());
     let cover = cover(&other, &foreign);
@@ -407,7 +408,7 @@ fn two_devices_do_not_mix() {
         bindings: &cover.bindings,
         geometry: None,
     };
-    let outcome = stage.fill(1, Measured::Nothing, |recorder| {
+    let outcome = targets.fill(1, Measured::Nothing, |recorder| {
         recorder.pass(false, true, |pass| pass.draw(&state, 3, 0));
     });
     assert!(outcome.is_err());
@@ -455,16 +456,16 @@ fn the_probe_finds_every_pixel_of_the_surface_and_none_of_the_sky() {
         return;
     };
     let allocated = gpu.allocated_bytes();
-    let stage = drawn(&gpu);
-    let plain = cover(&gpu, &stage);
+    let targets = drawn(&gpu);
+    let plain = cover(&gpu, &targets);
     let (bytes, stride) = textured_regions(&gpu, &[7.0, 9.0]);
     let upload = |use_for| Buffer::upload(&gpu, "regions", &bytes, use_for).map(Arc::new);
     let regions = upload(BufferUse::Constants).expect("fits");
-    let depth = stage.bind_depth(&regions, stride).expect("fits");
-    let out_of_step = stage.bind_depth(&regions, stride + 4);
+    let depth = targets.bind_depth(&regions, stride).expect("fits");
+    let out_of_step = targets.bind_depth(&regions, stride + 4);
     assert!(out_of_step.is_err(), "constants out of step");
     let wrong_use = upload(BufferUse::Storage).expect("fits");
-    assert!(stage.bind_depth(&wrong_use, stride).is_err());
+    assert!(targets.bind_depth(&wrong_use, stride).is_err());
     let picture = MipChain::new(2, 2, vec![255; 16]).expect("four texels");
     let image = Arc::new(SampledImage::picture(&gpu, &picture).expect("fits"));
     assert_eq!(image.bytes(), picture.bytes());
@@ -497,7 +498,7 @@ fn the_probe_finds_every_pixel_of_the_surface_and_none_of_the_sky() {
         picture: &picture,
         table: None,
     };
-    let probe = stage.probe().expect("fits");
+    let probe = targets.probe().expect("fits");
     assert_eq!(probe.read().expect("reads"), None, "nothing is drawn yet");
     let right = PixelRect {
         left: 50,
@@ -506,7 +507,7 @@ fn the_probe_finds_every_pixel_of_the_surface_and_none_of_the_sky() {
         bottom: SIZE.height,
     };
     // The second pass adds to what the first has cleared.
-    let drawn_into = stage.fill(2, Measured::Nothing, |recorder| {
+    let drawn_into = targets.fill(2, Measured::Nothing, |recorder| {
         recorder.probe(&probe, |pass| pass.cover(&state, 0));
         recorder.probe(&probe, |pass| {
             pass.scissor(right);
@@ -515,7 +516,7 @@ fn the_probe_finds_every_pixel_of_the_surface_and_none_of_the_sky() {
     });
     drawn_into.expect("draws");
     let [places, sizes] = probe.read().expect("reads").expect("drawn");
-    let depths = stage.read().expect("reads").depth;
+    let depths = targets.read().expect("reads").depth;
     let (mut on_surface, mut in_sky) = (0, 0);
     for (index, (place, depth)) in places.iter().zip(&depths).enumerate() {
         let (x, y) = (index % SIZE.width as usize, index / SIZE.width as usize);
@@ -536,32 +537,32 @@ fn the_probe_finds_every_pixel_of_the_surface_and_none_of_the_sky() {
     // What does not fit is refused.
     let other_stage = drawn(&gpu);
     let other_probe = other_stage.probe().expect("fits");
-    let error = stage.fill(1, Measured::Nothing, |recorder| {
+    let error = targets.fill(1, Measured::Nothing, |recorder| {
         recorder.probe(&other_probe, |_| {});
     });
-    assert!(error.is_err(), "a probe of another stage");
-    let error = stage.fill(1, Measured::Nothing, |recorder| {
+    assert!(error.is_err(), "a probe of other targets");
+    let error = targets.fill(1, Measured::Nothing, |recorder| {
         recorder.textured(|pass| pass.cover(&state, 0));
     });
     assert!(error.is_err(), "a probing cover in a pass for colours");
-    let error = stage.fill(1, Measured::Nothing, |recorder| {
+    let error = targets.fill(1, Measured::Nothing, |recorder| {
         recorder.probe(&probe, |pass| pass.cover(&state, 2));
     });
     assert!(error.is_err(), "a region beyond the last");
     let error = other_stage.fill(1, Measured::Nothing, |recorder| {
         recorder.probe(&other_probe, |pass| pass.cover(&state, 0));
     });
-    assert!(error.is_err(), "the depth of another stage");
+    assert!(error.is_err(), "the depth of other targets");
     let with_table = CoverState {
         table: Some(&picture),
         ..state
     };
-    let error = stage.fill(1, Measured::Nothing, |recorder| {
+    let error = targets.fill(1, Measured::Nothing, |recorder| {
         recorder.probe(&probe, |pass| pass.cover(&with_table, 0));
     });
     assert!(error.is_err(), "a table that the route does not read");
     drop((probe, other_probe, other_stage, depth, regions, wrong_use));
-    drop((picture, image, probing, plain, stage));
+    drop((picture, image, probing, plain, targets));
     assert_eq!(gpu.allocated_bytes(), allocated);
 }
 

@@ -2,9 +2,7 @@
 //! A run's folder while it is written: every row is appended as it is measured, so that killing a
 //! run loses at most the sample in hand.
 
-use crate::{
-    CaseRow, Measurement, Metric, MetricRow, Note, PlannedCase, RunEnvironment, RunPlan, Status,
-};
+use crate::{Measurement, Metric, MetricRow, Note, PlannedCase, RunEnvironment, RunPlan, Status};
 use serde::{Serialize, de::DeserializeOwned};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::OpenOptions;

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use terrafill_conformance::compare;
 use terrafill_core::RegionMesh;
 use terrafill_fill::{Backend as _, FrameInput, PreparedScene, TimedBackend as _};
-use terrafill_gpu::{Baseline, BaselineKind, Gpu, GpuOptions, Stage};
+use terrafill_gpu::{Baseline, BaselineKind, Gpu, GpuOptions, RenderTargets};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::legacy::median;
 use terrafill_scene::{
@@ -63,8 +63,8 @@ fn measure(
     view: &terrafill_scene::View,
     rounds: u32,
 ) -> anyhow::Result<()> {
-    let stage = Stage::shared(gpu, SIZE)?;
-    let mut bound = Baseline::new(BaselineKind::Bound, &stage)?;
+    let targets = RenderTargets::shared(gpu, SIZE)?;
+    let mut bound = Baseline::new(BaselineKind::Bound, &targets)?;
     let full = FrameInput::new(scene, view, SIZE, PlanOptions::default());
     let reference = ReferenceBackend::new().judge(&full)?.frame;
     let mut settings = Vec::new();
@@ -74,7 +74,7 @@ fn measure(
             ..PlanOptions::default()
         };
         let input = full.remeshed(scene, options);
-        let mut backend = VertexBackend::new(&stage, VertexVariant::default())?;
+        let mut backend = VertexBackend::new(&targets, VertexVariant::default())?;
         let memory = backend.prepare(&input)?;
         let frame = backend.render(&input)?;
         let figures = compare(&reference, &frame)?;
@@ -96,8 +96,8 @@ fn measure(
     }
     let mut bound_ms = Vec::new();
     for round in 0..rounds + 2 {
-        stage.borrow_mut().prepare(&full)?;
-        stage.borrow_mut().draw_surface()?;
+        targets.borrow_mut().prepare(&full)?;
+        targets.borrow_mut().draw_surface()?;
         let of_bound = bound.time_frame()?.fill_cpu_ms;
         if round >= 2 {
             bound_ms.push(of_bound);

@@ -7,7 +7,7 @@ use crate::memory::LayoutOfScene;
 use crate::rounding::{objection, rounding_px};
 use crate::scenes::{build_meshes, mesh_error};
 use crate::summary::baselines;
-use crate::technique::{SharedNativeGpu, Stages};
+use crate::technique::{AllTargets, SharedNativeGpu};
 use crate::textured::{ShownPicture, TexturedReferences, write_cut_out};
 use crate::{BenchCase, BenchError, BenchOptions, SceneGroup, Setting, Technique};
 use indicatif::ProgressBar;
@@ -24,7 +24,7 @@ use terrafill_fill::{
     BackendError, ColourWay, Frame, FrameInput, FrameTimes, MemoryUse, PositionFormat,
     PreparedScene, RouteChoice, VolumeBackend, paint,
 };
-use terrafill_gpu::{Baseline, CpuStopwatch, Gpu, Stage};
+use terrafill_gpu::{Baseline, CpuStopwatch, Gpu, RenderTargets};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::legacy::{
     Baselines, CaseKey, ErrorFigures, RunFolder, Sample, Status, median,
@@ -105,7 +105,7 @@ pub(crate) struct GroupRun<'a> {
     pub(crate) folder: &'a RunFolder,
     pub(crate) group: &'a SceneGroup,
     pub(crate) progress: &'a ProgressBar,
-    pub(crate) stages: Stages,
+    pub(crate) targets: AllTargets,
     /// What the default mesh options give; views of other options share its surface.
     pub(crate) input: Rc<FrameInput>,
     pub(crate) reference: Frame,
@@ -142,7 +142,7 @@ impl<'a> GroupRun<'a> {
         let meshes = build_meshes(scene, &scene.mesh)?;
         let prepared = PreparedScene::new(scene, meshes, surface);
         let input = FrameInput::new(&prepared, view, options.size, PlanOptions::default());
-        let stage = Stage::shared(gpu, options.size).map_err(device)?;
+        let targets = RenderTargets::shared(gpu, options.size).map_err(device)?;
         let judged = ReferenceBackend::new().judge(&input).map_err(device)?;
         let band = boundary_band(&judged.frame);
         let disagree = judged.disagreements.iter().zip(&band);
@@ -158,7 +158,7 @@ impl<'a> GroupRun<'a> {
             folder,
             group,
             progress,
-            stages: Stages::new(stage, native_gpu, options.size),
+            targets: AllTargets::new(targets, native_gpu, options.size),
             input: Rc::new(input),
             inputs: RefCell::default(),
             leveled: RefCell::default(),
@@ -253,7 +253,7 @@ impl<'a> GroupRun<'a> {
         bound_px: impl Fn(PositionFormat, &FrameInput) -> f64,
     ) -> Result<RunningCase<'a>, BenchError> {
         let (drawer, probe) = match case.technique {
-            Technique::Baseline(kind) => match Baseline::new(kind, &self.stages.wgpu) {
+            Technique::Baseline(kind) => match Baseline::new(kind, &self.targets.wgpu) {
                 Ok(baseline) => (Drawer::Baseline(baseline), Probe::default()),
                 Err(error) => (Drawer::None, failed_probe(&error)),
             },
@@ -266,7 +266,7 @@ impl<'a> GroupRun<'a> {
                     positions.and_then(|format| objection(format, bound_px(format, &input)));
                 let drawn = case
                     .technique
-                    .open(&self.stages)
+                    .open(&self.targets)
                     .filter(|_| objection.is_none())
                     .map(|backend| backend.and_then(|backend| draw_probe(backend, &input)));
                 match drawn {
@@ -546,11 +546,11 @@ impl<'a> GroupRun<'a> {
                 "{}/{}: frame {round}",
                 self.group.scene.name, self.group.view.name
             ));
-            let mut stage = self.stages.wgpu.borrow_mut();
-            stage.prepare(&self.input).map_err(device)?;
-            let surface_gpu_ms = stage.draw_surface().map_err(device)?;
-            drop(stage);
-            // Those that do not share that stage share another by the name of their backend.
+            let mut targets = self.targets.wgpu.borrow_mut();
+            targets.prepare(&self.input).map_err(device)?;
+            let surface_gpu_ms = targets.draw_surface().map_err(device)?;
+            drop(targets);
+            // Those that do not draw into those targets share others by the name of their backend.
             let mut drawn: Vec<&str> = Vec::new();
             for case in running.iter_mut() {
                 let name = case.case.technique.backend();
@@ -578,7 +578,7 @@ impl<'a> GroupRun<'a> {
                     }
                 };
                 if round >= warm_up {
-                    // Who draws a surface of its own was not timed by that of the shared stage.
+                    // Who draws a surface of its own was not timed by that of the shared targets.
                     let surface = surface_gpu_ms.filter(|_| case.case.technique.shares_stage());
                     rows.push(sample(&case.case.key, frame, surface, &times));
                 }
@@ -839,7 +839,7 @@ mod tests {
             let (input, _) = run.input_for(case).expect("an input");
             let backend = case
                 .technique
-                .open(&run.stages)
+                .open(&run.targets)
                 .expect("no full-screen pass");
             let drawn = draw_probe(backend.expect("opens"), &input).expect("draws");
             let (mut backend, memory, mut frame) = drawn;

@@ -9,7 +9,7 @@ use terrafill_core::RegionMesh;
 use terrafill_fill::{
     BackendError, GeometryBytes, PositionFormat, SwitchError, Switches, THIS_MACHINE, VolumeBackend,
 };
-use terrafill_gpu::{BaselineKind, SharedStage};
+use terrafill_gpu::{BaselineKind, SharedTargets};
 use terrafill_native::{NativeBackend, NativeVariant, native_bytes};
 use terrafill_scene::{ImageSize, Overlap, PlanOptions};
 use terrafill_vertex::{VertexBackend, VertexVariant, shared_flag_bytes, variant_bytes};
@@ -31,13 +31,13 @@ pub enum Technique {
 /// whose pictures the others' are laid beside.
 pub const BACKENDS: [&str; 3] = ["vertex", "compute", "native"];
 
-/// Where techniques draw: the stage that all wgpu backends share, and one on Vulkan itself, which is
+/// Where techniques draw: the render targets that all wgpu backends share, and one on Vulkan itself, which is
 /// made when it is first asked for.
 #[derive(Debug)]
-pub(crate) struct Stages {
-    pub(crate) wgpu: SharedStage,
+pub(crate) struct AllTargets {
+    pub(crate) wgpu: SharedTargets,
     native_gpu: SharedNativeGpu,
-    native: OnceCell<Result<terrafill_vulkan::SharedStage, String>>,
+    native: OnceCell<Result<terrafill_vulkan::SharedTargets, String>>,
     size: ImageSize,
 }
 
@@ -67,8 +67,8 @@ impl NativeGpu {
     }
 }
 
-impl Stages {
-    pub(crate) fn new(wgpu: SharedStage, native_gpu: SharedNativeGpu, size: ImageSize) -> Self {
+impl AllTargets {
+    pub(crate) fn new(wgpu: SharedTargets, native_gpu: SharedNativeGpu, size: ImageSize) -> Self {
         Self {
             wgpu,
             native_gpu,
@@ -77,10 +77,11 @@ impl Stages {
         }
     }
 
-    fn native(&self) -> Result<&terrafill_vulkan::SharedStage, BackendError> {
+    fn native(&self) -> Result<&terrafill_vulkan::SharedTargets, BackendError> {
         let make = || {
             let gpu = self.native_gpu.open().map_err(Clone::clone)?;
-            terrafill_vulkan::Stage::shared(gpu, self.size).map_err(|error| error.to_string())
+            terrafill_vulkan::RenderTargets::shared(gpu, self.size)
+                .map_err(|error| error.to_string())
         };
         self.native.get_or_init(make).as_ref().map_err(|why| {
             let what = format!("a device for the native backend: {why}");
@@ -161,21 +162,21 @@ impl Technique {
         }
     }
 
-    /// Whether it draws onto the surface of the stage that all wgpu backends share.
+    /// Whether it draws onto the surface of the render targets that all wgpu backends share.
     pub(crate) fn shares_stage(&self) -> bool {
         !matches!(self, Self::Native(_))
     }
 
-    /// A backend that draws so on these stages; `None` for a full-screen pass.
+    /// A backend that draws so on these targets; `None` for a full-screen pass.
     ///
     /// # Errors
     /// [`BackendError::Unsupported`] when the device lacks something, else whatever it reports.
     pub(crate) fn open(
         &self,
-        stages: &Stages,
+        targets: &AllTargets,
     ) -> Option<Result<Box<dyn VolumeBackend>, BackendError>> {
-        let wgpu = || Ok(SharedStage::clone(&stages.wgpu));
-        let vulkan = || stages.native().map(terrafill_vulkan::SharedStage::clone);
+        let wgpu = || Ok(SharedTargets::clone(&targets.wgpu));
+        let vulkan = || targets.native().map(terrafill_vulkan::SharedTargets::clone);
         self.open_on(wgpu, vulkan)
     }
 
@@ -191,8 +192,8 @@ impl Technique {
         adapter: Option<&str>,
         size: ImageSize,
     ) -> Result<Box<dyn VolumeBackend>, BackendError> {
-        let wgpu = || terrafill_gpu::Stage::shared(&open_wgpu(adapter)?, size);
-        let vulkan = || terrafill_vulkan::Stage::shared(&open_vulkan(adapter)?, size);
+        let wgpu = || terrafill_gpu::RenderTargets::shared(&open_wgpu(adapter)?, size);
+        let vulkan = || terrafill_vulkan::RenderTargets::shared(&open_vulkan(adapter)?, size);
         self.open_on(wgpu, vulkan)
             .unwrap_or_else(|| Err(BackendError::unsupported("drawing volumes", self.backend())))
     }
@@ -200,19 +201,19 @@ impl Technique {
     /// The one place where backends of volumes are made.
     fn open_on(
         &self,
-        wgpu: impl FnOnce() -> Result<SharedStage, BackendError>,
-        vulkan: impl FnOnce() -> Result<terrafill_vulkan::SharedStage, BackendError>,
+        wgpu: impl FnOnce() -> Result<SharedTargets, BackendError>,
+        vulkan: impl FnOnce() -> Result<terrafill_vulkan::SharedTargets, BackendError>,
     ) -> Option<Result<Box<dyn VolumeBackend>, BackendError>> {
         Some(match self {
             Self::Baseline(_) => return None,
             Self::Vertex(variant) => {
-                wgpu().and_then(|stage| VertexBackend::new(&stage, *variant).map(boxed))
+                wgpu().and_then(|targets| VertexBackend::new(&targets, *variant).map(boxed))
             }
             Self::Compute(variant) => {
-                wgpu().and_then(|stage| ComputeBackend::new(&stage, *variant).map(boxed))
+                wgpu().and_then(|targets| ComputeBackend::new(&targets, *variant).map(boxed))
             }
             Self::Native(variant) => {
-                vulkan().and_then(|stage| NativeBackend::new(&stage, *variant).map(boxed))
+                vulkan().and_then(|targets| NativeBackend::new(&targets, *variant).map(boxed))
             }
         })
     }

@@ -10,7 +10,7 @@ mod drawing;
 
 use drawing::sights::{self, POSES, square_from, three_regions_from};
 use drawing::{
-    Devices, SIZE, Stages, checks, counters, differing, draw, shipped, vertex, with_colour,
+    AllTargets, Devices, SIZE, checks, counters, differing, draw, shipped, vertex, with_colour,
     with_switches,
 };
 use terrafill_compute::{
@@ -62,8 +62,8 @@ fn compute(variant: ComputeVariant) -> Technique {
 
 /// On targets of its own.
 fn backend(devices: &Devices, variant: ComputeVariant) -> ComputeBackend {
-    let stages = Stages::new(devices, SIZE);
-    ComputeBackend::new(stages.wgpu(), variant).expect("valid shaders")
+    let targets = AllTargets::new(devices, SIZE);
+    ComputeBackend::new(targets.wgpu(), variant).expect("valid shaders")
 }
 
 #[test]
@@ -264,8 +264,8 @@ fn draw_within(
     variant: ComputeVariant,
     capacity: Capacity,
 ) -> Result<Frame, BackendError> {
-    let stages = Stages::new(devices, input.size);
-    let mut backend = ComputeBackend::with_capacity(stages.wgpu(), variant, capacity)?;
+    let targets = AllTargets::new(devices, input.size);
+    let mut backend = ComputeBackend::with_capacity(targets.wgpu(), variant, capacity)?;
     backend.prepare(input)?;
     backend.render(input)
 }
@@ -330,12 +330,12 @@ fn what_does_not_go_together_is_refused() {
     let Some(devices) = Devices::open() else {
         return;
     };
-    let stages = Stages::new(&devices, SIZE);
+    let targets = AllTargets::new(&devices, SIZE);
     let variant = ComputeVariant {
         expansion: Expansion::Cached,
         ..with_culling(GpuCulling::Triangles)
     };
-    let error = ComputeBackend::new(stages.wgpu(), variant).expect_err("views differ");
+    let error = ComputeBackend::new(targets.wgpu(), variant).expect_err("views differ");
     assert!(error.to_string().contains("gpu-culling"), "{error}");
 }
 

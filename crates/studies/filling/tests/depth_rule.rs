@@ -6,7 +6,7 @@
 mod drawing;
 
 use drawing::{
-    Devices, Pose, Stages, collection, differing, draw_with, figures, judge, look, polygon,
+    AllTargets, Devices, Pose, collection, differing, draw_with, figures, judge, look, polygon,
     scene_within, vertex,
 };
 use terrafill_conformance::verdict;
@@ -49,21 +49,21 @@ fn with_rule(depth_rule: DepthRuleChoice) -> Technique {
     })
 }
 
-/// Backends of one stage, one for each rule.
+/// Backends of one set of targets, one for each rule.
 struct Rules {
     backends: [Box<dyn VolumeBackend>; 3],
 }
 
 impl Rules {
     fn new(devices: &Devices) -> Self {
-        let stages = Stages::new(devices, SMALL);
+        let targets = AllTargets::new(devices, SMALL);
         let rules = [
             DepthRuleChoice::Automatic,
             DepthRuleChoice::Fail,
             DepthRuleChoice::Pass,
         ];
         Self {
-            backends: rules.map(|rule| stages.open(with_rule(rule))),
+            backends: rules.map(|rule| targets.open(with_rule(rule))),
         }
     }
 

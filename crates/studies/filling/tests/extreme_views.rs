@@ -8,7 +8,9 @@
 
 mod drawing;
 
-use drawing::{Devices, Stages, checks, differing, figures, judge, shipped, sights, with_colour};
+use drawing::{
+    AllTargets, Devices, checks, differing, figures, judge, shipped, sights, with_colour,
+};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use terrafill_conformance::verdict;
@@ -37,7 +39,7 @@ fn variant(layout: Layout, positions: PositionFormat) -> VertexVariant {
 fn figures_of(name: &str) -> Option<BTreeMap<(String, &'static str), ErrorFigures>> {
     let devices = Devices::open()?;
     let (prepared, views) = shipped(name).expect("ships with the project");
-    let stages = Stages::new(&devices, SIZE);
+    let targets = AllTargets::new(&devices, SIZE);
     let mut all = BTreeMap::new();
     for view in &views {
         let input = FrameInput::new(&prepared, view, SIZE, PlanOptions::default());
@@ -45,7 +47,7 @@ fn figures_of(name: &str) -> Option<BTreeMap<(String, &'static str), ErrorFigure
         for positions in PositionFormat::ALL {
             let draw = |layout| {
                 let technique = Technique::Vertex(variant(layout, positions));
-                stages.draw(&input, technique)
+                targets.draw(&input, technique)
             };
             let [frame, pulled] = [Layout::Doubled, Layout::Pulled].map(draw);
             // How vertices are found is nothing that moves them.
@@ -109,7 +111,7 @@ fn ten_metres_from_several_eyes() {
         return;
     };
     let (prepared, views) = shipped("square-10m").expect("ships with the project");
-    let stages = Stages::new(&devices, SIZE);
+    let targets = AllTargets::new(&devices, SIZE);
     let mut most = 0;
     for (i, view) in (0_u32..8).zip(views[..2].iter().cycle()) {
         let mut moved = view.clone();
@@ -120,7 +122,7 @@ fn ten_metres_from_several_eyes() {
         let judged = judge(&input);
         let figures_of = |positions| {
             let technique = Technique::Vertex(variant(Layout::Doubled, positions));
-            figures(&judged, &stages.draw(&input, technique))
+            figures(&judged, &targets.draw(&input, technique))
         };
         let [fixed, two_float, naive] = [
             PositionFormat::Fixed,
@@ -158,7 +160,7 @@ fn walls_between_triangles_leave_no_trace_where_they_are_clipped() {
         return;
     };
     let (prepared, views) = shipped("square-200km").expect("ships with the project");
-    let stages = Stages::new(&devices, SIZE);
+    let targets = AllTargets::new(&devices, SIZE);
     let along = views.iter().find(|view| view.name == "along-50m");
     let vertex = |positions| {
         [Layout::Doubled, Layout::PerTriangle]
@@ -187,7 +189,7 @@ fn walls_between_triangles_leave_no_trace_where_they_are_clipped() {
         view.pose.pitch_rad += (f64::from(i) * 0.11).to_radians();
         let input = FrameInput::new(&prepared, &view, SIZE, PlanOptions::default());
         let name = techniques[1].variant_name();
-        let [mut whole, split] = techniques.map(|technique| stages.draw(&input, technique));
+        let [mut whole, split] = techniques.map(|technique| targets.draw(&input, technique));
         assert!(whole.filled_px() > 10_000, "eye {i}");
         assert_eq!(differing(&whole, &split), 0, "eye {i}, {name}");
         // Twin: a single pixel would have been noticed.
@@ -221,12 +223,12 @@ fn bytes_by_formula_are_those_that_are_allocated() {
     };
     let (prepared, views) = shipped("square-200km").expect("ships with the project");
     let input = FrameInput::new(&prepared, &views[0], SIZE, PlanOptions::default());
-    let stages = Stages::new(&devices, SIZE);
+    let targets = AllTargets::new(&devices, SIZE);
     let mut known = BTreeMap::new();
     for layout in Layout::ALL {
         for positions in PositionFormat::ALL {
             let variant = variant(layout, positions);
-            let mut backend = stages.open(Technique::Vertex(variant));
+            let mut backend = targets.open(Technique::Vertex(variant));
             let memory = backend.prepare(&input).expect("fits");
             let meshes = prepared.meshes.iter();
             let formula: u64 = meshes

@@ -9,7 +9,7 @@
 mod drawing;
 
 use drawing::sights::{self, POSES, square_from, three_regions_from};
-use drawing::{Devices, SIZE, Stages, checks, counters, differing, draw, shipped, vertex};
+use drawing::{AllTargets, Devices, SIZE, checks, counters, differing, draw, shipped, vertex};
 use terrafill_fill::{
     Backend as _, BackendError, BottomCap, ColourWay, Counters, DepthRuleChoice, FacePasses,
     FrameInput, StencilClear, Switches, TimedBackend as _, VolumeBackend as _,
@@ -70,13 +70,13 @@ fn plain(technique: Native) -> Technique {
 }
 
 /// With default switches, on these targets.
-fn backend_of(stages: &Stages<'_>, technique: Native, indices: Indices) -> NativeBackend {
+fn backend_of(targets: &AllTargets<'_>, technique: Native, indices: Indices) -> NativeBackend {
     let variant = NativeVariant {
         technique,
         indices: Some(indices),
         ..NativeVariant::default()
     };
-    NativeBackend::new(stages.vulkan(), variant).expect("has the features")
+    NativeBackend::new(targets.vulkan(), variant).expect("has the features")
 }
 
 /// Every way of colouring with every depth rule that is right everywhere.
@@ -250,9 +250,9 @@ fn bytes_are_what_the_formula_says_and_in_strips_less_than_half_of_doubled_verti
             .map(|mesh| layout_bytes(Layout::Doubled, mesh).total())
             .sum();
         for (technique, indices) in storages() {
-            let stages = Stages::new(&devices, SIZE);
+            let targets = AllTargets::new(&devices, SIZE);
             let switches = Switches::for_overlap(prepared.overlap);
-            let mut backend = stages.open(stored(technique, indices, switches));
+            let mut backend = targets.open(stored(technique, indices, switches));
             let memory = backend.prepare(&input).expect("fits");
             let formula: u64 = prepared
                 .meshes
@@ -290,8 +290,8 @@ fn a_frame_needs_preparing_and_a_second_unchanged_one_makes_nothing() {
     let pose = (5.0, 5.0, 2e6, 0.0, -90.0);
     let [first, other] = [square_from(pose), square_from(pose)];
     for (technique, indices) in storages() {
-        let stages = Stages::new(&devices, SIZE);
-        let mut backend = backend_of(&stages, technique, indices);
+        let targets = AllTargets::new(&devices, SIZE);
+        let mut backend = backend_of(&targets, technique, indices);
         let error = backend.render(&first).expect_err("not prepared");
         assert_eq!(error.to_string(), "native was not prepared for test/test");
         assert!(backend.time_frame(&first).is_err());
@@ -323,8 +323,8 @@ fn a_frame_needs_preparing_and_a_second_unchanged_one_makes_nothing() {
         assert!(backend.render(&other).is_err(), "another input");
         backend
             .time_frame(&first)
-            .expect("the stage holds its surface");
-        let mut second = backend_of(&stages, technique, indices);
+            .expect("the targets hold its surface");
+        let mut second = backend_of(&targets, technique, indices);
         second.prepare(&other).expect("fits");
         second.draw_own_surface(&other).expect("draws");
         assert!(backend.time_frame(&first).is_err(), "over another surface");
@@ -385,8 +385,8 @@ fn times_are_measured_and_pictures_in_the_regions_colours() {
     };
     let pose = (5.0, 5.0, 2e6, 0.0, -90.0);
     let input = three_regions_from(pose);
-    let stages = Stages::new(&devices, SIZE);
-    let mut backend = backend_of(&stages, Native::default(), Indices::Strip);
+    let targets = AllTargets::new(&devices, SIZE);
+    let mut backend = backend_of(&targets, Native::default(), Indices::Strip);
     assert_eq!(backend.variant_name(), "gs-degenerate");
     backend.prepare(&input).expect("fits");
     backend.draw_own_surface(&input).expect("draws");
@@ -409,7 +409,7 @@ fn what_the_device_lacks_is_refused_by_name() {
     let Some(devices) = Devices::open_both() else {
         return;
     };
-    let stages = Stages::new(&devices, SIZE);
+    let targets = AllTargets::new(&devices, SIZE);
     let bounded = NativeVariant {
         technique: Native::GsDegenerate,
         indices: None,
@@ -419,7 +419,7 @@ fn what_the_device_lacks_is_refused_by_name() {
         },
     };
     assert_eq!(bounded.name(), "gs-degenerate,depth-bounds=on");
-    match NativeBackend::new(stages.vulkan(), bounded) {
+    match NativeBackend::new(targets.vulkan(), bounded) {
         Err(BackendError::Unsupported { capability, .. }) => {
             assert_eq!(capability, "depthBounds");
             assert!(!devices.vulkan().facts.features.depth_bounds);
@@ -457,11 +457,11 @@ fn depth_bounds_hold_every_pixel_of_their_region() {
     let mut has_room = true;
     for pose in POSES {
         let input = three_regions_from(pose);
-        let stages = Stages::new(&devices, SIZE);
-        let mut backend = backend_of(&stages, Native::default(), Indices::Strip);
+        let targets = AllTargets::new(&devices, SIZE);
+        let mut backend = backend_of(&targets, Native::default(), Indices::Strip);
         backend.prepare(&input).expect("fits");
         let ids = backend.render(&input).expect("draws").ids;
-        let depth = stages.vulkan().borrow().read().expect("reads").depth;
+        let depth = targets.vulkan().borrow().read().expect("reads").depth;
         assert!(ranges_hold(&input, &ids, &depth, 1.0), "{pose:?}");
         has_room &= ranges_hold(&input, &ids, &depth, 2.0);
     }

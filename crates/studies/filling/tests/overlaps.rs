@@ -5,7 +5,7 @@
 mod drawing;
 
 use drawing::{
-    Devices, Stages, collection, draw_with, figures, is_right, judge, look, polygon, scene,
+    AllTargets, Devices, collection, draw_with, figures, is_right, judge, look, polygon, scene,
     with_colour,
 };
 use terrafill_conformance::{filled_only, verdict};
@@ -52,7 +52,7 @@ fn nested_regions_are_right_or_refused() {
     let Some(devices) = Devices::open() else {
         return;
     };
-    let stages = Stages::new(&devices, SIZE);
+    let targets = AllTargets::new(&devices, SIZE);
     let (mut right, mut refused) = (0, Vec::new());
     for count in [1, 15, 16, 17, 255, 256, 257, 512] {
         let input = from_above(&nested(count, Overlap::Ordered));
@@ -60,7 +60,7 @@ fn nested_regions_are_right_or_refused() {
         let middle = reference.ids[SIZE.pixel_count() / 2 + SIZE.width as usize / 2];
         assert_eq!(middle, count, "the smallest lies on top");
         for colour in ColourWay::ALL {
-            let mut backend = stages.open(translucent(colour, 100));
+            let mut backend = targets.open(translucent(colour, 100));
             match backend.prepare(&input) {
                 Ok(_) => {}
                 Err(BackendError::Switch(error)) => {
@@ -108,11 +108,11 @@ fn a_count_that_wraps_loses_the_multiples_of_256() {
     let Some(devices) = Devices::open() else {
         return;
     };
-    let stages = Stages::new(&devices, SIZE);
+    let targets = AllTargets::new(&devices, SIZE);
     for (count, is_lost) in [(255, false), (256, true), (257, false), (512, true)] {
         // Said to be disjoint, so that nothing is checked.
         let input = from_above(&nested(count, Overlap::Disjoint));
-        let mut backend = stages.open(translucent(ColourWay::OneColour, 100));
+        let mut backend = targets.open(translucent(ColourWay::OneColour, 100));
         let frame = draw_with(&mut *backend, &input);
         let middle = frame.ids[SIZE.pixel_count() / 2 + SIZE.width as usize / 2];
         assert_eq!(middle == NO_REGION, is_lost, "{count}");
@@ -180,11 +180,11 @@ fn translucent_regions_blend_in_the_order_of_the_plan() {
     ]);
     let scene = scene(&text, Ellipsoid::WGS84, 90, Overlap::Ordered);
     let input = from_above(&scene);
-    let stages = Stages::new(&devices, SIZE);
-    let stage = stages.wgpu();
-    stage.borrow_mut().prepare(&input).expect("fits");
-    stage.borrow_mut().draw_surface().expect("draws");
-    let surface = stage.borrow().read().expect("reads");
+    let all = AllTargets::new(&devices, SIZE);
+    let targets = all.wgpu();
+    targets.borrow_mut().prepare(&input).expect("fits");
+    targets.borrow_mut().draw_surface().expect("draws");
+    let surface = targets.borrow().read().expect("reads");
     let percent = 40;
     let opacity = f64::from(percent) / 100.0;
     let in_order = composite(&input, &surface, opacity, &[0, 1, 2]);
@@ -194,7 +194,7 @@ fn translucent_regions_blend_in_the_order_of_the_plan() {
         ColourWay::Volume,
         ColourWay::BitPlanes,
     ] {
-        let mut backend = stages.open(translucent(colour, percent));
+        let mut backend = all.open(translucent(colour, percent));
         backend.prepare(&input).expect("fits");
         let picture = backend.picture(&input).expect("draws");
         // Borders may lie a pixel off: as many pixels as three squares have around them.
@@ -216,7 +216,7 @@ fn ways_without_an_order_refuse_translucent_regions() {
     let Some(devices) = Devices::open() else {
         return;
     };
-    let stages = Stages::new(&devices, SIZE);
+    let targets = AllTargets::new(&devices, SIZE);
     let input = from_above(&nested(1, Overlap::Disjoint));
     for colour in ColourWay::ALL {
         let has_order = matches!(
@@ -224,7 +224,7 @@ fn ways_without_an_order_refuse_translucent_regions() {
             ColourWay::Rectangle | ColourWay::Volume | ColourWay::BitPlanes
         );
         for (percent, is_drawn) in [(100, true), (99, has_order)] {
-            let mut backend = stages.open(translucent(colour, percent));
+            let mut backend = targets.open(translucent(colour, percent));
             backend.prepare(&input).expect("fits");
             let picture = backend.picture(&input);
             assert_eq!(picture.is_ok(), is_drawn, "{colour:?} {percent}");

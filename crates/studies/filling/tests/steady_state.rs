@@ -6,7 +6,8 @@
 mod drawing;
 
 use drawing::{
-    Devices, SIZE, Stages, collection, counters, draw, look, polygon, scene, vertex, with_colour,
+    AllTargets, Devices, SIZE, collection, counters, draw, look, polygon, scene, vertex,
+    with_colour,
 };
 use terrafill_core::Ellipsoid;
 use terrafill_fill::{ColourWay, Counters, FrameInput, GeometryBytes, PreparedScene, Switches};
@@ -50,12 +51,12 @@ fn the_second_unchanged_frame_makes_and_uploads_nothing() {
     };
     let scene = two_squares();
     let (input, nearer) = (seen_from(&scene, 2e6), seen_from(&scene, 1e6));
-    let stages = Stages::new(&devices, SIZE);
+    let targets = AllTargets::new(&devices, SIZE);
     for layout in Layout::ALL {
         for colour in ColourWay::ALL {
             let technique = in_layout(layout, with_colour(colour));
             let name = technique.variant_name();
-            let mut backend = stages.open(technique);
+            let mut backend = targets.open(technique);
             let mut frame = |input: &FrameInput| {
                 backend.prepare(input).expect("fits");
                 made(counters(&backend.render(input).expect("draws")))
@@ -86,8 +87,8 @@ fn bytes_by_formula_are_the_bytes_handed_to_the_device() {
     };
     let scene = two_squares();
     let input = seen_from(&scene, 2e6);
-    let stages = Stages::new(&devices, SIZE);
-    stages.wgpu().borrow_mut().prepare(&input).expect("fits");
+    let targets = AllTargets::new(&devices, SIZE);
+    targets.wgpu().borrow_mut().prepare(&input).expect("fits");
     let mut totals = Vec::new();
     for name in [
         "doubled",
@@ -112,7 +113,7 @@ fn bytes_by_formula_are_the_bytes_handed_to_the_device() {
             .sum();
         let formula = regions.total() + shared_flag_bytes(variant.layout, meshes);
         let before = devices.wgpu.work_done();
-        let mut backend = stages.open(Technique::Vertex(variant));
+        let mut backend = targets.open(Technique::Vertex(variant));
         let memory = backend.prepare(&input).expect("fits");
         let done = devices.wgpu.work_done() - before;
         assert_eq!(memory.geometry_bytes(), formula, "{name}");
@@ -144,8 +145,8 @@ fn pictures_for_people_leave_no_trace_in_the_next_frame() {
         return;
     };
     let input = seen_from(&two_squares(), 2e6);
-    let stages = Stages::new(&devices, SIZE);
-    let mut backend = stages.open(vertex(Switches::default()));
+    let targets = AllTargets::new(&devices, SIZE);
+    let mut backend = targets.open(vertex(Switches::default()));
     backend.prepare(&input).expect("fits");
     let first = backend.render(&input).expect("draws");
     backend.picture(&input).expect("draws");
@@ -166,9 +167,9 @@ fn every_fragment_of_the_stencil_work_is_counted() {
         return;
     }
     let input = seen_from(&two_squares(), 2e6);
-    let stages = Stages::new(&devices, SIZE);
+    let targets = AllTargets::new(&devices, SIZE);
     let count = |input: &FrameInput, switches: Switches, layout: Layout| {
-        let frame = stages.draw(input, in_layout(layout, switches));
+        let frame = targets.draw(input, in_layout(layout, switches));
         let fragments = counters(&frame).stencil_fragments.expect("counted");
         (fragments, frame.filled_px())
     };

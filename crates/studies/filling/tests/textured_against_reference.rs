@@ -15,7 +15,7 @@ use terrafill_core::{Ellipsoid, RegionMesh};
 use terrafill_fill::{
     BackendError, ColourWay, Frame, FrameInput, PreparedScene, RouteChoice, Switches, VolumeBackend,
 };
-use terrafill_gpu::{Gpu, GpuOptions, SharedStage, Stage, open_for_test};
+use terrafill_gpu::{Gpu, GpuOptions, RenderTargets, SharedTargets, open_for_test};
 use terrafill_native::{Indices, NativeBackend, NativeVariant, Technique};
 use terrafill_reference::{ReferenceBackend, ReferenceFrame};
 use terrafill_scene::{
@@ -37,33 +37,33 @@ fn switches(texture: &str, colour: ColourWay) -> Switches {
     }
 }
 
-fn vertex(stage: &SharedStage, layout: Layout, switches: Switches) -> Box<dyn VolumeBackend> {
+fn vertex(targets: &SharedTargets, layout: Layout, switches: Switches) -> Box<dyn VolumeBackend> {
     let variant = VertexVariant {
         layout,
         switches,
         ..VertexVariant::default()
     };
-    Box::new(VertexBackend::new(stage, variant).expect("valid shaders"))
+    Box::new(VertexBackend::new(targets, variant).expect("valid shaders"))
 }
 
-fn compute(stage: &SharedStage, switches: Switches) -> Box<dyn VolumeBackend> {
+fn compute(targets: &SharedTargets, switches: Switches) -> Box<dyn VolumeBackend> {
     let variant = ComputeVariant {
         switches,
         ..ComputeVariant::default()
     };
-    Box::new(ComputeBackend::new(stage, variant).expect("valid shaders"))
+    Box::new(ComputeBackend::new(targets, variant).expect("valid shaders"))
 }
 
 fn native(
-    stage: &terrafill_vulkan::SharedStage,
+    targets: &terrafill_vulkan::SharedTargets,
     technique: Technique,
     switches: Switches,
 ) -> Box<dyn VolumeBackend> {
-    stored(stage, (technique, Indices::List), switches)
+    stored(targets, (technique, Indices::List), switches)
 }
 
 fn stored(
-    stage: &terrafill_vulkan::SharedStage,
+    targets: &terrafill_vulkan::SharedTargets,
     (technique, indices): (Technique, Indices),
     switches: Switches,
 ) -> Box<dyn VolumeBackend> {
@@ -72,16 +72,16 @@ fn stored(
         indices: Some(indices),
         switches,
     };
-    Box::new(NativeBackend::new(stage, variant).expect("has the features"))
+    Box::new(NativeBackend::new(targets, variant).expect("has the features"))
 }
 
-fn vulkan_stage(input: &FrameInput) -> terrafill_vulkan::SharedStage {
+fn vulkan_stage(input: &FrameInput) -> terrafill_vulkan::SharedTargets {
     let gpu = terrafill_vulkan::open_for_test(&Default::default()).expect("as through wgpu");
-    terrafill_vulkan::Stage::shared(&gpu, input.size).expect("small targets")
+    terrafill_vulkan::RenderTargets::shared(&gpu, input.size).expect("small targets")
 }
 
-fn stage(gpu: &Arc<Gpu>, input: &FrameInput) -> SharedStage {
-    Stage::shared(gpu, input.size).expect("small targets")
+fn targets(gpu: &Arc<Gpu>, input: &FrameInput) -> SharedTargets {
+    RenderTargets::shared(gpu, input.size).expect("small targets")
 }
 
 fn judge(input: &FrameInput) -> ReferenceFrame {
@@ -153,7 +153,7 @@ fn shipped(name: &str) -> Option<(Scene, PreparedScene)> {
 }
 
 /// Makes a backend on the given targets.
-type Maker<'a> = &'a dyn Fn(&SharedStage) -> Box<dyn VolumeBackend>;
+type Maker<'a> = &'a dyn Fn(&SharedTargets) -> Box<dyn VolumeBackend>;
 
 #[test]
 fn shipped_scenes_show_their_picture_where_the_reference_does() {
@@ -164,15 +164,15 @@ fn shipped_scenes_show_their_picture_where_the_reference_does() {
         let Some((scene, prepared)) = shipped(name) else {
             continue;
         };
-        let mut backends: Option<(SharedStage, Box<dyn VolumeBackend>)> = None;
+        let mut backends: Option<(SharedTargets, Box<dyn VolumeBackend>)> = None;
         for view in &scene.views {
             let input = FrameInput::new(&prepared, view, SIZE, PlanOptions::default());
             let reference = judge(&input);
             let (_, backend) = backends.get_or_insert_with(|| {
-                let stage = stage(&gpu, &input);
+                let targets = targets(&gpu, &input);
                 let chosen = switches("chosen", ColourWay::Xor);
-                let backend = vertex(&stage, Layout::Doubled, chosen);
-                (stage, backend)
+                let backend = vertex(&targets, Layout::Doubled, chosen);
+                (targets, backend)
             });
             let frame = draw(&mut **backend, &input);
             let note = backend.note().expect("routes");
@@ -318,8 +318,8 @@ fn every_placement_is_right_at_every_latitude() {
                 },
             ),
         ];
-        let mut known: Option<SharedStage> = None;
-        let mut known_vulkan: Option<terrafill_vulkan::SharedStage> = None;
+        let mut known: Option<SharedTargets> = None;
+        let mut known_vulkan: Option<terrafill_vulkan::SharedTargets> = None;
         for (name, placement) in placements {
             // Metres east of an anchor are degrees of its own latitude: beyond a pole they mean
             // nothing, and the picture is as torn as the longitude.
@@ -328,13 +328,16 @@ fn every_placement_is_right_at_every_latitude() {
             }
             let input = look(&textured(&scene, placement), pose, 1e3, SIZE);
             let reference = judge(&input);
-            let stage = known.get_or_insert_with(|| stage(&gpu, &input));
+            let targets = known.get_or_insert_with(|| targets(&gpu, &input));
             let xor = switches("chosen", ColourWay::Xor);
             let planes = switches("chosen", ColourWay::BitPlanes);
             let mut backends = [
-                ("vertex", vertex(stage, Layout::Doubled, xor)),
-                ("pulled, bit-planes", vertex(stage, Layout::Pulled, planes)),
-                ("compute", compute(stage, xor)),
+                ("vertex", vertex(targets, Layout::Doubled, xor)),
+                (
+                    "pulled, bit-planes",
+                    vertex(targets, Layout::Pulled, planes),
+                ),
+                ("compute", compute(targets, xor)),
             ];
             let mut frames = Vec::new();
             for (backend_name, backend) in &mut backends {
@@ -386,7 +389,7 @@ fn wrong_latitudes_routes_and_anchors_are_noticed() {
     let scene = textured(&around(12.0, 45.0, 2.5), TexturePlacement::Extents);
     let input = look(&scene, (12.0, 45.0, 3e5, 0.0, -90.0), 1e3, SIZE);
     let reference = judge(&input).frame;
-    let stage = stage(&gpu, &input);
+    let targets = targets(&gpu, &input);
     let fails = |what: &str, frame: &Frame| {
         let errors = compare_texture(&reference, frame).expect("comparable");
         let verdict = texture_verdict(&errors);
@@ -394,7 +397,7 @@ fn wrong_latitudes_routes_and_anchors_are_noticed() {
     };
     let with = |route: &str, input: &FrameInput| {
         let switches = switches(route, ColourWay::Xor);
-        draw(&mut *vertex(&stage, Layout::Doubled, switches), input)
+        draw(&mut *vertex(&targets, Layout::Doubled, switches), input)
     };
     fails("geocentric", &with("odd-15+geocentric", &input));
     fails("a coarse route", &with("odd-3", &input));
@@ -451,12 +454,12 @@ fn position_routes_differ_by_what_is_known_of_them() {
     };
     let scene = textured(&around(12.0, 45.0, 0.001), placement);
     let input = look(&scene, (12.0, 45.0, 2e3, 0.0, -90.0), 0.1, SIZE);
-    let stage = stage(&gpu, &input);
+    let targets = targets(&gpu, &input);
     let reference = judge(&input).frame;
     let worst = |position: &str| {
         let mut switches = switches("chosen", ColourWay::Xor);
         assert_eq!(switches.set("position", position), Ok(true));
-        let frame = draw(&mut *vertex(&stage, Layout::Doubled, switches), &input);
+        let frame = draw(&mut *vertex(&targets, Layout::Doubled, switches), &input);
         let errors = compare_texture(&reference, &frame).expect("comparable");
         assert_eq!(errors.non_finite, 0);
         errors.max_texels[0].max(errors.max_texels[1])
@@ -476,10 +479,10 @@ fn a_plain_fill_knows_nothing_of_the_scenes_picture() {
     let bare = around(12.0, 45.0, 2.5);
     let dressed = textured(&bare, TexturePlacement::Extents);
     let pose = (12.0, 45.0, 3e5, 0.0, -90.0);
-    let used = |scene: &PreparedScene, make: &dyn Fn(&SharedStage) -> Box<dyn VolumeBackend>| {
+    let used = |scene: &PreparedScene, make: &dyn Fn(&SharedTargets) -> Box<dyn VolumeBackend>| {
         let input = look(scene, pose, 1e3, SIZE);
-        let stage = stage(&gpu, &input);
-        let mut backend = make(&stage);
+        let targets = targets(&gpu, &input);
+        let mut backend = make(&targets);
         let memory = backend.prepare(&input).expect("fits");
         let frame = backend.render(&input).expect("draws");
         assert_eq!(backend.note(), None);
@@ -490,8 +493,8 @@ fn a_plain_fill_knows_nothing_of_the_scenes_picture() {
             colour,
             ..Switches::default()
         };
-        let by_vertex = |stage: &SharedStage| vertex(stage, Layout::Doubled, plain);
-        let by_compute = |stage: &SharedStage| compute(stage, plain);
+        let by_vertex = |targets: &SharedTargets| vertex(targets, Layout::Doubled, plain);
+        let by_compute = |targets: &SharedTargets| compute(targets, plain);
         let makers: [Maker<'_>; 2] = [&by_vertex, &by_compute];
         for make in makers {
             let (with, without) = (used(&dressed, make), used(&bare, make));
@@ -502,12 +505,12 @@ fn a_plain_fill_knows_nothing_of_the_scenes_picture() {
     // Twin: the textured fill of the same scene costs memory, a buffer and other pipelines.
     let chosen = switches("chosen", ColourWay::Xor);
     let input = look(&dressed, pose, 1e3, SIZE);
-    let stage = stage(&gpu, &input);
-    let mut backend = vertex(&stage, Layout::Doubled, chosen);
+    let targets = targets(&gpu, &input);
+    let mut backend = vertex(&targets, Layout::Doubled, chosen);
     let memory = backend.prepare(&input).expect("fits");
     let frame = backend.render(&input).expect("draws");
-    let (plain, counters, ..) = used(&dressed, &|stage| {
-        vertex(stage, Layout::Doubled, Switches::default())
+    let (plain, counters, ..) = used(&dressed, &|targets| {
+        vertex(targets, Layout::Doubled, Switches::default())
     });
     let image_bytes = dressed.texture.as_ref().expect("a picture").image.bytes();
     assert_eq!(memory.texture_bytes, image_bytes);
@@ -528,7 +531,7 @@ fn a_second_frame_of_a_textured_fill_makes_and_writes_nothing_more() {
     };
     let scene = textured(&around(12.0, 45.0, 2.5), TexturePlacement::Extents);
     let input = look(&scene, (12.0, 45.0, 3e5, 0.0, -90.0), 1e3, SIZE);
-    let stage = stage(&gpu, &input);
+    let targets = targets(&gpu, &input);
     let chosen = switches("chosen", ColourWay::Xor);
     let plain = Switches::default();
     let second = |mut backend: Box<dyn VolumeBackend>| {
@@ -541,10 +544,10 @@ fn a_second_frame_of_a_textured_fill_makes_and_writes_nothing_more() {
             again.uploads,
         )
     };
-    let by_vertex = |switches| second(vertex(&stage, Layout::Doubled, switches));
+    let by_vertex = |switches| second(vertex(&targets, Layout::Doubled, switches));
     assert_eq!(by_vertex(chosen), (0, 0, 0));
     // What compute makes anew it makes for its volumes, textured or not.
-    let by_compute = |switches| second(compute(&stage, switches));
+    let by_compute = |switches| second(compute(&targets, switches));
     assert_eq!(by_compute(chosen), by_compute(plain));
 }
 
@@ -571,9 +574,9 @@ fn native_shows_the_picture_that_vertex_shows_and_notices_another_anchor() {
     };
     let input = at(12.1);
     let reference = judge(&input).frame;
-    let (stage, vulkan) = (stage(&gpu, &input), vulkan_stage(&input));
+    let (targets, vulkan) = (targets(&gpu, &input), vulkan_stage(&input));
     let chosen = switches("chosen", ColourWay::Xor);
-    let mut by_vertex = vertex(&stage, Layout::Doubled, chosen);
+    let mut by_vertex = vertex(&targets, Layout::Doubled, chosen);
     by_vertex.prepare(&input).expect("fits");
     let wanted = by_vertex.picture(&input).expect("draws").rgba;
     let mut by_native = native(&vulkan, Technique::GsDegenerate, chosen);
@@ -608,8 +611,8 @@ fn a_plain_fill_by_native_knows_nothing_of_the_scenes_picture() {
     let pose = (12.0, 45.0, 3e5, 0.0, -90.0);
     let used = |scene: &PreparedScene, technique: Technique, switches: Switches| {
         let input = look(scene, pose, 1e3, SIZE);
-        let stage = vulkan_stage(&input);
-        let mut backend = native(&stage, technique, switches);
+        let targets = vulkan_stage(&input);
+        let mut backend = native(&targets, technique, switches);
         let memory = backend.prepare(&input).expect("fits");
         let frame = backend.render(&input).expect("draws");
         let again = backend.render(&input).expect("draws");
@@ -659,10 +662,10 @@ fn tables_are_read_by_native_as_by_vertex() {
     };
     let scene = textured(&around(12.0, 45.0, 2.5), TexturePlacement::Extents);
     let input = look(&scene, (12.0, 45.0, 3e5, 0.0, -90.0), 1e3, SIZE);
-    let (stage, vulkan) = (stage(&gpu, &input), vulkan_stage(&input));
+    let (targets, vulkan) = (targets(&gpu, &input), vulkan_stage(&input));
     let places = |frame: Frame| frame.texture.expect("textured").pixels;
     let farthest = |route: &str, other: &str| {
-        let by_vertex = vertex(&stage, Layout::Doubled, switches(route, ColourWay::Xor));
+        let by_vertex = vertex(&targets, Layout::Doubled, switches(route, ColourWay::Xor));
         let by_native = native(
             &vulkan,
             Technique::VsControl,
@@ -703,8 +706,8 @@ fn what_cannot_be_textured_is_refused() {
     let pose = (12.0, 45.0, 3e5, 0.0, -90.0);
     let refused = |scene: &PreparedScene, colour: ColourWay| {
         let input = look(scene, pose, 1e3, SIZE);
-        let stage = stage(&gpu, &input);
-        let mut backend = vertex(&stage, Layout::Doubled, switches("chosen", colour));
+        let targets = targets(&gpu, &input);
+        let mut backend = vertex(&targets, Layout::Doubled, switches("chosen", colour));
         match backend.prepare(&input) {
             Ok(_) => None,
             Err(BackendError::Switch(error)) => Some(error.to_string()),

@@ -9,8 +9,8 @@ mod drawing;
 
 use drawing::sights::{self, square_from};
 use drawing::{
-    Devices, SIZE, Stages, checks, collection, counters, differing, draw, figures, input, judge,
-    polygon, shipped, vertex, with_colour,
+    AllTargets, Devices, SIZE, checks, collection, counters, differing, draw, figures, input,
+    judge, polygon, shipped, vertex, with_colour,
 };
 use std::collections::BTreeSet;
 use terrafill_conformance::verdict;
@@ -262,8 +262,8 @@ fn a_frame_needs_preparing_and_an_unchanged_one_uploads_no_geometry() {
     };
     let pose = (5.0, 5.0, 2e6, 0.0, -90.0);
     let [first, other] = [square_from(pose), square_from(pose)];
-    let stages = Stages::new(&devices, SIZE);
-    let mut backend = stages.open(vertex(Switches::default()));
+    let targets = AllTargets::new(&devices, SIZE);
+    let mut backend = targets.open(vertex(Switches::default()));
     let error = backend.render(&first).expect_err("not prepared");
     assert_eq!(error.to_string(), "vertex was not prepared for test/test");
     assert!(backend.time_frame(&first).is_err());
@@ -305,10 +305,10 @@ fn what_wgpu_cannot_do_is_refused_and_not_left_out_in_silence() {
     let Some(devices) = Devices::open() else {
         return;
     };
-    let stages = Stages::new(&devices, SIZE);
+    let targets = AllTargets::new(&devices, SIZE);
     let mut variant = VertexVariant::default();
-    assert!(VertexBackend::new(stages.wgpu(), variant).is_ok());
+    assert!(VertexBackend::new(targets.wgpu(), variant).is_ok());
     variant.switches.depth_bounds = true;
-    let error = VertexBackend::new(stages.wgpu(), variant).expect_err("no such test");
+    let error = VertexBackend::new(targets.wgpu(), variant).expect_err("no such test");
     assert_eq!(error.to_string(), "wgpu lacks a depth-bounds test");
 }

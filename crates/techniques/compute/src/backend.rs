@@ -8,7 +8,7 @@ use terrafill_fill::{
     Backend, BackendError, Capabilities, Colours, FillProgram, Frame, FrameInput, FrameTimes,
     MemoryUse, Picture, PositionFormat, RegionConstants, TimedBackend, VolumeBackend,
 };
-use terrafill_gpu::{SharedStage, VolumeFill};
+use terrafill_gpu::{SharedTargets, VolumeFill};
 
 /// Shadow volumes made by a compute pass.
 #[derive(Debug)]
@@ -22,13 +22,13 @@ pub struct ComputeBackend {
 const OPAQUE: Colours = Colours::Palette { opacity: 1.0 };
 
 impl ComputeBackend {
-    /// A backend on `stage`.
+    /// A backend on `targets`.
     ///
     /// # Errors
     /// [`BackendError::Shader`], [`BackendError::Switch`], [`BackendError::Unsupported`].
-    pub fn new(stage: &SharedStage, variant: ComputeVariant) -> Result<Self, BackendError> {
-        let capacity = Capacity::of(&stage.borrow().gpu().device.limits());
-        Self::with_capacity(stage, variant, capacity)
+    pub fn new(targets: &SharedTargets, variant: ComputeVariant) -> Result<Self, BackendError> {
+        let capacity = Capacity::of(&targets.borrow().gpu().device.limits());
+        Self::with_capacity(targets, variant, capacity)
     }
 
     /// The same, holding itself to `capacity`, which may be less than the device's.
@@ -36,12 +36,12 @@ impl ComputeBackend {
     /// # Errors
     /// As [`ComputeBackend::new`].
     pub fn with_capacity(
-        stage: &SharedStage,
+        targets: &SharedTargets,
         variant: ComputeVariant,
         capacity: Capacity,
     ) -> Result<Self, BackendError> {
         variant.check()?;
-        let fill = VolumeFill::new(stage, "compute", &variant.switches)?;
+        let fill = VolumeFill::new(targets, "compute", &variant.switches)?;
         let gpu = fill.gpu();
         // A draw finds its region by the instance number, which indirect draws may not have
         // otherwise.
@@ -93,9 +93,9 @@ impl ComputeBackend {
 
     fn make_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), BackendError> {
         let program = FillProgram::new(&input.plan, &self.variant.switches, input.scene.overlap)?;
-        let stage = self.fill.stage().borrow();
-        self.volumes.upload_view(&stage, input)?;
-        drop(stage);
+        let targets = self.fill.targets().borrow();
+        self.volumes.upload_view(&targets, input)?;
+        drop(targets);
         let Some(place_of) = self.volumes.places() else {
             return self.fill.check_prepared(input);
         };
@@ -110,9 +110,9 @@ impl ComputeBackend {
     fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, BackendError> {
         let before = self.fill.gpu().work_done();
         if !self.fill.holds_meshes(input) {
-            let stage = self.fill.stage().borrow();
-            self.volumes.upload_scene(&stage, input)?;
-            drop(stage);
+            let targets = self.fill.targets().borrow();
+            self.volumes.upload_scene(&targets, input)?;
+            drop(targets);
             self.fill.hold_meshes(input);
         }
         self.upload_view(input, Colours::Ids)?;
@@ -129,7 +129,7 @@ impl Backend for ComputeBackend {
 
     fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, BackendError> {
         input.check_region_count()?;
-        self.fill.stage().borrow_mut().prepare(input)?;
+        self.fill.targets().borrow_mut().prepare(input)?;
         let upload_bytes = self.bring_up_to_date(input)?;
         let (bytes, held) = (self.volumes.bytes(), self.volumes.held());
         Ok(MemoryUse {
@@ -189,7 +189,7 @@ mod tests {
     use std::sync::Arc;
     use terrafill_core::RegionMesh;
     use terrafill_fill::PreparedScene;
-    use terrafill_gpu::{GpuOptions, Stage, open_for_test};
+    use terrafill_gpu::{GpuOptions, RenderTargets, open_for_test};
     use terrafill_scene::{ImageSize, PlanOptions, Scene, SurfaceMesh};
 
     #[test]
@@ -218,10 +218,10 @@ mod tests {
             ..Capacity::of(&limits)
         };
         assert!(bytes.output_index_bytes > capacity.storage_bytes);
-        let stage = Stage::shared(&gpu, size).expect("a size every device has");
+        let targets = RenderTargets::shared(&gpu, size).expect("a size every device has");
         let variant = ComputeVariant::default();
         let mut backend =
-            ComputeBackend::with_capacity(&stage, variant, capacity).expect("valid shaders");
+            ComputeBackend::with_capacity(&targets, variant, capacity).expect("valid shaders");
         backend.prepare(&empty).expect("nothing to expand");
         backend.render(&empty).expect("prepared");
         let error = backend.prepare(&full).expect_err("too large");

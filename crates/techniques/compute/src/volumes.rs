@@ -7,7 +7,7 @@ use crate::layout::{MeshSlice, SceneGeometry};
 use crate::pipeline::Pipelines;
 use crate::{ComputeBytes, ComputeVariant, Expansion, GpuCulling, Transform};
 use terrafill_fill::{BackendError, FrameInput, RegionPlace};
-use terrafill_gpu::{Gpu, Stage, VolumeFill, read_buffer};
+use terrafill_gpu::{Gpu, RenderTargets, VolumeFill, read_buffer};
 use terrafill_scene::PlannedRegion;
 
 /// Volumes of a scene, and what makes and draws them.
@@ -220,7 +220,7 @@ impl ComputeVolumes {
 
     pub(crate) fn upload_scene(
         &mut self,
-        stage: &Stage,
+        targets: &RenderTargets,
         input: &FrameInput,
     ) -> Result<(), BackendError> {
         let geometry = SceneGeometry::build(&input.scene.meshes);
@@ -230,16 +230,16 @@ impl ComputeVolumes {
         capacity.check_bytes("mesh indices", bytes.input_index_bytes)?;
         let storage = wgpu::BufferUsages::STORAGE;
         let positions: &[u8] = bytemuck::cast_slice(&geometry.positions);
-        let positions = stage.upload("positions", positions, storage)?;
+        let positions = targets.upload("positions", positions, storage)?;
         let indices: &[u8] = bytemuck::cast_slice(&geometry.indices);
-        let indices = stage.upload("mesh indices", indices, storage)?;
-        let (gpu, layout) = (stage.gpu(), &self.pipelines.bindings.geometry);
+        let indices = targets.upload("mesh indices", indices, storage)?;
+        let (gpu, layout) = (targets.gpu(), &self.pipelines.bindings.geometry);
         let bind_group = gpu.bind_buffers("meshes", layout, &[&positions, &indices]);
         let expanded = match self.variant.expansion {
             Expansion::PerFrame => None,
             Expansion::Cached => {
                 let meshes = input.scene.meshes.iter().zip(&geometry.meshes);
-                let expanded = self.make_room(stage, ExpansionPlan::new(meshes)?)?;
+                let expanded = self.make_room(targets, ExpansionPlan::new(meshes)?)?;
                 self.expand_once(gpu, &bind_group, &expanded);
                 Some(expanded)
             }
@@ -257,7 +257,7 @@ impl ComputeVolumes {
 
     pub(crate) fn upload_view(
         &mut self,
-        stage: &Stage,
+        targets: &RenderTargets,
         input: &FrameInput,
     ) -> Result<(), BackendError> {
         self.view = ViewBuffers::default();
@@ -272,12 +272,12 @@ impl ComputeVolumes {
                     (&input.scene.meshes[region.mesh], &scene.meshes[region.mesh])
                 };
                 let plan = ExpansionPlan::new(planned.iter().map(mesh))?;
-                Some(self.make_room(stage, plan)?)
+                Some(self.make_room(targets, plan)?)
             }
         };
         let placed = match self.variant.transform {
             Transform::VertexStage => None,
-            Transform::ComputeStage => Some(self.make_placed(stage, input)?),
+            Transform::ComputeStage => Some(self.make_placed(targets, input)?),
         };
         self.view.expanded = expanded;
         self.view.placed = placed;
@@ -288,29 +288,37 @@ impl ComputeVolumes {
                 Some(CullRegion::new(input, planned, output, base_vertex))
             };
             let regions = planned.iter().enumerate().filter_map(region).collect();
-            self.view.culling = Some(self.upload_culling(stage, input, regions)?);
+            self.view.culling = Some(self.upload_culling(targets, input, regions)?);
         }
         Ok(())
     }
 
     /// A list of exactly the size that `plan` fills, not filled yet.
-    fn make_room(&self, stage: &Stage, plan: ExpansionPlan) -> Result<Expanded, BackendError> {
+    fn make_room(
+        &self,
+        targets: &RenderTargets,
+        plan: ExpansionPlan,
+    ) -> Result<Expanded, BackendError> {
         let labels = ["expanded volumes", "expansion work"];
         let (bytes, usage) = (plan.output_bytes(), wgpu::BufferUsages::INDEX);
         Ok(Expanded {
-            indices: self.make_filled(stage, labels, &plan.work, bytes, usage)?,
+            indices: self.make_filled(targets, labels, &plan.work, bytes, usage)?,
             outputs: plan.outputs,
         })
     }
 
     /// Room for the corners of the regions in the plan.
-    fn make_placed(&self, stage: &Stage, input: &FrameInput) -> Result<Placed, BackendError> {
+    fn make_placed(
+        &self,
+        targets: &RenderTargets,
+        input: &FrameInput,
+    ) -> Result<Placed, BackendError> {
         let planned = input.plan.regions.iter();
         let plan = PlacingPlan::new(planned.map(|planned| &input.scene.meshes[planned.mesh]))?;
         let labels = ["corners in clip space", "placing work"];
         let (bytes, usage) = (plan.output_bytes(), wgpu::BufferUsages::VERTEX);
         Ok(Placed {
-            corners: self.make_filled(stage, labels, &plan.work, bytes, usage)?,
+            corners: self.make_filled(targets, labels, &plan.work, bytes, usage)?,
             first_corners: plan.first_corners,
         })
     }
@@ -318,7 +326,7 @@ impl ComputeVolumes {
     /// - `labels`: of the buffer and of the work that fills it
     fn make_filled(
         &self,
-        stage: &Stage,
+        targets: &RenderTargets,
         [label, work_label]: [&str; 2],
         work: &[WorkGroup],
         output_bytes: u64,
@@ -328,7 +336,7 @@ impl ComputeVolumes {
         self.capacity.check_bytes(label, output_bytes)?;
         self.capacity.check_bytes(work_label, work_bytes)?;
         let dispatch_size = self.capacity.dispatch_size(work.len())?;
-        let gpu = stage.gpu();
+        let gpu = targets.gpu();
         let buffer = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             // A binding of 0 bytes is not allowed; an empty plan draws nothing. 16 are one corner.
@@ -337,7 +345,7 @@ impl ComputeVolumes {
             mapped_at_creation: false,
         });
         let storage = wgpu::BufferUsages::STORAGE;
-        let work = stage.upload(work_label, &storage_bytes(work), storage)?;
+        let work = targets.upload(work_label, &storage_bytes(work), storage)?;
         let layout = &self.pipelines.bindings.expansion;
         Ok(Filled {
             bind_group: gpu.bind_buffers(label, layout, &[&work, &buffer]),
@@ -362,7 +370,7 @@ impl ComputeVolumes {
 
     fn upload_culling(
         &self,
-        stage: &Stage,
+        targets: &RenderTargets,
         input: &FrameInput,
         regions: Vec<CullRegion>,
     ) -> Result<Culling, BackendError> {
@@ -374,10 +382,10 @@ impl ComputeVolumes {
         let horizon = Horizon::new(input);
         let horizon_bytes = size_of_val(&horizon) as u64;
         let uniform = wgpu::BufferUsages::UNIFORM;
-        let horizon = stage.upload("horizon", bytemuck::bytes_of(&horizon), uniform)?;
+        let horizon = targets.upload("horizon", bytemuck::bytes_of(&horizon), uniform)?;
         let regions = storage_bytes(&regions);
-        let regions = stage.upload("region boxes", &regions, wgpu::BufferUsages::STORAGE)?;
-        let gpu = stage.gpu();
+        let regions = targets.upload("region boxes", &regions, wgpu::BufferUsages::STORAGE)?;
+        let gpu = targets.gpu();
         let draws = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some("draw arguments"),
             size: draw_bytes,

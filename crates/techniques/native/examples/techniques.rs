@@ -13,7 +13,7 @@ use terrafill_native::{
     Indices, NativeBackend, NativeVariant, StripCounts, Technique, native_bytes, strip_counts,
 };
 use terrafill_scene::{ImageSize, PlanOptions, Scene, SurfaceMesh, data_dir_from_env};
-use terrafill_vulkan::{Gpu, GpuOptions, Stage};
+use terrafill_vulkan::{Gpu, GpuOptions, RenderTargets};
 
 #[allow(
     clippy::print_stdout,
@@ -49,10 +49,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("{}", strips_of(&prepared.meshes));
     for view in &scene.views {
         let input = FrameInput::new(&prepared, view, size, PlanOptions::default());
-        let stage = Stage::shared(&gpu, size)?;
+        let targets = RenderTargets::shared(&gpu, size)?;
         let mut backends = Vec::new();
         for &variant in &variants {
-            let mut backend = NativeBackend::new(&stage, variant)?;
+            let mut backend = NativeBackend::new(&targets, variant)?;
             backend.prepare(&input)?;
             let counted = backend.render(&input)?.counters.unwrap_or_default();
             println!(
@@ -67,7 +67,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             );
             backends.push((backend, Vec::new()));
         }
-        stage.borrow_mut().draw_surface()?;
+        targets.borrow_mut().draw_surface()?;
         for round in 0..rounds + 2 {
             let count = backends.len();
             for place in 0..count {

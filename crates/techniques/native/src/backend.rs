@@ -17,7 +17,7 @@ use terrafill_fill::{
 use terrafill_scene::Overlap;
 use terrafill_vulkan::{
     BindGroup, Buffer, BufferUse, FillReport, Gpu, Measured, Pipeline, PipelineDescriptor, Probe,
-    SharedStage,
+    SharedTargets,
 };
 
 /// A variant: how volumes come about, and the switches of the fill.
@@ -105,7 +105,7 @@ pub(crate) type Pipelines = HashMap<PipelineDescriptor, Pipeline>;
 /// Shadow volumes extruded in geometry shaders, or by `vs-control` in the vertex shader.
 #[derive(Debug)]
 pub struct NativeBackend {
-    stage: SharedStage,
+    targets: SharedTargets,
     variant: NativeVariant,
     capabilities: Capabilities,
     pipelines: Pipelines,
@@ -151,13 +151,13 @@ const OPAQUE: Colours = Colours::Palette { opacity: 1.0 };
 const MAX_VERTICES: usize = 1 << 24;
 
 impl NativeBackend {
-    /// A backend on `stage`.
+    /// A backend on `targets`.
     ///
     /// # Errors
     /// [`BackendError::Unsupported`] when the device lacks `geometryShader`, `depthBounds` or
     /// depth that shaders can read, and the variant needs it.
-    pub fn new(stage: &SharedStage, variant: NativeVariant) -> Result<Self, BackendError> {
-        let gpu = Arc::clone(stage.borrow().gpu());
+    pub fn new(targets: &SharedTargets, variant: NativeVariant) -> Result<Self, BackendError> {
+        let gpu = Arc::clone(targets.borrow().gpu());
         let features = gpu.facts.features;
         let lacks = |capability: &str| BackendError::unsupported(capability, &gpu.facts.name);
         if variant.technique.needs_geometry_shader() && !features.geometry_shader {
@@ -170,7 +170,7 @@ impl NativeBackend {
             return Err(lacks("depthBounds"));
         }
         Ok(Self {
-            stage: SharedStage::clone(stage),
+            targets: SharedTargets::clone(targets),
             variant,
             capabilities: Capabilities {
                 backend: BACKEND,
@@ -193,14 +193,14 @@ impl NativeBackend {
     }
 
     fn gpu(&self) -> Arc<Gpu> {
-        Arc::clone(self.stage.borrow().gpu())
+        Arc::clone(self.targets.borrow().gpu())
     }
 
     fn draw_and_read(&mut self, input: &FrameInput) -> Result<(Picture, Counters), BackendError> {
         self.check_prepared(input)?;
         let gpu = self.gpu();
-        self.stage.borrow_mut().prepare(input)?;
-        self.stage.borrow_mut().draw_surface()?;
+        self.targets.borrow_mut().prepare(input)?;
+        self.targets.borrow_mut().draw_surface()?;
         let before = gpu.work_done();
         let (report, mut counters) = self.draw(input, Measured::Statistics, None)?;
         let prepared = std::mem::take(&mut self.work);
@@ -212,11 +212,11 @@ impl NativeBackend {
             counters.clipper_primitives_out = Some(statistics.clipper_primitives_out);
             counters.fragment_shader_invocations = Some(statistics.fragment_shader_invocations);
         }
-        let picture = self.stage.borrow().read()?;
+        let picture = self.targets.borrow().read()?;
         Ok((picture, counters))
     }
 
-    /// Draws the fill over the surface that the stage holds; textured covers into `probe`, if there
+    /// Draws the fill over the surface that the targets hold; textured covers into `probe`, if there
     /// is one.
     fn draw(
         &self,
@@ -225,12 +225,12 @@ impl NativeBackend {
         probe: Option<&Probe>,
     ) -> Result<(FillReport, Counters), BackendError> {
         let mut counters = Counters::default();
-        let stage = self.stage.borrow();
+        let targets = self.targets.borrow();
         let Some(drawing) = self.drawing(input, probe) else {
             return Ok((FillReport::default(), counters));
         };
         let passes = drawing.view.program.passes.len();
-        let report = stage.fill(passes, measured, |recorder| {
+        let report = targets.fill(passes, measured, |recorder| {
             drawing.fill(recorder, &mut counters);
         })?;
         Ok((report, counters))
@@ -263,11 +263,11 @@ impl NativeBackend {
             return Ok(Some(0));
         }
         self.ensure_pipelines(wanted)?;
-        let stage = self.stage.borrow();
+        let targets = self.targets.borrow();
         let Some(drawing) = self.drawing(input, None) else {
             return Ok(None);
         };
-        let report = stage.fill(1, Measured::Samples, |recorder| {
+        let report = targets.fill(1, Measured::Samples, |recorder| {
             drawing.count_fragments(recorder);
         })?;
         Ok(report.samples)
@@ -328,20 +328,20 @@ impl NativeBackend {
         let gpu = self.gpu();
         let program = FillProgram::new(&input.plan, &self.variant.switches, input.scene.overlap)?;
         if program.accumulates() {
-            self.stage.borrow_mut().ensure_numbers()?;
+            self.targets.borrow_mut().ensure_numbers()?;
         }
         if let Some(textured) = &mut self.textured {
-            textured.upload(&self.stage.borrow(), input)?;
+            textured.upload(&self.targets.borrow(), input)?;
         }
         let place = |mesh: usize| scene.regions[mesh].place();
         let positions = PositionFormat::Fixed;
         let written = RegionConstants::bytes_of_all(input, positions, colours, place);
-        let stage = self.stage.borrow();
-        let Some(view_constants) = stage.view_constants().map(Arc::clone) else {
-            drop(stage);
+        let targets = self.targets.borrow();
+        let Some(view_constants) = targets.view_constants().map(Arc::clone) else {
+            drop(targets);
             return self.check_prepared(input);
         };
-        drop(stage);
+        drop(targets);
         let constants = match &self.view {
             Some(view) if view.written.len() == written.len() => {
                 if view.written != written {
@@ -402,7 +402,7 @@ impl NativeBackend {
             return Ok(plain);
         }
         self.ensure_textured(Purpose::Probe)?;
-        let probe = self.stage.borrow().probe()?;
+        let probe = self.targets.borrow().probe()?;
         self.draw(input, Measured::Nothing, Some(&probe))?;
         let found = probed(&probe, input.size.pixel_count())?;
         let plan = self.textured.as_ref().and_then(Textured::plan);
@@ -470,7 +470,7 @@ impl Backend for NativeBackend {
 
     fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, BackendError> {
         input.check_region_count()?;
-        self.stage.borrow_mut().prepare(input)?;
+        self.targets.borrow_mut().prepare(input)?;
         let upload_bytes = self.bring_up_to_date(input)?;
         let (Some(scene), Some(view)) = (&self.scene, &self.view) else {
             return Ok(MemoryUse::default());
@@ -487,7 +487,7 @@ impl Backend for NativeBackend {
             index_bytes: scene.index_bytes,
             constant_bytes: RegionConstants::byte_count(input)
                 + textured.map_or(0, Textured::constant_bytes),
-            target_bytes: self.stage.borrow().number_bytes(&view.program),
+            target_bytes: self.targets.borrow().number_bytes(&view.program),
             texture_bytes: textured.map_or(0, Textured::texture_bytes),
             buffers: used.len() as u64 + u64::from(textured.is_some()),
             upload_bytes,
@@ -504,8 +504,8 @@ impl Backend for NativeBackend {
 impl TimedBackend for NativeBackend {
     fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, BackendError> {
         self.check_prepared(input)?;
-        // Another backend of the stage may have drawn another view since.
-        if !self.stage.borrow().holds(input) {
+        // Another backend of the targets may have drawn another view since.
+        if !self.targets.borrow().holds(input) {
             return Err(input.not_prepared(BACKEND));
         }
         let watch = CpuStopwatch::start();
@@ -543,9 +543,9 @@ impl VolumeBackend for NativeBackend {
     }
 
     fn draw_own_surface(&mut self, input: &FrameInput) -> Result<(), BackendError> {
-        let mut stage = self.stage.borrow_mut();
-        stage.prepare(input)?;
-        stage.draw_surface().map(|_| ())
+        let mut targets = self.targets.borrow_mut();
+        targets.prepare(input)?;
+        targets.draw_surface().map(|_| ())
     }
 }
 
@@ -609,7 +609,8 @@ mod tests {
             ..Switches::default()
         };
         let input = california();
-        let stage = terrafill_vulkan::Stage::shared(&gpu, input.size).expect("small targets");
+        let targets =
+            terrafill_vulkan::RenderTargets::shared(&gpu, input.size).expect("small targets");
         // How many indices stand for a corner.
         for (technique, step) in [(Technique::GsDegenerate, 1), (Technique::GsAdjacency, 2)] {
             let drawn = |indices, change: &dyn Fn(&mut SceneGeometry)| {
@@ -618,7 +619,7 @@ mod tests {
                     indices: Some(indices),
                     switches,
                 };
-                let mut backend = NativeBackend::new(&stage, variant).expect("has the features");
+                let mut backend = NativeBackend::new(&targets, variant).expect("has the features");
                 backend.prepare(&input).expect("fits");
                 let mut geometry = SceneGeometry::build(technique, indices, &input.scene.meshes);
                 change(&mut geometry);
@@ -669,7 +670,8 @@ mod tests {
         let (triangles, edges) = (mesh.triangle_count(), mesh.boundary_edge_count());
         let in_strips = triangles + strip_counts(mesh).repeated;
         let between = edges - mesh.boundary_loops.len();
-        let stage = terrafill_vulkan::Stage::shared(&gpu, input.size).expect("small targets");
+        let targets =
+            terrafill_vulkan::RenderTargets::shared(&gpu, input.size).expect("small targets");
         let (list, strip) = (Indices::List, Indices::Strip);
         for (technique, indices, expected) in [
             (Technique::GsDegenerate, list, triangles + edges),
@@ -682,7 +684,7 @@ mod tests {
                 indices: Some(indices),
                 ..NativeVariant::default()
             };
-            let mut backend = NativeBackend::new(&stage, variant).expect("has the features");
+            let mut backend = NativeBackend::new(&targets, variant).expect("has the features");
             backend.prepare(&input).expect("fits");
             backend.render(&input).expect("draws");
             let (report, _) = backend

@@ -14,8 +14,8 @@ use terrafill_fill::{
 use terrafill_scene::{MipChain, PlannedRegion, SceneTexture, TextureShare};
 use terrafill_vulkan::{
     BindGroup, Buffer, BufferUse, CoverPurpose, CoverState, DepthBindings, Gpu, ImageBindings,
-    Probe, RouteText, SampledImage, Stage, TexturedDescriptor, TexturedParts, TexturedPipeline,
-    TexturedPlacement,
+    Probe, RenderTargets, RouteText, SampledImage, TexturedDescriptor, TexturedParts,
+    TexturedPipeline, TexturedPlacement,
 };
 
 /// A copy of the picture, and what is seen beyond it.
@@ -106,7 +106,11 @@ impl Textured {
     }
 
     /// Plans and uploads the view of `input`; the same view again costs nothing.
-    pub(crate) fn upload(&mut self, stage: &Stage, input: &FrameInput) -> Result<(), BackendError> {
+    pub(crate) fn upload(
+        &mut self,
+        targets: &RenderTargets,
+        input: &FrameInput,
+    ) -> Result<(), BackendError> {
         let is_same = |view: &View| {
             Arc::ptr_eq(&view.surface_rte, &input.surface_rte) && view.regions == input.plan.regions
         };
@@ -116,7 +120,7 @@ impl Textured {
         let Some(plan) = TexturedPlan::of_switches(input, &self.switches)? else {
             return Ok(());
         };
-        let gpu = stage.gpu();
+        let gpu = targets.gpu();
         if let Some(texture) = &input.scene.texture
             && !self.holds_image(input)
         {
@@ -144,7 +148,7 @@ impl Textured {
             _ => {
                 let label = "textured regions";
                 let constants = Arc::new(Buffer::upload(gpu, label, bytes, BufferUse::Constants)?);
-                let bindings = stage.bind_depth(&constants, stride)?;
+                let bindings = targets.bind_depth(&constants, stride)?;
                 (constants, bindings)
             }
         };

@@ -7,7 +7,7 @@ use terrafill_fill::{
     Backend, BackendError, Capabilities, Colours, FillProgram, Frame, FrameInput, FrameTimes,
     MemoryUse, Picture, RegionConstants, TimedBackend, VolumeBackend,
 };
-use terrafill_gpu::{SharedStage, VolumeFill};
+use terrafill_gpu::{SharedTargets, VolumeFill};
 
 /// Shadow volumes extruded in the vertex shader.
 #[derive(Debug)]
@@ -18,14 +18,14 @@ pub struct VertexBackend {
 }
 
 impl VertexBackend {
-    /// A backend on `stage`.
+    /// A backend on `targets`.
     ///
     /// # Errors
     /// [`BackendError::Switch`] when the layout lacks what was chosen for it;
     /// [`BackendError::Unsupported`] for what wgpu has no way to ask for; [`BackendError::Shader`].
-    pub fn new(stage: &SharedStage, variant: VertexVariant) -> Result<Self, BackendError> {
+    pub fn new(targets: &SharedTargets, variant: VertexVariant) -> Result<Self, BackendError> {
         variant.check_layout()?;
-        let fill = VolumeFill::new(stage, "vertex", &variant.switches)?;
+        let fill = VolumeFill::new(targets, "vertex", &variant.switches)?;
         Ok(Self {
             variant,
             volumes: VertexVolumes::new(&fill, variant)?,
@@ -54,7 +54,7 @@ impl VertexBackend {
     fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, BackendError> {
         let before = self.fill.gpu().work_done();
         if !self.fill.holds_meshes(input) {
-            self.volumes.upload(&self.fill.stage().borrow(), input)?;
+            self.volumes.upload(&self.fill.targets().borrow(), input)?;
             self.fill.hold_meshes(input);
         }
         self.upload_view(input, Colours::Ids)?;
@@ -71,7 +71,7 @@ impl Backend for VertexBackend {
 
     fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, BackendError> {
         input.check_region_count()?;
-        self.fill.stage().borrow_mut().prepare(input)?;
+        self.fill.targets().borrow_mut().prepare(input)?;
         let upload_bytes = self.bring_up_to_date(input)?;
         let (bytes, buffers) = self.volumes.memory();
         Ok(MemoryUse {

@@ -5,7 +5,7 @@ use crate::layout::{RegionSlice, SceneGeometry};
 use crate::pipeline::{Part, PipelineKey, Pipelines, draws_first_walls_twice, parts};
 use crate::{Layout, VertexVariant};
 use terrafill_fill::{BackendError, FrameInput, GeometryBytes, RegionPlace, VolumeDraw};
-use terrafill_gpu::{Gpu, Stage, VolumeFill, VolumePass, Volumes};
+use terrafill_gpu::{Gpu, RenderTargets, VolumeFill, VolumePass, Volumes};
 
 /// Volumes of a scene, and the pipelines that draw them.
 #[derive(Debug)]
@@ -53,7 +53,11 @@ impl VertexVolumes {
         Some(|mesh: usize| scene.regions[mesh].place)
     }
 
-    pub(crate) fn upload(&mut self, stage: &Stage, input: &FrameInput) -> Result<(), BackendError> {
+    pub(crate) fn upload(
+        &mut self,
+        targets: &RenderTargets,
+        input: &FrameInput,
+    ) -> Result<(), BackendError> {
         let layout = self.variant.layout;
         let geometry = SceneGeometry::build(&self.variant, &input.scene.meshes);
         let bytes = geometry.bytes();
@@ -61,7 +65,7 @@ impl VertexVolumes {
             Layout::Pulled => (wgpu::BufferUsages::STORAGE, wgpu::BufferUsages::STORAGE),
             _ => (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX),
         };
-        let upload = |label, bytes, usage| stage.upload(label, bytes, usage);
+        let upload = |label, bytes, usage| targets.upload(label, bytes, usage);
         let vertices = upload(
             "volume vertices",
             bytemuck::cast_slice(&geometry.vertices),
@@ -82,7 +86,7 @@ impl VertexVolumes {
         let bind = |indices: &wgpu::Buffer| {
             let layout = &self.pipelines.geometry_layout;
             let buffers = [&vertices, indices];
-            stage
+            targets
                 .gpu()
                 .bind_buffers("pulled geometry", layout, &buffers)
         };

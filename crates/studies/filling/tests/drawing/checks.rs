@@ -4,8 +4,8 @@
 
 use super::sights::{MUTANTS, Notices, POSES, Sight, square_from, three_regions_from};
 use super::{
-    Devices, SIZE, Stages, differing, draw, figures, is_right, judge, shipped, vertex, with_colour,
-    with_switches,
+    AllTargets, Devices, SIZE, differing, draw, figures, is_right, judge, shipped, vertex,
+    with_colour, with_switches,
 };
 use terrafill_conformance::{filled_only, verdict};
 use terrafill_fill::{ColourWay, DepthRuleChoice, FacePasses, Frame, FrameInput, Switches};
@@ -169,13 +169,13 @@ pub(crate) fn assert_no_switch_changes_a_pixel(techniques: impl Fn(usize) -> Vec
     for (place, pose) in POSES.into_iter().enumerate() {
         let input = three_regions_from(pose);
         let judged = judge(&input);
-        // One stage for all: making targets takes longer than drawing into them.
-        let stages = Stages::new(&devices, input.size);
-        let first = stages.draw(&input, vertex(Switches::default()));
+        // One set of targets for all: making targets takes longer than drawing into them.
+        let targets = AllTargets::new(&devices, input.size);
+        let first = targets.draw(&input, vertex(Switches::default()));
         assert!(is_right(&judged, &first), "{pose:?}");
         let mask = filled_only(&first);
         for technique in techniques(place) {
-            let frame = stages.draw(&input, technique);
+            let frame = targets.draw(&input, technique);
             let what = format!("{pose:?} {}", name_of(&technique));
             assert_eq!(differing(&filled_only(&frame), &mask), 0, "{what}");
             if switches_of(&technique).colour.tells_regions_apart() {

@@ -3,7 +3,7 @@
 //!
 //! A backend is asked for by its [`Technique`], as the bench asks, and drawn with as a
 //! [`VolumeBackend`]: what every backend must do is then written once, in [`checks`], over the views
-//! of [`sights`]. Another backend joins by an arm in [`Stages::open`] and a list of its variants.
+//! of [`sights`]. Another backend joins by an arm in [`AllTargets::open`] and a list of its variants.
 
 #![allow(dead_code, reason = "each test binary uses its own part of this")]
 
@@ -72,14 +72,14 @@ impl Devices {
 }
 
 /// Targets of one size on each device, made when they are first drawn on.
-pub(crate) struct Stages<'a> {
+pub(crate) struct AllTargets<'a> {
     devices: &'a Devices,
     size: ImageSize,
-    wgpu: OnceCell<terrafill_gpu::SharedStage>,
-    vulkan: OnceCell<terrafill_vulkan::SharedStage>,
+    wgpu: OnceCell<terrafill_gpu::SharedTargets>,
+    vulkan: OnceCell<terrafill_vulkan::SharedTargets>,
 }
 
-impl<'a> Stages<'a> {
+impl<'a> AllTargets<'a> {
     pub(crate) fn new(devices: &'a Devices, size: ImageSize) -> Self {
         Self {
             devices,
@@ -89,13 +89,13 @@ impl<'a> Stages<'a> {
         }
     }
 
-    pub(crate) fn wgpu(&self) -> &terrafill_gpu::SharedStage {
-        let make = || terrafill_gpu::Stage::shared(&self.devices.wgpu, self.size);
+    pub(crate) fn wgpu(&self) -> &terrafill_gpu::SharedTargets {
+        let make = || terrafill_gpu::RenderTargets::shared(&self.devices.wgpu, self.size);
         self.wgpu.get_or_init(|| make().expect("small targets"))
     }
 
-    pub(crate) fn vulkan(&self) -> &terrafill_vulkan::SharedStage {
-        let make = || terrafill_vulkan::Stage::shared(self.devices.vulkan(), self.size);
+    pub(crate) fn vulkan(&self) -> &terrafill_vulkan::SharedTargets {
+        let make = || terrafill_vulkan::RenderTargets::shared(self.devices.vulkan(), self.size);
         self.vulkan.get_or_init(|| make().expect("small targets"))
     }
 
@@ -123,7 +123,7 @@ impl<'a> Stages<'a> {
 
 /// The frame on targets of its own.
 pub(crate) fn draw(devices: &Devices, input: &FrameInput, technique: Technique) -> Frame {
-    Stages::new(devices, input.size).draw(input, technique)
+    AllTargets::new(devices, input.size).draw(input, technique)
 }
 
 /// The frame by a backend that may have drawn others.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The stage that every wgpu backend plays on: one pair of targets and the surface drawn into them.
+//! The render targets of every wgpu backend: one pair of targets and the surface drawn into them.
 //!
-//! Backends share one stage, so that "after the same surface, into the same formats" holds by
+//! Backends share one set of targets, so that "after the same surface, into the same formats" holds by
 //! construction. A fill reads depth and never writes it, so one surface pass serves any number of
 //! fills of the same view.
 
@@ -21,12 +21,12 @@ pub const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Reversed depth needs float: on a 24-bit depth buffer it gains nothing.
 pub const DEPTH_STENCIL_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32FloatStencil8;
 
-/// A stage shared by the backends of one run.
-pub type SharedStage = Rc<RefCell<Stage>>;
+/// A targets shared by the backends of one run.
+pub type SharedTargets = Rc<RefCell<RenderTargets>>;
 
 /// Targets, surface and timer on one device.
 #[derive(Debug)]
-pub struct Stage {
+pub struct RenderTargets {
     gpu: Arc<Gpu>,
     size: ImageSize,
     colour: wgpu::Texture,
@@ -46,8 +46,8 @@ struct PreparedSurface {
     index_count: u32,
 }
 
-impl Stage {
-    /// A stage of the given size.
+impl RenderTargets {
+    /// A targets of the given size.
     ///
     /// # Errors
     /// [`BackendError::Unsupported`] when the device has no textures that large.
@@ -105,8 +105,8 @@ impl Stage {
     /// The same, shared.
     ///
     /// # Errors
-    /// As [`Stage::new`].
-    pub fn shared(gpu: &Arc<Gpu>, size: ImageSize) -> Result<SharedStage, BackendError> {
+    /// As [`RenderTargets::new`].
+    pub fn shared(gpu: &Arc<Gpu>, size: ImageSize) -> Result<SharedTargets, BackendError> {
         Ok(Rc::new(RefCell::new(Self::new(gpu, size)?)))
     }
 
@@ -159,7 +159,7 @@ impl Stage {
     /// Uploads the view and its surface, unless they are there already.
     ///
     /// # Errors
-    /// [`BackendError::OverCapacity`] when the input's size is not the stage's.
+    /// [`BackendError::OverCapacity`] when the input's size is not the targets'.
     pub fn prepare(&mut self, input: &FrameInput) -> Result<(), BackendError> {
         input.check_size(self.size)?;
         let is_same =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The stage that every Vulkan backend plays on: one pair of targets and the surface drawn into
-//! them, by the same shader and in the same formats as the wgpu stage's.
+//! The targets that every Vulkan backend plays on: one pair of targets and the surface drawn into
+//! them, by the same shader and in the same formats as the wgpu targets'.
 //!
 //! A fill reads depth and never writes it, so one surface pass serves any number of fills of the
 //! same view.
@@ -25,8 +25,8 @@ use terrafill_fill::{
 };
 use terrafill_scene::ImageSize;
 
-/// A stage shared by the backends of one run.
-pub type SharedStage = Rc<RefCell<Stage>>;
+/// A targets shared by the backends of one run.
+pub type SharedTargets = Rc<RefCell<RenderTargets>>;
 
 /// What is measured of a fill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -262,7 +262,7 @@ impl Drop for Targets {
 
 /// Targets, surface and clock on one device.
 #[derive(Debug)]
-pub struct Stage {
+pub struct RenderTargets {
     gpu: Arc<Gpu>,
     size: ImageSize,
     targets: Targets,
@@ -303,8 +303,8 @@ const SURFACE: PipelineDescriptor = PipelineDescriptor {
     depth_bounds: false,
 };
 
-impl Stage {
-    /// A stage of the given size.
+impl RenderTargets {
+    /// A targets of the given size.
     ///
     /// # Errors
     /// [`BackendError::Unsupported`] when the device has no targets that large.
@@ -331,8 +331,8 @@ impl Stage {
     /// The same, shared.
     ///
     /// # Errors
-    /// As [`Stage::new`].
-    pub fn shared(gpu: &Arc<Gpu>, size: ImageSize) -> Result<SharedStage, BackendError> {
+    /// As [`RenderTargets::new`].
+    pub fn shared(gpu: &Arc<Gpu>, size: ImageSize) -> Result<SharedTargets, BackendError> {
         Ok(Rc::new(RefCell::new(Self::new(gpu, size)?)))
     }
 
@@ -382,7 +382,7 @@ impl Stage {
         }
     }
 
-    /// The depth that the surface leaves and regions' constants, for textured covers on this stage.
+    /// The depth that the surface leaves and regions' constants, for textured covers on this targets.
     ///
     /// - `regions`: constants of one region after the other, `stride` bytes each,
     ///   a multiple of [`DepthBindings::alignment`]
@@ -409,7 +409,7 @@ impl Stage {
     /// Uploads the view and its surface, unless they are there already.
     ///
     /// # Errors
-    /// [`BackendError::OverCapacity`] when the input's size is not the stage's.
+    /// [`BackendError::OverCapacity`] when the input's size is not the targets'.
     pub fn prepare(&mut self, input: &FrameInput) -> Result<(), BackendError> {
         input.check_size(self.size)?;
         if self.is_prepared(input) {
