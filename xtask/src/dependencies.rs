@@ -28,6 +28,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("native", &["core", "scene", "fill", "shaders", "vulkan"]),
     ("reference", &["core", "scene", "fill"]),
     ("results", &[]),
+    ("study", &["results"]),
     (
         "conformance",
         &[

@@ -139,7 +139,7 @@ pub struct Measurement {
     pub metric: String,
     /// Which process measured it, from 0: one process is one replicate.
     pub process: u32,
-    /// Counts the samples of a case in one process from 0. Figures of the probe have sample 0.
+    /// 0: a figure of the probe, taken once. Timed samples of a case count from 1 in each process.
     pub sample: u32,
     /// In the metric's unit.
     pub value: f64,
