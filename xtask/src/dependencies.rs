@@ -64,6 +64,11 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "results",
         ],
     ),
+    ("growth", &["core", "scene", "fill", "results", "study"]),
+    (
+        "precision",
+        &["core", "texture", "fill", "gpu", "results", "study"],
+    ),
     ("report", &["results"]),
     (
         "terrafill",
@@ -80,7 +85,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "reference",
             "conformance",
             "results",
+            "study",
             "filling",
+            "growth",
+            "precision",
             "report",
         ],
     ),

@@ -337,7 +337,16 @@ fn steps_of(group: &PlannedGroup, options: &RunOptions) -> usize {
         .map(|case| case.samples)
         .max()
         .unwrap_or(0);
-    group.cases.len() + (blocks + if blocks > 0 { options.warm_up } else { 0 }) as usize
+    let warm_up = if blocks > 0 {
+        warm_up(group, options)
+    } else {
+        0
+    };
+    group.cases.len() + (blocks + warm_up) as usize
+}
+
+fn warm_up(group: &PlannedGroup, options: &RunOptions) -> u32 {
+    group.group.warm_up().unwrap_or(options.warm_up)
 }
 
 /// A case that can be timed.
@@ -481,7 +490,7 @@ impl Running<'_> {
         }
         let mut block = 0;
         while left(&ready, self.group) > 0 {
-            let is_warm_up = block < self.options.warm_up;
+            let is_warm_up = block < warm_up(self.group, self.options);
             self.session.begin_block()?;
             let order = block_order(
                 self.options.seed,

@@ -90,6 +90,11 @@ pub trait Study: Sync {
     /// Everything that it measures.
     fn metrics(&self) -> &'static [Metric];
 
+    /// From which depth on it is part of a run that names no study.
+    fn least_depth(&self) -> Depth {
+        Depth::Quick
+    }
+
     /// Its cases.
     ///
     /// # Errors
@@ -107,6 +112,11 @@ pub trait Group {
 
     /// Its cases.
     fn cases(&self) -> &[PlannedCase];
+
+    /// Blocks to measure and drop at the start, where they are not the run's.
+    fn warm_up(&self) -> Option<u32> {
+        None
+    }
 
     /// Gets ready to verify and measure them.
     ///
