@@ -25,17 +25,17 @@ pub struct CaseId {
 impl CaseId {
     /// A case of `study`.
     #[must_use]
-    pub fn new(
+    pub fn new<K: Into<String>>(
         study: &str,
         name: impl Into<String>,
-        conditions: impl IntoIterator<Item = (&'static str, String)>,
+        conditions: impl IntoIterator<Item = (K, String)>,
     ) -> Self {
         Self {
             study: study.to_owned(),
             name: name.into(),
             conditions: conditions
                 .into_iter()
-                .map(|(key, value)| (key.to_owned(), value))
+                .map(|(key, value)| (key.into(), value))
                 .collect(),
         }
     }

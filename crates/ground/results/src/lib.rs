@@ -13,6 +13,7 @@ mod case;
 mod environment;
 mod folder;
 pub mod legacy;
+mod merge;
 mod metric;
 mod plan;
 mod read;
@@ -27,6 +28,7 @@ pub use environment::{Clock, RunEnvironment};
 pub use folder::{
     CASE_COLUMNS, MEASUREMENT_COLUMNS, METRIC_COLUMNS, NOTE_COLUMNS, RunError, RunFolder, SCHEMA,
 };
+pub use merge::{MergeError, merge};
 pub use metric::{Direction, Kind, Metric, MetricRow};
 pub use plan::{RunPlan, Shard, Skipped};
 pub use read::{Case, Outcome, Run, Samples, repeated_cases};
