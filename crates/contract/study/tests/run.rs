@@ -161,6 +161,7 @@ impl Session for MadeUpSession {
     fn recheck(
         &mut self,
         case: usize,
+        _status: Status,
         notes: &BTreeMap<String, String>,
     ) -> Result<Verdict, StudyError> {
         assert_eq!(notes["picture"], format!("{case}.png"));
