@@ -14,7 +14,8 @@ use std::path::Path;
 ///
 /// `core ← scene ← fill ← backends ← {conformance, filling}`; `core ← texture ← {scene, fill,
 /// shaders}`; `{conformance, filling, report} → results`. Backends never name each other; the reference
-/// finds texture coordinates by itself. `report` opens no device, so it sees results only.
+/// finds texture coordinates by itself. `report` opens no device, so it sees results only, and the
+/// kit that plots are drawn with.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("core", &[]),
     ("texture", &["core"]),
@@ -28,6 +29,9 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("native", &["core", "scene", "fill", "shaders", "vulkan"]),
     ("reference", &["core", "scene", "fill"]),
     ("results", &[]),
+    ("plot", &["results"]),
+    ("growth", &["results", "plot"]),
+    ("precision", &["results", "plot"]),
     (
         "conformance",
         &[
@@ -61,9 +65,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "reference",
             "conformance",
             "results",
+            "plot",
         ],
     ),
-    ("report", &["results"]),
+    ("report", &["results", "plot"]),
     (
         "terrafill",
         &[
