@@ -1,2 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How the cost of a mesh grows with its outline.
+
+mod chapter;
+
+pub use chapter::GrowthChapter;
