@@ -30,8 +30,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("reference", &["core", "scene", "fill"]),
     ("results", &[]),
     ("plot", &["results"]),
-    ("growth", &["results", "plot"]),
-    ("precision", &["results", "plot"]),
+    ("study", &["results"]),
     (
         "conformance",
         &[
@@ -68,6 +67,14 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "plot",
         ],
     ),
+    (
+        "growth",
+        &["core", "scene", "fill", "results", "plot", "study"],
+    ),
+    (
+        "precision",
+        &["core", "texture", "fill", "gpu", "results", "plot", "study"],
+    ),
     ("report", &["results", "plot"]),
     (
         "terrafill",
@@ -84,7 +91,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "reference",
             "conformance",
             "results",
+            "study",
             "filling",
+            "growth",
+            "precision",
             "report",
         ],
     ),

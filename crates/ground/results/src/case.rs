@@ -25,17 +25,17 @@ pub struct CaseId {
 impl CaseId {
     /// A case of `study`.
     #[must_use]
-    pub fn new(
+    pub fn new<K: Into<String>>(
         study: &str,
         name: impl Into<String>,
-        conditions: impl IntoIterator<Item = (&'static str, String)>,
+        conditions: impl IntoIterator<Item = (K, String)>,
     ) -> Self {
         Self {
             study: study.to_owned(),
             name: name.into(),
             conditions: conditions
                 .into_iter()
-                .map(|(key, value)| (key.to_owned(), value))
+                .map(|(key, value)| (key.into(), value))
                 .collect(),
         }
     }
@@ -139,7 +139,7 @@ pub struct Measurement {
     pub metric: String,
     /// Which process measured it, from 0: one process is one replicate.
     pub process: u32,
-    /// Counts the samples of a case in one process from 0. Figures of the probe have sample 0.
+    /// 0: a figure of the probe, taken once. Timed samples of a case count from 1 in each process.
     pub sample: u32,
     /// In the metric's unit.
     pub value: f64,

@@ -15,6 +15,7 @@ mod folder;
 mod front;
 pub mod legacy;
 pub mod made_up;
+mod merge;
 mod metric;
 mod noise;
 mod plan;
@@ -34,6 +35,7 @@ pub use folder::{
     CASE_COLUMNS, MEASUREMENT_COLUMNS, METRIC_COLUMNS, NOTE_COLUMNS, RunError, RunFolder, SCHEMA,
 };
 pub use front::{Candidate, front, front_survival};
+pub use merge::{MergeError, merge};
 pub use metric::{Direction, Kind, Metric, MetricRow};
 pub use noise::Noise;
 pub use plan::{RunPlan, Shard, Skipped};

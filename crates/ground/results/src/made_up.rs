@@ -7,6 +7,15 @@ use crate::{
 };
 use std::path::Path;
 
+/// A case's name with its conditions.
+#[must_use]
+pub fn case_id(study: &str, name: &str, conditions: &[(&str, &str)]) -> CaseId {
+    let conditions = conditions
+        .iter()
+        .map(|(key, value)| (*key, (*value).to_owned()));
+    CaseId::new(study, name, conditions)
+}
+
 /// A run to be written.
 #[derive(Debug, Clone, Default)]
 pub struct MadeUpRun {
@@ -29,8 +38,8 @@ pub struct MadeUpCase {
     pub may_be_wrong: bool,
     /// How it ended and why; `None` for a case that the run never reached.
     pub row: Option<(Status, String)>,
-    /// Metric, then samples of each process.
-    pub figures: Vec<(&'static str, Vec<Vec<f64>>)>,
+    /// Metric, number of the first sample, then samples of each process.
+    pub figures: Vec<(&'static str, u32, Vec<Vec<f64>>)>,
     /// Texts by name.
     pub notes: Vec<(&'static str, String)>,
 }
@@ -56,7 +65,7 @@ impl MadeUpRun {
     pub fn write(&self, path: &Path) -> Result<Run, RunError> {
         let figures = || self.cases.iter().flat_map(|case| &case.figures);
         let most = |count: fn(&[Vec<f64>]) -> usize| {
-            let counts = figures().map(|(_, processes)| count(processes));
+            let counts = figures().map(|(_, _, processes)| count(processes));
             u32::try_from(counts.max().unwrap_or(0)).unwrap_or(u32::MAX)
         };
         let processes = most(<[Vec<f64>]>::len).max(1);
@@ -67,7 +76,7 @@ impl MadeUpRun {
             ..RunPlan::default()
         };
         let mut metrics = self.metrics.clone();
-        for (name, _) in figures() {
+        for (name, ..) in figures() {
             if metrics.iter().all(|metric| metric.name != *name) {
                 metrics.push(Metric {
                     name,
@@ -102,7 +111,7 @@ impl MadeUpRun {
 impl MadeUpCase {
     /// A counter, or an error figure.
     pub fn figure(&mut self, metric: &'static str, value: f64) -> &mut Self {
-        self.sampled(metric, &[&[value]])
+        self.take(metric, 0, &[&[value]])
     }
 
     /// A time: one sample in each process.
@@ -112,9 +121,13 @@ impl MadeUpCase {
 
     /// A time: samples of each process.
     pub fn sampled(&mut self, metric: &'static str, processes: &[&[f64]]) -> &mut Self {
+        self.take(metric, 1, processes)
+    }
+
+    fn take(&mut self, metric: &'static str, first: u32, processes: &[&[f64]]) -> &mut Self {
         let processes = processes.iter().map(|samples| samples.to_vec()).collect();
-        self.figures.retain(|(known, _)| *known != metric);
-        self.figures.push((metric, processes));
+        self.figures.retain(|(known, ..)| *known != metric);
+        self.figures.push((metric, first, processes));
         self
     }
 
@@ -147,9 +160,9 @@ impl MadeUpCase {
 
     fn measurements(&self) -> Vec<Measurement> {
         let mut rows = Vec::new();
-        for (metric, processes) in &self.figures {
+        for (metric, first, processes) in &self.figures {
             for (process, samples) in (0..).zip(processes) {
-                for (sample, value) in (0..).zip(samples) {
+                for (sample, value) in (*first..).zip(samples) {
                     rows.push(Measurement {
                         case: self.id.key(),
                         metric: (*metric).to_owned(),

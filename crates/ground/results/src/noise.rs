@@ -63,8 +63,7 @@ impl Noise {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::CaseId;
-    use crate::made_up::MadeUpRun;
+    use crate::made_up::{MadeUpRun, case_id};
 
     const METRIC: &str = "fill_cpu_ms";
 
@@ -74,7 +73,7 @@ mod tests {
         let mut run = MadeUpRun::default();
         let pairs = [("a", original, twin), ("b", &[10.0; 5], &[10.2; 5])];
         for (name, original, twin) in pairs {
-            let id = CaseId::new("filling", name, []);
+            let id = case_id("filling", name, &[]);
             run.case(id.twin()).timed(METRIC, twin);
             run.case(id).timed(METRIC, original);
         }
@@ -119,7 +118,7 @@ mod tests {
     #[test]
     fn without_twins_noise_is_unknown_rather_than_none() {
         let mut run = MadeUpRun::default();
-        run.case(CaseId::new("filling", "a", []))
+        run.case(case_id("filling", "a", &[]))
             .timed(METRIC, &[1.0; 5]);
         let folder = tempfile::tempdir().expect("a folder");
         let run = run.write(folder.path()).expect("a run");

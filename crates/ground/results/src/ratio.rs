@@ -148,8 +148,7 @@ fn estimate(middle: f64, processes: usize, mut resampled: impl FnMut() -> f64) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::CaseId;
-    use crate::made_up::MadeUpRun;
+    use crate::made_up::{MadeUpRun, case_id};
 
     const METRIC: &str = "fill_cpu_ms";
 
@@ -157,7 +156,7 @@ mod tests {
     fn ratio_of(a: &[&[f64]], b: &[&[f64]]) -> Option<Estimate> {
         let mut run = MadeUpRun::default();
         for (name, samples) in [("a", a), ("b", b)] {
-            let id = CaseId::new("filling", name, []);
+            let id = case_id("filling", name, &[]);
             run.case(id).sampled(METRIC, samples);
         }
         let folder = tempfile::tempdir().expect("a folder");

@@ -57,11 +57,38 @@ pub struct Case {
     pub outcome: Outcome,
     /// Why, or a remark; for a missing case, what is missing.
     pub reason: String,
+    status: Option<Status>,
     figures: BTreeMap<String, Samples>,
     notes: BTreeMap<String, String>,
 }
 
 impl Case {
+    /// As in its row; `None` where it has none.
+    #[must_use]
+    pub fn status(&self) -> Option<Status> {
+        self.status
+    }
+
+    /// Every text of the case by name.
+    #[must_use]
+    pub fn notes(&self) -> &BTreeMap<String, String> {
+        &self.notes
+    }
+
+    /// Numbers of the timed samples that a process took, from 1.
+    #[must_use]
+    pub fn timed_samples(&self, process: u32) -> BTreeSet<u32> {
+        let of_process = self.figures.values().filter_map(|all| all.get(&process));
+        let samples = of_process.flat_map(|samples| samples.keys().copied());
+        samples.filter(|sample| *sample > 0).collect()
+    }
+
+    /// Metrics that were measured, with their values.
+    #[must_use]
+    pub fn figures(&self) -> &BTreeMap<String, Samples> {
+        &self.figures
+    }
+
     /// Which case.
     #[must_use]
     pub fn id(&self) -> &CaseId {
@@ -164,9 +191,12 @@ impl Run {
             .map(|planned| {
                 let key = planned.id.key();
                 let figures = figures.remove(&key).unwrap_or_default();
-                let (outcome, reason) = outcome(planned, &plan, rows.remove(&key), &figures);
+                let row = rows.remove(&key);
+                let status = row.as_ref().map(|(status, _)| *status);
+                let (outcome, reason) = outcome(planned, &plan, row, &figures);
                 Case {
                     planned: planned.clone(),
+                    status,
                     outcome,
                     reason,
                     figures,
@@ -246,12 +276,15 @@ fn outcome(
     (outcome, reason)
 }
 
-/// Samples of the metric that has most; figures of the probe have one each.
+/// Timed samples, which count from 1, over all processes.
 fn samples_taken(figures: &BTreeMap<String, Samples>) -> usize {
-    let counts = figures
+    let taken: BTreeSet<(u32, u32)> = figures
         .values()
-        .map(|samples| samples.values().map(BTreeMap::len).sum());
-    counts.max().unwrap_or(0)
+        .flatten()
+        .flat_map(|(&process, samples)| samples.keys().map(move |&sample| (process, sample)))
+        .filter(|(_, sample)| *sample > 0)
+        .collect();
+    taken.len()
 }
 
 fn strings(columns: &[&str]) -> Vec<String> {

@@ -2,8 +2,6 @@
 //! The run: `scenes → meshes → FrameInput → reference and backends → figures → samples → CSV`.
 
 use crate::group::GroupRun;
-use crate::growth::{self, GrowthProgram};
-use crate::precision::Suite;
 use crate::scenes::{SkippedScenes, plan_groups};
 use crate::technique::NativeGpu;
 use crate::{BACKENDS, BenchCase, BenchError, BenchOptions, SceneGroup, environment};
@@ -38,24 +36,6 @@ pub struct BenchOutcome {
 /// [`BenchError`] for wrong input, no device, or a folder that cannot be written. What was measured
 /// before stays.
 pub fn run(options: &BenchOptions) -> Result<BenchOutcome, BenchError> {
-    run_all(options, None)
-}
-
-/// As [`run`], with every build of the growth measured by a process of its own.
-///
-/// # Errors
-/// As [`run`].
-pub fn run_with_growth_program(
-    options: &BenchOptions,
-    program: &GrowthProgram,
-) -> Result<BenchOutcome, BenchError> {
-    run_all(options, Some(program))
-}
-
-fn run_all(
-    options: &BenchOptions,
-    growth_program: Option<&GrowthProgram>,
-) -> Result<BenchOutcome, BenchError> {
     for backend in &options.backends {
         if !BACKENDS.contains(&backend.as_str()) {
             return Err(BenchError::UnknownBackend {
@@ -91,12 +71,6 @@ fn run_all(
     } else {
         RunFolder::create(&options.out, &environment, &plan)?
     };
-    if measures_growth(options) {
-        growth::measure(&folder, options.quick, growth_program)?;
-    }
-    if options.wants_precision() {
-        Suite::new(options.quick).measure(&gpu, &folder)?;
-    }
     let ladder: Vec<LadderRung> = groups.iter().flat_map(|g| g.ladder.clone()).collect();
     folder.write_ladder(&ladder)?;
     let missing = folder.missing()?;
@@ -118,12 +92,6 @@ fn run_all(
     }
     progress.finish_and_clear();
     Ok(outcome(&groups, &folder.summaries()?, skipped_scenes))
-}
-
-/// Growth is a figure of the whole program: runs over all scenes measure it, once over all shards.
-fn measures_growth(options: &BenchOptions) -> bool {
-    let is_first = options.shard.is_none_or(|shard| shard.index == 1);
-    options.scenes.is_empty() && is_first
 }
 
 /// Rows of a run are compared with one another, so the rest of it is measured in the same way. The

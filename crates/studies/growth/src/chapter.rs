@@ -51,7 +51,7 @@ impl Shape<'_> {
 
 impl Chapter for GrowthChapter {
     fn study(&self) -> &'static str {
-        "growth"
+        crate::STUDY
     }
 
     fn title(&self) -> &'static str {
@@ -85,7 +85,7 @@ impl Chapter for GrowthChapter {
 /// Shapes in the order in which they first appear.
 fn shapes(run: &Run) -> Vec<Shape<'_>> {
     let mut shapes: Vec<Shape<'_>> = Vec::new();
-    for case in run.of_study("growth").filter(|case| !case.is_twin()) {
+    for case in run.of_study(crate::STUDY).filter(|case| !case.is_twin()) {
         let name = case.condition("shape");
         let index = shapes.iter().position(|shape| shape.name == name);
         let index = index.unwrap_or_else(|| {
@@ -207,18 +207,13 @@ fn name(shape: &Shape<'_>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_results::made_up::MadeUpRun;
+    use terrafill_results::made_up::{MadeUpRun, case_id};
     use terrafill_results::{CaseId, CellClass, Status};
 
     fn id(shape: &str, asked: u64) -> CaseId {
-        CaseId::new(
-            "growth",
-            format!("{shape}/{asked}"),
-            [
-                ("shape", shape.to_owned()),
-                ("outline_vertices", asked.to_string()),
-            ],
-        )
+        let asked = asked.to_string();
+        let conditions = [("shape", shape), ("outline_vertices", &asked)];
+        case_id(crate::STUDY, &format!("{shape}/{asked}"), &conditions)
     }
 
     fn grow(run: &mut MadeUpRun, shape: &str, times: &[(u64, f64)]) {
@@ -286,7 +281,7 @@ mod tests {
     #[test]
     fn a_run_without_growth_has_no_chapter() {
         let mut run = MadeUpRun::default();
-        run.case(CaseId::new("filling", "a", []));
+        run.case(case_id("filling", "a", &[]));
         assert_eq!(blocks(&run), []);
     }
 }

@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::Path;
 use terrafill_report::{Verdict, WriteError, WrittenReport, write};
-use terrafill_results::made_up::MadeUpRun;
+use terrafill_results::made_up::{MadeUpRun, case_id};
 use terrafill_results::{
     Block, CaseId, Cell, CellClass, Chapter, ChapterError, Clock, DerivedTable, Finding, Heading,
     Kind, Metric, Outcome, Picture, PictureFigure, Pictures, Row, Run, RunEnvironment, Skipped,
@@ -99,7 +99,7 @@ impl Chapter for TimesChapter {
 }
 
 fn id(name: &str) -> CaseId {
-    CaseId::new("filling", name, [])
+    case_id("filling", name, &[])
 }
 
 fn run() -> MadeUpRun {

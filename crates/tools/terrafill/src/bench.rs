@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! `bench` and `report`.
 
-use crate::arguments::{BenchArguments, GROWTH_SAMPLE, GrowthSampleArguments, ReportArguments};
+use crate::arguments::{BenchArguments, GrowthSampleArguments, ReportArguments};
 use crate::{Failure, Outcome, print};
 use std::path::Path;
-use terrafill_filling::{BenchError, BenchOptions, GrowthProgram};
+use terrafill_filling::{BenchError, BenchOptions};
 use terrafill_report::write_report;
 use terrafill_results::legacy::RunFolder;
 use terrafill_scene::{ImageSize, data_dir_from_env};
@@ -32,11 +32,7 @@ pub(crate) fn run(arguments: BenchArguments) -> Result<Outcome, Failure> {
             _ => None,
         },
     };
-    let this = GrowthProgram {
-        path: std::env::current_exe().map_err(Failure::bad_input)?,
-        verb: GROWTH_SAMPLE,
-    };
-    let outcome = terrafill_filling::run_with_growth_program(&options, &this);
+    let outcome = terrafill_filling::run(&options);
     let outcome = outcome.map_err(|error| match error {
         BenchError::NoDevice(_) | BenchError::Device { .. } => Failure::no_device(error),
         _ => Failure::bad_input(error),
@@ -61,7 +57,7 @@ pub(crate) fn run(arguments: BenchArguments) -> Result<Outcome, Failure> {
 }
 
 pub(crate) fn growth_sample(arguments: &GrowthSampleArguments) -> Result<Outcome, Failure> {
-    let sample = terrafill_filling::growth_sample(&arguments.file);
+    let sample = terrafill_growth::growth_sample(&arguments.file);
     print(&sample.map_err(Failure::bad_input)?);
     Ok(Outcome::Done)
 }

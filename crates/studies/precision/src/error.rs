@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Sums of measured errors, and what is said where formula and measurement part.
 
+use crate::row::PrecisionRow;
 use std::f64::consts::{PI, TAU};
-use terrafill_results::legacy::{PrecisionRow, Status};
+use terrafill_results::Status;
 use terrafill_texture::{SAMPLING_SLACK, Sample};
 
 /// Measured and computed error that differ by more need a reason.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which coordinate routes are measured, and which of them are one curve.
 
-use super::place::Place;
+use crate::place::Place;
 use rayon::prelude::*;
 use terrafill_texture::{
     AngleCore, AngleForm, Chart, Chooser, CoordinateRoute, Filter, LatitudeForm, TexelFormat,

@@ -2,10 +2,11 @@
 //! Formats of vertex positions: what is left of a vertex relative to the eye. By emulation: on the
 //! device they are drawn by the backends' own variants.
 
-use super::error::{AGREEMENT, LengthErrors};
-use super::place::{Place, radical_inverse};
+use crate::error::{AGREEMENT, LengthErrors};
+use crate::place::{Place, radical_inverse};
+use crate::row::{PrecisionPart, PrecisionRow};
 use terrafill_core::Geodetic;
-use terrafill_results::legacy::{PrecisionPart, PrecisionRow, Status};
+use terrafill_results::Status;
 use terrafill_texture::VertexFormat;
 
 /// From the eye to the vertex, metres.
@@ -14,19 +15,15 @@ const DISTANCES_M: [f64; 5] = [10.0, 20.0, 1e3, 1e6, 3e7];
 /// Extents of the region, degrees: its vertices' distances from its origin.
 const EXTENTS_DEG: [f64; 3] = [1e-3, 1.0, 10.0];
 
+/// Latitude of the region, degrees.
+const LATITUDE_DEG: f64 = 45.0;
+
 /// Vertices of a condition.
 const VERTICES: u32 = 2000;
 
 /// Rows and field of view of the pixels that errors are counted in.
 const VIEW_ROWS: f64 = 1080.0;
 const FIELD_OF_VIEW_DEG: f64 = 60.0;
-
-pub(crate) fn format_names() -> Vec<String> {
-    let names = VertexFormat::ALL
-        .iter()
-        .map(|format| format.name().to_owned());
-    names.collect()
-}
 
 /// Distance × extent.
 fn conditions() -> impl Iterator<Item = (f64, f64)> {
@@ -42,10 +39,25 @@ pub(crate) fn condition_names() -> Vec<String> {
     conditions().map(name).collect()
 }
 
+/// A format's row before anything is measured.
+pub(crate) fn identity(format: VertexFormat, condition: &str) -> PrecisionRow {
+    let found = conditions().find(|at| name(*at) == condition);
+    PrecisionRow {
+        part: PrecisionPart::Vertex,
+        route: format.name().to_owned(),
+        family: format.name().to_owned(),
+        condition: condition.to_owned(),
+        extent_deg: found.map(|(_, extent_deg)| extent_deg),
+        latitude_deg: found.map(|_| LATITUDE_DEG),
+        distance_m: found.map(|(distance_m, _)| distance_m),
+        ..PrecisionRow::default()
+    }
+}
+
 /// Rows of every format under the condition called so.
 pub(crate) fn rows(condition: &str) -> Vec<PrecisionRow> {
     let found = conditions().find(|at| name(*at) == condition);
-    let place = found.and_then(|(_, extent)| Place::new(extent, 45.0, ("0", 0.0, 0.0)));
+    let place = found.and_then(|(_, extent)| Place::new(extent, LATITUDE_DEG, ("0", 0.0, 0.0)));
     let (Some((distance_m, _)), Some(place)) = (found, place) else {
         return Vec::new();
     };
@@ -85,13 +97,6 @@ fn row(format: VertexFormat, condition: &str, distance_m: f64, place: &Place) ->
     let ratio = figures.map(|[max, _]| max / bound);
     let rms_ratio = figures.map(|[_, rms]| rms / expected_rms);
     let mut row = PrecisionRow {
-        part: PrecisionPart::Vertex,
-        route: format.name().to_owned(),
-        family: format.name().to_owned(),
-        condition: condition.to_owned(),
-        extent_deg: Some(place.extent_deg),
-        latitude_deg: Some(place.latitude_deg),
-        distance_m: Some(distance_m),
         points: VERTICES,
         non_finite_emulated: Some(errors.non_finite),
         emulated_max_m: figures.map(|[max, _]| max),
@@ -106,7 +111,7 @@ fn row(format: VertexFormat, condition: &str, distance_m: f64, place: &Place) ->
         measured_over_expected: rms_ratio,
         status: Status::Ok,
         reason: "by emulation alone: no device evaluates a vertex format by itself".to_owned(),
-        ..PrecisionRow::default()
+        ..identity(format, condition)
     };
     if row.non_finite() > 0 || ratio.is_some_and(|ratio| ratio > 1.0) {
         (row.status, row.reason) = (Status::Wrong, "above its bound".to_owned());

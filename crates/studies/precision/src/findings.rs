@@ -4,7 +4,8 @@
 //! A route is spoken against where its bound is finite, so that by its formula it has an answer, and where
 //! nonetheless an error was measured above the bound or an answer was not finite.
 
-use terrafill_results::legacy::{PrecisionPart, PrecisionRow, Status};
+use crate::row::{PrecisionPart, PrecisionRow};
+use terrafill_results::Status;
 use terrafill_texture::{CoordinateRoute, SuiteCell, SuiteFinding};
 
 /// Findings of `rows`, one for each route and cell at most: the worst over all heights, special inputs

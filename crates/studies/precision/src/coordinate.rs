@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Coordinate routes over a region.
 
-use super::error::{AngleErrors, AngleFigures, judge};
-use super::kernel::{CoordinateKernel, Kernels, ask};
-use super::place::Place;
-use super::routes::family;
-use super::timing::Times;
-use crate::BenchError;
+use crate::error::{AngleErrors, AngleFigures, judge};
+use crate::kernel::{CoordinateKernel, Kernels, ask};
+use crate::place::Place;
+use crate::routes::family;
+use crate::row::{PrecisionPart, PrecisionRow};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
-use terrafill_results::legacy::{PrecisionPart, PrecisionRow, Status};
+use terrafill_results::Status;
+use terrafill_study::StudyError;
 use terrafill_texture::{
     Arithmetic, CoordinateRoute, CostTable, Operations, Program, Residual, ResidualSum, Sample,
 };
@@ -31,8 +31,7 @@ pub(crate) fn rows(
     chosen: Option<CoordinateRoute>,
     points: u32,
     kernels: &Kernels,
-    times: &Times,
-) -> Result<Vec<PrecisionRow>, BenchError> {
+) -> Result<Vec<PrecisionRow>, StudyError> {
     let samples = place.points(points);
     let residual_samples: Vec<Sample> = place.region.samples(RESIDUAL_PLACES).collect();
     let on_cpu: Vec<OnCpu> = kernels
@@ -43,12 +42,8 @@ pub(crate) fn rows(
     let inputs: Vec<[f32; 4]> = samples.iter().map(input).collect();
     let mut rows = Vec::new();
     for (kernel, cpu) in kernels.coordinate.iter().zip(&on_cpu) {
-        let mut row = blank_row(kernel, times);
-        row.condition = place.name();
-        row.extent_deg = Some(place.extent_deg);
-        row.latitude_deg = Some(place.latitude_deg);
-        row.lowest_m = Some(place.heights.1);
-        row.highest_m = Some(place.heights.2);
+        let mut row = blank_row(kernel);
+        put_place(&mut row, place);
         row.points = u32::try_from(samples.len()).unwrap_or(u32::MAX);
         row.texture_px = Some(place.texture_px());
         row.pixel_m = Some(place.pixel_m());
@@ -69,19 +64,37 @@ pub(crate) fn rows(
     Ok(rows)
 }
 
-/// What a row has whatever the condition.
-pub(crate) fn blank_row(kernel: &CoordinateKernel, times: &Times) -> PrecisionRow {
-    let (family, knob) = family(&kernel.route);
-    let mut row = PrecisionRow {
+/// A route's row in a region before anything is measured.
+pub(crate) fn identity(place: &Place, route: &CoordinateRoute) -> PrecisionRow {
+    let mut row = of_route(route);
+    put_place(&mut row, place);
+    row
+}
+
+fn put_place(row: &mut PrecisionRow, place: &Place) {
+    row.condition = place.name();
+    row.extent_deg = Some(place.extent_deg);
+    row.latitude_deg = Some(place.latitude_deg);
+    row.lowest_m = Some(place.heights.1);
+    row.highest_m = Some(place.heights.2);
+}
+
+/// What names a route's row whatever the condition.
+pub(crate) fn of_route(route: &CoordinateRoute) -> PrecisionRow {
+    let (family, knob) = family(route);
+    PrecisionRow {
         part: PrecisionPart::Coordinate,
-        route: kernel.route.name(),
+        route: route.name(),
         family,
         knob,
         ..PrecisionRow::default()
-    };
+    }
+}
+
+/// The same with what its program counts.
+pub(crate) fn blank_row(kernel: &CoordinateKernel) -> PrecisionRow {
+    let mut row = of_route(&kernel.route);
     put_operations(&mut row, &kernel.program.operations());
-    let name = row.route.clone();
-    times.put(&mut row, PrecisionPart::Coordinate, &name);
     row
 }
 

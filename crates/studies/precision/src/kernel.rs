@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Routes on the device: the text of each, compiled once and asked for every region.
 
-use super::place::{Place, radical_inverse};
-use super::position::{self, MAPPINGS};
-use super::timing::LoopTime;
-use crate::BenchError;
-use std::collections::BTreeSet;
+use crate::place::{Place, radical_inverse};
+use crate::position::{self, MAPPINGS};
+use crate::row::PrecisionPart;
+use crate::timing::LoopTime;
 use std::sync::Arc;
 use terrafill_gpu::{
-    EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluation, Evaluator, Gpu, Kernel, KernelTable,
-    TableFormat,
+    EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluation, EvaluationTime, Evaluator, Gpu, Kernel,
+    KernelTable, TableFormat,
 };
-use terrafill_results::legacy::{PrecisionPart, PrecisionTime, RunFolder};
+use terrafill_study::StudyError;
 use terrafill_texture::{
     CoordinateRoute, DepthMapping, Filter, LookupTable, PositionRoute, Program, Sampler,
     TexelFormat,
@@ -52,9 +51,14 @@ pub(crate) struct Kernels {
 }
 
 /// A device's failure as the run's.
-pub(crate) fn lost(error: EvaluateError) -> BenchError {
-    BenchError::Precision {
-        message: error.to_string(),
+pub(crate) fn lost(error: EvaluateError) -> StudyError {
+    broken(error)
+}
+
+fn broken(why: impl ToString) -> StudyError {
+    StudyError::Broken {
+        place: crate::STUDY.to_owned(),
+        message: why.to_string(),
     }
 }
 
@@ -178,64 +182,97 @@ impl Kernels {
         }
     }
 
-    /// Times what the folder has no times of, in rounds in which every kernel takes a turn; the
-    /// first round warms up and is dropped.
-    pub(crate) fn time(&mut self, folder: &RunFolder, rounds: u32) -> Result<(), BenchError> {
-        let done: BTreeSet<u32> = folder.precision_times()?.iter().map(|t| t.round).collect();
-        if done.len() >= rounds as usize {
-            return Ok(());
-        }
-        let Ok(empty) = &mut self.empty else {
-            return Ok(());
-        };
+    /// Uploads what is timed and sets the constants that it is timed under. Measuring errors sets
+    /// others.
+    pub(crate) fn prepare_timing(&mut self) -> Result<(), StudyError> {
         let offsets = timed_offsets();
         let of_offset = [TIMED_STEP_M; 4];
         let depths = position::timed_inputs();
-        let of_pixel = position::TIMED_STEP;
-        empty.prepare_timing(&offsets, of_offset, TURNS);
-        let empty = &self.empty;
-        let mut timed: Vec<(PrecisionPart, String, &mut Evaluator)> = Vec::new();
+        if let Ok(empty) = &mut self.empty {
+            empty.prepare_timing(&offsets, of_offset, TURNS);
+        }
         let region = Place::new(TIMED_EXTENT_DEG, TIMED_LATITUDE_DEG, ("0", 0.0, 0.0));
         for kernel in &mut self.coordinate {
             if let (Ok(device), Some(place)) = (&mut kernel.device, &region) {
                 let constants = kernel.route.constants(&place.region);
                 device.set_constants(&constants).map_err(lost)?;
                 device.prepare_timing(&offsets, of_offset, TURNS);
-                timed.push((PrecisionPart::Coordinate, kernel.route.name(), device));
             }
         }
         for kernel in &mut self.position {
             if let Ok(device) = &mut kernel.device {
                 let constants = position::timed_constants(kernel.route, kernel.mapping);
                 device.set_constants(&constants).map_err(lost)?;
-                device.prepare_timing(&depths, of_pixel, TURNS);
-                let name = position::timed_name(kernel.route, kernel.mapping);
-                timed.push((PrecisionPart::Position, name, device));
-            }
-        }
-        let Ok(empty) = empty else { return Ok(()) };
-        let missing = (0..rounds).filter(|round| !done.contains(round));
-        for round in std::iter::once(None).chain(missing.map(Some)) {
-            let beside = LoopTime::of_empty(empty, TURNS)?;
-            let mut rows = Vec::new();
-            for (part, name, device) in &timed {
-                let time = device.time(TURNS).map_err(lost)?;
-                rows.push(PrecisionTime {
-                    part: *part,
-                    route: name.clone(),
-                    round: round.unwrap_or_default(),
-                    evaluations: time.evaluations,
-                    cpu_ms: time.cpu_ms,
-                    empty_cpu_ms: beside.cpu_ms,
-                    gpu_ms: time.gpu_ms,
-                    empty_gpu_ms: beside.gpu_ms,
-                });
-            }
-            if round.is_some() {
-                folder.append_precision_times(&rows)?;
+                device.prepare_timing(&depths, position::TIMED_STEP, TURNS);
             }
         }
         Ok(())
+    }
+
+    /// What the loop alone takes now.
+    pub(crate) fn time_empty(&self) -> Result<LoopTime, StudyError> {
+        let empty = self.empty.as_ref().map_err(|why| broken(why))?;
+        LoopTime::of_empty(empty, TURNS)
+    }
+
+    /// The device's program of a timed formula, or why there is none.
+    pub(crate) fn timed(&self, formula: &TimedFormula) -> Result<&Evaluator, String> {
+        let device = match formula {
+            TimedFormula::Coordinate(route) => {
+                let mut kernels = self.coordinate.iter();
+                kernels
+                    .find(|kernel| kernel.route == *route)
+                    .map(|kernel| &kernel.device)
+            }
+            TimedFormula::Position(route, mapping) => {
+                let of =
+                    |kernel: &&PositionKernel| kernel.route == *route && kernel.mapping == *mapping;
+                self.position.iter().find(of).map(|kernel| &kernel.device)
+            }
+        };
+        device
+            .ok_or_else(|| "it was not compiled".to_owned())?
+            .as_ref()
+            .map_err(Clone::clone)
+    }
+
+    /// One timed pass of a formula.
+    pub(crate) fn time(&self, formula: &TimedFormula) -> Result<EvaluationTime, String> {
+        let device = self.timed(formula)?;
+        device.time(TURNS).map_err(|error| error.to_string())
+    }
+}
+
+/// A formula whose time is measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum TimedFormula {
+    Coordinate(CoordinateRoute),
+    /// Storage and planes of a depth format are no part of a formula's text, its mapping is.
+    Position(PositionRoute, DepthMapping),
+}
+
+impl TimedFormula {
+    /// Every formula: `routes`, and every position route by each mapping.
+    pub(crate) fn all(routes: &[CoordinateRoute]) -> Vec<Self> {
+        let coordinate = routes.iter().copied().map(Self::Coordinate);
+        let position = PositionRoute::ALL
+            .into_iter()
+            .flat_map(|route| MAPPINGS.map(|mapping| Self::Position(route, mapping)));
+        coordinate.chain(position).collect()
+    }
+
+    pub(crate) fn part(&self) -> PrecisionPart {
+        match self {
+            Self::Coordinate(_) => PrecisionPart::Coordinate,
+            Self::Position(..) => PrecisionPart::Position,
+        }
+    }
+
+    pub(crate) fn name(&self) -> String {
+        match self {
+            Self::Coordinate(route) => route.name(),
+            Self::Position(route, mapping) => position::timed_name(*route, *mapping),
+        }
     }
 }
 
@@ -331,7 +368,7 @@ pub(crate) fn ask(
     device: &Result<Evaluator, String>,
     constants: &[[f32; 4]],
     inputs: &[[f32; 4]],
-) -> Result<Result<Evaluation, String>, BenchError> {
+) -> Result<Result<Evaluation, String>, StudyError> {
     match device {
         Ok(device) => {
             device.set_constants(constants).map_err(lost)?;

@@ -2,16 +2,16 @@
 //! Position routes: from pixel and depth to the offset, by distance, depth format and distance of the
 //! anchor.
 
-use super::coordinate::put_operations;
-use super::error::{AGREEMENT, LengthErrors, judge};
-use super::kernel::{Kernels, ask};
-use super::place::{Place, radical_inverse};
-use super::timing::Times;
-use crate::BenchError;
+use crate::coordinate::put_operations;
+use crate::error::{AGREEMENT, LengthErrors, judge};
+use crate::kernel::{Kernels, ask};
+use crate::place::{Place, radical_inverse};
+use crate::row::{PrecisionPart, PrecisionRow};
 use glam::DVec3;
 use terrafill_core::Geodetic;
 use terrafill_gpu::EVALUATIONS_PER_DISPATCH;
-use terrafill_results::legacy::{PrecisionPart, PrecisionRow, Status};
+use terrafill_results::Status;
+use terrafill_study::StudyError;
 use terrafill_texture::{
     Arithmetic, DepthFormat, DepthMapping, DepthStorage, MapRegion, PositionRoute, View,
 };
@@ -284,14 +284,6 @@ fn view_of(place: &Place, distance_m: f64, depth: DepthFormat) -> View {
     }
 }
 
-/// Names of the routes.
-pub(crate) fn route_names() -> Vec<String> {
-    let names = PositionRoute::ALL
-        .iter()
-        .map(|route| route.name().to_owned());
-    names.collect()
-}
-
 /// What a route of a mapping is called among the times.
 pub(crate) fn timed_name(route: PositionRoute, mapping: DepthMapping) -> String {
     let mapping = match mapping {
@@ -382,8 +374,7 @@ pub(crate) fn rows(
     sight: &Sight,
     points: u32,
     kernels: &Kernels,
-    times: &Times,
-) -> Result<Vec<PrecisionRow>, BenchError> {
+) -> Result<Vec<PrecisionRow>, StudyError> {
     let Some(place) = sight.place() else {
         return Ok(Vec::new());
     };
@@ -392,14 +383,14 @@ pub(crate) fn rows(
         return Ok(Vec::new());
     };
     match sight.distance_m {
-        Some(_) => drawn_rows(sight, &view, &region, points, kernels, times),
-        None => cleared_rows(sight, &view, &region, kernels, times),
+        Some(_) => drawn_rows(sight, &view, &region, points, kernels),
+        None => cleared_rows(sight, &view, &region, kernels),
     }
 }
 
-/// A row with what does not depend on what is measured.
-fn blank_row(sight: &Sight, route: PositionRoute, times: &Times) -> PrecisionRow {
-    let mut row = PrecisionRow {
+/// A route's row before anything is measured.
+pub(crate) fn identity(sight: &Sight, route: PositionRoute) -> PrecisionRow {
+    PrecisionRow {
         part: PrecisionPart::Position,
         route: route.name().to_owned(),
         family: route.name().to_owned(),
@@ -410,10 +401,13 @@ fn blank_row(sight: &Sight, route: PositionRoute, times: &Times) -> PrecisionRow
         distance_m: sight.distance_m,
         depth_format: sight.format.name(),
         ..PrecisionRow::default()
-    };
+    }
+}
+
+/// The same with what its program counts.
+fn blank_row(sight: &Sight, route: PositionRoute) -> PrecisionRow {
+    let mut row = identity(sight, route);
     put_operations(&mut row, &route.operations(&sight.format));
-    let name = timed_name(route, sight.format.mapping());
-    times.put(&mut row, PrecisionPart::Position, &name);
     row
 }
 
@@ -424,15 +418,14 @@ fn cleared_rows(
     view: &View,
     region: &MapRegion,
     kernels: &Kernels,
-    times: &Times,
-) -> Result<Vec<PrecisionRow>, BenchError> {
+) -> Result<Vec<PrecisionRow>, StudyError> {
     let mut rows = Vec::new();
     let depth = sight.cleared_depth();
     let mapping = sight.format.mapping();
     for kernel in kernels.position.iter().filter(|k| k.mapping == mapping) {
         let route = kernel.route;
         let constants = route.constants(view, region);
-        let mut row = blank_row(sight, route, times);
+        let mut row = blank_row(sight, route);
         row.points = 1;
         row.status = Status::Ok;
         row.reason = "cleared depth: no fragment is there".to_owned();
@@ -479,8 +472,7 @@ fn drawn_rows(
     region: &MapRegion,
     points: u32,
     kernels: &Kernels,
-    times: &Times,
-) -> Result<Vec<PrecisionRow>, BenchError> {
+) -> Result<Vec<PrecisionRow>, StudyError> {
     let mut rows = Vec::new();
     let distance_m = sight.distance_m.unwrap_or(TIMED_DISTANCE_M);
     let seen = seen(view, region, distance_m, points);
@@ -504,7 +496,7 @@ fn drawn_rows(
             pixel_m: Some(pixel_m),
             residual_max_m: Some(residual.max_m),
             residual_rms_m: Some(residual.rms_m),
-            ..blank_row(sight, route, times)
+            ..blank_row(sight, route)
         };
         let mut unmeasured = String::new();
         match ask(&kernel.device, &constants, &inputs)? {

@@ -2,13 +2,13 @@
 //! Coordinate routes at inputs where formulas break: zeros, subnormals, the axis, the octants' seams,
 //! the antimeridian, what is not a number.
 
-use super::coordinate::blank_row;
-use super::kernel::{CoordinateKernel, Kernels, ask};
-use super::place::Place;
-use super::timing::Times;
-use crate::BenchError;
-use terrafill_results::legacy::{PrecisionPart, PrecisionRow, Status};
-use terrafill_texture::{Arithmetic, MapRegion};
+use crate::coordinate::{blank_row, of_route};
+use crate::kernel::{CoordinateKernel, Kernels, ask};
+use crate::place::Place;
+use crate::row::{PrecisionPart, PrecisionRow};
+use terrafill_results::Status;
+use terrafill_study::StudyError;
+use terrafill_texture::{Arithmetic, CoordinateRoute, MapRegion};
 
 /// One input.
 struct Special {
@@ -19,6 +19,30 @@ struct Special {
     is_fragment: bool,
     /// Offset from the anchor.
     offset: fn(&MapRegion) -> [f32; 3],
+}
+
+impl Special {
+    /// Extent and latitude of the region that the input belongs to, degrees.
+    fn region_deg(&self) -> (f64, f64) {
+        if self.on_globe {
+            (360.0, 0.0)
+        } else {
+            (10.0, 45.0)
+        }
+    }
+
+    fn place(&self) -> Option<Place> {
+        let (extent_deg, latitude_deg) = self.region_deg();
+        Place::new(extent_deg, latitude_deg, ("0", 0.0, 0.0))
+    }
+
+    fn put(&self, row: &mut PrecisionRow) {
+        let (extent_deg, latitude_deg) = self.region_deg();
+        row.part = PrecisionPart::Special;
+        row.condition = self.name.to_owned();
+        row.extent_deg = Some(extent_deg);
+        row.latitude_deg = Some(latitude_deg);
+    }
 }
 
 /// The position, meridian axes, from the body's centre, as an offset.
@@ -119,26 +143,26 @@ pub(crate) fn names() -> Vec<String> {
     INPUTS.iter().map(|input| input.name.to_owned()).collect()
 }
 
+/// A route's row at the input called `name` before anything is measured.
+pub(crate) fn identity(name: &str, route: &CoordinateRoute) -> PrecisionRow {
+    let mut row = of_route(route);
+    if let Some(special) = INPUTS.iter().find(|input| input.name == name) {
+        special.put(&mut row);
+    }
+    row
+}
+
 /// Rows of every route at the input called `name`.
-pub(crate) fn rows(
-    name: &str,
-    kernels: &Kernels,
-    times: &Times,
-) -> Result<Vec<PrecisionRow>, BenchError> {
+pub(crate) fn rows(name: &str, kernels: &Kernels) -> Result<Vec<PrecisionRow>, StudyError> {
     let mut rows = Vec::new();
     let Some(special) = INPUTS.iter().find(|input| input.name == name) else {
         return Ok(rows);
     };
-    let (extent_deg, latitude_deg) = if special.on_globe {
-        (360.0, 0.0)
-    } else {
-        (10.0, 45.0)
-    };
-    let Some(place) = Place::new(extent_deg, latitude_deg, ("0", 0.0, 0.0)) else {
+    let Some(place) = special.place() else {
         return Ok(rows);
     };
     for kernel in &kernels.coordinate {
-        rows.push(row(special, &place, kernel, times)?);
+        rows.push(row(special, &place, kernel)?);
     }
     Ok(rows)
 }
@@ -147,13 +171,9 @@ fn row(
     special: &Special,
     place: &Place,
     kernel: &CoordinateKernel,
-    times: &Times,
-) -> Result<PrecisionRow, BenchError> {
-    let mut row = blank_row(kernel, times);
-    row.part = PrecisionPart::Special;
-    row.condition = special.name.to_owned();
-    row.extent_deg = Some(place.extent_deg);
-    row.latitude_deg = Some(place.latitude_deg);
+) -> Result<PrecisionRow, StudyError> {
+    let mut row = blank_row(kernel);
+    special.put(&mut row);
     row.points = 1;
     let offset = (special.offset)(&place.region);
     let constants = kernel.route.constants(&place.region);

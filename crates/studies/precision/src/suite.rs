@@ -1,50 +1,40 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The numerical suite: how wrong every route from a fragment to its texture coordinate is, and what
-//! it costs.
-//!
-//! Each formula is asked at many places of many regions, on the CPU by emulation and on the device
-//! by the text that a fill compiles, and held against the exact map in `f64`; beside it stands what
-//! it was computed to be off by. Times are of the formula alone, in rounds in which every formula and
-//! an empty one take a turn (see [`terrafill_gpu::Evaluator`]). Other things are asked of other
-//! places on purpose: the residual's places are those of `MapRegion::samples`, the measured ones a
-//! Halton sequence, so that neither can fit itself.
+//! What the study measures: formulas, regions, views and how many places of each.
 
-mod coordinate;
-mod error;
-mod findings;
-mod kernel;
-mod place;
-mod position;
-mod routes;
-mod special;
-mod timing;
-mod vertex;
-
-use crate::BenchError;
-use kernel::Kernels;
-use std::collections::BTreeSet;
+use crate::kernel::{Kernels, TimedFormula};
+use crate::row::PrecisionRow;
+use crate::{coordinate, place, position, routes, special, vertex};
 use std::sync::Arc;
 use terrafill_gpu::{Gpu, GpuOptions};
-use terrafill_results::legacy::{
-    PrecisionGrid, PrecisionKey, PrecisionPart, PrecisionPlan, RunFolder,
-};
-use timing::Times;
-
-pub use findings::suite_findings;
+use terrafill_study::StudyError;
+use terrafill_texture::{CoordinateRoute, PositionRoute, VertexFormat};
 
 /// Places of a region and of a view at which errors are measured.
 const POINTS: u32 = 600;
 const QUICK_POINTS: u32 = 200;
 
-/// What is measured.
+/// Formulas, and the conditions under which each is measured.
+#[derive(Debug)]
 pub(crate) struct Suite {
-    routes: Vec<terrafill_texture::CoordinateRoute>,
-    places: Vec<place::Place>,
+    pub(crate) routes: Vec<CoordinateRoute>,
+    pub(crate) places: Vec<place::Place>,
     /// What a frame plan takes in each of them.
-    chosen: Vec<Option<terrafill_texture::CoordinateRoute>>,
-    sights: Vec<position::Sight>,
-    points: u32,
-    rounds: u32,
+    pub(crate) chosen: Vec<Option<CoordinateRoute>>,
+    pub(crate) sights: Vec<position::Sight>,
+    pub(crate) points: u32,
+}
+
+/// One condition: all its formulas are measured at once.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Condition {
+    /// A region, by its place in [`Suite::places`].
+    Place(usize),
+    /// An input where formulas break, by name.
+    Special(String),
+    /// A view, by its place in [`Suite::sights`].
+    Sight(usize),
+    /// A distance and an extent of vertices, by name.
+    Vertex(String),
 }
 
 impl Suite {
@@ -64,112 +54,103 @@ impl Suite {
             chosen,
             sights: position::sights(quick),
             points: if quick { QUICK_POINTS } else { POINTS },
-            rounds: if quick { 7 } else { 15 },
         }
     }
 
-    /// Errors alone: no formula is timed.
-    fn untimed(self) -> Self {
-        Self { rounds: 0, ..self }
+    /// Every condition.
+    pub(crate) fn conditions(&self) -> Vec<Condition> {
+        let places = (0..self.places.len()).map(Condition::Place);
+        let specials = special::names().into_iter().map(Condition::Special);
+        let sights = (0..self.sights.len()).map(Condition::Sight);
+        let vertices = vertex::condition_names().into_iter().map(Condition::Vertex);
+        places
+            .chain(specials)
+            .chain(sights)
+            .chain(vertices)
+            .collect()
     }
 
-    /// Its rows to be.
-    pub(crate) fn plan(&self) -> PrecisionPlan {
-        let names = || self.routes.iter().map(|route| route.name()).collect();
-        let grid = |part, routes, conditions| PrecisionGrid {
-            part,
-            routes,
-            conditions,
+    /// Rows of a condition before anything is measured.
+    pub(crate) fn identities(&self, condition: &Condition) -> Vec<PrecisionRow> {
+        let of_routes = |identity: &dyn Fn(&CoordinateRoute) -> PrecisionRow| {
+            self.routes.iter().map(identity).collect()
         };
-        PrecisionPlan {
-            grids: vec![
-                grid(
-                    PrecisionPart::Coordinate,
-                    names(),
-                    self.places.iter().map(place::Place::name).collect(),
-                ),
-                grid(PrecisionPart::Special, names(), special::names()),
-                grid(
-                    PrecisionPart::Position,
-                    position::route_names(),
-                    self.sights.iter().map(position::Sight::name).collect(),
-                ),
-                grid(
-                    PrecisionPart::Vertex,
-                    vertex::format_names(),
-                    vertex::condition_names(),
-                ),
-            ],
-            rounds: self.rounds,
+        match condition {
+            Condition::Place(index) => {
+                of_routes(&|route| coordinate::identity(&self.places[*index], route))
+            }
+            Condition::Special(name) => of_routes(&|route| special::identity(name, route)),
+            Condition::Sight(index) => {
+                let sight = &self.sights[*index];
+                let routes = PositionRoute::ALL.into_iter();
+                routes
+                    .map(|route| position::identity(sight, route))
+                    .collect()
+            }
+            Condition::Vertex(name) => {
+                let formats = VertexFormat::ALL.iter();
+                formats
+                    .map(|format| vertex::identity(*format, name))
+                    .collect()
+            }
         }
     }
 
-    /// Measures what the run's folder does not have yet, and appends it condition by condition.
+    /// The same rows measured.
     ///
     /// # Errors
-    /// A folder that cannot be read or written; a device that is lost. What a device cannot run
-    /// becomes rows with the reason.
-    pub(crate) fn measure(&self, gpu: &Arc<Gpu>, folder: &RunFolder) -> Result<(), BenchError> {
-        folder.write_precision_plan(&self.plan())?;
-        let missing: BTreeSet<PrecisionKey> = folder.precision_missing()?.into_iter().collect();
-        if missing.is_empty() {
-            return Ok(());
-        }
-        let mut kernels = Kernels::new(gpu, &self.routes);
-        kernels.time(folder, self.rounds)?;
-        let times = Times::of(&folder.precision_times()?);
-        let is_missing = |part: PrecisionPart, condition: &str| {
-            missing
-                .iter()
-                .any(|key| key.part == part && key.condition == condition)
-        };
-        for (place, chosen) in self.places.iter().zip(&self.chosen) {
-            if is_missing(PrecisionPart::Coordinate, &place.name()) {
-                let rows = coordinate::rows(place, *chosen, self.points, &kernels, &times)?;
-                folder.append_precision(&rows)?;
+    /// A device that is lost. What a device cannot run becomes rows with the reason.
+    pub(crate) fn rows(
+        &self,
+        condition: &Condition,
+        kernels: &Kernels,
+    ) -> Result<Vec<PrecisionRow>, StudyError> {
+        match condition {
+            Condition::Place(index) => {
+                let (place, chosen) = (&self.places[*index], self.chosen[*index]);
+                coordinate::rows(place, chosen, self.points, kernels)
             }
+            Condition::Special(name) => special::rows(name, kernels),
+            Condition::Sight(index) => position::rows(&self.sights[*index], self.points, kernels),
+            Condition::Vertex(name) => Ok(vertex::rows(name)),
         }
-        for name in special::names() {
-            if is_missing(PrecisionPart::Special, &name) {
-                folder.append_precision(&special::rows(&name, &kernels, &times)?)?;
-            }
-        }
-        for sight in &self.sights {
-            if is_missing(PrecisionPart::Position, &sight.name()) {
-                let rows = position::rows(sight, self.points, &kernels, &times)?;
-                folder.append_precision(&rows)?;
-            }
-        }
-        for condition in vertex::condition_names() {
-            if is_missing(PrecisionPart::Vertex, &condition) {
-                folder.append_precision(&vertex::rows(&condition))?;
-            }
-        }
-        Ok(())
+    }
+
+    /// Every formula whose time is measured.
+    pub(crate) fn timed(&self) -> Vec<TimedFormula> {
+        TimedFormula::all(&self.routes)
     }
 }
 
-/// Measures the errors of the whole numerical suite into a run's folder, without times.
+/// Errors of the whole suite, without times.
 ///
 /// - `adapter`: part of the adapter's name
 ///
 /// # Errors
-/// No device, a folder that cannot be read or written, a device that is lost.
-pub fn measure_suite(adapter: Option<String>, folder: &RunFolder) -> Result<(), BenchError> {
-    let gpu = Gpu::open(&GpuOptions {
+/// [`StudyError::NoDevice`], or a device that is lost.
+pub fn measure_suite(adapter: Option<String>) -> Result<Vec<PrecisionRow>, StudyError> {
+    let gpu: Arc<Gpu> = Gpu::open(&GpuOptions {
         adapter,
         ..GpuOptions::default()
     })
-    .map_err(BenchError::NoDevice)?;
-    Suite::new(false).untimed().measure(&gpu, folder)
+    .map_err(|error| StudyError::NoDevice(error.to_string()))?;
+    let suite = Suite::new(false);
+    let kernels = Kernels::new(&gpu, &suite.routes);
+    let mut rows = Vec::new();
+    for condition in suite.conditions() {
+        rows.extend(suite.rows(&condition, &kernels)?);
+    }
+    Ok(rows)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::kernel::coordinate_evaluator_of;
     use super::*;
+    use crate::kernel::coordinate_evaluator_of;
+    use crate::row::PrecisionPart;
+    use crate::suite_findings;
     use terrafill_gpu::open_for_test;
-    use terrafill_results::legacy::{PrecisionRow, RunEnvironment, RunPlan, Status};
+    use terrafill_results::Status;
     use terrafill_texture::{Chooser, CoordinateRoute, CostTable, SuiteFinding};
 
     /// A few routes in two regions, seen from two distances.
@@ -196,12 +177,7 @@ mod tests {
                 .collect(),
             sights: position::sights(true).into_iter().take(2).collect(),
             points: 60,
-            rounds: 2,
         }
-    }
-
-    fn folder(path: &std::path::Path) -> RunFolder {
-        RunFolder::create(path, &RunEnvironment::default(), &RunPlan::default()).expect("empty")
     }
 
     fn row<'a>(rows: &'a [PrecisionRow], route: &str, condition: &str) -> &'a PrecisionRow {
@@ -212,23 +188,29 @@ mod tests {
     }
 
     #[test]
-    fn a_suite_is_measured_once_and_again_only_where_rows_are_missing() {
+    fn every_planned_row_is_measured_under_its_name() {
         let Some(gpu) = open_for_test(&GpuOptions::default()) else {
             return;
         };
-        let temporary = tempfile::tempdir().expect("a folder");
-        let run = folder(temporary.path());
         let suite = small();
         assert_eq!(suite.routes.len(), 5);
-        suite.measure(&gpu, &run).expect("measures");
-        let rows = run.precision().expect("rows");
-        let planned = suite.plan().keys().count();
-        assert_eq!(rows.len(), planned);
-        assert_eq!(run.precision_missing().expect("rows"), []);
+        let kernels = Kernels::new(&gpu, &suite.routes);
+        let mut rows = Vec::new();
+        for condition in suite.conditions() {
+            let measured = suite.rows(&condition, &kernels).expect("runs");
+            let ids =
+                |rows: &[PrecisionRow]| -> Vec<_> { rows.iter().map(|row| row.id()).collect() };
+            let (mut planned, mut found) = (ids(&suite.identities(&condition)), ids(&measured));
+            planned.sort_unstable();
+            found.sort_unstable();
+            assert_eq!(planned, found, "{condition:?}");
+            rows.extend(measured);
+        }
         for row in &rows {
-            assert_ne!(row.status, Status::Skipped, "{}: {}", row.key(), row.reason);
+            let name = row.id();
+            assert_ne!(row.status, Status::Skipped, "{name}: {}", row.reason);
             let says_why = row.status == Status::Ok || !row.reason.is_empty();
-            assert!(says_why, "{}", row.key());
+            assert!(says_why, "{name}");
         }
         // Known sizes: a gnomonic cubic on one degree is off by less than a metre on the surface, odd
         // degree 7 in absolute angles by hundreds of metres.
@@ -236,26 +218,48 @@ mod tests {
         let absolute = row(&rows, "odd-7", "heights=0");
         assert!(gnomonic.device_max_m.expect("measured") < 1.0);
         assert!((200.0..1200.0).contains(&absolute.device_max_m.expect("measured")));
-        assert!(gnomonic.cpu_ns.is_some() && gnomonic.operations_cost.is_some());
+        assert!(gnomonic.operations_cost.is_some());
+        let chosen = rows.iter().filter(|row| row.chosen).count();
+        assert_eq!(chosen, 2, "one in each region");
+        let verdict = gnomonic.verdict();
+        let figure = |name: &str| verdict.figures.iter().find(|(of, _)| *of == name);
         assert_eq!(
-            rows.iter().filter(|row| row.chosen).count(),
-            2,
-            "one in each region"
+            figure("device_max_m").map(|f| Some(f.1)),
+            Some(gnomonic.device_max_m)
         );
-        // Twin: without the last row, its condition is measured again and no other.
-        let file = temporary.path().join("precision.csv");
-        let whole = std::fs::read_to_string(&file).expect("text");
-        let end = whole.trim_end().rfind('\n').expect("rows") + 1;
-        std::fs::write(&file, &whole[..end]).expect("writable");
-        suite.measure(&gpu, &run).expect("measures");
-        assert_eq!(run.precision().expect("rows").len(), planned);
-        let again = std::fs::read_to_string(&file).expect("text");
-        assert!(again.starts_with(&whole[..end]));
         assert_eq!(
-            run.precision_times().expect("rows").len(),
-            (5 + 9) * 2,
-            "times are not measured again"
+            figure("expected_max_rad").map(|f| Some(f.1)),
+            Some(gnomonic.expected_max_rad)
         );
+        assert!(rows.iter().any(|row| row.part == PrecisionPart::Special));
+    }
+
+    #[test]
+    fn every_formula_is_timed_on_the_device() {
+        let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+            return;
+        };
+        let suite = small();
+        let mut kernels = Kernels::new(&gpu, &suite.routes);
+        kernels.prepare_timing().expect("fits");
+        assert!(kernels.time_empty().expect("runs").cpu_ms > 0.0);
+        let timed = suite.timed();
+        assert_eq!(
+            timed.len(),
+            5 + 9,
+            "five routes, three positions by three mappings"
+        );
+        for formula in &timed {
+            let time = kernels.time(formula).expect("runs");
+            assert!(
+                time.cpu_ms > 0.0 && time.evaluations > 0,
+                "{}",
+                formula.name()
+            );
+        }
+        // Twin: what was not compiled has no time.
+        let other = CoordinateRoute::parse("planes").expect("a route");
+        assert!(kernels.time(&TimedFormula::Coordinate(other)).is_err());
     }
 
     /// Rows of the small suite's first region, with the device's text of one route replaced.
@@ -270,10 +274,7 @@ mod tests {
         let odd = odd.expect("in the suite");
         let text = replace(&odd.program.wgsl());
         odd.device = coordinate_evaluator_of(&gpu, "odd-7", &odd.program, &text);
-        let times = Times::of(&[]);
-        Some(
-            coordinate::rows(&suite.places[0], None, suite.points, &kernels, &times).expect("runs"),
-        )
+        Some(coordinate::rows(&suite.places[0], None, suite.points, &kernels).expect("runs"))
     }
 
     #[test]
@@ -329,16 +330,15 @@ mod tests {
             let text = replace(&kernel.program.wgsl());
             kernel.device = coordinate_evaluator_of(&gpu, "replaced", &kernel.program, &text);
         }
-        let times = Times::of(&[]);
         let places = place::places(false).into_iter();
         let here = places.filter(|place| (place.extent_deg, place.latitude_deg) == cell);
         let mut rows = Vec::new();
         for place in here {
-            let of_place = coordinate::rows(&place, None, POINTS, &kernels, &times);
+            let of_place = coordinate::rows(&place, None, POINTS, &kernels);
             rows.extend(of_place.expect("runs"));
         }
         for name in special::names() {
-            rows.extend(special::rows(&name, &kernels, &times).expect("runs"));
+            rows.extend(special::rows(&name, &kernels).expect("runs"));
         }
         Some(rows)
     }
@@ -408,11 +408,10 @@ mod tests {
     ) -> Option<Vec<(String, f64, f64)>> {
         let gpu = open_for_test(&GpuOptions::default())?;
         let kernels = Kernels::new(&gpu, &[]);
-        let times = Times::of(&[]);
         let sights = position::sights(false);
         let here = sights.iter().filter(|s| s.is_default(distance_m, anchor));
-        let rows = here
-            .flat_map(|sight| position::rows(sight, QUICK_POINTS, &kernels, &times).expect("runs"));
+        let rows =
+            here.flat_map(|sight| position::rows(sight, QUICK_POINTS, &kernels).expect("runs"));
         let default = rows.filter(|row| row.route == "eye-region");
         let figures = default.map(|row| {
             let (metres, pixels) = (row.device_max_m, row.max_px);

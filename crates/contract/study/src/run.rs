@@ -1,0 +1,537 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The one runner: groups, verification before timing, shuffled blocks, resume, shards, A/A twins.
+//!
+//! Each value is appended to the run's folder as soon as it is measured, so that killing a run loses
+//! one sample. A run of several processes is the same folder measured by one process after another:
+//! the first verifies every case, the others make sure that they do the same work and time it again.
+
+use crate::schedule::{SplitMix64, block_order};
+use crate::{Context, Devices, Group, Planned, Request, Session, Study, StudyError};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use terrafill_results::{
+    Measurement, Note, Outcome, PlannedCase, Run, RunError, RunFolder, RunPlan, Shard, Status,
+    Verdict, repeated_cases,
+};
+
+/// Timed cases of a group that are measured twice: two pairs tell a group's noise from one freak, and
+/// cost little beside the group.
+const TWINS_PER_GROUP: usize = 2;
+
+/// Groups of fewer timed cases compare nothing with anything, so identical work tells nothing there.
+const MIN_CASES_FOR_TWINS: usize = 3;
+
+/// How a plan is measured.
+#[derive(Debug, Clone, Copy)]
+pub struct RunOptions {
+    /// Processes of the run: each is a replicate.
+    pub processes: u32,
+    /// Which of them this is, from 0. The first verifies.
+    pub process: u32,
+    /// Blocks measured and dropped at the start.
+    pub warm_up: u32,
+    /// Seed of the blocks' order and of the choice of twins.
+    pub seed: u64,
+    /// Part of the groups to measure; `None`: all.
+    pub shard: Option<Shard>,
+}
+
+/// Is told what is being done. The runner has no clock: who listens decides how often to say so.
+pub trait Progress {
+    /// - `done`, `all`: steps of this process: verified cases and measured blocks
+    fn step(&mut self, done: usize, all: usize, what: &str);
+}
+
+/// Says nothing.
+#[derive(Debug, Default, Clone, Copy)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn step(&mut self, _done: usize, _all: usize, _what: &str) {}
+}
+
+/// How cases ended, A/A twins not counted.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct RunOutcome {
+    /// Right.
+    pub ok: usize,
+    /// Wrong.
+    pub wrong: usize,
+    /// Wrong where the error is the question.
+    pub wrong_on_purpose: usize,
+    /// Broken off.
+    pub failed: usize,
+    /// Not run on this machine.
+    pub skipped: usize,
+    /// Planned and not measured.
+    pub missing: usize,
+}
+
+impl RunOutcome {
+    /// Of a run's folder as it is now.
+    ///
+    /// # Errors
+    /// As [`Run::load`].
+    pub fn of(folder: &Path) -> Result<Self, RunError> {
+        let run = Run::load(folder)?;
+        let mut outcome = Self::default();
+        for case in run.cases.iter().filter(|case| !case.is_twin()) {
+            *match case.outcome {
+                Outcome::Ok => &mut outcome.ok,
+                Outcome::Wrong if case.planned.may_be_wrong => &mut outcome.wrong_on_purpose,
+                Outcome::Wrong => &mut outcome.wrong,
+                Outcome::Failed => &mut outcome.failed,
+                Outcome::Skipped => &mut outcome.skipped,
+                Outcome::Missing => &mut outcome.missing,
+            } += 1;
+        }
+        Ok(outcome)
+    }
+}
+
+/// A group with its cases and their twins.
+struct PlannedGroup {
+    group: Box<dyn Group>,
+    name: String,
+    /// The group's cases, then twins.
+    cases: Vec<PlannedCase>,
+    /// Of each of `cases`: its place in the group.
+    work: Vec<usize>,
+}
+
+/// Everything that a run is to measure, and in which groups.
+pub struct Plan {
+    groups: Vec<PlannedGroup>,
+    plan: RunPlan,
+}
+
+impl Plan {
+    /// As written to `plan.json`.
+    #[must_use]
+    pub fn run_plan(&self) -> &RunPlan {
+        &self.plan
+    }
+}
+
+/// Plans what the studies are asked for.
+///
+/// # Errors
+/// [`StudyError::BadInput`] from a study, or for a case that is planned twice.
+pub fn plan(
+    studies: &[&dyn Study],
+    request: &Request,
+    options: &RunOptions,
+) -> Result<Plan, StudyError> {
+    let mut groups = Vec::new();
+    let mut skipped = Vec::new();
+    for study in studies {
+        let planned: Planned = study.plan(request)?;
+        for left_out in planned.skipped {
+            if !skipped.contains(&left_out) {
+                skipped.push(left_out);
+            }
+        }
+        groups.extend(planned.groups);
+    }
+    if let Some(Shard { index, count }) = options.shard {
+        let mut at = 0;
+        groups.retain(|_| {
+            at += 1;
+            (at - 1) % count == index - 1
+        });
+    }
+    let groups: Vec<PlannedGroup> = groups
+        .into_iter()
+        .map(|group| with_twins(group, options.seed))
+        .collect();
+    let plan = RunPlan {
+        cases: groups
+            .iter()
+            .flat_map(|group| group.cases.clone())
+            .collect(),
+        skipped,
+        processes: options.processes,
+        warm_up: options.warm_up,
+        seed: options.seed,
+        shard: options.shard,
+    };
+    match repeated_cases(&plan).as_slice() {
+        [] => Ok(Plan { groups, plan }),
+        [twice, ..] => Err(StudyError::BadInput(format!(
+            "case {twice:?} is planned twice, allowed: once"
+        ))),
+    }
+}
+
+fn with_twins(group: Box<dyn Group>, seed: u64) -> PlannedGroup {
+    let mut cases = group.cases().to_vec();
+    let mut work: Vec<usize> = (0..cases.len()).collect();
+    let timed: Vec<usize> = work
+        .iter()
+        .copied()
+        .filter(|&index| cases[index].samples > 0 && !cases[index].may_be_wrong)
+        .collect();
+    if timed.len() >= MIN_CASES_FOR_TWINS {
+        let order = SplitMix64::new(seed ^ timed.len() as u64).shuffled(timed.len());
+        for place in order.into_iter().take(TWINS_PER_GROUP) {
+            let original = &cases[timed[place]];
+            let twin = PlannedCase {
+                id: original.id.twin(),
+                ..original.clone()
+            };
+            work.push(timed[place]);
+            cases.push(twin);
+        }
+    }
+    PlannedGroup {
+        name: group.name(),
+        group,
+        cases,
+        work,
+    }
+}
+
+/// Measures in this process what the folder does not have yet.
+///
+/// # Errors
+/// [`StudyError`] when a group cannot be measured or the folder cannot be written. What was measured
+/// before stays.
+pub fn run(
+    plan: &Plan,
+    folder: &RunFolder,
+    devices: &Devices,
+    options: &RunOptions,
+    progress: &mut dyn Progress,
+) -> Result<(), StudyError> {
+    let measured = Run::load(folder.path())?;
+    let known: BTreeMap<String, Known> = measured
+        .cases
+        .iter()
+        .map(|case| (case.id().key(), Known::of(case, options.process)))
+        .collect();
+    let mut steps = Steps::new(plan, options, progress);
+    for group in &plan.groups {
+        let todo = Todo::new(group, &known, options);
+        if todo.is_empty() {
+            steps.skip(group);
+            continue;
+        }
+        steps.say(&group.name);
+        let context = Context {
+            devices,
+            folder: folder.path(),
+        };
+        let mut session = group.group.open(context)?;
+        let mut running = Running {
+            group,
+            folder,
+            options,
+            known: &known,
+            session: &mut *session,
+        };
+        let ready = running.verify(&todo, &mut steps)?;
+        running.measure(&todo, ready, &mut steps)?;
+    }
+    Ok(())
+}
+
+/// What the folder has of a case.
+struct Known {
+    status: Option<Status>,
+    notes: BTreeMap<String, String>,
+    /// Samples taken by this process.
+    samples: BTreeSet<u32>,
+}
+
+impl Known {
+    fn of(case: &terrafill_results::Case, process: u32) -> Self {
+        Self {
+            status: case.status(),
+            notes: case.notes().clone(),
+            samples: case.timed_samples(process),
+        }
+    }
+}
+
+/// What is left to do of a group in this process.
+struct Todo {
+    /// Cases to be verified.
+    verify: Vec<usize>,
+    /// Cases to be timed, with the first sample that is missing.
+    time: Vec<(usize, u32)>,
+}
+
+impl Todo {
+    fn new(group: &PlannedGroup, known: &BTreeMap<String, Known>, options: &RunOptions) -> Self {
+        let mut todo = Self {
+            verify: Vec::new(),
+            time: Vec::new(),
+        };
+        for (index, case) in group.cases.iter().enumerate() {
+            let known = known.get(&case.id.key());
+            let status = known.and_then(|known| known.status);
+            if status.is_none() && options.process == 0 {
+                todo.verify.push(index);
+            }
+            let may_be_timed = match status {
+                None => options.process == 0,
+                Some(Status::Ok) => true,
+                Some(Status::Wrong) => case.may_be_wrong,
+                Some(Status::Skipped | Status::Failed) => false,
+            };
+            let taken = known.map_or(0, |known| known.samples.len());
+            let taken = u32::try_from(taken).unwrap_or(u32::MAX);
+            if may_be_timed && taken < case.samples {
+                todo.time.push((index, taken));
+            }
+        }
+        todo
+    }
+
+    fn is_empty(&self) -> bool {
+        self.verify.is_empty() && self.time.is_empty()
+    }
+}
+
+/// Counts steps for whoever listens.
+struct Steps<'a> {
+    done: usize,
+    all: usize,
+    progress: &'a mut dyn Progress,
+}
+
+impl<'a> Steps<'a> {
+    fn new(plan: &Plan, options: &RunOptions, progress: &'a mut dyn Progress) -> Self {
+        let all = plan
+            .groups
+            .iter()
+            .map(|group| steps_of(group, options))
+            .sum();
+        Self {
+            done: 0,
+            all,
+            progress,
+        }
+    }
+
+    fn say(&mut self, what: &str) {
+        self.progress.step(self.done, self.all, what);
+    }
+
+    fn step(&mut self, what: &str) {
+        self.done = (self.done + 1).min(self.all);
+        self.say(what);
+    }
+
+    fn skip(&mut self, group: &PlannedGroup) {
+        self.done = (self.done + group.cases.len()).min(self.all);
+        self.say(&group.name);
+    }
+}
+
+/// Verified cases and measured blocks.
+fn steps_of(group: &PlannedGroup, options: &RunOptions) -> usize {
+    let blocks = group
+        .cases
+        .iter()
+        .map(|case| case.samples)
+        .max()
+        .unwrap_or(0);
+    let warm_up = if blocks > 0 {
+        warm_up(group, options)
+    } else {
+        0
+    };
+    group.cases.len() + (blocks + warm_up) as usize
+}
+
+fn warm_up(group: &PlannedGroup, options: &RunOptions) -> u32 {
+    group.group.warm_up().unwrap_or(options.warm_up)
+}
+
+/// A case that can be timed.
+#[derive(Clone, Copy)]
+struct Ready {
+    case: usize,
+    next_sample: u32,
+}
+
+struct Running<'a> {
+    group: &'a PlannedGroup,
+    folder: &'a RunFolder,
+    options: &'a RunOptions,
+    known: &'a BTreeMap<String, Known>,
+    session: &'a mut dyn Session,
+}
+
+impl Running<'_> {
+    fn key(&self, case: usize) -> String {
+        self.group.cases[case].id.key()
+    }
+
+    /// Verifies what is not verified yet and makes ready what is to be timed; twins stand for the
+    /// case whose work they repeat.
+    fn verify(&mut self, todo: &Todo, steps: &mut Steps<'_>) -> Result<Vec<Ready>, StudyError> {
+        let mut verdicts: BTreeMap<usize, Verdict> = BTreeMap::new();
+        let mut ready = Vec::new();
+        for case in 0..self.group.cases.len() {
+            let is_new = todo.verify.contains(&case);
+            let timed = todo.time.iter().find(|(index, _)| *index == case);
+            if !is_new && timed.is_none() {
+                steps.step(&self.group.name);
+                continue;
+            }
+            let work = self.group.work[case];
+            steps.step(&self.key(case));
+            let verdict = match verdicts.get(&work) {
+                Some(verdict) => verdict.clone(),
+                None => self.verdict(work, is_new)?,
+            };
+            verdicts.insert(work, verdict.clone());
+            if is_new {
+                self.record(case, work == case, &verdict)?;
+            } else if let Some(message) = self.contradiction(case, &verdict) {
+                self.fail(case, &message)?;
+                continue;
+            }
+            let may_be_timed = match verdict.status {
+                Status::Ok => true,
+                Status::Wrong => self.group.cases[case].may_be_wrong,
+                Status::Skipped | Status::Failed => false,
+            };
+            if let Some(&(_, next_sample)) = timed.filter(|_| may_be_timed) {
+                ready.push(Ready { case, next_sample });
+            }
+        }
+        Ok(ready)
+    }
+
+    fn verdict(&mut self, work: usize, is_new: bool) -> Result<Verdict, StudyError> {
+        match self.known.get(&self.key(work)) {
+            Some(known) if !is_new && known.status.is_some() => {
+                self.session.recheck(work, &known.notes)
+            }
+            _ => self.session.verify(work),
+        }
+    }
+
+    /// Why a case does not do what it did when it was verified.
+    fn contradiction(&self, case: usize, verdict: &Verdict) -> Option<String> {
+        let known = self.known.get(&self.key(case))?;
+        let then = known.status?;
+        (then != verdict.status).then(|| {
+            let (then, now) = (then.name(), verdict.status.name());
+            let process = self.options.process;
+            let reason = &verdict.reason;
+            format!("{then} when it was verified, {now} in process {process}: {reason}")
+        })
+    }
+
+    fn record(&self, case: usize, is_own: bool, verdict: &Verdict) -> Result<(), StudyError> {
+        let planned = &self.group.cases[case];
+        let key = planned.id.key();
+        // Figures first: a case with a row has all of them. A twin's are those of its original.
+        if is_own {
+            let figures: Vec<Measurement> = verdict
+                .figures
+                .iter()
+                .map(|&(metric, value)| self.measurement(&key, metric, 0, value))
+                .collect();
+            self.folder.append_measurements(&figures)?;
+            let notes: Vec<Note> = verdict
+                .notes
+                .iter()
+                .filter(|(_, text)| !text.is_empty())
+                .map(|(note, text)| Note {
+                    case: key.clone(),
+                    note: (*note).to_owned(),
+                    text: text.clone(),
+                })
+                .collect();
+            self.folder.append_notes(&notes)?;
+        }
+        Ok(self
+            .folder
+            .append_case(planned, verdict.status, &verdict.reason)?)
+    }
+
+    fn fail(&self, case: usize, message: &str) -> Result<(), StudyError> {
+        let planned = &self.group.cases[case];
+        Ok(self.folder.append_case(planned, Status::Failed, message)?)
+    }
+
+    fn measurement(&self, key: &str, metric: &str, sample: u32, value: f64) -> Measurement {
+        Measurement {
+            case: key.to_owned(),
+            metric: metric.to_owned(),
+            process: self.options.process,
+            sample,
+            value,
+        }
+    }
+
+    /// Measures every case once in each block, in an order that changes from block to block.
+    fn measure(
+        &mut self,
+        todo: &Todo,
+        mut ready: Vec<Ready>,
+        steps: &mut Steps<'_>,
+    ) -> Result<(), StudyError> {
+        let left = |ready: &[Ready], group: &PlannedGroup| {
+            let left = ready.iter().map(|case| {
+                group.cases[case.case]
+                    .samples
+                    .saturating_sub(case.next_sample)
+            });
+            left.max().unwrap_or(0)
+        };
+        if todo.time.is_empty() || left(&ready, self.group) == 0 {
+            return Ok(());
+        }
+        let mut block = 0;
+        while left(&ready, self.group) > 0 {
+            let is_warm_up = block < warm_up(self.group, self.options);
+            self.session.begin_block()?;
+            let order = block_order(
+                self.options.seed,
+                &self.group.name,
+                self.options.process,
+                block,
+                ready.len(),
+            );
+            let mut broken = BTreeSet::new();
+            for place in order {
+                let Ready { case, next_sample } = ready[place];
+                if next_sample >= self.group.cases[case].samples {
+                    continue;
+                }
+                match self.session.sample(self.group.work[case]) {
+                    Err(message) => {
+                        self.fail(case, &message)?;
+                        broken.insert(place);
+                    }
+                    Ok(_) if is_warm_up => {}
+                    Ok(values) => {
+                        let key = self.key(case);
+                        let rows: Vec<Measurement> = values
+                            .into_iter()
+                            .map(|(metric, value)| {
+                                self.measurement(&key, metric, next_sample + 1, value)
+                            })
+                            .collect();
+                        self.folder.append_measurements(&rows)?;
+                        ready[place].next_sample += 1;
+                    }
+                }
+            }
+            let mut place = 0;
+            ready.retain(|_| {
+                place += 1;
+                !broken.contains(&(place - 1))
+            });
+            block += 1;
+            steps.step(&self.group.name);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What a study promises the runner.
+
+use crate::Devices;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use terrafill_results::{Chapter, Metric, PlannedCase, Skipped, Verdict};
+
+/// How much is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub enum Depth {
+    /// Enough to see that it works, in minutes.
+    Quick,
+    /// What answers each study's main question.
+    #[default]
+    Main,
+    /// Everything there is.
+    Full,
+}
+
+/// What a run is asked for. Options that only one study knows are in `settings`.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Request {
+    /// Names of shipped scenes or paths of scene files; empty for all shipped ones.
+    pub scenes: Vec<String>,
+    /// Techniques to run; empty for all.
+    pub techniques: Vec<String>,
+    /// How much is measured.
+    pub depth: Depth,
+    /// Timed samples per case and process; `None`: each study's own number.
+    pub samples: Option<u32>,
+    /// Width and height of pictures, pixels.
+    pub size: [u32; 2],
+    /// Where real data lies.
+    pub data_dir: Option<PathBuf>,
+    /// Values of `--set`-like options of single studies, `ladder` → `planet-134`.
+    pub settings: BTreeMap<String, Vec<String>>,
+}
+
+/// Why a study cannot be planned or measured as a whole. What goes wrong with one case is that
+/// case's [`Verdict`] instead.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StudyError {
+    /// A scene, a name or a value is wrong; one line for each problem.
+    #[error("{0}")]
+    BadInput(String),
+    /// No device can run anything of it.
+    #[error("no usable device: {0}")]
+    NoDevice(String),
+    /// The device or something else broke in the middle.
+    #[error("{place}: {message}")]
+    Broken {
+        /// Group or case in hand.
+        place: String,
+        /// What happened.
+        message: String,
+    },
+    /// The run's folder.
+    #[error(transparent)]
+    Run(#[from] terrafill_results::RunError),
+}
+
+/// A study's cases.
+#[derive(Default)]
+pub struct Planned {
+    /// Cases in groups, each measured together.
+    pub groups: Vec<Box<dyn Group>>,
+    /// What was left out.
+    pub skipped: Vec<Skipped>,
+}
+
+/// What a session may use.
+#[derive(Debug, Clone, Copy)]
+pub struct Context<'a> {
+    /// Devices of the run.
+    pub devices: &'a Devices,
+    /// The run's folder; pictures go to `images/` in it.
+    pub folder: &'a Path,
+}
+
+/// One question with its cases, its figures, its way of checking and its chapter.
+pub trait Study: Sync {
+    /// In rows and on the command line.
+    fn name(&self) -> &'static str;
+
+    /// The question, in a line.
+    fn question(&self) -> &'static str;
+
+    /// Everything that it measures.
+    fn metrics(&self) -> &'static [Metric];
+
+    /// From which depth on it is part of a run that names no study.
+    fn least_depth(&self) -> Depth {
+        Depth::Quick
+    }
+
+    /// Its cases.
+    ///
+    /// # Errors
+    /// [`StudyError::BadInput`].
+    fn plan(&self, request: &Request) -> Result<Planned, StudyError>;
+
+    /// Its part of the report.
+    fn chapter(&self) -> &dyn Chapter;
+}
+
+/// Cases that share a device and a picture: measured together, interleaved.
+pub trait Group {
+    /// `planet-134/globe`.
+    fn name(&self) -> String;
+
+    /// Its cases.
+    fn cases(&self) -> &[PlannedCase];
+
+    /// Blocks to measure and drop at the start, where they are not the run's.
+    fn warm_up(&self) -> Option<u32> {
+        None
+    }
+
+    /// Gets ready to verify and measure them.
+    ///
+    /// # Errors
+    /// [`StudyError`] when no case of the group can be measured.
+    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError>;
+}
+
+/// A group being measured. Cases are known by their place in [`Group::cases`].
+pub trait Session {
+    /// Makes a case ready and holds it against the reference. Called once, before anything is timed.
+    ///
+    /// # Errors
+    /// [`StudyError`] when the session cannot go on; what is wrong with the case is its verdict.
+    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError>;
+
+    /// Makes a case ready that an earlier process has verified, and makes sure that it still does the
+    /// same work; the earlier verdict's notes are at hand. Verifies it once more by default.
+    ///
+    /// # Errors
+    /// As [`Session::verify`].
+    fn recheck(
+        &mut self,
+        case: usize,
+        _notes: &BTreeMap<String, String>,
+    ) -> Result<Verdict, StudyError> {
+        self.verify(case)
+    }
+
+    /// Called before each block, such as to draw what is under the fill.
+    ///
+    /// # Errors
+    /// [`StudyError::Broken`].
+    fn begin_block(&mut self) -> Result<(), StudyError> {
+        Ok(())
+    }
+
+    /// Measures a verified case once: metric names and values.
+    ///
+    /// # Errors
+    /// A message; the case fails with it and the others go on.
+    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String>;
+}

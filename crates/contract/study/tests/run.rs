@@ -1,0 +1,402 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The runner, measuring a made-up study.
+
+use std::cell::{Cell, RefCell};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::rc::Rc;
+use terrafill_results::{
+    Block, CaseId, Chapter, ChapterError, Kind, Metric, Outcome, PlannedCase, Run, RunEnvironment,
+    RunError, RunFolder, SCHEMA, Shard, Status, Verdict,
+};
+use terrafill_study::{
+    Context, Devices, Group, Plan, Planned, Request, RunOptions, RunOutcome, Session, Silent,
+    Study, StudyError, plan, run,
+};
+
+const METRICS: [Metric; 2] = [
+    Metric::less("cost_ms", "ms", Kind::Time, "What a made-up case costs."),
+    Metric::neither("draws", "", Kind::Counter, "Made-up draws."),
+];
+
+/// What the sessions did, and when they are to break.
+#[derive(Default)]
+struct Script {
+    verified: RefCell<Vec<usize>>,
+    rechecked: RefCell<Vec<usize>>,
+    sampled: RefCell<Vec<usize>>,
+    blocks: Cell<usize>,
+    /// Breaks off, as a killed process does, once so many samples were taken.
+    broken_after: Cell<Option<usize>>,
+    /// What a recheck answers.
+    recheck_status: Cell<Status>,
+}
+
+thread_local! {
+    static SCRIPT: RefCell<Rc<Script>> = RefCell::default();
+}
+
+fn script() -> Rc<Script> {
+    SCRIPT.with(|script| Rc::clone(&script.borrow()))
+}
+
+fn fresh_script() -> Rc<Script> {
+    SCRIPT.with(|script| *script.borrow_mut() = Rc::default());
+    script().recheck_status.set(Status::Ok);
+    script()
+}
+
+struct MadeUp {
+    groups: usize,
+}
+
+impl Chapter for MadeUp {
+    fn study(&self) -> &'static str {
+        "made-up"
+    }
+
+    fn title(&self) -> &'static str {
+        "Made up"
+    }
+
+    fn blocks(&self, _run: &Run) -> Result<Vec<Block>, ChapterError> {
+        Ok(Vec::new())
+    }
+}
+
+impl Study for MadeUp {
+    fn name(&self) -> &'static str {
+        "made-up"
+    }
+
+    fn question(&self) -> &'static str {
+        "none"
+    }
+
+    fn metrics(&self) -> &'static [Metric] {
+        &METRICS
+    }
+
+    fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
+        let group = |index| -> Box<dyn Group> {
+            Box::new(MadeUpGroup::new(index, request.samples.unwrap_or(3)))
+        };
+        Ok(Planned {
+            groups: (0..self.groups).map(group).collect(),
+            skipped: Vec::new(),
+        })
+    }
+
+    fn chapter(&self) -> &dyn Chapter {
+        self
+    }
+}
+
+/// Four right cases, one that is wrong, one that may be, one skipped, one that is only verified.
+struct MadeUpGroup {
+    name: String,
+    cases: Vec<PlannedCase>,
+}
+
+const STATUSES: [Status; 8] = [
+    Status::Ok,
+    Status::Ok,
+    Status::Ok,
+    Status::Ok,
+    Status::Wrong,
+    Status::Wrong,
+    Status::Skipped,
+    Status::Ok,
+];
+
+impl MadeUpGroup {
+    fn new(index: usize, samples: u32) -> Self {
+        let name = format!("group-{index}");
+        let cases = (0..STATUSES.len()).map(|case| PlannedCase {
+            id: CaseId::new(
+                "made-up",
+                format!("{name}/case-{case}"),
+                [("group", name.clone()), ("case", case.to_string())],
+            ),
+            samples: if case == 7 { 0 } else { samples },
+            may_be_wrong: case == 5,
+        });
+        Self {
+            cases: cases.collect(),
+            name,
+        }
+    }
+}
+
+impl Group for MadeUpGroup {
+    fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    fn cases(&self) -> &[PlannedCase] {
+        &self.cases
+    }
+
+    fn open<'a>(&'a self, _context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
+        Ok(Box::new(MadeUpSession))
+    }
+}
+
+struct MadeUpSession;
+
+impl Session for MadeUpSession {
+    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
+        script().verified.borrow_mut().push(case);
+        Ok(Verdict {
+            status: STATUSES[case],
+            reason: match STATUSES[case] {
+                Status::Ok => String::new(),
+                _ => "as the script says".to_owned(),
+            },
+            figures: vec![("draws", 7.0)],
+            notes: vec![("picture", format!("{case}.png"))],
+        })
+    }
+
+    fn recheck(
+        &mut self,
+        case: usize,
+        notes: &BTreeMap<String, String>,
+    ) -> Result<Verdict, StudyError> {
+        assert_eq!(notes["picture"], format!("{case}.png"));
+        script().rechecked.borrow_mut().push(case);
+        let status = match STATUSES[case] {
+            Status::Ok => script().recheck_status.get(),
+            status => status,
+        };
+        Ok(Verdict {
+            status,
+            ..Verdict::default()
+        })
+    }
+
+    fn begin_block(&mut self) -> Result<(), StudyError> {
+        script().blocks.set(script().blocks.get() + 1);
+        Ok(())
+    }
+
+    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+        let script = script();
+        if script.broken_after.get() == Some(script.sampled.borrow().len()) {
+            // What a kill leaves: nothing of this sample, everything of those before.
+            std::panic::panic_any("killed");
+        }
+        script.sampled.borrow_mut().push(case);
+        Ok(vec![("cost_ms", 1.0 + case as f64)])
+    }
+}
+
+fn options() -> RunOptions {
+    RunOptions {
+        processes: 1,
+        process: 0,
+        warm_up: 1,
+        seed: 4,
+        shard: None,
+    }
+}
+
+fn environment() -> RunEnvironment {
+    RunEnvironment {
+        schema: SCHEMA,
+        commit: "abc".to_owned(),
+        ..RunEnvironment::default()
+    }
+}
+
+fn planned(groups: usize, options: &RunOptions) -> Plan {
+    plan(&[&MadeUp { groups }], &Request::default(), options).expect("planned")
+}
+
+fn create(path: &Path, plan: &Plan) -> RunFolder {
+    RunFolder::create(path, environment(), plan.run_plan().clone(), &METRICS).expect("new")
+}
+
+fn measure(plan: &Plan, folder: &RunFolder, options: &RunOptions) {
+    run(plan, folder, &Devices::default(), options, &mut Silent).expect("measured");
+}
+
+#[test]
+fn every_case_is_verified_once_and_only_right_ones_are_timed() {
+    let script = fresh_script();
+    let place = tempfile::tempdir().expect("a folder");
+    let plan = planned(1, &options());
+    let folder = create(place.path(), &plan);
+    measure(&plan, &folder, &options());
+    assert_eq!(*script.verified.borrow(), [0, 1, 2, 3, 4, 5, 6, 7]);
+    let run = Run::load(place.path()).expect("a run");
+    for case in &run.cases {
+        let index: usize = case.condition("case").parse().expect("a number");
+        let times = case.replicates("cost_ms");
+        let is_timed = [0, 1, 2, 3, 5].contains(&index);
+        assert_eq!(times.len(), usize::from(is_timed), "{}", case.id());
+        assert_eq!(case.timed_samples(0).len(), if is_timed { 3 } else { 0 });
+        // A wrong case, unless its error is the question, is never timed.
+        let wrong = index == 4 || index == 5;
+        assert_eq!(case.outcome == Outcome::Wrong, wrong);
+    }
+    let twins: Vec<_> = run.cases.iter().filter(|case| case.is_twin()).collect();
+    assert_eq!(twins.len(), 2);
+    for twin in twins {
+        let original = run.case(twin.condition("repeats")).expect("the original");
+        assert_eq!(twin.value("cost_ms"), original.value("cost_ms"));
+        assert_eq!(original.value("draws"), Some(7.0));
+        assert_eq!(twin.value("draws"), None, "figures stand once");
+    }
+    let outcome = RunOutcome::of(place.path()).expect("read");
+    let expected = RunOutcome {
+        ok: 5,
+        wrong: 1,
+        wrong_on_purpose: 1,
+        skipped: 1,
+        ..RunOutcome::default()
+    };
+    assert_eq!(outcome, expected);
+    // Seven are timed, twins included, in three blocks and a warm-up.
+    assert_eq!(script.sampled.borrow().len(), 7 * 4);
+    assert_eq!(script.blocks.get(), 4);
+}
+
+#[test]
+fn a_killed_run_names_what_is_missing_and_goes_on_where_it_was() {
+    let script = fresh_script();
+    let place = tempfile::tempdir().expect("a folder");
+    let plan = planned(2, &options());
+    let folder = create(place.path(), &plan);
+    script.broken_after.set(Some(17));
+    let killed = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        measure(&plan, &folder, &options());
+    }));
+    assert!(killed.is_err());
+    let run = Run::load(place.path()).expect("a run");
+    let missing = |run: &Run| {
+        let cases = run
+            .cases
+            .iter()
+            .filter(|case| case.outcome == Outcome::Missing);
+        cases.count()
+    };
+    // Of the first group the seven that are timed, of the second all.
+    assert_eq!(missing(&run), 7 + 10);
+    let before: usize = run
+        .cases
+        .iter()
+        .map(|case| case.timed_samples(0).len())
+        .sum();
+    assert_eq!(before, 17 - 7, "the warm-up is not kept");
+    script.broken_after.set(None);
+    script.sampled.borrow_mut().clear();
+    let folder = RunFolder::resume(place.path(), &environment(), plan.run_plan()).expect("there");
+    measure(&plan, &folder, &options());
+    let run = Run::load(place.path()).expect("a run");
+    assert_eq!(missing(&run), 0);
+    for case in &run.cases {
+        let samples: Vec<u32> = case.timed_samples(0).into_iter().collect();
+        assert!(samples.is_empty() || samples == [1, 2, 3], "{}", case.id());
+    }
+    // Twin: what is complete is not measured again.
+    script.sampled.borrow_mut().clear();
+    script.verified.borrow_mut().clear();
+    measure(&plan, &folder, &options());
+    assert!(script.sampled.borrow().is_empty() && script.verified.borrow().is_empty());
+}
+
+#[test]
+fn another_process_rechecks_and_a_case_that_changed_fails() {
+    let script = fresh_script();
+    let place = tempfile::tempdir().expect("a folder");
+    let two = RunOptions {
+        processes: 2,
+        ..options()
+    };
+    let plan = planned(1, &two);
+    let folder = create(place.path(), &plan);
+    measure(&plan, &folder, &two);
+    let run = Run::load(place.path()).expect("a run");
+    assert!(
+        run.cases
+            .iter()
+            .any(|case| case.outcome == Outcome::Missing)
+    );
+    let second = RunOptions { process: 1, ..two };
+    measure(&plan, &folder, &second);
+    assert_eq!(*script.rechecked.borrow(), [0, 1, 2, 3, 5]);
+    let run = Run::load(place.path()).expect("a run");
+    assert!(
+        run.cases
+            .iter()
+            .all(|case| case.outcome != Outcome::Missing)
+    );
+    let right = &run.cases[0];
+    assert_eq!(right.replicates("cost_ms").len(), 2);
+
+    // Twin: a second process whose pictures differ.
+    let place = tempfile::tempdir().expect("a folder");
+    let folder = create(place.path(), &plan);
+    measure(&plan, &folder, &two);
+    script.recheck_status.set(Status::Wrong);
+    measure(&plan, &folder, &second);
+    let run = Run::load(place.path()).expect("a run");
+    assert_eq!(run.cases[0].outcome, Outcome::Failed);
+    assert!(
+        run.cases[0].reason.contains("wrong in process 1"),
+        "{}",
+        run.cases[0].reason
+    );
+}
+
+#[test]
+fn shards_share_the_groups_and_leave_none_out() {
+    fresh_script();
+    let mut seen = BTreeSet::new();
+    for index in 1..=2 {
+        let options = RunOptions {
+            shard: Some(Shard { index, count: 2 }),
+            ..options()
+        };
+        for case in &planned(3, &options).run_plan().cases {
+            assert!(seen.insert(case.id.key()), "in one shard only");
+        }
+    }
+    let all = planned(3, &options());
+    assert_eq!(seen.len(), all.run_plan().cases.len());
+}
+
+#[test]
+fn a_case_that_is_planned_twice_is_refused() {
+    fresh_script();
+    let made_up = MadeUp { groups: 1 };
+    let twice: [&dyn Study; 2] = [&made_up, &made_up];
+    let error = plan(&twice, &Request::default(), &options()).map(|_| ());
+    let error = error.expect_err("twice").to_string();
+    assert!(error.contains("made-up/group-0/case-0"), "{error}");
+}
+
+#[test]
+fn resuming_refuses_another_plan_and_another_commit() {
+    fresh_script();
+    let place = tempfile::tempdir().expect("a folder");
+    let plan = planned(1, &options());
+    create(place.path(), &plan);
+    let other = planned(2, &options());
+    let refused = |environment: &RunEnvironment, plan: &Plan| match RunFolder::resume(
+        place.path(),
+        environment,
+        plan.run_plan(),
+    ) {
+        Err(RunError::Occupied { message, .. }) => message,
+        other => panic!("{other:?}"),
+    };
+    assert!(refused(&environment(), &other).contains("plan differs"));
+    let newer = RunEnvironment {
+        commit: "def".to_owned(),
+        ..environment()
+    };
+    assert!(refused(&newer, &plan).contains("commit \"def\""));
+    assert!(RunFolder::resume(place.path(), &environment(), plan.run_plan()).is_ok());
+}
