@@ -14,7 +14,8 @@ use std::path::Path;
 ///
 /// `core ← scene ← fill ← backends ← {conformance, filling}`; `core ← texture ← {scene, fill,
 /// shaders}`; `{conformance, filling, report} → results`. Backends never name each other; the reference
-/// finds texture coordinates by itself. `report` opens no device, so it sees results only.
+/// finds texture coordinates by itself. `report` opens no device, so it sees results only, and the
+/// kit that plots are drawn with.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("core", &[]),
     ("texture", &["core"]),
@@ -28,6 +29,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("native", &["core", "scene", "fill", "shaders", "vulkan"]),
     ("reference", &["core", "scene", "fill"]),
     ("results", &[]),
+    ("plot", &["results"]),
     ("study", &["results"]),
     (
         "conformance",
@@ -62,14 +64,18 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "reference",
             "conformance",
             "results",
+            "plot",
         ],
     ),
-    ("growth", &["core", "scene", "fill", "results", "study"]),
+    (
+        "growth",
+        &["core", "scene", "fill", "results", "plot", "study"],
+    ),
     (
         "precision",
-        &["core", "texture", "fill", "gpu", "results", "study"],
+        &["core", "texture", "fill", "gpu", "results", "plot", "study"],
     ),
-    ("report", &["results"]),
+    ("report", &["results", "plot"]),
     (
         "terrafill",
         &[

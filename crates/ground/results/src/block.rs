@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a chapter of a report is made of. A study says what; `report` says how it looks.
 
-use crate::{Run, RunError};
+use crate::{Clock, Run, RunError};
 
 /// One study's part of a report, made from a run's tables alone.
 pub trait Chapter: Sync {
@@ -11,11 +11,20 @@ pub trait Chapter: Sync {
     /// Heading of the chapter.
     fn title(&self) -> &'static str;
 
+    /// The metric that ratios and rankings of this study compare, by the run's clock; `None` for a
+    /// study that times nothing. A/A noise is that of this metric.
+    fn primary_metric(&self, clock: Clock) -> Option<&'static str>;
+
     /// The chapter, empty when the run has nothing of its study.
     ///
     /// # Errors
     /// [`ChapterError`] when the run's figures cannot be what the study measures.
     fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError>;
+
+    /// What in the run's figures contradicts itself, a sentence each.
+    fn contradictions(&self, _run: &Run) -> Vec<String> {
+        Vec::new()
+    }
 
     /// Tables derived from the run for people's own tools, such as `summary.csv`.
     ///
@@ -53,11 +62,11 @@ pub struct DerivedTable {
 }
 
 /// A piece of a chapter.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Block {
     /// A heading within the chapter.
     Heading {
-        /// 2 for a section, 3 for a part of one.
+        /// 3 for a section, 4 for a part of one: the report's title is 1 and a chapter's 2.
         level: u8,
         /// Its words.
         text: String,
@@ -66,6 +75,10 @@ pub enum Block {
     Text(String),
     /// A remark in small print, such as what a figure leaves out.
     Remark(String),
+    /// Something wrong that must be seen.
+    Alarm(String),
+    /// Names or sentences, one below the other.
+    List(Vec<String>),
     /// Figures in rows and columns.
     Table(Table),
     /// Figures as a drawing.
@@ -74,24 +87,53 @@ pub enum Block {
     Pictures(Pictures),
     /// What the measurements say of a claim.
     Finding(Finding),
-    /// Blocks that a reader opens when asked to.
+    /// Blocks that a reader may open and close.
     Folded {
         /// What is in it.
         summary: String,
+        /// Whether it is open at first.
+        is_open: bool,
         /// The blocks.
         blocks: Vec<Block>,
     },
 }
 
+impl Block {
+    /// A section's heading.
+    #[must_use]
+    pub fn section(text: impl Into<String>) -> Self {
+        Self::Heading {
+            level: 3,
+            text: text.into(),
+        }
+    }
+
+    /// Names under a heading, open where they are few; nothing where there are none.
+    #[must_use]
+    pub fn folded_list(summary: impl Into<String>, items: Vec<String>) -> Option<Self> {
+        /// As many lines as fit on a screen.
+        const MAX_OPEN: usize = 24;
+        (!items.is_empty()).then(|| Self::Folded {
+            summary: summary.into(),
+            is_open: items.len() <= MAX_OPEN,
+            blocks: vec![Self::List(items)],
+        })
+    }
+}
+
 /// A table.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Table {
-    /// What it shows.
+    /// What it shows; empty where the text above says it.
     pub caption: String,
     /// Columns.
     pub headings: Vec<Heading>,
     /// Rows, each with a cell for every heading.
     pub rows: Vec<Row>,
+    /// Whether it is one of the few that `summary.md` repeats.
+    pub is_main: bool,
+    /// Headings are written upwards, for many narrow columns.
+    pub has_upright_headings: bool,
 }
 
 /// A column.
@@ -99,8 +141,40 @@ pub struct Table {
 pub struct Heading {
     /// As shown.
     pub text: String,
-    /// What it means, for a reader who points at it: a metric's meaning.
+    /// Name of the metric that the column shows, whose meaning a reader who points at the heading
+    /// sees; empty for a column that is no metric.
+    pub metric: String,
+    /// What it means where it is no metric.
     pub meaning: String,
+}
+
+impl Heading {
+    /// A column that needs no explanation.
+    #[must_use]
+    pub fn plain(text: impl Into<String>) -> Self {
+        Self {
+            text: text.into(),
+            ..Self::default()
+        }
+    }
+
+    /// A column that is explained here.
+    #[must_use]
+    pub fn explained(text: impl Into<String>, meaning: impl Into<String>) -> Self {
+        Self {
+            meaning: meaning.into(),
+            ..Self::plain(text)
+        }
+    }
+
+    /// A metric's column.
+    #[must_use]
+    pub fn metric(text: impl Into<String>, metric: impl Into<String>) -> Self {
+        Self {
+            metric: metric.into(),
+            ..Self::plain(text)
+        }
+    }
 }
 
 /// A row of a table.
@@ -110,6 +184,31 @@ pub struct Row {
     pub cells: Vec<Cell>,
     /// How the case ended, for the row's look: `ok`, `wrong`, … or empty.
     pub status: String,
+    /// Stands below the row, over its whole width; empty for nothing.
+    pub remark: String,
+}
+
+impl Row {
+    /// A row without a status.
+    #[must_use]
+    pub fn new(cells: Vec<Cell>) -> Self {
+        Self {
+            cells,
+            ..Self::default()
+        }
+    }
+
+    /// Every figure of the row is bad news.
+    #[must_use]
+    pub fn bad_if(mut self, is_bad: bool) -> Self {
+        if is_bad {
+            let cells = self.cells.iter_mut();
+            for cell in cells.filter(|cell| cell.class == CellClass::Plain) {
+                cell.class = CellClass::Bad;
+            }
+        }
+        self
+    }
 }
 
 /// A cell.
@@ -117,6 +216,8 @@ pub struct Row {
 pub struct Cell {
     /// As shown.
     pub text: String,
+    /// In small print below; empty for nothing.
+    pub detail: String,
     /// Why it is empty, or why it does not count; becomes a footnote for those two.
     pub title: String,
     /// How it looks.
@@ -164,10 +265,16 @@ impl Cell {
     #[must_use]
     pub fn absent(why: impl Into<String>) -> Self {
         Self {
-            text: "–".to_owned(),
             title: why.into(),
             class: CellClass::Absent,
+            ..Self::plain("–")
         }
+    }
+
+    /// A figure, or an empty cell with its reason.
+    #[must_use]
+    pub fn or_absent(text: Option<String>, why: impl Into<String>) -> Self {
+        text.map_or_else(|| Self::absent(why), Self::plain)
     }
 }
 
@@ -176,7 +283,7 @@ impl Cell {
 pub struct Plot {
     /// What it shows.
     pub caption: String,
-    /// The drawing.
+    /// The drawing, as `terrafill-plot` makes it.
     pub svg: String,
 }
 
@@ -185,8 +292,18 @@ pub struct Plot {
 pub struct Pictures {
     /// What they show.
     pub caption: String,
-    /// In rows as the page has room for.
+    /// In rows as the page has room for. Figures whose pictures are the same to the byte are shown
+    /// once, with the notes of all.
+    pub figures: Vec<PictureFigure>,
+}
+
+/// Pictures that belong together: a picture beside its difference from the reference.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct PictureFigure {
+    /// Left to right.
     pub pictures: Vec<Picture>,
+    /// A line for each case that it shows.
+    pub notes: Vec<String>,
 }
 
 /// A picture.
@@ -194,7 +311,7 @@ pub struct Pictures {
 pub struct Picture {
     /// Path within the run's folder.
     pub path: String,
-    /// What it shows.
+    /// What it shows, in a word or two.
     pub caption: String,
 }
 
@@ -205,7 +322,7 @@ pub struct Finding {
     pub claim: String,
     /// What is said of it.
     pub standing: Standing,
-    /// By which figures.
+    /// By which figures; empty where the claim has them.
     pub because: String,
 }
 
@@ -218,9 +335,21 @@ pub enum Standing {
     DoesNotHold,
     /// The interval has both, or there is none.
     CannotTell,
+    /// No case of it was measured.
+    NotMeasured,
 }
 
 impl Standing {
+    /// Of something that is exact.
+    #[must_use]
+    pub fn holds_if(holds: bool) -> Self {
+        if holds {
+            Self::Holds
+        } else {
+            Self::DoesNotHold
+        }
+    }
+
     /// In words.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -228,6 +357,7 @@ impl Standing {
             Self::Holds => "holds",
             Self::DoesNotHold => "does not hold",
             Self::CannotTell => "cannot tell",
+            Self::NotMeasured => "not measured",
         }
     }
 }

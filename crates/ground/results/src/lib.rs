@@ -12,24 +12,33 @@ mod block;
 mod case;
 mod environment;
 mod folder;
+mod front;
 pub mod legacy;
+pub mod made_up;
 mod merge;
 mod metric;
+mod noise;
 mod plan;
+mod ratio;
 mod read;
+mod resample;
 mod statistic;
+pub mod threshold;
 
 pub use block::{
     Block, Cell, CellClass, Chapter, ChapterError, DerivedTable, Finding, Heading, Picture,
-    Pictures, Plot, Row, Standing, Table,
+    PictureFigure, Pictures, Plot, Row, Standing, Table,
 };
 pub use case::{CaseId, CaseRow, Measurement, Note, PlannedCase, REPEATS, Status, Verdict};
 pub use environment::{Clock, RunEnvironment};
 pub use folder::{
     CASE_COLUMNS, MEASUREMENT_COLUMNS, METRIC_COLUMNS, NOTE_COLUMNS, RunError, RunFolder, SCHEMA,
 };
+pub use front::{Candidate, front, front_survival};
 pub use merge::{MergeError, merge};
 pub use metric::{Direction, Kind, Metric, MetricRow};
+pub use noise::Noise;
 pub use plan::{RunPlan, Shard, Skipped};
+pub use ratio::{Claim, Estimate, exponent, process_medians, ratio, sample_spread};
 pub use read::{Case, Outcome, Run, Samples, repeated_cases};
 pub use statistic::{Spread, median, quantile, spread};

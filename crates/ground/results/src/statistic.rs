@@ -48,6 +48,18 @@ pub fn spread(values: &[f64]) -> Option<Spread> {
     })
 }
 
+impl Spread {
+    /// The same divided by a baseline.
+    #[must_use]
+    pub fn over(self, baseline: f64) -> Self {
+        Self {
+            p5: self.p5 / baseline,
+            median: self.median / baseline,
+            p95: self.p95 / baseline,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,6 +8,7 @@ mod chapter;
 mod measure;
 mod study;
 
+pub use chapter::GrowthChapter;
 pub use measure::{GrowthProgram, growth_sample};
 pub use study::GrowthStudy;
 

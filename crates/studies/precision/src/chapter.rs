@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! placeholder until the merge
-use terrafill_results::{Block, Chapter, ChapterError, Run};
+use terrafill_results::{Block, Chapter, ChapterError, Clock, Run};
 
 /// The chapter.
 #[derive(Debug, Clone, Copy)]
@@ -13,6 +13,10 @@ impl Chapter for PrecisionChapter {
 
     fn title(&self) -> &'static str {
         "Precision"
+    }
+
+    fn primary_metric(&self, clock: Clock) -> Option<&'static str> {
+        Some(clock.pick("gpu_ns", "cpu_ns"))
     }
 
     fn blocks(&self, _run: &Run) -> Result<Vec<Block>, ChapterError> {

@@ -24,6 +24,7 @@ mod suite;
 mod timing;
 mod vertex;
 
+pub use chapter::PrecisionChapter;
 pub use findings::suite_findings;
 pub use row::{PrecisionPart, PrecisionRow};
 pub use study::PrecisionStudy;

@@ -12,6 +12,7 @@ mod glossary;
 mod growth;
 mod interval;
 mod ladder;
+mod markdown;
 mod matrix;
 mod memory;
 mod number;
@@ -25,8 +26,13 @@ mod run_data;
 mod statistic;
 mod subdivision;
 mod textured;
+mod verdict;
+mod view;
+mod write;
 
-pub use error::ReportError;
+pub use error::{ReportError, WriteError};
+pub use verdict::{Counts, Verdict};
+pub use write::{WrittenReport, write};
 
 use run_data::{Outcome, RunData};
 use std::path::{Path, PathBuf};

@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A drawing in pixels on plotters' SVG backend: the few marks that the plots are made of.
+
+use crate::PlotError;
+use crate::palette::{INK, Marker, PAPER, Stroke, hex};
+use plotters::coord::Shift;
+use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
+use plotters::prelude::{Color, DrawingArea, IntoDrawingArea, IntoFont, RGBAColor, SVGBackend};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{FontStyle, FontTransform, RGBColor, ShapeStyle};
+
+/// Text height of labels, CSS pixels.
+pub(crate) const TEXT_PX: f64 = 12.0;
+
+/// plotters writes this part of the asked size into the SVG.
+const FONT_SIZE_RATIO: f64 = 1.24;
+
+/// Mean advance of a sans-serif character over the text height, on the wide side.
+const ADVANCE: f64 = 0.56;
+
+/// Half the size of a marker, pixels.
+pub(crate) const MARKER_PX: f64 = 4.5;
+
+/// Which point of a text stands at the given position.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Anchor {
+    Left,
+    Middle,
+    Right,
+}
+
+/// A drawing under way.
+pub(crate) struct Canvas<'a> {
+    area: DrawingArea<SVGBackend<'a>, Shift>,
+    plot: &'a str,
+}
+
+/// Draws into an SVG element of `width` by `height` pixels named `title`.
+///
+/// # Errors
+/// [`PlotError`].
+pub(crate) fn svg(
+    title: &str,
+    width: f64,
+    height: f64,
+    draw: impl FnOnce(&Canvas<'_>) -> Result<(), PlotError>,
+) -> Result<String, PlotError> {
+    let mut text = String::new();
+    {
+        let size = (px(width).unsigned_abs(), px(height).unsigned_abs());
+        let canvas = Canvas {
+            area: SVGBackend::with_string(&mut text, size).into_drawing_area(),
+            plot: title,
+        };
+        draw(&canvas)?;
+        let finished = canvas.area.present();
+        canvas.drawn(finished)?;
+    }
+    let label = title.replace('&', "&amp;").replace('"', "&quot;");
+    let label = label.replace('<', "&lt;");
+    Ok(text
+        .replacen(
+            "<svg ",
+            &format!("<svg role=\"img\" aria-label=\"{label}\" "),
+            1,
+        )
+        .replace(&hex(INK), "currentColor")
+        .replace(&hex(PAPER), "var(--paper)"))
+}
+
+/// Width of `text` as drawn, about.
+pub(crate) fn text_width(text: &str, size: f64) -> f64 {
+    text.chars().count() as f64 * size * ADVANCE
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "coordinates of a drawing are thousands at most"
+)]
+fn px(value: f64) -> i32 {
+    value.round() as i32
+}
+
+fn point(x: f64, y: f64) -> (i32, i32) {
+    (px(x), px(y))
+}
+
+impl Canvas<'_> {
+    fn drawn<T, E: std::fmt::Display>(&self, result: Result<T, E>) -> Result<(), PlotError> {
+        result.map(|_| ()).map_err(|error| PlotError {
+            plot: self.plot.to_owned(),
+            message: error.to_string(),
+        })
+    }
+
+    /// A line of the page's ink.
+    pub(crate) fn rule(&self, from: [f64; 2], to: [f64; 2], opacity: f64) -> Result<(), PlotError> {
+        self.path(&[from, to], INK.mix(opacity), 1)
+    }
+
+    /// Dashes between two points.
+    pub(crate) fn dashes(&self, from: [f64; 2], to: [f64; 2]) -> Result<(), PlotError> {
+        const DASH_PX: f64 = 5.0;
+        const GAP_PX: f64 = 4.0;
+        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let mut start = 0.0;
+        while start < length {
+            let end = (start + DASH_PX).min(length);
+            let at = |s: f64| {
+                let t = s / length;
+                [
+                    from[0] + t * (to[0] - from[0]),
+                    from[1] + t * (to[1] - from[1]),
+                ]
+            };
+            self.path(&[at(start), at(end)], INK.mix(0.75), 1)?;
+            start = end + GAP_PX;
+        }
+        Ok(())
+    }
+
+    /// A polyline.
+    pub(crate) fn path(
+        &self,
+        points: &[[f64; 2]],
+        colour: RGBAColor,
+        width: u32,
+    ) -> Result<(), PlotError> {
+        let points: Vec<_> = points.iter().map(|p| point(p[0], p[1])).collect();
+        let style = ShapeStyle::from(&colour).stroke_width(width);
+        self.drawn(self.area.draw(&PathElement::new(points, style)))
+    }
+
+    /// A filled rectangle between two corners.
+    pub(crate) fn bar(
+        &self,
+        from: [f64; 2],
+        to: [f64; 2],
+        colour: RGBAColor,
+    ) -> Result<(), PlotError> {
+        let corners = [point(from[0], from[1]), point(to[0], to[1])];
+        self.drawn(self.area.draw(&Rectangle::new(corners, colour.filled())))
+    }
+
+    /// A line of text in the page's ink.
+    pub(crate) fn text(&self, text: &str, at: [f64; 2], anchor: Anchor) -> Result<(), PlotError> {
+        self.styled_text(text, at, anchor, FontStyle::Normal, FontTransform::None)
+    }
+
+    /// A line of text about its middle in the colour of what it names.
+    pub(crate) fn coloured_text(
+        &self,
+        text: &str,
+        at: [f64; 2],
+        colour: RGBColor,
+    ) -> Result<(), PlotError> {
+        let style = ("sans-serif", TEXT_PX * FONT_SIZE_RATIO)
+            .into_font()
+            .color(&colour)
+            .pos(Pos::new(HPos::Center, VPos::Center));
+        self.drawn(
+            self.area
+                .draw(&Text::new(text.to_owned(), point(at[0], at[1]), style)),
+        )
+    }
+
+    /// The same, bold.
+    pub(crate) fn heading(
+        &self,
+        text: &str,
+        at: [f64; 2],
+        anchor: Anchor,
+    ) -> Result<(), PlotError> {
+        self.styled_text(text, at, anchor, FontStyle::Bold, FontTransform::None)
+    }
+
+    /// Text that reads upwards, for a vertical axis.
+    pub(crate) fn upright_text(&self, text: &str, at: [f64; 2]) -> Result<(), PlotError> {
+        self.styled_text(
+            text,
+            at,
+            Anchor::Middle,
+            FontStyle::Normal,
+            FontTransform::Rotate270,
+        )
+    }
+
+    fn styled_text(
+        &self,
+        text: &str,
+        at: [f64; 2],
+        anchor: Anchor,
+        style: FontStyle,
+        transform: FontTransform,
+    ) -> Result<(), PlotError> {
+        let anchor = match anchor {
+            Anchor::Left => HPos::Left,
+            Anchor::Middle => HPos::Center,
+            Anchor::Right => HPos::Right,
+        };
+        let style = ("sans-serif", TEXT_PX * FONT_SIZE_RATIO)
+            .into_font()
+            .style(style)
+            .transform(transform)
+            .color(&INK)
+            .pos(Pos::new(anchor, VPos::Center));
+        self.drawn(
+            self.area
+                .draw(&Text::new(text.to_owned(), point(at[0], at[1]), style)),
+        )
+    }
+
+    /// A point of a curve.
+    pub(crate) fn marker(&self, at: [f64; 2], stroke: Stroke) -> Result<(), PlotError> {
+        let [x, y] = at;
+        let r = MARKER_PX;
+        let fill = ShapeStyle::from(&stroke.colour).filled();
+        let corners = |corners: &[[f64; 2]]| {
+            let points: Vec<_> = corners
+                .iter()
+                .map(|c| point(x + c[0] * r, y + c[1] * r))
+                .collect();
+            Polygon::new(points, fill)
+        };
+        match stroke.marker {
+            Marker::Circle => self.drawn(self.area.draw(&Circle::new(point(x, y), px(r), fill))),
+            Marker::Square => self.bar([x - r, y - r], [x + r, y + r], stroke.colour.mix(1.0)),
+            Marker::Triangle => {
+                let triangle = corners(&[[-1.1, 0.9], [1.1, 0.9], [0.0, -1.1]]);
+                self.drawn(self.area.draw(&triangle))
+            }
+            Marker::Diamond => {
+                let diamond = corners(&[[-1.3, 0.0], [0.0, 1.3], [1.3, 0.0], [0.0, -1.3]]);
+                self.drawn(self.area.draw(&diamond))
+            }
+        }
+    }
+
+    /// A cross: no result, or none that counts.
+    pub(crate) fn cross(&self, at: [f64; 2], colour: RGBColor) -> Result<(), PlotError> {
+        let [x, y] = at;
+        let r = MARKER_PX;
+        self.path(&[[x - r, y - r], [x + r, y + r]], colour.mix(1.0), 2)?;
+        self.path(&[[x - r, y + r], [x + r, y - r]], colour.mix(1.0), 2)
+    }
+
+    /// A ring around a marker.
+    pub(crate) fn ring(&self, at: [f64; 2]) -> Result<(), PlotError> {
+        let style = ShapeStyle::from(&INK).stroke_width(1);
+        let ring = Circle::new(point(at[0], at[1]), px(MARKER_PX + 3.5), style);
+        self.drawn(self.area.draw(&ring))
+    }
+
+    /// A small open mark: a second figure of a point.
+    pub(crate) fn open_marker(&self, at: [f64; 2], colour: RGBColor) -> Result<(), PlotError> {
+        for (radius, style) in [
+            (MARKER_PX - 1.0, ShapeStyle::from(&colour).filled()),
+            (MARKER_PX - 2.5, ShapeStyle::from(&PAPER).filled()),
+        ] {
+            let disc = Circle::new(point(at[0], at[1]), px(radius), style);
+            self.drawn(self.area.draw(&disc))?;
+        }
+        Ok(())
+    }
+
+    /// A whisker with end caps, along an axis.
+    pub(crate) fn whisker(
+        &self,
+        from: [f64; 2],
+        to: [f64; 2],
+        colour: RGBColor,
+    ) -> Result<(), PlotError> {
+        const CAP_PX: f64 = 3.0;
+        let colour = colour.mix(0.9);
+        self.path(&[from, to], colour, 1)?;
+        let is_level = (to[1] - from[1]).abs() < (to[0] - from[0]).abs();
+        let cap = if is_level {
+            [0.0, CAP_PX]
+        } else {
+            [CAP_PX, 0.0]
+        };
+        for [x, y] in [from, to] {
+            self.path(
+                &[[x - cap[0], y - cap[1]], [x + cap[0], y + cap[1]]],
+                colour,
+                1,
+            )?;
+        }
+        Ok(())
+    }
+}

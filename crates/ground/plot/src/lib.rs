@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The drawing kit of a report's chapters: numbers as people read them, and plots as inline SVG that
+//! takes text colour and background from the page.
+//!
+//! A chapter says what is drawn, such as [`WorkPrecision`] or [`RatioPlot`]; nothing here knows a
+//! study. Text is measured by an estimate, since the reader's font is not known; labels therefore have
+//! room to spare.
+
+mod bars;
+mod canvas;
+mod labels;
+mod lines;
+mod log_log;
+pub mod number;
+mod palette;
+mod panels;
+mod ratio;
+mod scale;
+mod steps;
+mod work_precision;
+
+pub use bars::{Bar, Bars};
+pub use lines::{Line, Lines};
+pub use palette::{Palette, dark_rules};
+pub use panels::{Arrangement, named_aside, panels};
+pub use ratio::{RatioAxis, RatioGroup, RatioPlot, RatioRow};
+pub use scale::length;
+pub use steps::{Step, Steps};
+pub use work_precision::{
+    Curve, Point, PointStanding, Reading, ReferenceLine, Upwards, WorkPrecision,
+};
+
+/// Width of every plot, pixels.
+pub(crate) const WIDTH_PX: f64 = 1080.0;
+
+/// Longest label before its middle is left out.
+const LABEL_CHARS: usize = 62;
+
+/// A plot could not be drawn.
+#[derive(Debug, thiserror::Error)]
+#[error("plot {plot:?}: {message}")]
+pub struct PlotError {
+    /// Which plot.
+    pub plot: String,
+    /// Why.
+    pub message: String,
+}
+
+impl From<PlotError> for terrafill_results::ChapterError {
+    fn from(error: PlotError) -> Self {
+        Self::Block {
+            what: format!("plot {:?}", error.plot),
+            message: error.message,
+        }
+    }
+}
+
+/// A row's label as a plot has room for it.
+fn label(text: &str) -> String {
+    number::elided(text, LABEL_CHARS)
+}
+
+/// Width of the label column: as the longest label needs.
+fn label_column<'a>(labels: impl IntoIterator<Item = &'a str>) -> f64 {
+    let lengths = labels.into_iter().map(|text| label(text).chars().count());
+    let longest = lengths.max().unwrap_or(0);
+    longest as f64 * canvas::text_width("m", canvas::TEXT_PX) + 16.0
+}

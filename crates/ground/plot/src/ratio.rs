@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Ratios to a baseline: a dot with its 5–95 % whisker per row, in groups.
+//!
+//! Dots in rows rather than grouped bars: a ratio has no zero on a logarithmic axis, and a row has
+//! room for a variant's whole name. Rows without a ratio that counts stand at the right edge with
+//! their reason in words.
+
+use crate::canvas::{Anchor, Canvas, MARKER_PX, svg};
+use crate::palette::{INK, Palette};
+use crate::scale::{LogScale, tick_label};
+use crate::{PlotError, WIDTH_PX, label, label_column};
+use plotters::style::RGBColor;
+use terrafill_results::Spread;
+
+const ROW_PX: f64 = 19.0;
+/// Room above each group after the first.
+const GROUP_GAP_PX: f64 = 8.0;
+const TOP_PX: f64 = 26.0;
+const AXIS_PX: f64 = 48.0;
+const VALUE_COLUMN_PX: f64 = 210.0;
+
+/// What an axis of ratios says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RatioAxis<'a> {
+    /// Below the axis.
+    pub title: &'a str,
+    /// Above the line at 1.
+    pub one: &'a str,
+}
+
+/// A plot to be.
+#[derive(Debug, Clone)]
+pub struct RatioPlot<'a> {
+    /// For readers who do not see it.
+    pub title: String,
+    /// What the axis says.
+    pub axis: RatioAxis<'a>,
+    /// Top to bottom.
+    pub groups: Vec<RatioGroup>,
+}
+
+/// Rows under one heading.
+#[derive(Debug, Clone, Default)]
+pub struct RatioGroup {
+    /// The heading.
+    pub name: String,
+    /// A dashed line through the group, and what it is called.
+    pub dashed: Option<(f64, String)>,
+    /// Top to bottom.
+    pub rows: Vec<RatioRow>,
+}
+
+/// A row.
+#[derive(Debug, Clone)]
+pub struct RatioRow {
+    /// Left of the axis.
+    pub label: String,
+    /// Its curve as in the palette.
+    pub series: String,
+    /// The ratio, or why there is none.
+    pub ratio: Result<Spread, String>,
+}
+
+impl RatioPlot<'_> {
+    /// Draws the plot; `None` when no row has a ratio.
+    ///
+    /// # Errors
+    /// [`PlotError`].
+    pub fn draw(&self, palette: &Palette) -> Result<Option<String>, PlotError> {
+        let rows = || self.groups.iter().flat_map(|group| &group.rows);
+        let height: f64 = self.groups.iter().map(RatioGroup::height).sum();
+        let frame = AxisFrame::new(
+            self.axis,
+            rows().filter_map(|row| row.ratio.as_ref().ok().copied()),
+            self.groups
+                .iter()
+                .filter_map(|group| group.dashed.as_ref().map(|(at, _)| *at)),
+            rows().map(|row| row.label.as_str()),
+            VALUE_COLUMN_PX,
+            [TOP_PX, TOP_PX + height],
+        );
+        let Some(frame) = frame else {
+            return Ok(None);
+        };
+        svg(&self.title, WIDTH_PX, frame.height(), |canvas| {
+            frame.draw(canvas)?;
+            let mut y = TOP_PX + ROW_PX * 0.5;
+            for group in &self.groups {
+                group.draw(canvas, palette, &frame, y)?;
+                y += group.height();
+            }
+            Ok(())
+        })
+        .map(Some)
+    }
+}
+
+impl RatioGroup {
+    fn height(&self) -> f64 {
+        ROW_PX * (self.rows.len() + 1) as f64 + GROUP_GAP_PX
+    }
+
+    fn draw(
+        &self,
+        canvas: &Canvas<'_>,
+        palette: &Palette,
+        frame: &AxisFrame<'_>,
+        top: f64,
+    ) -> Result<(), PlotError> {
+        canvas.heading(&self.name, [frame.left - 10.0, top], Anchor::Right)?;
+        if let Some((at, name)) = &self.dashed {
+            let x = frame.scale.px(*at);
+            let end = top + ROW_PX * (self.rows.len() as f64 + 0.4);
+            canvas.dashes([x, top - ROW_PX * 0.4], [x, end])?;
+            frame.draw_value(canvas, name, top)?;
+        }
+        for (row, number) in self.rows.iter().zip(1_u32..) {
+            let y = top + ROW_PX * f64::from(number);
+            frame.draw_label(canvas, &row.label, y)?;
+            let stroke = palette.stroke(&row.series);
+            match &row.ratio {
+                Err(why) => frame.draw_absent(canvas, why, y)?,
+                Ok(ratio) => {
+                    frame.draw_whisker(canvas, *ratio, y, stroke.colour)?;
+                    canvas.marker([frame.scale.px(ratio.median), y], stroke)?;
+                    let value = format!("{} ×", crate::number::significant(ratio.median));
+                    frame.draw_value(canvas, &value, y)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// An axis of ratios with its place, and a column of values at its right.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AxisFrame<'a> {
+    axis: RatioAxis<'a>,
+    pub(crate) scale: LogScale,
+    pub(crate) left: f64,
+    right: f64,
+    top: f64,
+    bottom: f64,
+}
+
+impl<'a> AxisFrame<'a> {
+    /// An axis that holds `ratios` and 1; `None` without a ratio.
+    ///
+    /// - `labels`: of the rows
+    /// - `value_column`: room at the right
+    /// - `[top, bottom]`: of the rows
+    pub(crate) fn new<'l>(
+        axis: RatioAxis<'a>,
+        ratios: impl Iterator<Item = Spread>,
+        others: impl IntoIterator<Item = f64>,
+        labels: impl IntoIterator<Item = &'l str>,
+        value_column: f64,
+        [top, bottom]: [f64; 2],
+    ) -> Option<Self> {
+        let ratios: Vec<f64> = ratios.flat_map(|ratio| [ratio.p5, ratio.p95]).collect();
+        if ratios.is_empty() {
+            return None;
+        }
+        let (left, right) = (label_column(labels), WIDTH_PX - value_column);
+        let values = ratios.into_iter().chain(others).chain([1.0]);
+        Some(Self {
+            axis,
+            scale: LogScale::around(values, 1.2, left, right - 14.0)?,
+            left,
+            right,
+            top,
+            bottom,
+        })
+    }
+
+    /// Height of the drawing.
+    pub(crate) fn height(&self) -> f64 {
+        self.bottom + AXIS_PX
+    }
+
+    pub(crate) fn draw(&self, canvas: &Canvas<'_>) -> Result<(), PlotError> {
+        let (top, bottom) = (self.top, self.bottom);
+        for tick in self.scale.ticks() {
+            let x = self.scale.px(tick);
+            canvas.rule([x, top], [x, bottom], 0.12)?;
+            canvas.text(&tick_label(tick), [x, bottom + 12.0], Anchor::Middle)?;
+        }
+        canvas.rule([self.left, bottom], [self.right, bottom], 0.6)?;
+        canvas.text(self.axis.title, [self.left, bottom + 34.0], Anchor::Left)?;
+        let one = self.scale.px(1.0);
+        canvas.rule([one, top - 6.0], [one, bottom], 0.8)?;
+        canvas.text(self.axis.one, [one, top - 14.0], Anchor::Middle)
+    }
+
+    /// A row's name, left of the axis.
+    pub(crate) fn draw_label(
+        &self,
+        canvas: &Canvas<'_>,
+        text: &str,
+        y: f64,
+    ) -> Result<(), PlotError> {
+        canvas.text(&label(text), [self.left - 10.0, y], Anchor::Right)
+    }
+
+    /// What is said at the right of a row.
+    pub(crate) fn draw_value(
+        &self,
+        canvas: &Canvas<'_>,
+        value: &str,
+        y: f64,
+    ) -> Result<(), PlotError> {
+        canvas.text(value, [self.right + 10.0, y], Anchor::Left)
+    }
+
+    /// A row without a ratio, and why.
+    pub(crate) fn draw_absent(
+        &self,
+        canvas: &Canvas<'_>,
+        why: &str,
+        y: f64,
+    ) -> Result<(), PlotError> {
+        canvas.cross([self.right - MARKER_PX, y], INK)?;
+        self.draw_value(canvas, why, y)
+    }
+
+    /// 5–95 % of the samples.
+    pub(crate) fn draw_whisker(
+        &self,
+        canvas: &Canvas<'_>,
+        ratio: Spread,
+        y: f64,
+        colour: RGBColor,
+    ) -> Result<(), PlotError> {
+        let [from, to] = [ratio.p5, ratio.p95].map(|value| [self.scale.px(value), y]);
+        canvas.whisker(from, to, colour)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const AXIS: RatioAxis<'static> = RatioAxis {
+        title: "time over baseline",
+        one: "baseline = 1",
+    };
+
+    fn plot(rows: &[Result<f64, &str>]) -> RatioPlot<'static> {
+        let row = |ratio: &Result<f64, &str>| RatioRow {
+            label: "<vertex>/doubled".to_owned(),
+            series: "a".to_owned(),
+            ratio: ratio.map_err(str::to_owned).map(|median| Spread {
+                p5: 0.9 * median,
+                median,
+                p95: 1.2 * median,
+            }),
+        };
+        RatioPlot {
+            title: "ratios \"quoted\"".to_owned(),
+            axis: AXIS,
+            groups: vec![RatioGroup {
+                name: "globe".to_owned(),
+                dashed: Some((0.3, "floor".to_owned())),
+                rows: rows.iter().map(row).collect(),
+            }],
+        }
+    }
+
+    #[test]
+    fn rows_have_their_ratio_or_their_reason() {
+        let palette = Palette::new(vec!["a".to_owned()]);
+        let drawn = |rows: &[Result<f64, &str>]| plot(rows).draw(&palette).expect("draws");
+        let text = drawn(&[Ok(3.61), Err("wrong")]).expect("a ratio");
+        for word in ["3.61 ×", "wrong", "baseline = 1", "floor", "globe"] {
+            assert!(text.contains(word), "{word}");
+        }
+        assert!(!text.contains("<vertex>"), "names are no markup");
+        // Twins: the same rows without the failed one, and without any ratio.
+        assert!(!drawn(&[Ok(3.61)]).expect("a ratio").contains("wrong"));
+        assert_eq!(drawn(&[Err("wrong")]), None);
+    }
+}

@@ -1,0 +1,912 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Work and precision: one curve for each method through its knob, both axes logarithmic.
+//!
+//! A point has what it costs across and what it misses upwards, each with its 5–95 % range where it
+//! was sampled; a second, open mark below it is the root mean square where the first is a maximum. A
+//! point without error stands on a line of its own at the bottom and a failed one on the upper edge:
+//! neither has a place on a logarithm, and neither may vanish. A wrong one whose figures are known is
+//! the exception, since its error may be the answer: it stands where its figures put it, on its curve,
+//! with a cross. The Pareto front joins only right points that keep their place when processes
+//! are drawn again (see [`terrafill_results::front_survival`]).
+
+use crate::PlotError;
+use crate::canvas::{Anchor, Canvas, MARKER_PX, TEXT_PX, text_width};
+use crate::labels::{LEADER_FROM_PX, Rectangle, free_place, free_place_where};
+use crate::log_log::{AxisText, Frame, LINE_OPACITY, apart, draw_across, draw_up};
+use crate::palette::{INK, Palette, Stroke};
+use crate::scale::{LogScale, tick_label};
+use plotters::prelude::Color as _;
+use terrafill_results::threshold::{FRONT_SURVIVAL, MIN_REPLICATES};
+use terrafill_results::{Candidate, Spread, front_survival};
+
+/// Panel titles stand so far above their panels.
+const TITLE_PX: f64 = 36.0;
+/// From the upper edge, where failed points stand, to the logarithm.
+const EDGE_PX: f64 = 28.0;
+/// From the logarithm to the line of points without error, and from there to the end of the panel.
+const ZERO_PX: [f64; 2] = [30.0, 14.0];
+
+/// Between labels side by side.
+const LABEL_GAP_PX: f64 = 8.0;
+
+/// Stands where the points would, were there an error.
+const NO_ERROR: &str = "no point has an error";
+
+/// Costs that differ by less than this factor are hardly different.
+const MIN_WORK_MARGIN: f64 = 1.2;
+/// Errors that differ by less than this factor are hardly different: keeps one pixel more or less from
+/// filling the axis.
+const MIN_ERROR_MARGIN: f64 = 2.5;
+
+/// A panel to be.
+#[derive(Debug, Clone)]
+pub struct WorkPrecision<'a> {
+    /// Above the panel.
+    pub title: &'a str,
+    /// What the horizontal axis shows.
+    pub across: &'a str,
+    /// What the vertical axis shows.
+    pub up: &'a str,
+    /// How it is drawn upwards.
+    pub upwards: Upwards,
+    /// Methods.
+    pub curves: Vec<Curve>,
+    /// What is known beforehand.
+    pub lines: Vec<ReferenceLine>,
+}
+
+/// What is drawn upwards.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Upwards {
+    /// Less is better and 0 is reached; failed points have an edge, and there is a front.
+    Error,
+    /// Something positive that grows.
+    Amount,
+}
+
+/// One method through its knob.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// As in the palette.
+    pub name: String,
+    /// In any order.
+    pub points: Vec<Point>,
+}
+
+/// One value of the knob.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// Place along the curve.
+    pub knob: f64,
+    /// Written beside the point if it is one of several or failed; empty for nothing.
+    pub label: String,
+    /// Cost.
+    pub x: Option<Reading>,
+    /// Largest error, or amount.
+    pub y: Option<Reading>,
+    /// Root mean square of the error.
+    pub y_rms: Option<f64>,
+    /// What its figures are worth.
+    pub standing: PointStanding,
+}
+
+/// What a point's figures are worth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PointStanding {
+    /// They count.
+    Right,
+    /// They are known, and too bad: a cross where they put it, and no place on the front.
+    Wrong,
+    /// There are none, or they count for nothing.
+    Failed,
+}
+
+/// A value as read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reading {
+    middle: f64,
+    /// 5 and 95 %.
+    range: Option<[f64; 2]>,
+    samples: Vec<f64>,
+}
+
+impl Reading {
+    /// A count or a formula: no range, and no other value if it is taken again.
+    #[must_use]
+    pub fn exact(value: f64) -> Self {
+        Self {
+            middle: value,
+            range: None,
+            samples: vec![value; MIN_REPLICATES],
+        }
+    }
+
+    /// - `replicates`: one number per process, for the front
+    #[must_use]
+    pub fn sampled(spread: Spread, replicates: &[f64]) -> Self {
+        Self {
+            middle: spread.median,
+            range: Some([spread.p5, spread.p95]),
+            samples: replicates.to_vec(),
+        }
+    }
+
+    /// Its middle.
+    pub(crate) fn middle(&self) -> f64 {
+        self.middle
+    }
+
+    fn extent(&self) -> [f64; 2] {
+        self.range.unwrap_or([self.middle; 2])
+    }
+}
+
+/// Something known to hold the points against, dashed to the right end of the axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReferenceLine {
+    /// Written at its right end.
+    pub label: String,
+    /// Where it begins across; `None` at the left end of the axis.
+    pub from_x: Option<f64>,
+    /// What it begins with upwards.
+    pub y: f64,
+    /// What it shows grows with this power of the cost: 0 for a floor or a bound.
+    pub power: f64,
+}
+
+/// A point with its place.
+#[derive(Debug)]
+pub(crate) struct Placed<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) point: &'a Point,
+    pub(crate) at: [f64; 2],
+    /// On the upper edge.
+    pub(crate) is_pinned: bool,
+}
+
+/// A panel, laid out.
+#[derive(Debug)]
+pub(crate) struct Panel<'a> {
+    plot: &'a WorkPrecision<'a>,
+    frame: Frame,
+    x: LogScale,
+    /// `None` when there is no positive error.
+    y: Option<LogScale>,
+    pub(crate) points: Vec<Placed<'a>>,
+    /// Corners of the front, left to right.
+    pub(crate) front: Vec<[f64; 2]>,
+    /// Reference lines are named at the right of the panel, and labels keep clear of all that is drawn.
+    is_crowded: bool,
+}
+
+/// A label with its place.
+#[derive(Debug, Clone)]
+struct Label<'a> {
+    text: &'a str,
+    /// Curve whose point it names.
+    name: &'a str,
+    middle: [f64; 2],
+    width: f64,
+    /// The point, where a line leads there.
+    leader: Option<[f64; 2]>,
+}
+
+/// Between a label that has a leader and anything else that is drawn.
+const LEADER_CLEARANCE_PX: f64 = 3.0;
+
+/// Between a crowded panel and the names of its reference lines.
+const LINE_NAMES_PX: f64 = 8.0;
+
+impl Point {
+    fn is_pinned(&self) -> bool {
+        self.standing == PointStanding::Failed || self.x.is_none() || self.y.is_none()
+    }
+}
+
+impl<'a> Panel<'a> {
+    /// Gives every point its place; `None` when no point has a cost.
+    pub(crate) fn new(plot: &'a WorkPrecision<'a>, frame: Frame) -> Option<Self> {
+        let points = || plot.curves.iter().flat_map(|curve| &curve.points);
+        let costs = points().filter_map(|point| point.x.as_ref());
+        let x = LogScale::around(
+            costs.flat_map(Reading::extent),
+            MIN_WORK_MARGIN,
+            frame.left,
+            frame.right,
+        )?;
+        let standing = points().filter(|point| !point.is_pinned());
+        let heights = standing
+            .filter_map(|point| Some((point.y.as_ref()?.extent(), point.y_rms)))
+            .flat_map(|(extent, rms)| extent.into_iter().chain(rms))
+            .chain(plot.lines.iter().map(|line| line.y));
+        let [top, bottom] = plot.upwards.logarithm(frame);
+        let margin = match plot.upwards {
+            Upwards::Error => MIN_ERROR_MARGIN,
+            Upwards::Amount => MIN_WORK_MARGIN,
+        };
+        let mut panel = Self {
+            plot,
+            frame,
+            x,
+            y: LogScale::around(heights, margin, bottom, top),
+            points: Vec::new(),
+            front: Vec::new(),
+            is_crowded: false,
+        };
+        panel.place();
+        panel.front = panel.front_corners();
+        Some(panel)
+    }
+
+    /// For many curves close to one another: reference lines are named at the right of the panel, where
+    /// no point is, and a label stands where it hides no mark, no whisker and no other label; the ends of
+    /// a curve are named first, and from afar if need be.
+    pub(crate) fn crowded(self) -> Self {
+        Self {
+            is_crowded: true,
+            ..self
+        }
+    }
+
+    fn place(&mut self) {
+        let mut without_cost = 0.0;
+        for curve in &self.plot.curves {
+            for point in &curve.points {
+                let x = match &point.x {
+                    Some(cost) => self.x.px(cost.middle),
+                    None => {
+                        without_cost += 1.0;
+                        self.frame.right - (without_cost - 1.0) * 4.0 * MARKER_PX
+                    }
+                };
+                let is_pinned = point.is_pinned();
+                let y = match &point.y {
+                    Some(error) if !is_pinned => self.height(error.middle),
+                    _ => self.frame.top,
+                };
+                self.points.push(Placed {
+                    name: &curve.name,
+                    point,
+                    at: [x, y],
+                    is_pinned,
+                });
+            }
+        }
+    }
+
+    /// Where `value` stands upwards: on the line for 0 if it is not positive.
+    pub(crate) fn height(&self, value: f64) -> f64 {
+        match &self.y {
+            Some(scale) if value > 0.0 => scale.px(value),
+            _ => self.zero(),
+        }
+    }
+
+    /// Where points without error stand.
+    pub(crate) fn zero(&self) -> f64 {
+        match self.plot.upwards {
+            Upwards::Error => self.frame.bottom - ZERO_PX[1],
+            Upwards::Amount => self.frame.bottom,
+        }
+    }
+
+    fn front_corners(&self) -> Vec<[f64; 2]> {
+        if self.plot.upwards != Upwards::Error {
+            return Vec::new();
+        }
+        let judged = self.points.iter().filter_map(|placed| {
+            let counts = placed.point.standing == PointStanding::Right;
+            let (x, y) = (placed.point.x.as_ref()?, placed.point.y.as_ref()?);
+            let candidate = Candidate {
+                costs: &x.samples,
+                error: y.middle,
+            };
+            counts.then_some((placed.at, candidate))
+        });
+        let (places, candidates): (Vec<[f64; 2]>, Vec<Candidate<'_>>) = judged.unzip();
+        let mut corners: Vec<[f64; 2]> = places
+            .into_iter()
+            .zip(front_survival(&candidates))
+            .filter(|(_, survival)| *survival >= FRONT_SURVIVAL)
+            .map(|(at, _)| at)
+            .collect();
+        corners.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        corners
+    }
+
+    /// Draws axes, lines, front, curves, points and labels; the names of curves are the caller's.
+    ///
+    /// # Errors
+    /// [`PlotError`].
+    pub(crate) fn draw(&self, canvas: &Canvas<'_>, palette: &Palette) -> Result<(), PlotError> {
+        self.draw_axes(canvas)?;
+        self.draw_lines(canvas)?;
+        self.draw_front(canvas)?;
+        for (name, path) in self.paths() {
+            let colour = palette.stroke(name).colour.mix(LINE_OPACITY);
+            canvas.path(&path, colour, 2)?;
+        }
+        for placed in &self.points {
+            self.draw_point(canvas, placed, palette.stroke(placed.name))?;
+        }
+        self.draw_labels(canvas, palette)
+    }
+
+    fn draw_axes(&self, canvas: &Canvas<'_>) -> Result<(), PlotError> {
+        let Frame {
+            left, right, top, ..
+        } = self.frame;
+        canvas.heading(self.plot.title, [left, top - TITLE_PX], Anchor::Left)?;
+        let text = |title| AxisText {
+            title,
+            tick: &tick_label,
+        };
+        draw_across(canvas, self.frame, &self.x, text(self.plot.across))?;
+        let reach = self.plot.upwards.logarithm(self.frame);
+        draw_up(
+            canvas,
+            self.frame,
+            self.y.as_ref(),
+            reach,
+            text(self.plot.up),
+        )?;
+        let zero = self.zero();
+        canvas.rule([left, zero], [right, zero], 0.6)?;
+        if self.plot.upwards != Upwards::Error {
+            return Ok(());
+        }
+        if self.y.is_none() {
+            let [high, low] = reach;
+            let middle = [f64::midpoint(left, right), f64::midpoint(high, low)];
+            canvas.text(NO_ERROR, middle, Anchor::Middle)?;
+        }
+        canvas.text("0", [left - 8.0, zero], Anchor::Right)?;
+        canvas.rule([left, top], [right, top], 0.35)?;
+        canvas.text("wrong,", [left - 8.0, top - 7.0], Anchor::Right)?;
+        canvas.text("failed", [left - 8.0, top + 7.0], Anchor::Right)
+    }
+
+    /// Each with its label above its right end, or beside it.
+    fn draw_lines(&self, canvas: &Canvas<'_>) -> Result<(), PlotError> {
+        if self.is_crowded {
+            return self.draw_lines_named_aside(canvas);
+        }
+        for line in &self.plot.lines {
+            let Some(y) = &self.y else { continue };
+            let (from, to) = self.line_ends(line, y);
+            canvas.dashes(from, to)?;
+            let (middle, _) = self.line_label(line, y);
+            canvas.text(&line.label, middle, Anchor::Middle)?;
+        }
+        Ok(())
+    }
+
+    fn draw_lines_named_aside(&self, canvas: &Canvas<'_>) -> Result<(), PlotError> {
+        let Some(y) = &self.y else { return Ok(()) };
+        let mut lines: Vec<(f64, &str)> = Vec::new();
+        for line in &self.plot.lines {
+            let (from, to) = self.line_ends(line, y);
+            canvas.dashes(from, to)?;
+            lines.push((to[1], &line.label));
+        }
+        lines.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let wanted: Vec<f64> = lines.iter().map(|(y, _)| *y).collect();
+        let names = apart(&wanted, [self.frame.top, self.frame.bottom]);
+        for ((end, label), at) in lines.into_iter().zip(names) {
+            let x = self.frame.right;
+            canvas.path(&[[x, end], [x + LINE_NAMES_PX - 2.0, at]], INK.mix(0.5), 1)?;
+            canvas.text(label, [x + LINE_NAMES_PX, at], Anchor::Left)?;
+        }
+        Ok(())
+    }
+
+    /// Middle and width of a reference line's label.
+    fn line_label(&self, line: &ReferenceLine, y: &LogScale) -> ([f64; 2], f64) {
+        let (_, end) = self.line_ends(line, y);
+        let width = text_width(&line.label, TEXT_PX);
+        ([end[0] - 6.0 - width * 0.5, end[1] - 10.0], width)
+    }
+
+    /// Ends of a reference line, cut where the vertical axis ends.
+    fn line_ends(&self, line: &ReferenceLine, y: &LogScale) -> ([f64; 2], [f64; 2]) {
+        let (x, height) = (line.from_x.unwrap_or(self.x.low()), line.y);
+        let mut end = self.x.high();
+        if line.power > 0.0 {
+            end = end.min(x * (y.high() / height).powf(line.power.recip()));
+        }
+        let end_height = height * (end / x).powf(line.power);
+        let at = |x, height| [self.x.px(x), y.px(height)];
+        (at(x, height), at(end, end_height))
+    }
+
+    fn draw_front(&self, canvas: &Canvas<'_>) -> Result<(), PlotError> {
+        for pair in self.front.windows(2) {
+            let corner = [pair[1][0], pair[0][1]];
+            canvas.dashes(pair[0], corner)?;
+            canvas.dashes(corner, pair[1])?;
+        }
+        for corner in &self.front {
+            canvas.ring(*corner)?;
+        }
+        Ok(())
+    }
+
+    /// Through the points with a place of their own, in the order of the knob, where a curve has more
+    /// than one.
+    pub(crate) fn paths(&self) -> Vec<(&'a str, Vec<[f64; 2]>)> {
+        let mut paths = Vec::new();
+        for curve in &self.plot.curves {
+            let mut own: Vec<&Placed<'a>> = self
+                .points
+                .iter()
+                .filter(|placed| placed.name == curve.name && !placed.is_pinned)
+                .collect();
+            own.sort_by(|a, b| a.point.knob.total_cmp(&b.point.knob));
+            if own.len() > 1 {
+                let path = own.iter().map(|placed| placed.at).collect();
+                paths.push((curve.name.as_str(), path));
+            }
+        }
+        paths
+    }
+
+    fn draw_point(
+        &self,
+        canvas: &Canvas<'_>,
+        placed: &Placed<'_>,
+        stroke: Stroke,
+    ) -> Result<(), PlotError> {
+        let (point, at) = (placed.point, placed.at);
+        let range = |reading: &Option<Reading>| reading.as_ref().and_then(|value| value.range);
+        if let Some(range) = range(&point.x).filter(|_| !placed.is_pinned) {
+            let [from, to] = range.map(|value| self.x.px(value));
+            canvas.whisker([from, at[1]], [to, at[1]], stroke.colour)?;
+        }
+        if let Some(range) = range(&point.y).filter(|_| !placed.is_pinned) {
+            let [from, to] = range.map(|value| self.height(value));
+            canvas.whisker([at[0], from], [at[0], to], stroke.colour)?;
+        }
+        if let Some(rms) = point.y_rms.filter(|_| !placed.is_pinned) {
+            let below = [at[0], self.height(rms)];
+            canvas.path(&[at, below], stroke.colour.mix(LINE_OPACITY), 1)?;
+            canvas.open_marker(below, stroke.colour)?;
+        }
+        if point.standing == PointStanding::Right {
+            canvas.marker(at, stroke)
+        } else {
+            canvas.cross(at, stroke.colour)
+        }
+    }
+
+    fn draw_labels(&self, canvas: &Canvas<'_>, palette: &Palette) -> Result<(), PlotError> {
+        if self.is_crowded {
+            for label in self.labels() {
+                let colour = palette.stroke(label.name).colour;
+                if let Some(point) = label.leader {
+                    canvas.path(&[point, label.middle], colour.mix(0.5), 1)?;
+                }
+            }
+            for label in self.labels() {
+                let colour = palette.stroke(label.name).colour;
+                canvas.coloured_text(label.text, label.middle, colour)?;
+            }
+            return Ok(());
+        }
+        let paths = self.paths();
+        let size = 2.0 * MARKER_PX + 2.0;
+        let mut taken: Vec<Rectangle> = self
+            .points
+            .iter()
+            .map(|placed| Rectangle::around(placed.at, size, size))
+            .collect();
+        // Nor does a label stand on the line of points without error.
+        let middle = f64::midpoint(self.frame.left, self.frame.right);
+        let width = self.frame.right - self.frame.left;
+        taken.push(Rectangle::around([middle, self.zero()], width, 2.0));
+        for (line, y) in self.plot.lines.iter().zip(self.y.iter().cycle()) {
+            let (middle, width) = self.line_label(line, y);
+            taken.push(Rectangle::around(middle, width, TEXT_PX + 2.0));
+        }
+        for placed in &self.points {
+            let label = &placed.point.label;
+            let on_curve = paths.iter().any(|(name, _)| *name == placed.name);
+            if label.is_empty() || !(placed.is_pinned || on_curve) {
+                continue;
+            }
+            let width = text_width(label, TEXT_PX);
+            let Some((middle, radius)) = free_place(placed.at, width, self.room(), &taken) else {
+                continue;
+            };
+            if radius >= LEADER_FROM_PX {
+                canvas.path(&[placed.at, middle], INK.mix(0.3), 1)?;
+            }
+            canvas.text(label, middle, Anchor::Middle)?;
+            taken.push(Rectangle::around(
+                middle,
+                width + LABEL_GAP_PX,
+                TEXT_PX + 2.0,
+            ));
+        }
+        Ok(())
+    }
+
+    /// Room taken by marks, open marks, whiskers and curves.
+    fn marks(&self) -> Vec<Rectangle> {
+        let size = 2.0 * MARKER_PX + 2.0;
+        let mut taken: Vec<Rectangle> = Vec::new();
+        for placed in &self.points {
+            taken.push(Rectangle::around(placed.at, size, size));
+            if placed.is_pinned {
+                continue;
+            }
+            if let Some(rms) = placed.point.y_rms {
+                let below = self.height(rms);
+                taken.push(Rectangle::around([placed.at[0], below], size, size));
+                taken.extend(along(placed.at, [placed.at[0], below]));
+            }
+            let range = placed.point.x.as_ref().and_then(|x| x.range);
+            if let Some([from, to]) = range.map(|range| range.map(|value| self.x.px(value))) {
+                taken.extend(along([from, placed.at[1]], [to, placed.at[1]]));
+            }
+        }
+        for (_, path) in self.paths() {
+            taken.extend(path.windows(2).flat_map(|ends| along(ends[0], ends[1])));
+        }
+        let middle = f64::midpoint(self.frame.left, self.frame.right);
+        let width = self.frame.right - self.frame.left;
+        for (line, y) in self.plot.lines.iter().zip(self.y.iter().cycle()) {
+            let (from, to) = self.line_ends(line, y);
+            taken.extend(along(from, to));
+        }
+        taken.push(Rectangle::around([middle, self.zero()], width, 2.0));
+        taken
+    }
+
+    /// Labels of a crowded panel: the ends of curves and what failed first, with a leader where they
+    /// stand off; the others only beside their points.
+    fn labels(&self) -> Vec<Label<'a>> {
+        let mut taken = self.marks();
+        let mut ends: Vec<&Placed<'a>> = Vec::new();
+        let mut others: Vec<&Placed<'a>> = Vec::new();
+        let paths = self.paths();
+        for placed in self.points.iter().filter(|p| !p.point.label.is_empty()) {
+            let path = paths.iter().find(|(name, _)| *name == placed.name);
+            let is_end = path.is_some_and(|(_, path)| {
+                path.first() == Some(&placed.at) || path.last() == Some(&placed.at)
+            });
+            match path {
+                _ if placed.is_pinned || is_end => ends.push(placed),
+                Some(_) => others.push(placed),
+                None => {}
+            }
+        }
+        let mut labels: Vec<Label<'a>> = Vec::new();
+        let named = ends.into_iter().map(|placed| (placed, true));
+        for (placed, may_lead) in named.chain(others.into_iter().map(|placed| (placed, false))) {
+            let text = placed.point.label.as_str();
+            let width = text_width(text, TEXT_PX);
+            let is_free = |middle: [f64; 2], radius: f64| {
+                radius < LEADER_FROM_PX
+                    || (may_lead
+                        && !along(placed.at, middle)
+                            .any(|piece| labels.iter().any(|label| label.room().meets(&piece))))
+            };
+            let place = free_place_where(placed.at, width, self.room(), &taken, is_free);
+            let Some((middle, radius)) = place else {
+                continue;
+            };
+            let leader = (radius >= LEADER_FROM_PX).then_some(placed.at);
+            let label = Label {
+                text,
+                name: placed.name,
+                middle,
+                width,
+                leader,
+            };
+            taken.push(label.room());
+            taken.extend(leader.into_iter().flat_map(|point| along(point, middle)));
+            labels.push(label);
+        }
+        labels
+    }
+
+    /// Where labels may stand: a little past the panel at the right, and up to its title.
+    fn room(&self) -> Rectangle {
+        Rectangle {
+            low: [self.frame.left - 2.0, self.frame.top - TITLE_PX + 8.0],
+            high: [self.frame.right + 20.0, self.frame.bottom + 2.0],
+        }
+    }
+}
+
+impl Label<'_> {
+    fn room(&self) -> Rectangle {
+        Rectangle::around(self.middle, self.width + 2.0, TEXT_PX + 1.0)
+    }
+}
+
+/// Squares along a line, close enough that no text slips through.
+fn along(from: [f64; 2], to: [f64; 2]) -> impl Iterator<Item = Rectangle> {
+    const STEP_PX: f64 = 5.0;
+    let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+    let steps = (length / STEP_PX).ceil().max(1.0);
+    std::iter::successors(Some(0.0), move |step| (*step < steps).then_some(step + 1.0)).map(
+        move |step| {
+            let share = step / steps;
+            let at = [0, 1].map(|axis: usize| from[axis] + share * (to[axis] - from[axis]));
+            Rectangle::around(at, LEADER_CLEARANCE_PX, LEADER_CLEARANCE_PX)
+        },
+    )
+}
+
+impl Upwards {
+    /// As far as the logarithm reaches.
+    fn logarithm(self, frame: Frame) -> [f64; 2] {
+        match self {
+            Self::Error => {
+                let below: f64 = ZERO_PX.iter().sum();
+                [frame.top + EDGE_PX, frame.bottom - below]
+            }
+            Self::Amount => [frame.top, frame.bottom],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::canvas::svg;
+
+    const FRAME: Frame = Frame {
+        left: 70.0,
+        right: 518.0,
+        top: 50.0,
+        bottom: 366.0,
+    };
+
+    fn point(knob: f64, x: f64, y: f64) -> Point {
+        let samples = [0.98, 0.99, 1.0, 1.01, 1.02].map(|factor| factor * x);
+        let spread = terrafill_results::spread(&samples).expect("five samples");
+        Point {
+            knob,
+            label: format!("knob {knob}"),
+            x: Some(Reading::sampled(spread, &samples)),
+            y: Some(Reading::exact(y)),
+            y_rms: None,
+            standing: PointStanding::Right,
+        }
+    }
+
+    fn plot(upwards: Upwards, curves: &[(&str, &[Point])]) -> WorkPrecision<'static> {
+        let curve = |(name, points): &(&str, &[Point])| Curve {
+            name: (*name).to_owned(),
+            points: points.to_vec(),
+        };
+        WorkPrecision {
+            title: "title",
+            across: "work",
+            up: "error",
+            upwards,
+            curves: curves.iter().map(curve).collect(),
+            lines: Vec::new(),
+        }
+    }
+
+    fn drawn(plot: &WorkPrecision<'_>) -> String {
+        let panel = Panel::new(plot, FRAME).expect("something to draw");
+        let names = plot.curves.iter().map(|curve| curve.name.clone());
+        let palette = Palette::new(names.collect());
+        svg("test", 600.0, 420.0, |canvas| panel.draw(canvas, &palette)).expect("draws")
+    }
+
+    #[test]
+    fn failed_points_are_on_the_edge_and_none_is_dropped() {
+        let failed = |mut point: Point| {
+            point.standing = PointStanding::Failed;
+            point
+        };
+        let mut costless = point(4.0, 1.0, 1.0);
+        costless.x = None;
+        let points = [
+            point(1.0, 1.0, 1e-3),
+            failed(point(2.0, 2.0, 1e-6)),
+            failed(costless.clone()),
+            failed(costless),
+        ];
+        let plot = plot(Upwards::Error, &[("route", &points)]);
+        let panel = Panel::new(&plot, FRAME).expect("something to draw");
+        assert_eq!(panel.points.len(), 4);
+        assert!(panel.points[0].at[1] > FRAME.top);
+        assert!(panel.points[1..].iter().all(|p| p.at[1] <= FRAME.top));
+        let [a, b] = [panel.points[2].at[0], panel.points[3].at[0]];
+        assert!(a > panel.points[1].at[0] && (a - b).abs() > 2.0 * MARKER_PX);
+        assert_eq!(panel.front, [panel.points[0].at]);
+        assert!(panel.paths().is_empty(), "one point is no curve");
+    }
+
+    #[test]
+    fn a_panel_without_any_error_says_so() {
+        let text = drawn(&plot(Upwards::Error, &[("route", &[point(1.0, 1.0, 0.0)])]));
+        assert!(text.contains(NO_ERROR));
+        let text = drawn(&plot(
+            Upwards::Error,
+            &[("route", &[point(1.0, 1.0, 1e-9)])],
+        ));
+        assert!(!text.contains(NO_ERROR));
+    }
+
+    #[test]
+    fn the_front_of_counters_is_exact_and_of_times_only_what_survives() {
+        let counted = |x, y| Point {
+            x: Some(Reading::exact(x)),
+            ..point(0.0, x, y)
+        };
+        let points = [counted(10.0, 1.0), counted(11.0, 0.9), counted(12.0, 0.95)];
+        let plot_of = |points: &[Point]| plot(Upwards::Error, &[("route", points)]);
+        let counts = plot_of(&points);
+        let panel = Panel::new(&counts, FRAME).expect("something to draw");
+        assert_eq!(panel.front.len(), 2);
+        // Twin: times that noise does not tell apart keep one of the two only.
+        let noisy = [0.7, 0.8, 1.0, 1.2, 1.3].map(|factor| factor * 10.0);
+        let spread = terrafill_results::spread(&noisy).expect("five samples");
+        let sampled = |y| Point {
+            x: Some(Reading::sampled(spread, &noisy)),
+            ..point(0.0, 10.0, y)
+        };
+        let times = plot_of(&[sampled(1.0), sampled(0.9)]);
+        let panel = Panel::new(&times, FRAME).expect("something to draw");
+        assert_eq!(panel.front.len(), 1);
+        let amounts = plot(Upwards::Amount, &[("shape", &points)]);
+        let panel = Panel::new(&amounts, FRAME).expect("something to draw");
+        assert!(panel.front.is_empty(), "what grows has no front");
+    }
+
+    #[test]
+    fn the_root_mean_square_is_an_open_mark_below_its_maximum() {
+        let mut points = [point(1.0, 1.0, 1e-3), point(2.0, 2.0, 1e-4)];
+        let without = drawn(&plot(Upwards::Error, &[("route", &points)]));
+        assert_eq!(without.matches("var(--paper)").count(), 0);
+        for point in &mut points {
+            point.y_rms = point.y.as_ref().map(|max| max.middle / 3.0);
+        }
+        let with = drawn(&plot(Upwards::Error, &[("route", &points)]));
+        assert_eq!(with.matches("var(--paper)").count(), 2);
+    }
+
+    /// Four curves of eight points each, all within a few pixels of one another.
+    fn crowd(curves: usize) -> Vec<Curve> {
+        let curve = |c: usize| Curve {
+            name: format!("route {c}"),
+            points: (0..8_u8)
+                .map(|i| Point {
+                    label: (2 * i + 1).to_string(),
+                    y_rms: Some(0.4 * 0.1_f64.powi(i32::from(i))),
+                    ..point(
+                        f64::from(i),
+                        1.0 + 0.05 * c as f64 + 0.06 * f64::from(i),
+                        0.1_f64.powi(i32::from(i)),
+                    )
+                })
+                .collect(),
+        };
+        (0..curves).map(curve).collect()
+    }
+
+    #[test]
+    fn labels_of_a_crowd_hide_nothing_and_every_curve_has_one() {
+        let mut plot = plot(Upwards::Error, &[]);
+        plot.curves = crowd(4);
+        plot.lines = vec![ReferenceLine {
+            label: "a bound".to_owned(),
+            from_x: None,
+            y: 1e-3,
+            power: 0.0,
+        }];
+        let panel = Panel::new(&plot, FRAME)
+            .expect("something to draw")
+            .crowded();
+        let labels = panel.labels();
+        let marks = panel.marks();
+        for (i, label) in labels.iter().enumerate() {
+            let room = label.room();
+            assert!(!marks.iter().any(|mark| mark.meets(&room)), "{label:?}");
+            assert!(
+                !labels[..i].iter().any(|other| other.room().meets(&room)),
+                "{label:?}"
+            );
+            let leader = label
+                .leader
+                .iter()
+                .flat_map(|point| along(*point, label.middle));
+            let crossed = |piece: &Rectangle| labels[..i].iter().any(|o| o.room().meets(piece));
+            assert!(
+                !leader.into_iter().any(|piece| crossed(&piece)),
+                "{label:?}"
+            );
+        }
+        let named = |curve: &Curve| labels.iter().filter(|l| l.name == curve.name).count();
+        assert!(plot.curves.iter().all(|curve| named(curve) >= 1));
+        // Twin: beside their points, whatever stands there, they hide marks.
+        let naive = panel.points.iter().map(|placed| {
+            let at = [placed.at[0] + 10.0, placed.at[1] - 10.0];
+            Rectangle::around(at, 14.0, TEXT_PX)
+        });
+        let hidden = naive.filter(|room| marks.iter().any(|mark| mark.meets(room)));
+        assert!(hidden.count() > 8);
+    }
+
+    #[test]
+    fn a_crowded_panel_names_its_lines_where_no_point_is() {
+        let mut plot = plot(Upwards::Error, &[]);
+        plot.curves = crowd(2);
+        let line = |label: &str, y: f64| ReferenceLine {
+            label: label.to_owned(),
+            from_x: None,
+            y,
+            power: 0.0,
+        };
+        plot.lines = vec![line("one bound", 1e-3), line("another", 1.1e-3)];
+        let names = plot.curves.iter().map(|curve| curve.name.clone()).collect();
+        let palette = Palette::new(names);
+        let text = svg("test", 700.0, 420.0, |canvas| {
+            let panel = Panel::new(&plot, FRAME).expect("something to draw");
+            panel.crowded().draw(canvas, &palette)
+        });
+        let text = text.expect("draws");
+        // Place of a text: x and y of the element before it.
+        let place = |label: &str| -> [f64; 2] {
+            let end = text.find(label).expect("named");
+            let start = text[..end].rfind("<text").expect("an element");
+            ["x=\"", "y=\""].map(|key| {
+                let from = text[start..].find(key).expect("a place") + start + key.len();
+                let to = text[from..].find('"').expect("its end") + from;
+                text[from..to].parse().expect("a number")
+            })
+        };
+        let [one, another] = [place("one bound"), place("another")];
+        assert!(
+            one[0] > FRAME.right && another[0] > FRAME.right,
+            "{one:?} {another:?}"
+        );
+        // Lines of 4 px distance have names a line of text apart.
+        assert!(
+            (one[1] - another[1]).abs() >= TEXT_PX,
+            "{one:?} {another:?}"
+        );
+        // Twin: not crowded, they stand on their lines, within the panel.
+        let inside = drawn(&plot);
+        assert!(inside.contains("one bound") && inside != text);
+    }
+
+    #[test]
+    fn reference_lines_are_on_the_axis_and_named() {
+        let points = [point(1.0, 1.0, 1e-3), point(2.0, 10.0, 1e-2)];
+        let mut plot = plot(Upwards::Error, &[("route", &points)]);
+        let line = |label: &str, from_x, y, power| ReferenceLine {
+            label: label.to_owned(),
+            from_x,
+            y,
+            power,
+        };
+        plot.lines = vec![
+            line("¼ texel", None, 4.0, 0.0),
+            line("slope 1", Some(1.0), 1e-3, 1.0),
+        ];
+        let panel = Panel::new(&plot, FRAME).expect("something to draw");
+        let y = panel.y.expect("positive errors");
+        let (from, to) = panel.line_ends(&plot.lines[0], &y);
+        assert_eq!([from[0], to[0]], [FRAME.left, FRAME.right]);
+        assert!((from[1] - to[1]).abs() < 1e-9 && from[1] > FRAME.top + EDGE_PX);
+        // On two logarithmic axes it goes through the point ten times as far, ten times as high.
+        let (from, to) = panel.line_ends(&plot.lines[1], &y);
+        let through = [panel.x.px(10.0), y.px(1e-2)];
+        let slope = |a: [f64; 2], b: [f64; 2]| (b[1] - a[1]) / (b[0] - a[0]);
+        assert!((slope(from, to) - slope(from, through)).abs() < 1e-9);
+        let text = drawn(&plot);
+        assert!(text.contains("¼ texel") && text.contains("slope 1"));
+        // Twin: without the lines the axis does not reach so far.
+        plot.lines.clear();
+        let panel = Panel::new(&plot, FRAME).expect("something to draw");
+        assert!(panel.y.expect("positive errors").high() < 4.0);
+    }
+}

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A/A noise: by how much identical work differed in one run.
+//!
+//! A twin repeats the work of another case under another name (see [`REPEATS`]). For each pair the
+//! noise is |ln ratio|, where the ratio is the one that all comparisons use ([`ratio`]): symmetric in
+//! its operands, so that half as long and twice as long differ by as much. A gap between two cases
+//! that is no larger than the largest noise of a pair is a tie.
+
+use crate::{Case, REPEATS, ratio};
+
+/// By how much identical work differed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Noise {
+    /// Largest |ln ratio| of a pair.
+    pub max: f64,
+    /// Median |ln ratio|.
+    pub median: f64,
+    /// Pairs behind it.
+    pub pairs: usize,
+}
+
+impl Noise {
+    /// Noise of `metric` among these cases: of a group, or of a whole run. `None` where no right
+    /// case was measured twice.
+    #[must_use]
+    pub fn of<'a>(cases: impl Iterator<Item = &'a Case> + Clone, metric: &str) -> Option<Self> {
+        let gaps: Vec<f64> = cases
+            .clone()
+            .filter(|case| case.is_twin() && case.counts())
+            .filter_map(|twin| {
+                let repeated = twin.condition(REPEATS);
+                let mut originals = cases.clone().filter(|case| case.id().key() == repeated);
+                let original = originals.find(|case| case.counts())?;
+                Some(ratio(twin, original, metric)?.middle.ln().abs())
+            })
+            .collect();
+        Some(Self {
+            max: gaps.iter().copied().fold(0.0, f64::max),
+            median: crate::median(&gaps)?,
+            pairs: gaps.len(),
+        })
+    }
+
+    /// The largest noise as a factor, 1 or more.
+    #[must_use]
+    pub fn max_factor(&self) -> f64 {
+        self.max.exp()
+    }
+
+    /// The median noise as a factor, 1 or more.
+    #[must_use]
+    pub fn median_factor(&self) -> f64 {
+        self.median.exp()
+    }
+
+    /// Whether two cases whose costs stand in this ratio differ by no more than identical work did.
+    #[must_use]
+    pub fn is_tie(&self, ratio: f64) -> bool {
+        ratio.ln().abs() <= self.max
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made_up::{MadeUpRun, case_id};
+
+    const METRIC: &str = "fill_cpu_ms";
+
+    /// Noise of a run of two pairs: the first one's twin takes these times, the second one's are
+    /// 2 % longer than 10.
+    fn noise_of(twin: &[f64], original: &[f64]) -> Option<Noise> {
+        let mut run = MadeUpRun::default();
+        let pairs = [("a", original, twin), ("b", &[10.0; 5], &[10.2; 5])];
+        for (name, original, twin) in pairs {
+            let id = case_id("filling", name, &[]);
+            run.case(id.twin()).timed(METRIC, twin);
+            run.case(id).timed(METRIC, original);
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let run = run.write(folder.path()).expect("a run");
+        Noise::of(run.cases.iter(), METRIC)
+    }
+
+    #[test]
+    fn noise_is_the_largest_gap_between_twins_whichever_way_it_goes() {
+        let found = noise_of(&[9.0; 5], &[10.0; 5]).expect("two pairs");
+        assert_eq!(found.pairs, 2);
+        assert!((found.max_factor() - 10.0 / 9.0).abs() < 1e-12, "{found:?}");
+        assert!(found.median_factor() > 1.02 && found.median_factor() < found.max_factor());
+        // Swapped operands are the same noise.
+        let swapped = noise_of(&[10.0; 5], &[9.0; 5]).expect("two pairs");
+        assert!((found.max - swapped.max).abs() < 1e-12);
+        // Twin: identical times leave the second pair's noise.
+        let quiet = noise_of(&[10.0; 5], &[10.0; 5]).expect("two pairs");
+        assert!((quiet.max_factor() - 1.02).abs() < 1e-12);
+    }
+
+    #[test]
+    fn one_slow_process_is_no_noise_and_three_of_five_are() {
+        let slow = noise_of(&[90.0, 10.0, 10.0, 10.0, 10.0], &[10.0; 5]).expect("two pairs");
+        assert!(slow.max_factor() < 1.03);
+        let slow = noise_of(&[90.0, 90.0, 90.0, 10.0, 10.0], &[10.0; 5]).expect("two pairs");
+        assert!(slow.max_factor() > 8.9);
+    }
+
+    #[test]
+    fn gaps_within_the_noise_are_ties_and_larger_ones_are_not() {
+        let noise = noise_of(&[11.0; 5], &[10.0; 5]).expect("two pairs");
+        for tie in [1.0, 1.09, 1.0 / 1.09] {
+            assert!(noise.is_tie(tie), "{tie}");
+        }
+        for gap in [1.11, 1.0 / 1.11, f64::NAN, 0.0] {
+            assert!(!noise.is_tie(gap), "{gap}");
+        }
+    }
+
+    #[test]
+    fn without_twins_noise_is_unknown_rather_than_none() {
+        let mut run = MadeUpRun::default();
+        run.case(case_id("filling", "a", &[]))
+            .timed(METRIC, &[1.0; 5]);
+        let folder = tempfile::tempdir().expect("a folder");
+        let run = run.write(folder.path()).expect("a run");
+        assert_eq!(Noise::of(run.cases.iter(), METRIC), None);
+    }
+}

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! How many times as much one case costs as another, over processes, and what that says of a claim.
+//!
+//! One process is one replicate: the median over its samples (frames of one process are not
+//! independent). Both cases of a ratio are measured by every process, in the same blocks, so process
+//! *i* of the one is paired with process *i* of the other: what the machine did then falls on both.
+//! The ratio is the median over processes of cost over cost; its interval is the 2.5th to the 97.5th
+//! percentile of that median over resampled processes (Efron, 1979, "Bootstrap methods"). With fewer
+//! than [`MIN_REPLICATES`] processes there is a ratio and no interval.
+
+use crate::resample::SplitMix64;
+use crate::threshold::{BOOTSTRAP_RESAMPLES, INTERVAL_COVERAGE, MIN_DIFFERENCE, MIN_REPLICATES};
+use crate::{Case, Spread, Standing, median, quantile, spread};
+use std::collections::BTreeMap;
+
+/// A figure from several processes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// Median over the processes.
+    pub middle: f64,
+    /// 95 % interval of the median; `None` with too few processes.
+    pub interval: Option<[f64; 2]>,
+    /// Processes behind it.
+    pub processes: usize,
+}
+
+/// A claim about how many times faster something became.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Claim {
+    /// It is faster by more than nothing.
+    Faster,
+    /// It makes no difference.
+    NoDifference,
+    /// It is faster by less than this factor.
+    LessThan(f64),
+    /// It is faster by this factor or more.
+    AtLeast(f64),
+}
+
+impl Claim {
+    /// What a measured gain says of it.
+    ///
+    /// - `gain`: cost before over cost after; without an interval nothing can be told
+    #[must_use]
+    pub fn standing(self, gain: &Estimate) -> Standing {
+        let Some([low, high]) = gain.interval else {
+            return Standing::CannotTell;
+        };
+        let least = 1.0 / MIN_DIFFERENCE;
+        let (holds, fails) = match self {
+            Self::Faster => (low > MIN_DIFFERENCE, high < MIN_DIFFERENCE),
+            Self::NoDifference => (
+                low >= least && high <= MIN_DIFFERENCE,
+                low > MIN_DIFFERENCE || high < least,
+            ),
+            Self::LessThan(limit) => (high < limit, low > limit),
+            Self::AtLeast(limit) => (low >= limit, high < limit),
+        };
+        match (holds, fails) {
+            (true, false) => Standing::Holds,
+            (false, true) => Standing::DoesNotHold,
+            _ => Standing::CannotTell,
+        }
+    }
+}
+
+/// One number for each process: the median over the usable samples of a time, which are finite and
+/// positive.
+#[must_use]
+pub fn process_medians(case: &Case, metric: &str) -> BTreeMap<u32, f64> {
+    let processes = case.samples(metric).into_iter().flatten();
+    processes
+        .filter_map(|(process, samples)| {
+            let usable: Vec<f64> = samples
+                .values()
+                .copied()
+                .filter(|v| is_usable(*v))
+                .collect();
+            Some((*process, median(&usable)?))
+        })
+        .collect()
+}
+
+/// Spread of all usable samples of a time over all processes: what a reader may expect of one frame,
+/// and no interval of anything.
+#[must_use]
+pub fn sample_spread(case: &Case, metric: &str) -> Option<Spread> {
+    let samples = case.samples(metric)?.values();
+    let usable: Vec<f64> = samples
+        .flat_map(|samples| samples.values().copied())
+        .filter(|value| is_usable(*value))
+        .collect();
+    spread(&usable)
+}
+
+fn is_usable(time: f64) -> bool {
+    time.is_finite() && time > 0.0
+}
+
+/// `metric` of `case` over that of `other`, paired by process; `None` without a process that measured
+/// both.
+#[must_use]
+pub fn ratio(case: &Case, other: &Case, metric: &str) -> Option<Estimate> {
+    let others = process_medians(other, metric);
+    let ratios: Vec<f64> = process_medians(case, metric)
+        .iter()
+        .filter_map(|(process, cost)| Some(cost / others.get(process)?))
+        .collect();
+    let mut random = SplitMix64::new();
+    estimate(median(&ratios)?, ratios.len(), || {
+        random.resampled_median(&ratios)
+    })
+}
+
+/// Exponent *b* of cost = c · workᵇ through two cases of different work, which no process measures side
+/// by side, so that their processes are resampled apart; `None` without both costs or without a
+/// difference in work.
+#[must_use]
+pub fn exponent([few, many]: [f64; 2], [of_few, of_many]: [&[f64]; 2]) -> Option<Estimate> {
+    let growth = (many / few).ln();
+    if !growth.is_finite() || growth <= 0.0 {
+        return None;
+    }
+    let middle = (median(of_many)? / median(of_few)?).ln() / growth;
+    let mut random = SplitMix64::new();
+    estimate(middle, of_few.len().min(of_many.len()), || {
+        let ratio = random.resampled_median(of_many) / random.resampled_median(of_few);
+        ratio.ln() / growth
+    })
+}
+
+fn estimate(middle: f64, processes: usize, mut resampled: impl FnMut() -> f64) -> Option<Estimate> {
+    let interval = (processes >= MIN_REPLICATES).then(|| {
+        let values: Vec<f64> = (0..BOOTSTRAP_RESAMPLES).map(|_| resampled()).collect();
+        let tail = 0.5 * (1.0 - INTERVAL_COVERAGE);
+        Some([quantile(&values, tail)?, quantile(&values, 1.0 - tail)?])
+    });
+    Some(Estimate {
+        middle,
+        interval: match interval {
+            Some(interval) => Some(interval?),
+            None => None,
+        },
+        processes,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made_up::{MadeUpRun, case_id};
+
+    const METRIC: &str = "fill_cpu_ms";
+
+    /// Two cases by the samples of their processes.
+    fn ratio_of(a: &[&[f64]], b: &[&[f64]]) -> Option<Estimate> {
+        let mut run = MadeUpRun::default();
+        for (name, samples) in [("a", a), ("b", b)] {
+            let id = case_id("filling", name, &[]);
+            run.case(id).sampled(METRIC, samples);
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let run = run.write(folder.path()).expect("a run");
+        ratio(&run.cases[0], &run.cases[1], METRIC)
+    }
+
+    fn each(values: &[f64]) -> Vec<&[f64]> {
+        values.chunks(1).collect()
+    }
+
+    #[test]
+    fn what_falls_on_both_falls_out() {
+        // Processes differ tenfold, the ratio hardly at all.
+        let before = [20.0, 202.0, 41.0, 90.0, 30.3, 61.0];
+        let after = [10.0, 101.0, 20.0, 45.0, 15.0, 30.0];
+        let gain = ratio_of(&each(&before), &each(&after)).expect("six processes");
+        let [low, high] = gain.interval.expect("enough");
+        assert!(low > 1.99 && high < 2.06, "{gain:?}");
+        assert_eq!(Claim::Faster.standing(&gain), Standing::Holds);
+        // Twin: with the operands swapped it is slower.
+        let swapped = ratio_of(&each(&after), &each(&before)).expect("six processes");
+        assert!((swapped.middle * gain.middle - 1.0).abs() < 0.01);
+        assert_eq!(Claim::Faster.standing(&swapped), Standing::DoesNotHold);
+    }
+
+    #[test]
+    fn a_slow_sample_moves_nothing_and_a_slow_process_widens_the_interval() {
+        let steady: Vec<&[f64]> = vec![&[10.0, 10.0, 10.0]; 6];
+        let mut one_slow_sample = steady.clone();
+        one_slow_sample[0] = &[10.0, 500.0, 10.0];
+        let ratio = ratio_of(&one_slow_sample, &steady).expect("six processes");
+        assert_eq!(ratio.interval, Some([1.0, 1.0]));
+        // Twin: three slow processes of six must not pass for certainty.
+        let mut slow = steady.clone();
+        slow[..3].fill(&[500.0, 500.0, 500.0]);
+        let ratio = ratio_of(&slow, &steady).expect("six processes");
+        assert_eq!(Claim::NoDifference.standing(&ratio), Standing::CannotTell);
+    }
+
+    #[test]
+    fn samples_of_one_process_are_one_replicate() {
+        let many_samples: &[f64] = &[20.0; 100];
+        let one = ratio_of(&[many_samples], &[&[10.0; 100]]).expect("a process");
+        assert_eq!((one.middle, one.interval, one.processes), (2.0, None, 1));
+        assert_eq!(Claim::Faster.standing(&one), Standing::CannotTell);
+        // Twin: five processes of one sample each say more.
+        let five = ratio_of(&each(&[20.0; 5]), &each(&[10.0; 5])).expect("five processes");
+        assert_eq!(Claim::Faster.standing(&five), Standing::Holds);
+    }
+
+    #[test]
+    fn a_process_without_a_partner_does_not_count() {
+        let ratio = ratio_of(&each(&[20.0; 6]), &each(&[10.0; 4])).expect("four in common");
+        assert_eq!((ratio.processes, ratio.interval), (4, None));
+        assert_eq!(ratio_of(&each(&[20.0; 6]), &[]), None);
+        // Times of 0 and below are no times.
+        assert_eq!(ratio_of(&each(&[20.0]), &each(&[0.0])), None);
+    }
+
+    #[test]
+    fn noise_is_called_neither_a_gain_nor_nothing() {
+        let before = [10.0, 14.0, 9.0, 12.0, 8.0, 13.0, 10.0];
+        let after = [11.0, 10.0, 12.0, 9.0, 11.0, 10.0, 8.0];
+        let gain = ratio_of(&each(&before), &each(&after)).expect("seven processes");
+        for claim in [Claim::Faster, Claim::NoDifference] {
+            assert_eq!(claim.standing(&gain), Standing::CannotTell, "{gain:?}");
+        }
+    }
+
+    #[test]
+    fn claims_by_hand() {
+        let estimate = |low: f64, high: f64| Estimate {
+            middle: f64::midpoint(low, high),
+            interval: Some([low, high]),
+            processes: 5,
+        };
+        use Standing::{CannotTell, DoesNotHold, Holds};
+        let cases = [
+            (Claim::Faster, estimate(1.06, 1.3), Holds),
+            (Claim::Faster, estimate(1.01, 1.3), CannotTell),
+            (Claim::Faster, estimate(0.99, 1.01), DoesNotHold),
+            (Claim::NoDifference, estimate(0.99, 1.01), Holds),
+            (Claim::NoDifference, estimate(0.99, 1.06), CannotTell),
+            (Claim::NoDifference, estimate(1.06, 1.3), DoesNotHold),
+            (Claim::NoDifference, estimate(0.8, 0.9), DoesNotHold),
+            (Claim::LessThan(1.5), estimate(1.1, 1.4), Holds),
+            (Claim::LessThan(1.5), estimate(1.6, 1.9), DoesNotHold),
+            (Claim::LessThan(1.5), estimate(1.4, 1.6), CannotTell),
+            (Claim::AtLeast(2.0), estimate(2.0, 2.2), Holds),
+            (Claim::AtLeast(2.0), estimate(1.2, 1.9), DoesNotHold),
+            (Claim::AtLeast(2.0), estimate(1.9, 2.1), CannotTell),
+        ];
+        for (claim, gain, standing) in cases {
+            assert_eq!(claim.standing(&gain), standing, "{claim:?} {gain:?}");
+        }
+    }
+
+    #[test]
+    fn time_that_grows_with_work_has_exponent_one() {
+        let few = [10.0, 10.1, 9.9, 10.0, 10.05];
+        let many = few.map(|time| time * 8.0);
+        let found = exponent([1_000.0, 8_000.0], [&few, &many]).expect("costs");
+        let [low, high] = found.interval.expect("five processes");
+        assert!((found.middle - 1.0).abs() < 1e-9 && low > 0.98 && high < 1.02);
+        // Twins: another growth is another exponent, and no growth gives none.
+        let slower = exponent([1_000.0, 64_000.0], [&few, &many]).expect("costs");
+        assert!((slower.middle - 0.5).abs() < 1e-9);
+        assert_eq!(exponent([1_000.0, 1_000.0], [&few, &many]), None);
+        let short = exponent([1_000.0, 8_000.0], [&few[..4], &many]).expect("costs");
+        assert_eq!(short.interval, None);
+    }
+}

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! `summary.md`: the verdict, the findings and the main tables, for a merge request or a terminal.
+
+use terrafill_results::{Block, Cell, CellClass, Finding, Table};
+
+/// Starts the text with the verdict.
+pub(crate) fn head(sentences: &[String], facts: &[(&str, String)]) -> String {
+    let mut text = format!(
+        "# terrafill: measurement report\n\n{}\n",
+        sentences.join(" ")
+    );
+    for (label, value) in facts.iter().filter(|(_, value)| !value.is_empty()) {
+        text.push_str(&format!("\n- {label}: {}", escaped(value)));
+    }
+    text.push('\n');
+    text
+}
+
+/// Adds names under a heading; nothing where there are none.
+pub(crate) fn names(text: &mut String, heading: &str, names: &[String]) {
+    if names.is_empty() {
+        return;
+    }
+    text.push_str(&format!("\n## {heading}\n\n"));
+    for name in names {
+        text.push_str(&format!("- {}\n", escaped(name)));
+    }
+}
+
+/// Adds a chapter's findings and main tables, each table under the last section's heading.
+pub(crate) fn chapter(text: &mut String, title: &str, blocks: &[Block]) {
+    let mut own = String::new();
+    let mut heading = "";
+    for block in blocks {
+        match block {
+            Block::Heading { text, .. } => heading = text,
+            Block::Finding(finding) => own.push_str(&line(finding)),
+            Block::Table(main) if main.is_main => {
+                if !heading.is_empty() {
+                    own.push_str(&format!("\n### {}\n", escaped(heading)));
+                    heading = "";
+                }
+                own.push_str(&table(main));
+            }
+            _ => {}
+        }
+    }
+    if !own.is_empty() {
+        text.push_str(&format!("\n## {title}\n\n{}\n", own.trim_start()));
+    }
+}
+
+fn line(finding: &Finding) -> String {
+    let because = match finding.because.as_str() {
+        "" => String::new(),
+        because => format!(" {}:", escaped(because)),
+    };
+    let claim = escaped(&finding.claim);
+    format!("- {claim}{because} **{}**\n", finding.standing.name())
+}
+
+fn table(table: &Table) -> String {
+    let mut text = String::from("\n");
+    if !table.caption.is_empty() {
+        text.push_str(&format!("{}\n\n", escaped(&table.caption)));
+    }
+    let row = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+    text.push_str(&row(table
+        .headings
+        .iter()
+        .map(|h| escaped(&h.text))
+        .collect()));
+    text.push_str(&row(vec!["---".to_owned(); table.headings.len()]));
+    for line in &table.rows {
+        text.push_str(&row(line.cells.iter().map(cell).collect()));
+    }
+    text
+}
+
+fn cell(cell: &Cell) -> String {
+    match cell.class {
+        CellClass::Void => format!("~~{}~~", escaped(&cell.text)),
+        _ => escaped(&cell.text),
+    }
+}
+
+/// Text that cannot end a cell or become markup.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::new();
+    for c in text.chars() {
+        match c {
+            '\n' | '\r' => escaped.push(' '),
+            '|' | '<' | '>' | '*' | '`' | '[' | ']' | '\\' | '~' | '#' => {
+                escaped.push('\\');
+                escaped.push(c);
+            }
+            _ => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_results::{Heading, Row, Standing};
+
+    #[test]
+    fn main_tables_and_findings_are_repeated_and_others_are_not() {
+        let table = |is_main, text: &str| {
+            Block::Table(Table {
+                headings: vec![Heading::plain("view"), Heading::plain("time")],
+                rows: vec![Row::new(vec![Cell::name(text), Cell::plain("2.00 ×")])],
+                is_main,
+                ..Table::default()
+            })
+        };
+        let blocks = [
+            Block::section("One thing changed"),
+            table(true, "a|b\nc"),
+            table(false, "hidden"),
+            Block::Finding(Finding {
+                claim: "Strips made no <difference>.".to_owned(),
+                standing: Standing::CannotTell,
+                because: "1.02 ×".to_owned(),
+            }),
+        ];
+        let mut text = String::new();
+        chapter(&mut text, "Filling", &blocks);
+        assert!(text.contains("### One thing changed\n\n| view | time |\n| --- | --- |\n"));
+        assert!(text.contains("| a\\|b c | 2.00 × |"), "{text}");
+        assert!(!text.contains("hidden"));
+        assert!(text.contains("- Strips made no \\<difference\\>. 1.02 ×: **cannot tell**"));
+        // Twin: a chapter without either is not mentioned.
+        let mut text = String::new();
+        chapter(&mut text, "Filling", &[table(false, "hidden")]);
+        assert_eq!(text, "");
+    }
+}

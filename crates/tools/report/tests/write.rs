@@ -1,0 +1,402 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The report of a made-up run, read as a reader would: what it must say, and what it must not. Each
+//! rule has a twin in which something is wrong and must be seen.
+
+use std::fs;
+use std::path::Path;
+use terrafill_report::{Verdict, WriteError, WrittenReport, write};
+use terrafill_results::made_up::{MadeUpRun, case_id};
+use terrafill_results::{
+    Block, CaseId, Cell, CellClass, Chapter, ChapterError, Clock, DerivedTable, Finding, Heading,
+    Kind, Metric, Outcome, Picture, PictureFigure, Pictures, Row, Run, RunEnvironment, Skipped,
+    Standing, Status, Table,
+};
+
+const TIME: &str = "fill_cpu_ms";
+
+const METRICS: [Metric; 1] = [Metric::less(
+    TIME,
+    "ms",
+    Kind::Time,
+    "Process CPU time of the <fill>.",
+)];
+
+/// A table of all cases with their times, a finding, and the cases' pictures.
+struct TimesChapter;
+
+impl Chapter for TimesChapter {
+    fn study(&self) -> &'static str {
+        "filling"
+    }
+
+    fn title(&self) -> &'static str {
+        "Times"
+    }
+
+    fn primary_metric(&self, _clock: Clock) -> Option<&'static str> {
+        Some(TIME)
+    }
+
+    fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
+        let row = |case: &terrafill_results::Case| {
+            let time = case.value(TIME).map(|ms| ms.to_string());
+            let mut cell = Cell::or_absent(time, &case.reason);
+            if case.outcome == Outcome::Wrong {
+                cell.class = CellClass::Void;
+                cell.title = "the picture is wrong".to_owned();
+            }
+            Row {
+                cells: vec![
+                    Cell::name(&case.id().name),
+                    Cell::plain(case.outcome.name()),
+                    cell,
+                ],
+                status: case.outcome.name().to_owned(),
+                remark: case.reason.clone(),
+            }
+        };
+        let figure = |case: &terrafill_results::Case| PictureFigure {
+            pictures: vec![Picture {
+                path: case.note("image").to_owned(),
+                caption: "picture".to_owned(),
+            }],
+            notes: vec![case.id().name.clone()],
+        };
+        let shown = run
+            .cases
+            .iter()
+            .filter(|case| !case.note("image").is_empty());
+        Ok(vec![
+            Block::section("Every case"),
+            Block::Table(Table {
+                headings: vec![
+                    Heading::plain("case"),
+                    Heading::plain("status"),
+                    Heading::metric("ms", TIME),
+                ],
+                rows: run.cases.iter().map(row).collect(),
+                is_main: true,
+                ..Table::default()
+            }),
+            Block::Finding(Finding {
+                claim: "It is fast.".to_owned(),
+                standing: Standing::DoesNotHold,
+                because: "2.00 ×".to_owned(),
+            }),
+            Block::Pictures(Pictures {
+                caption: String::new(),
+                figures: shown.map(figure).collect(),
+            }),
+        ])
+    }
+
+    fn tables(&self, run: &Run) -> Result<Vec<DerivedTable>, ChapterError> {
+        Ok(vec![DerivedTable {
+            file: "summary.csv".to_owned(),
+            text: format!("cases\n{}\n", run.cases.len()),
+        }])
+    }
+}
+
+fn id(name: &str) -> CaseId {
+    case_id("filling", name, &[])
+}
+
+fn run() -> MadeUpRun {
+    MadeUpRun {
+        environment: RunEnvironment {
+            gpu: "llvmpipe".to_owned(),
+            device_type: "cpu".to_owned(),
+            ..RunEnvironment::default()
+        },
+        metrics: METRICS.to_vec(),
+        ..MadeUpRun::default()
+    }
+}
+
+/// One case of each outcome.
+fn mixed_run() -> MadeUpRun {
+    let mut run = run();
+    run.case(id("vertex/doubled")).timed(TIME, &[36.5]);
+    run.case(id("vertex/pulled"))
+        .timed(TIME, &[7.75])
+        .ended(Status::Wrong, "41 pixels outside the boundary band");
+    run.case(id("vertex/walls=list"))
+        .ended(Status::Skipped, "adapter lacks <lists> & \"quotes\"");
+    run.case(id("native/gs-line"))
+        .ended(Status::Failed, "the device was lost");
+    run.case(id("native/gs-adjacency")).missing();
+    run
+}
+
+struct Report {
+    written: WrittenReport,
+    html: String,
+    markdown: String,
+    result: serde_json::Value,
+}
+
+fn report_in(folder: &Path) -> Report {
+    let written = write(folder, &[&TimesChapter]).expect("a report");
+    let read = |file: &str| fs::read_to_string(folder.join(file)).expect("the file");
+    Report {
+        html: read("index.html"),
+        markdown: read("summary.md"),
+        result: serde_json::from_str(&read("result.json")).expect("JSON"),
+        written,
+    }
+}
+
+fn report(run: &MadeUpRun) -> Report {
+    let folder = tempfile::tempdir().expect("a folder");
+    run.write(folder.path()).expect("a run");
+    report_in(folder.path())
+}
+
+/// The page without the marks for line breaks in names.
+fn without_breaks(html: &str) -> String {
+    html.replace("<span>", "").replace("</span><wbr>", "")
+}
+
+fn row_of(html: &str, name: &str) -> String {
+    let plain = without_breaks(html);
+    let start = plain
+        .find(&format!("<th scope=\"row\">{name}</th>"))
+        .expect("the row");
+    plain[start..start + plain[start..].find("</tr>").expect("its end")].to_owned()
+}
+
+#[test]
+fn every_case_is_counted_and_what_is_missing_or_wrong_is_named() {
+    let found = report(&mixed_run());
+    let counts = found.written.counts;
+    let all = [counts.ok, counts.wrong, counts.skipped, counts.failed];
+    assert_eq!((all, counts.missing), ([1; 4], 1));
+    assert_eq!(found.written.missing, ["filling/native/gs-adjacency"]);
+    assert_eq!(found.written.verdict, Verdict::Bad);
+    let sentence = "5 cases: 1 right, 1 wrong, 1 skipped, 1 failed, 1 missing.";
+    assert!(found.html.contains(sentence) && found.markdown.contains(sentence));
+    assert!(found.html.contains("verdict bad"));
+    assert!(found.html.contains("<li>filling/native/gs-adjacency</li>"));
+    assert!(
+        found
+            .markdown
+            .contains("- filling/native/gs-line: failed: the device was lost")
+    );
+    assert_eq!(found.result["exit_code"], 1);
+    assert_eq!(found.result["missing"][0], "filling/native/gs-adjacency");
+    assert_eq!(found.result["counts"]["failed"], 1);
+    // Twin: a run of the right case alone is good.
+    let mut good = mixed_run();
+    good.cases.truncate(1);
+    let good = report(&good);
+    assert_eq!(good.written.verdict, Verdict::Good);
+    assert_eq!(good.result["exit_code"], 0);
+    assert!(good.html.contains("verdict good") && !good.html.contains("Missing cases"));
+}
+
+#[test]
+fn a_wrong_case_is_shown_as_wrong_and_its_time_counts_for_nothing() {
+    let html = report(&mixed_run()).html;
+    let wrong = row_of(&html, "vertex/pulled");
+    assert!(wrong.contains("<td class=\"status\">wrong</td>"), "{wrong}");
+    assert!(wrong.contains("<s>7.75</s><sup>1</sup>"), "{wrong}");
+    assert!(html.contains("<li>the picture is wrong</li>"), "footnote");
+    let right = row_of(&html, "vertex/doubled");
+    assert!(!right.contains("<s>") && right.contains("36.5"), "{right}");
+}
+
+#[test]
+fn a_wrong_answer_that_is_the_question_does_not_spoil_the_verdict() {
+    let mut run = mixed_run();
+    run.cases.truncate(2);
+    assert_eq!(report(&run).written.verdict, Verdict::Bad);
+    run.cases[1].may_be_wrong = true;
+    let found = report(&run);
+    assert_eq!(found.written.verdict, Verdict::Good);
+    let sentence = "1 wrong (1 of them where the error is the question)";
+    assert!(found.html.contains(sentence));
+}
+
+#[test]
+fn what_was_not_measured_is_a_dash_with_a_reason() {
+    let html = report(&mixed_run()).html;
+    let failed = row_of(&html, "native/gs-line");
+    let dash = "<td class=\"absent\" title=\"the device was lost\">–<sup>";
+    assert!(failed.contains(dash), "{failed}");
+    assert!(html.contains("<li>the device was lost</li>"), "for print");
+    // Twin: a measured zero is a zero.
+    let mut zero = run();
+    zero.case(id("a")).timed(TIME, &[0.0]);
+    assert!(row_of(&report(&zero).html, "a").contains("<td>0</td>"));
+}
+
+#[test]
+fn text_from_the_run_cannot_become_markup() {
+    let mut run = mixed_run();
+    run.case(id("<img src=x>")).timed(TIME, &[1.0]);
+    run.skipped.push(Skipped {
+        what: "<b>moon</b>".to_owned(),
+        reason: "its data is missing".to_owned(),
+    });
+    let found = report(&run);
+    for markup in ["<lists>", "<img src=x>", "<b>moon", "<fill>"] {
+        assert!(!found.html.contains(markup), "{markup}");
+    }
+    assert!(
+        found
+            .html
+            .contains("&#60;lists&#62; &#38; &#34;quotes&#34;")
+    );
+    assert!(
+        found
+            .html
+            .contains("title=\"Process CPU time of the &#60;fill&#62;.\"")
+    );
+    assert!(found.markdown.contains("\\<img src=x\\>"));
+}
+
+/// Addresses that a browser would fetch.
+fn loads(html: &str) -> Vec<&str> {
+    ["src=\"", "href=\"", "url(", "@import", "srcset=\""]
+        .iter()
+        .flat_map(|mark| {
+            html.match_indices(mark)
+                .map(|(at, _)| &html[at + mark.len()..])
+        })
+        .map(|rest| &rest[..rest.find(['"', ')', ';']).unwrap_or(rest.len())])
+        .filter(|address| !address.starts_with('#') && !address.starts_with("data"))
+        .collect()
+}
+
+fn picture(folder: &Path, name: &str, grey: u8) {
+    image::RgbImage::from_pixel(8, 8, image::Rgb([grey; 3]))
+        .save(folder.join("images").join(name))
+        .expect("a picture");
+}
+
+#[test]
+fn pictures_are_carried_along_the_same_ones_once_and_broken_ones_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut run = run();
+    for (name, image) in [("a", "a.png"), ("b", "b.png"), ("c", "gone.png")] {
+        run.case(id(name)).note("image", &format!("images/{image}"));
+    }
+    run.write(folder.path()).expect("a run");
+    picture(folder.path(), "a.png", 9);
+    picture(folder.path(), "b.png", 9);
+    let html = report_in(folder.path()).html;
+    assert_eq!(loads(&html), [""; 0]);
+    assert!(html.contains("data:image/png;base64,"));
+    assert!(!html.contains("<script") && !html.contains("<link"));
+    assert!(html.contains("the same for 2 cases"));
+    assert!(html.contains("Pictures that could not be shown: images/gone.png"));
+    // Twins: another picture is not the same, and the check for addresses sees one.
+    picture(folder.path(), "b.png", 8);
+    assert!(!report_in(folder.path()).html.contains("the same for"));
+    assert_eq!(loads("<img src=\"images/a.png\">"), ["images/a.png"]);
+    assert_eq!(loads("a { b: url(https://c.d) }"), ["https://c.d"]);
+}
+
+#[test]
+fn noise_clock_and_replicates_are_said() {
+    let timed = |twin: &[f64]| {
+        let mut run = run();
+        run.case(id("a")).timed(TIME, &[10.0, 11.0]);
+        run.case(id("a").twin()).timed(TIME, twin);
+        report(&run)
+    };
+    let noisy = timed(&[12.0, 13.2]);
+    let sentence = "In filling, identical work differed by up to 1.20 × (fill_cpu_ms, 1 pair, median \
+                    1.20 ×); smaller gaps are ties.";
+    assert!(noisy.html.contains(sentence), "{}", noisy.markdown);
+    assert!(
+        noisy
+            .html
+            .contains("use process CPU time: the device is the CPU.")
+    );
+    assert!(
+        noisy
+            .html
+            .contains("2 processes, each one replicate: fewer than 5 give no interval.")
+    );
+    assert!(
+        noisy.html.contains("1 case: 1 right"),
+        "twins are not counted"
+    );
+    let factor = noisy.result["noise"][0]["max_factor"].as_f64();
+    assert!((factor.expect("a factor") - 1.2).abs() < 1e-12);
+    // Twins: no noise, and none that is known.
+    assert!(timed(&[10.0, 11.0]).html.contains("by up to 1.00 ×"));
+    let mut alone = run();
+    alone.case(id("a")).timed(TIME, &[10.0]);
+    let alone = report(&alone);
+    assert!(alone.html.contains("no identical work was measured twice"));
+    assert!(alone.result["noise"][0]["max_factor"].is_null());
+}
+
+#[test]
+fn findings_and_main_tables_are_in_both_files_and_derived_tables_beside_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    mixed_run().write(folder.path()).expect("a run");
+    let found = report_in(folder.path());
+    assert!(
+        found
+            .html
+            .contains("It is fast. 2.00 ×: <b class=\"does-not\">does not hold</b>")
+    );
+    assert!(
+        found
+            .markdown
+            .contains("- It is fast. 2.00 ×: **does not hold**")
+    );
+    assert!(
+        found
+            .markdown
+            .contains("| vertex/pulled | wrong | ~~7.75~~ |")
+    );
+    let table = fs::read_to_string(folder.path().join("summary.csv")).expect("the table");
+    assert_eq!(table, "cases\n5\n");
+    assert!(!folder.path().join("summary.csv.new").exists());
+}
+
+#[test]
+fn a_missing_table_and_a_wrong_cell_are_refused_with_their_place() {
+    let folder = tempfile::tempdir().expect("a folder");
+    mixed_run().write(folder.path()).expect("a run");
+    let cases = folder.path().join("cases.csv");
+    let text = fs::read_to_string(&cases).expect("the file");
+    fs::write(&cases, text.replace(",skipped,", ",maybe,")).expect("writable");
+    let refused = || {
+        write(folder.path(), &[&TimesChapter])
+            .expect_err("refused")
+            .to_string()
+    };
+    let message = refused();
+    assert!(
+        message.contains("cases.csv, row 4, column status"),
+        "{message}"
+    );
+    assert!(message.contains("maybe"), "{message}");
+    fs::write(&cases, text).expect("writable");
+    let measurements = folder.path().join("measurements.csv");
+    let text = fs::read_to_string(&measurements).expect("the file");
+    fs::write(&measurements, text.replace("36.5", "fast")).expect("writable");
+    assert!(refused().contains("measurements.csv, row 2, column value"));
+    fs::remove_file(&measurements).expect("there");
+    assert!(refused().contains("measurements.csv: found no such file"));
+    assert!(!folder.path().join("index.html").exists());
+    let empty = tempfile::tempdir().expect("a folder");
+    let error = write(empty.path(), &[]).expect_err("no run");
+    assert!(
+        matches!(error, WriteError::Chapter(ChapterError::Run(_))),
+        "{error}"
+    );
+}
+
+#[test]
+fn the_same_run_gives_the_same_report() {
+    let folder = tempfile::tempdir().expect("a folder");
+    mixed_run().write(folder.path()).expect("a run");
+    assert_eq!(report_in(folder.path()).html, report_in(folder.path()).html);
+}
