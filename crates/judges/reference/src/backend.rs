@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The reference as a backend: one ray and one classification per pixel.
 
-use crate::locator::{Locator, Point};
+use crate::locator::Locator;
+use crate::point::Point;
 use crate::sampling::encoded;
 use crate::surface::SurfaceTriangles;
 use crate::texture::Texturing;
