@@ -11,7 +11,7 @@ use crate::statistics::Statistics;
 use crate::targets::{attached, read_only_depth};
 use crate::textured::{BoundCover, CoverPurpose, Probe, Textured};
 use crate::volume_pipeline::check_blendable;
-use crate::{Gpu, RenderTargets, SharedTargets, TimedPass, VolumePass};
+use crate::{API, Gpu, RenderTargets, SharedTargets, TimedPass, VolumePass};
 use std::sync::Arc;
 use terrafill_core::RegionMesh;
 use terrafill_fill::{
@@ -101,7 +101,7 @@ impl VolumeFill {
     ) -> Result<Self, DeviceError> {
         // Whatever the device has; silence would look like a test that changes nothing.
         if switches.depth_bounds {
-            return Err(DeviceError::unsupported("a depth-bounds test", "wgpu"));
+            return Err(DeviceError::unsupported("a depth-bounds test", API.name));
         }
         let gpu = Arc::clone(targets.borrow().gpu());
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
@@ -346,6 +346,16 @@ impl VolumeFill {
             statistics.read_into(&gpu, &mut counters)?;
         }
         Ok((targets.read()?, counters))
+    }
+
+    /// Draws the surface and gives its GPU time, where there is a clock.
+    ///
+    /// # Errors
+    /// [`DeviceError::OverCapacity`], [`DeviceError::DeviceLost`].
+    pub fn draw_surface(&self, input: &FrameInput) -> Result<Option<f64>, DeviceError> {
+        let mut targets = self.targets.borrow_mut();
+        targets.prepare(input)?;
+        targets.draw_surface()
     }
 
     /// What came out: the ids that are in the picture; of a textured fill, ids and places in the

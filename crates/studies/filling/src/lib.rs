@@ -16,16 +16,14 @@ mod fingerprint;
 mod group;
 mod growth;
 mod images;
-mod ladder;
-mod matrix;
 mod memory;
 mod options;
 mod precision;
 mod rounding;
 mod runner;
 mod scenes;
+mod subject;
 mod summary;
-mod technique;
 mod textured;
 
 pub use cases::{BenchCase, Roles, SceneGroup, group_cases};
@@ -35,5 +33,16 @@ pub use options::{BenchError, BenchOptions, LADDER_SCENE, MATRIX_SCENES, NO_SCEN
 pub use precision::{measure_suite, suite_findings};
 pub use runner::{BenchOutcome, run, run_with_growth_program};
 pub use scenes::open_scene;
-pub use technique::{BACKENDS, Setting, Technique};
+pub use subject::{Subject, Techniques};
 pub use textured::{PICTURE_SCENES, ShownPicture};
+
+#[cfg(test)]
+mod tests {
+    use terrafill_compute::ComputeTechnique;
+    use terrafill_native::NativeTechnique;
+    use terrafill_vertex::VertexTechnique;
+
+    /// As the command line hands them over.
+    pub(crate) const TECHNIQUES: crate::Techniques =
+        &[&VertexTechnique, &ComputeTechnique, &NativeTechnique];
+}

@@ -5,15 +5,14 @@
 mod drawing;
 
 use drawing::{
-    AllTargets, Devices, collection, draw_with, figures, is_right, judge, look, polygon, scene,
-    with_colour,
+    AllTargets, Devices, Technique, collection, draw_with, figures, is_right, judge, look, polygon,
+    scene, with_colour,
 };
 use terrafill_conformance::{filled_only, verdict};
 use terrafill_core::Ellipsoid;
 use terrafill_fill::{
     ColourWay, DeviceError, FrameInput, NO_REGION, Picture, PreparedScene, region_colour,
 };
-use terrafill_filling::Technique;
 use terrafill_scene::{ImageSize, Overlap};
 use terrafill_vertex::VertexVariant;
 

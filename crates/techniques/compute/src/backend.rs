@@ -5,8 +5,8 @@ use crate::expansion::Capacity;
 use crate::volumes::ComputeVolumes;
 use crate::{ComputeBytes, ComputeVariant, GpuCulling};
 use terrafill_fill::{
-    Backend, Capabilities, Colours, DeviceError, FillProgram, Frame, FrameInput, FrameTimes,
-    MemoryUse, Picture, PositionFormat, RegionConstants, TimedBackend, VolumeBackend,
+    Capabilities, Colours, DeviceError, FillBackend, FillProgram, Frame, FrameInput, FrameTimes,
+    MemoryUse, Picture, PositionFormat, RegionConstants,
 };
 use terrafill_gpu::{SharedTargets, VolumeFill};
 
@@ -122,9 +122,17 @@ impl ComputeBackend {
     }
 }
 
-impl Backend for ComputeBackend {
+impl FillBackend for ComputeBackend {
     fn capabilities(&self) -> &Capabilities {
         self.fill.capabilities()
+    }
+
+    fn tells_regions_apart(&self) -> bool {
+        self.variant.switches.colour.tells_regions_apart()
+    }
+
+    fn note(&self) -> Option<String> {
+        self.fill.note()
     }
 
     fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, DeviceError> {
@@ -153,32 +161,20 @@ impl Backend for ComputeBackend {
         self.fill
             .frame(&mut self.volumes, input, &picture, counters)
     }
-}
-
-impl TimedBackend for ComputeBackend {
-    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, DeviceError> {
-        self.fill.time_frame(&mut self.volumes, input)
-    }
-}
-
-impl VolumeBackend for ComputeBackend {
-    fn variant_name(&self) -> String {
-        self.variant.name()
-    }
-
-    fn tells_regions_apart(&self) -> bool {
-        self.variant.switches.colour.tells_regions_apart()
-    }
-
-    fn note(&self) -> Option<String> {
-        self.fill.note()
-    }
 
     fn picture(&mut self, input: &FrameInput) -> Result<Picture, DeviceError> {
         self.upload_view(input, OPAQUE)?;
         let drawn = self.fill.draw_and_read(&mut self.volumes, input, false);
         self.upload_view(input, Colours::Ids)?;
         drawn.map(|(picture, _)| picture)
+    }
+
+    fn draw_surface(&mut self, input: &FrameInput) -> Result<Option<f64>, DeviceError> {
+        self.fill.draw_surface(input)
+    }
+
+    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, DeviceError> {
+        self.fill.time_frame(&mut self.volumes, input)
     }
 }
 

@@ -4,8 +4,8 @@
 use crate::VertexVariant;
 use crate::pass::VertexVolumes;
 use terrafill_fill::{
-    Backend, Capabilities, Colours, DeviceError, FillProgram, Frame, FrameInput, FrameTimes,
-    MemoryUse, Picture, RegionConstants, TimedBackend, VolumeBackend,
+    Capabilities, Colours, DeviceError, FillBackend, FillProgram, Frame, FrameInput, FrameTimes,
+    MemoryUse, Picture, RegionConstants,
 };
 use terrafill_gpu::{SharedTargets, VolumeFill};
 
@@ -64,9 +64,17 @@ impl VertexBackend {
     }
 }
 
-impl Backend for VertexBackend {
+impl FillBackend for VertexBackend {
     fn capabilities(&self) -> &Capabilities {
         self.fill.capabilities()
+    }
+
+    fn tells_regions_apart(&self) -> bool {
+        self.variant.switches.colour.tells_regions_apart()
+    }
+
+    fn note(&self) -> Option<String> {
+        self.fill.note()
     }
 
     fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, DeviceError> {
@@ -92,26 +100,6 @@ impl Backend for VertexBackend {
         self.fill
             .frame(&mut self.volumes, input, &picture, counters)
     }
-}
-
-impl TimedBackend for VertexBackend {
-    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, DeviceError> {
-        self.fill.time_frame(&mut self.volumes, input)
-    }
-}
-
-impl VolumeBackend for VertexBackend {
-    fn variant_name(&self) -> String {
-        self.variant.name()
-    }
-
-    fn tells_regions_apart(&self) -> bool {
-        self.variant.switches.colour.tells_regions_apart()
-    }
-
-    fn note(&self) -> Option<String> {
-        self.fill.note()
-    }
 
     fn picture(&mut self, input: &FrameInput) -> Result<Picture, DeviceError> {
         self.variant.check(input.scene.overlap)?;
@@ -123,5 +111,13 @@ impl VolumeBackend for VertexBackend {
         let drawn = self.fill.draw_and_read(&mut self.volumes, input, blends);
         self.upload_view(input, Colours::Ids)?;
         drawn.map(|(picture, _)| picture)
+    }
+
+    fn draw_surface(&mut self, input: &FrameInput) -> Result<Option<f64>, DeviceError> {
+        self.fill.draw_surface(input)
+    }
+
+    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, DeviceError> {
+        self.fill.time_frame(&mut self.volumes, input)
     }
 }
