@@ -73,7 +73,7 @@ fn baselines_cover_every_pixel() {
         return;
     };
     let input = globe_from(8e6);
-    for kind in [BaselineKind::Bound, BaselineKind::Floor] {
+    for kind in [BaselineKind::DepthPass, BaselineKind::StencilPass] {
         let targets = RenderTargets::shared(&gpu, SIZE).expect("small targets");
         targets.borrow_mut().prepare(&input).expect("fits");
         targets.borrow_mut().draw_surface().expect("draws");
