@@ -11,6 +11,7 @@
 //! held against their plain one.
 
 mod cases;
+mod chapter;
 mod environment;
 mod fingerprint;
 mod group;
@@ -27,6 +28,7 @@ mod technique;
 mod textured;
 
 pub use cases::{BenchCase, Roles, SceneGroup, group_cases};
+pub use chapter::FillingChapter;
 pub use environment::environment;
 pub use options::{BenchError, BenchOptions, LADDER_SCENE, MATRIX_SCENES, NO_SCENE, Shard};
 pub use runner::{BenchOutcome, run};
