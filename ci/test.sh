@@ -46,6 +46,7 @@ cargo clippy --workspace --all-targets --locked -- -D warnings
 
 section "dependencies, shaders, goldens"
 cargo xtask check-deps
+cargo xtask check-cycles
 cargo xtask check-shaders
 cargo xtask check-goldens
 

@@ -5,10 +5,14 @@
 //! Every check prints what it looked at and how much of it there was, since a check that found
 //! nothing to check has not passed.
 
+mod cycles;
 mod dependencies;
 mod geometry;
 mod goldens;
+mod lines;
+mod pictures;
 mod shaders;
+mod source;
 mod validation_log;
 
 use anyhow::{Context as _, Result, bail};
@@ -19,10 +23,13 @@ const USAGE: &str = "\
 usage: cargo xtask COMMAND
 
   check-deps                   no crate depends on one that the architecture forbids
+  check-cycles                 no two files of a crate import from each other
   check-shaders                shaders on disk, embedded and documented are the same, and valid
   compile-shaders              write the SPIR-V of the geometry shaders anew
   check-validation-log FILE    the Vulkan layer was at work and reported nothing unexpected
   check-goldens                every golden is there, is used and is what the code gives
+  compare-pictures BASE NEW    two run folders hold the same masks and ids, case by case
+  lines [--root DIR]           lines of source outside tests, for each package
   bless NAME                   write the golden NAME anew; the only command that writes goldens";
 
 #[allow(
@@ -34,10 +41,14 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let outcome = match words[..] {
         ["check-deps"] => check_deps(),
+        ["check-cycles"] => cycles::check(&root()),
         ["check-shaders"] => shaders::check(&root().join("shaders")),
         ["compile-shaders"] => geometry::compile(&root().join("shaders")),
         ["check-validation-log", file] => validation_log::check(Path::new(file)),
         ["check-goldens"] => goldens_now().and_then(|all| goldens::check(&goldens_dir(), &all)),
+        ["compare-pictures", base, new] => pictures::compare(Path::new(base), Path::new(new)),
+        ["lines"] => lines::count(&root()),
+        ["lines", "--root", folder] => lines::count(Path::new(folder)),
         ["bless", name] => goldens_now().and_then(|all| goldens::bless(&goldens_dir(), &all, name)),
         _ => {
             eprintln!("{USAGE}");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! What a backend promises, and how it fails.
+//! What an opened backend promises, and how devices fail.
 
 use crate::{Frame, FrameInput, FrameTimes, MemoryUse};
 use terrafill_scene::ImageSize;
@@ -7,20 +7,20 @@ use terrafill_scene::ImageSize;
 /// What a backend runs on and what it can do there.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Capabilities {
-    /// `vertex`, `native`, `reference` …
+    /// `vertex`, `native` …
     pub backend: &'static str,
     /// Adapter and driver, or `cpu`.
     pub adapter: String,
-    /// Whether [`TimedBackend::time_frame`] can give GPU times.
+    /// Whether [`FillBackend::time_frame`] can give GPU times.
     pub gpu_timestamps: bool,
     /// Whether vertex and fragment counts come with the counters.
     pub pipeline_statistics: bool,
 }
 
 /// What can go wrong between a frame's input and its picture.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, Clone, thiserror::Error)]
 #[non_exhaustive]
-pub enum BackendError {
+pub enum DeviceError {
     /// The adapter lacks something; becomes a *skipped* row with this reason.
     #[error("{adapter} lacks {capability}")]
     Unsupported {
@@ -61,7 +61,7 @@ pub enum BackendError {
     /// Switches that do not go together, or not with the scene.
     #[error(transparent)]
     Switch(#[from] crate::SwitchError),
-    /// [`Backend::render`] was called before [`Backend::prepare`], or with another input.
+    /// [`FillBackend::render`] was called before [`FillBackend::prepare`], or with another input.
     #[error("{backend} was not prepared for {scene}/{view}")]
     NotPrepared {
         /// Which backend.
@@ -73,7 +73,7 @@ pub enum BackendError {
     },
 }
 
-impl BackendError {
+impl DeviceError {
     /// `adapter` lacks `capability`.
     #[must_use]
     pub fn unsupported(capability: &str, adapter: &str) -> Self {
@@ -94,29 +94,6 @@ impl BackendError {
     }
 }
 
-/// One way to fill regions: a technique on an API, with its switches set.
-///
-/// The order is `prepare`, then any number of `render`s with the same input. A second `prepare`
-/// replaces the first.
-pub trait Backend {
-    /// What this runs on.
-    fn capabilities(&self) -> &Capabilities;
-
-    /// Builds and uploads everything the frame needs; nothing is uploaded later unless the input
-    /// changes.
-    ///
-    /// # Errors
-    /// [`BackendError`] when the adapter cannot hold or run it.
-    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, BackendError>;
-
-    /// Fills every planned region of `input` and reads the picture back; same bytes out for the
-    /// same adapter and driver.
-    ///
-    /// # Errors
-    /// [`BackendError::NotPrepared`], or whatever the device reports.
-    fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError>;
-}
-
 /// A picture read back.
 #[derive(Debug, Clone)]
 pub struct Picture {
@@ -128,11 +105,13 @@ pub struct Picture {
     pub depth: Vec<f32>,
 }
 
-/// A backend of the bench: it can be timed, shown, and names its switches.
-pub trait VolumeBackend: TimedBackend {
-    /// Layout or technique first, then the switches that differ from the default, `key=value`, in
-    /// alphabetical order: the `variant` of its rows.
-    fn variant_name(&self) -> String;
+/// One variant of a technique, opened on render targets.
+///
+/// The order is `prepare`, then any number of frames with the same input. A second `prepare`
+/// replaces the first.
+pub trait FillBackend {
+    /// What this runs on.
+    fn capabilities(&self) -> &Capabilities;
 
     /// Whether the picture tells regions apart; otherwise only the filled area is comparable.
     fn tells_regions_apart(&self) -> bool;
@@ -143,29 +122,38 @@ pub trait VolumeBackend: TimedBackend {
         None
     }
 
+    /// Builds and uploads everything the frame needs; nothing is uploaded later unless the input
+    /// changes.
+    ///
+    /// # Errors
+    /// [`DeviceError`] when the adapter cannot hold or run it.
+    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, DeviceError>;
+
+    /// Draws the surface, fills every planned region of `input` and reads the picture back; same
+    /// bytes out for the same adapter and driver.
+    ///
+    /// # Errors
+    /// [`DeviceError::NotPrepared`], or whatever the device reports.
+    fn render(&mut self, input: &FrameInput) -> Result<Frame, DeviceError>;
+
     /// Draws the frame in the regions' own colours, or a textured fill in its picture's, over the
     /// shaded surface.
     ///
     /// # Errors
-    /// As [`Backend::render`].
-    fn picture(&mut self, input: &FrameInput) -> Result<Picture, BackendError>;
+    /// As [`FillBackend::render`].
+    fn picture(&mut self, input: &FrameInput) -> Result<Picture, DeviceError>;
 
-    /// Draws the surface into the backend's own targets, if it has any: once a round, untimed, so
-    /// that every timed fill finds the same surface. Backends that share targets leave it to those.
+    /// Draws the surface into the render targets and gives its GPU time, where there is a clock.
+    /// Once a round is enough for all backends that share the targets.
     ///
     /// # Errors
-    /// As [`Backend::render`].
-    fn draw_own_surface(&mut self, _input: &FrameInput) -> Result<(), BackendError> {
-        Ok(())
-    }
-}
+    /// As [`FillBackend::render`].
+    fn draw_surface(&mut self, input: &FrameInput) -> Result<Option<f64>, DeviceError>;
 
-/// A backend whose frames can be timed without reading anything back.
-pub trait TimedBackend: Backend {
-    /// Fills exactly as [`Backend::render`] does, on top of the surface that the targets hold
+    /// Fills exactly as [`FillBackend::render`] does, on top of the surface that the targets hold
     /// already, and waits for it. A fill leaves depth untouched, so one surface serves many fills.
     ///
     /// # Errors
-    /// As [`Backend::render`].
-    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, BackendError>;
+    /// As [`FillBackend::render`].
+    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, DeviceError>;
 }

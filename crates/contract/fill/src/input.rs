@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What goes in: the same bytes for every backend.
 
-use crate::{BackendError, MAX_REGIONS};
+use crate::{DeviceError, MAX_REGIONS};
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Region, RegionMesh};
 use terrafill_scene::{
@@ -158,13 +158,13 @@ impl FrameInput {
     /// Whether ids can tell the scene's regions apart.
     ///
     /// # Errors
-    /// [`BackendError::OverCapacity`].
-    pub fn check_region_count(&self) -> Result<(), BackendError> {
+    /// [`DeviceError::OverCapacity`].
+    pub fn check_region_count(&self) -> Result<(), DeviceError> {
         let (found, allowed) = (self.scene.regions.len(), MAX_REGIONS);
         if found <= allowed {
             return Ok(());
         }
-        Err(BackendError::OverCapacity {
+        Err(DeviceError::OverCapacity {
             what: "regions".to_owned(),
             found: found as u64,
             allowed: allowed as u64,
@@ -177,13 +177,13 @@ impl FrameInput {
     /// - `surface_rte`: that of the view that it holds
     ///
     /// # Errors
-    /// [`BackendError::NotPrepared`].
+    /// [`DeviceError::NotPrepared`].
     pub fn check_prepared(
         &self,
         backend: &'static str,
         meshes: Option<&Arc<[RegionMesh]>>,
         surface_rte: Option<&Arc<[[f32; 3]]>>,
-    ) -> Result<(), BackendError> {
+    ) -> Result<(), DeviceError> {
         let has_meshes = meshes.is_some_and(|held| Arc::ptr_eq(held, &self.scene.meshes));
         let has_view = surface_rte.is_some_and(|held| Arc::ptr_eq(held, &self.surface_rte));
         if has_meshes && has_view {
@@ -194,8 +194,8 @@ impl FrameInput {
 
     /// `backend` was prepared for something else.
     #[must_use]
-    pub fn not_prepared(&self, backend: &'static str) -> BackendError {
-        BackendError::NotPrepared {
+    pub fn not_prepared(&self, backend: &'static str) -> DeviceError {
+        DeviceError::NotPrepared {
             backend,
             scene: self.scene.name.clone(),
             view: self.view.clone(),

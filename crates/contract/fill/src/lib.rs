@@ -3,42 +3,51 @@
 //!
 //! A backend gets a [`FrameInput`] and gives a [`Frame`]. It may read anything in the input, and
 //! nothing else: then "same input" means the same bytes, and a difference in the output is the
-//! backend's own. The reference is a backend like the others, but judges from the parsed regions,
-//! never from the meshes.
+//! backend's own. Backends are opened by techniques ([`Technique`]), which say what there is to
+//! measure. The reference is none: it judges from the parsed regions, never from the meshes.
 
 mod adapter;
 mod backend;
 mod batches;
 mod clock;
 mod constants;
+mod devices;
 mod fixed_point;
 mod footprint;
 mod frame;
 mod geometry;
 mod input;
+mod ladder;
+mod matrix;
 mod palette;
 mod program;
 mod steps;
 mod switches;
+mod targets;
+mod technique;
 mod texture;
 mod textured;
 mod textured_device;
+mod variant;
 mod work;
 
 pub use adapter::{
     DeviceFacts, DeviceType, SKY, THIS_MACHINE, check_target_size, choose_adapter, count_u32,
     device_for_test,
 };
-pub use backend::{Backend, BackendError, Capabilities, Picture, TimedBackend, VolumeBackend};
+pub use backend::{Capabilities, DeviceError, FillBackend, Picture};
 pub use batches::{RegionClasses, XOR_NUMBERS, XorBatches, overlap_depth};
 pub use clock::CpuStopwatch;
 pub use constants::{RegionConstants, RegionPlace, ViewConstants};
+pub use devices::Devices;
 pub use fixed_point::{
     EyeInUnits, FixedPoint, PositionFormat, eye_relative_m, two_float, two_float_difference_m,
 };
 pub use frame::{Counters, Frame, FrameTimes, MemoryUse, NO_REGION};
 pub use geometry::{GeometryBytes, IndexLists, boundary_edges};
 pub use input::{FrameInput, PreparedScene};
+pub use ladder::{Climb, Rung};
+pub use matrix::{LOD_PX, matrix_row};
 pub use palette::{Colours, MAX_REGIONS, ids_of, paint, region_colour};
 pub use program::{
     CoverShape, DepthRule, FaceEffect, FaceSet, FillCommand, FillPass, FillProgram,
@@ -48,9 +57,12 @@ pub use steps::{FillStep, NUMBER_BYTES, VolumeDraw, VolumeState};
 pub use switches::{
     BottomCap, ColourWay, DepthRuleChoice, FacePasses, StencilClear, SwitchError, Switches, pick,
 };
+pub use targets::{Api, Targets};
+pub use technique::{Role, Technique, layouts};
 pub use texture::{AddressMode, Pattern, PlannedTexture, TextureCoordinates, TexturePixel};
 pub use textured::{
     CoverOverrides, RouteChoice, RouteNote, TexturedCover, TexturedPlan, TexturedRegion,
 };
 pub use textured_device::{Probed, RouteTexelFormat, RouteTexels};
+pub use variant::{Parameter, Values, Variant};
 pub use work::{WorkCounters, WorkDone};

@@ -147,11 +147,10 @@ pub struct SwitchError {
 }
 
 impl Switches {
-    /// Every key that every backend takes, with its values. `depth-bounds` is a key of those on
-    /// Vulkan itself only.
+    /// Every key with its values.
     pub const KEYS: &str = "bottom-cap=always|where-needed, \
         colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes|id-accumulation, \
-        cover-faces=both|culled, depth-rule=zfail|zpass|automatic, faces=two-sided|two-pass, \
+        cover-faces=both|culled, depth-bounds=off|on, depth-rule=zfail|zpass|automatic, faces=two-sided|two-pass, \
         normalize=needed|superfluous, position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
         stencil-clear=at-start|by-colour, texture=plain|chosen|floor|a route such as gnomonic-3";
 
@@ -167,47 +166,61 @@ impl Switches {
         }
     }
 
+    /// Every switch with its value, in alphabetical order.
+    #[must_use]
+    pub fn settings(&self) -> [(&'static str, String); 11] {
+        let either = |is_second: bool, [first, second]: [&str; 2]| {
+            if is_second { second } else { first }.to_owned()
+        };
+        let depth_rule = match self.depth_rule {
+            DepthRuleChoice::Fail => "zfail",
+            DepthRuleChoice::Pass => "zpass",
+            DepthRuleChoice::Automatic => "automatic",
+        };
+        let bottom_where_needed = self.bottom_cap == BottomCap::WhereNeeded;
+        let cleared_by_colour = self.stencil_clear == StencilClear::ByColour;
+        let position = self.position.unwrap_or(PositionRoute::EyeRegion);
+        let texture = self.texture.as_ref();
+        [
+            (
+                "bottom-cap",
+                either(bottom_where_needed, ["always", "where-needed"]),
+            ),
+            ("colour", self.colour.name().to_owned()),
+            (
+                "cover-faces",
+                either(self.cover_culls_faces, ["both", "culled"]),
+            ),
+            ("depth-bounds", either(self.depth_bounds, ["off", "on"])),
+            ("depth-rule", depth_rule.to_owned()),
+            (
+                "faces",
+                either(self.faces == FacePasses::TwoPass, ["two-sided", "two-pass"]),
+            ),
+            (
+                "normalize",
+                either(self.superfluous_normalize, ["needed", "superfluous"]),
+            ),
+            ("position", position.name().to_owned()),
+            ("scissor", either(self.scissor, ["covers", "volumes"])),
+            (
+                "stencil-clear",
+                either(cleared_by_colour, ["at-start", "by-colour"]),
+            ),
+            (
+                "texture",
+                texture.map_or_else(|| "plain".to_owned(), RouteChoice::name),
+            ),
+        ]
+    }
+
     /// `key=value` of every switch that differs from the default, in alphabetical order.
     #[must_use]
     pub fn names(&self) -> Vec<String> {
-        let default = Self::default();
-        let mut names = Vec::new();
-        if self.bottom_cap != default.bottom_cap {
-            names.push("bottom-cap=where-needed".to_owned());
-        }
-        if self.colour != default.colour {
-            names.push(format!("colour={}", self.colour.name()));
-        }
-        if self.cover_culls_faces {
-            names.push("cover-faces=culled".to_owned());
-        }
-        if self.depth_bounds {
-            names.push("depth-bounds=on".to_owned());
-        }
-        match self.depth_rule {
-            DepthRuleChoice::Fail => {}
-            DepthRuleChoice::Pass => names.push("depth-rule=zpass".to_owned()),
-            DepthRuleChoice::Automatic => names.push("depth-rule=automatic".to_owned()),
-        }
-        if self.faces != default.faces {
-            names.push("faces=two-pass".to_owned());
-        }
-        if self.superfluous_normalize {
-            names.push("normalize=superfluous".to_owned());
-        }
-        if let Some(position) = self.position {
-            names.push(format!("position={}", position.name()));
-        }
-        if self.scissor {
-            names.push("scissor=volumes".to_owned());
-        }
-        if self.stencil_clear != default.stencil_clear {
-            names.push("stencil-clear=by-colour".to_owned());
-        }
-        if let Some(choice) = &self.texture {
-            names.push(format!("texture={}", choice.name()));
-        }
-        names
+        let both = self.settings().into_iter().zip(Self::default().settings());
+        both.filter(|(found, default)| found != default)
+            .map(|((key, value), _)| format!("{key}={value}"))
+            .collect()
     }
 
     /// Sets the switch `key` to `value`; the inverse of [`Switches::names`], defaults included.

@@ -10,7 +10,6 @@ mod near_plane;
 mod plan;
 mod procedural;
 mod scene;
-mod shape_family;
 mod shipped;
 mod surface;
 mod texture;
@@ -28,9 +27,9 @@ pub use plan::{
 };
 pub use procedural::Islands;
 pub use scene::{Overlap, Scene, View};
-pub use shape_family::ShapeFamily;
 pub use shipped::shipped_scene_names;
 pub use surface::SurfaceMesh;
+pub use terrafill_core::ShapeFamily;
 pub use texture::{
     MipChain, MipLevel, Outside, SceneTexture, TextureAnchor, TexturePlacement, TextureShare,
     checker,

@@ -407,11 +407,11 @@ impl Running<'_> {
     }
 
     fn verdict(&mut self, work: usize, is_new: bool) -> Result<Verdict, StudyError> {
-        match self.known.get(&self.key(work)) {
-            Some(known) if !is_new && known.status.is_some() => {
-                self.session.recheck(work, &known.notes)
-            }
-            _ => self.session.verify(work),
+        let known = self.known.get(&self.key(work)).filter(|_| !is_new);
+        let earlier = known.and_then(|known| Some((known.status?, &known.notes)));
+        match earlier {
+            Some((status, notes)) => self.session.recheck(work, status, notes),
+            None => self.session.verify(work),
         }
     }
 

@@ -4,7 +4,7 @@
 use crate::Devices;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use terrafill_results::{Chapter, Metric, PlannedCase, Skipped, Verdict};
+use terrafill_results::{Chapter, Metric, PlannedCase, Skipped, Status, Verdict};
 
 /// How much is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
@@ -134,13 +134,16 @@ pub trait Session {
     fn verify(&mut self, case: usize) -> Result<Verdict, StudyError>;
 
     /// Makes a case ready that an earlier process has verified, and makes sure that it still does the
-    /// same work; the earlier verdict's notes are at hand. Verifies it once more by default.
+    /// same work. Verifies it once more by default.
+    ///
+    /// - `status`, `notes`: of the earlier verdict
     ///
     /// # Errors
     /// As [`Session::verify`].
     fn recheck(
         &mut self,
         case: usize,
+        _status: Status,
         _notes: &BTreeMap<String, String>,
     ) -> Result<Verdict, StudyError> {
         self.verify(case)

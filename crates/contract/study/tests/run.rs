@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::rc::Rc;
 use terrafill_results::{
-    Block, CaseId, Chapter, ChapterError, Kind, Metric, Outcome, PlannedCase, Run, RunEnvironment,
+    Block, CaseId, Chapter, ChapterError, Clock, Kind, Metric, Outcome, PlannedCase, Run, RunEnvironment,
     RunError, RunFolder, SCHEMA, Shard, Status, Verdict,
 };
 use terrafill_study::{
@@ -57,6 +57,10 @@ impl Chapter for MadeUp {
 
     fn title(&self) -> &'static str {
         "Made up"
+    }
+
+    fn primary_metric(&self, _clock: Clock) -> Option<&'static str> {
+        Some("cost_ms")
     }
 
     fn blocks(&self, _run: &Run) -> Result<Vec<Block>, ChapterError> {
@@ -161,6 +165,7 @@ impl Session for MadeUpSession {
     fn recheck(
         &mut self,
         case: usize,
+        _status: Status,
         notes: &BTreeMap<String, String>,
     ) -> Result<Verdict, StudyError> {
         assert_eq!(notes["picture"], format!("{case}.png"));

@@ -13,6 +13,7 @@ mod evaluate;
 mod fill;
 mod readback;
 mod route_table;
+mod shared;
 mod statistics;
 mod targets;
 mod textured;
@@ -33,6 +34,7 @@ pub use evaluate::{
 };
 pub use fill::{VolumeFill, Volumes};
 pub use readback::read_buffer;
+pub use shared::{API, shared_gpu, shared_targets};
 pub use targets::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, RenderTargets, SharedTargets};
 pub use textured::{BoundCover, CoverPurpose, Probe, TexturedFill};
 pub use timing::{PassTimer, Stamps, TimedPass};

@@ -11,7 +11,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_fill::{
-    BackendError, FrameInput, Picture, SKY, ViewConstants, check_target_size, count_u32,
+    DeviceError, FrameInput, Picture, SKY, ViewConstants, check_target_size, count_u32,
 };
 use terrafill_scene::ImageSize;
 
@@ -50,8 +50,8 @@ impl RenderTargets {
     /// A targets of the given size.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] when the device has no textures that large.
-    pub fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Result<Self, BackendError> {
+    /// [`DeviceError::Unsupported`] when the device has no textures that large.
+    pub fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Result<Self, DeviceError> {
         let limit = gpu.device.limits().max_texture_dimension_2d;
         check_target_size(size, limit, &gpu.facts.name)?;
         let device = &gpu.device;
@@ -106,7 +106,7 @@ impl RenderTargets {
     ///
     /// # Errors
     /// As [`RenderTargets::new`].
-    pub fn shared(gpu: &Arc<Gpu>, size: ImageSize) -> Result<SharedTargets, BackendError> {
+    pub fn shared(gpu: &Arc<Gpu>, size: ImageSize) -> Result<SharedTargets, DeviceError> {
         Ok(Rc::new(RefCell::new(Self::new(gpu, size)?)))
     }
 
@@ -159,8 +159,8 @@ impl RenderTargets {
     /// Uploads the view and its surface, unless they are there already.
     ///
     /// # Errors
-    /// [`BackendError::OverCapacity`] when the input's size is not the targets'.
-    pub fn prepare(&mut self, input: &FrameInput) -> Result<(), BackendError> {
+    /// [`DeviceError::OverCapacity`] when the input's size is not the targets'.
+    pub fn prepare(&mut self, input: &FrameInput) -> Result<(), DeviceError> {
         input.check_size(self.size)?;
         let is_same =
             |prepared: &PreparedSurface| Arc::ptr_eq(&prepared.source, &input.surface_rte);
@@ -191,13 +191,13 @@ impl RenderTargets {
     /// Creates a buffer with these contents, padded with zeros to a multiple of 4 bytes.
     ///
     /// # Errors
-    /// [`BackendError::OverCapacity`] when the device has no buffers that large.
+    /// [`DeviceError::OverCapacity`] when the device has no buffers that large.
     pub fn upload(
         &self,
         label: &str,
         bytes: &[u8],
         usage: wgpu::BufferUsages,
-    ) -> Result<wgpu::Buffer, BackendError> {
+    ) -> Result<wgpu::Buffer, DeviceError> {
         let size = (bytes.len() as u64).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT);
         let limits = self.gpu.device.limits();
         let allowed = if usage.contains(wgpu::BufferUsages::STORAGE) {
@@ -208,7 +208,7 @@ impl RenderTargets {
             limits.max_buffer_size
         };
         if size > allowed {
-            return Err(BackendError::OverCapacity {
+            return Err(DeviceError::OverCapacity {
                 what: format!("bytes of {label}"),
                 found: size,
                 allowed,
@@ -223,7 +223,7 @@ impl RenderTargets {
         });
         buffer
             .get_mapped_range_mut(..)
-            .map_err(|error| BackendError::DeviceLost(error.to_string()))?
+            .map_err(|error| DeviceError::DeviceLost(error.to_string()))?
             .slice(..bytes.len())
             .copy_from_slice(bytes);
         buffer.unmap();
@@ -234,10 +234,10 @@ impl RenderTargets {
     /// Clears the targets, draws the surface, waits, and gives the pass's GPU time.
     ///
     /// # Errors
-    /// [`BackendError::NotPrepared`], [`BackendError::DeviceLost`].
-    pub fn draw_surface(&mut self) -> Result<Option<f64>, BackendError> {
+    /// [`DeviceError::NotPrepared`], [`DeviceError::DeviceLost`].
+    pub fn draw_surface(&mut self) -> Result<Option<f64>, DeviceError> {
         let Some(prepared) = &self.prepared else {
-            return Err(BackendError::no_surface());
+            return Err(DeviceError::no_surface());
         };
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let (colour, depth_stencil) = (self.colour_view(), self.depth_stencil_view());
@@ -280,8 +280,8 @@ impl RenderTargets {
     /// Reads the targets back.
     ///
     /// # Errors
-    /// [`BackendError::DeviceLost`].
-    pub fn read(&self) -> Result<Picture, BackendError> {
+    /// [`DeviceError::DeviceLost`].
+    pub fn read(&self) -> Result<Picture, DeviceError> {
         let depth = read_texture(
             &self.gpu,
             &self.depth_stencil,
@@ -353,7 +353,7 @@ pub(crate) fn attached(
 fn surface_pipeline(
     gpu: &Gpu,
     layout: &wgpu::BindGroupLayout,
-) -> Result<wgpu::RenderPipeline, BackendError> {
+) -> Result<wgpu::RenderPipeline, DeviceError> {
     let shader = gpu.shader("surface/surface.wgsl")?;
     let layout = gpu
         .device

@@ -27,6 +27,7 @@ mod pipeline;
 mod queries;
 mod readback;
 mod sampled;
+mod shared;
 mod targets;
 mod textured;
 mod validation;
@@ -43,6 +44,7 @@ pub use pipeline::{
 };
 pub use queries::{FillTimes, PassStatistics};
 pub use sampled::{ImageBindings, SampledImage};
+pub use shared::{API, shared_gpu, shared_targets};
 pub use targets::{FillReport, Measured, RenderTargets, SharedTargets};
 pub use textured::{CoverPurpose, DepthBindings, Probe, TexturedDescriptor, TexturedPipeline};
 pub use validation::{POSITIVE_CONTROL, ValidationMessage, make_deliberate_error, messages};

@@ -9,18 +9,15 @@
 // The macros of criterion make functions without documentation.
 #![allow(missing_docs, reason = "what criterion's macros expand to has none")]
 
-#[path = "../../../contract/scene/src/shape_family.rs"]
-#[allow(unreachable_pub, reason = "public in the crate that it is shared with")]
-mod shape_family;
-
 use criterion::measurement::{Measurement, ValueFormatter};
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group};
 use rustix::time::{ClockId, clock_gettime};
-use shape_family::ShapeFamily;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, Region, RegionMesh, parse_regions};
+use terrafill_core::{
+    EdgeRule, Ellipsoid, MeshOptions, Region, RegionMesh, ShapeFamily, parse_regions,
+};
 
 const FILES: [&str; 5] = [
     "ne_110m_admin_0_countries.geojson",

@@ -11,15 +11,10 @@
 
 #![allow(clippy::print_stdout, reason = "printing is what an example is for")]
 
-#[path = "../../../contract/scene/src/shape_family.rs"]
-#[allow(unreachable_pub, reason = "public in the crate that it is shared with")]
-mod shape_family;
-
 use rustix::time::{ClockId, clock_gettime};
-use shape_family::ShapeFamily;
 use std::path::Path;
 use std::process::{Command, ExitCode};
-use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh, parse_regions};
+use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh, ShapeFamily, parse_regions};
 
 const SIZES: [u32; 7] = [1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000];
 /// From 10⁵ to 10⁶ vertices: n log n is 12.

@@ -17,6 +17,7 @@ mod geodesic;
 
 use crate::{EdgeRule, Ellipsoid, Geodetic, Region};
 use boundary::{Band, Boundary, Curve, Leg, pieces_of_turn};
+pub use cone::SensorCone;
 use cone::Sight;
 use geodesic::{Geodesic, shortest_cut_m};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -76,20 +77,6 @@ pub struct GeodesicSector {
     /// Within ±2π. Whole turns do not count, except that an end a whole turn from the start means
     /// all round.
     pub end_bearing_rad: f64,
-}
-
-/// A circular cone that a sensor sees with.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SensorCone {
-    /// Above the surface.
-    pub apex: Geodetic,
-    /// Of the axis, clockwise from north, within ±2π.
-    pub azimuth_rad: f64,
-    /// Of the axis, above the plane at right angles to the apex's vertical; −π/2 looks straight
-    /// down.
-    pub elevation_rad: f64,
-    /// Between axis and edge, below π/2.
-    pub half_angle_rad: f64,
 }
 
 /// Why there is no region by a formula.

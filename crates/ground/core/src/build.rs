@@ -1,193 +1,27 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Region → [`RegionMesh`]: outline, triangles, stitching, boundary loops, area.
 //!
-//! Pieces are meshed in degrees and put together on the body: vertices at longitude −180 and +180
-//! with the same latitude become one, all vertices at a pole become one, and what that makes
-//! degenerate vanishes. A boundary edge whose reverse then exists too was a cut, not a border.
+//! Groups are meshed in degrees and put together on the body (see `stitch`). What crosses is refused
+//! with its places; what crosses only where parts of edges were rounded is snapped and meshed again.
 
 use crate::crossings::CrossingPlaces;
 use crate::edge::{Degrees, EdgeSplitter, ROUNDING, ZoneArea, surface_point};
-use crate::geojson::feature_label;
 use crate::lens::{WithinRounding, follow_arcs};
 use crate::mesh::sagitta_m;
-use crate::outline::{OppositeEnds, Outline, OutlineEdge, share_breakpoints};
+use crate::mesh_error::MeshError;
+use crate::outline::{OppositeEnds, Outline, share_breakpoints};
 use crate::overlaps::{OverlapPlace, RingAreas, find_overlaps, shared_edges};
+use crate::pieces::OutlineEdge;
 use crate::snap::snap_rounded;
-use crate::triangulate::{Arcs, GroupMesh, TriangulateError, index_u32, triangulate};
-use crate::{EdgeRule, Ellipsoid, Extent, MeshOptions, Region, RegionMesh, Ring};
-use glam::DVec3;
+use crate::stitch::Stitcher;
+use crate::triangulate::{Arcs, GroupMesh, TriangulateError, triangulate};
+use crate::{EdgeRule, Ellipsoid, Extent, MeshOptions, Region, RegionMesh};
 use rayon::prelude::*;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
-use std::fmt;
-
-/// A ring edge in its file; indices count from 0, repeated positions included.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
-pub struct EdgePlace {
-    /// Areal part of the feature.
-    pub polygon: usize,
-    /// Ring of the polygon; 0 is the shell.
-    pub ring: usize,
-    /// Vertex that the edge starts at.
-    pub vertex: usize,
-}
-
-impl fmt::Display for EdgePlace {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            polygon,
-            ring,
-            vertex,
-        } = self;
-        write!(f, "polygon {polygon}, ring {ring}, vertex {vertex}")
-    }
-}
-
-/// Why a region cannot be meshed.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum MeshError {
-    /// Two edges of a region cross other than at a common vertex.
-    #[error(
-        "{}: the edge from {first} crosses the edge from {second} at longitude \
-         {longitude_deg:.7}, latitude {latitude_deg:.7}", feature_label(*feature, name)
-    )]
-    SelfCrossing {
-        /// Index in the file.
-        feature: usize,
-        /// Its name.
-        name: String,
-        /// The edge that comes first in the file.
-        first: EdgePlace,
-        /// The other.
-        second: EdgePlace,
-        /// Of the crossing.
-        longitude_deg: f64,
-        /// Of the crossing.
-        latitude_deg: f64,
-    },
-    /// Two parts of a region lie over one another, or a hole over what is outside its shell.
-    #[error(
-        "{}: {} at longitude {longitude_deg:.7}, latitude {latitude_deg:.7}",
-        feature_label(*feature, name), overlap_label(*first, *second)
-    )]
-    Overlap {
-        /// Index in the file.
-        feature: usize,
-        /// Its name.
-        name: String,
-        /// The ring that comes first in the file; vertex 0.
-        first: EdgePlace,
-        /// The other; vertex 0.
-        second: EdgePlace,
-        /// Of a place in the midst of what both cover.
-        longitude_deg: f64,
-        /// Of that place.
-        latitude_deg: f64,
-    },
-    /// More crossings than are worth listing.
-    #[error(
-        "{}: {}{more} more crossings",
-        feature_label(*feature, name), if *counted_all { "" } else { "over " }
-    )]
-    MoreCrossings {
-        /// Index in the file.
-        feature: usize,
-        /// Its name.
-        name: String,
-        /// How many are not listed.
-        more: usize,
-        /// Whether `more` is all of them: the search ends when it has found far too many.
-        counted_all: bool,
-    },
-    /// An edge between opposite points: every plane through them holds the centre.
-    #[error(
-        "{}: the great-ellipse edge from {place} joins the opposite points {start:?} and {end:?}; \
-         put a vertex between them", feature_label(*feature, name)
-    )]
-    OppositeEnds {
-        /// Index in the file.
-        feature: usize,
-        /// Its name.
-        name: String,
-        /// The edge.
-        place: EdgePlace,
-        /// Longitude and latitude of its start, degrees.
-        start: [f64; 2],
-        /// Longitude and latitude of its end, degrees.
-        end: [f64; 2],
-    },
-    /// The rings cancel one another or have no width, if only by the rounding of their coordinates.
-    #[error("{}: the rings enclose no area", feature_label(*feature, name))]
-    NoArea {
-        /// Index in the file.
-        feature: usize,
-        /// Its name.
-        name: String,
-    },
-    /// A knob out of its range.
-    #[error("{option} is {found}; allowed is {allowed}")]
-    Option {
-        /// Its name in [`MeshOptions`].
-        option: &'static str,
-        /// Its value.
-        found: f64,
-        /// Its range.
-        allowed: &'static str,
-    },
-    /// A fault of this program, not of the file.
-    #[error("{}: triangulation failed: {message}", feature_label(*feature, name))]
-    Triangulation {
-        /// Index in the file.
-        feature: usize,
-        /// Its name.
-        name: String,
-        /// What went wrong.
-        message: String,
-    },
-}
-
-impl MeshError {
-    /// Index of the feature, where one is to blame.
-    #[must_use]
-    pub fn feature(&self) -> Option<usize> {
-        match self {
-            Self::SelfCrossing { feature, .. }
-            | Self::Overlap { feature, .. }
-            | Self::MoreCrossings { feature, .. }
-            | Self::OppositeEnds { feature, .. }
-            | Self::NoArea { feature, .. }
-            | Self::Triangulation { feature, .. } => Some(*feature),
-            Self::Option { .. } => None,
-        }
-    }
-
-    /// The edge to blame, where there is one.
-    #[must_use]
-    pub fn place(&self) -> Option<EdgePlace> {
-        match self {
-            Self::SelfCrossing { first, .. } | Self::Overlap { first, .. } => Some(*first),
-            Self::OppositeEnds { place, .. } => Some(*place),
-            Self::MoreCrossings { .. }
-            | Self::NoArea { .. }
-            | Self::Triangulation { .. }
-            | Self::Option { .. } => None,
-        }
-    }
-}
-
-fn overlap_label(first: EdgePlace, second: EdgePlace) -> String {
-    let polygon = first.polygon;
-    let (other_polygon, other) = (second.polygon, second.ring);
-    if polygon != other_polygon {
-        format!("polygon {polygon} and polygon {other_polygon} overlap")
-    } else {
-        format!("polygon {polygon}, ring {other} is a hole outside its shell")
-    }
-}
 
 /// Crossings listed of one region; the rest are counted.
-const MOST_LISTED_CROSSINGS: usize = 100;
+const MAX_LISTED_CROSSINGS: usize = 100;
 /// Edges of a region from which its groups are triangulated several at a time: below that, handing
 /// them out costs more than it saves.
 const PARALLEL_FROM_EDGES: usize = 2_000;
@@ -380,7 +214,7 @@ fn opposite_ends(region: &Region, opposite: Vec<OppositeEnds>) -> Vec<MeshError>
     let error = |OppositeEnds { place, start, end }| MeshError::OppositeEnds {
         feature: region.index,
         name: region.name.clone(),
-        place: in_file(region, place),
+        place: region.in_file(place),
         start,
         end,
     };
@@ -437,7 +271,7 @@ impl Meshed {
         }
         let (groups, at_splits) = match crossings {
             Crossings::Refused => {
-                let at_splits = outline.crossings_at_splits(rule, MOST_LISTED_CROSSINGS);
+                let at_splits = outline.crossings_at_splits(rule, MAX_LISTED_CROSSINGS);
                 (outline.groups, at_splits)
             }
             Crossings::SnappedAway => {
@@ -455,9 +289,9 @@ impl Meshed {
         // Chords within the tolerance of arcs may lie apart where these cross. No arc does unless a
         // vertex lies between another and its chord, which has them followed.
         if !region.repaired && groups.iter().any(|group| group.mesh.arcs_followed) {
-            let places = region.arc_crossings(MOST_LISTED_CROSSINGS + 1);
+            let places = region.arc_crossings(MAX_LISTED_CROSSINGS + 1);
             if !places.is_empty() {
-                let counted_all = places.len() <= MOST_LISTED_CROSSINGS;
+                let counted_all = places.len() <= MAX_LISTED_CROSSINGS;
                 return Err(self_crossings(region, places, counted_all));
             }
         }
@@ -566,7 +400,7 @@ fn notes_on_parts(
         longitude_deg: overlap.at[0],
         latitude_deg: overlap.at[1],
     };
-    overlaps.truncate(MOST_LISTED_CROSSINGS);
+    overlaps.truncate(MAX_LISTED_CROSSINGS);
     Err(overlaps.into_iter().map(error).collect())
 }
 
@@ -593,19 +427,6 @@ fn only_parts_cross(region: &Region, rule: EdgeRule, errors: &[MeshError]) -> bo
         )
     };
     errors.iter().all(crossings) && (region.repaired || !region.has_crossings(rule))
-}
-
-fn ring_at(region: &Region, place: EdgePlace) -> Option<&Ring> {
-    region.polygons.get(place.polygon)?.rings().nth(place.ring)
-}
-
-/// Counted as the file counts.
-fn in_file(region: &Region, place: EdgePlace) -> EdgePlace {
-    let vertex = ring_at(region, place).map(|ring| ring.file_vertex(place.vertex));
-    EdgePlace {
-        vertex: vertex.unwrap_or(place.vertex),
-        ..place
-    }
 }
 
 /// Indices of the groups that are turned over.
@@ -690,16 +511,16 @@ fn self_crossings(
 ) -> Vec<MeshError> {
     crossings.sort_by_key(|crossing| (crossing.first, crossing.second));
     crossings.dedup_by_key(|crossing| (crossing.first, crossing.second));
-    let more = crossings.len().saturating_sub(MOST_LISTED_CROSSINGS);
-    crossings.truncate(MOST_LISTED_CROSSINGS);
+    let more = crossings.len().saturating_sub(MAX_LISTED_CROSSINGS);
+    crossings.truncate(MAX_LISTED_CROSSINGS);
     let (feature, name) = (region.index, &region.name);
     let mut errors: Vec<MeshError> = crossings
         .into_iter()
         .map(|crossing| MeshError::SelfCrossing {
             feature,
             name: name.clone(),
-            first: in_file(region, crossing.first),
-            second: in_file(region, crossing.second),
+            first: region.in_file(crossing.first),
+            second: region.in_file(crossing.second),
             longitude_deg: crossing.at[0],
             latitude_deg: crossing.at[1],
         })
@@ -746,193 +567,10 @@ fn compensated_sum(terms: impl Iterator<Item = f64>) -> f64 {
     sum + lost
 }
 
-fn append<T>(list: &mut Vec<T>, mut more: Vec<T>) {
-    if list.is_empty() {
-        *list = more;
-    } else {
-        list.append(&mut more);
-    }
-}
-
-/// Puts pieces together on the body.
-#[derive(Default)]
-struct Stitcher {
-    vertices_ecef: Vec<DVec3>,
-    vertices_deg: Vec<Degrees>,
-    triangles: Vec<[u32; 3]>,
-    /// Directed, inside on the left; cuts still among them.
-    boundary: Vec<[u32; 2]>,
-    /// Vertices on the antimeridian and at the poles, by the bits of their one position.
-    shared: HashMap<[u64; 2], u32>,
-}
-
-impl Stitcher {
-    fn add(&mut self, body: &Ellipsoid, group: GroupMesh) {
-        self.vertices_ecef.reserve(group.vertices.len());
-        self.vertices_deg.reserve(group.vertices.len());
-        let index: Vec<u32> = group
-            .vertices
-            .into_iter()
-            .map(|position| self.vertex(body, position))
-            .collect();
-        let distinct = |ends: &[u32]| {
-            ends.iter()
-                .zip(ends.iter().cycle().skip(1))
-                .all(|(a, b)| a != b)
-        };
-        // In place, and the lists of the first group, mostly the only one, become the region's.
-        let GroupMesh {
-            mut triangles,
-            mut boundary,
-            ..
-        } = group;
-        for corners in &mut triangles {
-            *corners = corners.map(|i| index[i as usize]);
-        }
-        triangles.retain(|corners| distinct(corners));
-        append(&mut self.triangles, triangles);
-        for ends in &mut boundary {
-            *ends = ends.map(|i| index[i as usize]);
-        }
-        boundary.retain(|ends| distinct(ends));
-        append(&mut self.boundary, boundary);
-    }
-
-    fn vertex(&mut self, body: &Ellipsoid, position: Degrees) -> u32 {
-        let new = index_u32(self.vertices_deg.len());
-        let position = if position[1].abs() == 90.0 {
-            [0.0, position[1]]
-        } else if position[0].abs() == 180.0 {
-            [180.0, position[1]]
-        } else {
-            self.push(body, position);
-            return new;
-        };
-        let key = position.map(f64::to_bits);
-        if let Some(existing) = self.shared.get(&key) {
-            return *existing;
-        }
-        self.shared.insert(key, new);
-        self.push(body, position);
-        new
-    }
-
-    fn push(&mut self, body: &Ellipsoid, position: Degrees) {
-        self.vertices_deg.push(position);
-        self.vertices_ecef.push(surface_point(body, position));
-    }
-
-    /// Whether stitching may have laid another edge on this one: along the antimeridian, and at a
-    /// pole, where lines towards different longitudes become one.
-    fn may_be_doubled(&self, a: u32, b: u32) -> bool {
-        let [a, b] = [a, b].map(|vertex| self.vertices_deg[vertex as usize]);
-        let at_pole = |position: Degrees| position[1].abs() == 90.0;
-        at_pole(a) || at_pole(b) || a[0] == 180.0 && b[0] == 180.0
-    }
-
-    /// Drops the edges whose reverse is there too, and chains the rest; `None` where one leads
-    /// nowhere.
-    fn boundary_loops(&mut self) -> Option<Vec<Vec<u32>>> {
-        let (mut maybe_cuts, mut edges): (Vec<_>, Vec<_>) = std::mem::take(&mut self.boundary)
-            .into_iter()
-            .partition(|[a, b]| self.may_be_doubled(*a, *b));
-        maybe_cuts.sort_unstable_by_key(|&[a, b]| (a.min(b), a.max(b), a));
-        for same_ends in maybe_cuts.chunk_by(|a, b| a == b || *a == [b[1], b[0]]) {
-            let forward = same_ends.iter().filter(|ends| ends[0] < ends[1]).count();
-            let backward = same_ends.len() - forward;
-            let [low, high] = [
-                same_ends[0][0].min(same_ends[0][1]),
-                same_ends[0][0].max(same_ends[0][1]),
-            ];
-            for _ in backward..forward {
-                edges.push([low, high]);
-            }
-            for _ in forward..backward {
-                edges.push([high, low]);
-            }
-        }
-        self.chain(edges)
-    }
-
-    fn chain(&self, mut edges: Vec<[u32; 2]>) -> Option<Vec<Vec<u32>>> {
-        edges.sort_unstable();
-        let angles = self.sort_by_angle(&mut edges);
-        let mut first_from = vec![u32::MAX; self.vertices_deg.len()];
-        for (i, edge) in edges.iter().enumerate().rev() {
-            first_from[edge[0] as usize] = index_u32(i);
-        }
-        let mut used = vec![false; edges.len()];
-        let mut loops = Vec::new();
-        for start in 0..edges.len() {
-            if used[start] {
-                continue;
-            }
-            let mut ring = Vec::new();
-            let mut at = start;
-            while !used[at] {
-                used[at] = true;
-                let [from, to] = edges[at];
-                ring.push(from);
-                let first = first_from[to as usize] as usize;
-                at = match edges.get(first..)? {
-                    [_, second, ..] if second[0] == to => {
-                        let leaving = edges[first..].partition_point(|edge| edge[0] == to);
-                        let leaving = first..first + leaving;
-                        let back = self.angle(to, from);
-                        let split = angles[leaving.clone()].partition_point(|angle| *angle <= back);
-                        let split = first + split;
-                        // The smallest clockwise turn from the way back.
-                        let mut clockwise = (first..split).rev().chain((split..leaving.end).rev());
-                        clockwise.find(|&i| !used[i]).unwrap_or(start)
-                    }
-                    _ => first,
-                };
-            }
-            loops.push(ring);
-        }
-        Some(loops)
-    }
-
-    /// Sorts edges that leave the same vertex by their angles there, so that a vertex where very many
-    /// meet does not take the square of their number; returns the angles, 0 where one edge leaves.
-    fn sort_by_angle(&self, edges: &mut [[u32; 2]]) -> Vec<f64> {
-        let mut angles = Vec::with_capacity(edges.len());
-        for leaving in edges.chunk_by_mut(|a, b| a[0] == b[0]) {
-            if let [_] = leaving {
-                angles.push(0.0);
-                continue;
-            }
-            leaving.sort_by(|[at, a], [_, b]| self.angle(*at, *a).total_cmp(&self.angle(*at, *b)));
-            angles.extend(leaving.iter().map(|[at, next]| self.angle(*at, *next)));
-        }
-        angles
-    }
-
-    /// Direction from one vertex to another, counter-clockwise seen from outside. The inside lies
-    /// left of the way in, so the smallest clockwise turn from the way back leads on along the other
-    /// side of the same corner of the inside.
-    fn angle(&self, at: u32, to: u32) -> f64 {
-        let up = crate::edge::normal(self.vertices_deg[at as usize]);
-        let x_axis = up.any_orthonormal_vector();
-        let y_axis = up.cross(x_axis);
-        let direction = self.vertices_ecef[to as usize] - self.vertices_ecef[at as usize];
-        direction.dot(y_axis).atan2(direction.dot(x_axis))
-    }
-}
-
-#[cfg(test)]
-#[path = "../../../contract/scene/src/shape_family.rs"]
-#[allow(
-    unreachable_pub,
-    dead_code,
-    reason = "public in the crate that it is shared with, of which one family is used here"
-)]
-mod shape_family;
-
 #[cfg(test)]
 mod tests {
-    use super::shape_family::ShapeFamily;
     use super::*;
+    use crate::{Ring, ShapeFamily};
 
     fn groups(region: &Region) -> Vec<TriangulatedGroup> {
         let (body, rule, options) = (Ellipsoid::WGS84, EdgeRule::Planar, MeshOptions::default());

@@ -44,11 +44,11 @@ const STRAIGHT_ARC_RAD: f64 = 1e-9;
 const STRAIGHT_WIDTH_RAD: f64 = 1e-7;
 /// Halvings of one edge after which splitting stops: a millionth of the edge is below the rounding
 /// of its coordinates' use in metres.
-const MOST_HALVINGS: u32 = 20;
+const MAX_HALVINGS: u32 = 20;
 
 /// Halvings of an arc after which its area is taken as it is. An arc that passes a pole by 4e-8°
 /// turns from one meridian to the other within about as much longitude: some 30 halvings.
-const MOST_AREA_HALVINGS: u32 = 36;
+const MAX_AREA_HALVINGS: u32 = 36;
 
 /// What is needed to judge edges, and the worst deviation seen so far.
 pub(crate) struct EdgeSplitter<'a> {
@@ -80,12 +80,12 @@ impl<'a> EdgeSplitter<'a> {
         let mut from = start;
         if self.rule == EdgeRule::Planar {
             for place in pole_approach(start, end) {
-                self.split_further(from, place, MOST_HALVINGS, emit);
+                self.split_further(from, place, MAX_HALVINGS, emit);
                 emit(place);
                 from = place;
             }
         }
-        self.split_further(from, end, MOST_HALVINGS, emit);
+        self.split_further(from, end, MAX_HALVINGS, emit);
     }
 
     fn split_further(
@@ -415,7 +415,7 @@ impl ZoneArea {
             self.under_line(start, end)
         } else {
             let whole = self.under_arc_gauss(start, end);
-            self.under_arc(start, end, whole, MOST_AREA_HALVINGS)
+            self.under_arc(start, end, whole, MAX_AREA_HALVINGS)
         }
     }
 

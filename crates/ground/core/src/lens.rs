@@ -16,24 +16,25 @@
 
 use crate::EdgeRule;
 use crate::box_tree::{AxisBox, BoxTree};
-use crate::crossings::{Crossing, find_crossings, great_ellipse_crossing, split_at};
+use crate::crossings::{Crossing, find_crossings, split_at};
 use crate::edge::{Degrees, ROUNDING, arc_rad, in_order, normal, point_on_edge};
-use crate::outline::OutlineEdge;
+use crate::intersection::great_ellipse_crossing;
+use crate::pieces::OutlineEdge;
 use glam::DVec3;
 use std::cell::{Cell, RefCell};
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
 /// Edges that one edge of a group may become on average.
-const MOST_PARTS: usize = 32;
+const MAX_PARTS: usize = 32;
 /// Edges that a smaller group is taken for: in it every arc may be beside every other.
 const SMALL_GROUP: usize = 64;
 /// Vertices of which it is asked where their feet are, for each edge that may be made.
-const MOST_ASKED: usize = 8;
+const MAX_ASKED: usize = 8;
 /// Rounds of splitting: places made in one may lie in the lens of another arc.
-const MOST_ROUNDS: usize = 8;
+const MAX_ROUNDS: usize = 8;
 /// Crossings to those of an earlier round from which on there is no end of them.
-const MOST_GROWTH: usize = 4;
+const MAX_GROWTH: usize = 4;
 /// Steps in which an arc's distance from its chord is measured.
 const STEPS: u32 = 8;
 /// Roundings by which a place on one of two arcs may be off the other and be one on both: either arc
@@ -68,7 +69,7 @@ pub(crate) enum WithinRounding {
 /// Arcs that are one to the last bit can cross more of one another with every place that they are split
 /// at. Where there is no end of that, what is within rounding is merged although `near` is to keep it.
 ///
-/// - returns: at most [`MOST_PARTS`] times as many edges, or as a group of [`SMALL_GROUP`] may have;
+/// - returns: at most [`MAX_PARTS`] times as many edges, or as a group of [`SMALL_GROUP`] may have;
 ///   what cancels modulo 2 may be left out
 /// - cost: O(n log n), with n edges returned
 pub(crate) fn follow_arcs(edges: Vec<OutlineEdge>, near: WithinRounding) -> Vec<OutlineEdge> {
@@ -87,11 +88,11 @@ fn follow_once(
     edges: Vec<OutlineEdge>,
     near: WithinRounding,
 ) -> Result<Vec<OutlineEdge>, Vec<OutlineEdge>> {
-    let most = MOST_PARTS * edges.len().max(SMALL_GROUP);
+    let most = MAX_PARTS * edges.len().max(SMALL_GROUP);
     let at_feet = split_at_feet(without_pairs(edges), near, most);
     let mut edges = without_pairs(at_feet.clone());
     let mut fewest = usize::MAX;
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let ends: Vec<[Degrees; 2]> = edges.iter().map(|edge| [edge.start, edge.end]).collect();
         let (mut found, _) = find_crossings(EdgeRule::Planar, &ends, most);
         for ([a, b], at) in &mut found {
@@ -101,7 +102,7 @@ fn follow_once(
             return Ok(edges);
         }
         // Between arcs that are one to rounding every place makes two crossings more.
-        if found.len() > fewest.saturating_mul(MOST_GROWTH) {
+        if found.len() > fewest.saturating_mul(MAX_GROWTH) {
             return Err(at_feet);
         }
         if edges.len() + 2 * found.len() > most {
@@ -304,8 +305,8 @@ fn split_at_feet(edges: Vec<OutlineEdge>, near: WithinRounding, most: usize) -> 
         WithinRounding::Kept => edges,
         WithinRounding::Merged => merged(edges),
     };
-    let asked_left = Cell::new(MOST_ASKED * most);
-    for _ in 0..MOST_ROUNDS {
+    let asked_left = Cell::new(MAX_ASKED * most);
+    for _ in 0..MAX_ROUNDS {
         // Either end: without what cancels no edge need start where another ends.
         let ends = edges.iter().flat_map(|edge| [edge.start, edge.end]);
         let mut places: Vec<Degrees> = ends.collect();
@@ -692,7 +693,7 @@ mod tests {
                 };
                 let comb: Vec<Degrees> = (0..count).flat_map(tooth).collect();
                 let edges = edges(&comb);
-                let most = MOST_PARTS * edges.len().max(SMALL_GROUP);
+                let most = MAX_PARTS * edges.len().max(SMALL_GROUP);
                 let made = follow_arcs(edges, near).len();
                 assert!((comb.len() + 10..=most).contains(&made), "{made} of {most}");
             }

@@ -25,9 +25,10 @@ mod arcs;
 mod deviation;
 mod grid;
 
-use crate::crossings::{find_crossings, pieces_as_compared};
+use crate::crossings::find_crossings;
 use crate::edge::Degrees;
-use crate::triangulate::index_u32;
+use crate::mesh::index_u32;
+use crate::pieces::pieces_as_compared;
 use crate::{EdgeRule, Ellipsoid, Polygon, Region, Ring};
 use arcs::{Arcs, Entry, RingVertices, in_order};
 use deviation::{Judge, LONGEST_EDGE_DEG};

@@ -5,32 +5,40 @@
 //! lengths are metres; positions are earth-centred earth-fixed (ECEF) unless a name says otherwise.
 
 mod analytic;
+mod antimeridian;
 mod body;
 mod box_tree;
 mod build;
 mod crossings;
 mod edge;
 mod geojson;
+mod intersection;
 mod invariants;
 mod lens;
 mod level_of_detail;
 mod mesh;
+mod mesh_error;
 mod outline;
 mod overlaps;
+mod pieces;
 mod region;
+mod repair;
+mod shape_family;
 mod snap;
+mod stitch;
 mod triangulate;
 mod volume;
 mod volume_invariants;
 
 pub use analytic::{AnalyticError, AnalyticRegion, GeodesicSector, SensorCone, SurfaceEllipse};
 pub use body::{Ellipsoid, Geodetic};
-pub use build::{EdgePlace, MeshError};
 pub use geojson::{RegionFileError, RegionProblem, RegionProblemKind, parse_regions};
 pub use invariants::InvariantViolation;
 pub use level_of_detail::{SharedBoundaries, Simplification, SimplifiedRegions, SimplifyError};
 pub use mesh::{Extent, MeshOptions, OrientedBox, RegionMesh, VolumeHeights};
-pub use region::{EdgeRule, Pole, Polygon, Region, Ring};
+pub use mesh_error::MeshError;
+pub use region::{EdgePlace, EdgeRule, Pole, Polygon, Region, Ring};
+pub use shape_family::ShapeFamily;
 pub use volume::{
     ClosedSurface, OpenSurface, RegionVolume, VolumePart, VolumeTriangle, check_closed,
 };

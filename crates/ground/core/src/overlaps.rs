@@ -13,10 +13,12 @@
 //! rings each of them lies.
 
 use crate::edge::{Degrees, along_pole};
-use crate::outline::OutlineEdge;
+use crate::intersection::without_underflow;
+use crate::mesh::index_u32;
+use crate::pieces::OutlineEdge;
 use crate::snap::snap_rounded;
+use crate::triangulate::GroupMesh;
 use crate::triangulate::delaunay::{Delaunay, FRAME_CORNERS};
-use crate::triangulate::{GroupMesh, index_u32};
 use crate::{EdgePlace, EdgeRule};
 use std::collections::BTreeMap;
 
@@ -204,7 +206,7 @@ impl Cover {
             let mut pair = [0; 2];
             for (index, position) in pair.iter_mut().zip([edge.start, edge.end]) {
                 // As the triangulation of the region does, for the sake of the predicates.
-                let position = position.map(crate::triangulate::without_underflow);
+                let position = position.map(without_underflow);
                 *index = mesh.insert(position).ok()?;
                 if *index as usize == positions.len() {
                     positions.push(position);

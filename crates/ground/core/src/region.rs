@@ -6,6 +6,7 @@
 //! mesher starts from, without sharing any of its code.
 
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 /// What a ring edge between two vertices *is*.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, Default)]
@@ -226,5 +227,38 @@ impl Region {
     /// Shells and holes of all parts.
     pub fn rings(&self) -> impl Iterator<Item = &Ring> {
         self.polygons.iter().flat_map(Polygon::rings)
+    }
+
+    /// The same edge with its vertex counted as the file counts.
+    pub(crate) fn in_file(&self, place: EdgePlace) -> EdgePlace {
+        let polygon = self.polygons.get(place.polygon);
+        let ring = polygon.and_then(|polygon| polygon.rings().nth(place.ring));
+        let vertex = ring.map(|ring| ring.file_vertex(place.vertex));
+        EdgePlace {
+            vertex: vertex.unwrap_or(place.vertex),
+            ..place
+        }
+    }
+}
+
+/// A ring edge in its file; indices count from 0, repeated positions included.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct EdgePlace {
+    /// Areal part of the feature.
+    pub polygon: usize,
+    /// Ring of the polygon; 0 is the shell.
+    pub ring: usize,
+    /// Vertex that the edge starts at.
+    pub vertex: usize,
+}
+
+impl fmt::Display for EdgePlace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            polygon,
+            ring,
+            vertex,
+        } = self;
+        write!(f, "polygon {polygon}, ring {ring}, vertex {vertex}")
     }
 }

@@ -16,8 +16,8 @@
 use crate::EdgeRule;
 use crate::box_tree::{AxisBox, BoxTree};
 use crate::edge::Degrees;
-use crate::outline::{OutlineEdge, or_at_pole};
-use crate::triangulate::SMALLEST_COORDINATE_DEG;
+use crate::intersection::SMALLEST_COORDINATE_DEG;
+use crate::pieces::{OutlineEdge, or_at_pole};
 use glam::DVec3;
 use std::ops::ControlFlow;
 
@@ -25,7 +25,7 @@ use std::ops::ControlFlow;
 type Cell = [i64; 2];
 
 /// Times that places beside a pole are moved there, each of which may make new ones.
-const MOST_MOVES_TO_POLES: u32 = 4;
+const MAX_MOVES_TO_POLES: u32 = 4;
 
 /// Cells round the multiples of two powers of two.
 #[derive(Debug, Clone, Copy)]
@@ -65,7 +65,7 @@ impl Grid {
 pub(crate) fn snap_rounded(rule: EdgeRule, groups: &[Vec<OutlineEdge>]) -> Vec<Vec<OutlineEdge>> {
     let mut snapped = snapped_once(groups);
     let rounds = match rule {
-        EdgeRule::Planar => MOST_MOVES_TO_POLES,
+        EdgeRule::Planar => MAX_MOVES_TO_POLES,
         EdgeRule::GreatEllipse => 0,
     };
     for _ in 0..rounds {

@@ -9,12 +9,13 @@
 pub(crate) mod delaunay;
 
 use crate::crossings::{
-    self, Crossing, CrossingPlaces, crossing_places, find_crossings, great_ellipse_crossing,
-    split_outline,
+    self, Crossing, CrossingPlaces, crossing_places, find_crossings, split_outline,
 };
 use crate::edge::{Degrees, arc_rad};
+use crate::intersection::{great_ellipse_crossing, without_underflow};
 use crate::lens::{Sight, WithinRounding, any_in_lens, follow_arcs, sight_of};
-use crate::outline::OutlineEdge;
+use crate::mesh::index_u32;
+use crate::pieces::OutlineEdge;
 use crate::{EdgeRule, MeshOptions};
 use delaunay::{Blocked, Delaunay, FRAME_CORNERS, Place};
 
@@ -28,14 +29,10 @@ const WIDEST_LATTICE_STEP_DEG: f64 = 30.0;
 /// Lattice points closer than this to the boundary, in steps, are left out: they make slivers.
 const LATTICE_CLEARANCE_STEPS: f64 = 0.5;
 /// Rounds of halving: the plane's width divided by 2¹⁶ is far below any step allowed.
-const MOST_ROUNDS: usize = 16;
+const MAX_ROUNDS: usize = 16;
 /// Where an edge that is too long is split, in this order and as long as it is still there. Binary
 /// fractions: at a pole and at the antimeridian no product is rounded.
 const SPLIT_SHARES: [f64; 5] = [0.5, 0.4375, 0.5625, 0.375, 0.625];
-/// Coordinates below this are 0, since the exact predicates must not underflow. A billionth of an
-/// atom, in degrees of the Earth.
-pub(crate) const SMALLEST_COORDINATE_DEG: f64 = 1e-25;
-
 /// Edges below which they are put in order by comparing them.
 const COUNTED_FROM: usize = 64;
 /// Vertices to an edge above which edges are put in order by comparing them.
@@ -95,7 +92,7 @@ pub(crate) fn triangulate(
 
 /// Crossings of one group that are looked for: a list that long helps nobody, and a ring that
 /// crosses itself everywhere has as many as the square of its edges.
-const MOST_CROSSINGS: usize = 10_000;
+const MAX_CROSSINGS: usize = 10_000;
 
 fn load_without_false_crossings(
     edges: Vec<OutlineEdge>,
@@ -130,7 +127,7 @@ fn load_split_at_crossings(
     mut edges: Vec<OutlineEdge>,
     rule: EdgeRule,
 ) -> Result<Group, TriangulateError> {
-    for _ in 0..crossings::MOST_ROUNDS {
+    for _ in 0..crossings::MAX_ROUNDS {
         if let Some(group) = Group::load(&edges)? {
             return Ok(group);
         }
@@ -155,7 +152,7 @@ fn false_crossings(
     rule: EdgeRule,
 ) -> Result<Vec<Crossing>, TriangulateError> {
     let ends: Vec<[Degrees; 2]> = edges.iter().map(|edge| [edge.start, edge.end]).collect();
-    let (found, complete) = find_crossings(EdgeRule::Planar, &ends, MOST_CROSSINGS);
+    let (found, complete) = find_crossings(EdgeRule::Planar, &ends, MAX_CROSSINGS);
     let crosses = |&([a, b], at): &Crossing| match rule {
         EdgeRule::Planar => Some(([a, b], at)),
         EdgeRule::GreatEllipse => great_ellipse_crossing(ends[a], ends[b]).map(|at| ([a, b], at)),
@@ -307,7 +304,7 @@ impl Group {
             .collect();
         let mut new = self.insert_lattice(step_deg)?;
         long.retain(|ends| self.is_edge(*ends));
-        for _ in 0..MOST_ROUNDS {
+        for _ in 0..MAX_ROUNDS {
             long.extend(self.long_edges_at(&new, step_deg));
             if long.is_empty() {
                 break;
@@ -649,23 +646,6 @@ fn in_order(mut edges: Vec<[u32; 2]>, vertices: usize) -> Vec<[u32; 2]> {
         }
     }
     sorted
-}
-
-pub(crate) fn without_underflow(coordinate: f64) -> f64 {
-    if coordinate.abs() < SMALLEST_COORDINATE_DEG {
-        0.0
-    } else {
-        coordinate
-    }
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "four billion vertices need 64 GiB for their positions alone"
-)]
-pub(crate) fn index_u32(index: usize) -> u32 {
-    debug_assert!(index < u32::MAX as usize);
-    index as u32
 }
 
 /// Of the origin.

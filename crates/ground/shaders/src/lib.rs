@@ -7,92 +7,18 @@
 
 mod spirv;
 mod textured;
+mod wgsl;
 
 pub use spirv::{
     GeometryShader, HandsOn, SpirvStage, composed_to_spirv, geometry_shaders, geometry_spirv,
     glsl_paths, wgsl_to_spirv,
 };
 pub use textured::{RouteText, TEXTURED_COVER, TexturedParts, TexturedPlacement};
+pub use wgsl::{
+    ShaderError, ShaderSource, StructLayout, check_all, compose, modules, struct_layout, validate,
+};
 
-use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
-
-/// A shader file, path relative to `shaders/`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ShaderSource {
-    /// `vertex/doubled.wgsl` …
-    pub path: &'static str,
-    text: &'static str,
-}
-
-macro_rules! shader_sources {
-    ($($path:literal),* $(,)?) => {
-        [$($crate::ShaderSource { path: $path, text: include_str!(concat!("../../../../shaders/", $path)) }),*]
-    };
-}
-
-use shader_sources;
-
-/// Files with entry points that compile as they are.
-const MODULES: [ShaderSource; 11] = shader_sources![
-    "surface/surface.wgsl",
-    "vertex/doubled.wgsl",
-    "vertex/pulled.wgsl",
-    "vertex/cover.wgsl",
-    "vertex/resolve.wgsl",
-    "native/volume.wgsl",
-    "compute/cull.wgsl",
-    "compute/expand.wgsl",
-    "compute/fill.wgsl",
-    "baseline/bound.wgsl",
-    "baseline/floor.wgsl",
-];
-
-/// Files that others import.
-const SHARED: [ShaderSource; 4] = shader_sources![
-    "shared/view.wgsl",
-    "shared/region.wgsl",
-    "shared/volume.wgsl",
-    "shared/draw.wgsl",
-];
-
-/// What can be wrong with a shader.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ShaderError {
-    /// No such file.
-    #[error("no shader is called {0}")]
-    Unknown(String),
-    /// An import names a file that is not in `shaders/shared/`.
-    #[error("{path} imports {import}, which is not among the shared shaders")]
-    UnknownImport {
-        /// Importing file.
-        path: String,
-        /// What it names.
-        import: String,
-    },
-    /// naga rejects it.
-    #[error("{path}: {message}")]
-    Invalid {
-        /// File.
-        path: String,
-        /// naga's words.
-        message: String,
-    },
-    /// The struct is not in the shader.
-    #[error("{path} has no struct {name}")]
-    UnknownStruct {
-        /// File.
-        path: String,
-        /// Struct asked for.
-        name: String,
-    },
-}
-
-/// Every file with entry points.
-#[must_use]
-pub fn modules() -> &'static [ShaderSource] {
-    &MODULES
-}
+use wgsl::{MODULES, SHARED};
 
 /// Every embedded file, shared ones included: what lies in `shaders/` must be these.
 pub fn embedded_paths() -> impl Iterator<Item = &'static str> {
@@ -101,116 +27,6 @@ pub fn embedded_paths() -> impl Iterator<Item = &'static str> {
 
 fn every_source() -> impl Iterator<Item = &'static ShaderSource> {
     MODULES.iter().chain(&SHARED).chain(&textured::PARTS)
-}
-
-/// Source of `path` with its imports put in.
-///
-/// # Errors
-/// [`ShaderError::Unknown`], [`ShaderError::UnknownImport`].
-pub fn compose(path: &str) -> Result<String, ShaderError> {
-    let source = MODULES
-        .iter()
-        .find(|source| source.path == path)
-        .ok_or_else(|| ShaderError::Unknown(path.to_owned()))?;
-    compose_text(source.path, source.text)
-}
-
-fn compose_text(path: &str, text: &str) -> Result<String, ShaderError> {
-    let mut composed = String::new();
-    for line in text.lines() {
-        if let Some(import) = line.strip_prefix("#import ") {
-            let shared = SHARED
-                .iter()
-                .find(|source| source.path == import.trim())
-                .ok_or_else(|| ShaderError::UnknownImport {
-                    path: path.to_owned(),
-                    import: import.trim().to_owned(),
-                })?;
-            composed.push_str(shared.text);
-        } else {
-            composed.push_str(line);
-        }
-        composed.push('\n');
-    }
-    Ok(composed)
-}
-
-/// Parses and validates one composed source.
-///
-/// # Errors
-/// [`ShaderError::Invalid`] with naga's message and place.
-pub fn validate(path: &str, composed: &str) -> Result<naga::Module, ShaderError> {
-    parse_and_validate(path, composed).map(|(module, _)| module)
-}
-
-fn parse_and_validate(
-    path: &str,
-    composed: &str,
-) -> Result<(naga::Module, ModuleInfo), ShaderError> {
-    let invalid = |message: String| ShaderError::Invalid {
-        path: path.to_owned(),
-        message,
-    };
-    let module = naga::front::wgsl::parse_str(composed)
-        .map_err(|error| invalid(error.emit_to_string_with_path(composed, path)))?;
-    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
-        .validate(&module)
-        .map_err(|error| invalid(error.emit_to_string_with_path(composed, path)))?;
-    Ok((module, info))
-}
-
-/// Validates every module and returns how many there are, so that a caller can refuse an empty set.
-///
-/// # Errors
-/// The first [`ShaderError`].
-pub fn check_all() -> Result<usize, ShaderError> {
-    for source in &MODULES {
-        validate(source.path, &compose(source.path)?)?;
-    }
-    Ok(MODULES.len())
-}
-
-/// Name, byte offset and size of a struct's members as the GPU lays them out.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct StructLayout {
-    /// `(name, offset, size)` in order.
-    pub members: Vec<(String, u32, u32)>,
-    /// Bytes from one array element to the next.
-    pub stride: u32,
-}
-
-/// Layout of struct `name` in the shader at `path`.
-///
-/// # Errors
-/// [`ShaderError::UnknownStruct`], or the shader does not validate.
-pub fn struct_layout(path: &str, name: &str) -> Result<StructLayout, ShaderError> {
-    layout_in(&validate(path, &compose(path)?)?, path, name)
-}
-
-fn layout_in(module: &naga::Module, path: &str, name: &str) -> Result<StructLayout, ShaderError> {
-    let unknown = || ShaderError::UnknownStruct {
-        path: path.to_owned(),
-        name: name.to_owned(),
-    };
-    let (_, ty) = module
-        .types
-        .iter()
-        .find(|(_, ty)| ty.name.as_deref() == Some(name))
-        .ok_or_else(unknown)?;
-    let naga::TypeInner::Struct { members, span } = &ty.inner else {
-        return Err(unknown());
-    };
-    let size = |ty| module.types[ty].inner.size(module.to_ctx());
-    Ok(StructLayout {
-        members: members
-            .iter()
-            .map(|member| {
-                let name = member.name.clone().unwrap_or_default();
-                (name, member.offset, size(member.ty))
-            })
-            .collect(),
-        stride: *span,
-    })
 }
 
 /// FNV-1a over every embedded file's path and text or SPIR-V: changes when any shader does.
@@ -227,29 +43,6 @@ pub fn source_hash() -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_module_validates() {
-        assert_eq!(check_all().expect("all shaders are valid"), 11);
-    }
-
-    #[test]
-    fn a_broken_shader_is_refused_with_its_place() {
-        let composed = compose("vertex/doubled.wgsl").expect("exists");
-        let broken = composed.replace("is_bottom != 0u", "is_bottom != 0.0");
-        assert_ne!(broken, composed);
-        let error = validate("vertex/doubled.wgsl", &broken).expect_err("types differ");
-        assert!(error.to_string().contains("vertex/doubled.wgsl"), "{error}");
-    }
-
-    #[test]
-    fn an_unknown_import_is_refused() {
-        let error = compose_text("x.wgsl", "#import shared/nothing.wgsl").expect_err("unknown");
-        assert_eq!(
-            error.to_string(),
-            "x.wgsl imports shared/nothing.wgsl, which is not among the shared shaders"
-        );
-    }
 
     #[test]
     fn what_is_embedded_is_what_lies_in_the_folder() {

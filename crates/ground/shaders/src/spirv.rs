@@ -5,7 +5,7 @@
 //! `cargo xtask check-shaders` compiles the GLSL again and compares, so that what is checked in is
 //! what the sources say.
 
-use crate::{ShaderError, compose, parse_and_validate};
+use crate::wgsl::{ShaderError, compose, parse_and_validate};
 use naga::back::{PipelineConstants, pipeline_constants::process_overrides, spv};
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy};
 

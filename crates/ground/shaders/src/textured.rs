@@ -5,7 +5,9 @@
 //! picture are three choices that do not depend on each other. Each is a piece of WGSL; a pipeline
 //! is compiled from the pieces it needs and holds nothing of the others.
 
-use crate::{ShaderError, StructLayout, compose_text, layout_in, validate};
+use crate::wgsl::{
+    ShaderError, ShaderSource, StructLayout, compose_text, layout_in, shader_sources, validate,
+};
 
 /// Name that messages give the composed shader.
 pub const TEXTURED_COVER: &str = "texture/cover.wgsl";
@@ -125,7 +127,7 @@ impl RouteText {
 }
 
 /// Files that are put together here; those with entry points among them compile only then.
-pub(crate) const PARTS: [crate::ShaderSource; 3] = crate::shader_sources![
+pub(crate) const PARTS: [ShaderSource; 3] = shader_sources![
     "texture/cover.wgsl",
     "texture/affine.wgsl",
     "texture/pattern.wgsl",

@@ -15,7 +15,8 @@
 mod fit;
 
 use crate::cube::CubeTexture;
-use crate::operations::{Program, ProgramBuilder, Value, rounded};
+use crate::operations::{Program, ProgramBuilder, Value};
+use crate::rounding::rounded;
 use crate::{AngleCore, MapRegion, Weight};
 use fit::{chebyshev_nodes, near_minimax};
 use glam::DVec3;

@@ -25,10 +25,6 @@ pub const RMS_TOLERANCE: f64 = 0.25;
 /// Largest error in texels along each axis.
 pub const MAX_TOLERANCE: f64 = 0.5;
 
-/// What the suite may measure beyond a residual: a residual is the largest error of some thousand
-/// samples, and the largest of all places is up to this much larger.
-pub const SAMPLING_SLACK: f64 = 1.02;
-
 /// Samples after which a route is looked at, and by how much its root mean square must then be over
 /// the tolerance to be left out: that of few samples may lie on either side of that of all.
 const LOOKS: [(usize, f64); 3] = [(60, 4.0), (400, 1.5), (usize::MAX, 1.0)];

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Minimax coefficients of the arctangent on [0, 1], by family.
 //!
-//! Written by `cargo run -p terrafill-texture --example coefficients`; a test makes it anew
-//! and compares. The only place where a coefficient stands.
+//! Written by `cargo run -p terrafill-texture --example coefficients`; the tests of that example
+//! compare. No coefficient is written anywhere else.
 
-use crate::angle::{AngleCore, Weight};
+use crate::angle_core::{AngleCore, Weight};
 
 /// One core's coefficients, ascending powers.
 pub(crate) struct Coefficients {

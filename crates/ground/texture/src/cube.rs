@@ -12,7 +12,7 @@
 //! Weights have [`WEIGHT_BITS`] fractional bits, as `subTexelPrecisionBits` says for all common GPUs.
 
 use crate::lookup::Sampler;
-use crate::operations::{Bounded, rounded};
+use crate::rounding::{Bounded, rounded};
 use std::fmt::Write as _;
 
 /// Fractional bits of a bilinear weight.

@@ -7,7 +7,8 @@
 //! depth buffer", with C = 1). Reversed depth gains only with float storage, whose fine steps near
 //! 0 then meet the coarse ones of 1 / distance (Reed 2015, "Depth precision visualized").
 
-use crate::operations::{ProgramBuilder, Value, half_ulp, rounded};
+use crate::operations::{ProgramBuilder, Value};
+use crate::rounding::{half_ulp, rounded};
 
 /// How a distance becomes a depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

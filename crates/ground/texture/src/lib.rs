@@ -13,12 +13,12 @@
 //! Angles are radians, lengths metres.
 
 mod angle;
+mod angle_core;
 mod charts;
 mod choose;
 mod coefficients;
 mod cube;
 mod depth;
-mod double_double;
 mod findings;
 mod geodetic;
 mod latitude;
@@ -26,16 +26,15 @@ mod lookup;
 mod operations;
 mod position;
 mod region;
-mod remez;
 mod residual;
+mod rounding;
 mod route;
 mod seen;
 
-pub use angle::{AngleCore, Weight};
+pub use angle_core::{AngleCore, Weight};
 pub use charts::{Chart, ChartDegree, CubeSize};
 pub use choose::{
     Choice, Chooser, Considered, CostTable, Demand, MAX_TOLERANCE, RMS_TOLERANCE, Reason,
-    SAMPLING_SLACK,
 };
 pub use cube::CubeTexture;
 pub use depth::{DepthFormat, DepthFormatError, DepthMapping, DepthStorage};
@@ -45,9 +44,9 @@ pub use findings::{
 pub use geodetic::ExactGeodetic;
 pub use latitude::LatitudeForm;
 pub use lookup::{Filter, LookupTable, Sampler, TexelFormat};
-pub use operations::{Arithmetic, Bounded, Operations, Program, ProgramBuilder, Step, Value};
+pub use operations::{Arithmetic, Operations, Program, ProgramBuilder, Step, Value};
 pub use position::{PositionResidual, PositionRoute, VertexFormat, View};
 pub use region::{MapExtent, MapRegion, MapRegionError, Sample};
-pub use remez::{Fit, RemezError, coefficients_source, fit};
-pub use residual::{Residual, ResidualSum};
+pub use residual::{Residual, ResidualSum, SAMPLING_SLACK};
+pub use rounding::Bounded;
 pub use route::{AngleForm, CoordinateRoute};

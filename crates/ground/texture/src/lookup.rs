@@ -7,7 +7,7 @@
 //! is 8 on every desktop driver and on software ones), which limits it whatever the format;
 //! [`Filter::LinearExact`] loads two texels and interpolates in the shader instead.
 
-use crate::operations::rounded;
+use crate::rounding::rounded;
 use std::f64::consts::FRAC_PI_4;
 use std::fmt::Write as _;
 

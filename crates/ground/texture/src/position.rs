@@ -10,9 +10,8 @@
 //! Vertices have the same problem on their way in: [`VertexFormat`].
 
 use crate::charts::affine;
-use crate::operations::{
-    Arithmetic, Bounded, Operations, Program, ProgramBuilder, Value, half_ulp,
-};
+use crate::operations::{Arithmetic, Operations, Program, ProgramBuilder, Value};
+use crate::rounding::{Bounded, half_ulp};
 use crate::{DepthFormat, DepthMapping, MapRegion};
 use glam::{DMat3, DVec3};
 

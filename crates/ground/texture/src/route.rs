@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Coordinate routes: every way from an offset to longitude and latitude, under a stable name.
 
-use crate::angle::{AngleCore, TINY};
+use crate::angle::TINY;
+use crate::angle_core::AngleCore;
 use crate::charts::Chart;
 use crate::latitude::LatitudeForm;
-use crate::operations::{Arithmetic, Operations, Program, ProgramBuilder, Value, rounded};
+use crate::operations::{Arithmetic, Operations, Program, ProgramBuilder, Value};
 use crate::region::MapRegion;
 use crate::residual::{RESIDUAL_SAMPLES, Residual, residual_of};
+use crate::rounding::rounded;
 
 /// Which quantities the angles are taken of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -99,7 +99,7 @@ pub fn compare(reference: &Frame, frame: &Frame) -> Result<ErrorFigures, Compare
 ///   that index. A pixel for which it does is inside the band; and a piece of the frame of fewer than
 ///   [`crate::SMALLEST_PIECE_PX`] pixels counts as little for the Hausdorff distance as one of the
 ///   reference does.
-/// - At most [`MOST_ASKED`] pixels are asked about: what differs at more of them is no luck.
+/// - At most [`MAX_PROBED`] pixels are asked about: what differs at more of them is no luck.
 ///
 /// # Errors
 /// As [`compare`].
@@ -118,7 +118,7 @@ pub fn compare_closely(
     let mut tiny = grid.tiny_pieces(&reference.ids);
     let made = grid.tiny_pieces(&frame.ids).pixels;
     let doubtful = |index: &&usize| !band[**index] || made[**index];
-    if mismatches.iter().filter(doubtful).count() <= MOST_ASKED {
+    if mismatches.iter().filter(doubtful).count() <= MAX_PROBED {
         for &index in mismatches.iter().filter(doubtful) {
             if shows(index, frame.ids[index]) {
                 outside -= usize::from(!band[index]);
@@ -151,7 +151,7 @@ pub fn compare_closely(
 }
 
 /// Pixels about which [`compare_closely`] asks.
-pub const MOST_ASKED: usize = 64;
+pub const MAX_PROBED: usize = 64;
 
 /// Whether the two can be compared at all.
 pub(crate) fn check(reference: &Frame, frame: &Frame) -> Result<(), CompareError> {
@@ -181,7 +181,7 @@ pub(crate) fn check(reference: &Frame, frame: &Frame) -> Result<(), CompareError
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::tolerance::{Verdict, verdict};
+    use crate::verdict::{Verdict, verdict};
     use terrafill_scene::ImageSize;
 
     /// A frame from rows of digits; `.` is no region.
@@ -372,13 +372,13 @@ pub(crate) mod tests {
         let dots = |count: i32| {
             drawn(move |x, y| u32::from(x % 3 == 0 && y % 3 == 0 && x / 3 + 14 * (y / 3) < count))
         };
-        let most = i32::try_from(MOST_ASKED).expect("few");
+        let most = i32::try_from(MAX_PROBED).expect("few");
         let figures = |count| compare_closely(&reference, &dots(count), |_, _| true);
         let found = figures(most).expect("same size");
-        assert_eq!(found.mismatched_px, MOST_ASKED as u64);
+        assert_eq!(found.mismatched_px, MAX_PROBED as u64);
         assert_eq!(verdict(&found), Verdict::Pass);
         let found = figures(most + 1).expect("same size");
-        assert_eq!(found.mismatched_px_outside_band, MOST_ASKED as u64 + 1);
+        assert_eq!(found.mismatched_px_outside_band, MAX_PROBED as u64 + 1);
         assert_ne!(verdict(&found), Verdict::Pass);
     }
 

@@ -12,14 +12,16 @@ mod distance;
 mod moved;
 mod texture;
 mod tolerance;
+mod verdict;
 
 pub use boundary::{boundary_band, boundary_pixels, checks_nothing};
-pub use compare::{CompareError, MOST_ASKED, compare, compare_closely, filled_only};
+pub use compare::{CompareError, MAX_PROBED, compare, compare_closely, filled_only};
 pub use difference::difference_rgb;
-pub use moved::{MOST_MEASURED, Movement, boundary_movement, with_movement};
+pub use moved::{MAX_MEASURED, Movement, boundary_movement, with_movement};
 pub use texture::{TextureErrors, compare_texture, silhouette_band};
 pub use tolerance::{
     BAND_RADIUS_PX, DEPTH_JUMP, MAX_FOREIGN_PX, MAX_HAUSDORFF_PX, MAX_MISMATCHED_OUTSIDE_BAND_PX,
     MAX_NON_FINITE, MAX_TEXELS, MAX_TEXELS_RMS, MOVED_SEARCH_PX, MOVED_STEP_PX, RASTERISER_PX,
-    SMALLEST_PIECE_PX, Verdict, allowed_moved_px, texture_verdict, verdict, verdict_of_moved,
+    SMALLEST_PIECE_PX, allowed_moved_px,
 };
+pub use verdict::{Verdict, texture_verdict, verdict, verdict_of_moved};

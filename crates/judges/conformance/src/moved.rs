@@ -23,7 +23,7 @@ use terrafill_results::legacy::ErrorFigures;
 /// A pixel at distance d asks the reference about 2π (d / step)² times: 400 times at half a pixel
 /// and 6,400 at the end of the search. At the limit that is as much as judging an image of 1024² pixels
 /// six times where pixels are off by half of one.
-pub const MOST_MEASURED: usize = 16_384;
+pub const MAX_MEASURED: usize = 16_384;
 
 /// What became of boundaries that were drawn aside.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -43,7 +43,7 @@ pub struct Movement {
 /// - returns: never less than the true distance, since every answer is a place that was found; beyond
 ///   a straight boundary at most a [`MOVED_STEP_PX`] more. 0 where nothing mismatches. The image's
 ///   diagonal, which no distance in it exceeds, where nothing is found within [`MOVED_SEARCH_PX`]; and
-///   `None` where more than [`MOST_MEASURED`] pixels mismatch.
+///   `None` where more than [`MAX_MEASURED`] pixels mismatch.
 ///
 /// # Errors
 /// [`CompareError`] when the two cannot be laid over one another, or the reference is broken.
@@ -55,7 +55,7 @@ pub fn boundary_movement(
     check(reference, frame)?;
     let differ = |index: &usize| reference.ids[*index] != frame.ids[*index];
     let mismatches: Vec<usize> = (0..frame.ids.len()).filter(differ).collect();
-    if mismatches.len() > MOST_MEASURED {
+    if mismatches.len() > MAX_MEASURED {
         return Ok(None);
     }
     let width = frame.size.width.max(1) as usize;
@@ -287,15 +287,15 @@ mod tests {
         };
         let rows = 410; // × 40 = 16,400, just above the limit.
         let (reference, mut drawn) = (many(rows), many(rows));
-        assert!(drawn.ids.len() > MOST_MEASURED);
-        drawn.ids[..MOST_MEASURED].fill(1);
+        assert!(drawn.ids.len() > MAX_MEASURED);
+        drawn.ids[..MAX_MEASURED].fill(1);
         let everywhere = |_: [f64; 2]| 1;
         let measured = |drawn: &Frame| boundary_movement(&reference, drawn, everywhere);
         assert_eq!(measured(&drawn), Ok(Some(Movement::default())));
-        drawn.ids[MOST_MEASURED] = 1;
+        drawn.ids[MAX_MEASURED] = 1;
         assert_eq!(measured(&drawn), Ok(None));
         let unmeasured = ErrorFigures {
-            mismatched_px: MOST_MEASURED as u64 + 1,
+            mismatched_px: MAX_MEASURED as u64 + 1,
             ..ErrorFigures::default()
         };
         let Verdict::Fail(reasons) = verdict_of_moved(&unmeasured, 0.5) else {

@@ -122,16 +122,18 @@ pub fn compare_texture(reference: &Frame, frame: &Frame) -> Result<TextureErrors
             errors.silhouette_px += 1;
             continue;
         }
-        let (Some(judge), true) = (expected.pixels[index], pixel.is_finite()) else {
+        let (Some(expected_pixel), true) = (expected.pixels[index], pixel.is_finite()) else {
             continue;
         };
         let address = expected.address.get(id as usize - 1).copied();
-        let difference = texel_error(&judge, &pixel, expected.texels, address);
+        let difference = texel_error(&expected_pixel, &pixel, expected.texels, address);
         for i in 0..2 {
             squares[i] += difference[i] * difference[i];
             errors.max_texels[i] = errors.max_texels[i].max(difference[i]);
         }
-        errors.max_level = errors.max_level.max((pixel.level - judge.level).abs());
+        errors.max_level = errors
+            .max_level
+            .max((pixel.level - expected_pixel.level).abs());
         errors.compared_px += 1;
     }
     let count = errors.compared_px.max(1) as f64;
@@ -139,17 +141,17 @@ pub fn compare_texture(reference: &Frame, frame: &Frame) -> Result<TextureErrors
     Ok(errors)
 }
 
-/// `|Δu|` and `|Δv|` in texels of the level that `judge` shows.
+/// `|Δu|` and `|Δv|` in texels of the level that `expected_pixel` shows.
 fn texel_error(
-    judge: &TexturePixel,
+    expected_pixel: &TexturePixel,
     pixel: &TexturePixel,
     texels: [u32; 2],
     address: Option<[AddressMode; 2]>,
 ) -> [f64; 2] {
     // Coordinates of a pattern count repeats of its level 0.
-    let scale = (-judge.pattern_level.floor()).exp2();
+    let scale = (-expected_pixel.pattern_level.floor()).exp2();
     std::array::from_fn(|i| {
-        let mut difference = (pixel.uv[i] - judge.uv[i]) * scale;
+        let mut difference = (pixel.uv[i] - expected_pixel.uv[i]) * scale;
         if address.is_some_and(|address| address[i] == AddressMode::Repeat) {
             difference -= difference.round();
         }
@@ -184,7 +186,7 @@ fn coordinates<'a>(
 mod tests {
     use super::*;
     use crate::compare::tests::picture;
-    use crate::tolerance::{Verdict, texture_verdict};
+    use crate::verdict::{Verdict, texture_verdict};
 
     const TEXELS: [u32; 2] = [512, 256];
     const WIDTH: usize = 24;

@@ -1,24 +1,19 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The reference as a backend: one ray and one classification per pixel.
+//! Frames of the reference: one ray and one classification per pixel.
 
-use crate::locator::{Locator, Point};
+use crate::locator::Locator;
+use crate::point::Point;
 use crate::sampling::encoded;
 use crate::surface::SurfaceTriangles;
 use crate::texture::Texturing;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-use terrafill_fill::{
-    Backend, BackendError, Capabilities, Frame, FrameInput, MemoryUse, NO_REGION, TexturePixel,
-    paint,
-};
+use terrafill_fill::{DeviceError, Frame, FrameInput, NO_REGION, TexturePixel, paint};
 
 /// Judges frames on the CPU, in f64.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct ReferenceBackend {
-    capabilities: Capabilities,
-    /// Scene and view of the last `prepare`.
-    prepared: Option<(String, String)>,
     /// Whether frames are judged with the scene's texture.
     is_textured: bool,
 }
@@ -43,43 +38,25 @@ impl ReferenceFrame {
     }
 }
 
-impl Default for ReferenceBackend {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl ReferenceBackend {
     /// A reference, ready to judge.
     #[must_use]
     pub fn new() -> Self {
-        Self {
-            capabilities: Capabilities {
-                backend: "reference",
-                adapter: "cpu".to_owned(),
-                gpu_timestamps: false,
-                pipeline_statistics: false,
-            },
-            prepared: None,
-            is_textured: false,
-        }
+        Self { is_textured: false }
     }
 
     /// A reference that fills with the scene's texture where it has one: frames say where their
     /// texels come from, and there is a picture.
     #[must_use]
     pub fn textured() -> Self {
-        Self {
-            is_textured: true,
-            ..Self::new()
-        }
+        Self { is_textured: true }
     }
 
     /// Judges `input`; the same input gives the same frame whatever the number of threads.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] when a region leaves open what is inside it.
-    pub fn judge(&self, input: &FrameInput) -> Result<ReferenceFrame, BackendError> {
+    /// [`DeviceError::Unsupported`] when a region leaves open what is inside it.
+    pub fn judge(&self, input: &FrameInput) -> Result<ReferenceFrame, DeviceError> {
         let texturing = if self.is_textured {
             Texturing::new(input)
         } else {
@@ -92,7 +69,7 @@ impl ReferenceBackend {
     ///
     /// # Errors
     /// As [`ReferenceBackend::judge`].
-    pub fn look_closely<'a>(&self, input: &'a FrameInput) -> Result<CloseLook<'a>, BackendError> {
+    pub fn look_closely<'a>(&self, input: &'a FrameInput) -> Result<CloseLook<'a>, DeviceError> {
         Ok(CloseLook {
             input,
             locator: self.locator(input)?,
@@ -100,11 +77,11 @@ impl ReferenceBackend {
         })
     }
 
-    fn locator(&self, input: &FrameInput) -> Result<Locator, BackendError> {
+    fn locator(&self, input: &FrameInput) -> Result<Locator, DeviceError> {
         Locator::new(&input.scene.regions, input.scene.edge_rule).map_err(|error| {
-            BackendError::Unsupported {
+            DeviceError::Unsupported {
                 capability: format!("a reading of its regions: {error}"),
-                adapter: format!("the {} of {}", self.capabilities.backend, input.scene.name),
+                adapter: format!("the reference of {}", input.scene.name),
             }
         })
     }
@@ -145,32 +122,6 @@ impl CloseLook<'_> {
 
 /// Places in a row of a pixel at which a [`CloseLook`] asks.
 pub const PLACES_PER_PX: u32 = 8;
-
-impl Backend for ReferenceBackend {
-    fn capabilities(&self) -> &Capabilities {
-        &self.capabilities
-    }
-
-    /// Checks that every region can be judged. The reference keeps nothing between frames, so the
-    /// memory that it holds is none.
-    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, BackendError> {
-        self.locator(input)?;
-        self.prepared = Some((input.scene.name.clone(), input.view.clone()));
-        Ok(MemoryUse::default())
-    }
-
-    fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError> {
-        let asked = (input.scene.name.clone(), input.view.clone());
-        if self.prepared.as_ref() != Some(&asked) {
-            return Err(BackendError::NotPrepared {
-                backend: self.capabilities.backend,
-                scene: asked.0,
-                view: asked.1,
-            });
-        }
-        Ok(self.judge(input)?.frame)
-    }
-}
 
 /// What one pixel shows.
 #[derive(Debug, Clone, Copy, Default)]

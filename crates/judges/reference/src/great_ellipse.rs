@@ -21,8 +21,7 @@
 //!   (1983): half the angle is `atan2(det(q, a, b), 1 + q·a + a·b + b·q)`; with `q = −p` the second
 //!   argument is `(a − p)·(b − p)`, free of cancellation for short edges.
 
-use crate::locator::{Bounds, LocatorError, Point, RingSource, Verdicts, normal};
-use crate::planar::on_longitude_grid;
+use crate::point::{Bounds, LocatorError, Point, RingSource, Verdicts, normal, on_longitude_grid};
 use crate::slabs::Slabs;
 use glam::DVec3;
 use robust::{Coord3D, orient3d};

@@ -18,6 +18,7 @@ mod extent;
 mod great_ellipse;
 mod locator;
 mod planar;
+mod point;
 mod sampling;
 mod slabs;
 mod surface;
@@ -26,4 +27,5 @@ mod texture;
 mod validation;
 
 pub use backend::{CloseLook, PLACES_PER_PX, ReferenceBackend, ReferenceFrame};
-pub use locator::{Location, Locator, LocatorError};
+pub use locator::{Location, Locator};
+pub use point::LocatorError;

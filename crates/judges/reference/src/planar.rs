@@ -18,22 +18,12 @@
 //! Which pole a winding ring holds is said by whoever makes it. Where a ring crosses itself, the
 //! even-odd rule counts.
 
-use crate::locator::{Bounds, LocatorError, Point, RingSource, Verdicts};
+use crate::point::{Bounds, LocatorError, Point, RingSource, Verdicts, on_longitude_grid};
 use crate::slabs::Slabs;
 use robust::{Coord, orient2d};
 
-/// Longitudes are rounded to multiples of 2⁻⁴³ degrees (13 nm at the equator) so that adding or
-/// subtracting whole turns is exact below 1024 degrees, and no point falls between the end of a
-/// ring and its start one turn on.
-const LONGITUDE_STEPS_PER_DEG: f64 = 8_796_093_022_208.0;
-
 /// Longitudes farther out are refused: beyond 1024 the grid is no longer exact.
 const LARGEST_LONGITUDE_DEG: f64 = 720.0;
-
-/// Rounds a longitude to where turns can be added exactly.
-pub(crate) fn on_longitude_grid(longitude_deg: f64) -> f64 {
-    (longitude_deg * LONGITUDE_STEPS_PER_DEG).round() / LONGITUDE_STEPS_PER_DEG
-}
 
 /// A ring with an index for each of the two tests.
 #[derive(Debug, Clone)]

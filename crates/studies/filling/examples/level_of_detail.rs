@@ -10,7 +10,7 @@
 use std::sync::Arc;
 use terrafill_conformance::compare;
 use terrafill_core::RegionMesh;
-use terrafill_fill::{Backend as _, FrameInput, PreparedScene, TimedBackend as _};
+use terrafill_fill::{FillBackend as _, FrameInput, PreparedScene};
 use terrafill_gpu::{Baseline, BaselineKind, Gpu, GpuOptions, RenderTargets};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::legacy::median;

@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which cases a scene gives, and what each is measured for.
 
-use crate::ladder::ladder;
-use crate::matrix::matrix_row;
-use crate::technique::BACKENDS;
-use crate::textured::{ShownPicture, is_picture_scene, textured_settings};
-use crate::{BenchOptions, Setting, Technique};
+use crate::textured::{ShownPicture, is_picture_scene, textured_variants};
+use crate::{BenchOptions, Subject};
 use std::sync::Arc;
-use terrafill_compute::{ComputeVariant, Expansion, Transform};
-use terrafill_fill::{ColourWay, PositionFormat, Switches};
+use terrafill_fill::{Role, Technique, matrix_row};
 use terrafill_gpu::BaselineKind;
-use terrafill_native::{Indices, NativeVariant, Technique as Native};
 use terrafill_results::legacy::{CaseKey, LadderRung};
-use terrafill_scene::{PlanOptions, Scene, View};
-use terrafill_vertex::{Layout, VertexVariant};
+use terrafill_scene::{Scene, View};
 
 /// What a case is measured for; it may be several things at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -66,14 +60,12 @@ impl Roles {
 }
 
 /// One case: a row to be.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct BenchCase {
     /// Its name.
     pub key: CaseKey,
     /// What draws it.
-    pub technique: Technique,
-    /// How its frame is planned.
-    pub plan: PlanOptions,
+    pub subject: Subject,
     /// Boundary tolerance of its meshes, metres; `None` for baselines.
     pub boundary_tolerance_m: Option<f64>,
     /// Largest edge of a cap triangle, degrees; `None` for baselines.
@@ -112,12 +104,17 @@ pub fn group_cases(scene: &Arc<Scene>, view: &View, options: &BenchOptions) -> S
         return group.of_pictures(scene, options);
     }
     group.add_baselines(frames);
-    let backends = BACKENDS.iter().filter(|name| options.wants_backend(name));
+    let techniques = options.wanted_techniques();
     let mut rungs = Vec::new();
-    for backend in backends.clone() {
-        for setting in main_settings(backend, scene, options.quick) {
+    let role = if options.quick {
+        Role::Quick
+    } else {
+        Role::Main
+    };
+    for technique in techniques.clone() {
+        for variant in technique.variants(scene, role) {
             group.add(
-                setting,
+                Subject::Fill(technique, variant),
                 Roles {
                     main: true,
                     ..Roles::default()
@@ -126,12 +123,12 @@ pub fn group_cases(scene: &Arc<Scene>, view: &View, options: &BenchOptions) -> S
             );
         }
         let few = options.ladder_frame_count();
-        group.add_textured(backend, options.quick, [frames, few]);
+        group.add_textured(technique, options, [frames, few]);
         if !options.quick {
-            group.add_sweep(backend, frames);
+            group.add_sweep(technique, frames);
         }
     }
-    for backend in backends
+    for technique in techniques
         .clone()
         .filter(|_| options.wants_ladder(&scene.name))
     {
@@ -139,10 +136,11 @@ pub fn group_cases(scene: &Arc<Scene>, view: &View, options: &BenchOptions) -> S
             ladder: true,
             ..Roles::default()
         };
-        for (rung, number) in ladder(backend, scene.overlap).into_iter().zip(1..) {
-            let key = group.add(rung.setting, role, options.ladder_frame_count());
+        for (rung, number) in technique.ladder(scene.overlap).into_iter().zip(1..) {
+            let subject = Subject::Fill(technique, rung.variant);
+            let key = group.add(subject, role, options.ladder_frame_count());
             rungs.push(LadderRung {
-                ladder: (*backend).to_owned(),
+                ladder: technique.name().to_owned(),
                 rung: number,
                 step: rung.step.to_owned(),
                 change: rung.change.to_owned(),
@@ -153,14 +151,14 @@ pub fn group_cases(scene: &Arc<Scene>, view: &View, options: &BenchOptions) -> S
             });
         }
     }
-    for backend in backends.filter(|_| options.wants_matrix(&scene.name)) {
+    for technique in techniques.filter(|_| options.wants_matrix(&scene.name)) {
         let role = Roles {
             matrix: true,
             ..Roles::default()
         };
-        for base in layouts(backend, scene) {
-            for setting in matrix_row(base, scene.overlap) {
-                group.add(setting, role, 0);
+        for base in technique.variants(scene, Role::Layouts) {
+            for variant in matrix_row(technique, &base, scene.overlap) {
+                group.add(Subject::Fill(technique, variant), role, 0);
             }
         }
     }
@@ -181,8 +179,8 @@ struct Builder<'a> {
 impl Builder<'_> {
     /// Textured fills only, drawn and compared but not timed.
     fn of_pictures(mut self, scene: &Arc<Scene>, options: &BenchOptions) -> SceneGroup {
-        for backend in BACKENDS.iter().filter(|name| options.wants_backend(name)) {
-            self.add_textured(backend, options.quick, [0, 0]);
+        for technique in options.wanted_techniques() {
+            self.add_textured(technique, options, [0, 0]);
         }
         SceneGroup {
             scene: Arc::clone(scene),
@@ -193,256 +191,118 @@ impl Builder<'_> {
     }
 
     /// - `frames`: of the two routes, which are held against a bound, and of what varies them
-    fn add_textured(&mut self, backend: &str, quick: bool, frames: [u32; 2]) {
-        let Some(main) = Technique::main(backend, self.scene.overlap) else {
-            return;
-        };
-        let plain = Setting::new(main);
-        for (setting, shown) in textured_settings(plain, self.scene, self.view, quick) {
-            let switches = setting.technique.switches();
-            let is_varied = shown != ShownPicture::Scene
-                || !matches!(main, Technique::Vertex(_))
-                || switches.is_some_and(|switches| switches.superfluous_normalize);
-            self.cases.push(BenchCase {
-                key: self.key(
-                    &setting,
-                    &shown.name().map_or(String::new(), |n| format!(",{n}")),
-                ),
-                technique: setting.technique,
-                plan: setting.plan,
-                boundary_tolerance_m: Some(self.scene.mesh.boundary_tolerance_m),
-                cap_step_deg: Some(self.scene.mesh.cap_step_deg),
-                shown,
-                roles: Roles {
-                    texture: true,
-                    ..Roles::default()
-                },
-                frames: frames[usize::from(is_varied)],
-            });
+    fn add_textured(
+        &mut self,
+        technique: &'static dyn Technique,
+        options: &BenchOptions,
+        frames: [u32; 2],
+    ) {
+        let plain = technique.main(self.scene.overlap);
+        let first = options.techniques.first();
+        let is_first = first.is_some_and(|first| first.name() == technique.name());
+        let textured = textured_variants(&plain, is_first, self.scene, self.view, options.quick);
+        for (variant, shown) in textured {
+            let is_varied =
+                shown != ShownPicture::Scene || !is_first || variant.switches.superfluous_normalize;
+            let subject = Subject::Fill(technique, variant);
+            let knob = shown
+                .name()
+                .map_or(String::new(), |name| format!(",{name}"));
+            let roles = Roles {
+                texture: true,
+                ..Roles::default()
+            };
+            let frames = frames[usize::from(is_varied)];
+            let case = self.case(subject, &knob, roles, frames);
+            self.cases.push(BenchCase { shown, ..case });
         }
     }
 
     fn add_baselines(&mut self, frames: u32) {
         for kind in [BaselineKind::Bound, BaselineKind::Floor] {
-            let setting = Setting::new(Technique::Baseline(kind));
+            let roles = Roles {
+                baseline: true,
+                ..Roles::default()
+            };
+            let case = self.case(Subject::Baseline(kind), "", roles, frames);
             self.cases.push(BenchCase {
-                key: self.key(&setting, ""),
-                technique: setting.technique,
-                plan: setting.plan,
                 boundary_tolerance_m: None,
                 cap_step_deg: None,
-                shown: ShownPicture::Scene,
-                roles: Roles {
-                    baseline: true,
-                    ..Roles::default()
-                },
-                frames,
+                ..case
             });
         }
     }
 
-    /// `knob`: what of the mesh the variant changes, with the comma before it.
-    fn key(&self, setting: &Setting, knob: &str) -> CaseKey {
-        let variant = setting.variant_name() + knob;
+    /// A case with the scene's meshes and picture.
+    ///
+    /// - `knob`: what of the input its name says, with the comma before it
+    fn case(&self, subject: Subject, knob: &str, roles: Roles, frames: u32) -> BenchCase {
+        BenchCase {
+            key: self.key(&subject, knob),
+            subject,
+            boundary_tolerance_m: Some(self.scene.mesh.boundary_tolerance_m),
+            cap_step_deg: Some(self.scene.mesh.cap_step_deg),
+            shown: ShownPicture::Scene,
+            roles,
+            frames,
+        }
+    }
+
+    fn key(&self, subject: &Subject, knob: &str) -> CaseKey {
         CaseKey {
             scene: self.scene.name.clone(),
             view: self.view.name.clone(),
-            backend: setting.technique.backend().to_owned(),
-            variant,
+            backend: subject.backend().to_owned(),
+            variant: subject.variant_name() + knob,
         }
     }
 
     /// A case that exists already takes the role on, and the larger number of frames.
-    fn add(&mut self, setting: Setting, roles: Roles, frames: u32) -> CaseKey {
-        let key = self.key(&setting, "");
+    fn add(&mut self, subject: Subject, roles: Roles, frames: u32) -> CaseKey {
+        let key = self.key(&subject, "");
         match self.cases.iter_mut().find(|case| case.key == key) {
             Some(case) => {
                 case.roles = case.roles.and(roles);
                 case.frames = case.frames.max(frames);
             }
-            None => self.cases.push(BenchCase {
-                key: key.clone(),
-                technique: setting.technique,
-                plan: setting.plan,
-                boundary_tolerance_m: Some(self.scene.mesh.boundary_tolerance_m),
-                cap_step_deg: Some(self.scene.mesh.cap_step_deg),
-                shown: ShownPicture::Scene,
-                roles,
-                frames,
-            }),
+            None => self.cases.push(self.case(subject, "", roles, frames)),
         }
         key
     }
 
-    fn add_sweep(&mut self, backend: &str, frames: u32) {
+    fn add_sweep(&mut self, technique: &'static dyn Technique, frames: u32) {
         let scene = self.scene;
-        for setting in sweep_settings(backend, scene) {
+        let variants = technique.variants(scene, Role::Sweep);
+        for variant in &variants {
             for &tolerance in &scene.sweep_boundary_tolerance_m {
-                let role = Roles {
+                let roles = Roles {
                     sweep: true,
                     ..Roles::default()
                 };
                 let knob = format!(",boundary-tolerance-m={tolerance}");
-                self.add_meshed(
-                    setting,
-                    &knob,
-                    tolerance,
-                    scene.mesh.cap_step_deg,
-                    role,
-                    frames,
-                );
+                let subject = Subject::Fill(technique, variant.clone());
+                let case = self.case(subject, &knob, roles, frames);
+                self.cases.push(BenchCase {
+                    boundary_tolerance_m: Some(tolerance),
+                    ..case
+                });
             }
         }
         // One layout: what is asked is a question about meshes.
-        for setting in sweep_settings(backend, scene).into_iter().take(1) {
+        for variant in variants.iter().take(1) {
             for &step in &scene.sweep_cap_step_deg {
-                let role = Roles {
+                let roles = Roles {
                     subdivision: true,
                     ..Roles::default()
                 };
-                let tolerance = scene.mesh.boundary_tolerance_m;
                 let knob = format!(",cap-step-deg={step}");
-                self.add_meshed(setting, &knob, tolerance, step, role, frames);
+                let subject = Subject::Fill(technique, variant.clone());
+                let case = self.case(subject, &knob, roles, frames);
+                self.cases.push(BenchCase {
+                    cap_step_deg: Some(step),
+                    ..case
+                });
             }
         }
     }
-
-    /// A case whose meshes are its own.
-    fn add_meshed(
-        &mut self,
-        setting: Setting,
-        knob: &str,
-        boundary_tolerance_m: f64,
-        cap_step_deg: f64,
-        roles: Roles,
-        frames: u32,
-    ) {
-        self.cases.push(BenchCase {
-            key: self.key(&setting, knob),
-            technique: setting.technique,
-            plan: setting.plan,
-            boundary_tolerance_m: Some(boundary_tolerance_m),
-            cap_step_deg: Some(cap_step_deg),
-            shown: ShownPicture::Scene,
-            roles,
-            frames,
-        });
-    }
-}
-
-/// A vertex layout with the colouring that is right for the scene: XOR holds for disjoint regions
-/// only.
-fn vertex(layout: Layout, scene: &Scene) -> Setting {
-    Setting::new(Technique::Vertex(VertexVariant {
-        layout,
-        switches: Switches::for_overlap(scene.overlap),
-        ..VertexVariant::default()
-    }))
-}
-
-/// A native technique with the colouring that is right for the scene.
-fn native(technique: Native, scene: &Scene) -> Setting {
-    Setting::new(Technique::Native(NativeVariant {
-        technique,
-        switches: Switches::for_overlap(scene.overlap),
-        ..NativeVariant::default()
-    }))
-}
-
-fn in_lists(mut setting: Setting) -> Setting {
-    if let Technique::Native(variant) = &mut setting.technique {
-        variant.indices = Some(Indices::List);
-    }
-    setting
-}
-
-/// Every layout of a backend, as it should be used.
-fn layouts(backend: &str, scene: &Scene) -> Vec<Setting> {
-    match backend {
-        "vertex" => Layout::ALL.map(|layout| vertex(layout, scene)).into(),
-        "compute" => [Expansion::PerFrame, Expansion::Cached]
-            .map(|expansion| {
-                Setting::new(Technique::Compute(ComputeVariant {
-                    expansion,
-                    switches: Switches::for_overlap(scene.overlap),
-                    ..ComputeVariant::default()
-                }))
-            })
-            .into(),
-        "native" => Native::ALL.map(|technique| native(technique, scene)).into(),
-        _ => Vec::new(),
-    }
-}
-
-/// Layouts, and position formats where the scene asks for them, whose error is drawn against their
-/// time.
-fn sweep_settings(backend: &str, scene: &Scene) -> Vec<Setting> {
-    match backend {
-        "vertex" => {
-            let layouts = [Layout::Doubled, Layout::Pulled].map(|layout| vertex(layout, scene));
-            layouts.into_iter().chain(position_formats(scene)).collect()
-        }
-        _ => Vec::new(),
-    }
-}
-
-/// Where a scene asks for it, every other way to store positions; all but the default may be wrong.
-fn position_formats(scene: &Scene) -> Vec<Setting> {
-    let formats = PositionFormat::ALL.into_iter();
-    formats
-        .filter(|format| scene.sweep_positions && *format != PositionFormat::default())
-        .map(|format| with_positions(vertex(Layout::Doubled, scene), format))
-        .collect()
-}
-
-fn with_positions(mut setting: Setting, positions: PositionFormat) -> Setting {
-    if let Technique::Vertex(variant) = &mut setting.technique {
-        variant.positions = positions;
-    }
-    setting
-}
-
-/// Layouts as they should be used; beside them, one switch at a time, what is compared everywhere.
-fn main_settings(backend: &str, scene: &Scene, quick: bool) -> Vec<Setting> {
-    match backend {
-        "vertex" => {}
-        "compute" => return compute_settings(scene, quick),
-        "native" => {
-            let techniques = [Native::VsControl, Native::GsDegenerate, Native::GsLine];
-            let mut settings = techniques
-                .map(|technique| native(technique, scene))
-                .to_vec();
-            if !quick {
-                settings.push(in_lists(native(Native::GsDegenerate, scene)));
-            }
-            return settings;
-        }
-        _ => return layouts(backend, scene),
-    }
-    let mut settings: Vec<Setting> = [Layout::Doubled, Layout::Pulled]
-        .map(|layout| vertex(layout, scene))
-        .into();
-    if !quick {
-        let main = vertex(Layout::Doubled, scene);
-        if Switches::for_overlap(scene.overlap).colour != ColourWay::Rectangle {
-            settings.push(main.with(|switches| switches.colour = ColourWay::Rectangle));
-        }
-        // A scene that sweeps through the formats has it there, where it may be wrong.
-        if !scene.sweep_positions {
-            settings.push(with_positions(main, PositionFormat::LocalF32));
-        }
-    }
-    settings
-}
-
-/// Both expansions and, beside the first, corners that the compute stage puts where they are seen.
-fn compute_settings(scene: &Scene, quick: bool) -> Vec<Setting> {
-    let mut settings = layouts("compute", scene);
-    if !quick && let Technique::Compute(variant) = settings[0].technique {
-        settings.push(Setting::new(Technique::Compute(ComputeVariant {
-            transform: Transform::ComputeStage,
-            ..variant
-        })));
-    }
-    settings
 }

@@ -7,9 +7,8 @@ use crate::memory::LayoutOfScene;
 use crate::rounding::{objection, rounding_px};
 use crate::scenes::{build_meshes, mesh_error};
 use crate::summary::baselines;
-use crate::technique::{AllTargets, SharedNativeGpu};
 use crate::textured::{ShownPicture, TexturedReferences, write_cut_out};
-use crate::{BenchCase, BenchError, BenchOptions, SceneGroup, Setting, Technique};
+use crate::{BenchCase, BenchError, BenchOptions, SceneGroup, Subject};
 use indicatif::ProgressBar;
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
@@ -21,10 +20,10 @@ use terrafill_conformance::{
 };
 use terrafill_core::{MeshOptions, RegionMesh};
 use terrafill_fill::{
-    BackendError, ColourWay, Frame, FrameInput, FrameTimes, MemoryUse, PositionFormat,
-    PreparedScene, RouteChoice, VolumeBackend, paint,
+    Api, ColourWay, DeviceError, Devices, FillBackend, Frame, FrameInput, FrameTimes, MemoryUse,
+    PositionFormat, PreparedScene, RouteChoice, Targets, paint,
 };
-use terrafill_gpu::{Baseline, CpuStopwatch, Gpu, RenderTargets};
+use terrafill_gpu::{Baseline, CpuStopwatch, SharedTargets, shared_targets};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::legacy::{
     Baselines, CaseKey, ErrorFigures, RunFolder, Sample, Status, median,
@@ -42,7 +41,7 @@ pub(crate) struct RunningCase<'a> {
 
 pub(crate) enum Drawer {
     Baseline(Baseline),
-    Volumes(Box<dyn VolumeBackend>, Rc<FrameInput>),
+    Volumes(Box<dyn FillBackend>, Rc<FrameInput>),
     /// Cannot be timed; the probe says why.
     None,
 }
@@ -105,7 +104,9 @@ pub(crate) struct GroupRun<'a> {
     pub(crate) folder: &'a RunFolder,
     pub(crate) group: &'a SceneGroup,
     pub(crate) progress: &'a ProgressBar,
-    pub(crate) targets: AllTargets,
+    targets: Targets,
+    /// Those of wgpu, which baselines draw on.
+    wgpu: SharedTargets,
     /// What the default mesh options give; views of other options share its surface.
     pub(crate) input: Rc<FrameInput>,
     pub(crate) reference: Frame,
@@ -124,8 +125,7 @@ pub(crate) struct GroupRun<'a> {
 
 impl<'a> GroupRun<'a> {
     pub(crate) fn new(
-        gpu: &Arc<Gpu>,
-        native_gpu: SharedNativeGpu,
+        devices: &Rc<Devices>,
         options: &'a BenchOptions,
         folder: &'a RunFolder,
         group: &'a SceneGroup,
@@ -142,7 +142,8 @@ impl<'a> GroupRun<'a> {
         let meshes = build_meshes(scene, &scene.mesh)?;
         let prepared = PreparedScene::new(scene, meshes, surface);
         let input = FrameInput::new(&prepared, view, options.size, PlanOptions::default());
-        let targets = RenderTargets::shared(gpu, options.size).map_err(device)?;
+        let targets = Targets::new(devices, options.size);
+        let wgpu = shared_targets(&targets).map_err(device)?;
         let judged = ReferenceBackend::new().judge(&input).map_err(device)?;
         let band = boundary_band(&judged.frame);
         let disagree = judged.disagreements.iter().zip(&band);
@@ -158,7 +159,8 @@ impl<'a> GroupRun<'a> {
             folder,
             group,
             progress,
-            targets: AllTargets::new(targets, native_gpu, options.size),
+            targets,
+            wgpu,
             input: Rc::new(input),
             inputs: RefCell::default(),
             leveled: RefCell::default(),
@@ -216,11 +218,9 @@ impl<'a> GroupRun<'a> {
         probe: &Probe,
         layouts: &mut Vec<(&'a str, String)>,
     ) -> Result<(), BenchError> {
-        let plain = own_mesh_options(case).is_none() && case.plan == PlanOptions::default();
-        let of = (
-            case.technique.backend(),
-            Setting::new(case.technique).layout(),
-        );
+        let plain =
+            own_mesh_options(case).is_none() && case.subject.plan() == PlanOptions::default();
+        let of = (case.subject.backend(), case.subject.layout());
         if !plain || probe.memory.is_none() || layouts.contains(&of) {
             return Ok(());
         }
@@ -231,7 +231,7 @@ impl<'a> GroupRun<'a> {
         let rows = LayoutOfScene {
             scene: &self.group.scene.name,
             layout: of.1.clone(),
-            technique: &case.technique,
+            subject: &case.subject,
             meshes: &self.input.scene.meshes,
             is_drawn: &is_drawn,
             allocated: probe.memory,
@@ -252,42 +252,38 @@ impl<'a> GroupRun<'a> {
         case: &'a BenchCase,
         bound_px: impl Fn(PositionFormat, &FrameInput) -> f64,
     ) -> Result<RunningCase<'a>, BenchError> {
-        let (drawer, probe) = match case.technique {
-            Technique::Baseline(kind) => match Baseline::new(kind, &self.targets.wgpu) {
+        let (drawer, probe) = match &case.subject {
+            Subject::Baseline(kind) => match Baseline::new(*kind, &self.wgpu) {
                 Ok(baseline) => (Drawer::Baseline(baseline), Probe::default()),
                 Err(error) => (Drawer::None, failed_probe(&error)),
             },
-            _ => {
+            Subject::Fill(technique, variant) => {
                 let (input, plan_cpu_ms) = self.input_for(case)?;
                 // A cell of the matrix has to be right; elsewhere its error is what is asked for.
                 let asked = case.roles.matrix && !case.roles.main;
-                let positions = case.technique.positions().filter(|_| asked);
+                let positions = case.subject.positions().filter(|_| asked);
                 let objection =
                     positions.and_then(|format| objection(format, bound_px(format, &input)));
-                let drawn = case
-                    .technique
-                    .open(&self.targets)
-                    .filter(|_| objection.is_none())
-                    .map(|backend| backend.and_then(|backend| draw_probe(backend, &input)));
-                match drawn {
-                    None if let Some(reason) = objection => {
-                        let probe = Probe {
-                            status: Some(Status::Skipped),
-                            reason,
-                            ..Probe::default()
-                        };
-                        (Drawer::None, probe)
+                if let Some(reason) = objection {
+                    let probe = Probe {
+                        status: Some(Status::Skipped),
+                        reason,
+                        ..Probe::default()
+                    };
+                    (Drawer::None, probe)
+                } else {
+                    let opened = technique.open(&self.targets, variant);
+                    match opened.and_then(|backend| draw_probe(backend, &input)) {
+                        Ok((mut backend, memory, frame)) => {
+                            let probe = self.judge(case, &mut *backend, &input, memory, frame)?;
+                            let probe = Probe {
+                                plan_cpu_ms,
+                                ..probe
+                            };
+                            (Drawer::Volumes(backend, input), probe)
+                        }
+                        Err(error) => (Drawer::None, failed_probe(&error)),
                     }
-                    Some(Ok((mut backend, memory, frame))) => {
-                        let probe = self.judge(case, &mut *backend, &input, memory, frame)?;
-                        let probe = Probe {
-                            plan_cpu_ms,
-                            ..probe
-                        };
-                        (Drawer::Volumes(backend, input), probe)
-                    }
-                    Some(Err(error)) => (Drawer::None, failed_probe(&error)),
-                    None => (Drawer::None, Probe::default()),
                 }
             }
         };
@@ -301,7 +297,7 @@ impl<'a> GroupRun<'a> {
 
     fn input_for(&self, case: &BenchCase) -> Result<PlannedInput, BenchError> {
         let options = own_mesh_options(case);
-        let key: InputKey = (options, case.plan, case.shown);
+        let key: InputKey = (options, case.subject.plan(), case.shown);
         let known = self.inputs.borrow();
         if let Some((_, input)) = known.iter().find(|(known, _)| *known == key) {
             return Ok(input.clone());
@@ -311,20 +307,20 @@ impl<'a> GroupRun<'a> {
             Some(options) => {
                 let meshes = build_meshes(&self.group.scene, options)?;
                 let prepared = self.input.scene.with_meshes(meshes);
-                Rc::new(self.input.remeshed(&prepared, case.plan))
+                Rc::new(self.input.remeshed(&prepared, case.subject.plan()))
             }
-            None if case.plan == PlanOptions::default() => Rc::clone(&self.input),
-            None if case.plan.boundary_lod_px.is_some() => {
-                Rc::new(self.input.remeshed(&self.leveled()?, case.plan))
+            None if case.subject.plan() == PlanOptions::default() => Rc::clone(&self.input),
+            None if case.subject.plan().boundary_lod_px.is_some() => {
+                Rc::new(self.input.remeshed(&self.leveled()?, case.subject.plan()))
             }
-            None => Rc::new(self.input.remeshed(&self.input.scene, case.plan)),
+            None => Rc::new(self.input.remeshed(&self.input.scene, case.subject.plan())),
         };
         // Where there is no picture to show, the backend says so.
         let input = match case.shown {
             ShownPicture::Scene => input,
             other => other.input(&input).map_or(input, Rc::new),
         };
-        let plan_cpu_ms = plan_cpu_ms(&input, case.plan);
+        let plan_cpu_ms = plan_cpu_ms(&input, case.subject.plan());
         let planned = (input, plan_cpu_ms);
         self.inputs.borrow_mut().push((key, planned.clone()));
         Ok(planned)
@@ -348,7 +344,7 @@ impl<'a> GroupRun<'a> {
     fn judge(
         &self,
         case: &BenchCase,
-        backend: &mut dyn VolumeBackend,
+        backend: &mut dyn FillBackend,
         input: &FrameInput,
         memory: MemoryUse,
         frame: Frame,
@@ -370,7 +366,7 @@ impl<'a> GroupRun<'a> {
             },
             ..Probe::default()
         };
-        let moved_px = case.plan.boundary_lod_px.unwrap_or(0.0);
+        let moved_px = case.subject.plan().boundary_lod_px.unwrap_or(0.0);
         match self.figures(&probe, &frame, moved_px > 0.0) {
             Ok(figures) => {
                 let mut reasons = match verdict_of_moved(&figures, moved_px) {
@@ -378,7 +374,7 @@ impl<'a> GroupRun<'a> {
                     Verdict::Fail(reasons) => reasons,
                 };
                 let is_mask_right = reasons.is_empty();
-                if is_mapped(&case.technique) {
+                if is_mapped(&case.subject) {
                     let (errors, objections) = self.textured_references.judge(input, &frame);
                     probe.texture_errors = errors;
                     reasons.extend(objections);
@@ -407,10 +403,10 @@ impl<'a> GroupRun<'a> {
                 probe.reason = error;
             }
         }
-        if is_textured(&case.technique) && !is_mapped(&case.technique) {
+        if is_textured(&case.subject) && !is_mapped(&case.subject) {
             probe.remark(NOT_MAPPED);
         }
-        if case.frames > 0 && one_at_a_time(&case.technique) {
+        if case.frames > 0 && one_at_a_time(&case.subject) {
             probe.remark(ALTERNATING);
         }
         let is_main = case.roles.main && !case.key.variant.contains('=');
@@ -418,7 +414,7 @@ impl<'a> GroupRun<'a> {
         if is_main || is_wrong {
             self.write_pictures(case, backend, input, &frame, &mut probe)?;
         }
-        if is_textured(&case.technique) && (is_wrong || shows_chosen(case)) {
+        if is_textured(&case.subject) && (is_wrong || shows_chosen(case)) {
             self.write_textured_pictures(case, backend, input, &frame, &mut probe)?;
         }
         probe.frame = Some(frame);
@@ -475,7 +471,7 @@ impl<'a> GroupRun<'a> {
     fn write_pictures(
         &self,
         case: &BenchCase,
-        backend: &mut dyn VolumeBackend,
+        backend: &mut dyn FillBackend,
         input: &FrameInput,
         frame: &Frame,
         probe: &mut Probe,
@@ -494,7 +490,7 @@ impl<'a> GroupRun<'a> {
     fn write_textured_pictures(
         &self,
         case: &BenchCase,
-        backend: &mut dyn VolumeBackend,
+        backend: &mut dyn FillBackend,
         input: &FrameInput,
         frame: &Frame,
         probe: &mut Probe,
@@ -546,19 +542,18 @@ impl<'a> GroupRun<'a> {
                 "{}/{}: frame {round}",
                 self.group.scene.name, self.group.view.name
             ));
-            let mut targets = self.targets.wgpu.borrow_mut();
+            let mut targets = self.wgpu.borrow_mut();
             targets.prepare(&self.input).map_err(device)?;
             let surface_gpu_ms = targets.draw_surface().map_err(device)?;
             drop(targets);
-            // Those that do not draw into those targets share others by the name of their backend.
-            let mut drawn: Vec<&str> = Vec::new();
+            // Techniques of one interface share their targets, and so the surface.
+            let mut surfaces = vec![(terrafill_gpu::API, surface_gpu_ms)];
             for case in running.iter_mut() {
-                let name = case.case.technique.backend();
+                let api = api_of(&case.case.subject);
                 if let Drawer::Volumes(backend, input) = &mut case.drawer
-                    && !drawn.contains(&name)
+                    && !surfaces.iter().any(|(drawn, _)| *drawn == api)
                 {
-                    backend.draw_own_surface(input).map_err(device)?;
-                    drawn.push(name);
+                    surfaces.push((api, backend.draw_surface(input).map_err(device)?));
                 }
             }
             let mut rows = Vec::new();
@@ -578,8 +573,9 @@ impl<'a> GroupRun<'a> {
                     }
                 };
                 if round >= warm_up {
-                    // Who draws a surface of its own was not timed by that of the shared targets.
-                    let surface = surface_gpu_ms.filter(|_| case.case.technique.shares_stage());
+                    let api = api_of(&case.case.subject);
+                    let surface = surfaces.iter().find(|(drawn, _)| *drawn == api);
+                    let surface = surface.and_then(|(_, gpu_ms)| *gpu_ms);
                     rows.push(sample(&case.case.key, frame, surface, &times));
                 }
             }
@@ -590,37 +586,42 @@ impl<'a> GroupRun<'a> {
 }
 
 /// Prepares a backend and draws its probe frame.
-type Drawn = (Box<dyn VolumeBackend>, MemoryUse, Frame);
+type Drawn = (Box<dyn FillBackend>, MemoryUse, Frame);
 
-fn draw_probe(
-    mut backend: Box<dyn VolumeBackend>,
-    input: &FrameInput,
-) -> Result<Drawn, BackendError> {
+fn draw_probe(mut backend: Box<dyn FillBackend>, input: &FrameInput) -> Result<Drawn, DeviceError> {
     let memory = backend.prepare(input)?;
     let frame = backend.render(input)?;
     Ok((backend, memory, frame))
 }
 
+/// The graphics interface that draws.
+fn api_of(subject: &Subject) -> Api {
+    match subject {
+        Subject::Baseline(_) => terrafill_gpu::API,
+        Subject::Fill(technique, _) => technique.api(),
+    }
+}
+
 /// Whether regions are filled with a picture.
-fn is_textured(technique: &Technique) -> bool {
-    technique.switches().is_some_and(|s| s.texture.is_some())
+fn is_textured(subject: &Subject) -> bool {
+    subject.switches().is_some_and(|s| s.texture.is_some())
 }
 
 /// Whether what they are filled with has its place on the ground.
-fn is_mapped(technique: &Technique) -> bool {
-    let route = technique.switches().and_then(|switches| switches.texture);
+fn is_mapped(subject: &Subject) -> bool {
+    let route = subject.switches().and_then(|switches| switches.texture);
     route.is_some_and(|route| route != RouteChoice::Floor)
 }
 
 /// Whether the case is a textured fill as it should be used.
 fn shows_chosen(case: &BenchCase) -> bool {
-    let route = case.technique.switches().and_then(|s| s.texture);
+    let route = case.subject.switches().and_then(|s| s.texture);
     route == Some(RouteChoice::Chosen) && case.shown == ShownPicture::Scene
 }
 
 /// Whether stencil and colour share a pass.
-fn one_at_a_time(technique: &Technique) -> bool {
-    let colour = technique.switches().map(|switches| switches.colour);
+fn one_at_a_time(subject: &Subject) -> bool {
+    let colour = subject.switches().map(|switches| switches.colour);
     matches!(colour, Some(ColourWay::Rectangle | ColourWay::Volume))
 }
 
@@ -666,10 +667,10 @@ fn plan_cpu_ms(input: &FrameInput, options: PlanOptions) -> Option<f64> {
 
 /// What the adapter lacks, and switches that do not go together, are skipped; everything else that
 /// breaks has failed.
-fn failed_probe(error: &BackendError) -> Probe {
+fn failed_probe(error: &DeviceError) -> Probe {
     Probe {
         status: Some(match error {
-            BackendError::Unsupported { .. } | BackendError::Switch(_) => Status::Skipped,
+            DeviceError::Unsupported { .. } | DeviceError::Switch(_) => Status::Skipped,
             _ => Status::Failed,
         }),
         reason: error.to_string(),
@@ -677,7 +678,7 @@ fn failed_probe(error: &BackendError) -> Probe {
     }
 }
 
-fn time(drawer: &mut Drawer) -> Option<Result<FrameTimes, BackendError>> {
+fn time(drawer: &mut Drawer) -> Option<Result<FrameTimes, DeviceError>> {
     match drawer {
         Drawer::Baseline(baseline) => Some(baseline.time_frame()),
         Drawer::Volumes(backend, input) => Some(backend.time_frame(input)),
@@ -730,16 +731,9 @@ mod tests {
     use super::*;
 
     /// `None`, with the reason printed, where there is none and none is required.
-    fn device() -> Option<Arc<Gpu>> {
-        match Gpu::open(&terrafill_gpu::GpuOptions::default()) {
-            Ok(gpu) => Some(gpu),
-            Err(why) => {
-                let required = std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_some();
-                assert!(!required, "{why}");
-                eprintln!("skipped: {why}");
-                None
-            }
-        }
+    fn device() -> Option<Rc<Devices>> {
+        let devices = Rc::new(Devices::default());
+        terrafill_fill::device_for_test(terrafill_gpu::shared_gpu(&devices)).map(|_| devices)
     }
 
     #[test]
@@ -786,7 +780,7 @@ mod tests {
 
     #[test]
     fn what_has_no_picture_is_skipped_with_that_reason() {
-        let error = BackendError::Switch(terrafill_fill::SwitchError {
+        let error = DeviceError::Switch(terrafill_fill::SwitchError {
             switch: "texture",
             found: "chosen for a scene without a picture".to_owned(),
             allowed: "plain".to_owned(),
@@ -796,15 +790,16 @@ mod tests {
         assert!(probe.reason.contains("without a picture"));
         assert!(probe.texture_errors.is_none() && probe.image.is_empty());
         // Twin: what breaks has failed.
-        let lost = failed_probe(&BackendError::DeviceLost("gone".to_owned()));
+        let lost = failed_probe(&DeviceError::DeviceLost("gone".to_owned()));
         assert_eq!(lost.status, Some(Status::Failed));
     }
 
     #[test]
     fn coordinates_that_are_shifted_make_the_row_wrong() {
-        let Some(gpu) = device() else { return };
+        let Some(devices) = device() else { return };
         let place = tempfile::tempdir().expect("a folder");
         let options = BenchOptions {
+            techniques: crate::tests::TECHNIQUES,
             scenes: vec!["california".to_owned()],
             backends: vec!["vertex".to_owned()],
             quick: true,
@@ -827,9 +822,8 @@ mod tests {
         let group = crate::group_cases(&scene, view, &options);
         let folder =
             RunFolder::create(&options.out, &Default::default(), &Default::default()).expect("new");
-        let native = crate::technique::NativeGpu::new(None);
         let progress = ProgressBar::hidden();
-        let run = GroupRun::new(&gpu, native, &options, &folder, &group, &progress).expect("a run");
+        let run = GroupRun::new(&devices, &options, &folder, &group, &progress).expect("a run");
         let case = group
             .cases
             .iter()
@@ -837,11 +831,11 @@ mod tests {
             .expect("textured");
         let judged = |shift_texels: f64| {
             let (input, _) = run.input_for(case).expect("an input");
-            let backend = case
-                .technique
-                .open(&run.targets)
-                .expect("no full-screen pass");
-            let drawn = draw_probe(backend.expect("opens"), &input).expect("draws");
+            let Subject::Fill(technique, variant) = &case.subject else {
+                panic!("a full-screen pass is not textured");
+            };
+            let backend = technique.open(&run.targets, variant).expect("opens");
+            let drawn = draw_probe(backend, &input).expect("draws");
             let (mut backend, memory, mut frame) = drawn;
             let texture = frame.texture.as_mut().expect("textured");
             let columns = f64::from(texture.texels[0]);
@@ -869,9 +863,10 @@ mod tests {
 
     #[test]
     fn what_rounds_too_much_to_be_right_is_left_out_of_the_matrix_by_its_bound_alone() {
-        let Some(gpu) = device() else { return };
+        let Some(devices) = device() else { return };
         let place = tempfile::tempdir().expect("a folder");
         let options = BenchOptions {
+            techniques: crate::tests::TECHNIQUES,
             scenes: vec!["square-200km".to_owned()],
             backends: vec!["vertex".to_owned()],
             quick: false,
@@ -894,9 +889,8 @@ mod tests {
         let group = crate::group_cases(&scene, view.expect("a view"), &options);
         let folder =
             RunFolder::create(&options.out, &Default::default(), &Default::default()).expect("new");
-        let native = crate::technique::NativeGpu::new(None);
         let progress = ProgressBar::hidden();
-        let run = GroupRun::new(&gpu, native, &options, &folder, &group, &progress).expect("a run");
+        let run = GroupRun::new(&devices, &options, &folder, &group, &progress).expect("a run");
         let cell = |name: &str| {
             let mut cases = group.cases.iter();
             let case = cases.find(|case| case.key.variant == name);

@@ -16,15 +16,13 @@ mod environment;
 mod fingerprint;
 mod group;
 mod images;
-mod ladder;
-mod matrix;
 mod memory;
 mod options;
 mod rounding;
 mod runner;
 mod scenes;
+mod subject;
 mod summary;
-mod technique;
 mod textured;
 
 pub use cases::{BenchCase, Roles, SceneGroup, group_cases};
@@ -33,5 +31,16 @@ pub use environment::environment;
 pub use options::{BenchError, BenchOptions, LADDER_SCENE, MATRIX_SCENES, NO_SCENE, Shard};
 pub use runner::{BenchOutcome, run};
 pub use scenes::open_scene;
-pub use technique::{BACKENDS, Setting, Technique};
+pub use subject::{Subject, Techniques};
 pub use textured::{PICTURE_SCENES, ShownPicture};
+
+#[cfg(test)]
+mod tests {
+    use terrafill_compute::ComputeTechnique;
+    use terrafill_native::NativeTechnique;
+    use terrafill_vertex::VertexTechnique;
+
+    /// As the command line hands them over.
+    pub(crate) const TECHNIQUES: crate::Techniques =
+        &[&VertexTechnique, &ComputeTechnique, &NativeTechnique];
+}

@@ -4,7 +4,7 @@
 //! Beyond the scene's own regions the same ones are repeated in turn, so that the formula says what
 //! a layout takes for thousands of them.
 
-use crate::Technique;
+use crate::Subject;
 use terrafill_core::RegionMesh;
 use terrafill_fill::{GeometryBytes, MemoryUse};
 use terrafill_results::legacy::MemoryRow;
@@ -16,7 +16,7 @@ const REGION_COUNTS: [usize; 12] = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1_000, 2
 pub(crate) struct LayoutOfScene<'a> {
     pub(crate) scene: &'a str,
     pub(crate) layout: String,
-    pub(crate) technique: &'a Technique,
+    pub(crate) subject: &'a Subject,
     /// All of the scene.
     pub(crate) meshes: &'a [RegionMesh],
     /// Whether the view draws each of them.
@@ -33,7 +33,7 @@ impl LayoutOfScene<'_> {
         let formulas = |all_drawn: bool| -> Option<Vec<GeometryBytes>> {
             let meshes = self.meshes.iter().zip(self.is_drawn);
             let of =
-                |(mesh, is_drawn): (_, &bool)| self.technique.formula(mesh, all_drawn || *is_drawn);
+                |(mesh, is_drawn): (_, &bool)| self.subject.formula(mesh, all_drawn || *is_drawn);
             meshes.map(of).collect()
         };
         let (Some(own), Some(drawn)) = (formulas(false), formulas(true)) else {
@@ -50,7 +50,7 @@ impl LayoutOfScene<'_> {
     /// - `formulas`: bytes of each mesh
     fn row(&self, regions: usize, formulas: &[GeometryBytes]) -> Option<MemoryRow> {
         let distinct = &self.meshes[..regions.min(self.meshes.len())];
-        let mut total = self.technique.shared_formula(distinct);
+        let mut total = self.subject.shared_formula(distinct);
         let mut each = Vec::with_capacity(regions);
         let [mut vertices, mut triangles, mut edges, mut loops] = [0_u64; 4];
         let is_scene = regions == self.meshes.len();
@@ -67,7 +67,7 @@ impl LayoutOfScene<'_> {
         each.sort_unstable();
         Some(MemoryRow {
             scene: self.scene.to_owned(),
-            backend: self.technique.backend().to_owned(),
+            backend: self.subject.backend().to_owned(),
             layout: self.layout.clone(),
             regions: regions as u64,
             mesh_vertices: vertices,
@@ -88,11 +88,17 @@ impl LayoutOfScene<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_compute::{ComputeVariant, Expansion};
+    use terrafill_compute::ComputeTechnique;
     use terrafill_core::{MeshOptions, RegionMesh};
+    use terrafill_fill::Technique;
     use terrafill_gpu::BaselineKind;
-    use terrafill_scene::Scene;
-    use terrafill_vertex::{Layout, VertexVariant};
+    use terrafill_scene::{Overlap, Scene};
+    use terrafill_vertex::VertexTechnique;
+
+    fn subject(technique: &'static dyn Technique, layout: (&str, &str)) -> Subject {
+        let main = technique.main(Overlap::Disjoint);
+        Subject::Fill(technique, main.with(layout.0, layout.1))
+    }
 
     fn california() -> Vec<RegionMesh> {
         let scene = Scene::shipped("california", None).expect("it ships");
@@ -104,15 +110,11 @@ mod tests {
     #[test]
     fn repeated_regions_take_as_many_times_the_bytes() {
         let meshes = california();
-        for layout in [Layout::Doubled, Layout::Pulled, Layout::PerTriangle] {
-            let technique = Technique::Vertex(VertexVariant {
-                layout,
-                ..VertexVariant::default()
-            });
+        for layout in ["doubled", "pulled", "per-triangle"] {
             let rows = LayoutOfScene {
                 scene: "california",
-                layout: layout.name().to_owned(),
-                technique: &technique,
+                layout: layout.to_owned(),
+                subject: &subject(&VertexTechnique, ("layout", layout)),
                 meshes: &meshes,
                 is_drawn: &[true],
                 allocated: Some(MemoryUse {
@@ -137,14 +139,10 @@ mod tests {
     fn what_is_made_per_frame_is_held_for_drawn_regions_only() {
         let meshes = california();
         let bytes = |expansion, is_drawn| {
-            let technique = Technique::Compute(ComputeVariant {
-                expansion,
-                ..ComputeVariant::default()
-            });
             let rows = LayoutOfScene {
                 scene: "california",
-                layout: technique.variant_name(),
-                technique: &technique,
+                layout: String::new(),
+                subject: &subject(&ComputeTechnique, ("expansion", expansion)),
                 meshes: &meshes,
                 is_drawn: &[is_drawn],
                 allocated: None,
@@ -152,22 +150,19 @@ mod tests {
             .rows();
             rows[0].formula_bytes()
         };
-        let drawn = bytes(Expansion::PerFrame, true);
-        assert!(bytes(Expansion::PerFrame, false) < drawn);
-        assert_eq!(bytes(Expansion::Cached, false), drawn);
+        let drawn = bytes("per-frame", true);
+        assert!(bytes("per-frame", false) < drawn);
+        assert_eq!(bytes("cached", false), drawn);
     }
 
     #[test]
     fn what_regions_share_is_counted_once() {
         let meshes = california();
-        let technique = Technique::Vertex(VertexVariant {
-            layout: Layout::Separate,
-            ..VertexVariant::default()
-        });
+        let separate = subject(&VertexTechnique, ("layout", "separate"));
         let rows = LayoutOfScene {
             scene: "california",
             layout: "separate".to_owned(),
-            technique: &technique,
+            subject: &separate,
             meshes: &meshes,
             is_drawn: &[true],
             allocated: None,
@@ -187,7 +182,7 @@ mod tests {
         let rows = LayoutOfScene {
             scene: "california",
             layout: String::new(),
-            technique: &Technique::Baseline(BaselineKind::Bound),
+            subject: &Subject::Baseline(BaselineKind::Bound),
             meshes: &california(),
             is_drawn: &[true],
             allocated: None,

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a bench run is asked to do, and how it can fail as a whole.
 
+use crate::Techniques;
 use std::path::PathBuf;
+use terrafill_fill::Technique;
 use terrafill_scene::ImageSize;
 
 /// Part `index` (from 1) of `count`: every `count`-th scene view.
@@ -31,6 +33,8 @@ impl std::str::FromStr for Shard {
 /// A run's options.
 #[derive(Debug, Clone)]
 pub struct BenchOptions {
+    /// All techniques there are.
+    pub techniques: Techniques,
     /// Names of shipped scenes or paths of scene files; empty for all shipped ones.
     pub scenes: Vec<String>,
     /// Backends to run; empty for all.
@@ -87,10 +91,12 @@ impl BenchOptions {
         self.frame_count().min(11)
     }
 
-    /// Whether `backend` is asked for.
-    #[must_use]
-    pub fn wants_backend(&self, backend: &str) -> bool {
-        self.backends.is_empty() || self.backends.iter().any(|name| name == backend)
+    /// Techniques that are asked for, in the order in which they are measured.
+    pub fn wanted_techniques(&self) -> impl Iterator<Item = &'static dyn Technique> + Clone {
+        let wants =
+            |name: &str| self.backends.is_empty() || self.backends.iter().any(|one| one == name);
+        let all = self.techniques.iter().copied();
+        all.filter(move |technique| wants(technique.name()))
     }
 
     /// Whether the ladder of this scene is asked for.
@@ -167,7 +173,7 @@ pub enum BenchError {
     },
     /// No device can run anything.
     #[error("no usable device: {0}")]
-    NoDevice(terrafill_fill::BackendError),
+    NoDevice(terrafill_fill::DeviceError),
     /// The run's folder.
     #[error(transparent)]
     Run(#[from] terrafill_results::legacy::RunError),
@@ -226,7 +232,7 @@ pub enum BenchError {
         /// View in hand.
         view: String,
         /// What happened.
-        source: terrafill_fill::BackendError,
+        source: terrafill_fill::DeviceError,
     },
 }
 

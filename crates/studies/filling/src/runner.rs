@@ -3,12 +3,12 @@
 
 use crate::group::GroupRun;
 use crate::scenes::{SkippedScenes, plan_groups};
-use crate::technique::NativeGpu;
-use crate::{BACKENDS, BenchCase, BenchError, BenchOptions, SceneGroup, environment};
+use crate::{BenchCase, BenchError, BenchOptions, SceneGroup, environment};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::collections::BTreeMap;
 use std::rc::Rc;
-use terrafill_gpu::{Gpu, GpuOptions};
+use terrafill_fill::Devices;
+use terrafill_gpu::shared_gpu;
 use terrafill_results::legacy::{
     CaseKey, LadderRung, RunEnvironment, RunError, RunFolder, RunPlan, Status, Summary,
 };
@@ -36,20 +36,18 @@ pub struct BenchOutcome {
 /// [`BenchError`] for wrong input, no device, or a folder that cannot be written. What was measured
 /// before stays.
 pub fn run(options: &BenchOptions) -> Result<BenchOutcome, BenchError> {
+    let names: Vec<&str> = options.techniques.iter().map(|t| t.name()).collect();
     for backend in &options.backends {
-        if !BACKENDS.contains(&backend.as_str()) {
+        if !names.contains(&backend.as_str()) {
             return Err(BenchError::UnknownBackend {
                 found: backend.clone(),
-                allowed: BACKENDS.join(", "),
+                allowed: names.join(", "),
             });
         }
     }
     let (groups, skipped_scenes) = plan_groups(options)?;
-    let gpu = Gpu::open(&GpuOptions {
-        adapter: options.adapter.clone(),
-        ..GpuOptions::default()
-    })
-    .map_err(BenchError::NoDevice)?;
+    let devices = Rc::new(Devices::new(options.adapter.clone()));
+    let gpu = shared_gpu(&devices).map_err(BenchError::NoDevice)?;
     let plan = RunPlan {
         cases: groups
             .iter()
@@ -74,20 +72,11 @@ pub fn run(options: &BenchOptions) -> Result<BenchOutcome, BenchError> {
     let ladder: Vec<LadderRung> = groups.iter().flat_map(|g| g.ladder.clone()).collect();
     folder.write_ladder(&ladder)?;
     let missing = folder.missing()?;
-    let native_gpu = NativeGpu::new(options.adapter.clone());
     let progress = progress_bar(&plan, &missing);
     for group in &groups {
         let is_done = group.cases.iter().all(|case| !missing.contains(&case.key));
         if !is_done {
-            GroupRun::new(
-                &gpu,
-                Rc::clone(&native_gpu),
-                options,
-                &folder,
-                group,
-                &progress,
-            )?
-            .run(&missing)?;
+            GroupRun::new(&devices, options, &folder, group, &progress)?.run(&missing)?;
         }
     }
     progress.finish_and_clear();

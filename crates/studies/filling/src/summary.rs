@@ -2,7 +2,7 @@
 //! From samples and a probe frame to a case's row.
 
 use crate::group::{GroupRun, Probe, RunningCase};
-use crate::{BenchCase, Technique};
+use crate::{BenchCase, Subject};
 use terrafill_conformance::checks_nothing;
 use terrafill_results::legacy::{Baselines, Sample, Status, Summary, median, quantile};
 
@@ -35,7 +35,7 @@ impl GroupRun<'_> {
         // Of no pixel there is no error, which is not 0.
         let compared = errors.filter(|errors| errors.compared_px > 0);
         let counters = probe.frame.as_ref().and_then(|frame| frame.counters);
-        let is_baseline = matches!(case.technique, Technique::Baseline(_));
+        let is_baseline = matches!(case.subject, Subject::Baseline(_));
         Summary {
             scene: case.key.scene.clone(),
             view: case.key.view.clone(),

@@ -7,14 +7,13 @@
 //! and with a normalisation that nothing needs. Each is a row beside the plain fill of the same
 //! rounds. Errors in texels; colours of 0 to 255.
 
-use crate::technique::Technique;
-use crate::{BenchError, Setting};
+use crate::BenchError;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_conformance::{TextureErrors, Verdict, compare_texture, texture_verdict};
-use terrafill_fill::{Frame, FrameInput, NO_REGION, Picture, RouteChoice};
+use terrafill_fill::{Frame, FrameInput, NO_REGION, Picture, RouteChoice, Variant};
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{ImageSize, Scene, SceneTexture, TextureShare, View, checker};
 
@@ -89,23 +88,26 @@ pub(crate) fn is_picture_scene(scene: &Scene) -> bool {
     PICTURE_SCENES.contains(&scene.name.as_str()) && scene.texture.is_some()
 }
 
-/// The textured cases of a backend in one view, from its main variant `plain`.
-pub(crate) fn textured_settings(
-    plain: Setting,
+/// The textured cases of a technique in one view, from its main variant `plain`.
+///
+/// - `is_first`: whether it is the technique that the comparisons are made with
+pub(crate) fn textured_variants(
+    plain: &Variant,
+    is_first: bool,
     scene: &Scene,
     view: &View,
     quick: bool,
-) -> Vec<(Setting, ShownPicture)> {
+) -> Vec<(Variant, ShownPicture)> {
     if scene.texture.is_none() {
         return Vec::new();
     }
     let is_quick_view = QUICK == (scene.name.as_str(), view.name.as_str());
     let by = |choice: RouteChoice| {
-        let textured = plain.with(|switches| switches.texture = Some(choice));
+        let textured = plain.clone();
+        let textured = textured.with_switches(|switches| switches.texture = Some(choice));
         (textured, ShownPicture::Scene)
     };
     let chosen = by(RouteChoice::Chosen);
-    let is_first = matches!(plain.technique, Technique::Vertex(_));
     let native = RouteChoice::parse(NATIVE_ROUTE).filter(|_| is_first);
     let native = native.map(by);
     if is_picture_scene(scene) {
@@ -115,18 +117,19 @@ pub(crate) fn textured_settings(
         let both = [chosen].into_iter().chain(native);
         return both.filter(|_| is_quick_view && is_first).collect();
     }
-    let mut settings = vec![chosen];
-    if let Some((setting, shown)) = native {
-        let normalized = setting.with(|switches| switches.superfluous_normalize = true);
-        settings.extend([
-            (setting, shown),
+    let mut variants = vec![chosen.clone()];
+    if let Some((variant, shown)) = native {
+        let normalized = variant.clone();
+        let normalized = normalized.with_switches(|s| s.superfluous_normalize = true);
+        variants.extend([
+            (variant, shown),
             by(RouteChoice::Floor),
             (normalized, shown),
-            (chosen.0, ShownPicture::Each),
+            (chosen.0.clone(), ShownPicture::Each),
             (chosen.0, ShownPicture::Small),
         ]);
     }
-    settings
+    variants
 }
 
 /// The reference's textured frames of one view: one for each size of picture, drawn when first asked
@@ -311,20 +314,21 @@ pub(crate) fn write_cut_out(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_vertex::VertexVariant;
+    use crate::tests::TECHNIQUES;
+    use terrafill_scene::Overlap;
 
-    fn plain() -> Setting {
-        Setting::new(Technique::Vertex(VertexVariant::default()))
+    fn plain() -> Variant {
+        TECHNIQUES[0].main(Overlap::Disjoint)
     }
 
     fn names(scene: &str, view: usize, quick: bool) -> Vec<String> {
         let scene = Scene::shipped(scene, None).expect("needs no data");
         let view = &scene.views[view];
-        textured_settings(plain(), &scene, view, quick)
+        textured_variants(&plain(), true, &scene, view, quick)
             .into_iter()
-            .map(|(setting, shown)| {
+            .map(|(variant, shown)| {
                 let shown = shown.name().map(|name| format!(",{name}"));
-                setting.variant_name() + &shown.unwrap_or_default()
+                variant.name() + &shown.unwrap_or_default()
             })
             .collect()
     }
@@ -357,8 +361,8 @@ mod tests {
     fn a_scene_without_a_picture_has_no_textured_cases() {
         let mut scene = Scene::shipped("california", None).expect("needs no data");
         scene.texture = None;
-        let settings = textured_settings(plain(), &scene, &scene.views[0], false);
-        assert!(settings.is_empty());
+        let variants = textured_variants(&plain(), true, &scene, &scene.views[0], false);
+        assert!(variants.is_empty());
     }
 
     #[test]

@@ -10,18 +10,17 @@ mod drawing;
 
 use drawing::sights::{self, POSES, square_from, three_regions_from};
 use drawing::{
-    AllTargets, Devices, SIZE, checks, counters, differing, draw, shipped, vertex, with_colour,
-    with_switches,
+    AllTargets, Devices, SIZE, Technique, checks, counters, differing, draw, shipped, vertex,
+    with_colour, with_switches,
 };
 use terrafill_compute::{
     Capacity, ComputeBackend, ComputeVariant, Expansion, GpuCulling, Transform, compute_bytes,
     placed_bytes,
 };
 use terrafill_fill::{
-    Backend as _, BackendError, BottomCap, ColourWay, DepthRuleChoice, FacePasses, Frame,
-    FrameInput, StencilClear, Switches, TimedBackend as _, VolumeBackend as _,
+    BottomCap, ColourWay, DepthRuleChoice, DeviceError, FacePasses, FillBackend as _, Frame,
+    FrameInput, StencilClear, Switches,
 };
-use terrafill_filling::Technique;
 use terrafill_scene::{LeftOutReason, Overlap, PlanOptions};
 
 /// Every expansion with every culling that goes with it, and either transform.
@@ -167,7 +166,7 @@ fn culling_on_the_device_changes_no_pixel_and_leaves_out_what_the_plan_would() {
         let left_out = planned.plan.left_out.iter();
         let plan_leaves = left_out.filter(|region| exact(region.reason)).count();
         for variant in all_variants() {
-            let what = format!("{} {}", view.name, variant.name());
+            let what = format!("{} {variant:?}", view.name);
             let mut backend = backend(&devices, variant);
             backend.prepare(&everything).expect("fits");
             let frame = backend.render(&everything).expect("draws");
@@ -213,7 +212,7 @@ fn fragments_are_those_of_the_vertex_backend_and_pieces_out_of_view_have_none() 
         for variant in all_variants() {
             let technique = with_switches(compute(variant), switches);
             let found = counters(&draw(&devices, &input, technique)).stencil_fragments;
-            assert_eq!(found, by_vertex, "{}", variant.name());
+            assert_eq!(found, by_vertex, "{variant:?}");
         }
     }
 }
@@ -252,8 +251,8 @@ fn culling_by_wrong_boxes_is_noticed() {
     for variant in all_variants() {
         let frame = draw(&devices, &input, compute(variant));
         let is_blind = variant.culling == GpuCulling::Off;
-        assert_eq!(frame.ids == right.ids, is_blind, "{}", variant.name());
-        assert_eq!(frame.filled_px() == 0, !is_blind, "{}", variant.name());
+        assert_eq!(frame.ids == right.ids, is_blind, "{variant:?}");
+        assert_eq!(frame.filled_px() == 0, !is_blind, "{variant:?}");
     }
 }
 
@@ -263,7 +262,7 @@ fn draw_within(
     input: &FrameInput,
     variant: ComputeVariant,
     capacity: Capacity,
-) -> Result<Frame, BackendError> {
+) -> Result<Frame, DeviceError> {
     let targets = AllTargets::new(devices, input.size);
     let mut backend = ComputeBackend::with_capacity(targets.wgpu(), variant, capacity)?;
     backend.prepare(input)?;
@@ -284,7 +283,7 @@ fn too_much_is_refused_with_numbers_and_just_enough_is_drawn() {
         .map(|mesh| compute_bytes(mesh).output_index_bytes)
         .sum();
     for variant in all_variants() {
-        let name = variant.name();
+        let name = format!("{variant:?}");
         let within = |capacity| draw_within(&devices, &input, variant, capacity);
         let frame = within(device).expect("fits");
         // What is expanded is the largest buffer: its size is just enough, a byte less is not.
@@ -312,7 +311,7 @@ fn too_much_is_refused_with_numbers_and_just_enough_is_drawn() {
             };
             match within(narrow) {
                 Ok(narrow) => break narrow,
-                Err(BackendError::OverCapacity { found, allowed, .. }) => {
+                Err(DeviceError::OverCapacity { found, allowed, .. }) => {
                     assert_eq!(allowed, u64::from(columns * columns));
                     assert!(found > allowed);
                 }
@@ -353,7 +352,7 @@ fn bytes_are_those_of_the_formula() {
         }
         let mut backend = backend(&devices, variant);
         let memory = backend.prepare(&input).expect("fits");
-        assert_eq!(backend.bytes(), formula, "{}", variant.name());
+        assert_eq!(backend.bytes(), formula, "{variant:?}");
         assert_eq!(memory.geometry_bytes(), formula.total());
         assert!(memory.upload_bytes < formula.total(), "only input goes up");
         assert!(memory.upload_bytes > formula.input());
@@ -394,7 +393,7 @@ fn a_frame_needs_preparing_and_an_unchanged_one_makes_and_uploads_nothing() {
         assert!(backend.render(&other).is_err(), "another input");
         let before = devices.wgpu.work_done();
         let times = backend.time_frame(&first).expect("draws");
-        assert_eq!(devices.wgpu.work_done(), before, "{}", variant.name());
+        assert_eq!(devices.wgpu.work_done(), before, "{variant:?}");
         assert_eq!(
             times.fill_gpu_ms.is_some(),
             devices.wgpu.facts.features.timestamps
@@ -426,7 +425,7 @@ fn the_picture_has_the_regions_colours_and_leaves_the_ids_alone() {
         let before = backend.render(&input).expect("draws");
         let picture = backend.picture(&input).expect("draws");
         let filled = picture.rgba.chunks(4).filter(|pixel| pixel[3] != 0).count();
-        assert_eq!(filled as u64, before.filled_px(), "{}", variant.name());
+        assert_eq!(filled as u64, before.filled_px(), "{variant:?}");
         let after = backend.render(&input).expect("draws");
         assert_eq!(before.ids, after.ids);
     }

@@ -6,16 +6,14 @@
 mod drawing;
 
 use drawing::{
-    AllTargets, Devices, Pose, collection, differing, draw_with, figures, judge, look, polygon,
-    scene_within, vertex,
+    AllTargets, Devices, Pose, Technique, collection, differing, draw_with, figures, judge, look,
+    polygon, scene_within, vertex,
 };
 use terrafill_conformance::verdict;
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_fill::{
-    BottomCap, ColourWay, DepthRuleChoice, Frame, FrameInput, PreparedScene, Switches,
-    VolumeBackend,
+    BottomCap, ColourWay, DepthRuleChoice, FillBackend, Frame, FrameInput, PreparedScene, Switches,
 };
-use terrafill_filling::Technique;
 use terrafill_scene::{ImageSize, Overlap};
 
 const SMALL: ImageSize = ImageSize {
@@ -51,7 +49,7 @@ fn with_rule(depth_rule: DepthRuleChoice) -> Technique {
 
 /// Backends of one set of targets, one for each rule.
 struct Rules {
-    backends: [Box<dyn VolumeBackend>; 3],
+    backends: [Box<dyn FillBackend>; 3],
 }
 
 impl Rules {

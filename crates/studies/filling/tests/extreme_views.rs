@@ -9,14 +9,15 @@
 mod drawing;
 
 use drawing::{
-    AllTargets, Devices, checks, differing, figures, judge, shipped, sights, with_colour,
+    AllTargets, Devices, TECHNIQUES, Technique, checks, differing, figures, judge, shipped, sights,
+    with_colour,
 };
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use terrafill_conformance::verdict;
 use terrafill_fill::{ColourWay, FrameInput, PositionFormat, Switches};
-use terrafill_filling::{BenchOptions, Technique, group_cases, open_scene};
-use terrafill_native::{NativeVariant, Technique as Native};
+use terrafill_filling::{BenchOptions, group_cases, open_scene};
+use terrafill_native::{Extrusion as Native, NativeVariant};
 use terrafill_results::legacy::ErrorFigures;
 use terrafill_scene::{ImageSize, PlanOptions};
 use terrafill_vertex::{Layout, VertexVariant, shared_flag_bytes, variant_bytes};
@@ -188,7 +189,7 @@ fn walls_between_triangles_leave_no_trace_where_they_are_clipped() {
         view.pose.eye.latitude_rad += (f64::from(i) * 2.1e-6).to_radians();
         view.pose.pitch_rad += (f64::from(i) * 0.11).to_radians();
         let input = FrameInput::new(&prepared, &view, SIZE, PlanOptions::default());
-        let name = techniques[1].variant_name();
+        let name = format!("{:?}", techniques[1]);
         let [mut whole, split] = techniques.map(|technique| targets.draw(&input, technique));
         assert!(whole.filled_px() > 10_000, "eye {i}");
         assert_eq!(differing(&whole, &split), 0, "eye {i}, {name}");
@@ -235,8 +236,8 @@ fn bytes_by_formula_are_those_that_are_allocated() {
                 .map(|mesh| variant_bytes(&variant, mesh).total())
                 .sum();
             let formula = formula + shared_flag_bytes(layout, &prepared.meshes);
-            assert_eq!(memory.geometry_bytes(), formula, "{}", variant.name());
-            eprintln!("{}: {formula} bytes", variant.name());
+            assert_eq!(memory.geometry_bytes(), formula, "{variant:?}");
+            eprintln!("{variant:?}: {formula} bytes");
             known.insert((layout, positions.name()), formula);
         }
     }
@@ -251,6 +252,7 @@ fn bytes_by_formula_are_those_that_are_allocated() {
 #[test]
 fn the_bench_sweeps_through_the_formats_where_a_scene_asks_for_it() {
     let options = BenchOptions {
+        techniques: TECHNIQUES,
         scenes: Vec::new(),
         backends: Vec::new(),
         quick: false,

@@ -7,15 +7,14 @@
 
 mod drawing;
 
-use drawing::{Devices, differing, draw, judge, vertex};
+use drawing::{Devices, Technique, differing, draw, judge, vertex};
 use std::sync::Arc;
 use terrafill_conformance::{
     BAND_RADIUS_PX, MOVED_STEP_PX, boundary_movement, compare_closely, verdict_of_moved,
     with_movement,
 };
 use terrafill_fill::{Frame, FrameInput, NO_REGION, PreparedScene, Switches};
-use terrafill_filling::Technique;
-use terrafill_native::{Indices, NativeVariant, Technique as Native};
+use terrafill_native::{Extrusion as Native, Indices, NativeVariant};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::legacy::ErrorFigures;
 use terrafill_scene::{

@@ -5,15 +5,14 @@
 mod drawing;
 
 use drawing::{
-    AllTargets, Devices, collection, draw_with, figures, is_right, judge, look, polygon, scene,
-    with_colour,
+    AllTargets, Devices, Technique, collection, draw_with, figures, is_right, judge, look, polygon,
+    scene, with_colour,
 };
 use terrafill_conformance::{filled_only, verdict};
 use terrafill_core::Ellipsoid;
 use terrafill_fill::{
-    BackendError, ColourWay, FrameInput, NO_REGION, Picture, PreparedScene, region_colour,
+    ColourWay, DeviceError, FrameInput, NO_REGION, Picture, PreparedScene, region_colour,
 };
-use terrafill_filling::Technique;
 use terrafill_scene::{ImageSize, Overlap};
 use terrafill_vertex::VertexVariant;
 
@@ -63,12 +62,12 @@ fn nested_regions_are_right_or_refused() {
             let mut backend = targets.open(translucent(colour, 100));
             match backend.prepare(&input) {
                 Ok(_) => {}
-                Err(BackendError::Switch(error)) => {
+                Err(DeviceError::Switch(error)) => {
                     assert!(error.to_string().contains(colour.name()), "{error}");
                     refused.push((colour, count));
                     continue;
                 }
-                Err(BackendError::OverCapacity { found, allowed, .. }) => {
+                Err(DeviceError::OverCapacity { found, allowed, .. }) => {
                     assert_eq!((found, allowed), (u64::from(count), 255));
                     refused.push((colour, count));
                     continue;

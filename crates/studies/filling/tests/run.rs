@@ -3,14 +3,19 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use terrafill_filling::{BACKENDS, BenchError, BenchOptions, group_cases, open_scene, run};
-use terrafill_native::Technique;
+use terrafill_compute::ComputeTechnique;
+use terrafill_filling::{BenchError, BenchOptions, Techniques, group_cases, open_scene, run};
+use terrafill_native::{Extrusion, NativeTechnique};
 use terrafill_results::legacy::{CaseKey, RunFolder, Status, Summary};
 use terrafill_scene::ImageSize;
-use terrafill_vertex::Layout;
+use terrafill_vertex::{Layout, VertexTechnique};
+
+/// As the command line hands them over.
+const TECHNIQUES: Techniques = &[&VertexTechnique, &ComputeTechnique, &NativeTechnique];
 
 fn options(out: &Path) -> BenchOptions {
     BenchOptions {
+        techniques: TECHNIQUES,
         scenes: vec!["california".to_owned()],
         backends: Vec::new(),
         quick: true,
@@ -174,7 +179,7 @@ fn ladder_matrix_and_bytes_of_every_backend() {
     let row = |key: &CaseKey| rows.iter().find(|row| row.key() == *key);
 
     let ladder = folder.ladder().expect("rungs");
-    for backend in BACKENDS {
+    for backend in TECHNIQUES.iter().map(|technique| technique.name()) {
         let own: Vec<_> = ladder
             .iter()
             .filter(|rung| rung.ladder == backend)
@@ -226,9 +231,9 @@ fn ladder_matrix_and_bytes_of_every_backend() {
         .iter()
         .filter(|row| row.allocated_bytes().is_some())
         .collect();
-    let techniques = Technique::ALL.into_iter();
+    let techniques = Extrusion::ALL.into_iter();
     let in_strips = techniques.filter(|technique| technique.has_index_choice());
-    let layouts = Layout::ALL.len() + 2 + Technique::ALL.len() + in_strips.count();
+    let layouts = Layout::ALL.len() + 2 + Extrusion::ALL.len() + in_strips.count();
     assert_eq!(held.len(), layouts, "every layout of every backend");
     for row in held {
         let name = format!("{}/{}", row.backend, row.layout);

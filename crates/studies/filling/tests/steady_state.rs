@@ -6,15 +6,16 @@
 mod drawing;
 
 use drawing::{
-    AllTargets, Devices, SIZE, collection, counters, draw, look, polygon, scene, vertex,
+    AllTargets, Devices, SIZE, Technique, collection, counters, draw, look, polygon, scene, vertex,
     with_colour,
 };
 use terrafill_core::Ellipsoid;
-use terrafill_fill::{ColourWay, Counters, FrameInput, GeometryBytes, PreparedScene, Switches};
-use terrafill_filling::Technique;
+use terrafill_fill::{
+    ColourWay, Counters, FrameInput, GeometryBytes, PreparedScene, Switches, Technique as _,
+};
 use terrafill_gpu::WorkDone;
 use terrafill_scene::{ImageSize, Overlap};
-use terrafill_vertex::{Layout, VertexVariant, shared_flag_bytes, variant_bytes};
+use terrafill_vertex::{Layout, VertexTechnique, VertexVariant, shared_flag_bytes, variant_bytes};
 
 fn two_squares() -> PreparedScene {
     let text = collection(&[
@@ -55,7 +56,7 @@ fn the_second_unchanged_frame_makes_and_uploads_nothing() {
     for layout in Layout::ALL {
         for colour in ColourWay::ALL {
             let technique = in_layout(layout, with_colour(colour));
-            let name = technique.variant_name();
+            let name = format!("{technique:?}");
             let mut backend = targets.open(technique);
             let mut frame = |input: &FrameInput| {
                 backend.prepare(input).expect("fits");
@@ -100,12 +101,13 @@ fn bytes_by_formula_are_the_bytes_handed_to_the_device() {
         "per-triangle",
         "pulled",
     ] {
-        let mut variant = VertexVariant::default();
+        let mut variant = VertexTechnique.main(Overlap::Disjoint);
         let (layout, switches) = name.split_once(',').unwrap_or((name, ""));
         assert_eq!(variant.set("layout", layout), Ok(true));
         if let Some((key, value)) = switches.split_once('=') {
             assert_eq!(variant.set(key, value), Ok(true));
         }
+        let variant = VertexVariant::of(&variant).expect("known names");
         let meshes = &scene.meshes;
         let regions: GeometryBytes = meshes
             .iter()

@@ -13,10 +13,10 @@ use terrafill_conformance::{
 };
 use terrafill_core::{Ellipsoid, RegionMesh};
 use terrafill_fill::{
-    BackendError, ColourWay, Frame, FrameInput, PreparedScene, RouteChoice, Switches, VolumeBackend,
+    ColourWay, DeviceError, FillBackend, Frame, FrameInput, PreparedScene, RouteChoice, Switches,
 };
 use terrafill_gpu::{Gpu, GpuOptions, RenderTargets, SharedTargets, open_for_test};
-use terrafill_native::{Indices, NativeBackend, NativeVariant, Technique};
+use terrafill_native::{Extrusion, Indices, NativeBackend, NativeVariant};
 use terrafill_reference::{ReferenceBackend, ReferenceFrame};
 use terrafill_scene::{
     ImageSize, MipChain, Outside, Overlap, PlanOptions, Scene, SceneError, SceneTexture,
@@ -37,7 +37,7 @@ fn switches(texture: &str, colour: ColourWay) -> Switches {
     }
 }
 
-fn vertex(targets: &SharedTargets, layout: Layout, switches: Switches) -> Box<dyn VolumeBackend> {
+fn vertex(targets: &SharedTargets, layout: Layout, switches: Switches) -> Box<dyn FillBackend> {
     let variant = VertexVariant {
         layout,
         switches,
@@ -46,7 +46,7 @@ fn vertex(targets: &SharedTargets, layout: Layout, switches: Switches) -> Box<dy
     Box::new(VertexBackend::new(targets, variant).expect("valid shaders"))
 }
 
-fn compute(targets: &SharedTargets, switches: Switches) -> Box<dyn VolumeBackend> {
+fn compute(targets: &SharedTargets, switches: Switches) -> Box<dyn FillBackend> {
     let variant = ComputeVariant {
         switches,
         ..ComputeVariant::default()
@@ -56,17 +56,17 @@ fn compute(targets: &SharedTargets, switches: Switches) -> Box<dyn VolumeBackend
 
 fn native(
     targets: &terrafill_vulkan::SharedTargets,
-    technique: Technique,
+    technique: Extrusion,
     switches: Switches,
-) -> Box<dyn VolumeBackend> {
+) -> Box<dyn FillBackend> {
     stored(targets, (technique, Indices::List), switches)
 }
 
 fn stored(
     targets: &terrafill_vulkan::SharedTargets,
-    (technique, indices): (Technique, Indices),
+    (technique, indices): (Extrusion, Indices),
     switches: Switches,
-) -> Box<dyn VolumeBackend> {
+) -> Box<dyn FillBackend> {
     let variant = NativeVariant {
         technique,
         indices: Some(indices),
@@ -90,7 +90,7 @@ fn judge(input: &FrameInput) -> ReferenceFrame {
         .expect("regions are readable")
 }
 
-fn draw(backend: &mut dyn VolumeBackend, input: &FrameInput) -> Frame {
+fn draw(backend: &mut dyn FillBackend, input: &FrameInput) -> Frame {
     backend.prepare(input).expect("fits");
     backend.render(input).expect("draws")
 }
@@ -153,7 +153,7 @@ fn shipped(name: &str) -> Option<(Scene, PreparedScene)> {
 }
 
 /// Makes a backend on the given targets.
-type Maker<'a> = &'a dyn Fn(&SharedTargets) -> Box<dyn VolumeBackend>;
+type Maker<'a> = &'a dyn Fn(&SharedTargets) -> Box<dyn FillBackend>;
 
 #[test]
 fn shipped_scenes_show_their_picture_where_the_reference_does() {
@@ -164,7 +164,7 @@ fn shipped_scenes_show_their_picture_where_the_reference_does() {
         let Some((scene, prepared)) = shipped(name) else {
             continue;
         };
-        let mut backends: Option<(SharedTargets, Box<dyn VolumeBackend>)> = None;
+        let mut backends: Option<(SharedTargets, Box<dyn FillBackend>)> = None;
         for view in &scene.views {
             let input = FrameInput::new(&prepared, view, SIZE, PlanOptions::default());
             let reference = judge(&input);
@@ -353,23 +353,23 @@ fn every_placement_is_right_at_every_latitude() {
             }
             let vulkan = known_vulkan.get_or_insert_with(|| vulkan_stage(&input));
             // The covers are the same whatever marks their pixels: every technique in one place.
-            let mut all: Vec<_> = Technique::ALL.map(|t| (t, Indices::List)).into();
-            let strips = Technique::ALL.map(|t| (t, Indices::Strip)).into_iter();
+            let mut all: Vec<_> = Extrusion::ALL.map(|t| (t, Indices::List)).into();
+            let strips = Extrusion::ALL.map(|t| (t, Indices::Strip)).into_iter();
             all.extend(strips.filter(|(technique, _)| technique.has_index_choice()));
             let techniques = if place.starts_with("45") {
                 &all[..]
             } else {
-                &[(Technique::GsDegenerate, Indices::List)]
+                &[(Extrusion::GsDegenerate, Indices::List)]
             };
             for &(technique, indices) in techniques {
-                let way = if technique == Technique::GsLine {
+                let way = if technique == Extrusion::GsLine {
                     planes
                 } else {
                     xor
                 };
                 let mut backend = stored(vulkan, (technique, indices), way);
                 let frame = draw(&mut *backend, &input);
-                let what = format!("{place}, {name}, native/{}", backend.variant_name());
+                let what = format!("{place}, {name}, {technique:?}, {indices:?}");
                 assert_right(&what, &reference.frame, &frame);
                 assert_eq!(backend.note(), backends[0].1.note(), "{what}");
             }
@@ -479,7 +479,7 @@ fn a_plain_fill_knows_nothing_of_the_scenes_picture() {
     let bare = around(12.0, 45.0, 2.5);
     let dressed = textured(&bare, TexturePlacement::Extents);
     let pose = (12.0, 45.0, 3e5, 0.0, -90.0);
-    let used = |scene: &PreparedScene, make: &dyn Fn(&SharedTargets) -> Box<dyn VolumeBackend>| {
+    let used = |scene: &PreparedScene, make: &dyn Fn(&SharedTargets) -> Box<dyn FillBackend>| {
         let input = look(scene, pose, 1e3, SIZE);
         let targets = targets(&gpu, &input);
         let mut backend = make(&targets);
@@ -534,7 +534,7 @@ fn a_second_frame_of_a_textured_fill_makes_and_writes_nothing_more() {
     let targets = targets(&gpu, &input);
     let chosen = switches("chosen", ColourWay::Xor);
     let plain = Switches::default();
-    let second = |mut backend: Box<dyn VolumeBackend>| {
+    let second = |mut backend: Box<dyn FillBackend>| {
         draw(&mut *backend, &input);
         let again = draw(&mut *backend, &input).counters.expect("counted");
         assert!(backend.time_frame(&input).expect("draws").fill_cpu_ms > 0.0);
@@ -579,7 +579,7 @@ fn native_shows_the_picture_that_vertex_shows_and_notices_another_anchor() {
     let mut by_vertex = vertex(&targets, Layout::Doubled, chosen);
     by_vertex.prepare(&input).expect("fits");
     let wanted = by_vertex.picture(&input).expect("draws").rgba;
-    let mut by_native = native(&vulkan, Technique::GsDegenerate, chosen);
+    let mut by_native = native(&vulkan, Extrusion::GsDegenerate, chosen);
     let frame = draw(&mut *by_native, &input);
     let errors = compare_texture(&reference, &frame).expect("comparable");
     eprintln!("native: {errors:?}");
@@ -609,7 +609,7 @@ fn a_plain_fill_by_native_knows_nothing_of_the_scenes_picture() {
     let bare = around(12.0, 45.0, 2.5);
     let dressed = textured(&bare, TexturePlacement::Extents);
     let pose = (12.0, 45.0, 3e5, 0.0, -90.0);
-    let used = |scene: &PreparedScene, technique: Technique, switches: Switches| {
+    let used = |scene: &PreparedScene, technique: Extrusion, switches: Switches| {
         let input = look(scene, pose, 1e3, SIZE);
         let targets = vulkan_stage(&input);
         let mut backend = native(&targets, technique, switches);
@@ -622,11 +622,11 @@ fn a_plain_fill_by_native_knows_nothing_of_the_scenes_picture() {
             again.pipeline_creations,
             again.uploads,
         ];
-        assert_eq!(made, [0; 3], "{}", backend.variant_name());
+        assert_eq!(made, [0; 3], "{technique:?}");
         assert!(backend.time_frame(&input).expect("draws").fill_cpu_ms > 0.0);
         (memory, frame.counters, frame.ids, frame.texture)
     };
-    for technique in [Technique::GsDegenerate, Technique::VsControl] {
+    for technique in [Extrusion::GsDegenerate, Extrusion::VsControl] {
         let plain = |scene| used(scene, technique, Switches::default());
         let (with, without) = (plain(&dressed), plain(&bare));
         assert_eq!(with, without, "{technique:?}");
@@ -668,7 +668,7 @@ fn tables_are_read_by_native_as_by_vertex() {
         let by_vertex = vertex(&targets, Layout::Doubled, switches(route, ColourWay::Xor));
         let by_native = native(
             &vulkan,
-            Technique::VsControl,
+            Extrusion::VsControl,
             switches(other, ColourWay::Xor),
         );
         let frames = [by_vertex, by_native].map(|mut backend| {
@@ -710,7 +710,7 @@ fn what_cannot_be_textured_is_refused() {
         let mut backend = vertex(&targets, Layout::Doubled, switches("chosen", colour));
         match backend.prepare(&input) {
             Ok(_) => None,
-            Err(BackendError::Switch(error)) => Some(error.to_string()),
+            Err(DeviceError::Switch(error)) => Some(error.to_string()),
             Err(error) => panic!("{error}"),
         }
     };

@@ -171,6 +171,7 @@ impl Session for ShapesSession<'_> {
     fn recheck(
         &mut self,
         _case: usize,
+        _status: Status,
         _notes: &std::collections::BTreeMap<String, String>,
     ) -> Result<Verdict, StudyError> {
         // Every build is checked when it is measured.

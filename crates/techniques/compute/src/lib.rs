@@ -17,10 +17,12 @@ mod expansion;
 mod layout;
 mod pass;
 mod pipeline;
+mod technique;
 mod variant;
 mod volumes;
 
 pub use backend::ComputeBackend;
 pub use expansion::Capacity;
 pub use layout::{ComputeBytes, compute_bytes, placed_bytes};
+pub use technique::ComputeTechnique;
 pub use variant::{ComputeVariant, Expansion, GpuCulling, Transform};

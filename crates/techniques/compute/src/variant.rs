@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The switches of this backend.
 
-use terrafill_fill::{SwitchError, Switches, pick};
+use terrafill_fill::{SwitchError, Switches, Variant};
 
 /// When volumes are made from meshes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
@@ -79,53 +79,23 @@ pub struct ComputeVariant {
 }
 
 impl ComputeVariant {
-    /// Expansion first, then what differs from the default, `key=value`, in alphabetical order.
-    #[must_use]
-    pub fn name(&self) -> String {
-        let mut names = self.switches.names();
-        if self.culling != GpuCulling::default() {
-            names.push(format!("gpu-culling={}", self.culling.name()));
-        }
-        if self.transform == Transform::ComputeStage {
-            names.push("transform=compute".to_owned());
-        }
-        names.sort_unstable();
-        names.insert(0, self.expansion.name().to_owned());
-        names.join(",")
-    }
-
-    /// Every key of its own that [`ComputeVariant::set`] takes, with its values; the others are
-    /// [`Switches::KEYS`].
-    pub const KEYS: &str =
-        "expansion=per-frame|cached, gpu-culling=off|regions|triangles, transform=vertex|compute";
-
-    /// Sets the switch `key` to `value`; with `expansion=` the inverse of [`ComputeVariant::name`].
+    /// What `variant` says.
     ///
     /// # Errors
-    /// [`SwitchError`] when the value is none of the switch's; `Ok(false)` when there is no such
-    /// switch.
-    pub fn set(&mut self, key: &str, value: &str) -> Result<bool, SwitchError> {
-        match key {
-            "expansion" => {
-                let choices = [Expansion::PerFrame, Expansion::Cached];
-                let choices = choices.map(|choice| (choice.name(), choice));
-                self.expansion = pick("expansion", value, &choices)?;
-            }
-            "gpu-culling" => {
-                let choices = [GpuCulling::Off, GpuCulling::Regions, GpuCulling::Triangles];
-                let choices = choices.map(|choice| (choice.name(), choice));
-                self.culling = pick("gpu-culling", value, &choices)?;
-            }
-            "transform" => {
-                let choices = [
-                    ("vertex", Transform::VertexStage),
-                    ("compute", Transform::ComputeStage),
-                ];
-                self.transform = pick("transform", value, &choices)?;
-            }
-            _ => return self.switches.set(key, value),
-        }
-        Ok(true)
+    /// [`SwitchError`] when it is one of another technique.
+    pub fn of(variant: &Variant) -> Result<Self, SwitchError> {
+        let expansions = [Expansion::PerFrame, Expansion::Cached];
+        let cullings = [GpuCulling::Off, GpuCulling::Regions, GpuCulling::Triangles];
+        let transforms = [
+            ("vertex", Transform::VertexStage),
+            ("compute", Transform::ComputeStage),
+        ];
+        Ok(Self {
+            expansion: variant.choice("expansion", &expansions.map(|e| (e.name(), e)))?,
+            culling: variant.choice("gpu-culling", &cullings.map(|c| (c.name(), c)))?,
+            transform: variant.choice("transform", &transforms)?,
+            switches: variant.switches,
+        })
     }
 
     /// Whether expansion and culling go together.
@@ -147,51 +117,6 @@ impl ComputeVariant {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_fill::ColourWay;
-
-    #[test]
-    fn names_tell_variants_apart() {
-        let default = ComputeVariant::default();
-        assert_eq!(default.name(), "per-frame");
-        let cached = ComputeVariant {
-            expansion: Expansion::Cached,
-            ..default
-        };
-        assert_eq!(cached.name(), "cached");
-        let culled = ComputeVariant {
-            culling: GpuCulling::Triangles,
-            transform: Transform::ComputeStage,
-            switches: Switches {
-                colour: ColourWay::Rectangle,
-                scissor: true,
-                ..Switches::default()
-            },
-            ..default
-        };
-        let name = "per-frame,colour=rectangle,gpu-culling=triangles,scissor=volumes";
-        assert_eq!(culled.name(), format!("{name},transform=compute"));
-    }
-
-    #[test]
-    fn what_is_set_ends_up_in_the_name() {
-        let mut compute = ComputeVariant::default();
-        for (key, value) in [
-            ("expansion", "cached"),
-            ("gpu-culling", "regions"),
-            ("transform", "compute"),
-            ("faces", "two-pass"),
-        ] {
-            assert_eq!(compute.set(key, value), Ok(true));
-        }
-        let name = "cached,faces=two-pass,gpu-culling=regions,transform=compute";
-        assert_eq!(compute.name(), name);
-        for key in ["expansion", "gpu-culling", "transform"] {
-            let error = compute.set(key, "never").expect_err("no such value");
-            assert_eq!((error.switch, error.found.as_str()), (key, "never"));
-        }
-        assert_eq!(compute.set("transforms", "compute"), Ok(false));
-        assert_eq!(compute.name(), name);
-    }
 
     #[test]
     fn cached_volumes_know_no_view() {
@@ -203,7 +128,7 @@ mod tests {
                     ..ComputeVariant::default()
                 };
                 let is_refused = expansion == Expansion::Cached && culling == GpuCulling::Triangles;
-                assert_eq!(variant.check().is_err(), is_refused, "{}", variant.name());
+                assert_eq!(variant.check().is_err(), is_refused, "{variant:?}");
             }
         }
     }

@@ -8,9 +8,9 @@ use std::error::Error;
 use std::sync::Arc;
 use std::time::Instant;
 use terrafill_core::RegionMesh;
-use terrafill_fill::{Backend as _, FrameInput, PreparedScene, Switches, TimedBackend as _};
+use terrafill_fill::{FillBackend as _, FrameInput, PreparedScene, Switches};
 use terrafill_native::{
-    Indices, NativeBackend, NativeVariant, StripCounts, Technique, native_bytes, strip_counts,
+    Extrusion, Indices, NativeBackend, NativeVariant, StripCounts, native_bytes, strip_counts,
 };
 use terrafill_scene::{ImageSize, PlanOptions, Scene, SurfaceMesh, data_dir_from_env};
 use terrafill_vulkan::{Gpu, GpuOptions, RenderTargets};
@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let bytes = |mesh| native_bytes(variant.technique, variant.indices(), mesh).total();
         let bytes: u64 = prepared.meshes.iter().map(bytes).sum();
         let share = bytes as f64 / *control.get_or_insert(bytes as f64);
-        println!("{:>28}: {bytes} bytes, {share:.3}", variant.name());
+        println!("{:>28}: {bytes} bytes, {share:.3}", name_of(*variant));
     }
     println!("{}", strips_of(&prepared.meshes));
     for view in &scene.views {
@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 "{:>10} {:>28}: {} indices, {:?} vertices shaded, {:?} inputs and {:?} primitives \
                  of geometry shaders",
                 view.name,
-                variant.name(),
+                name_of(variant),
                 counted.vertices,
                 counted.vertex_shader_invocations,
                 inputs(variant, &input),
@@ -83,7 +83,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             times.sort_by(f64::total_cmp);
             let median = times[times.len() / 2];
             let against = median / *control.get_or_insert(median);
-            let name = backend.variant().name();
+            let name = name_of(backend.variant());
             println!(
                 "{:>10} {name:>28}: {median:8.2} ms CPU, {against:.3} × vs-control, \
                  quartiles {:.2} … {:.2}",
@@ -103,12 +103,12 @@ fn inputs(variant: NativeVariant, input: &FrameInput) -> Option<usize> {
         let (triangles, edges) = (mesh.triangle_count(), mesh.boundary_edge_count());
         let in_strips = triangles + strip_counts(mesh).repeated;
         match (variant.technique, variant.indices()) {
-            (Technique::GsDegenerate, Indices::List) => Some(triangles + edges),
-            (Technique::GsDegenerate, Indices::Strip) => {
+            (Extrusion::GsDegenerate, Indices::List) => Some(triangles + edges),
+            (Extrusion::GsDegenerate, Indices::Strip) => {
                 Some(in_strips + 2 * edges - mesh.boundary_loops.len())
             }
-            (Technique::GsAdjacency, Indices::List) => Some(triangles),
-            (Technique::GsAdjacency, Indices::Strip) => Some(in_strips),
+            (Extrusion::GsAdjacency, Indices::List) => Some(triangles),
+            (Extrusion::GsAdjacency, Indices::Strip) => Some(in_strips),
             _ => None,
         }
     };
@@ -118,6 +118,11 @@ fn inputs(variant: NativeVariant, input: &FrameInput) -> Option<usize> {
         .sum()
 }
 
+/// Technique and indices.
+fn name_of(variant: NativeVariant) -> String {
+    format!("{} {}", variant.technique.name(), variant.indices().name())
+}
+
 /// Every technique in lists, and in strips where it has them.
 fn variants(switches: Switches) -> Vec<NativeVariant> {
     let of = |technique, indices| NativeVariant {
@@ -125,8 +130,8 @@ fn variants(switches: Switches) -> Vec<NativeVariant> {
         indices: Some(indices),
         switches,
     };
-    let lists = Technique::ALL.map(|technique| of(technique, Indices::List));
-    let own = Technique::ALL.into_iter();
+    let lists = Extrusion::ALL.map(|technique| of(technique, Indices::List));
+    let own = Extrusion::ALL.into_iter();
     let own = own.filter(|technique| technique.has_index_choice());
     let strips = own.map(|technique| of(technique, Indices::Strip));
     lists.into_iter().chain(strips).collect()

@@ -4,100 +4,20 @@
 use crate::layout::{RegionSlice, SceneGeometry};
 use crate::pass::{Drawing, pipelines_of};
 use crate::textured::{Purpose, Textured, probed};
-use crate::{Indices, Technique};
+use crate::{Extrusion, NativeVariant};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 use terrafill_core::RegionMesh;
 use terrafill_fill::{
-    Backend, BackendError, Capabilities, Colours, Counters, CpuStopwatch, FillPass, FillProgram,
+    Capabilities, Colours, Counters, CpuStopwatch, DeviceError, FillBackend, FillPass, FillProgram,
     FillStep, Frame, FrameInput, FrameTimes, MemoryUse, Picture, PositionFormat, RegionConstants,
-    SwitchError, Switches, TimedBackend, VolumeBackend, WorkDone, pick,
+    WorkDone,
 };
-use terrafill_scene::Overlap;
 use terrafill_vulkan::{
     BindGroup, Buffer, BufferUse, FillReport, Gpu, Measured, Pipeline, PipelineDescriptor, Probe,
     SharedTargets,
 };
-
-/// A variant: how volumes come about, and the switches of the fill.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub struct NativeVariant {
-    /// How volumes come about.
-    pub technique: Technique,
-    /// How triangles are indexed; `None`: as [`Technique::default_indices`] says.
-    pub indices: Option<Indices>,
-    /// What the fill does.
-    pub switches: Switches,
-}
-
-impl NativeVariant {
-    /// Technique first, then what differs from the default, `key=value`, in alphabetical order.
-    #[must_use]
-    pub fn name(&self) -> String {
-        let mut names = self.switches.names();
-        if self.indices() != self.technique.default_indices() {
-            names.push(format!("indices={}", self.indices().name()));
-        }
-        names.sort_unstable();
-        names.insert(0, self.technique.name().to_owned());
-        names.join(",")
-    }
-
-    /// Every key of its own that [`NativeVariant::set`] takes, with its values.
-    pub const KEYS: &str = "technique=vs-control|gs-degenerate|gs-two-edges|gs-line|gs-adjacency|\
-        gs-per-triangle, indices=list|strip, depth-bounds=off|on";
-
-    /// Sets the switch `key` to `value`; with `technique=` the inverse of [`NativeVariant::name`].
-    ///
-    /// # Errors
-    /// [`SwitchError`] when the value is none of the switch's; `Ok(false)` when there is no such
-    /// switch.
-    pub fn set(&mut self, key: &str, value: &str) -> Result<bool, SwitchError> {
-        match key {
-            "technique" => {
-                let techniques = Technique::ALL.map(|technique| (technique.name(), technique));
-                self.technique = pick("technique", value, &techniques)?;
-            }
-            "indices" => {
-                let kinds = Indices::ALL.map(|indices| (indices.name(), indices));
-                self.indices = Some(pick("indices", value, &kinds)?);
-            }
-            _ => return self.switches.set(key, value),
-        }
-        Ok(true)
-    }
-
-    /// Whether technique and switches go together, and with a scene of this kind.
-    ///
-    /// # Errors
-    /// [`SwitchError`].
-    pub fn check(&self, overlap: Overlap) -> Result<(), SwitchError> {
-        self.check_indices()?;
-        self.switches.check(overlap)
-    }
-
-    /// How triangles are indexed.
-    #[must_use]
-    pub fn indices(&self) -> Indices {
-        self.indices.unwrap_or(self.technique.default_indices())
-    }
-
-    fn check_indices(&self) -> Result<(), SwitchError> {
-        if self.indices() == Indices::List || self.technique.has_index_choice() {
-            return Ok(());
-        }
-        Err(SwitchError {
-            switch: "indices",
-            found: format!(
-                "{} with technique={}, whose triangles are never strips",
-                self.indices().name(),
-                self.technique.name()
-            ),
-            allowed: "none, or technique=gs-degenerate or gs-adjacency".to_owned(),
-        })
-    }
-}
 
 /// Pipelines of one backend, made when first asked for.
 pub(crate) type Pipelines = HashMap<PipelineDescriptor, Pipeline>;
@@ -154,12 +74,12 @@ impl NativeBackend {
     /// A backend on `targets`.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] when the device lacks `geometryShader`, `depthBounds` or
+    /// [`DeviceError::Unsupported`] when the device lacks `geometryShader`, `depthBounds` or
     /// depth that shaders can read, and the variant needs it.
-    pub fn new(targets: &SharedTargets, variant: NativeVariant) -> Result<Self, BackendError> {
+    pub fn new(targets: &SharedTargets, variant: NativeVariant) -> Result<Self, DeviceError> {
         let gpu = Arc::clone(targets.borrow().gpu());
         let features = gpu.facts.features;
-        let lacks = |capability: &str| BackendError::unsupported(capability, &gpu.facts.name);
+        let lacks = |capability: &str| DeviceError::unsupported(capability, &gpu.facts.name);
         if variant.technique.needs_geometry_shader() && !features.geometry_shader {
             return Err(lacks("geometryShader"));
         }
@@ -186,7 +106,7 @@ impl NativeBackend {
         })
     }
 
-    /// Technique and switches.
+    /// Extrusion and switches.
     #[must_use]
     pub fn variant(&self) -> NativeVariant {
         self.variant
@@ -196,7 +116,7 @@ impl NativeBackend {
         Arc::clone(self.targets.borrow().gpu())
     }
 
-    fn draw_and_read(&mut self, input: &FrameInput) -> Result<(Picture, Counters), BackendError> {
+    fn draw_and_read(&mut self, input: &FrameInput) -> Result<(Picture, Counters), DeviceError> {
         self.check_prepared(input)?;
         let gpu = self.gpu();
         self.targets.borrow_mut().prepare(input)?;
@@ -223,7 +143,7 @@ impl NativeBackend {
         input: &FrameInput,
         measured: Measured,
         probe: Option<&Probe>,
-    ) -> Result<(FillReport, Counters), BackendError> {
+    ) -> Result<(FillReport, Counters), DeviceError> {
         let mut counters = Counters::default();
         let targets = self.targets.borrow();
         let Some(drawing) = self.drawing(input, probe) else {
@@ -253,7 +173,7 @@ impl NativeBackend {
     }
 
     /// Fragments of all volumes that mark, drawn once more without any test.
-    fn count_fragments(&mut self, input: &FrameInput) -> Result<Option<u64>, BackendError> {
+    fn count_fragments(&mut self, input: &FrameInput) -> Result<Option<u64>, DeviceError> {
         let steps = |view: &ViewBuffers| {
             let counted = view.program.counted().map(FillStep::Volumes);
             descriptors(self.variant, counted)
@@ -273,13 +193,13 @@ impl NativeBackend {
         Ok(report.samples)
     }
 
-    fn check_prepared(&self, input: &FrameInput) -> Result<(), BackendError> {
+    fn check_prepared(&self, input: &FrameInput) -> Result<(), DeviceError> {
         let meshes = self.scene.as_ref().map(|scene| &scene.source);
         let surface = self.view.as_ref().map(|view| &view.source);
         input.check_prepared(BACKEND, meshes, surface)
     }
 
-    fn upload_scene(&mut self, input: &FrameInput) -> Result<(), BackendError> {
+    fn upload_scene(&mut self, input: &FrameInput) -> Result<(), DeviceError> {
         let (technique, indices) = (self.variant.technique, self.variant.indices());
         let geometry = SceneGeometry::build(technique, indices, &input.scene.meshes);
         self.upload_geometry(input, geometry)
@@ -289,7 +209,7 @@ impl NativeBackend {
         &mut self,
         input: &FrameInput,
         geometry: SceneGeometry,
-    ) -> Result<(), BackendError> {
+    ) -> Result<(), DeviceError> {
         let technique = self.variant.technique;
         let vertices = geometry.vertex_count(technique);
         check_numbers(technique, vertices)?;
@@ -321,7 +241,7 @@ impl NativeBackend {
     }
 
     /// Brings program and constants up to date; nothing is made or written where they are already.
-    fn upload_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), BackendError> {
+    fn upload_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), DeviceError> {
         let Some(scene) = &self.scene else {
             return self.check_prepared(input);
         };
@@ -374,7 +294,7 @@ impl NativeBackend {
         Ok(())
     }
 
-    fn ensure_program_pipelines(&mut self) -> Result<(), BackendError> {
+    fn ensure_program_pipelines(&mut self) -> Result<(), DeviceError> {
         let is_textured = self.textured.is_some();
         let steps = |view: &ViewBuffers| {
             let all = view.program.passes.iter().flat_map(FillPass::steps);
@@ -387,7 +307,7 @@ impl NativeBackend {
         self.ensure_textured(Purpose::Colour)
     }
 
-    fn ensure_textured(&mut self, purpose: Purpose) -> Result<(), BackendError> {
+    fn ensure_textured(&mut self, purpose: Purpose) -> Result<(), DeviceError> {
         let gpu = self.gpu();
         let (Some(textured), Some(view)) = (&mut self.textured, &self.view) else {
             return Ok(());
@@ -397,7 +317,7 @@ impl NativeBackend {
 
     /// The frame with ids and places from the textured covers, drawn once more with what they write
     /// for the probe, by the same functions; a plain fill's frame as it is.
-    fn probed(&mut self, input: &FrameInput, plain: Frame) -> Result<Frame, BackendError> {
+    fn probed(&mut self, input: &FrameInput, plain: Frame) -> Result<Frame, DeviceError> {
         if self.textured.is_none() {
             return Ok(plain);
         }
@@ -412,7 +332,7 @@ impl NativeBackend {
         })
     }
 
-    fn ensure_pipelines(&mut self, wanted: Vec<PipelineDescriptor>) -> Result<(), BackendError> {
+    fn ensure_pipelines(&mut self, wanted: Vec<PipelineDescriptor>) -> Result<(), DeviceError> {
         let gpu = self.gpu();
         for descriptor in wanted {
             if let Entry::Vacant(place) = self.pipelines.entry(descriptor) {
@@ -423,7 +343,7 @@ impl NativeBackend {
     }
 
     /// Brings geometry, constants and pipelines up to date, and gives the bytes handed over.
-    fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, BackendError> {
+    fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, DeviceError> {
         let gpu = self.gpu();
         let before = gpu.work_done();
         let is_uploaded = self
@@ -452,23 +372,32 @@ fn descriptors<'a>(
 }
 
 /// Whether every vertex has a number of its own in the geometry shader.
-fn check_numbers(technique: Technique, vertices: usize) -> Result<(), BackendError> {
+fn check_numbers(technique: Extrusion, vertices: usize) -> Result<(), DeviceError> {
     if vertices <= MAX_VERTICES || !technique.needs_geometry_shader() {
         return Ok(());
     }
-    Err(BackendError::OverCapacity {
+    Err(DeviceError::OverCapacity {
         what: "vertices that geometry shaders tell apart".to_owned(),
         found: vertices as u64,
         allowed: MAX_VERTICES as u64,
     })
 }
 
-impl Backend for NativeBackend {
+impl FillBackend for NativeBackend {
     fn capabilities(&self) -> &Capabilities {
         &self.capabilities
     }
 
-    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, BackendError> {
+    fn tells_regions_apart(&self) -> bool {
+        self.variant.switches.colour.tells_regions_apart()
+    }
+
+    fn note(&self) -> Option<String> {
+        let plan = self.textured.as_ref().and_then(Textured::plan);
+        plan.map(|plan| plan.note())
+    }
+
+    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, DeviceError> {
         input.check_region_count()?;
         self.targets.borrow_mut().prepare(input)?;
         let upload_bytes = self.bring_up_to_date(input)?;
@@ -494,15 +423,26 @@ impl Backend for NativeBackend {
         })
     }
 
-    fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError> {
+    fn render(&mut self, input: &FrameInput) -> Result<Frame, DeviceError> {
         let (picture, mut counters) = self.draw_and_read(input)?;
         counters.stencil_fragments = self.count_fragments(input)?;
         self.probed(input, Frame::from_picture(&picture, counters))
     }
-}
 
-impl TimedBackend for NativeBackend {
-    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, BackendError> {
+    fn picture(&mut self, input: &FrameInput) -> Result<Picture, DeviceError> {
+        self.upload_view(input, OPAQUE)?;
+        let picture = self.draw_and_read(input).map(|(picture, _)| picture);
+        self.upload_view(input, Colours::Ids)?;
+        picture
+    }
+
+    fn draw_surface(&mut self, input: &FrameInput) -> Result<Option<f64>, DeviceError> {
+        let mut targets = self.targets.borrow_mut();
+        targets.prepare(input)?;
+        targets.draw_surface()
+    }
+
+    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, DeviceError> {
         self.check_prepared(input)?;
         // Another backend of the targets may have drawn another view since.
         if !self.targets.borrow().holds(input) {
@@ -521,50 +461,22 @@ impl TimedBackend for NativeBackend {
     }
 }
 
-impl VolumeBackend for NativeBackend {
-    fn variant_name(&self) -> String {
-        self.variant.name()
-    }
-
-    fn tells_regions_apart(&self) -> bool {
-        self.variant.switches.colour.tells_regions_apart()
-    }
-
-    fn note(&self) -> Option<String> {
-        let plan = self.textured.as_ref().and_then(Textured::plan);
-        plan.map(|plan| plan.note())
-    }
-
-    fn picture(&mut self, input: &FrameInput) -> Result<Picture, BackendError> {
-        self.upload_view(input, OPAQUE)?;
-        let picture = self.draw_and_read(input).map(|(picture, _)| picture);
-        self.upload_view(input, Colours::Ids)?;
-        picture
-    }
-
-    fn draw_own_surface(&mut self, input: &FrameInput) -> Result<(), BackendError> {
-        let mut targets = self.targets.borrow_mut();
-        targets.prepare(input)?;
-        targets.draw_surface().map(|_| ())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::strip_counts;
-    use terrafill_fill::{ColourWay, PreparedScene};
+    use crate::{Indices, strip_counts};
+    use terrafill_fill::{ColourWay, PreparedScene, Switches};
     use terrafill_scene::{ImageSize, PlanOptions, Scene, SurfaceMesh};
 
     #[test]
     fn vertices_whose_numbers_a_float_would_round_are_refused() {
-        let all = Technique::ALL.into_iter();
+        let all = Extrusion::ALL.into_iter();
         for technique in all.filter(|technique| technique.needs_geometry_shader()) {
             assert!(check_numbers(technique, MAX_VERTICES).is_ok());
             let error = check_numbers(technique, MAX_VERTICES + 1).expect_err("one more");
             assert!(error.to_string().contains("16777217"), "{error}");
         }
-        assert!(check_numbers(Technique::VsControl, MAX_VERTICES + 1).is_ok());
+        assert!(check_numbers(Extrusion::VsControl, MAX_VERTICES + 1).is_ok());
         // The largest number is one less than the count, and the next float up from it is the next.
         let largest = (MAX_VERTICES - 1) as f32;
         assert_eq!(largest.next_up(), MAX_VERTICES as f32);
@@ -612,7 +524,7 @@ mod tests {
         let targets =
             terrafill_vulkan::RenderTargets::shared(&gpu, input.size).expect("small targets");
         // How many indices stand for a corner.
-        for (technique, step) in [(Technique::GsDegenerate, 1), (Technique::GsAdjacency, 2)] {
+        for (technique, step) in [(Extrusion::GsDegenerate, 1), (Extrusion::GsAdjacency, 2)] {
             let drawn = |indices, change: &dyn Fn(&mut SceneGeometry)| {
                 let variant = NativeVariant {
                     technique,
@@ -644,7 +556,7 @@ mod tests {
             assert!(turned_over > 100, "{name}, parity: {turned_over}");
             let joined = differing(&|strips| *strips = vec![strips.concat()]);
             assert!(joined > 100, "{name}, restarts missing: {joined}");
-            if technique == Technique::GsAdjacency {
+            if technique == Extrusion::GsAdjacency {
                 let swapped = differing(&|strips| {
                     for strip in strips.iter_mut().filter(|strip| !strip.is_empty()) {
                         strip.swap(1, 3);
@@ -674,10 +586,10 @@ mod tests {
             terrafill_vulkan::RenderTargets::shared(&gpu, input.size).expect("small targets");
         let (list, strip) = (Indices::List, Indices::Strip);
         for (technique, indices, expected) in [
-            (Technique::GsDegenerate, list, triangles + edges),
-            (Technique::GsDegenerate, strip, in_strips + edges + between),
-            (Technique::GsAdjacency, list, triangles),
-            (Technique::GsAdjacency, strip, in_strips),
+            (Extrusion::GsDegenerate, list, triangles + edges),
+            (Extrusion::GsDegenerate, strip, in_strips + edges + between),
+            (Extrusion::GsAdjacency, list, triangles),
+            (Extrusion::GsAdjacency, strip, in_strips),
         ] {
             let variant = NativeVariant {
                 technique,
@@ -699,52 +611,5 @@ mod tests {
         }
         // Twin: some corners are said again, and some edges are not the first of their loop.
         assert!(in_strips > triangles && between > 0);
-    }
-
-    #[test]
-    fn what_is_named_can_be_set_again() {
-        for technique in Technique::ALL {
-            let variant = NativeVariant {
-                technique,
-                indices: technique.has_index_choice().then_some(Indices::List),
-                switches: Switches {
-                    depth_bounds: true,
-                    scissor: true,
-                    ..Switches::default()
-                },
-            };
-            let name = variant.name();
-            let mut parts = name.split(',');
-            let mut read = NativeVariant::default();
-            let first = parts.next().expect("a technique");
-            assert_eq!(read.set("technique", first), Ok(true));
-            for part in parts {
-                let (key, value) = part.split_once('=').expect("key=value");
-                assert_eq!(read.set(key, value), Ok(true), "{name}");
-            }
-            assert_eq!(read, variant);
-            assert!(NativeVariant::KEYS.contains(technique.name()));
-        }
-        for technique in Technique::ALL {
-            let mut variant = NativeVariant {
-                technique,
-                ..NativeVariant::default()
-            };
-            assert_eq!(variant.set("indices", "strip"), Ok(true));
-            let allowed = variant.check(Overlap::Disjoint).is_ok();
-            assert_eq!(allowed, technique.has_index_choice(), "{}", variant.name());
-            assert_eq!(variant.set("indices", "list"), Ok(true));
-            assert_eq!(variant.check(Overlap::Disjoint), Ok(()));
-        }
-        let mut variant = NativeVariant::default();
-        let error = variant.set("indices", "fan").expect_err("no such one");
-        assert!(error.to_string().contains("list, strip"), "{error}");
-        let error = variant.set("technique", "gs").expect_err("no such one");
-        assert!(
-            error.to_string().contains("gs-degenerate, gs-two-edges"),
-            "{error}"
-        );
-        assert_eq!(variant.set("techniques", "gs-line"), Ok(false));
-        assert_eq!(variant, NativeVariant::default());
     }
 }

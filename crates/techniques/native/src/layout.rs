@@ -6,15 +6,15 @@
 use crate::neighbours::{Neighbours, Side};
 use crate::ring_order::RingOrder;
 use crate::strips::{StripCorner, Strips};
-use crate::{Indices, StripCounts, Technique, strip_counts};
+use crate::{Extrusion, Indices, StripCounts, strip_counts};
 use terrafill_core::RegionMesh;
 use terrafill_fill::{FixedPoint, GeometryBytes, IndexLists, RegionPlace, boundary_edges};
 
 /// Whether a region's indices fit 16 bits. Strips end with 0xffff, so that it is no vertex.
-fn has_short_indices(technique: Technique, indices: Indices, vertices: usize) -> bool {
+fn has_short_indices(technique: Extrusion, indices: Indices, vertices: usize) -> bool {
     match (technique, indices) {
-        (Technique::VsControl, _) => 2 * vertices <= 0xffff,
-        (Technique::GsLine, _) | (_, Indices::Strip) => vertices <= 0xffff,
+        (Extrusion::VsControl, _) => 2 * vertices <= 0xffff,
+        (Extrusion::GsLine, _) | (_, Indices::Strip) => vertices <= 0xffff,
         _ => vertices <= 0x1_0000,
     }
 }
@@ -37,7 +37,7 @@ fn has_short_indices(technique: Technique, indices: Indices, vertices: usize) ->
 /// - `gs-adjacency` in strips: 12·v + i·(2(t + 2s + w) + s), two indices a triangle, and none for
 ///   an edge.
 #[must_use]
-pub fn native_bytes(technique: Technique, indices: Indices, mesh: &RegionMesh) -> GeometryBytes {
+pub fn native_bytes(technique: Extrusion, indices: Indices, mesh: &RegionMesh) -> GeometryBytes {
     bytes_with(technique, indices, mesh, || strip_counts(mesh))
 }
 
@@ -48,7 +48,7 @@ pub fn native_layouts(mesh: &RegionMesh) -> Vec<(String, GeometryBytes)> {
     let counts = strip_counts(mesh);
     let bytes = |technique, indices| bytes_with(technique, indices, mesh, || counts);
     let mut layouts = Vec::new();
-    for technique in Technique::ALL {
+    for technique in Extrusion::ALL {
         let name = technique.name().to_owned();
         layouts.push((name, bytes(technique, technique.default_indices())));
         if technique.has_index_choice() {
@@ -60,7 +60,7 @@ pub fn native_layouts(mesh: &RegionMesh) -> Vec<(String, GeometryBytes)> {
 }
 
 fn bytes_with(
-    technique: Technique,
+    technique: Extrusion,
     indices: Indices,
     mesh: &RegionMesh,
     strips: impl FnOnce() -> StripCounts,
@@ -73,26 +73,26 @@ fn bytes_with(
     } else {
         4
     };
-    let vertex_size = if technique == Technique::VsControl {
+    let vertex_size = if technique == Extrusion::VsControl {
         32
     } else {
         12
     };
     let index_count = match (technique, indices) {
-        (Technique::GsDegenerate, Indices::Strip) => {
+        (Extrusion::GsDegenerate, Indices::Strip) => {
             let counts = strips();
             counts.corners() + counts.strips + 2 * (edges + loops)
         }
-        (Technique::GsAdjacency, Indices::Strip) => {
+        (Extrusion::GsAdjacency, Indices::Strip) => {
             let counts = strips();
             2 * counts.corners() + counts.strips
         }
-        (Technique::VsControl, _) => 6 * triangles + 2 * (edges + loops) + loops,
-        (Technique::GsDegenerate, _) => 3 * triangles + 3 * edges,
-        (Technique::GsTwoEdges, _) => 3 * triangles + 3 * edges_in_pairs(mesh).count(),
-        (Technique::GsLine, _) => 3 * triangles + edges + 2 * loops,
-        (Technique::GsAdjacency, _) => 6 * triangles,
-        (Technique::GsPerTriangle, _) => 3 * triangles,
+        (Extrusion::VsControl, _) => 6 * triangles + 2 * (edges + loops) + loops,
+        (Extrusion::GsDegenerate, _) => 3 * triangles + 3 * edges,
+        (Extrusion::GsTwoEdges, _) => 3 * triangles + 3 * edges_in_pairs(mesh).count(),
+        (Extrusion::GsLine, _) => 3 * triangles + edges + 2 * loops,
+        (Extrusion::GsAdjacency, _) => 6 * triangles,
+        (Extrusion::GsPerTriangle, _) => 3 * triangles,
     };
     GeometryBytes {
         vertex_bytes: (vertex_size * vertices) as u64,
@@ -140,7 +140,7 @@ pub(crate) struct SceneGeometry {
 
 impl SceneGeometry {
     /// Lays out every mesh.
-    pub(crate) fn build(technique: Technique, indices: Indices, meshes: &[RegionMesh]) -> Self {
+    pub(crate) fn build(technique: Extrusion, indices: Indices, meshes: &[RegionMesh]) -> Self {
         let mut geometry = Self::default();
         for mesh in meshes {
             geometry.push(technique, technique.indices(indices), mesh);
@@ -149,7 +149,7 @@ impl SceneGeometry {
     }
 
     /// Stored vertices.
-    pub(crate) fn vertex_count(&self, technique: Technique) -> usize {
+    pub(crate) fn vertex_count(&self, technique: Extrusion) -> usize {
         self.vertices.len() / words_per_vertex(technique)
     }
 
@@ -157,16 +157,16 @@ impl SceneGeometry {
         clippy::cast_possible_truncation,
         reason = "buffers are refused by the device long before 2^32 elements"
     )]
-    fn push(&mut self, technique: Technique, indices: Indices, mesh: &RegionMesh) {
+    fn push(&mut self, technique: Extrusion, indices: Indices, mesh: &RegionMesh) {
         let fixed = FixedPoint::for_mesh(mesh);
         let first_vertex = self.vertex_count(technique) as u32;
-        let ring_order = (technique == Technique::GsPerTriangle).then(|| RingOrder::new(mesh));
+        let ring_order = (technique == Extrusion::GsPerTriangle).then(|| RingOrder::new(mesh));
         for place in 0..mesh.vertex_count() {
             let vertex = ring_order
                 .as_ref()
                 .map_or(place, |order| order.vertices[place] as usize);
             let stored = fixed.quantize(mesh.vertices_ecef[vertex]).to_array();
-            if technique == Technique::VsControl {
+            if technique == Extrusion::VsControl {
                 for flag in [0, 1] {
                     self.vertices.extend(stored);
                     self.vertices.push(flag);
@@ -178,21 +178,21 @@ impl SceneGeometry {
         let short = has_short_indices(technique, indices, mesh.vertex_count());
         let first_index = self.indices.count(short);
         match (technique, indices) {
-            (Technique::GsDegenerate, Indices::Strip) => {
+            (Extrusion::GsDegenerate, Indices::Strip) => {
                 self.push_strips(short, mesh, |corner| [Some(corner.vertex), None]);
                 self.push_edge_strips(short, mesh);
             }
-            (Technique::GsAdjacency, Indices::Strip) => {
+            (Extrusion::GsAdjacency, Indices::Strip) => {
                 let with_beside = |corner: &StripCorner| [Some(corner.vertex), Some(corner.beside)];
                 self.push_strips(short, mesh, with_beside);
             }
-            (Technique::VsControl, _) => self.push_doubled_caps(short, mesh),
-            (Technique::GsAdjacency, _) => {
+            (Extrusion::VsControl, _) => self.push_doubled_caps(short, mesh),
+            (Extrusion::GsAdjacency, _) => {
                 for index in with_neighbours(mesh) {
                     self.indices.push(short, index);
                 }
             }
-            (Technique::GsTwoEdges, _) => {
+            (Extrusion::GsTwoEdges, _) => {
                 let caps = mesh
                     .triangles
                     .iter()
@@ -201,13 +201,13 @@ impl SceneGeometry {
                     self.indices.push(short, corner);
                 }
             }
-            (Technique::GsDegenerate, _) => {
+            (Extrusion::GsDegenerate, _) => {
                 let walls = boundary_edges(mesh).map(|[a, b]| [a, b, b]);
                 for corner in mesh.triangles.iter().copied().chain(walls).flatten() {
                     self.indices.push(short, corner);
                 }
             }
-            (Technique::GsLine | Technique::GsPerTriangle, _) => {
+            (Extrusion::GsLine | Extrusion::GsPerTriangle, _) => {
                 let triangles = ring_order
                     .as_ref()
                     .map_or(&mesh.triangles, |order| &order.triangles);
@@ -218,8 +218,8 @@ impl SceneGeometry {
         }
         let first_wall_index = self.indices.count(short);
         match technique {
-            Technique::VsControl => self.push_wall_strips(short, mesh),
-            Technique::GsLine => {
+            Extrusion::VsControl => self.push_wall_strips(short, mesh),
+            Extrusion::GsLine => {
                 for ring in &mesh.boundary_loops {
                     for &vertex in ring.iter().chain(ring.first()) {
                         self.indices.push(short, vertex);
@@ -302,8 +302,8 @@ impl SceneGeometry {
     }
 }
 
-fn words_per_vertex(technique: Technique) -> usize {
-    if technique == Technique::VsControl {
+fn words_per_vertex(technique: Extrusion) -> usize {
+    if technique == Extrusion::VsControl {
         4
     } else {
         3
@@ -403,13 +403,13 @@ pub(crate) mod tests {
     }
 
     /// Every technique with every kind of indices that it has.
-    fn storages() -> Vec<(Technique, Indices)> {
-        let kinds = |technique: Technique| {
+    fn storages() -> Vec<(Extrusion, Indices)> {
+        let kinds = |technique: Extrusion| {
             let own = Indices::ALL.into_iter();
             own.filter(move |&indices| technique.indices(indices) == indices)
                 .map(move |indices| (technique, indices))
         };
-        Technique::ALL.into_iter().flat_map(kinds).collect()
+        Extrusion::ALL.into_iter().flat_map(kinds).collect()
     }
 
     #[test]
@@ -439,7 +439,7 @@ pub(crate) mod tests {
     fn a_restart_is_no_vertex() {
         for count in [16_383, 16_384, 32_767, 32_768] {
             let mesh = annulus(count);
-            for technique in [Technique::VsControl, Technique::GsLine] {
+            for technique in [Extrusion::VsControl, Extrusion::GsLine] {
                 let meshes = std::slice::from_ref(&mesh);
                 let geometry = SceneGeometry::build(technique, Indices::List, meshes);
                 let short = geometry.indices.short.iter().filter(|&&i| i == u16::MAX);
@@ -455,7 +455,7 @@ pub(crate) mod tests {
         for count in [3, 16_383, 16_384, 32_767, 32_768] {
             let mesh = annulus(count);
             let strips = strip_counts(&mesh).strips;
-            for (technique, loops) in [(Technique::GsDegenerate, 2), (Technique::GsAdjacency, 0)] {
+            for (technique, loops) in [(Extrusion::GsDegenerate, 2), (Extrusion::GsAdjacency, 0)] {
                 let meshes = std::slice::from_ref(&mesh);
                 let geometry = SceneGeometry::build(technique, Indices::Strip, meshes);
                 let short = geometry.indices.short.iter().filter(|&&i| i == u16::MAX);
@@ -468,7 +468,7 @@ pub(crate) mod tests {
         }
         // Of 65,535 vertices the last is 0xfffe. Twin: of one more it is 0xffff, a vertex of a list
         // like any other and no vertex of a strip.
-        let is_short = |indices, count| has_short_indices(Technique::GsAdjacency, indices, count);
+        let is_short = |indices, count| has_short_indices(Extrusion::GsAdjacency, indices, count);
         assert!(is_short(Indices::Strip, 0xffff) && is_short(Indices::List, 0x1_0000));
         assert!(!is_short(Indices::Strip, 0x1_0000));
     }
@@ -578,7 +578,7 @@ pub(crate) mod tests {
         meshes
     }
 
-    fn strip_indices(technique: Technique, mesh: &RegionMesh) -> Vec<u32> {
+    fn strip_indices(technique: Extrusion, mesh: &RegionMesh) -> Vec<u32> {
         let geometry = SceneGeometry::build(technique, Indices::Strip, std::slice::from_ref(mesh));
         let short = geometry.indices.short.iter();
         short
@@ -601,10 +601,10 @@ pub(crate) mod tests {
                 .map(|input| input.try_into().expect("six"))
                 .collect();
             assert_eq!(Made::by_adjacency(&list), expected, "{:?}", mesh.triangles);
-            let indices = strip_indices(Technique::GsDegenerate, &mesh);
+            let indices = strip_indices(Extrusion::GsDegenerate, &mesh);
             let made = Made::by_degenerate(&strip_inputs(&indices, [2, 1]));
             assert_eq!(made, expected, "{indices:?}");
-            let indices = strip_indices(Technique::GsAdjacency, &mesh);
+            let indices = strip_indices(Extrusion::GsAdjacency, &mesh);
             let mut inputs = adjacent_strip_inputs(&indices);
             assert_eq!(Made::by_adjacency(&inputs), expected, "{indices:?}");
             // Whichever corner a driver begins every second one with.
@@ -619,7 +619,7 @@ pub(crate) mod tests {
     fn broken_strips_are_noticed() {
         let mesh = annulus(10);
         let expected = Made::of_mesh(&mesh);
-        let indices = strip_indices(Technique::GsDegenerate, &mesh);
+        let indices = strip_indices(Extrusion::GsDegenerate, &mesh);
         let made = |indices: &[u32]| Made::by_degenerate(&strip_inputs(indices, [2, 1]));
         assert_eq!(made(&indices), expected);
         // Every second triangle turned over.
@@ -633,7 +633,7 @@ pub(crate) mod tests {
             joined.remove(place);
             assert_ne!(made(&joined), expected, "{place}");
         }
-        let indices = strip_indices(Technique::GsAdjacency, &mesh);
+        let indices = strip_indices(Extrusion::GsAdjacency, &mesh);
         let made = |indices: &[u32]| Made::by_adjacency(&adjacent_strip_inputs(indices));
         assert_eq!(made(&indices), expected);
         // A corner's neighbour in the place of the next one's.
@@ -716,7 +716,7 @@ pub(crate) mod tests {
     #[test]
     fn a_doubled_vertex_is_stored_twice_and_flagged_once() {
         let meshes = [annulus(3)];
-        let geometry = SceneGeometry::build(Technique::VsControl, Indices::List, &meshes);
+        let geometry = SceneGeometry::build(Extrusion::VsControl, Indices::List, &meshes);
         for pair in geometry.vertices.chunks(8) {
             assert_eq!(pair[..3], pair[4..7]);
             assert_eq!((pair[3], pair[7]), (0, 1));

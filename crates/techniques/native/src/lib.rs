@@ -12,6 +12,7 @@ mod backend;
 #[path = "../../../ground/core/tests/by_hand/mod.rs"]
 mod by_hand;
 mod depth_bounds;
+mod extrusion;
 mod layout;
 mod neighbours;
 mod pass;
@@ -19,10 +20,13 @@ mod ring_order;
 mod strips;
 mod technique;
 mod textured;
+mod variant;
 
-pub use backend::{NativeBackend, NativeVariant};
+pub use backend::NativeBackend;
 pub use depth_bounds::{DepthRange, depth_range};
+pub use extrusion::{Extrusion, Indices};
 pub use layout::{native_bytes, native_layouts};
 pub use ring_order::walls_with_other_diagonal;
 pub use strips::{StripCounts, strip_counts};
-pub use technique::{Indices, Technique};
+pub use technique::NativeTechnique;
+pub use variant::NativeVariant;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Records a fill program's passes on Vulkan.
 
-use crate::backend::{NativeVariant, Pipelines, SceneBuffers, ViewBuffers};
-use crate::depth_range;
-use crate::technique::{Part, Technique, cover_pipeline};
+use crate::backend::{Pipelines, SceneBuffers, ViewBuffers};
+use crate::extrusion::{Extrusion, Part, cover_pipeline};
 use crate::textured::{Purpose, Textured};
+use crate::{NativeVariant, depth_range};
 use terrafill_fill::{
     Counters, FaceSet, FillStep, FrameInput, StencilTest, VolumeDraw, VolumeState,
 };
@@ -228,7 +228,7 @@ impl<'a> Drawing<'a> {
         let (first, count) = match part {
             Part::Walls => (slice.first_wall_index, slice.wall_index_count),
             // The bottom's triangles are the second half; geometry shaders leave theirs out.
-            Part::Caps if without_bottom && self.variant.technique == Technique::VsControl => {
+            Part::Caps if without_bottom && self.variant.technique == Extrusion::VsControl => {
                 (slice.first_index, slice.index_count / 2)
             }
             Part::Caps | Part::Whole | Part::Turned => (slice.first_index, slice.index_count),

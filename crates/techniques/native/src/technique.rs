@@ -1,239 +1,223 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The techniques: what is drawn, and by which shaders.
+//! The technique as the contract knows it.
 
-use terrafill_fill::{DepthRule, VolumeState};
-use terrafill_vulkan::{
-    Fragments, GeometryStage, HandsOn, PipelineDescriptor, PipelineState, Topology, VertexFormat,
-    VertexStage,
+use crate::{NativeBackend, NativeVariant, native_bytes, native_layouts};
+use terrafill_core::RegionMesh;
+use terrafill_fill::{
+    Api, Climb, DeviceError, FillBackend, GeometryBytes, Parameter, Role, Rung, SwitchError,
+    THIS_MACHINE, Targets, Technique, Variant, layouts,
 };
+use terrafill_scene::{Overlap, Scene};
+use terrafill_vulkan::shared_targets;
 
-/// How volumes come about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
-pub enum Technique {
-    /// In the vertex shader: every vertex stored twice, 16 bytes each; walls are strips. The same
-    /// bytes and the same shader as `vertex/doubled`.
-    VsControl,
-    /// In the geometry shader, one draw: triangles, then boundary edges as degenerate triangles
-    /// (a, b, b). Each input makes two triangles.
-    #[default]
-    GsDegenerate,
-    /// As [`Technique::GsDegenerate`], but where it can a triangle of boundary vertices stands for
-    /// two edges in a row, a → b → c: written (b, c, a), with the smallest number not first, while
-    /// triangles of the mesh are turned to begin with theirs. Half the indices of the boundary.
-    GsTwoEdges,
-    /// In geometry shaders, two draws: triangles, and line strips along the boundary.
-    GsLine,
-    /// In the geometry shader, one draw: triangles with their neighbours. Each makes 2 to 8
-    /// triangles.
-    GsAdjacency,
-    /// In the geometry shader, two draws: each triangle makes a closed volume of 8 triangles, those
-    /// inside a region as well. The second draw makes the walls that cancel others of the first.
-    GsPerTriangle,
+/// Geometry shaders, and the vertex shader as their control, on Vulkan itself.
+#[derive(Debug)]
+pub struct NativeTechnique;
+
+/// The layout says how volumes come about.
+const PARAMETERS: &[Parameter] = &[
+    Parameter {
+        default: "gs-degenerate",
+        ..Parameter::one_of(
+            "technique",
+            &[
+                "vs-control",
+                "gs-degenerate",
+                "gs-two-edges",
+                "gs-line",
+                "gs-adjacency",
+                "gs-per-triangle",
+            ],
+        )
+    },
+    // As `Extrusion::default_indices`.
+    Parameter {
+        default_in: &[("gs-degenerate", "strip"), ("gs-adjacency", "strip")],
+        ..Parameter::one_of("indices", &["list", "strip"])
+    },
+];
+
+impl Technique for NativeTechnique {
+    fn name(&self) -> &'static str {
+        "native"
+    }
+
+    fn api(&self) -> Api {
+        terrafill_vulkan::API
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        PARAMETERS
+    }
+
+    fn variants(&self, scene: &Scene, role: Role) -> Vec<Variant> {
+        let main = self.main(scene.overlap);
+        let some = ["vs-control", "gs-degenerate", "gs-line"];
+        let some = some.map(|technique| main.clone().with("technique", technique));
+        match role {
+            Role::Main => {
+                let in_lists = main.with("indices", "list");
+                some.into_iter().chain([in_lists]).collect()
+            }
+            Role::Quick => some.into(),
+            Role::Layouts => layouts(self, scene.overlap),
+            Role::Sweep => Vec::new(),
+        }
+    }
+
+    fn ladder(&self, overlap: Overlap) -> Vec<Rung> {
+        Climb::start(
+            self.main(overlap).with("technique", "gs-per-triangle"),
+            "the geometry shader makes a closed volume of every triangle; two passes, fragments \
+             behind the surface count, nothing culled, colour by drawing the volumes again",
+        )
+        .own(
+            "one-volume",
+            "one volume for each region: two caps of each triangle, a wall of each boundary edge",
+            &[("technique", "gs-degenerate"), ("indices", "list")],
+        )
+        .culling()
+        .own(
+            "strips",
+            "triangles and boundary edges in strips instead of lists",
+            &[("indices", "strip")],
+        )
+        .own(
+            "two-edges",
+            "lists again, with two boundary edges in each index triangle",
+            &[("technique", "gs-two-edges"), ("indices", "list")],
+        )
+        .own(
+            "lines",
+            "boundary edges as line strips in a draw of their own instead of among the triangles",
+            &[("technique", "gs-line")],
+        )
+        .rest_of_the_way(overlap)
+        // Last, since where the device has none the rungs after it would have no result either.
+        .switch(
+            "depth-bounds",
+            "fragments over surface outside the region's depth range are dropped",
+            |switches| switches.depth_bounds = true,
+        )
+        .rungs()
+    }
+
+    fn matrix_row(&self, base: &Variant) -> Vec<Variant> {
+        vec![base.clone().with("indices", "list")]
+    }
+
+    fn check(&self, variant: &Variant, overlap: Overlap) -> Result<(), SwitchError> {
+        NativeVariant::of(variant)?.check(overlap)
+    }
+
+    /// With `/list` after the name where lists are a choice that is not the default.
+    fn layout(&self, variant: &Variant) -> String {
+        let layout = variant.layout().to_owned();
+        match NativeVariant::of(variant) {
+            Ok(native) if native.indices() != native.technique.default_indices() => {
+                format!("{layout}/{}", native.indices().name())
+            }
+            _ => layout,
+        }
+    }
+
+    fn bytes(
+        &self,
+        variant: &Variant,
+        mesh: &RegionMesh,
+        _is_drawn: bool,
+    ) -> Result<GeometryBytes, SwitchError> {
+        let native = NativeVariant::of(variant)?;
+        Ok(native_bytes(native.technique, native.indices(), mesh))
+    }
+
+    /// Strips are found once for all of them.
+    fn layout_bytes(&self, mesh: &RegionMesh) -> Vec<(String, u64)> {
+        let all = native_layouts(mesh).into_iter();
+        all.map(|(name, bytes)| (name, bytes.total())).collect()
+    }
+
+    fn open(
+        &self,
+        targets: &Targets,
+        variant: &Variant,
+    ) -> Result<Box<dyn FillBackend>, DeviceError> {
+        let native = NativeVariant::of(variant)?;
+        // The rest of a run goes on without Vulkan itself.
+        let targets = shared_targets(targets).map_err(|why| {
+            let what = format!("a device for the native backend: {why}");
+            DeviceError::unsupported(&what, THIS_MACHINE)
+        })?;
+        Ok(Box::new(NativeBackend::new(&targets, native)?))
+    }
 }
 
-/// How triangles are indexed, where the technique leaves a choice.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Indices {
-    /// Lists: every triangle says all of its corners. `gs-degenerate` takes 3 indices a triangle and
-    /// 3 an edge of the boundary, `gs-adjacency` 6 a triangle: with one of each for a vertex, and
-    /// indices of 2 bytes, 24 bytes a vertex.
-    List,
-    /// Strips with restarts. `gs-degenerate` takes 1 index a triangle, 2 an edge and 3 more a strip,
-    /// `gs-adjacency` 2 a triangle and 5 more a strip; and 1 or 2 where a strip turns the same way
-    /// twice. With 6 triangles a strip that is 19 and 18 bytes a vertex.
-    Strip,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Extrusion;
+    use std::rc::Rc;
+    use terrafill_fill::{Devices, matrix_row};
+    use terrafill_scene::ImageSize;
 
-impl Indices {
-    /// Every way.
-    pub const ALL: [Self; 2] = [Self::List, Self::Strip];
-
-    /// Name in variants and reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::List => "list",
-            Self::Strip => "strip",
-        }
+    fn main() -> Variant {
+        NativeTechnique.main(Overlap::Disjoint)
     }
-}
 
-/// What one draw of a region holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Part {
-    Caps,
-    Walls,
-    /// Both.
-    Whole,
-    /// Beside them: walls with front and back exchanged.
-    Turned,
-}
+    #[test]
+    fn every_extrusion_is_a_layout_with_its_own_default_indices() {
+        let all = layouts(&NativeTechnique, Overlap::Disjoint);
+        assert_eq!(all.len(), Extrusion::ALL.len());
+        for (extrusion, variant) in Extrusion::ALL.into_iter().zip(&all) {
+            let native = NativeVariant::of(variant).expect("known names");
+            assert_eq!(native.technique, extrusion);
+            assert_eq!(native.indices(), extrusion.default_indices());
+            assert_eq!(variant.name(), extrusion.name());
+            let strips = variant.clone().with("indices", "strip");
+            let strips = NativeTechnique.check(&strips, Overlap::Disjoint);
+            assert_eq!(strips.is_ok(), extrusion.has_index_choice());
+            let lists = variant.clone().with("indices", "list");
+            assert_eq!(NativeTechnique.check(&lists, Overlap::Disjoint), Ok(()));
+        }
+        assert_eq!(
+            NativeVariant::of(&main()).map(|v| v.technique),
+            Ok(Extrusion::default())
+        );
+    }
 
-impl Technique {
-    /// Every technique.
-    pub const ALL: [Self; 6] = [
-        Self::VsControl,
-        Self::GsDegenerate,
-        Self::GsTwoEdges,
-        Self::GsLine,
-        Self::GsAdjacency,
-        Self::GsPerTriangle,
-    ];
-
-    /// Name in variants and reports.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::VsControl => "vs-control",
-            Self::GsDegenerate => "gs-degenerate",
-            Self::GsTwoEdges => "gs-two-edges",
-            Self::GsLine => "gs-line",
-            Self::GsAdjacency => "gs-adjacency",
-            Self::GsPerTriangle => "gs-per-triangle",
+    #[test]
+    fn lists_are_in_the_matrix_of_the_techniques_that_have_strips() {
+        for base in layouts(&NativeTechnique, Overlap::Disjoint) {
+            let row = matrix_row(&NativeTechnique, &base, Overlap::Disjoint);
+            let lists = format!("{},indices=list", base.layout());
+            let native = NativeVariant::of(&base).expect("known names");
+            let found = row.iter().any(|variant| variant.name() == lists);
+            assert_eq!(found, native.technique.has_index_choice(), "{lists}");
         }
     }
 
-    /// Whether it needs geometry shaders.
-    #[must_use]
-    pub fn needs_geometry_shader(self) -> bool {
-        self != Self::VsControl
+    #[test]
+    fn lists_that_are_a_choice_are_a_layout_of_their_own() {
+        let lists = main().with("indices", "list");
+        assert_eq!(NativeTechnique.layout(&lists), "gs-degenerate/list");
+        assert_eq!(NativeTechnique.layout(&main()), "gs-degenerate");
+        let lines = lists.with("technique", "gs-line");
+        assert_eq!(NativeTechnique.layout(&lines), "gs-line");
     }
 
-    /// Whether triangles may be lists or strips; the others have one way only.
-    #[must_use]
-    pub fn has_index_choice(self) -> bool {
-        matches!(self, Self::GsDegenerate | Self::GsAdjacency)
-    }
-
-    /// What is stored where nothing else is asked for: the fewest bytes, which geometry shaders are
-    /// chosen for (Cozzi, 2007).
-    #[must_use]
-    pub fn default_indices(self) -> Indices {
-        self.indices(Indices::Strip)
-    }
-
-    /// What is stored where `wanted` is asked for.
-    pub(crate) fn indices(self, wanted: Indices) -> Indices {
-        if self.has_index_choice() {
-            wanted
-        } else {
-            Indices::List
-        }
-    }
-
-    pub(crate) fn parts(self) -> &'static [Part] {
-        match self {
-            Self::VsControl | Self::GsLine => &[Part::Caps, Part::Walls],
-            Self::GsDegenerate | Self::GsTwoEdges | Self::GsAdjacency => &[Part::Whole],
-            Self::GsPerTriangle => &[Part::Whole, Part::Turned],
-        }
-    }
-
-    fn topology(self, part: Part, indices: Indices) -> Topology {
-        match (self, part, indices) {
-            (Self::VsControl, Part::Walls, _) => Topology::Strips,
-            (Self::GsLine, Part::Walls, _) => Topology::LineStrips,
-            (Self::GsAdjacency, _, Indices::Strip) => Topology::StripsWithAdjacency,
-            (Self::GsAdjacency, ..) => Topology::TrianglesWithAdjacency,
-            (_, _, Indices::Strip) => Topology::Strips,
-            _ => Topology::Triangles,
-        }
-    }
-
-    fn geometry_path(self, part: Part) -> Option<&'static str> {
-        match (self, part) {
-            (Self::VsControl, _) => None,
-            (Self::GsDegenerate, _) => Some("native/degenerate.geom"),
-            (Self::GsTwoEdges, _) => Some("native/two_edges.geom"),
-            (Self::GsLine, Part::Walls) => Some("native/walls.geom"),
-            (Self::GsLine, _) => Some("native/caps.geom"),
-            (Self::GsAdjacency, _) => Some("native/adjacency.geom"),
-            (Self::GsPerTriangle, _) => Some("native/per_triangle.geom"),
-        }
-    }
-
-    /// The pipeline that draws `part` of volumes.
-    pub(crate) fn volume_pipeline(
-        self,
-        part: Part,
-        indices: Indices,
-        state: VolumeState,
-        without_bottom: bool,
-        depth_bounds: bool,
-    ) -> PipelineDescriptor {
-        let (entry_point, hands_on) = match state {
-            VolumeState::Colour { .. } => ("coloured_main", HandsOn::Colour),
-            VolumeState::Accumulate { .. } => ("numbered_main", HandsOn::Number),
-            _ => ("vertex_main", HandsOn::Nothing),
+    #[test]
+    fn a_machine_without_the_device_lacks_it() {
+        let devices = Rc::new(Devices::new(Some("no adapter is called so".to_owned())));
+        let size = ImageSize {
+            width: 1,
+            height: 1,
         };
-        let path = match self {
-            Self::VsControl => "vertex/doubled.wgsl",
-            _ => "native/volume.wgsl",
-        };
-        PipelineDescriptor {
-            vertex: VertexStage { path, entry_point },
-            geometry: self.geometry_path(part).map(|path| GeometryStage {
-                path,
-                hands_on,
-                // Walls have none anyway; one pipeline does for both.
-                draws_bottom: !without_bottom || matches!(part, Part::Walls | Part::Turned),
-                is_turned: part == Part::Turned,
-            }),
-            fragments: match state {
-                VolumeState::Colour { .. } => Fragments::Shader {
-                    path,
-                    entry_point: "region_colour",
-                },
-                VolumeState::Accumulate { depth, .. } => Fragments::Shader {
-                    path,
-                    entry_point: match depth {
-                        DepthRule::Fail => "number_behind",
-                        DepthRule::Pass => "number_before",
-                    },
-                },
-                // As in wgpu, where a pass with a target wants a shader for it.
-                VolumeState::Mark {
-                    has_colour: true, ..
-                } => Fragments::Shader {
-                    path,
-                    entry_point: "no_colour",
-                },
-                _ => Fragments::None,
-            },
-            format: match self {
-                Self::VsControl => VertexFormat::FixedAndFlag,
-                _ => VertexFormat::Fixed,
-            },
-            topology: self.topology(part, indices),
-            state: state.into(),
-            depth_bounds: depth_bounds
-                && matches!(
-                    state,
-                    VolumeState::Mark { .. } | VolumeState::Accumulate { .. }
-                ),
+        let targets = Targets::new(&devices, size);
+        for _ in 0..2 {
+            let opened = NativeTechnique.open(&targets, &main()).map(|_| ());
+            let error = opened.expect_err("no such adapter").to_string();
+            let words = "this machine lacks a device for the native backend: ";
+            assert!(error.starts_with(words), "{error}");
         }
-    }
-}
-
-/// The pipeline of a triangle over the screen: a cover, or the lookup of accumulated numbers.
-pub(crate) fn cover_pipeline(state: PipelineState) -> PipelineDescriptor {
-    let path = match state {
-        PipelineState::Resolve => "vertex/resolve.wgsl",
-        _ => "vertex/cover.wgsl",
-    };
-    PipelineDescriptor {
-        vertex: VertexStage {
-            path,
-            entry_point: "vertex_main",
-        },
-        geometry: None,
-        fragments: Fragments::Shader {
-            path,
-            entry_point: "fragment_main",
-        },
-        format: VertexFormat::Number,
-        topology: Topology::Triangles,
-        state,
-        depth_bounds: false,
     }
 }

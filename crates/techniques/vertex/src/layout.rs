@@ -379,7 +379,7 @@ mod tests {
                     .map(|mesh| variant_bytes(&variant, mesh))
                     .sum();
                 formula.vertex_bytes += shared_flag_bytes(variant.layout, &meshes);
-                assert_eq!(built, formula, "{} {count}", variant.name());
+                assert_eq!(built, formula, "{variant:?} {count}");
             }
         }
     }
@@ -394,7 +394,7 @@ mod tests {
             let meshes = std::slice::from_ref(&mesh);
             let geometry = SceneGeometry::build(&variant, meshes);
             let short = &geometry.indices.short;
-            assert!(is_closed(short), "{}", variant.name());
+            assert!(is_closed(short), "{variant:?}");
             // Twin: without its last triangle it is open.
             assert!(!is_closed(&short[..short.len() - 3]));
         }
@@ -447,7 +447,7 @@ mod tests {
                 let long = geometry.indices.long.iter().filter(|&&i| i == u32::MAX);
                 let separates = variant.has_strips() || variant.layout == Layout::Pulled;
                 let expected = usize::from(separates);
-                assert_eq!(short.count() + long.count(), expected, "{}", variant.name());
+                assert_eq!(short.count() + long.count(), expected, "{variant:?}");
             }
         }
     }

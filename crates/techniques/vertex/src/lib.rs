@@ -15,6 +15,7 @@ mod cache_order;
 mod layout;
 mod pass;
 mod pipeline;
+mod technique;
 mod variant;
 #[cfg(test)]
 mod volume_invariants;
@@ -25,4 +26,5 @@ pub use layout::{
     FLAG_BYTES, layout_bytes, per_triangle_volume_bytes, shared_flag_bytes, shared_mesh_bytes,
     variant_bytes,
 };
+pub use technique::VertexTechnique;
 pub use variant::{IndexOrder, Layout, VertexSize, VertexVariant, Walls};

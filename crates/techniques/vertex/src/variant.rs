@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A variant of the vertex backend: how geometry lies in buffers, and the switches of the fill.
 
-use terrafill_fill::{ColourWay, DepthRuleChoice, PositionFormat, SwitchError, Switches, pick};
+use terrafill_fill::{ColourWay, DepthRuleChoice, PositionFormat, SwitchError, Switches, Variant};
 use terrafill_scene::Overlap;
 
 /// Where a volume's vertices come from.
@@ -119,74 +119,32 @@ impl Default for VertexVariant {
 }
 
 impl VertexVariant {
-    /// Every key of its own that [`VertexVariant::set`] takes, with its values; the others are
-    /// [`Switches::KEYS`].
-    pub const KEYS: &str = "layout=doubled|separate|per-triangle|pulled, \
-        positions=fixed|local-f32|ecef-f32|two-float, walls=strip|list, index-order=mesh|cache, vertex-bytes=16|20, \
-        opacity=1…100";
-
-    /// Layout first, then what differs from the default, `key=value`, in alphabetical order.
-    #[must_use]
-    pub fn name(&self) -> String {
-        let mut names = self.switches.names();
-        if self.positions != PositionFormat::default() {
-            names.push(format!("positions={}", self.positions.name()));
-        }
-        if self.walls == Walls::List {
-            names.push("walls=list".to_owned());
-        }
-        if self.index_order == IndexOrder::Cache {
-            names.push("index-order=cache".to_owned());
-        }
-        if self.vertex_size == VertexSize::Bytes20 {
-            names.push("vertex-bytes=20".to_owned());
-        }
-        if self.opacity_percent != 100 {
-            names.push(format!("opacity={}", self.opacity_percent));
-        }
-        names.sort_unstable();
-        names.insert(0, self.layout.name().to_owned());
-        names.join(",")
-    }
-
-    /// Sets the switch `key` to `value`; with `layout=` the inverse of [`VertexVariant::name`].
+    /// What `variant` says.
     ///
     /// # Errors
-    /// [`SwitchError`] when the value is none of the switch's; `Ok(false)` when there is no such
-    /// switch.
-    pub fn set(&mut self, key: &str, value: &str) -> Result<bool, SwitchError> {
-        match key {
-            "layout" => {
-                let layouts = Layout::ALL.map(|layout| (layout.name(), layout));
-                self.layout = pick("layout", value, &layouts)?;
-            }
-            "positions" => {
-                let formats = PositionFormat::ALL.map(|format| (format.name(), format));
-                self.positions = pick("positions", value, &formats)?;
-            }
-            "walls" => {
-                let walls = [("strip", Walls::Strip), ("list", Walls::List)];
-                self.walls = pick("walls", value, &walls)?;
-            }
-            "index-order" => {
-                let orders = [("mesh", IndexOrder::Mesh), ("cache", IndexOrder::Cache)];
-                self.index_order = pick("index-order", value, &orders)?;
-            }
-            "vertex-bytes" => {
-                let sizes = [("16", VertexSize::Bytes16), ("20", VertexSize::Bytes20)];
-                self.vertex_size = pick("vertex-bytes", value, &sizes)?;
-            }
-            "opacity" => {
-                let percent = value.parse().ok().filter(|p| (1..=100).contains(p));
-                self.opacity_percent = percent.ok_or_else(|| SwitchError {
-                    switch: "opacity",
-                    found: value.to_owned(),
-                    allowed: "whole percent, 1 to 100".to_owned(),
-                })?;
-            }
-            _ => return self.switches.set(key, value),
-        }
-        Ok(true)
+    /// [`SwitchError`] when it is one of another technique.
+    pub fn of(variant: &Variant) -> Result<Self, SwitchError> {
+        let percent = variant
+            .value("opacity")
+            .and_then(|value| value.parse().ok());
+        Ok(Self {
+            layout: variant.choice("layout", &Layout::ALL.map(|layout| (layout.name(), layout)))?,
+            positions: variant.choice(
+                "positions",
+                &PositionFormat::ALL.map(|format| (format.name(), format)),
+            )?,
+            walls: variant.choice("walls", &[("strip", Walls::Strip), ("list", Walls::List)])?,
+            index_order: variant.choice(
+                "index-order",
+                &[("mesh", IndexOrder::Mesh), ("cache", IndexOrder::Cache)],
+            )?,
+            vertex_size: variant.choice(
+                "vertex-bytes",
+                &[("16", VertexSize::Bytes16), ("20", VertexSize::Bytes20)],
+            )?,
+            opacity_percent: percent.unwrap_or(100),
+            switches: variant.switches,
+        })
     }
 
     /// Whether layout and switches go together, and with a scene of this kind.
@@ -292,55 +250,8 @@ impl VertexVariant {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_name_can_be_set_again() {
-        let variant = VertexVariant {
-            layout: Layout::Doubled,
-            positions: PositionFormat::LocalF32,
-            walls: Walls::List,
-            index_order: IndexOrder::Cache,
-            vertex_size: VertexSize::Bytes20,
-            opacity_percent: 40,
-            switches: Switches::for_overlap(Overlap::Ordered),
-        };
-        let name = variant.name();
-        let mut read = VertexVariant::default();
-        let mut parts = name.split(',');
-        assert_eq!(read.set("layout", parts.next().expect("layout")), Ok(true));
-        let keys: Vec<&str> = parts.collect();
-        assert!(keys.is_sorted() && keys.len() == 6, "{keys:?}");
-        for key in keys {
-            let (key, value) = key.split_once('=').expect("key=value");
-            assert_eq!(read.set(key, value), Ok(true), "{key}");
-            let key = format!("{key}=");
-            let is_known = |keys: &str| keys.contains(&key);
-            assert!(
-                is_known(VertexVariant::KEYS) != is_known(Switches::KEYS),
-                "{key}"
-            );
-        }
-        assert_eq!(read, variant);
-        assert!(variant.check(Overlap::Ordered).is_ok());
-    }
-
-    #[test]
-    fn every_position_format_has_a_name_that_can_be_set_again() {
-        for positions in PositionFormat::ALL {
-            let variant = VertexVariant {
-                positions,
-                ..VertexVariant::default()
-            };
-            let name = variant.name();
-            assert!(VertexVariant::KEYS.contains(positions.name()));
-            let mut read = VertexVariant::default();
-            assert_eq!(read.set("positions", positions.name()), Ok(true));
-            assert_eq!(read, variant);
-            let said = name == format!("doubled,positions={}", positions.name());
-            assert_eq!(said, positions != PositionFormat::Fixed, "{name}");
-            assert_eq!(variant.vertex_words(), positions.words() + 1);
-        }
-    }
+    use crate::VertexTechnique;
+    use terrafill_fill::Technique as _;
 
     #[test]
     fn positions_refuse_what_they_cannot_have() {
@@ -361,34 +272,13 @@ mod tests {
     }
 
     #[test]
-    fn unknown_keys_and_values_are_told_apart() {
-        let mut variant = VertexVariant::default();
-        assert_eq!(variant.set("wall", "list"), Ok(false));
-        for (key, value) in [
-            ("walls", "fan"),
-            ("index-order", "random"),
-            ("vertex-bytes", "12"),
-            ("opacity", "0"),
-            ("opacity", "101"),
-            ("layout", "tripled"),
-            ("colour", "red"),
-        ] {
-            let error = variant.set(key, value).expect_err("no such value");
-            assert!(error.to_string().contains(value), "{error}");
-        }
-        assert_eq!(variant, VertexVariant::default());
-    }
-
-    #[test]
     fn what_does_not_go_together_is_refused() {
         let check = |key: &str, layout: Layout, colour: ColourWay| {
-            let mut variant = VertexVariant {
-                layout,
-                ..VertexVariant::default()
-            };
-            variant.switches.colour = colour;
             let (key, value) = key.split_once('=').expect("key=value");
-            assert_eq!(variant.set(key, value), Ok(true));
+            let variant = VertexTechnique.main(Overlap::Disjoint);
+            let variant = variant.with("layout", layout.name()).with(key, value);
+            let variant = variant.with_switches(|switches| switches.colour = colour);
+            let variant = VertexVariant::of(&variant).expect("known names");
             variant.check(Overlap::Disjoint).is_ok()
         };
         for layout in Layout::ALL {

@@ -15,7 +15,7 @@
 )]
 
 use crate::layout::{RegionSlice, SceneGeometry};
-use crate::{IndexOrder, Layout, VertexSize, VertexVariant, Walls};
+use crate::{IndexOrder, Layout, VertexSize, VertexTechnique, VertexVariant, Walls};
 use glam::{DVec3, IVec3, Vec3};
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -23,7 +23,8 @@ use terrafill_core::{
     ClosedSurface, EdgeRule, Ellipsoid, MeshOptions, RegionMesh, VolumeHeights, check_closed,
     parse_regions,
 };
-use terrafill_fill::{PositionFormat, two_float, two_float_difference_m};
+use terrafill_fill::{PositionFormat, Technique as _, Variant, two_float, two_float_difference_m};
+use terrafill_scene::Overlap;
 
 /// Every way to store geometry.
 fn storages() -> Vec<VertexVariant> {
@@ -37,18 +38,15 @@ fn storages() -> Vec<VertexVariant> {
         ("index-order", &["mesh", "cache"]),
         ("vertex-bytes", &["16", "20"]),
     ];
-    let mut all = vec![VertexVariant::default()];
+    let mut all = vec![VertexTechnique.main(Overlap::Disjoint)];
     for (key, values) in choices {
-        let with = |variant: &VertexVariant, value: &str| {
-            let mut variant = *variant;
-            assert_eq!(variant.set(key, value), Ok(true), "{key}={value}");
-            variant
-        };
+        let with = |variant: &Variant, value: &str| variant.clone().with(key, value);
         all = all
             .iter()
             .flat_map(|variant| values.iter().map(|value| with(variant, value)))
             .collect();
     }
+    let mut all: Vec<VertexVariant> = all.iter().flat_map(VertexVariant::of).collect();
     all.retain(|variant| variant.check_layout().is_ok());
     assert_eq!(
         all.len(),
@@ -584,7 +582,7 @@ impl Scene {
         let mut count = Count::default();
         let known = self.meshes.iter().zip(&self.volumes_m3);
         for (slice, (mesh, expected_m3)) in geometry.regions.iter().zip(known) {
-            let fail = |what: String| format!("{} ({}): {what}", mesh.name, variant.name());
+            let fail = |what: String| format!("{} ({variant:?}): {what}", mesh.name);
             let reader = Reader {
                 geometry,
                 slice,
@@ -750,7 +748,7 @@ fn every_way_to_store_hard_shapes_is_closed() {
         for variant in storages().into_iter().filter(is_tried) {
             let count = scene.check(&variant);
             let count = count.unwrap_or_else(|what| panic!("{}: {what}", body.name()));
-            println!("{}, {}: {count:?}", body.name(), variant.name());
+            println!("{}, {variant:?}: {count:?}", body.name());
             // The layouts differ in how corners are found, not in what becomes of them.
             if is_plain(&variant) && variant.layout == Layout::Doubled {
                 let from_eyes = scene.check_from_eyes(&variant).expect("closed");
@@ -815,18 +813,13 @@ fn every_way_to_store_the_countries_is_closed() {
             let count = scene
                 .check_built(&geometry, &variant)
                 .unwrap_or_else(|what| panic!("{name}, {rule:?}: {what}"));
-            println!("{name}, {rule:?}, {}: {count:?}", variant.name());
+            println!("{name}, {rule:?}, {variant:?}: {count:?}");
             let has_long = geometry
                 .regions
                 .iter()
                 .any(|slice| !slice.place.has_short_indices);
             let may_have = is_whole || is_stored_twice(&variant);
-            assert_eq!(
-                has_long,
-                is_largest && may_have,
-                "{name}, {}",
-                variant.name()
-            );
+            assert_eq!(has_long, is_largest && may_have, "{name}, {variant:?}");
         }
     }
 }
@@ -863,7 +856,7 @@ fn each_noticed(
                 continue;
             }
             let noticed = scene.check_built(&geometry, &variant).is_err();
-            assert!(noticed, "{}, {place}", variant.name());
+            assert!(noticed, "{variant:?}, {place}");
         }
     }
     assert!(layouts > 0, "nothing was tried");
@@ -973,7 +966,7 @@ fn offsets_of_another_region_are_noticed() {
             let mut geometry = scene.build(&variant);
             mutant(&mut geometry.regions[1]);
             let found = scene.check_built(&geometry, &variant);
-            assert!(found.is_err(), "{}, {i}", variant.name());
+            assert!(found.is_err(), "{variant:?}, {i}");
         }
     }
 }
@@ -990,8 +983,7 @@ fn buffers_read_as_another_storage_are_noticed() {
                 ..stored
             } == read;
             let found = scene.check_built(&geometry, &read);
-            let (stored, read) = (stored.name(), read.name());
-            assert_eq!(found.is_ok(), is_same, "{stored} as {read}: {found:?}");
+            assert_eq!(found.is_ok(), is_same, "{stored:?} as {read:?}: {found:?}");
         }
     }
 }
@@ -1042,7 +1034,7 @@ fn walls_with_another_diagonal_or_first_corner_are_noticed() {
             let mut other = scene.build(&variant);
             other.indices.short[wall..wall + 3].rotate_left(1);
             let found = scene.check_built(&other, &variant);
-            assert_eq!(found.is_err(), has_inner, "{}: {found:?}", variant.name());
+            assert_eq!(found.is_err(), has_inner, "{variant:?}: {found:?}");
         }
     }
 }
@@ -1058,7 +1050,7 @@ fn second_walls_that_are_not_the_first_ones_are_noticed() {
             let mut geometry = scene.build(&variant);
             geometry.regions[1].turned_index_count = count;
             let found = scene.check_built(&geometry, &variant);
-            assert!(found.is_err(), "{}: {count} of {turned}", variant.name());
+            assert!(found.is_err(), "{variant:?}: {count} of {turned}");
         }
         // Turned over in another order of corners: as closed, and as many walls.
         let mut geometry = scene.build(&variant);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Verbs and their arguments.
 
+use crate::registry;
+use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use terrafill_core::{EdgeRule, Ellipsoid};
@@ -131,8 +133,13 @@ pub(crate) struct RenderArguments {
     #[arg(long)]
     pub(crate) view: String,
     /// vertex, compute, native or reference
-    #[arg(long, default_value = "vertex", hide_possible_values = true)]
-    pub(crate) backend: RenderBackend,
+    #[arg(
+        long,
+        default_value = "vertex",
+        value_parser = picture_backends(),
+        hide_possible_values = true
+    )]
+    pub(crate) backend: String,
     #[arg(long, value_name = "KEY=VALUE", help = VARIANT_HELP)]
     pub(crate) variant: Vec<String>,
     /// Picture to write, PNG
@@ -157,28 +164,8 @@ pub(crate) struct RenderArguments {
 
 /// What can draw a picture. The values have no help of their own: with it clap prints a paragraph
 /// per option, and the page no longer fits a screen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum RenderBackend {
-    // Shadow volumes in the vertex shader.
-    Vertex,
-    // The geometry shader emulated in compute.
-    Compute,
-    // Geometry shaders, on Vulkan itself.
-    Native,
-    // The f64 reference on the CPU.
-    Reference,
-}
-
-impl RenderBackend {
-    /// Name in rows, and of those but the reference in `terrafill_filling::BACKENDS`.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Vertex => "vertex",
-            Self::Compute => "compute",
-            Self::Native => "native",
-            Self::Reference => "reference",
-        }
-    }
+fn picture_backends() -> PossibleValuesParser {
+    PossibleValuesParser::new(registry::names().into_iter().chain(["reference"]))
 }
 
 /// Edge rule by name.

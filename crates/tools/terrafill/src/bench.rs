@@ -2,6 +2,7 @@
 //! `bench` and `report`.
 
 use crate::arguments::{BenchArguments, GrowthSampleArguments, ReportArguments};
+use crate::registry::TECHNIQUES;
 use crate::{Failure, Outcome, print};
 use std::path::Path;
 use terrafill_filling::{BenchError, BenchOptions};
@@ -11,6 +12,7 @@ use terrafill_scene::{ImageSize, data_dir_from_env};
 
 pub(crate) fn run(arguments: BenchArguments) -> Result<Outcome, Failure> {
     let options = BenchOptions {
+        techniques: TECHNIQUES,
         scenes: arguments.scenes,
         backends: arguments.backend,
         quick: arguments.quick,

@@ -2,7 +2,7 @@
 //! `scenes` and `devices`: what there is.
 
 use crate::arguments::ScenesArguments;
-use crate::{Failure, Outcome, print};
+use crate::{Failure, Outcome, print, registry};
 use terrafill_scene::{Scene, SceneError, data_dir_from_env, shipped_scene_names};
 
 pub(crate) fn scenes(arguments: &ScenesArguments) -> Result<Outcome, Failure> {
@@ -59,8 +59,8 @@ pub(crate) fn devices() -> Result<Outcome, Failure> {
     if adapters.is_empty() {
         let why = no_vulkan.map_or(String::new(), |error| format!(" ({error})"));
         return Err(Failure::no_device(format!(
-            "no Vulkan device, which vertex, compute and native need{why}; \
-             ci/setup.sh installs a software one"
+            "no Vulkan device, which {} need{why}; ci/setup.sh installs a software one",
+            registry::names().join(", ")
         )));
     }
     Ok(if adapters.iter().any(Adapter::runs_something) {
@@ -184,10 +184,16 @@ fn describe(adapter: &Adapter) -> String {
         "cannot run; the Vulkan loader does not list this device".to_owned(),
         vulkan_verdict,
     );
-    format!(
-        "{name} ({device_type})\n    driver     {driver} {driver_info}\n    \
-         vertex     {on_wgpu}\n    compute    {on_wgpu}\n    native     {on_vulkan}\n"
-    )
+    let mut text = format!("{name} ({device_type})\n    driver     {driver} {driver_info}\n");
+    for technique in registry::TECHNIQUES {
+        let verdict = match technique.api() {
+            terrafill_gpu::API => &on_wgpu,
+            terrafill_vulkan::API => &on_vulkan,
+            _ => continue,
+        };
+        text += &format!("    {:<10} {verdict}\n", technique.name());
+    }
+    text
 }
 
 #[cfg(test)]

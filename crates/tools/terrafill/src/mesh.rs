@@ -3,15 +3,15 @@
 
 use crate::arguments::MeshArguments;
 use crate::regions::{FeatureProblem, Leniency, Meshed, read_and_mesh, report_skipped};
+use crate::registry::TECHNIQUES;
 use crate::{Failure, Outcome, print};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
-use terrafill_compute::{compute_bytes, placed_bytes};
 use terrafill_core::{EdgeRule, MeshOptions, Region, RegionMesh};
-use terrafill_native::native_layouts;
-use terrafill_vertex::{Layout, layout_bytes, shared_flag_bytes};
+use terrafill_fill::layouts;
+use terrafill_scene::Overlap;
 
 #[derive(Serialize)]
 struct MeshOutput {
@@ -94,27 +94,13 @@ pub(crate) fn run(arguments: &MeshArguments) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
-fn layout_name(layout: Layout) -> String {
-    format!("vertex/{}", layout.name())
-}
-
-/// By the formulas that the backends' own tests hold to the buffers as built.
+/// By the formulas that the techniques' own tests hold to the buffers as built.
 fn bytes(mesh: &RegionMesh) -> BTreeMap<String, u64> {
-    let compute = compute_bytes(mesh);
-    let vertex =
-        Layout::ALL.map(|layout| (layout_name(layout), layout_bytes(layout, mesh).total()));
-    let native = native_layouts(mesh).into_iter();
-    let native = native.map(|(name, bytes)| (format!("native/{name}"), bytes.total()));
-    let compute = [
-        ("compute/input", compute.input()),
-        ("compute/total", compute.total()),
-        (
-            "compute/total,transform=compute",
-            compute.total() + placed_bytes(mesh),
-        ),
-    ];
-    let compute = compute.map(|(name, bytes)| (name.to_owned(), bytes));
-    vertex.into_iter().chain(compute).chain(native).collect()
+    let all = TECHNIQUES.iter().flat_map(|technique| {
+        let layouts = technique.layout_bytes(mesh).into_iter();
+        layouts.map(|(layout, bytes)| (format!("{}/{layout}", technique.name()), bytes))
+    });
+    all.collect()
 }
 
 fn total_bytes(meshed: &[MeshedRegion]) -> BTreeMap<String, u64> {
@@ -126,8 +112,15 @@ fn total_bytes(meshed: &[MeshedRegion]) -> BTreeMap<String, u64> {
 }
 
 fn shared_bytes(meshes: &[RegionMesh]) -> BTreeMap<String, u64> {
-    let shared = Layout::ALL.map(|layout| (layout_name(layout), shared_flag_bytes(layout, meshes)));
-    shared.into_iter().filter(|(_, bytes)| *bytes > 0).collect()
+    let all = TECHNIQUES.iter().flat_map(|technique| {
+        let variants = layouts(*technique, Overlap::Disjoint).into_iter();
+        variants.filter_map(|variant| {
+            let bytes = technique.shared_bytes(&variant, meshes).ok()?.total();
+            let name = format!("{}/{}", technique.name(), technique.layout(&variant));
+            (bytes > 0).then_some((name, bytes))
+        })
+    });
+    all.collect()
 }
 
 fn describe(mesh: &RegionMesh) -> MeshedRegion {

@@ -3,22 +3,25 @@
 
 use crate::arguments::RenderArguments;
 use crate::output::{check_paths, write_all};
+use crate::registry::{TECHNIQUES, technique};
 use crate::{Failure, Outcome};
 use image::{ExtendedColorType, ImageFormat};
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::PathBuf;
+use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
 use terrafill_fill::{
-    BackendError, Frame, FrameInput, MemoryUse, PreparedScene, SwitchError, paint,
+    DeviceError, Devices, Frame, FrameInput, MemoryUse, PreparedScene, SwitchError, Targets,
+    Technique, Variant, paint,
 };
-use terrafill_filling::{Technique, open_scene};
+use terrafill_filling::open_scene;
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{
     ImageSize, LeveledMeshes, PlanOptions, Scene, SurfaceMesh, View, data_dir_from_env,
 };
-use terrafill_vertex::{CACHE_SIZE, IndexOrder, acmr, cache_ordered};
 
 /// What one backend drew.
 struct Drawn {
@@ -28,9 +31,8 @@ struct Drawn {
     variant: String,
     /// What the backend settled that people should know.
     note: Option<String>,
-    /// Transformed vertices per triangle of the caps, through a cache of [`CACHE_SIZE`]; of the
-    /// vertex backend, the only one that orders triangles for it.
-    cap_acmr: Option<f64>,
+    /// Figures that the technique has of its own, by name.
+    figures: BTreeMap<&'static str, Option<f64>>,
 }
 
 pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
@@ -42,9 +44,9 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
     let view = find_view(&scene, &arguments.view)?;
     let wanted = wanted(&scene, arguments)?;
     let input = input(&scene, view, &wanted, arguments)?;
-    let drawn = match &wanted.technique {
+    let drawn = match &wanted.subject {
         None => draw_reference(&input, wanted.is_textured)?,
-        Some(technique) => draw(&input, technique, arguments)?,
+        Some((technique, variant)) => draw(&input, *technique, variant, arguments)?,
     };
     let colour = ExtendedColorType::Rgb8;
     let mut files = vec![(out, png(&drawn.rgb, input.size, colour)?)];
@@ -72,18 +74,17 @@ fn find_view<'a>(scene: &'a Scene, name: &str) -> Result<&'a View, Failure> {
 /// What `--backend` and `--variant` ask for.
 struct Wanted {
     /// `None`: the reference.
-    technique: Option<Technique>,
+    subject: Option<(&'static dyn Technique, Variant)>,
     mesh: MeshOptions,
-    plan: PlanOptions,
     /// Whether the reference fills with the scene's texture.
     is_textured: bool,
 }
 
 fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure> {
+    let technique = technique(&arguments.backend);
     let mut wanted = Wanted {
-        technique: Technique::main(arguments.backend.name(), scene.overlap),
+        subject: technique.map(|technique| (technique, technique.main(scene.overlap))),
         mesh: scene.mesh,
-        plan: PlanOptions::default(),
         is_textured: false,
     };
     for switch in &arguments.variant {
@@ -92,29 +93,50 @@ fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure>
             Failure::bad_input(message)
         };
         let (key, value) = switch.split_once('=').unwrap_or((switch, ""));
-        if wanted.technique.is_none() {
+        if wanted.subject.is_none() {
             wanted
                 .set_reference(scene, key, value)
                 .map_err(|allowed| refuse(&allowed))?;
             continue;
         }
-        if wanted.set_input(key, value).map_err(refuse)? {
+        if wanted.set_mesh(key, value).map_err(refuse)? {
             continue;
         }
-        let Some(technique) = &mut wanted.technique else {
+        let Some((_, variant)) = &mut wanted.subject else {
             continue;
         };
-        match technique.set(key, value) {
+        match variant.set(key, value) {
             Ok(true) => {}
-            Ok(false) => return Err(refuse(&allowed_switches(technique))),
+            Ok(false) => return Err(refuse(&allowed_switches(variant))),
             Err(error) => return Err(refuse(&format!("{key}={}", error.allowed))),
         }
     }
-    let conflict = |error: SwitchError| Failure::bad_input(format!("--variant: {error}"));
-    if let Some(technique) = &wanted.technique {
-        technique.check(scene.overlap).map_err(conflict)?;
+    if let Some((technique, variant)) = &wanted.subject {
+        let checked = check_interface(*technique, variant)
+            .and_then(|()| technique.check(variant, scene.overlap));
+        checked.map_err(|error| Failure::bad_input(format!("--variant: {error}")))?;
     }
     Ok(wanted)
+}
+
+/// Whether the technique's interface has what the switches ask for. On no device would it run, so
+/// that it is no device's fault.
+fn check_interface(technique: &dyn Technique, variant: &Variant) -> Result<(), SwitchError> {
+    let api = technique.api();
+    if !variant.switches.depth_bounds || api.has_depth_bounds_test {
+        return Ok(());
+    }
+    let able = TECHNIQUES
+        .iter()
+        .filter(|other| other.api().has_depth_bounds_test);
+    let able: Vec<String> = able
+        .map(|other| format!("--backend {}", other.name()))
+        .collect();
+    Err(SwitchError {
+        switch: "depth-bounds",
+        found: format!("on with a backend on {}, which has no such test", api.name),
+        allowed: format!("off, or {}", able.join(" or ")),
+    })
 }
 
 impl Wanted {
@@ -135,44 +157,27 @@ impl Wanted {
         Ok(())
     }
 
-    /// Sets a switch of what goes into every backend; `Ok(false)` when there is no such switch, and
-    /// what is allowed when the value is none of the switch's.
-    fn set_input(&mut self, key: &str, value: &str) -> Result<bool, &'static str> {
-        let above_zero = || value.parse().ok().filter(|&v| v > 0.0 && f64::is_finite(v));
-        let plan = &mut self.plan;
-        match key {
-            "boundary-tolerance-m" => {
-                let allowed = "boundary-tolerance-m=METRES, a number above 0";
-                self.mesh.boundary_tolerance_m = above_zero().ok_or(allowed)?;
-            }
-            "boundary-lod-px" => {
-                let allowed = "boundary-lod-px=PIXELS, a number above 0";
-                plan.boundary_lod_px = Some(above_zero().ok_or(allowed)?);
-            }
-            "frustum-culling" => plan.frustum_culling = on_or_off(value)?,
-            "horizon-culling" => plan.horizon_culling = on_or_off(value)?,
-            "too-small-culling" => plan.too_small_culling = on_or_off(value)?,
-            _ => return Ok(false),
+    /// Sets an option of the meshes that go into every backend; `Ok(false)` when there is no such
+    /// option, and what is allowed when the value is none of the option's.
+    fn set_mesh(&mut self, key: &str, value: &str) -> Result<bool, &'static str> {
+        if key != "boundary-tolerance-m" {
+            return Ok(false);
         }
+        let above_zero = value.parse().ok().filter(|&v| v > 0.0 && f64::is_finite(v));
+        let allowed = "boundary-tolerance-m=METRES, a number above 0";
+        self.mesh.boundary_tolerance_m = above_zero.ok_or(allowed)?;
         Ok(true)
     }
-}
 
-fn on_or_off(value: &str) -> Result<bool, &'static str> {
-    match value {
-        "on" => Ok(true),
-        "off" => Ok(false),
-        _ => Err("on, off"),
+    fn plan(&self) -> PlanOptions {
+        let variant = self.subject.as_ref().map(|(_, variant)| variant);
+        variant.map_or_else(PlanOptions::default, |variant| variant.plan)
     }
 }
 
 /// Switches of `render`, for a message.
-fn allowed_switches(technique: &Technique) -> String {
-    format!(
-        "{}, boundary-tolerance-m=METRES, boundary-lod-px=PIXELS, frustum-culling=on|off, \
-         horizon-culling=on|off, too-small-culling=on|off",
-        technique.keys()
-    )
+fn allowed_switches(variant: &Variant) -> String {
+    format!("{}, boundary-tolerance-m=METRES", variant.keys())
 }
 
 fn input(
@@ -189,7 +194,7 @@ fn input(
         Failure::bad_input(lines.join("\n"))
     };
     let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
-    let prepared = if wanted.plan.boundary_lod_px.is_some() {
+    let prepared = if wanted.plan().boundary_lod_px.is_some() {
         let leveled = LeveledMeshes::build(scene, &wanted.mesh).map_err(refused)?;
         PreparedScene::leveled(scene, leveled, surface)
     } else {
@@ -201,7 +206,7 @@ fn input(
         width: arguments.size.0,
         height: arguments.size.1,
     };
-    Ok(FrameInput::new(&prepared, view, size, wanted.plan))
+    Ok(FrameInput::new(&prepared, view, size, wanted.plan()))
 }
 
 fn draw_reference(input: &FrameInput, is_textured: bool) -> Result<Drawn, Failure> {
@@ -218,55 +223,40 @@ fn draw_reference(input: &FrameInput, is_textured: bool) -> Result<Drawn, Failur
         frame,
         memory: None,
         note: None,
-        cap_acmr: None,
+        figures: BTreeMap::new(),
     })
 }
 
 fn draw(
     input: &FrameInput,
-    technique: &Technique,
+    technique: &dyn Technique,
+    variant: &Variant,
     arguments: &RenderArguments,
 ) -> Result<Drawn, Failure> {
-    let draw = || -> Result<Drawn, BackendError> {
-        let mut backend = technique.open_alone(arguments.adapter.as_deref(), input.size)?;
+    let draw = || -> Result<Drawn, DeviceError> {
+        let devices = Rc::new(Devices::new(arguments.adapter.clone()));
+        let targets = Targets::new(&devices, input.size);
+        let mut backend = technique.open(&targets, variant)?;
         let memory = backend.prepare(input)?;
         let frame = backend.render(input)?;
         let picture = backend.picture(input)?;
         let rgb = picture.rgba.chunks_exact(4).flat_map(|p| &p[..3]).copied();
+        // What is left out is listed by itself.
+        let mut named = variant.clone();
+        named.plan = PlanOptions::default();
         Ok(Drawn {
             rgb: rgb.collect(),
             frame,
             memory: Some(memory),
-            variant: backend.variant_name(),
+            variant: named.name(),
             note: backend.note(),
-            cap_acmr: match technique {
-                Technique::Vertex(variant) => cap_acmr(input, variant.index_order),
-                _ => None,
-            },
+            figures: technique.figures(variant, input).into_iter().collect(),
         })
     };
     draw().map_err(|error| match error {
-        BackendError::Unsupported { .. } | BackendError::DeviceLost(_) => Failure::no_device(error),
+        DeviceError::Unsupported { .. } | DeviceError::DeviceLost(_) => Failure::no_device(error),
         _ => Failure::bad_input(error),
     })
-}
-
-/// Over all triangles of the regions drawn.
-fn cap_acmr(input: &FrameInput, order: IndexOrder) -> Option<f64> {
-    let (mut misses, mut triangles) = (0.0, 0.0);
-    for planned in &input.plan.regions {
-        let mesh = &input.scene.meshes[planned.mesh];
-        let ratio = match order {
-            IndexOrder::Mesh => acmr(&mesh.triangles, CACHE_SIZE),
-            IndexOrder::Cache => {
-                let ordered = cache_ordered(&mesh.triangles, mesh.vertices_ecef.len());
-                acmr(&ordered, CACHE_SIZE)
-            }
-        };
-        misses += ratio.unwrap_or(0.0) * mesh.triangles.len() as f64;
-        triangles += mesh.triangles.len() as f64;
-    }
-    (triangles > 0.0).then(|| misses / triangles)
 }
 
 fn statistics(arguments: &RenderArguments, input: &FrameInput, drawn: &Drawn) -> serde_json::Value {
@@ -306,10 +296,10 @@ fn statistics(arguments: &RenderArguments, input: &FrameInput, drawn: &Drawn) ->
             "geometry_bytes": memory.geometry_bytes(),
         })
     });
-    json!({
+    let mut statistics = json!({
         "scene": input.scene.name,
         "view": input.view,
-        "backend": arguments.backend.name(),
+        "backend": arguments.backend,
         "variant": drawn.variant,
         "width": input.size.width,
         "height": input.size.height,
@@ -317,11 +307,14 @@ fn statistics(arguments: &RenderArguments, input: &FrameInput, drawn: &Drawn) ->
         "non_finite": drawn.frame.non_finite,
         "counters": counters,
         "memory": memory,
-        "cap_acmr": drawn.cap_acmr,
         "regions_drawn": input.plan.regions.len(),
         "left_out": left_out,
         "note": drawn.note,
-    })
+    });
+    for (name, figure) in &drawn.figures {
+        statistics[*name] = json!(figure);
+    }
+    statistics
 }
 
 fn ids_png(frame: &Frame) -> Result<Vec<u8>, Failure> {

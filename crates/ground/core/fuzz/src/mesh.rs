@@ -60,7 +60,7 @@ pub struct Case {
 }
 
 /// Largest number of vertices of a case: the checks here are quadratic.
-const MOST_VERTICES: usize = 60;
+const MAX_VERTICES: usize = 60;
 
 /// Draws, meshes and judges.
 ///
@@ -1017,7 +1017,7 @@ impl Drawing<'_, '_> {
                 Some(polygon) if as_hole => polygon.push(ring),
                 _ => self.polygons.push(vec![ring]),
             }
-            if self.bytes.is_exhausted() || self.vertices > MOST_VERTICES {
+            if self.bytes.is_exhausted() || self.vertices > MAX_VERTICES {
                 break;
             }
         }

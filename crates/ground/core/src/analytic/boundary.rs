@@ -22,9 +22,9 @@ const ROUNDING: f64 = 4e-14;
 const POLE_SNAP_DEG: f64 = 1e-12;
 /// An edge may be this many times shorter in parameter than the piece that it was cut from: a
 /// double has no more digits.
-const MOST_HALVINGS: u32 = 50;
+const MAX_HALVINGS: u32 = 50;
 /// Steps towards the nearest point; each squares the error.
-const MOST_STEPS: u32 = 4;
+const MAX_STEPS: u32 = 4;
 /// Tolerances coarser than this share of the narrowest width would let opposite sides cross.
 const COARSEST_SHARE: f64 = 0.05;
 
@@ -191,7 +191,7 @@ impl Subdivider<'_> {
         let mut parameters = vec![0.0];
         for piece in 0..band.pieces {
             let ends = [piece, piece + 1].map(|end| f64::from(end) / f64::from(band.pieces));
-            self.split(band, ends, MOST_HALVINGS, &mut parameters);
+            self.split(band, ends, MAX_HALVINGS, &mut parameters);
         }
         parameters
     }
@@ -307,7 +307,7 @@ fn nearest(point: DVec3, start: f64, enough_m: f64, line: impl Fn(f64) -> DVec3)
     const SPACING: f64 = 1e-3;
     let mut fraction = start;
     let mut smallest = f64::INFINITY;
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let at = line(fraction);
         let distance = point.distance(at);
         // Once it no longer falls by a thousandth the next step cannot change what is stated.

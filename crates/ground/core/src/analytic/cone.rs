@@ -10,7 +10,6 @@
 //! A cone of less than 90° is convex, so is the one of the rays that touch, and so is what both
 //! hold: the footprint is in one piece, bounded by arcs of the two in turn.
 
-use super::SensorCone;
 use super::boundary::{Band, Boundary, Curve, Leg, pieces_of_turn};
 use crate::edge::Degrees;
 use crate::{Ellipsoid, Geodetic};
@@ -28,6 +27,20 @@ const ROUNDED_TURN_RAD: f64 = 1e-6;
 /// Directions in which the horizon is searched for its nearest point, to say by how much it is
 /// missed.
 const SEARCHED: u32 = 3600;
+
+/// A circular cone that a sensor sees with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SensorCone {
+    /// Above the surface.
+    pub apex: Geodetic,
+    /// Of the axis, clockwise from north, within ±2π.
+    pub azimuth_rad: f64,
+    /// Of the axis, above the plane at right angles to the apex's vertical; −π/2 looks straight
+    /// down.
+    pub elevation_rad: f64,
+    /// Between axis and edge, below π/2.
+    pub half_angle_rad: f64,
+}
 
 /// A cone and the body it looks at, ready for intersection.
 pub(super) struct Sight {

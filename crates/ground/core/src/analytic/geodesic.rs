@@ -16,9 +16,9 @@ use std::f64::consts::{PI, TAU};
 /// Coefficients below this share of the first do not change a double.
 const SMALLEST_COEFFICIENT: f64 = 1e-17;
 /// Enough for a body a hundred times as wide as it is high.
-const MOST_SAMPLES: u32 = 2048;
+const MAX_SAMPLES: u32 = 2048;
 /// Newton's steps for the arc; the function is close to a straight line, three do for any planet.
-const MOST_STEPS: u32 = 30;
+const MAX_STEPS: u32 = 30;
 
 /// A geodesic that starts at a place in a direction.
 pub(super) struct Geodesic {
@@ -90,7 +90,7 @@ impl Geodesic {
         let wanted = distance_m / self.polar_radius_m;
         let at_start = self.distance.at(self.sigma1);
         let mut sigma = self.sigma1 + wanted / self.distance.mean;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let slope = (1.0 + self.k2 * sigma.sin().powi(2)).sqrt();
             let step = (self.distance.at(sigma) - at_start - wanted) / slope;
             sigma -= step;
@@ -136,7 +136,7 @@ fn samples_needed(k2: f64) -> u32 {
     let epsilon = k2 / ((1.0 + k2).sqrt() + 1.0).powi(2);
     let mut samples = 1;
     let mut power = epsilon;
-    while power > SMALLEST_COEFFICIENT && samples < MOST_SAMPLES {
+    while power > SMALLEST_COEFFICIENT && samples < MAX_SAMPLES {
         power *= epsilon;
         samples += 1;
     }

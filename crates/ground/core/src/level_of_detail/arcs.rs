@@ -9,7 +9,7 @@
 //! decided for all of them.
 
 use crate::edge::{Degrees, normal};
-use crate::triangulate::index_u32;
+use crate::mesh::index_u32;
 use crate::{EdgeRule, Ellipsoid, Region, Ring};
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};

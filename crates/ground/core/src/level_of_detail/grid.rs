@@ -5,7 +5,7 @@ use super::arcs::Vertex;
 use crate::edge::Degrees;
 
 /// Cells per side at most: 2²² cells are 16 MB.
-const MOST_CELLS_A_SIDE: f64 = 2048.0;
+const MAX_CELLS_A_SIDE: f64 = 2048.0;
 
 /// Vertices by the cell they lie in.
 pub(super) struct VertexGrid {
@@ -38,9 +38,9 @@ impl VertexGrid {
         let wanted = members.len().max(1) as f64;
         let columns = (wanted * extent[0] / extent[1])
             .sqrt()
-            .clamp(1.0, MOST_CELLS_A_SIDE)
+            .clamp(1.0, MAX_CELLS_A_SIDE)
             .ceil();
-        let rows = (wanted / columns).clamp(1.0, MOST_CELLS_A_SIDE).ceil();
+        let rows = (wanted / columns).clamp(1.0, MAX_CELLS_A_SIDE).ceil();
         let mut grid = Self {
             low,
             cells_per_deg: [columns / extent[0], rows / extent[1]],

@@ -12,7 +12,7 @@
 //! nothing, are left as they are. A certain flip lowers the triangulation lifted to the paraboloid,
 //! so flipping ends.
 
-use super::index_u32;
+use crate::mesh::index_u32;
 use robust::Coord;
 use std::collections::VecDeque;
 

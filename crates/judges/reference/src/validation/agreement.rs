@@ -3,7 +3,7 @@
 //! plain f64 fails.
 
 use super::{Random, TestRing, locator, try_locator};
-use crate::locator::LocatorError;
+use crate::point::LocatorError;
 use terrafill_core::EdgeRule;
 
 const RULES: [EdgeRule; 2] = [EdgeRule::Planar, EdgeRule::GreatEllipse];
@@ -174,8 +174,8 @@ fn a_point_within_rounding_of_an_edge_is_reported() {
         for i in 1..2000 {
             let share = f64::from(i) / 2000.0;
             let (from, to) = (
-                crate::locator::normal(0.1, 0.1),
-                crate::locator::normal(33.3, 7.7),
+                crate::point::normal(0.1, 0.1),
+                crate::point::normal(33.3, 7.7),
             );
             let place = if rule == EdgeRule::Planar {
                 [0.1 + share * 33.2, 0.1 + share * 7.6]

@@ -10,7 +10,8 @@ mod pictures;
 mod places;
 mod textures;
 
-use crate::locator::{Locator, LocatorError, RingSource, holds_north};
+use crate::locator::{Locator, holds_north};
+use crate::point::{LocatorError, RingSource};
 use terrafill_core::EdgeRule;
 
 /// A ring of a test: position of its region, vertices, winding.

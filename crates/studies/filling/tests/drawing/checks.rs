@@ -4,13 +4,12 @@
 
 use super::sights::{MUTANTS, Notices, POSES, Sight, square_from, three_regions_from};
 use super::{
-    AllTargets, Devices, SIZE, differing, draw, figures, is_right, judge, shipped, vertex,
-    with_colour, with_switches,
+    AllTargets, Devices, SIZE, Technique, differing, draw, figures, is_right, judge, shipped,
+    vertex, with_colour, with_switches,
 };
 use terrafill_conformance::{filled_only, verdict};
 use terrafill_fill::{ColourWay, DepthRuleChoice, FacePasses, Frame, FrameInput, Switches};
-use terrafill_filling::Technique;
-use terrafill_native::Technique as Native;
+use terrafill_native::Extrusion as Native;
 use terrafill_scene::{Overlap, PlanOptions};
 use terrafill_vertex::Layout;
 
@@ -25,16 +24,16 @@ fn has_inner_walls(technique: &Technique) -> bool {
     match technique {
         Technique::Vertex(variant) => variant.layout == Layout::PerTriangle,
         Technique::Native(variant) => variant.technique == Native::GsPerTriangle,
-        Technique::Compute(_) | Technique::Baseline(_) => false,
+        Technique::Compute(_) => false,
     }
 }
 
 fn switches_of(technique: &Technique) -> Switches {
-    *technique.switches().expect("draws volumes")
+    technique.switches()
 }
 
 fn name_of(technique: &Technique) -> String {
-    format!("{}/{}", technique.backend(), technique.variant_name())
+    format!("{technique:?}")
 }
 
 /// Pictures of the vertex backend, one for all that have the same switches.

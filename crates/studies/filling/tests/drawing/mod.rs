@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Regions written down in a test, views of them, and whatever draws them.
 //!
-//! A backend is asked for by its [`Technique`], as the bench asks, and drawn with as a
-//! [`VolumeBackend`]: what every backend must do is then written once, in [`checks`], over the views
+//! A backend is asked for by its [`Technique`] and drawn with as a [`FillBackend`]: what every backend must do is then written once, in [`checks`], over the views
 //! of [`sights`]. Another backend joins by an arm in [`AllTargets::open`] and a list of its variants.
 
 #![allow(dead_code, reason = "each test binary uses its own part of this")]
@@ -12,20 +11,41 @@ pub(crate) mod sights;
 
 use std::cell::OnceCell;
 use std::sync::Arc;
-use terrafill_compute::ComputeBackend;
+use terrafill_compute::{ComputeBackend, ComputeTechnique, ComputeVariant};
 use terrafill_conformance::{compare, verdict};
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh, parse_regions};
 use terrafill_fill::{
-    Backend, ColourWay, Counters, Frame, FrameInput, PreparedScene, Switches, VolumeBackend,
+    ColourWay, Counters, FillBackend, Frame, FrameInput, PreparedScene, Switches,
 };
-use terrafill_filling::{Technique, open_scene};
-use terrafill_native::NativeBackend;
+use terrafill_filling::{Techniques, open_scene};
+use terrafill_native::{NativeBackend, NativeTechnique, NativeVariant};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::legacy::ErrorFigures;
 use terrafill_scene::{
     CameraPose, ImageSize, Overlap, PlanOptions, SurfaceMesh, View, data_dir_from_env,
 };
-use terrafill_vertex::{VertexBackend, VertexVariant};
+use terrafill_vertex::{VertexBackend, VertexTechnique, VertexVariant};
+
+/// As the command line hands them to a study.
+pub(crate) const TECHNIQUES: Techniques = &[&VertexTechnique, &ComputeTechnique, &NativeTechnique];
+
+/// A variant of one of the techniques, as its own crate writes it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Technique {
+    Vertex(VertexVariant),
+    Compute(ComputeVariant),
+    Native(NativeVariant),
+}
+
+impl Technique {
+    pub(crate) fn switches(&self) -> Switches {
+        match self {
+            Self::Vertex(variant) => variant.switches,
+            Self::Compute(variant) => variant.switches,
+            Self::Native(variant) => variant.switches,
+        }
+    }
+}
 
 /// Size of most pictures here.
 pub(crate) const SIZE: ImageSize = ImageSize {
@@ -100,9 +120,8 @@ impl<'a> AllTargets<'a> {
     }
 
     /// What draws so.
-    pub(crate) fn open(&self, technique: Technique) -> Box<dyn VolumeBackend> {
+    pub(crate) fn open(&self, technique: Technique) -> Box<dyn FillBackend> {
         match technique {
-            Technique::Baseline(kind) => panic!("{} is no technique", kind.name()),
             Technique::Vertex(variant) => {
                 Box::new(VertexBackend::new(self.wgpu(), variant).expect("valid shaders"))
             }
@@ -127,7 +146,7 @@ pub(crate) fn draw(devices: &Devices, input: &FrameInput, technique: Technique) 
 }
 
 /// The frame by a backend that may have drawn others.
-pub(crate) fn draw_with(backend: &mut (impl Backend + ?Sized), input: &FrameInput) -> Frame {
+pub(crate) fn draw_with(backend: &mut (impl FillBackend + ?Sized), input: &FrameInput) -> Frame {
     backend.prepare(input).expect("fits");
     backend.render(input).expect("draws")
 }
@@ -143,7 +162,6 @@ pub(crate) fn vertex(switches: Switches) -> Technique {
 /// The same technique with other switches.
 pub(crate) fn with_switches(mut technique: Technique, switches: Switches) -> Technique {
     match &mut technique {
-        Technique::Baseline(kind) => panic!("{} has no switches", kind.name()),
         Technique::Vertex(variant) => variant.switches = switches,
         Technique::Compute(variant) => variant.switches = switches,
         Technique::Native(variant) => variant.switches = switches,

@@ -7,10 +7,11 @@
 //! the design of this crate started from, exchanged until they were equal to six: an error of 1e-6 of
 //! its size moves coefficients in their sixth digit.
 
-use terrafill_texture::{AngleCore, coefficients_source, fit};
+use crate::remez::{coefficients_source, fit};
+use terrafill_texture::AngleCore;
 
 /// The checked-in table.
-const TABLE: &str = include_str!("../src/coefficients.rs");
+const TABLE: &str = include_str!("../../src/coefficients.rs");
 
 const LEVELLED: &str = "\
 odd-3: 0.00495199997112: 0.97239411796268611, -0.19194795453635687

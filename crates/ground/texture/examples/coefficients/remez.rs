@@ -11,9 +11,9 @@
 //! Every family is `x · R(x)` with `R` near `g(x) = atan(x) / x`, so the error looked at is
 //! `s(x) (g(x) − R(x))` with `s = x` for the absolute and `1 / g` for the relative one.
 
-use crate::angle::{AngleCore, Weight};
 use crate::double_double::DoubleDouble as Dd;
 use std::fmt::Write as _;
+use terrafill_texture::{AngleCore, Weight};
 
 /// Exchanges after which a fit is given up; none needs more than nine.
 const EXCHANGES: usize = 40;
@@ -25,7 +25,7 @@ const GRID_PER_POINT: u32 = 60;
 /// Why there is no fit.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum RemezError {
+pub(crate) enum RemezError {
     /// The core has no coefficients to be fitted: the device's own, a table, another project's.
     #[error("{core} has no coefficients")]
     NoFamily {
@@ -56,15 +56,15 @@ pub enum RemezError {
 
 /// A minimax approximation.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fit {
+pub(crate) struct Fit {
     /// Largest error: absolute in radians, or relative for [`Weight::Relative`].
-    pub error: f64,
+    pub(crate) error: f64,
     /// Coefficients of P, ascending.
-    pub numerator: Vec<f64>,
+    pub(crate) numerator: Vec<f64>,
     /// Coefficients of Q, ascending, the first 1; empty for polynomials.
-    pub denominator: Vec<f64>,
+    pub(crate) denominator: Vec<f64>,
     /// Where the error is largest, ascending: one more than there are free coefficients.
-    pub reference: Vec<f64>,
+    pub(crate) reference: Vec<f64>,
 }
 
 /// The shape of an approximation.
@@ -357,7 +357,7 @@ fn eliminate(mut rows: Vec<Vec<Dd>>) -> Vec<Dd> {
 ///
 /// # Errors
 /// [`RemezError::NoFamily`] for cores without coefficients, the others where the exchange fails.
-pub fn fit(core: AngleCore) -> Result<Fit, RemezError> {
+pub(crate) fn fit(core: AngleCore) -> Result<Fit, RemezError> {
     let Some(family) = Family::of(core) else {
         return Err(RemezError::NoFamily { core: core.name() });
     };
@@ -406,14 +406,14 @@ pub fn fit(core: AngleCore) -> Result<Fit, RemezError> {
 ///
 /// # Errors
 /// Of the first core that has no fit.
-pub fn coefficients_source() -> Result<String, RemezError> {
+pub(crate) fn coefficients_source() -> Result<String, RemezError> {
     let mut text = String::from(
         "// SPDX-License-Identifier: MIT OR Apache-2.0\n\
          //! Minimax coefficients of the arctangent on [0, 1], by family.\n\
          //!\n\
-         //! Written by `cargo run -p terrafill-texture --example coefficients`; a test makes it anew\n\
-         //! and compares. The only place where a coefficient stands.\n\n\
-         use crate::angle::{AngleCore, Weight};\n\n\
+         //! Written by `cargo run -p terrafill-texture --example coefficients`; the tests of that example\n\
+         //! compare. No coefficient is written anywhere else.\n\n\
+         use crate::angle_core::{AngleCore, Weight};\n\n\
          /// One core's coefficients, ascending powers.\n\
          pub(crate) struct Coefficients {\n    \
          pub(crate) core: AngleCore,\n    \

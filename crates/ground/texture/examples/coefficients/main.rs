@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Prints `crates/ground/texture/src/coefficients.rs` as the generator makes it.
+//! Prints `crates/ground/texture/src/coefficients.rs`, fitted anew.
 //!
 //! `cargo run -p terrafill-texture --example coefficients > crates/ground/texture/src/coefficients.rs`
+
+mod double_double;
+mod remez;
+#[cfg(test)]
+mod tests;
 
 #[allow(
     clippy::print_stdout,
     reason = "a command-line tool reports on standard output"
 )]
-fn main() -> Result<(), terrafill_texture::RemezError> {
-    print!("{}", terrafill_texture::coefficients_source()?);
+fn main() -> Result<(), remez::RemezError> {
+    print!("{}", remez::coefficients_source()?);
     Ok(())
 }

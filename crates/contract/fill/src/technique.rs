@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What a technique promises to those who measure it.
+//!
+//! A technique is one way to fill regions on one graphics interface. It says which variants of it
+//! are worth measuring and for what, what they take in bytes by formula, and opens a backend for any
+//! of them. Nobody else names its parameters, so that a new technique is a crate and one line in a
+//! list.
+
+use crate::{
+    Api, DeviceError, FillBackend, FrameInput, GeometryBytes, Parameter, Rung, SwitchError,
+    Targets, Variant,
+};
+use std::fmt::Debug;
+use terrafill_core::RegionMesh;
+use terrafill_scene::{Overlap, Scene};
+
+/// What variants are wanted for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// To be compared everywhere: layouts as they should be used and, one at a time, what is worth
+    /// comparing beside them.
+    Main,
+    /// The same in a quick run: fewer.
+    Quick,
+    /// Every layout as it should be used, from which the matrix turns one switch at a time.
+    Layouts,
+    /// Layouts and other choices whose error is drawn against their time.
+    Sweep,
+}
+
+/// One way to fill regions, with all its variants.
+pub trait Technique: Sync + Debug {
+    /// Name in rows: `vertex`, `compute` …
+    fn name(&self) -> &'static str;
+
+    /// The graphics interface. Techniques of one share a device and a set of render targets.
+    fn api(&self) -> Api;
+
+    /// Parameters of its own; the first one is the layout.
+    fn parameters(&self) -> &'static [Parameter];
+
+    /// The variant to start from on scenes of this kind.
+    fn main(&self, overlap: Overlap) -> Variant {
+        Variant::new(self.name(), self.parameters(), overlap)
+    }
+
+    /// Variants for this role on `scene`.
+    fn variants(&self, scene: &Scene, role: Role) -> Vec<Variant>;
+
+    /// From the un-optimised method to the full plan, one switch at a time ([`crate::Climb`]).
+    fn ladder(&self, overlap: Overlap) -> Vec<Rung>;
+
+    /// `base` with each parameter of its own away from its default, alone. What is not allowed is
+    /// left out by [`crate::matrix_row`].
+    fn matrix_row(&self, base: &Variant) -> Vec<Variant>;
+
+    /// Whether parameters and switches go together, and with a scene of this kind. What only the
+    /// device or its interface may lack is [`Technique::open`]'s to refuse.
+    ///
+    /// # Errors
+    /// [`SwitchError`].
+    fn check(&self, variant: &Variant, overlap: Overlap) -> Result<(), SwitchError>;
+
+    /// How `variant` stores geometry, in rows about memory.
+    fn layout(&self, variant: &Variant) -> String {
+        variant.layout().to_owned()
+    }
+
+    /// Bytes of one region by the layout's formula.
+    ///
+    /// - `is_drawn`: whether the view draws it, since some layouts hold parts for those only
+    ///
+    /// # Errors
+    /// [`SwitchError`] when `variant` is none of this technique's.
+    fn bytes(
+        &self,
+        variant: &Variant,
+        mesh: &RegionMesh,
+        is_drawn: bool,
+    ) -> Result<GeometryBytes, SwitchError>;
+
+    /// Bytes that all regions share and that are held once, by the layout's formula.
+    ///
+    /// # Errors
+    /// As [`Technique::bytes`].
+    fn shared_bytes(
+        &self,
+        _variant: &Variant,
+        _meshes: &[RegionMesh],
+    ) -> Result<GeometryBytes, SwitchError> {
+        Ok(GeometryBytes::default())
+    }
+
+    /// Bytes of one region in every layout, by the layout's name.
+    fn layout_bytes(&self, mesh: &RegionMesh) -> Vec<(String, u64)> {
+        let layouts = layouts(self, Overlap::Disjoint).into_iter();
+        let bytes = layouts.filter_map(|variant| {
+            let bytes = self.bytes(&variant, mesh, true).ok()?;
+            Some((self.layout(&variant), bytes.total()))
+        });
+        bytes.collect()
+    }
+
+    /// Figures of its own about a frame, by name; an absent value where the frame has none.
+    fn figures(&self, _variant: &Variant, _input: &FrameInput) -> Vec<(&'static str, Option<f64>)> {
+        Vec::new()
+    }
+
+    /// A backend that draws `variant` into `targets`.
+    ///
+    /// # Errors
+    /// [`DeviceError::Unsupported`] when there is no device, or device or interface lack something;
+    /// else whatever the device reports.
+    fn open(
+        &self,
+        targets: &Targets,
+        variant: &Variant,
+    ) -> Result<Box<dyn FillBackend>, DeviceError>;
+}
+
+/// Every layout of `technique`, with nothing else changed.
+#[must_use]
+pub fn layouts<T: Technique + ?Sized>(technique: &T, overlap: Overlap) -> Vec<Variant> {
+    let main = technique.main(overlap);
+    let Some(Parameter {
+        key,
+        values: crate::Values::OneOf(names),
+        ..
+    }) = technique.parameters().first()
+    else {
+        return vec![main];
+    };
+    names
+        .iter()
+        .map(|name| main.clone().with(key, name))
+        .collect()
+}

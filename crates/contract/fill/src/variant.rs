@@ -1,0 +1,386 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A variant: everything that is chosen of a technique, as keys and values that can be written down.
+
+use crate::{SwitchError, Switches, pick};
+use std::collections::BTreeMap;
+use terrafill_scene::{Overlap, PlanOptions};
+
+/// Values that a parameter may take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Values {
+    /// One of these.
+    OneOf(&'static [&'static str]),
+    /// A whole number of percent from 1 to 100.
+    Percent,
+}
+
+/// A parameter that a technique has beside the switches of every fill.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Parameter {
+    /// Its name.
+    pub key: &'static str,
+    /// What it may be.
+    pub values: Values,
+    /// What it is unless it is set.
+    pub default: &'static str,
+    /// Layouts in which it is something else unless it is set, and what.
+    pub default_in: &'static [(&'static str, &'static str)],
+}
+
+impl Parameter {
+    /// A parameter that is one of `values`, the first of them unless it is set.
+    #[must_use]
+    pub const fn one_of(key: &'static str, values: &'static [&'static str]) -> Self {
+        Self {
+            key,
+            values: Values::OneOf(values),
+            default: values[0],
+            default_in: &[],
+        }
+    }
+
+    /// `key=value|value`, for a message.
+    fn usage(&self) -> String {
+        match self.values {
+            Values::OneOf(values) => format!("{}={}", self.key, values.join("|")),
+            Values::Percent => format!("{}=1…100", self.key),
+        }
+    }
+
+    fn check(&self, value: &str) -> Result<(), SwitchError> {
+        let allowed = match self.values {
+            Values::OneOf(values) if values.contains(&value) => return Ok(()),
+            Values::OneOf(values) => values.join(", "),
+            Values::Percent => {
+                if value
+                    .parse()
+                    .is_ok_and(|percent| (1..=100).contains(&percent))
+                {
+                    return Ok(());
+                }
+                "whole percent, 1 to 100".to_owned()
+            }
+        };
+        Err(SwitchError {
+            switch: self.key,
+            found: value.to_owned(),
+            allowed,
+        })
+    }
+}
+
+/// A technique with everything that can be chosen of it. Two variants are equal when all their
+/// settings are.
+#[derive(Debug, Clone)]
+pub struct Variant {
+    technique: &'static str,
+    parameters: &'static [Parameter],
+    /// Parameters that were set.
+    own: BTreeMap<&'static str, String>,
+    /// What the fill does.
+    pub switches: Switches,
+    /// What is left out before.
+    pub plan: PlanOptions,
+}
+
+impl PartialEq for Variant {
+    fn eq(&self, other: &Self) -> bool {
+        self.technique == other.technique && self.settings() == other.settings()
+    }
+}
+
+impl Variant {
+    /// All defaults, coloured in the way that is right for scenes of this kind.
+    ///
+    /// - `parameters`: of the technique; the first one is the layout
+    #[must_use]
+    pub fn new(
+        technique: &'static str,
+        parameters: &'static [Parameter],
+        overlap: Overlap,
+    ) -> Self {
+        Self {
+            technique,
+            parameters,
+            own: BTreeMap::new(),
+            switches: Switches::for_overlap(overlap),
+            plan: PlanOptions::default(),
+        }
+    }
+
+    /// Name of the technique.
+    #[must_use]
+    pub fn technique(&self) -> &'static str {
+        self.technique
+    }
+
+    /// How geometry is stored or made: the value of the first parameter.
+    #[must_use]
+    pub fn layout(&self) -> &str {
+        let layout = self.parameters.first();
+        layout.map_or("", |layout| {
+            self.set_value(layout).unwrap_or(layout.default)
+        })
+    }
+
+    /// The value of one of the technique's own parameters; `None` when it has no such one.
+    #[must_use]
+    pub fn value(&self, key: &str) -> Option<&str> {
+        let parameter = self
+            .parameters
+            .iter()
+            .find(|parameter| parameter.key == key)?;
+        Some(
+            self.set_value(parameter)
+                .unwrap_or_else(|| self.default_of(parameter)),
+        )
+    }
+
+    /// The choice that the value of `key` names, for a technique that reads its own parameters.
+    ///
+    /// # Errors
+    /// [`SwitchError`] when `choices` and the technique's parameters name different values.
+    pub fn choice<T: Copy>(
+        &self,
+        key: &'static str,
+        choices: &[(&'static str, T)],
+    ) -> Result<T, SwitchError> {
+        pick(key, self.value(key).unwrap_or_default(), choices)
+    }
+
+    fn set_value(&self, parameter: &Parameter) -> Option<&str> {
+        self.own.get(parameter.key).map(String::as_str)
+    }
+
+    fn default_of(&self, parameter: &Parameter) -> &'static str {
+        let layout = self.layout();
+        let special = parameter
+            .default_in
+            .iter()
+            .find(|(name, _)| *name == layout);
+        special.map_or(parameter.default, |(_, value)| value)
+    }
+
+    /// Layout first, then what differs from the default, `key=value`, in alphabetical order.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let own = self.parameters.iter().skip(1).filter_map(|parameter| {
+            let value = self.set_value(parameter)?;
+            let differs = value != self.default_of(parameter);
+            differs.then(|| format!("{}={value}", parameter.key))
+        });
+        let plan = plan_settings(&self.plan).into_iter();
+        let plan = plan
+            .zip(plan_settings(&PlanOptions::default()))
+            .filter(|(found, default)| found != default)
+            .map(|((key, value), _)| format!("{key}={value}"));
+        let mut names: Vec<String> = own.chain(self.switches.names()).chain(plan).collect();
+        names.sort_unstable();
+        names.insert(0, self.layout().to_owned());
+        names.join(",")
+    }
+
+    /// Every parameter, every switch of the fill and every option of the plan with its value,
+    /// defaults included.
+    #[must_use]
+    pub fn settings(&self) -> Vec<(String, String)> {
+        let own = self.parameters.iter().map(|parameter| {
+            let value = self.value(parameter.key).unwrap_or_default();
+            (parameter.key, value.to_owned())
+        });
+        own.chain(self.switches.settings())
+            .chain(plan_settings(&self.plan))
+            .map(|(key, value)| (key.to_owned(), value))
+            .collect()
+    }
+
+    /// Sets `key` to `value`; with the layout's key the inverse of [`Variant::name`]. `Ok(false)`
+    /// when there is no such key.
+    ///
+    /// # Errors
+    /// [`SwitchError`] when the value is none of the key's.
+    pub fn set(&mut self, key: &str, value: &str) -> Result<bool, SwitchError> {
+        if let Some(parameter) = self.parameters.iter().find(|own| own.key == key) {
+            parameter.check(value)?;
+            self.own.insert(parameter.key, value.to_owned());
+            return Ok(true);
+        }
+        Ok(self.switches.set(key, value)? || set_plan(&mut self.plan, key, value)?)
+    }
+
+    /// The same with `key` at `value`, both written in the code that calls this.
+    ///
+    /// # Panics
+    /// When there is no such key or value: a mistake in that code.
+    #[must_use]
+    pub fn with(mut self, key: &str, value: &str) -> Self {
+        let set = self.set(key, value);
+        assert_eq!(set, Ok(true), "{}: {key}={value}", self.technique);
+        self
+    }
+
+    /// The same with other switches.
+    #[must_use]
+    pub fn with_switches(mut self, change: impl FnOnce(&mut Switches)) -> Self {
+        change(&mut self.switches);
+        self
+    }
+
+    /// Every key that [`Variant::set`] takes, with its values.
+    #[must_use]
+    pub fn keys(&self) -> String {
+        let own = self.parameters.iter().map(Parameter::usage);
+        let all: Vec<String> = own
+            .chain([Switches::KEYS.to_owned(), PLAN_KEYS.to_owned()])
+            .collect();
+        all.join(", ")
+    }
+}
+
+/// Keys of a plan's options, with their values.
+const PLAN_KEYS: &str = "boundary-lod-px=PIXELS|off, frustum-culling=on|off, horizon-culling=on|off, too-small-culling=on|off";
+
+fn plan_settings(plan: &PlanOptions) -> [(&'static str, String); 4] {
+    let switch = |is_on: bool| if is_on { "on" } else { "off" }.to_owned();
+    [
+        (
+            "boundary-lod-px",
+            plan.boundary_lod_px
+                .map_or("off".to_owned(), |px| px.to_string()),
+        ),
+        ("frustum-culling", switch(plan.frustum_culling)),
+        ("horizon-culling", switch(plan.horizon_culling)),
+        ("too-small-culling", switch(plan.too_small_culling)),
+    ]
+}
+
+fn set_plan(plan: &mut PlanOptions, key: &str, value: &str) -> Result<bool, SwitchError> {
+    let switches = [("on", true), ("off", false)];
+    match key {
+        "boundary-lod-px" if value == "off" => plan.boundary_lod_px = None,
+        "boundary-lod-px" => {
+            let px = value
+                .parse()
+                .ok()
+                .filter(|&px: &f64| px > 0.0 && px.is_finite());
+            plan.boundary_lod_px = Some(px.ok_or_else(|| SwitchError {
+                switch: "boundary-lod-px",
+                found: value.to_owned(),
+                allowed: "PIXELS, a number above 0, or off".to_owned(),
+            })?);
+        }
+        "frustum-culling" => plan.frustum_culling = pick("frustum-culling", value, &switches)?,
+        "horizon-culling" => plan.horizon_culling = pick("horizon-culling", value, &switches)?,
+        "too-small-culling" => {
+            plan.too_small_culling = pick("too-small-culling", value, &switches)?;
+        }
+        _ => return Ok(false),
+    }
+    Ok(true)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::FacePasses;
+
+    const PARAMETERS: &[Parameter] = &[
+        Parameter::one_of("layout", &["flat", "tall"]),
+        Parameter {
+            default_in: &[("tall", "strip")],
+            ..Parameter::one_of("indices", &["list", "strip"])
+        },
+        Parameter {
+            key: "opacity",
+            values: Values::Percent,
+            default: "100",
+            default_in: &[],
+        },
+    ];
+
+    fn plain() -> Variant {
+        Variant::new("test", PARAMETERS, Overlap::Disjoint)
+    }
+
+    #[test]
+    fn own_settings_switches_and_plan_share_one_sorted_name() {
+        assert_eq!(plain().name(), "flat");
+        let mut changed = plain().with("opacity", "40").with_switches(|switches| {
+            switches.faces = FacePasses::TwoPass;
+            switches.scissor = true;
+        });
+        changed.plan.horizon_culling = false;
+        changed.plan.boundary_lod_px = Some(0.5);
+        let name = "flat,boundary-lod-px=0.5,faces=two-pass,horizon-culling=off,opacity=40,scissor=volumes";
+        assert_eq!(changed.name(), name);
+        let mut read = plain();
+        for part in name.split(',').skip(1) {
+            let (key, value) = part.split_once('=').expect("key=value");
+            assert_eq!(read.set(key, value), Ok(true), "{part}");
+        }
+        assert_eq!(read, changed);
+        assert_ne!(read, plain());
+    }
+
+    #[test]
+    fn a_default_may_depend_on_the_layout() {
+        let tall = plain().with("layout", "tall");
+        assert_eq!(tall.value("indices"), Some("strip"));
+        assert_eq!(tall.name(), "tall");
+        // What is said and what is so anyway are one variant.
+        assert_eq!(tall.clone().with("indices", "strip"), tall);
+        assert_eq!(
+            tall.clone().with("indices", "list").name(),
+            "tall,indices=list"
+        );
+        assert_eq!(
+            plain().with("indices", "strip").name(),
+            "flat,indices=strip"
+        );
+        assert_eq!(plain().with("indices", "list").name(), "flat");
+    }
+
+    #[test]
+    fn every_setting_has_a_value_and_can_be_set_to_it() {
+        let changed = plain().with("indices", "strip").with("colour", "volume");
+        let settings = changed.settings();
+        assert_eq!(settings.len(), 3 + 11 + 4);
+        let mut read = plain().with("opacity", "7");
+        for (key, value) in &settings {
+            assert_eq!(read.set(key, value), Ok(true), "{key}={value}");
+            assert!(changed.keys().contains(&format!("{key}=")), "{key}");
+        }
+        assert_eq!(read, changed);
+        let distinct: std::collections::BTreeSet<_> = settings.iter().map(|s| &s.0).collect();
+        assert_eq!(distinct.len(), settings.len());
+    }
+
+    #[test]
+    fn unknown_keys_and_values_are_refused() {
+        let mut variant = plain();
+        assert_eq!(variant.set("layouts", "flat"), Ok(false));
+        for (key, value, allowed) in [
+            ("layout", "wide", "flat, tall"),
+            ("indices", "", "list, strip"),
+            ("opacity", "0", "whole percent, 1 to 100"),
+            ("opacity", "101", "whole percent, 1 to 100"),
+            ("faces", "three", "two-sided, two-pass"),
+            ("horizon-culling", "maybe", "on, off"),
+            ("boundary-lod-px", "-1", "PIXELS, a number above 0, or off"),
+            ("boundary-lod-px", "NaN", "PIXELS, a number above 0, or off"),
+        ] {
+            let error = variant.set(key, value).expect_err("no such value");
+            assert_eq!((error.switch, error.allowed.as_str()), (key, allowed));
+        }
+        assert_eq!(variant, plain());
+        assert_eq!(variant.value("faces"), None, "none of its own");
+        assert!(variant.choice("layout", &[("round", ())]).is_err());
+        assert_eq!(variant.choice("layout", &[("flat", 1), ("tall", 2)]), Ok(1));
+    }
+
+    #[test]
+    #[should_panic(expected = "test: indices=fan")]
+    fn a_wrong_value_in_code_is_noticed() {
+        let _ = plain().with("indices", "fan");
+    }
+}

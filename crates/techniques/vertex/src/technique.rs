@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The technique as the contract knows it.
+
+use crate::{
+    CACHE_SIZE, IndexOrder, VertexBackend, VertexVariant, acmr, cache_ordered, shared_flag_bytes,
+    variant_bytes,
+};
+use terrafill_core::RegionMesh;
+use terrafill_fill::{
+    Api, Climb, ColourWay, DeviceError, FillBackend, FrameInput, GeometryBytes, Parameter,
+    PositionFormat, Role, Rung, SwitchError, Switches, Targets, Technique, Values, Variant,
+    layouts,
+};
+use terrafill_gpu::shared_targets;
+use terrafill_scene::{Overlap, Scene};
+
+/// Volumes extruded in the vertex shader, on wgpu.
+#[derive(Debug)]
+pub struct VertexTechnique;
+
+const PARAMETERS: &[Parameter] = &[
+    Parameter::one_of("layout", &["doubled", "separate", "per-triangle", "pulled"]),
+    Parameter::one_of(
+        "positions",
+        &["fixed", "local-f32", "ecef-f32", "two-float"],
+    ),
+    Parameter::one_of("walls", &["strip", "list"]),
+    Parameter::one_of("index-order", &["mesh", "cache"]),
+    Parameter::one_of("vertex-bytes", &["16", "20"]),
+    Parameter {
+        key: "opacity",
+        values: Values::Percent,
+        default: "100",
+        default_in: &[],
+    },
+];
+
+impl VertexTechnique {
+    /// The layouts that are compared everywhere.
+    fn both_layouts(&self, overlap: Overlap) -> [Variant; 2] {
+        ["doubled", "pulled"].map(|layout| self.main(overlap).with("layout", layout))
+    }
+}
+
+impl Technique for VertexTechnique {
+    fn name(&self) -> &'static str {
+        "vertex"
+    }
+
+    fn api(&self) -> Api {
+        terrafill_gpu::API
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        PARAMETERS
+    }
+
+    fn variants(&self, scene: &Scene, role: Role) -> Vec<Variant> {
+        let main = self.main(scene.overlap);
+        match role {
+            Role::Quick => self.both_layouts(scene.overlap).into(),
+            Role::Main => {
+                let mut variants = Vec::from(self.both_layouts(scene.overlap));
+                if Switches::for_overlap(scene.overlap).colour != ColourWay::Rectangle {
+                    let rectangle = main.clone();
+                    variants.push(rectangle.with_switches(|s| s.colour = ColourWay::Rectangle));
+                }
+                // A scene that sweeps through the formats has it there, where it may be wrong.
+                if !scene.sweep_positions {
+                    variants.push(main.with("positions", "local-f32"));
+                }
+                variants
+            }
+            Role::Layouts => layouts(self, scene.overlap),
+            Role::Sweep => {
+                let mut variants = Vec::from(self.both_layouts(scene.overlap));
+                // Where a scene asks for it, every other way to store positions; all but the
+                // default may be wrong.
+                let others = PositionFormat::ALL.into_iter();
+                let others = others
+                    .filter(|format| scene.sweep_positions && *format != PositionFormat::default());
+                variants.extend(others.map(|format| main.clone().with("positions", format.name())));
+                variants
+            }
+        }
+    }
+
+    fn ladder(&self, overlap: Overlap) -> Vec<Rung> {
+        Climb::start(
+            self.main(overlap).with("layout", "per-triangle"),
+            "a closed volume for every triangle; two passes, fragments behind the surface count, \
+             nothing culled, colour by drawing the volumes again",
+        )
+        .own(
+            "one-volume",
+            "one volume for each region: caps, and walls along the boundary only",
+            &[("layout", "separate"), ("walls", "list")],
+        )
+        .culling()
+        .own(
+            "buffer-layout",
+            "flag and position in one buffer, 20 bytes a vertex, instead of the flags in their own",
+            &[("layout", "doubled"), ("vertex-bytes", "20")],
+        )
+        .own(
+            "strips",
+            "walls as strips instead of lists",
+            &[("walls", "strip")],
+        )
+        .own(
+            "cache-order",
+            "cap triangles in the order of a post-transform vertex cache",
+            &[("index-order", "cache")],
+        )
+        .own(
+            "vertex-size",
+            "16 bytes a vertex instead of 20",
+            &[("vertex-bytes", "16")],
+        )
+        .rest_of_the_way(overlap)
+        .rungs()
+    }
+
+    fn matrix_row(&self, base: &Variant) -> Vec<Variant> {
+        [
+            ("walls", "list"),
+            ("index-order", "cache"),
+            ("vertex-bytes", "20"),
+            ("positions", "local-f32"),
+            ("positions", "ecef-f32"),
+            ("positions", "two-float"),
+        ]
+        .map(|(key, value)| base.clone().with(key, value))
+        .into()
+    }
+
+    fn check(&self, variant: &Variant, overlap: Overlap) -> Result<(), SwitchError> {
+        VertexVariant::of(variant)?.check(overlap)
+    }
+
+    fn bytes(
+        &self,
+        variant: &Variant,
+        mesh: &RegionMesh,
+        _is_drawn: bool,
+    ) -> Result<GeometryBytes, SwitchError> {
+        Ok(variant_bytes(&VertexVariant::of(variant)?, mesh))
+    }
+
+    /// The flags of layout `separate`.
+    fn shared_bytes(
+        &self,
+        variant: &Variant,
+        meshes: &[RegionMesh],
+    ) -> Result<GeometryBytes, SwitchError> {
+        Ok(GeometryBytes {
+            vertex_bytes: shared_flag_bytes(VertexVariant::of(variant)?.layout, meshes),
+            index_bytes: 0,
+        })
+    }
+
+    /// `cap_acmr`: transformed vertices per triangle of all caps drawn, through a cache of
+    /// [`CACHE_SIZE`].
+    fn figures(&self, variant: &Variant, input: &FrameInput) -> Vec<(&'static str, Option<f64>)> {
+        let order = VertexVariant::of(variant).map(|variant| variant.index_order);
+        let ratio = order.ok().and_then(|order| cap_acmr(input, order));
+        vec![("cap_acmr", ratio)]
+    }
+
+    fn open(
+        &self,
+        targets: &Targets,
+        variant: &Variant,
+    ) -> Result<Box<dyn FillBackend>, DeviceError> {
+        let vertex = VertexVariant::of(variant)?;
+        Ok(Box::new(VertexBackend::new(
+            &shared_targets(targets)?,
+            vertex,
+        )?))
+    }
+}
+
+/// Over all triangles of the regions drawn.
+fn cap_acmr(input: &FrameInput, order: IndexOrder) -> Option<f64> {
+    let (mut misses, mut triangles) = (0.0, 0.0);
+    for planned in &input.plan.regions {
+        let mesh = &input.scene.meshes[planned.mesh];
+        let ratio = match order {
+            IndexOrder::Mesh => acmr(&mesh.triangles, CACHE_SIZE),
+            IndexOrder::Cache => {
+                let ordered = cache_ordered(&mesh.triangles, mesh.vertices_ecef.len());
+                acmr(&ordered, CACHE_SIZE)
+            }
+        };
+        misses += ratio.unwrap_or(0.0) * mesh.triangles.len() as f64;
+        triangles += mesh.triangles.len() as f64;
+    }
+    (triangles > 0.0).then(|| misses / triangles)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Layout;
+    use std::collections::BTreeSet;
+    use terrafill_fill::matrix_row;
+
+    fn names(overlap: Overlap) -> Vec<String> {
+        let row = matrix_row(&VertexTechnique, &VertexTechnique.main(overlap), overlap);
+        row.iter().map(Variant::name).collect()
+    }
+
+    #[test]
+    fn a_variant_is_read_as_it_was_set() {
+        let plain = VertexTechnique.main(Overlap::Disjoint);
+        assert_eq!(VertexVariant::of(&plain), Ok(VertexVariant::default()));
+        let all = layouts(&VertexTechnique, Overlap::Disjoint);
+        let read: Vec<_> = all
+            .iter()
+            .flat_map(VertexVariant::of)
+            .map(|v| v.layout)
+            .collect();
+        assert_eq!(read, Layout::ALL);
+        for format in PositionFormat::ALL {
+            let read = VertexVariant::of(&plain.clone().with("positions", format.name()));
+            assert_eq!(read.map(|variant| variant.positions), Ok(format));
+        }
+        let faint = VertexVariant::of(&plain.with("opacity", "40"));
+        assert_eq!(faint.map(|variant| variant.opacity_percent), Ok(40));
+        // Twin: what another technique was asked for is none of this one's.
+        let other = Variant::new("other", &[], Overlap::Disjoint);
+        assert!(VertexVariant::of(&other).is_err());
+    }
+
+    #[test]
+    fn every_switch_has_its_cell_and_no_cell_stands_twice() {
+        let names = names(Overlap::Disjoint);
+        assert_eq!(names[0], "doubled");
+        let distinct: BTreeSet<&String> = names.iter().collect();
+        assert_eq!(distinct.len(), names.len(), "{names:?}");
+        for switch in [
+            "bottom-cap=where-needed",
+            "boundary-lod-px=0.5",
+            "colour=id-accumulation",
+            "colour=bit-planes",
+            "colour=one-colour",
+            "colour=one-colour-volumes",
+            "colour=rectangle",
+            "colour=volume",
+            "cover-faces=culled",
+            "depth-bounds=on",
+            "depth-rule=automatic",
+            "faces=two-pass",
+            "frustum-culling=off",
+            "horizon-culling=off",
+            "index-order=cache",
+            "positions=ecef-f32",
+            "positions=local-f32",
+            "positions=two-float",
+            "scissor=volumes",
+            "stencil-clear=by-colour",
+            "too-small-culling=off",
+            "vertex-bytes=20",
+            "walls=list",
+        ] {
+            assert!(names.iter().any(|name| name.contains(switch)), "{switch}");
+        }
+        // Counting in front of the surface wherever the eye is, is wrong by design.
+        assert!(!names.iter().any(|name| name.contains("zpass")));
+    }
+
+    #[test]
+    fn where_regions_may_overlap_nothing_is_drawn_that_cannot_be_right() {
+        let names = names(Overlap::Ordered);
+        assert_eq!(names[0], "doubled,colour=rectangle");
+        assert!(names.len() >= 14, "{names:?}");
+        assert!(!names.contains(&"doubled".to_owned()), "XOR mixes numbers");
+    }
+}

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The techniques there are. Adding one takes a crate and a line here.
+
+use terrafill_compute::ComputeTechnique;
+use terrafill_fill::Technique;
+use terrafill_native::NativeTechnique;
+use terrafill_vertex::VertexTechnique;
+
+/// Every technique, in the order in which they are measured. The first is the one whose pictures the
+/// others' are laid beside.
+pub(crate) static TECHNIQUES: &[&dyn Technique] =
+    &[&VertexTechnique, &ComputeTechnique, &NativeTechnique];
+
+/// The technique called `name`.
+pub(crate) fn technique(name: &str) -> Option<&'static dyn Technique> {
+    let mut all = TECHNIQUES.iter().copied();
+    all.find(|technique| technique.name() == name)
+}
+
+/// Names of all of them.
+pub(crate) fn names() -> Vec<&'static str> {
+    TECHNIQUES
+        .iter()
+        .map(|technique| technique.name())
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    //! What every technique promises, whichever it is.
+
+    use super::*;
+    use std::collections::BTreeSet;
+    use terrafill_fill::{Role, Rung, Switches, Values, layouts, matrix_row};
+    use terrafill_scene::{Overlap, Scene};
+
+    const OVERLAPS: [Overlap; 2] = [Overlap::Disjoint, Overlap::Ordered];
+
+    #[test]
+    fn names_are_distinct_and_found() {
+        let distinct: BTreeSet<&str> = names().into_iter().collect();
+        assert_eq!(distinct.len(), TECHNIQUES.len());
+        for name in names() {
+            assert_eq!(technique(name).map(|found| found.name()), Some(name));
+        }
+        assert!(technique("reference").is_none());
+    }
+
+    #[test]
+    fn main_variants_suit_the_scene_they_are_made_for() {
+        for technique in TECHNIQUES {
+            let ordered = technique.main(Overlap::Ordered);
+            assert_eq!(technique.check(&ordered, Overlap::Ordered), Ok(()));
+            // Twin: numbers of regions that overlap would mix.
+            let disjoint = technique.main(Overlap::Disjoint);
+            assert_eq!(technique.check(&disjoint, Overlap::Disjoint), Ok(()));
+            assert!(technique.check(&disjoint, Overlap::Ordered).is_err());
+        }
+    }
+
+    #[test]
+    fn every_value_that_a_technique_names_is_one_that_it_reads() {
+        for technique in TECHNIQUES {
+            let main = technique.main(Overlap::Disjoint);
+            for parameter in technique.parameters() {
+                let values = match parameter.values {
+                    Values::OneOf(values) => values,
+                    Values::Percent => &["1", "100"],
+                };
+                let defaults = [parameter.default].into_iter();
+                let defaults = defaults.chain(parameter.default_in.iter().map(|(_, value)| *value));
+                for value in values.iter().copied().chain(defaults) {
+                    let variant = main.clone().with(parameter.key, value);
+                    // Some do not go together with the rest; none is unknown.
+                    if let Err(error) = technique.check(&variant, Overlap::Disjoint) {
+                        assert!(error.found.contains(" with "), "{error}");
+                    }
+                    assert_eq!(variant.value(parameter.key), Some(value));
+                }
+                assert!(!Switches::KEYS.contains(&format!("{}=", parameter.key)));
+            }
+            assert!(main.keys().len() > Switches::KEYS.len());
+        }
+    }
+
+    #[test]
+    fn variants_of_every_role_are_right_for_their_scene() {
+        for name in ["california", "square-10m", "planet-134"] {
+            let scene = Scene::shipped(name, None).expect("needs no data");
+            for technique in TECHNIQUES {
+                for role in [Role::Main, Role::Quick, Role::Layouts, Role::Sweep] {
+                    let variants = technique.variants(&scene, role);
+                    for variant in &variants {
+                        let checked = technique.check(variant, scene.overlap);
+                        assert_eq!(checked, Ok(()), "{}", variant.name());
+                        assert_eq!(variant.technique(), technique.name());
+                    }
+                    let names: BTreeSet<String> = variants.iter().map(|v| v.name()).collect();
+                    assert_eq!(names.len(), variants.len(), "{role:?}");
+                    assert!(role == Role::Sweep || !variants.is_empty(), "{role:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_cell_of_a_matrix_stands_twice_and_all_are_right() {
+        for overlap in OVERLAPS {
+            for technique in TECHNIQUES {
+                for base in layouts(*technique, overlap) {
+                    let row = matrix_row(*technique, &base, overlap);
+                    let names: BTreeSet<String> = row.iter().map(|v| v.name()).collect();
+                    assert_eq!(names.len(), row.len());
+                    assert!(row.len() >= 14, "{}: {}", base.name(), row.len());
+                    assert_eq!(row[0], base);
+                    for variant in row {
+                        assert_eq!(technique.check(&variant, overlap), Ok(()));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Parts of the name that one rung has and the other has not.
+    fn differences(a: &Rung, b: &Rung) -> usize {
+        let parts = |rung: &Rung| -> BTreeSet<String> {
+            rung.variant.name().split(',').map(str::to_owned).collect()
+        };
+        parts(a).symmetric_difference(&parts(b)).count()
+    }
+
+    #[test]
+    fn every_rung_changes_one_thing() {
+        for technique in TECHNIQUES {
+            for overlap in OVERLAPS {
+                let rungs = technique.ladder(overlap);
+                let backend = technique.name();
+                assert!(rungs.len() > 10, "{backend}: {}", rungs.len());
+                let names: BTreeSet<String> =
+                    rungs.iter().map(|rung| rung.variant.name()).collect();
+                assert_eq!(
+                    names.len(),
+                    rungs.len(),
+                    "{backend}: two rungs are the same"
+                );
+                for rung in &rungs {
+                    assert_eq!(
+                        technique.check(&rung.variant, overlap),
+                        Ok(()),
+                        "{}",
+                        rung.step
+                    );
+                }
+                for pair in rungs.windows(2) {
+                    // A value that becomes another one is two parts. Three: walls of single
+                    // triangles are lists always, flags of their own have no vertex size, two edges
+                    // in a triangle are never strips, and which faces are drawn as covers has no
+                    // meaning where none are.
+                    let allowed = match pair[1].step {
+                        "one-volume" | "buffer-layout" | "two-edges" | "screen-cover" => 3,
+                        _ => 2,
+                    };
+                    let found = differences(&pair[0], &pair[1]);
+                    assert!(
+                        (1..=allowed).contains(&found),
+                        "{backend}, {}: {} → {}",
+                        pair[1].step,
+                        pair[0].variant.name(),
+                        pair[1].variant.name()
+                    );
+                }
+                // Twin: rungs that lie far apart differ in more than one switch.
+                let far = differences(&rungs[0], &rungs[rungs.len() - 1]);
+                assert!(far > 3, "{backend}: {far}");
+            }
+        }
+    }
+
+    #[test]
+    fn techniques_of_one_interface_have_or_lack_depth_bounds_alike() {
+        let named = |name: &str| technique(name).map(|technique| technique.api());
+        assert_eq!(named("vertex"), named("compute"));
+        assert_ne!(named("vertex"), named("native"));
+        let able = TECHNIQUES.iter().filter(|t| t.api().has_depth_bounds_test);
+        assert_eq!(able.map(|t| t.name()).collect::<Vec<_>>(), ["native"]);
+    }
+}
