@@ -61,6 +61,34 @@ pub struct DerivedTable {
     pub text: String,
 }
 
+impl DerivedTable {
+    /// A file of these rows under this header.
+    ///
+    /// # Errors
+    /// [`ChapterError::Block`] when a row has more or fewer cells than the header.
+    pub fn new(
+        file: &str,
+        header: &[&str],
+        rows: impl IntoIterator<Item = Vec<String>>,
+    ) -> Result<Self, ChapterError> {
+        let failed = |message: String| ChapterError::Block {
+            what: file.to_owned(),
+            message,
+        };
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let header = header.iter().map(ToString::to_string).collect();
+        for row in std::iter::once(header).chain(rows) {
+            let written = writer.write_record(&row);
+            written.map_err(|error| failed(error.to_string()))?;
+        }
+        let bytes = writer.into_inner().map_err(|error| failed(error.to_string()))?;
+        Ok(Self {
+            file: file.to_owned(),
+            text: String::from_utf8(bytes).map_err(|error| failed(error.to_string()))?,
+        })
+    }
+}
+
 /// A piece of a chapter.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Block {

@@ -25,6 +25,7 @@ mod study;
 mod subject;
 mod textured;
 
+pub use chapter::FillingChapter;
 pub use scenes::open_scene;
 pub use study::{FillingStudy, STUDY};
 pub use subject::Techniques;

@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The study's cases as its chapter reads them, in scenes and views, with the run's clock.
+
+use terrafill_plot::number::times;
+use terrafill_results::{
+    Case, Cell, Estimate, Heading, Noise, Run, Spread, process_medians, ratio, sample_spread,
+};
+
+/// Full-screen pass that reads depth in a shader and writes a constant.
+pub(super) const DEPTH_PASS: &str = "depth-pass";
+/// Full-screen pass that clears the stencil and writes a constant where it passes.
+pub(super) const STENCIL_PASS: &str = "stencil-pass";
+
+/// The condition whose values are the knob of the error-against-time plots, metres.
+const KNOB: &str = "boundary-tolerance-m";
+
+/// Conditions that say which case it is and not how its technique is set.
+const NO_SWITCHES: [&str; 9] = [
+    "scene",
+    "view",
+    "technique",
+    "variant",
+    "layout",
+    "role",
+    "rung",
+    "step",
+    terrafill_results::REPEATS,
+];
+
+/// Roles of cases that have a chapter of their own and no place in their scene's tables.
+const UNLISTED_ROLES: [&str; 4] = ["ladder", "matrix", "subdivision", "texture"];
+
+/// The study in a run.
+pub(super) struct Data<'a> {
+    pub(super) run: &'a Run,
+    /// Every case that draws, A/A twins left out, in the plan's order.
+    pub(super) cases: Vec<&'a Case>,
+    /// Bytes of layouts.
+    pub(super) memory: Vec<&'a Case>,
+    /// The fill's time by the run's clock.
+    pub(super) metric: &'static str,
+    pub(super) noise: Option<Noise>,
+}
+
+/// The cases of one scene.
+pub(super) struct Scene<'a> {
+    pub(super) name: &'a str,
+    pub(super) views: Vec<View<'a>>,
+}
+
+/// The cases of one view.
+pub(super) struct View<'a> {
+    pub(super) name: &'a str,
+    /// Full-screen passes.
+    pub(super) baselines: Vec<&'a Case>,
+    /// Techniques.
+    pub(super) cases: Vec<&'a Case>,
+}
+
+impl<'a> Data<'a> {
+    pub(super) fn new(run: &'a Run, metric: &'static str) -> Self {
+        let own = || {
+            run.cases
+                .iter()
+                .filter(|case| case.id().study == super::STUDY)
+        };
+        let (memory, cases) = own()
+            .filter(|case| !case.is_twin())
+            .partition(|case| has_role(case, "memory"));
+        Self {
+            run,
+            cases,
+            memory,
+            metric,
+            noise: Noise::of(own(), metric),
+        }
+    }
+
+    /// `process CPU ms`, for headings and axes.
+    pub(super) fn unit(&self) -> &'static str {
+        self.run.clock().pick("GPU ms", "process CPU ms")
+    }
+
+    /// Times of a case over all its samples.
+    pub(super) fn time(&self, case: &Case) -> Option<Spread> {
+        sample_spread(case, self.metric)
+    }
+
+    /// The same, only if the picture is right.
+    pub(super) fn right_time(&self, case: &Case) -> Option<Spread> {
+        self.time(case).filter(|_| case.counts())
+    }
+
+    /// One number for each process.
+    pub(super) fn replicates(&self, case: &Case) -> Vec<f64> {
+        process_medians(case, self.metric).into_values().collect()
+    }
+
+    /// Time of `case` over time of `other`, both right.
+    pub(super) fn over(&self, case: &Case, other: &Case) -> Option<Estimate> {
+        if !case.counts() || !other.counts() {
+            return None;
+        }
+        ratio(case, other, self.metric)
+    }
+
+    /// The full-screen pass of the case's scene and view.
+    pub(super) fn baseline(&self, case: &Case, technique: &str) -> Option<&'a Case> {
+        let is_it = |other: &&&Case| {
+            other.condition("technique") == technique && is_same(other, case, &["scene", "view"])
+        };
+        self.cases.iter().find(is_it).copied()
+    }
+
+    /// Time of `case` over that of a full-screen pass.
+    pub(super) fn over_baseline(&self, case: &Case, technique: &str) -> Option<Estimate> {
+        self.over(case, self.baseline(case, technique)?)
+    }
+
+    /// The case's times over the median of its depth-pass, for plots.
+    pub(super) fn spread_over_depth_pass(&self, case: &Case) -> Option<Spread> {
+        let baseline = self.right_time(self.baseline(case, DEPTH_PASS)?)?;
+        Some(self.right_time(case)?.over(baseline.median))
+    }
+
+    /// A ratio with its interval, and whether it is a tie.
+    pub(super) fn ratio_text(&self, ratio: &Estimate) -> String {
+        let is_tie = self.noise.is_some_and(|noise| noise.is_tie(ratio.middle));
+        format!("{}{}", times(ratio), if is_tie { " (tie)" } else { "" })
+    }
+
+    /// The same as a cell.
+    pub(super) fn ratio_cell(&self, ratio: Option<&Estimate>, why: &str) -> Cell {
+        Cell::or_absent(ratio.map(|ratio| self.ratio_text(ratio)), why)
+    }
+
+    /// Scenes in order of appearance with the cases that have no chapter of their own.
+    pub(super) fn scenes(&self) -> Vec<Scene<'a>> {
+        let mut scenes: Vec<Scene<'a>> = Vec::new();
+        for &case in self.cases.iter().filter(|case| is_listed(case)) {
+            let (scene, view) = (case.condition("scene"), case.condition("view"));
+            let scene = find_or_push(
+                &mut scenes,
+                |known| known.name == scene,
+                || Scene {
+                    name: scene,
+                    views: Vec::new(),
+                },
+            );
+            let view = find_or_push(
+                &mut scene.views,
+                |known| known.name == view,
+                || View {
+                    name: view,
+                    baselines: Vec::new(),
+                    cases: Vec::new(),
+                },
+            );
+            if is_baseline(case) {
+                view.baselines.push(case);
+            } else {
+                view.cases.push(case);
+            }
+        }
+        scenes
+    }
+
+    /// Curve names of all listed techniques, sorted: a curve's place here is its colour in every plot.
+    pub(super) fn all_series(&self) -> Vec<String> {
+        let listed = self
+            .cases
+            .iter()
+            .filter(|case| is_listed(case) && !is_baseline(case));
+        let mut series: Vec<String> = listed.map(|case| self.series(case)).collect();
+        series.sort_unstable();
+        series.dedup();
+        series
+    }
+
+    /// What is one curve: technique and switches without the knob. Named by the shortest variant on it,
+    /// which is the one that leaves the knob alone where there is one.
+    pub(super) fn series(&self, case: &Case) -> String {
+        let set = |of: &Case| {
+            let mut set = switches(of);
+            set.retain(|(key, _)| *key != KNOB);
+            (
+                of.condition("technique").to_owned(),
+                of.condition("layout").to_owned(),
+                own(set),
+            )
+        };
+        let own_set = set(case);
+        let same = self.cases.iter().filter(|other| set(other) == own_set);
+        let variants = same.map(|other| other.condition("variant"));
+        let shortest = variants.min_by_key(|variant| (variant.len(), *variant));
+        let variant = shortest.unwrap_or_else(|| case.condition("variant"));
+        format!("{}/{variant}", case.condition("technique"))
+    }
+
+    /// A case's name as a plot has room for it: the knob, in short, after the rest.
+    pub(super) fn label(&self, case: &Case) -> String {
+        match knob_m(case).filter(|_| has_role(case, "sweep")) {
+            Some(knob) => format!("{} · {}", self.series(case), terrafill_plot::length(knob)),
+            None => name(case),
+        }
+    }
+}
+
+fn own(switches: Vec<(&str, &str)>) -> Vec<(String, String)> {
+    let owned = |(key, value): (&str, &str)| (key.to_owned(), value.to_owned());
+    switches.into_iter().map(owned).collect()
+}
+
+/// Technique and variant.
+pub(super) fn name(case: &Case) -> String {
+    format!(
+        "{}/{}",
+        case.condition("technique"),
+        case.condition("variant")
+    )
+}
+
+/// `scene, view`.
+pub(super) fn title(case: &Case) -> String {
+    format!("{}, {}", case.condition("scene"), case.condition("view"))
+}
+
+pub(super) fn has_role(case: &Case, role: &str) -> bool {
+    case.condition("role").split('+').any(|own| own == role)
+}
+
+pub(super) fn is_baseline(case: &Case) -> bool {
+    [DEPTH_PASS, STENCIL_PASS].contains(&case.condition("technique"))
+}
+
+fn is_listed(case: &Case) -> bool {
+    let roles = case.condition("role").split('+');
+    roles
+        .into_iter()
+        .any(|role| !UNLISTED_ROLES.contains(&role))
+}
+
+/// Switches of technique and plan, each with its value, by name.
+pub(super) fn switches(case: &Case) -> Vec<(&str, &str)> {
+    let conditions = case.id().conditions.iter();
+    conditions
+        .map(|(key, value)| (key.as_str(), value.as_str()))
+        .filter(|(key, value)| !NO_SWITCHES.contains(key) && !value.is_empty())
+        .collect()
+}
+
+/// Whether two cases have these conditions in common.
+pub(super) fn is_same(a: &Case, b: &Case, conditions: &[&str]) -> bool {
+    conditions
+        .iter()
+        .all(|key| a.condition(key) == b.condition(key))
+}
+
+/// Value of the knob, metres: as the switch names it, else as the mesh was built.
+pub(super) fn knob_m(case: &Case) -> Option<f64> {
+    case.condition(KNOB)
+        .parse()
+        .ok()
+        .or(case.value("boundary_tolerance_m"))
+}
+
+/// A counter.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "counters are whole, not negative and far below 2^53"
+)]
+pub(super) fn counter(case: &Case, metric: &str) -> Option<u64> {
+    let value = case
+        .value(metric)
+        .filter(|value| value.is_finite() && *value >= 0.0)?;
+    Some(value.round() as u64)
+}
+
+/// Columns of tables whose first one holds names.
+pub(super) fn headings(first: &str, metrics: &[(&str, &str)]) -> Vec<Heading> {
+    let columns = metrics
+        .iter()
+        .map(|(text, metric)| Heading::metric(*text, *metric));
+    std::iter::once(Heading::plain(first))
+        .chain(columns)
+        .collect()
+}
+
+/// Items without repetitions, in order of appearance.
+pub(super) fn distinct<T: PartialEq>(items: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut seen = Vec::new();
+    for item in items {
+        if !seen.contains(&item) {
+            seen.push(item);
+        }
+    }
+    seen
+}
+
+fn find_or_push<T>(
+    items: &mut Vec<T>,
+    is_it: impl Fn(&T) -> bool,
+    make: impl FnOnce() -> T,
+) -> &mut T {
+    let index = items.iter().position(is_it).unwrap_or_else(|| {
+        items.push(make());
+        items.len() - 1
+    });
+    &mut items[index]
+}

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Error against run time of one view: two panels side by side, wrong pixels and boundary deviation.
+//!
+//! One curve per layout through its knob, the boundary tolerance. A wrong case whose error is the
+//! question stands where its figures put it; any other wrong or failed case stands on the edge.
+
+use super::data::{Data, View, has_role, knob_m, name};
+use std::collections::BTreeMap;
+use terrafill_plot::{
+    Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, length,
+    panels,
+};
+use terrafill_results::{Case, ChapterError, Outcome};
+
+/// Title, axis and metric of each panel.
+const QUANTITIES: [(&str, &str, &str); 2] = [
+    (
+        "Error against the reference",
+        "mismatched pixels",
+        "mismatched_px",
+    ),
+    (
+        "Error of the drawn boundary",
+        "boundary deviation, m",
+        "boundary_deviation_m",
+    ),
+];
+
+/// Draws both panels; `None` when neither would hold a point. Beside it the cases without a point, each
+/// with its reason.
+pub(super) fn plot(
+    data: &Data<'_>,
+    scene: &str,
+    view: &View<'_>,
+    palette: &Palette,
+) -> Result<Option<(String, Vec<String>)>, ChapterError> {
+    let across = format!("fill, {}: median, 5–95 % of samples", data.unit());
+    let plots = QUANTITIES.map(|(title, up, metric)| WorkPrecision {
+        title,
+        across: &across,
+        up,
+        upwards: Upwards::Error,
+        curves: curves(data, view, metric),
+        lines: Vec::new(),
+    });
+    let title = format!("{scene}, {}: error against run time", view.name);
+    let svg = panels(&title, &plots, Arrangement::SideBySide, palette)?;
+    Ok(svg.map(|svg| (svg, not_drawn(data, view))))
+}
+
+/// The cases as curves, one for each layout.
+pub(super) fn curves(data: &Data<'_>, view: &View<'_>, metric: &str) -> Vec<Curve> {
+    let mut curves: BTreeMap<String, Vec<Point>> = BTreeMap::new();
+    for case in &view.cases {
+        let is_shown = match case.outcome {
+            Outcome::Ok => data.time(case).is_some() && case.value(metric).is_some(),
+            Outcome::Wrong | Outcome::Failed => true,
+            Outcome::Skipped | Outcome::Missing => false,
+        };
+        if is_shown {
+            let points = curves.entry(data.series(case)).or_default();
+            points.push(point(data, case, metric));
+        }
+    }
+    let curve = |(name, points)| Curve { name, points };
+    curves.into_iter().map(curve).collect()
+}
+
+fn point(data: &Data<'_>, case: &Case, metric: &str) -> Point {
+    let time = |spread| Reading::sampled(spread, &data.replicates(case));
+    Point {
+        knob: knob_m(case).unwrap_or(0.0),
+        label: label(case),
+        x: data.time(case).map(time),
+        y: case.value(metric).map(Reading::exact),
+        y_rms: None,
+        standing: match case.outcome {
+            _ if case.counts() => PointStanding::Right,
+            Outcome::Wrong if has_role(case, "sweep") => PointStanding::Wrong,
+            _ => PointStanding::Failed,
+        },
+    }
+}
+
+/// The knob's value, and what went wrong where something did.
+fn label(case: &Case) -> String {
+    match (knob_m(case).map(length), case.outcome) {
+        (Some(knob), Outcome::Ok) => knob,
+        (Some(knob), outcome) => format!("{knob} {}", outcome.name()),
+        (None, Outcome::Ok) => "default".to_owned(),
+        (None, outcome) => outcome.name().to_owned(),
+    }
+}
+
+/// Cases that have no point on the first panel.
+fn not_drawn(data: &Data<'_>, view: &View<'_>) -> Vec<String> {
+    let reason = |case: &&&Case| {
+        let why = match case.outcome {
+            Outcome::Wrong | Outcome::Failed => return None,
+            Outcome::Skipped | Outcome::Missing => {
+                format!("{}: {}", case.outcome.name(), case.reason)
+            }
+            Outcome::Ok if data.time(case).is_none() => "no fill time".to_owned(),
+            Outcome::Ok if case.value(QUANTITIES[0].2).is_none() => "no error figure".to_owned(),
+            Outcome::Ok => return None,
+        };
+        Some(format!("{} ({why})", name(case)))
+    };
+    view.cases.iter().filter_map(|case| reason(&case)).collect()
+}

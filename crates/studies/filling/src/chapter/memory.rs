@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Memory: bytes of every layout by formula and as allocated, beside the figures of 2007.
+
+use super::data::{Data, counter, distinct, headings};
+use super::ladder::SOURCE;
+use terrafill_plot::number::{bytes, count, significant};
+use terrafill_plot::{Line, Lines};
+use terrafill_results::{
+    Block, Case, Cell, ChapterError, Finding, Heading, Plot, Row, Standing, Table,
+};
+
+/// The layout whose bytes the others' are divided by: every vertex twice, as a vertex shader needs.
+pub(super) const BASE: &str = "vertex/doubled";
+
+/// Cozzi (2007): bytes of California as one mesh that a geometry shader reads (1,056 vertices of 24
+/// bytes, 3,321 indices of 2), and with one closed volume for each of its triangles.
+const CALIFORNIA_2007: (u64, u64) = (31_986, 90_540);
+
+/// Cozzi (2007): bytes of the geometry-shader version over the vertex-shader version, about.
+const RATIO_2007: f64 = 0.40;
+
+/// How far from [`RATIO_2007`] is still “about”.
+const ABOUT: f64 = 0.05;
+
+/// Technique and beginning of the layouts that a geometry shader reads.
+const GEOMETRY_SHADER: (&str, &str) = ("native", "gs-");
+
+/// Columns before the bytes of a region.
+const COLUMNS: [(&str, &str); 4] = [
+    ("vertices of meshes", "mesh_vertices"),
+    ("triangles of one cap", "mesh_triangles"),
+    ("boundary edges", "boundary_edges"),
+    ("boundary loops", "boundary_loops"),
+];
+
+/// Bytes of a region by formula.
+const REGION_COLUMNS: [(&str, &str); 3] = [
+    ("smallest", "region_bytes_smallest"),
+    ("median", "region_bytes_median"),
+    ("largest", "region_bytes_largest"),
+];
+
+fn name(case: &Case) -> String {
+    format!(
+        "{}/{}",
+        case.condition("technique"),
+        case.condition("layout")
+    )
+}
+
+fn regions(case: &Case) -> u64 {
+    case.condition("regions").parse().unwrap_or(0)
+}
+
+fn formula_bytes(case: &Case) -> Option<u64> {
+    Some(counter(case, "formula_vertex_bytes")? + counter(case, "formula_index_bytes")?)
+}
+
+/// `None` for a layout that nothing allocated: of a scene's regions repeated in turn.
+fn allocated_bytes(case: &Case) -> Option<u64> {
+    Some(counter(case, "allocated_vertex_bytes")? + counter(case, "allocated_index_bytes")?)
+}
+
+/// Tables of every scene that some technique allocated, and its growth over regions.
+pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
+    let allocated = data
+        .memory
+        .iter()
+        .copied()
+        .filter(|case| allocated_bytes(case).is_some());
+    let rows: Vec<&Case> = allocated.collect();
+    if rows.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut blocks = vec![
+        Block::section("Memory"),
+        Block::Text(format!(
+            "{} Here: bytes of positions, flags and indices, by each layout's formula and as its \
+             technique allocated them, without constants. The two must agree. Layouts that are made \
+             every frame hold, beside what they read, only what the view draws.",
+            published()
+        )),
+    ];
+    let red: Vec<String> = rows
+        .iter()
+        .filter_map(|case| {
+            let what = disagreement(case)?;
+            Some(format!(
+                "{}/{}: {what}",
+                case.condition("scene"),
+                name(case)
+            ))
+        })
+        .collect();
+    if !red.is_empty() {
+        blocks.push(Block::Alarm("Formula and allocation differ:".to_owned()));
+        blocks.push(Block::List(red));
+    }
+    for scene in distinct(rows.iter().map(|case| case.condition("scene"))) {
+        let own = rows
+            .iter()
+            .copied()
+            .filter(|case| case.condition("scene") == scene);
+        let mut own: Vec<&Case> = own.collect();
+        let techniques = distinct(own.iter().map(|case| case.condition("technique")));
+        own.sort_by_key(|case| {
+            techniques
+                .iter()
+                .position(|known| *known == case.condition("technique"))
+        });
+        blocks.push(Block::Heading {
+            level: 4,
+            text: format!("Bytes of {scene}"),
+        });
+        blocks.push(Block::Table(table(&own)));
+        blocks.extend(findings(&own).into_iter().map(Block::Finding));
+        blocks.extend(plot(data, scene)?);
+    }
+    Ok(blocks)
+}
+
+fn base(rows: &[&Case]) -> Option<u64> {
+    let base = rows.iter().find(|case| name(case) == BASE)?;
+    formula_bytes(base).filter(|bytes| *bytes > 0)
+}
+
+fn table(rows: &[&Case]) -> Table {
+    let base = base(rows);
+    let mut columns = headings("layout", &[]);
+    columns.push(Heading::plain("regions"));
+    columns.extend(COLUMNS.map(|(text, metric)| Heading::metric(text, metric)));
+    columns.push(Heading::explained(
+        "bytes by formula",
+        "formula_vertex_bytes + formula_index_bytes",
+    ));
+    columns.push(Heading::explained(
+        "bytes allocated",
+        "allocated_vertex_bytes + allocated_index_bytes",
+    ));
+    columns.push(Heading::plain("a region, mean"));
+    columns.extend(REGION_COLUMNS.map(|(text, metric)| Heading::metric(text, metric)));
+    columns.push(Heading::plain("÷\u{a0}vertex/doubled"));
+    let row = |case: &&Case| {
+        let counted =
+            |metric: &str| Cell::or_absent(counter(case, metric).map(count), "not recorded");
+        let formula = formula_bytes(case);
+        let mean = formula.map(|bytes| significant(bytes as f64 / regions(case).max(1) as f64));
+        let ratio = formula
+            .zip(base)
+            .map(|(own, base)| times(own as f64 / base as f64));
+        let mut cells = vec![Cell::name(name(case)), Cell::plain(count(regions(case)))];
+        cells.extend(COLUMNS.map(|(_, metric)| counted(metric)));
+        cells.push(Cell::or_absent(formula.map(count), "not recorded"));
+        cells.push(Cell::or_absent(
+            allocated_bytes(case).map(count),
+            "not allocated",
+        ));
+        cells.push(Cell::or_absent(mean, "not recorded"));
+        cells.extend(REGION_COLUMNS.map(|(_, metric)| counted(metric)));
+        cells.push(Cell::or_absent(ratio, "vertex/doubled was not measured"));
+        Row::new(cells).bad_if(disagreement(case).is_some())
+    };
+    Table {
+        headings: columns,
+        rows: rows.iter().map(row).collect(),
+        ..Table::default()
+    }
+}
+
+fn times(ratio: f64) -> String {
+    format!("{} ×", significant(ratio))
+}
+
+/// How formula and allocation differ, if they do. Errors that cancel in the sum are two errors.
+fn disagreement(case: &Case) -> Option<String> {
+    let pairs = [
+        (
+            "positions and flags",
+            "formula_vertex_bytes",
+            "allocated_vertex_bytes",
+        ),
+        ("indices", "formula_index_bytes", "allocated_index_bytes"),
+    ];
+    let differing = pairs.iter().filter_map(|(what, formula, allocated)| {
+        let (formula, allocated) = (counter(case, formula)?, counter(case, allocated)?);
+        (formula != allocated)
+            .then(|| format!("{what}: {formula} bytes by formula, {allocated} allocated"))
+    });
+    Some(differing.collect::<Vec<_>>().join("; ")).filter(|text| !text.is_empty())
+}
+
+/// Each geometry-shader layout beside “about 40 %”.
+fn findings(rows: &[&Case]) -> Vec<Finding> {
+    let base = base(rows);
+    let (technique, beginning) = GEOMETRY_SHADER;
+    let of_geometry_shader = rows.iter().filter(|case| {
+        case.condition("technique") == technique && case.condition("layout").starts_with(beginning)
+    });
+    of_geometry_shader
+        .filter_map(|case| {
+            let ratio = formula_bytes(case)? as f64 / base? as f64;
+            Some(Finding {
+                claim: format!("{SOURCE}: about 40 % of the bytes of the vertex-shader version."),
+                standing: Standing::holds_if((ratio - RATIO_2007).abs() <= ABOUT),
+                because: format!("{} takes {} {BASE}", name(case), times(ratio)),
+            })
+        })
+        .collect()
+}
+
+/// What is said above the tables of the figures of 2007.
+fn published() -> String {
+    let (mesh, volumes) = CALIFORNIA_2007;
+    format!(
+        "{SOURCE}: California took {} bytes as one mesh and {} with a volume for each triangle ({} ×); \
+         the geometry-shader version needed about {} % of the bytes of the vertex-shader version.",
+        count(mesh),
+        count(volumes),
+        significant(mesh as f64 / volumes as f64),
+        significant(RATIO_2007 * 100.0),
+    )
+}
+
+/// Bytes over numbers of regions; ringed: the scene itself, as allocated. It stands beside the line:
+/// what is made every frame is made for the regions in view only.
+fn plot(data: &Data<'_>, scene: &str) -> Result<Option<Block>, ChapterError> {
+    let mut lines: Vec<Line> = Vec::new();
+    for &case in data
+        .memory
+        .iter()
+        .filter(|case| case.condition("scene") == scene)
+    {
+        let known = lines.iter().position(|line| line.name == name(case));
+        let index = known.unwrap_or_else(|| {
+            lines.push(Line {
+                name: name(case),
+                points: Vec::new(),
+                ringed: None,
+            });
+            lines.len() - 1
+        });
+        let at = |total: u64| [regions(case) as f64, total as f64];
+        match (allocated_bytes(case), formula_bytes(case)) {
+            (Some(allocated), _) => lines[index].ringed = Some(at(allocated)),
+            (None, Some(formula)) => lines[index].points.push(at(formula)),
+            (None, None) => {}
+        }
+    }
+    for line in &mut lines {
+        line.points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    }
+    let drawn = Lines {
+        title: format!("{scene}: bytes over regions"),
+        across: "regions",
+        across_tick: count,
+        up: "bytes by formula; ringed: as allocated",
+        up_tick: bytes,
+        lines,
+    };
+    Ok(drawn.draw()?.map(|svg| {
+        Block::Plot(Plot {
+            caption: format!("{scene}: its regions repeated in turn."),
+            svg,
+        })
+    }))
+}

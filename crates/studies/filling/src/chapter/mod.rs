@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The chapter on filling: scenes with their techniques, the ladder from 2007, the matrix of switches,
+//! bytes of layouts, textured fills, and what the measurements say of published claims.
+//!
+//! It reads cases, metrics and notes of a run and nothing else. Ratios, rankings and plots use the
+//! run's clock: [`Run::clock`].
+
+mod data;
+mod error_time;
+mod exponent;
+mod ladder;
+mod matrix;
+mod memory;
+mod pairs;
+mod published;
+mod scenes;
+mod subdivision;
+mod summary;
+#[cfg(test)]
+mod tests;
+mod textured;
+
+use data::{Data, is_baseline};
+use terrafill_results::{Block, Chapter, ChapterError, Clock, DerivedTable, Outcome, Run};
+
+/// Name of the study.
+const STUDY: &str = "filling";
+
+/// What filling regions costs and how right it is.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct FillingChapter;
+
+impl FillingChapter {
+    fn data<'a>(&self, run: &'a Run) -> Data<'a> {
+        Data::new(run, run.clock().pick("fill_gpu_ms", "fill_cpu_ms"))
+    }
+}
+
+impl Chapter for FillingChapter {
+    fn study(&self) -> &'static str {
+        STUDY
+    }
+
+    fn title(&self) -> &'static str {
+        "Region fill on terrain"
+    }
+
+    fn primary_metric(&self, clock: Clock) -> Option<&'static str> {
+        Some(clock.pick("fill_gpu_ms", "fill_cpu_ms"))
+    }
+
+    fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
+        let data = self.data(run);
+        let mut blocks = Vec::new();
+        blocks.extend(pictures_sentence(&data));
+        blocks.extend(scenes::overview(&data));
+        blocks.extend(ladder::blocks(&data)?);
+        blocks.extend(pairs::blocks(&data));
+        blocks.extend(matrix::blocks(&data));
+        blocks.extend(memory::blocks(&data)?);
+        blocks.extend(exponent::blocks(&data));
+        blocks.extend(subdivision::blocks(&data)?);
+        blocks.extend(textured::blocks(&data));
+        blocks.extend(scenes::blocks(&data)?);
+        Ok(blocks)
+    }
+
+    fn contradictions(&self, run: &Run) -> Vec<String> {
+        let data = self.data(run);
+        data.cases
+            .iter()
+            .filter_map(|case| contradiction(&data, case))
+            .collect()
+    }
+
+    fn tables(&self, run: &Run) -> Result<Vec<DerivedTable>, ChapterError> {
+        let data = self.data(run);
+        if data.cases.is_empty() {
+            return Ok(Vec::new());
+        }
+        Ok(vec![summary::table(&data)?])
+    }
+}
+
+/// What in a case's figures contradicts its outcome.
+fn contradiction(data: &Data<'_>, case: &terrafill_results::Case) -> Option<String> {
+    let outside = case.value("mismatched_px_outside_band");
+    let name = case.id();
+    let samples = case.samples(data.metric).into_iter().flatten();
+    let times = samples.flat_map(|(_, of_process)| of_process.values());
+    let (all, usable) = times.fold((0_usize, 0_usize), |(all, usable), ms| {
+        (all + 1, usable + usize::from(ms.is_finite() && *ms > 0.0))
+    });
+    if usable < all {
+        let lost = all - usable;
+        return Some(format!(
+            "{name}: {lost} of {all} times are 0, negative or not finite; left out"
+        ));
+    }
+    match outside {
+        _ if case.outcome != Outcome::Ok || is_baseline(case) => None,
+        None => Some(format!("{name}: ok, but never compared with the reference")),
+        Some(px) if px > 0.0 => Some(format!(
+            "{name}: ok, though {px} pixels outside the boundary band are wrong"
+        )),
+        Some(_) => None,
+    }
+}
+
+/// Whether the pictures match the reference, those aside whose error is the question.
+fn pictures_sentence(data: &Data<'_>) -> Option<Block> {
+    if data.cases.is_empty() {
+        return None;
+    }
+    let outside =
+        |case: &terrafill_results::Case| data::counter(case, "mismatched_px_outside_band");
+    let cases = data.cases.iter().filter(|case| !case.planned.may_be_wrong);
+    let compared: Vec<_> = cases.filter(|case| outside(case).is_some()).collect();
+    let differing = compared
+        .iter()
+        .filter(|case| outside(case) != Some(0) || case.outcome == Outcome::Wrong)
+        .count();
+    Some(match (compared.len(), differing) {
+        (0, _) => Block::Text("No picture was compared with the reference.".to_owned()),
+        (all, 0) => Block::Text(format!(
+            "Every picture that was compared ({all}) matches the reference outside the 1-pixel \
+             boundary band."
+        )),
+        (all, some) => Block::Alarm(format!(
+            "{some} of {all} compared pictures do not match the reference."
+        )),
+    })
+}

@@ -1,0 +1,489 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Every scene with its views: plots, tables of all cases, and pictures beside the reference's.
+
+use super::data::{DEPTH_PASS, Data, STENCIL_PASS, Scene, View, counter, is_baseline, name};
+use super::ladder::{AXIS_ONE, axis_title, no_ratio};
+use super::{error_time, memory, published};
+use terrafill_plot::number::{bytes, count, significant, spread};
+use terrafill_plot::{Bar, Bars, Palette, RatioAxis, RatioGroup, RatioPlot, RatioRow};
+use terrafill_results::{
+    Block, Case, Cell, CellClass, ChapterError, Heading, Outcome, Picture, PictureFigure, Pictures,
+    Plot, Row, Table, sample_spread,
+};
+
+const NO_GPU_TIME: &str = "the device gave no GPU time";
+const NO_PASS_TIME: &str = "no GPU time of its own: stencil and colour alternate region by region, or the device gave none";
+const NOT_COUNTED: &str = "not counted by this technique";
+const NOT_COMPARED: &str = "not compared with the reference";
+const NOT_RECORDED: &str = "not recorded by this run";
+
+/// How a metric is printed.
+#[derive(Clone, Copy)]
+enum Print {
+    /// Three digits; a time counts for nothing when the picture is wrong.
+    Time,
+    /// Three digits.
+    Figure,
+    /// Every digit.
+    Count,
+}
+
+/// Columns after those by the run's clock: heading, metric, how it is printed, and why a case that is
+/// right may lack it.
+const COLUMNS: [(&str, &str, Print, &str); 12] = [
+    (
+        "surface, GPU\u{a0}ms",
+        "surface_gpu_ms",
+        Print::Time,
+        "the technique draws a surface of its own, untimed, or the device gave no GPU time",
+    ),
+    (
+        "stencil, GPU\u{a0}ms",
+        "stencil_gpu_ms",
+        Print::Time,
+        NO_PASS_TIME,
+    ),
+    (
+        "colour, GPU\u{a0}ms",
+        "colour_gpu_ms",
+        Print::Time,
+        NO_PASS_TIME,
+    ),
+    (
+        "geometry bytes",
+        "geometry_bytes",
+        Print::Count,
+        NOT_COUNTED,
+    ),
+    ("draws", "draws", Print::Count, NOT_COUNTED),
+    ("vertices", "vertices", Print::Count, NOT_COUNTED),
+    (
+        "regions left out",
+        "regions_left_out",
+        Print::Count,
+        NOT_RECORDED,
+    ),
+    ("wrong px", "mismatched_px", Print::Count, NOT_COMPARED),
+    (
+        "outside band",
+        "mismatched_px_outside_band",
+        Print::Count,
+        NOT_COMPARED,
+    ),
+    (
+        "Hausdorff, px",
+        "hausdorff_px",
+        Print::Figure,
+        "one of the two pictures has no boundary, or they were not compared",
+    ),
+    (
+        "moved, px",
+        "boundary_moved_px",
+        Print::Figure,
+        "only levels of detail move boundaries on purpose; or too many pixels mismatch to compare",
+    ),
+    (
+        "boundary,\u{a0}m",
+        "boundary_deviation_m",
+        Print::Figure,
+        NOT_RECORDED,
+    ),
+];
+
+/// Views with their fastest right technique.
+pub(super) fn overview(data: &Data<'_>) -> Option<Block> {
+    let mut rows = Vec::new();
+    for scene in data.scenes() {
+        for view in &scene.views {
+            rows.extend(overview_row(data, scene.name, view));
+        }
+    }
+    (!rows.is_empty()).then(|| {
+        Block::Table(Table {
+            caption: format!(
+                "The fastest right technique of each view by {}. A tie differs from it by no more than \
+                 identical work did.",
+                data.run.clock().name()
+            ),
+            headings: vec![
+                Heading::plain("scene, view"),
+                Heading::plain("right of all"),
+                Heading::plain("fastest"),
+                Heading::metric(format!("fill, {}", data.unit()), data.metric),
+                Heading::plain("÷\u{a0}depth-pass"),
+                Heading::plain("÷\u{a0}stencil-pass"),
+                Heading::plain("ties"),
+            ],
+            rows,
+            is_main: true,
+            ..Table::default()
+        })
+    })
+}
+
+fn overview_row(data: &Data<'_>, scene: &str, view: &View<'_>) -> Option<Row> {
+    let right = view.cases.iter().filter(|case| case.counts());
+    let timed = right
+        .clone()
+        .filter_map(|case| Some((*case, data.right_time(case)?)));
+    let (fastest, time) = timed.min_by(|a, b| a.1.median.total_cmp(&b.1.median))?;
+    let ties = right
+        .clone()
+        .filter(|case| case.id() != fastest.id())
+        .filter(|case| {
+            let ratio = data.over(case, fastest);
+            ratio
+                .zip(data.noise)
+                .is_some_and(|(ratio, noise)| noise.is_tie(ratio.middle))
+        });
+    let ties: Vec<String> = ties.map(|case| name(case)).collect();
+    let over = |technique| {
+        let ratio = data.over_baseline(fastest, technique);
+        data.ratio_cell(ratio.as_ref(), "this pass was not measured")
+    };
+    Some(Row::new(vec![
+        Cell::name(format!("{scene}, {}", view.name)),
+        Cell::plain(format!("{} of {}", right.count(), view.cases.len())),
+        Cell::name(name(fastest)),
+        Cell::plain(significant(time.median)),
+        over(DEPTH_PASS),
+        over(STENCIL_PASS),
+        match data.noise {
+            Some(_) => Cell::name(ties.join("; ")),
+            None => Cell::absent("no identical work was measured twice"),
+        },
+    ]))
+}
+
+/// Every scene.
+pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
+    let palette = Palette::new(data.all_series());
+    let mut blocks = Vec::new();
+    for scene in data.scenes() {
+        blocks.push(Block::section(scene.name));
+        if let Some(svg) = ratio_plot(data, &scene, &palette)? {
+            blocks.push(Block::Plot(Plot {
+                caption: format!(
+                    "Time over depth-pass: {} of the fill over that of a full-screen pass of the same \
+                     run that reads depth and writes a constant colour. Whiskers: 5–95 % of samples. \
+                     Dashed: the stencil-pass of that view, a stencil clear and a stencil-tested \
+                     full-screen colour. Both are yardsticks, not bounds. A cross at the right edge has \
+                     no time that counts.",
+                    data.run.clock().name()
+                ),
+                svg,
+            }));
+        }
+        if let Some(svg) = bytes_plot(data, &scene, &palette)? {
+            blocks.push(Block::Plot(Plot {
+                caption:
+                    "Bytes per variant. Printed: geometry (positions, flags, indices) and its \
+                          ratio to vertex/doubled where that was measured."
+                        .to_owned(),
+                svg,
+            }));
+        }
+        blocks.extend(published::blocks(data, &scene));
+        for view in &scene.views {
+            blocks.extend(view_blocks(data, &scene, view, &palette)?);
+        }
+    }
+    Ok(blocks)
+}
+
+fn ratio_plot(
+    data: &Data<'_>,
+    scene: &Scene<'_>,
+    palette: &Palette,
+) -> Result<Option<String>, ChapterError> {
+    let row = |case: &&Case| RatioRow {
+        label: data.label(case),
+        series: data.series(case),
+        ratio: data
+            .spread_over_depth_pass(case)
+            .ok_or_else(|| no_ratio(data, case)),
+    };
+    let groups = scene.views.iter().map(|view| RatioGroup {
+        name: view.name.to_owned(),
+        dashed: stencil_pass(data, view).map(|ratio| {
+            (
+                ratio,
+                format!("stencil-pass {} × (dashed)", significant(ratio)),
+            )
+        }),
+        rows: view.cases.iter().map(row).collect(),
+    });
+    let title = axis_title(data);
+    let plot = RatioPlot {
+        title: format!("{}: fill time over depth-pass", scene.name),
+        axis: RatioAxis {
+            title: &title,
+            one: AXIS_ONE,
+        },
+        groups: groups.collect(),
+    };
+    Ok(plot.draw(palette)?)
+}
+
+/// Stencil-pass over depth-pass of a view.
+fn stencil_pass(data: &Data<'_>, view: &View<'_>) -> Option<f64> {
+    let is_it = |case: &&&Case| case.condition("technique") == STENCIL_PASS;
+    let pass = view.baselines.iter().find(is_it)?;
+    let ratio = data.over_baseline(pass, DEPTH_PASS)?.middle;
+    Some(ratio).filter(|ratio| ratio.is_finite() && *ratio > 0.0)
+}
+
+/// What one variant holds, largest over the scene's views: geometry is the same in all of them,
+/// per-view constants vary.
+fn bytes_plot(
+    data: &Data<'_>,
+    scene: &Scene<'_>,
+    palette: &Palette,
+) -> Result<Option<String>, ChapterError> {
+    let mut variants: Vec<(&Case, [u64; 3], u64)> = Vec::new();
+    for case in scene.views.iter().flat_map(|view| &view.cases) {
+        let Some(geometry) = counter(case, "geometry_bytes") else {
+            continue;
+        };
+        let index = counter(case, "index_bytes").unwrap_or(0);
+        let vertex = counter(case, "vertex_bytes").unwrap_or(geometry.saturating_sub(index));
+        let parts = [vertex, index, counter(case, "constant_bytes").unwrap_or(0)];
+        match variants
+            .iter_mut()
+            .find(|(known, ..)| name(known) == name(case))
+        {
+            Some((_, most, of)) if parts.iter().sum::<u64>() > most.iter().sum() => {
+                (*most, *of) = (parts, geometry);
+            }
+            Some(_) => {}
+            None => variants.push((case, parts, geometry)),
+        }
+    }
+    let base = variants
+        .iter()
+        .find(|(case, ..)| name(case) == memory::BASE);
+    let base = base
+        .map(|(_, _, geometry)| *geometry)
+        .filter(|base| *base > 0);
+    let rows = variants.iter().map(|(case, parts, geometry)| Bar {
+        label: data.label(case),
+        series: data.series(case),
+        parts: *parts,
+        value: match base {
+            Some(base) => {
+                let ratio = significant(*geometry as f64 / base as f64);
+                format!("{} · {ratio} ×", bytes(*geometry))
+            }
+            None => bytes(*geometry),
+        },
+    });
+    let bars = Bars {
+        title: format!("{}: bytes per variant", scene.name),
+        axis: "bytes on the device, largest over the views",
+        parts: ["positions and flags", "indices", "constants per view"],
+        rows: rows.collect(),
+    };
+    Ok(bars.draw(palette)?)
+}
+
+fn view_blocks(
+    data: &Data<'_>,
+    scene: &Scene<'_>,
+    view: &View<'_>,
+    palette: &Palette,
+) -> Result<Vec<Block>, ChapterError> {
+    let mut blocks = vec![Block::Heading {
+        level: 4,
+        text: format!("{}, {}", scene.name, view.name),
+    }];
+    blocks.extend(pictures(view).map(Block::Pictures));
+    blocks.push(Block::Table(table(data, view)));
+    blocks.extend(left_out(view));
+    if let Some((svg, not_drawn)) = error_time::plot(data, scene.name, view, palette)? {
+        let not_drawn = match not_drawn.is_empty() {
+            true => String::new(),
+            false => format!(" Not drawn: {}.", not_drawn.join("; ")),
+        };
+        blocks.push(Block::Plot(Plot {
+            caption: format!(
+                "Error against run time; one curve per layout through its boundary tolerance, which \
+                 labels the points. Zero errors stand on the line at the bottom; wrong and failed cases \
+                 (crosses) are pinned to the upper edge, except those of the sweep, which stand at \
+                 their error. Ringed and joined by dashes: the Pareto front, where at least 95 % of \
+                 bootstrap resamples of the processes keep it.{not_drawn}"
+            ),
+            svg,
+        }));
+    }
+    Ok(blocks)
+}
+
+fn table(data: &Data<'_>, view: &View<'_>) -> Table {
+    let clock = data.run.clock();
+    let other = clock.pick(
+        ("fill, CPU\u{a0}ms", "fill_cpu_ms"),
+        ("fill, GPU\u{a0}ms", "fill_gpu_ms"),
+    );
+    let mut headings = vec![
+        Heading::plain("case"),
+        Heading::plain("status"),
+        Heading::metric(format!("fill, {} [5–95 %]", data.unit()), data.metric),
+        Heading::explained(
+            "÷\u{a0}depth-pass",
+            "over the full-screen pass that reads depth, paired by process",
+        ),
+        Heading::explained(
+            "÷\u{a0}stencil-pass",
+            "over the full-screen pass that clears and tests the stencil, paired by process",
+        ),
+        Heading::metric(other.0, other.1),
+    ];
+    headings.extend(COLUMNS.map(|(text, metric, ..)| Heading::metric(text, metric)));
+    let cases = view.baselines.iter().chain(&view.cases);
+    Table {
+        rows: cases.map(|case| row(data, case, other.1)).collect(),
+        headings,
+        ..Table::default()
+    }
+}
+
+fn row(data: &Data<'_>, case: &Case, other_metric: &str) -> Row {
+    let over = |technique| match data.over_baseline(case, technique) {
+        Some(ratio) => Cell::plain(significant(ratio.middle)),
+        None => absent(case, "this pass was not measured in this run"),
+    };
+    let mut cells = vec![
+        Cell::name(name(case)),
+        Cell::plain(case.outcome.name()),
+        time_cell(case, data.time(case).map(spread), "no frame was timed"),
+        over(DEPTH_PASS),
+        over(STENCIL_PASS),
+        time_cell(
+            case,
+            sample_spread(case, other_metric).map(|ms| significant(ms.median)),
+            NO_GPU_TIME,
+        ),
+    ];
+    cells.extend(COLUMNS.map(|(_, metric, print, why)| {
+        let value = case.value(metric);
+        match print {
+            Print::Time => time_cell(case, value.map(significant), why),
+            Print::Figure => value.map_or_else(
+                || absent(case, why),
+                |value| Cell::plain(significant(value)),
+            ),
+            Print::Count => counter(case, metric)
+                .map_or_else(|| absent(case, why), |value| Cell::plain(count(value))),
+        }
+    }));
+    Row {
+        cells,
+        status: case.outcome.name().to_owned(),
+        remark: case.reason.clone(),
+    }
+}
+
+/// A time, which counts for nothing when the picture is wrong.
+fn time_cell(case: &Case, text: Option<String>, why: &str) -> Cell {
+    match text {
+        Some(text) if case.outcome == Outcome::Wrong => Cell {
+            class: CellClass::Void,
+            title: "the picture is wrong: this time counts for nothing".to_owned(),
+            ..Cell::plain(text)
+        },
+        Some(text) => Cell::plain(text),
+        None => absent(case, why),
+    }
+}
+
+fn absent(case: &Case, why: &str) -> Cell {
+    Cell::absent(match (case.outcome, case.reason.as_str()) {
+        (Outcome::Ok, _) if is_baseline(case) => "does not apply to a full-screen pass".to_owned(),
+        (Outcome::Ok, _) => why.to_owned(),
+        (outcome, "") => format!("{}, no reason was recorded", outcome.name()),
+        (outcome, reason) => format!("{}: {reason}", outcome.name()),
+    })
+}
+
+/// The reference's picture, then each case's beside its difference.
+fn pictures(view: &View<'_>) -> Option<Pictures> {
+    let picture = |case: &Case, note: &str, caption: &str| {
+        let path = case.note(note);
+        (!path.is_empty()).then(|| Picture {
+            path: path.to_owned(),
+            caption: caption.to_owned(),
+        })
+    };
+    let reference = view
+        .cases
+        .iter()
+        .find_map(|case| picture(case, "reference_image", "reference"))
+        .map(|reference| PictureFigure {
+            pictures: vec![reference],
+            notes: Vec::new(),
+        });
+    let own = view.cases.iter().filter_map(|case| {
+        let pictures = [
+            picture(case, "image", "picture"),
+            picture(case, "difference_image", "difference"),
+        ];
+        let pictures: Vec<Picture> = pictures.into_iter().flatten().collect();
+        (!pictures.is_empty()).then(|| PictureFigure {
+            pictures,
+            notes: vec![caption(case)],
+        })
+    });
+    let figures: Vec<PictureFigure> = reference.into_iter().chain(own).collect();
+    (!figures.is_empty()).then_some(Pictures {
+        caption: String::new(),
+        figures,
+    })
+}
+
+fn caption(case: &Case) -> String {
+    let counted = |metric| counter(case, metric).map_or_else(|| "–".to_owned(), count);
+    let mut text = format!(
+        "{}{}: {} wrong px, {} outside the band, Hausdorff {} px",
+        name(case),
+        match case.outcome {
+            Outcome::Ok => String::new(),
+            outcome => format!(" ({})", outcome.name()),
+        },
+        counted("mismatched_px"),
+        counted("mismatched_px_outside_band"),
+        case.value("hausdorff_px")
+            .map_or_else(|| "–".to_owned(), significant),
+    );
+    if let Some(px) = case.value("boundary_moved_px") {
+        text.push_str(&format!(", moved {} px", significant(px)));
+    }
+    if let Some(px) = counter(case, "foreign_px").filter(|px| *px > 0) {
+        text.push_str(&format!(", {} foreign", count(px)));
+    }
+    text
+}
+
+/// Frame plans that left something out, equal ones together.
+fn left_out(view: &View<'_>) -> Option<Block> {
+    let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
+    for case in view
+        .cases
+        .iter()
+        .filter(|case| !case.note("left_out").is_empty())
+    {
+        let text = case.note("left_out");
+        match groups.iter_mut().find(|(known, _)| *known == text) {
+            Some((_, cases)) => cases.push(name(case)),
+            None => groups.push((text, vec![name(case)])),
+        }
+    }
+    let lines = groups
+        .iter()
+        .map(|(text, cases)| format!("{}: {text}", cases.join("; ")));
+    let lines: Vec<String> = lines.collect();
+    (!lines.is_empty()).then(|| Block::Folded {
+        summary: "What the frame plans left out, by reason".to_owned(),
+        is_open: false,
+        blocks: vec![Block::List(lines)],
+    })
+}

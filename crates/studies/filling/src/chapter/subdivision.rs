@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Subdivision against wall height: coarse caps need tall walls to contain the terrain, fine ones need
+//! triangles.
+//!
+//! Cozzi (2007, 2.1.7.2) expected coarse meshes with tall walls to win and left it unmeasured.
+
+use super::data::{Data, counter, distinct, has_role, title};
+use terrafill_plot::number::{count, significant};
+use terrafill_plot::{
+    Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
+};
+use terrafill_results::{
+    Block, Case, Cell, ChapterError, Claim, Finding, Heading, Outcome, Plot, Row, Table,
+};
+
+/// The switch whose values are swept.
+const KNOB: &str = "cap-step-deg";
+
+/// Meshes of one view by their cap steps, degrees, finest first.
+struct Sweep<'a> {
+    title: String,
+    cases: Vec<(f64, &'a Case)>,
+}
+
+/// Every view with at least two cap steps.
+pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
+    let sweeps = sweeps(data);
+    if sweeps.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut blocks = vec![
+        Block::section("Subdivision against wall height"),
+        Block::Text(
+            "A coarse cap bends away from the ground, so its volume must reach higher to hold the \
+             terrain; a fine one needs more triangles. Cozzi (2007, 2.1.7.2) expected coarse meshes \
+             with tall walls to win. The volume's heights follow from the mesh, so every picture must \
+             be right."
+                .to_owned(),
+        ),
+    ];
+    if let Some(svg) = plot(data, &sweeps)? {
+        blocks.push(Block::Plot(Plot {
+            caption:
+                "Left: fill time; whiskers: 5–95 % of samples. Right: the tallest wall drawn, \
+                      bottom to top."
+                    .to_owned(),
+            svg,
+        }));
+    }
+    for sweep in &sweeps {
+        blocks.push(Block::Heading {
+            level: 4,
+            text: format!("Cap steps of {}", sweep.title),
+        });
+        blocks.push(Block::Table(table(data, sweep)));
+        blocks.extend(finding(data, sweep).map(Block::Finding));
+    }
+    Ok(blocks)
+}
+
+fn sweeps<'a>(data: &Data<'a>) -> Vec<Sweep<'a>> {
+    let swept = || {
+        let own = data
+            .cases
+            .iter()
+            .copied()
+            .filter(|case| has_role(case, "subdivision"));
+        own.filter_map(|case| Some((case.condition(KNOB).parse::<f64>().ok()?, case)))
+    };
+    let titles = distinct(swept().map(|(_, case)| title(case)));
+    let sweeps = titles.into_iter().map(|of| {
+        let mut cases: Vec<(f64, &Case)> = swept().filter(|(_, case)| title(case) == of).collect();
+        cases.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Sweep { title: of, cases }
+    });
+    sweeps.filter(|sweep| sweep.cases.len() >= 2).collect()
+}
+
+fn table(data: &Data<'_>, sweep: &Sweep<'_>) -> Table {
+    let rows = sweep.cases.iter().map(|(step, case)| {
+        let why = match case.reason.as_str() {
+            "" => "not measured",
+            reason => reason,
+        };
+        let cell = |text: Option<String>| Cell::or_absent(text, why);
+        let counted = |metric: &str| cell(counter(case, metric).map(count));
+        let figure = |metric: &str| cell(case.value(metric).map(significant));
+        let over = data.over_baseline(case, super::data::DEPTH_PASS);
+        Row::new(vec![
+            Cell::name(format!("{step}°")),
+            counted("cap_triangles"),
+            figure("wall_height_m"),
+            cell(data.right_time(case).map(|ms| significant(ms.median))),
+            cell(over.map(|ratio| significant(ratio.middle))),
+            counted("stencil_fragments"),
+            counted("mismatched_px"),
+            counted("mismatched_px_outside_band"),
+            figure("hausdorff_px"),
+        ])
+        .bad_if(case.outcome != Outcome::Ok)
+    });
+    Table {
+        rows: rows.collect(),
+        headings: vec![
+            Heading::plain("cap step"),
+            Heading::metric("triangles of caps", "cap_triangles"),
+            Heading::metric("tallest wall, m", "wall_height_m"),
+            Heading::metric(format!("fill, {}", data.unit()), data.metric),
+            Heading::plain("÷\u{a0}depth-pass"),
+            Heading::metric("stencil fragments", "stencil_fragments"),
+            Heading::metric("wrong px", "mismatched_px"),
+            Heading::metric("outside band", "mismatched_px_outside_band"),
+            Heading::metric("Hausdorff, px", "hausdorff_px"),
+        ],
+        ..Table::default()
+    }
+}
+
+/// Whether the coarsest mesh is faster than the finest.
+fn finding(data: &Data<'_>, sweep: &Sweep<'_>) -> Option<Finding> {
+    let (fine, coarse) = (sweep.cases.first()?, sweep.cases.last()?);
+    let gain = data.over(fine.1, coarse.1)?;
+    Some(Finding {
+        claim: "Coarse and tall is faster.".to_owned(),
+        standing: Claim::Faster.standing(&gain),
+        because: format!(
+            "{}° fills {} as fast as {}°",
+            coarse.0,
+            data.ratio_text(&gain),
+            fine.0
+        ),
+    })
+}
+
+fn plot(data: &Data<'_>, sweeps: &[Sweep<'_>]) -> Result<Option<String>, ChapterError> {
+    let time = |case: &Case| {
+        let spread = data.right_time(case)?;
+        Some(Reading::sampled(spread, &data.replicates(case)))
+    };
+    let wall = |case: &Case| case.value("wall_height_m").map(Reading::exact);
+    let up = format!("fill, {}: median, 5–95 %", data.unit());
+    let panel = |title, up, curves| WorkPrecision {
+        title,
+        across: "largest edge of a cap triangle, degrees",
+        up,
+        upwards: Upwards::Amount,
+        curves,
+        lines: Vec::new(),
+    };
+    let plots = [
+        panel("Fill time", up.as_str(), curves(sweeps, time)),
+        panel("Wall height", "tallest wall drawn, m", curves(sweeps, wall)),
+    ];
+    let palette = Palette::new(sweeps.iter().map(|sweep| sweep.title.clone()).collect());
+    let title = "subdivision against wall height";
+    Ok(panels(title, &plots, Arrangement::SideBySide, &palette)?)
+}
+
+fn curves(sweeps: &[Sweep<'_>], height: impl Fn(&Case) -> Option<Reading>) -> Vec<Curve> {
+    let curve = |sweep: &Sweep<'_>| Curve {
+        name: sweep.title.clone(),
+        points: sweep
+            .cases
+            .iter()
+            .map(|(step, case)| {
+                let y = height(case);
+                Point {
+                    knob: *step,
+                    label: String::new(),
+                    x: Some(Reading::exact(*step)),
+                    standing: match y {
+                        Some(_) => PointStanding::Right,
+                        None => PointStanding::Failed,
+                    },
+                    y,
+                    y_rms: None,
+                }
+            })
+            .collect(),
+    };
+    sweeps.iter().map(curve).collect()
+}

@@ -1,0 +1,965 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The chapter of made-up runs, read as a reader would. Each rule has a twin in which something is
+//! wrong and must be seen.
+
+use super::data::{Data, View, name};
+use super::{FillingChapter, error_time, ladder, textured};
+use std::collections::BTreeSet;
+use terrafill_plot::PointStanding;
+use terrafill_results::made_up::{MadeUpCase, MadeUpRun, case_id};
+use terrafill_results::{
+    Block, Case, Cell, CellClass, Chapter as _, Finding, Outcome, Run, RunEnvironment, Standing,
+    Status, Table,
+};
+
+const TIME: &str = "fill_cpu_ms";
+
+/// How a process differs from the others: shared by all cases, as on a busy machine.
+const PROCESSES: [f64; 8] = [1.0, 3.0, 0.9, 1.1, 2.0, 1.05, 1.3, 0.95];
+
+/// The stable part of `summary.csv`, word for word from the design's §6.
+const STABLE_SUMMARY_HEADER: &str = "scene,view,backend,variant,status,reason,surface_gpu_ms,\
+    fill_gpu_ms,fill_cpu_ms,bound_gpu_ms,bound_cpu_ms,floor_cpu_ms,fill_over_bound_cpu,\
+    geometry_bytes,upload_bytes,draws,vertices,filled_px,mismatched_px,\
+    mismatched_px_outside_band,hausdorff_px,left_out";
+
+/// A case of `SCENE/VIEW/TECHNIQUE/VARIANT` whose switches are conditions of their own.
+fn add<'a>(run: &'a mut MadeUpRun, key: &str, more: &[(&str, &str)]) -> &'a mut MadeUpCase {
+    let parts: Vec<&str> = key.splitn(4, '/').collect();
+    let [scene, view, technique, variant] = parts[..] else {
+        panic!("four parts: {key}");
+    };
+    let mut switches = variant.split(',');
+    let mut conditions = vec![
+        ("scene", scene),
+        ("view", view),
+        ("technique", technique),
+        ("variant", variant),
+        ("layout", switches.next().unwrap_or_default()),
+    ];
+    conditions.extend(switches.filter_map(|switch| switch.split_once('=')));
+    conditions.extend(more);
+    run.case(case_id("filling", key, &conditions))
+}
+
+/// A right case that is not timed.
+fn drawn<'a>(run: &'a mut MadeUpRun, key: &str, more: &[(&str, &str)]) -> &'a mut MadeUpCase {
+    let case = add(run, key, more);
+    case.figure("mismatched_px", 2.0)
+        .figure("mismatched_px_outside_band", 0.0)
+        .figure("vertices", 1_000.0)
+        .figure("draws", 7.0)
+        .figure("stencil_fragments", 5_000.0)
+        .figure("fragment_shader_invocations", 3_000.0)
+        .note("mask_hash", "m")
+        .note("ids_hash", "i")
+}
+
+/// A right case that takes `ms` times the process's factor.
+fn timed<'a>(
+    run: &'a mut MadeUpRun,
+    key: &str,
+    more: &[(&str, &str)],
+    ms: f64,
+) -> &'a mut MadeUpCase {
+    drawn(run, key, more).timed(TIME, &PROCESSES.map(|factor| factor * ms))
+}
+
+fn on_cpu() -> MadeUpRun {
+    MadeUpRun {
+        environment: RunEnvironment {
+            device_type: "cpu".to_owned(),
+            gpu: "llvmpipe".to_owned(),
+            width: 1024,
+            height: 1024,
+            gpu_timestamps: true,
+            ..RunEnvironment::default()
+        },
+        ..MadeUpRun::default()
+    }
+}
+
+fn written(run: &MadeUpRun) -> (tempfile::TempDir, Run) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = run.write(folder.path()).expect("a run");
+    (folder, run)
+}
+
+fn blocks(run: &MadeUpRun) -> Vec<Block> {
+    let (_folder, run) = written(run);
+    FillingChapter.blocks(&run).expect("a chapter")
+}
+
+/// The blocks of one section.
+fn section(run: &MadeUpRun, title: &str) -> Vec<Block> {
+    let all = blocks(run);
+    let is_section = |block: &Block| matches!(block, Block::Heading { level: 3, .. });
+    let own = all
+        .iter()
+        .skip_while(|block| **block != Block::section(title));
+    let rest = own.clone().skip(1).take_while(|block| !is_section(block));
+    own.take(1).chain(rest).cloned().collect()
+}
+
+fn tables(blocks: &[Block]) -> Vec<&Table> {
+    let tables = blocks.iter().filter_map(|block| match block {
+        Block::Table(table) => Some(table),
+        _ => None,
+    });
+    tables.collect()
+}
+
+fn findings(blocks: &[Block]) -> Vec<&Finding> {
+    let findings = blocks.iter().filter_map(|block| match block {
+        Block::Finding(finding) => Some(finding),
+        _ => None,
+    });
+    findings.collect()
+}
+
+fn texts(table: &Table, row: usize) -> Vec<&str> {
+    table.rows[row]
+        .cells
+        .iter()
+        .map(|cell| cell.text.as_str())
+        .collect()
+}
+
+/// Everything that a reader sees.
+fn words(blocks: &[Block]) -> String {
+    format!("{blocks:?}").replace("\\u{202f}", "\u{202f}")
+}
+
+/// A ladder whose steps take these times, beside a depth-pass of 10 ms.
+fn climbed(view: &str, steps: &[(&str, f64)]) -> MadeUpRun {
+    let mut run = on_cpu();
+    timed(
+        &mut run,
+        &format!("s/{view}/depth-pass/full-screen"),
+        &[("role", "baseline")],
+        10.0,
+    );
+    for (number, (step, ms)) in (1..).zip(steps) {
+        let number = number.to_string();
+        let more = [
+            ("role", "ladder"),
+            ("rung", number.as_str()),
+            ("step", step),
+        ];
+        timed(&mut run, &format!("s/{view}/vertex/{step}"), &more, *ms)
+            .note("change", &format!("{step} is switched"));
+    }
+    run
+}
+
+const LADDER: &str = "From 2007 to the full plan";
+
+#[test]
+fn gains_are_paired_by_process_and_findings_follow_them() {
+    let steps = [
+        ("start", 200.0),
+        ("back-faces", 100.0),
+        ("strips", 99.0),
+        ("z-pass", 100.0),
+    ];
+    let chapter = section(&climbed("globe", &steps), LADDER);
+    // Processes differ threefold; the ratio within a process does not.
+    let overview = tables(&chapter)[0];
+    assert_eq!(
+        texts(overview, 0),
+        [
+            "s, globe: vertex",
+            "20.0",
+            "10.0",
+            "2.00 × [2.00–2.00]",
+            "back-faces: 2.00 × [2.00–2.00]"
+        ]
+    );
+    assert_eq!(
+        tables(&chapter)[1].rows[1].cells[3].text,
+        "2.00 × [2.00–2.00]"
+    );
+    assert!(words(&chapter).contains("“back-faces” gave most: 2.00 ×"));
+    let standings = |chapter: &[Block]| -> Vec<Standing> {
+        findings(chapter)
+            .iter()
+            .map(|finding| finding.standing)
+            .collect()
+    };
+    use Standing::{DoesNotHold, Holds};
+    assert_eq!(standings(&chapter), [Holds, Holds, DoesNotHold]);
+    // Twin: other times, other answers; nothing is written down beforehand.
+    let steps = [
+        ("start", 100.0),
+        ("back-faces", 100.0),
+        ("strips", 50.0),
+        ("z-pass", 20.0),
+    ];
+    let chapter = section(&climbed("globe", &steps), LADDER);
+    assert_eq!(standings(&chapter), [DoesNotHold, DoesNotHold, Holds]);
+    assert!(words(&chapter).contains("“z-pass” gave most: 2.50 ×"));
+}
+
+#[test]
+fn a_wrong_rung_has_no_gain_and_the_next_is_compared_with_the_last_right_one() {
+    let steps = [("start", 100.0), ("back-faces", 80.0), ("strips", 50.0)];
+    let mut run = climbed("globe", &steps);
+    run.cases[2].ended(Status::Wrong, "9 pixels");
+    let chapter = section(&run, LADDER);
+    let gains = |row: usize| tables(&chapter)[1].rows[row].cells[3].text.clone();
+    assert_eq!(
+        [gains(1), gains(2)],
+        ["–", "2.00 × [2.00–2.00]"],
+        "100 ÷ 50"
+    );
+    assert_eq!(findings(&chapter)[0].standing, Standing::NotMeasured);
+}
+
+#[test]
+fn a_missing_rung_is_named() {
+    let mut run = climbed("globe", &[("start", 9.0), ("culling", 5.0)]);
+    assert!(!words(&section(&run, LADDER)).contains("Rungs without a result"));
+    // One that was planned and not measured, and one that nobody planned.
+    run.cases[2].missing();
+    let named = "Rungs without a result: rung 2, “culling”: filling/s/globe/vertex/culling.";
+    assert!(words(&section(&run, LADDER)).contains(named));
+    run.cases[2].ended(Status::Ok, "");
+    run.cases[2]
+        .id
+        .conditions
+        .insert("rung".to_owned(), "3".to_owned());
+    let named = "rung 2 (the ladder goes on with 3, “culling”)";
+    assert!(words(&section(&run, LADDER)).contains(named));
+}
+
+#[test]
+fn fill_rate_is_the_limit_when_fewer_vertices_do_not_help() {
+    let found = |after_ms: f64, after_vertices: f64, after_fragments: f64| {
+        let mut run = climbed("horizon", &[("start", 100.0), ("culling", after_ms)]);
+        run.cases[2]
+            .figure("vertices", after_vertices)
+            .figure("stencil_fragments", after_fragments);
+        let chapter = section(&run, LADDER);
+        let finding = findings(&chapter).last().copied().expect("one").clone();
+        (finding.standing, finding.because)
+    };
+    let (standing, because) = found(95.0, 250.0, 5_000.0);
+    assert_eq!(standing, Standing::Holds);
+    assert!(because.contains("at “culling” 4.00 ×"), "{because}");
+    assert_eq!(found(25.0, 250.0, 5_000.0).0, Standing::DoesNotHold);
+    assert_eq!(found(95.0, 990.0, 5_000.0).0, Standing::CannotTell);
+    // Fewer vertices and fewer fragments: nobody knows which of the two it was.
+    assert!(
+        found(25.0, 250.0, 2_500.0)
+            .1
+            .contains("no step leaves out vertices alone")
+    );
+}
+
+#[test]
+fn each_published_finding_belongs_to_one_step_and_is_one_sentence() {
+    let steps: BTreeSet<&str> = ladder::FINDINGS
+        .iter()
+        .map(|finding| finding.step)
+        .collect();
+    assert_eq!(steps.len(), ladder::FINDINGS.len());
+    for finding in ladder::FINDINGS {
+        assert_eq!(finding.sentence.matches('.').count(), 1, "{finding:?}");
+        assert!(finding.sentence.ends_with('.'));
+    }
+}
+
+const MATRIX: &str = "Every technique, layout and switch";
+
+/// Cells with their hashes of mask and regions.
+fn matrix(cells: &[(&str, &str, &str)]) -> MadeUpRun {
+    let mut run = on_cpu();
+    for (variant, mask, ids) in cells {
+        drawn(
+            &mut run,
+            &format!("california/globe/vertex/{variant}"),
+            &[("role", "matrix")],
+        )
+        .note("mask_hash", mask)
+        .note("ids_hash", ids);
+    }
+    run
+}
+
+#[test]
+fn equal_pictures_are_green_and_one_wrong_hash_is_red_and_named() {
+    let mut cells = vec![
+        ("doubled", "m", "i"),
+        ("doubled,faces=two-pass", "m", "i"),
+        ("pulled", "m", "i"),
+        ("doubled,colour=one-colour", "m", ""),
+        ("doubled,boundary-lod-px=0.5", "l", "j"),
+        ("pulled,boundary-lod-px=0.5", "l", "j"),
+    ];
+    let chapter = section(&matrix(&cells), MATRIX);
+    assert!(words(&chapter).contains("california: 6 of 6 cells right and equal"));
+    let table = tables(&chapter)[0];
+    let heading = |column: usize| table.headings[column].text.as_str();
+    assert_eq!(
+        [heading(1), heading(2)],
+        ["as it should be used", "faces=two-pass"]
+    );
+    assert_eq!(table.rows.len(), 2);
+    assert_eq!(
+        texts(table, 1),
+        ["vertex/pulled", "✓", "", "", "✓"],
+        "not in the run"
+    );
+    assert_eq!(table.rows[0].cells[1].class, CellClass::Good);
+    // Cells are no rows of their scene's tables.
+    assert_eq!(section(&matrix(&cells), "california"), []);
+    // Twins: another mask, another picture of regions under the same mask, another boundary's picture.
+    let red = |cells: &[(&str, &str, &str)]| words(&section(&matrix(cells), MATRIX));
+    cells[2] = ("pulled", "x", "i");
+    let named = "california/globe/vertex/pulled: its mask differs from that of vertex/doubled";
+    assert!(red(&cells).contains(named) && red(&cells).contains("5 of 6 cells"));
+    cells[2] = ("pulled", "m", "x");
+    let named = "pulled: its regions' picture differs from that of vertex/doubled";
+    assert!(red(&cells).contains(named));
+    cells[2] = ("pulled", "m", "i");
+    cells[5] = ("pulled,boundary-lod-px=0.5", "m", "i");
+    assert!(red(&cells).contains("differs from that of vertex/doubled,boundary-lod-px=0.5"));
+}
+
+#[test]
+fn the_same_picture_is_not_enough_and_what_was_not_drawn_is_never_green() {
+    let cells = [("doubled", "m", "i"), ("pulled", "m", "i")];
+    let red = |change: &dyn Fn(&mut MadeUpCase)| {
+        let mut run = matrix(&cells);
+        change(&mut run.cases[1]);
+        words(&section(&run, MATRIX))
+    };
+    assert!(red(&|_| ()).contains("2 of 2 cells"));
+    let wrong = red(&|case| {
+        case.figure("mismatched_px_outside_band", 3.0);
+    });
+    assert!(wrong.contains("pulled: 3 wrong pixels outside the band"));
+    let wrong = red(&|case| {
+        case.ended(Status::Wrong, "41 pixels");
+    });
+    assert!(wrong.contains("pulled: wrong: 41 pixels"));
+    let missing = red(&|case| {
+        case.missing();
+    });
+    assert!(missing.contains("1 of 2 cells") && missing.contains("pulled: missing: "));
+    let unhashed = red(&|case| {
+        case.note("mask_hash", "");
+    });
+    assert!(unhashed.contains("pulled: no hash of its mask"));
+    let skipped = red(&|case| {
+        case.ended(
+            Status::Skipped,
+            "the adapter lacks it; a remark on the view",
+        );
+    });
+    assert!(skipped.contains("Unavailable on this device: the adapter lacks it (1 cells)."));
+    assert!(skipped.contains("1 of 1 cells right and equal"));
+}
+
+/// Bytes of a layout by formula and as allocated.
+fn layout(
+    run: &mut MadeUpRun,
+    layout: (&str, &str),
+    formula: [f64; 2],
+    allocated: Option<[f64; 2]>,
+) {
+    let regions = if allocated.is_some() { "1" } else { "5000" };
+    let conditions = [
+        ("scene", "california"),
+        ("technique", layout.0),
+        ("layout", layout.1),
+        ("regions", regions),
+        ("role", "memory"),
+    ];
+    let name = format!("california/memory/{}/{}/{regions}", layout.0, layout.1);
+    let case = run.case(case_id("filling", &name, &conditions));
+    case.figure("mesh_vertices", 109.0)
+        .figure("formula_vertex_bytes", formula[0])
+        .figure("formula_index_bytes", formula[1]);
+    if let Some([vertex, index]) = allocated {
+        case.figure("allocated_vertex_bytes", vertex)
+            .figure("allocated_index_bytes", index);
+    }
+}
+
+#[test]
+fn bytes_by_formula_and_as_allocated_stand_side_by_side_and_one_byte_is_red() {
+    let of = |allocated: [f64; 2]| {
+        let mut run = on_cpu();
+        layout(
+            &mut run,
+            ("vertex", "doubled"),
+            [900.0, 100.0],
+            Some([900.0, 100.0]),
+        );
+        layout(&mut run, ("vertex", "doubled"), [4.5e6, 100.0], None);
+        layout(
+            &mut run,
+            ("native", "gs-line"),
+            [310.0, 100.0],
+            Some(allocated),
+        );
+        section(&run, "Memory")
+    };
+    let right = of([310.0, 100.0]);
+    let text = words(&right);
+    assert!(
+        text.contains("31\u{202f}986") && text.contains("0.353 ×"),
+        "{text}"
+    );
+    assert!(text.contains("bytes over regions") && !text.contains("differ:"));
+    assert_eq!(texts(tables(&right)[0], 1).last(), Some(&"0.410 ×"));
+    let finding = findings(&right)[0];
+    assert_eq!(finding.standing, Standing::Holds);
+    assert_eq!(
+        finding.because,
+        "native/gs-line takes 0.410 × vertex/doubled"
+    );
+    // Twins: one byte; errors that cancel in the sum are two errors.
+    let named =
+        "california/native/gs-line: positions and flags: 310 bytes by formula, 311 allocated";
+    assert!(words(&of([311.0, 100.0])).contains(named));
+    let swapped = words(&of([311.0, 99.0]));
+    assert!(swapped.contains("311 allocated; indices: 100 bytes by formula, 99 allocated"));
+}
+
+#[test]
+fn about_forty_per_cent_is_measured_in_bytes() {
+    let standing = |bytes: f64| {
+        let mut run = on_cpu();
+        layout(
+            &mut run,
+            ("vertex", "doubled"),
+            [800.0, 200.0],
+            Some([800.0, 200.0]),
+        );
+        layout(
+            &mut run,
+            ("native", "vs-control"),
+            [400.0, 0.0],
+            Some([400.0, 0.0]),
+        );
+        layout(
+            &mut run,
+            ("native", "gs-line"),
+            [bytes, 0.0],
+            Some([bytes, 0.0]),
+        );
+        let chapter = section(&run, "Memory");
+        // A control that needs no geometry shader is none.
+        assert_eq!(findings(&chapter).len(), 1);
+        findings(&chapter)[0].standing
+    };
+    assert_eq!([standing(410.0), standing(450.0)], [Standing::Holds; 2]);
+    assert_eq!(
+        [standing(460.0), standing(340.0)],
+        [Standing::DoesNotHold; 2]
+    );
+}
+
+#[test]
+fn growth_with_vertices_is_an_exponent_with_its_interval() {
+    let mut run = on_cpu();
+    for (scene, ms, vertices) in [("countries-110m", 10.0, 1e3), ("countries-50m", 80.0, 8e3)] {
+        timed(
+            &mut run,
+            &format!("{scene}/globe/vertex/doubled"),
+            &[("role", "main")],
+            ms,
+        )
+        .figure("vertices", vertices);
+    }
+    let chapter = section(&run, "Fill time against vertices");
+    assert!(
+        texts(tables(&chapter)[0], 0)[5].starts_with("1.00 ["),
+        "time as vertices"
+    );
+    // Twin: with one of the two wrong, nothing is said.
+    run.cases[1].ended(Status::Wrong, "");
+    assert_eq!(section(&run, "Fill time against vertices"), []);
+}
+
+#[test]
+fn pairs_are_ratios_within_processes_and_gaps_within_the_noise_are_ties() {
+    let of = |control_ms: f64, shader_ms: f64| {
+        let mut run = on_cpu();
+        let role = [("role", "main")];
+        timed(&mut run, "s/globe/native/vs-control", &role, control_ms);
+        timed(&mut run, "s/globe/native/gs-line", &role, shader_ms);
+        let again = run.cases[0].id.twin();
+        run.case(again)
+            .timed(TIME, &PROCESSES.map(|factor| 1.05 * factor * control_ms));
+        let chapter = section(&run, "One thing changed");
+        let cells = texts(tables(&chapter)[0], 0).join(" | ");
+        (cells, words(&blocks(&run)))
+    };
+    let (cells, all) = of(10.0, 11.0);
+    assert_eq!(
+        cells, "s, globe | – | 1.10 × [1.10–1.10] | – | –",
+        "not measured, not 0"
+    );
+    assert!(!all.contains("(again)"), "twins are in no table");
+    // Twins: swapped operands, and a gap that identical work has as well.
+    assert!(of(11.0, 10.0).0.contains("0.909 × ["));
+    let (tie, all) = of(10.0, 10.4);
+    assert!(tie.contains("1.04 × [1.04–1.04] (tie)"), "{tie}");
+    let overview = all.split("ties").nth(1).expect("the overview");
+    assert!(overview.contains("native/gs-line"));
+}
+
+#[test]
+fn a_run_without_them_has_none_of_these_sections() {
+    let mut run = on_cpu();
+    timed(&mut run, "california/globe/vertex/doubled", &[], 10.0);
+    let headings: Vec<String> = blocks(&run)
+        .into_iter()
+        .filter_map(|block| match block {
+            Block::Heading { level: 3, text } => Some(text),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(headings, ["california"], "a case of no role is listed");
+    assert_eq!(blocks(&MadeUpRun::default()), []);
+}
+
+const NATIVE: &str = "california/top-down/vertex/doubled,texture=atan2-native+bowring-1";
+const CHOSEN: &str = "california/top-down/vertex/doubled,texture=chosen";
+const LEAST: &str = "california/top-down/vertex/doubled,texture=floor";
+
+/// Plain, chosen, native and least fills that take these times.
+fn textured_run(times: [f64; 4]) -> MadeUpRun {
+    let mut run = on_cpu();
+    timed(
+        &mut run,
+        "california/top-down/vertex/doubled",
+        &[("role", "main")],
+        times[0],
+    );
+    for (key, ms) in [CHOSEN, NATIVE, LEAST].into_iter().zip(&times[1..]) {
+        let case = timed(&mut run, key, &[("role", "texture")], *ms);
+        if key != LEAST {
+            case.figure("texel_rms", 0.0625)
+                .figure("texel_max", 0.125)
+                .figure("texel_non_finite", 0.0)
+                .figure("texel_compared_px", 4_321.0)
+                .note(
+                    "texture_route",
+                    "gnomonic-3; left out: gnomonic-1: 3.00 texels of 0.5",
+                );
+        }
+    }
+    run
+}
+
+#[test]
+fn textured_fill_is_compared_with_plain_fill_and_the_document() {
+    let chapter = |times| section(&textured_run(times), "Textured fill");
+    let first = chapter([10.0, 12.0, 30.0, 11.0]);
+    let ratios = texts(tables(&first)[0], 0);
+    let middles: Vec<&str> = ratios[1..]
+        .iter()
+        .map(|text| text.split(' ').next().unwrap_or(""))
+        .collect();
+    assert_eq!(
+        middles,
+        ["3.00", "1.20", "1.10", "1.09", "2.50", "–", "–", "–"]
+    );
+    let standings = |chapter: &[Block]| -> Vec<Standing> {
+        findings(chapter)
+            .iter()
+            .map(|finding| finding.standing)
+            .collect()
+    };
+    assert_eq!(standings(&first), [Standing::Holds; 5]);
+    let text = words(&first);
+    for word in [
+        "0.0625",
+        "0.125",
+        "4\u{202f}321",
+        "gnomonic-1: 3.00 texels of 0.5",
+    ] {
+        assert!(text.contains(word), "{word}");
+    }
+    assert!(!text.contains("texture=floor: its texture coordinates"));
+    assert!(text.contains("no right case with times for a picture each ÷ one for all"));
+    // Textured fills stand in their section, not among the layouts.
+    let scene = section(&textured_run([10.0, 12.0, 30.0, 11.0]), "california");
+    assert!(!words(&scene).contains("texture=chosen"));
+    // Twin: other times, other answers.
+    let second = chapter([10.0, 20.0, 20.0, 15.0]);
+    assert_eq!(standings(&second), [Standing::DoesNotHold; 5]);
+}
+
+#[test]
+fn a_wrong_textured_fill_has_no_time_and_what_is_absent_is_named() {
+    let mut run = textured_run([10.0, 12.0, 30.0, 11.0]);
+    run.cases[1].ended(Status::Wrong, "RMS error 0.900 texels, allowed 0.25");
+    let chapter = section(&run, "Textured fill");
+    let text = words(&chapter);
+    assert!(!text.contains("2.50 ×"), "a wrong fill is never fast");
+    let named = format!("filling/{CHOSEN}: wrong: RMS error 0.900 texels, allowed 0.25");
+    assert!(text.contains(&named));
+    assert_eq!(findings(&chapter)[0].standing, Standing::NotMeasured);
+    run.cases[1].ended(Status::Skipped, "no picture in this scene");
+    assert!(words(&section(&run, "Textured fill")).contains("skipped: no picture in this scene"));
+}
+
+#[test]
+fn pictures_of_a_textured_fill_are_reference_technique_and_difference() {
+    let mut run = textured_run([10.0, 12.0, 30.0, 11.0]);
+    run.cases[1]
+        .figure("colour_max", 3.0)
+        .figure("colour_mean", 0.5)
+        .note("reference_image", "images/a.png")
+        .note("image", "images/b.png")
+        .note("difference_image", "images/c.png");
+    let chapter = section(&run, "Textured fill");
+    let Some(Block::Pictures(pictures)) = chapter.last() else {
+        panic!("pictures: {chapter:?}");
+    };
+    let paths: Vec<&str> = pictures.figures[0]
+        .pictures
+        .iter()
+        .map(|p| p.path.as_str())
+        .collect();
+    assert_eq!(paths, ["images/a.png", "images/b.png", "images/c.png"]);
+    let note = &pictures.figures[0].notes[0];
+    assert!(
+        note.contains("colours differ by 0.500 of 255 on average, 3 at most"),
+        "{note}"
+    );
+}
+
+#[test]
+fn labels_say_what_differs() {
+    let label_of = |variant: &str| {
+        let mut run = on_cpu();
+        add(&mut run, &format!("s/v/vertex/{variant}"), &[]);
+        textured::label(&written(&run).1.cases[0])
+    };
+    for (variant, expected) in [
+        ("doubled", "plain fill"),
+        ("doubled,texture=chosen", "chosen route"),
+        ("doubled,texture=floor", "least textured fill"),
+        (
+            "doubled,picture=32,texture=chosen",
+            "chosen route, a picture of 32²",
+        ),
+        (
+            "doubled,normalize=superfluous,texture=atan2-native+bowring-1",
+            "native atan2, normalised twice",
+        ),
+        ("doubled,texture=gnomonic-3", "gnomonic-3"),
+    ] {
+        assert_eq!(label_of(variant), expected);
+    }
+    for comparison in textured::COMPARISONS {
+        assert!(comparison.case.is_sorted() && comparison.control.is_sorted());
+        assert_ne!(comparison.case, comparison.control);
+    }
+}
+
+#[test]
+fn coarse_caps_with_tall_walls_are_compared_with_fine_ones() {
+    let swept = |faster: f64| {
+        let mut run = on_cpu();
+        for (step, factor, wall_m) in [("0.3", 1.0, 900.0), ("3", faster, 4e3), ("10", faster, 4e4)]
+        {
+            let key = format!("s/v/vertex/doubled,cap-step-deg={step}");
+            timed(&mut run, &key, &[("role", "subdivision")], 12.0 / factor)
+                .figure("wall_height_m", wall_m)
+                .figure("cap_triangles", 1_234.0);
+        }
+        assert_eq!(section(&run, "s"), [], "no table of its own");
+        section(&run, "Subdivision against wall height")
+    };
+    let faster = swept(1.5);
+    assert!(words(&faster).contains("tallest wall drawn, m"));
+    let finding = findings(&faster)[0];
+    assert_eq!(
+        finding.because,
+        "10° fills 1.50 × [1.50–1.50] as fast as 0.3°"
+    );
+    assert_eq!(finding.standing, Standing::Holds);
+    // Twin: where coarse is not faster, the expectation does not hold.
+    assert_eq!(findings(&swept(1.0))[0].standing, Standing::DoesNotHold);
+}
+
+/// A scene with both passes, a right, a wrong, a skipped and a missing technique.
+fn mixed() -> MadeUpRun {
+    let mut run = on_cpu();
+    let of = |technique: &str| format!("countries-110m/globe/{technique}");
+    timed(
+        &mut run,
+        &of("depth-pass/full-screen"),
+        &[("role", "baseline")],
+        10.0,
+    );
+    timed(
+        &mut run,
+        &of("stencil-pass/full-screen"),
+        &[("role", "baseline")],
+        3.0,
+    );
+    let main = [("role", "main")];
+    timed(&mut run, &of("vertex/doubled"), &main, 36.0)
+        .timed("fill_gpu_ms", &[18.0; 8])
+        .figure("geometry_bytes", 1_390_000.0)
+        .figure("boundary_deviation_m", 90.0)
+        .note("left_out", "12 beyond the horizon");
+    timed(&mut run, &of("vertex/pulled"), &main, 7.75).ended(Status::Wrong, "41 pixels");
+    add(&mut run, &of("vertex/doubled,walls=list"), &main).ended(Status::Skipped, "no lists");
+    add(&mut run, &of("native/gs-line"), &main).missing();
+    run
+}
+
+fn row_of<'a>(table: &'a Table, name: &str) -> &'a [Cell] {
+    let row = table.rows.iter().find(|row| row.cells[0].text == name);
+    &row.expect("the row").cells
+}
+
+#[test]
+fn a_wrong_time_counts_for_nothing_and_what_is_absent_has_its_reason() {
+    let chapter = section(&mixed(), "countries-110m");
+    let table = tables(&chapter).pop().expect("the table of the view");
+    let wrong = row_of(table, "vertex/pulled");
+    assert_eq!(wrong[2].class, CellClass::Void);
+    assert!(wrong[3].class == CellClass::Absent && wrong[3].title == "wrong: 41 pixels");
+    let right = row_of(table, "vertex/doubled");
+    assert!(
+        right[2].class == CellClass::Plain && right[2].text.starts_with("38.7 ["),
+        "{right:?}"
+    );
+    assert_eq!(
+        [&right[3].text, &right[4].text, &right[5].text],
+        ["3.60", "12.0", "18.0"]
+    );
+    for name in ["vertex/doubled,walls=list", "native/gs-line"] {
+        for cell in &row_of(table, name)[2..] {
+            assert!(
+                cell.class == CellClass::Absent && !cell.title.is_empty(),
+                "{cell:?}"
+            );
+        }
+    }
+    let pass = row_of(table, "depth-pass/full-screen");
+    assert_eq!(pass[15].title, "does not apply to a full-screen pass");
+    let plots: Vec<&str> = chapter
+        .iter()
+        .filter_map(|block| match block {
+            Block::Plot(plot) => Some(plot.svg.as_str()),
+            _ => None,
+        })
+        .collect();
+    assert!(plots[0].contains("3.60 ×") && !plots[0].contains("0.775"));
+    for word in [
+        "wrong",
+        "skipped",
+        "missing",
+        "depth-pass = 1",
+        "stencil-pass 0.300 ×",
+    ] {
+        assert!(plots[0].contains(word), "{word}");
+    }
+    let text = words(&chapter);
+    assert!(text.contains("vertex/doubled: 12 beyond the horizon"));
+    assert!(text.contains("Not drawn: vertex/doubled,walls=list (skipped: no lists)"));
+    assert!(!text.contains("bound =") && !text.contains("÷\u{a0}floor"));
+    // Twin: were it right, its time would be in the plot.
+    let mut right = mixed();
+    right.cases[3].ended(Status::Ok, "");
+    assert!(words(&section(&right, "countries-110m")).contains("0.775 ×"));
+}
+
+#[test]
+fn ratios_use_the_clock_of_the_device_and_name_it() {
+    let mut run = mixed();
+    for (case, ms) in [(0, 2.0), (1, 1.0), (2, 18.0), (3, 9.0)] {
+        run.cases[case].timed("fill_gpu_ms", &[ms; 8]);
+    }
+    let on = |device_type: &str| {
+        let mut run = run.clone();
+        run.environment.device_type = device_type.to_owned();
+        let chapter = blocks(&run);
+        let overview = tables(&chapter)[0];
+        (texts(overview, 0).join(" | "), words(&chapter))
+    };
+    let (cells, text) = on("discrete-gpu");
+    assert!(
+        cells.contains("| 18.0 | 9.00 × [9.00–9.00] | 18.0 × ["),
+        "{cells}"
+    );
+    assert!(
+        text.contains("GPU time of the fill ÷") && !text.contains("process CPU time of the fill ÷")
+    );
+    let (cells, text) = on("cpu");
+    assert!(cells.contains("3.60 × [3.60–3.60]"), "{cells}");
+    assert!(text.contains("process CPU time of the fill ÷"));
+}
+
+#[test]
+fn the_web_globe_stands_beside_us_only_where_it_may() {
+    let table_of = |run: &MadeUpRun| {
+        let chapter = section(run, "countries-110m");
+        let table = tables(&chapter)[0].clone();
+        (
+            texts(&table, 0).join(" | "),
+            row_of(&table, "vertex/doubled").to_vec(),
+            words(&chapter),
+        )
+    };
+    let mut run = mixed();
+    run.cases[2].timed(TIME, &[36.1; 8]);
+    let (theirs, ours, text) = table_of(&run);
+    assert_eq!(
+        theirs,
+        "CesiumJS, volumes | 361 ms | 66.0 ms | 119 ms | 13.9 MB"
+    );
+    // 361 / 36.1 and 120 / 36.1; 13.9 MB and 0.51 MB / 1.39 MB.
+    assert_eq!(ours[1].text, "36.1 ms (10.0 × / 3.32 ×)");
+    assert_eq!(ours[4].text, "1.39 MB (10.0 × / 0.367 ×)");
+    assert!(text.contains("CesiumJS 1.145, llvmpipe, 1024²"));
+    // Twin: another driver gets no ratios.
+    run.environment.gpu = "Some GPU".to_owned();
+    let (_, ours, text) = table_of(&run);
+    assert_eq!(ours[1].text, "36.1 ms");
+    assert!(text.contains("was not made on llvmpipe"));
+}
+
+#[test]
+fn contradictions_are_named() {
+    let contradictions = |change: &dyn Fn(&mut MadeUpCase)| {
+        let mut run = mixed();
+        change(&mut run.cases[2]);
+        FillingChapter.contradictions(&written(&run).1)
+    };
+    assert_eq!(contradictions(&|_| ()), [""; 0]);
+    let found = contradictions(&|case| {
+        case.figure("mismatched_px_outside_band", 7.0);
+    });
+    assert!(
+        found[0].contains("vertex/doubled: ok, though 7 pixels outside"),
+        "{found:?}"
+    );
+    let found = contradictions(&|case| {
+        case.figures
+            .retain(|(metric, ..)| *metric != "mismatched_px_outside_band");
+    });
+    assert!(found[0].contains("never compared"), "{found:?}");
+    let found = contradictions(&|case| {
+        case.timed(TIME, &[0.0, 2.0, 3.0]);
+    });
+    assert!(found[0].contains("1 of 3 times are 0"), "{found:?}");
+}
+
+#[test]
+fn summary_has_its_stable_columns_old_names_and_empty_cells() {
+    let mut run = mixed();
+    let again = run.cases[2].id.twin();
+    run.case(again).timed(TIME, &[1.0; 8]);
+    let (_folder, run) = written(&run);
+    let tables = FillingChapter.tables(&run).expect("a table");
+    assert_eq!(tables[0].file, "summary.csv");
+    let lines: Vec<&str> = tables[0].text.lines().collect();
+    assert!(lines[0].starts_with(&format!("{STABLE_SUMMARY_HEADER},stencil_gpu_ms,")));
+    assert!(lines[0].contains(",mask_hash,ids_hash,"));
+    assert_eq!(lines.len(), 6, "neither the missing case nor the twin");
+    assert!(lines[1].starts_with("countries-110m,globe,bound,full-screen,ok,,,,10.75,"));
+    assert!(lines[2].starts_with("countries-110m,globe,floor,full-screen,"));
+    let doubled: Vec<&str> = lines[3].split(',').collect();
+    assert_eq!(
+        doubled[..6],
+        ["countries-110m", "globe", "vertex", "doubled", "ok", ""]
+    );
+    // No surface time; fill by both clocks; the passes of its view; their ratio.
+    assert_eq!(
+        doubled[6..13],
+        ["", "18", "38.7", "", "10.75", "3.2250000000000005", "3.6"]
+    );
+    let wrong: Vec<&str> = lines[4].split(',').collect();
+    assert_eq!(
+        (wrong[4], wrong[12]),
+        ("wrong", ""),
+        "a wrong frame is never fast"
+    );
+    assert!(lines[5].contains("\"doubled,walls=list\",skipped,no lists,,,,"));
+    assert!(
+        FillingChapter
+            .tables(&Run {
+                cases: Vec::new(),
+                ..run
+            })
+            .expect("none")
+            .is_empty()
+    );
+}
+
+/// The curves of a view's panel of wrong pixels.
+fn curves(run: &MadeUpRun) -> Vec<terrafill_plot::Curve> {
+    let (_folder, run) = written(run);
+    let data = Data::new(&run, TIME);
+    let view = View {
+        name: "v",
+        baselines: Vec::new(),
+        cases: run.cases.iter().collect(),
+    };
+    error_time::curves(&data, &view, "mismatched_px")
+}
+
+#[test]
+fn a_curve_runs_through_its_layout_only_and_no_wrong_case_is_dropped() {
+    let mut run = on_cpu();
+    let sweep = [("role", "sweep")];
+    for (variant, role) in [
+        ("doubled", [("role", "main")]),
+        ("doubled,boundary-tolerance-m=5000", sweep),
+        ("doubled,boundary-tolerance-m=9000", sweep),
+        ("pulled,boundary-tolerance-m=1000", sweep),
+        ("pulled,interior-tolerance-m=5", [("role", "main")]),
+    ] {
+        timed(&mut run, &format!("s/v/vertex/{variant}"), &role, 2.0);
+    }
+    run.cases[2].ended(Status::Wrong, "coarse");
+    run.cases[4].ended(Status::Wrong, "a defect");
+    let found = curves(&run);
+    let names: Vec<(&str, usize)> = found
+        .iter()
+        .map(|c| (c.name.as_str(), c.points.len()))
+        .collect();
+    assert_eq!(
+        names,
+        [
+            ("vertex/doubled", 3),
+            ("vertex/pulled,boundary-tolerance-m=1000", 1),
+            ("vertex/pulled,interior-tolerance-m=5", 1),
+        ],
+        "another switch of a similar name is no knob"
+    );
+    let standing = |curve: usize, point: usize| found[curve].points[point].standing;
+    assert_eq!(
+        standing(0, 2),
+        PointStanding::Wrong,
+        "its error is the answer"
+    );
+    assert_eq!(standing(2, 0), PointStanding::Failed);
+    assert_eq!(found[0].points[1].label, "5 km");
+    assert_eq!(found[0].points[2].label, "9 km wrong");
+    // Twin: what was never drawn has no point.
+    run.cases[4].missing();
+    assert_eq!(curves(&run).len(), 2);
+}
+
+#[test]
+fn cases_are_named_by_technique_and_variant() {
+    let (_folder, run) = written(&mixed());
+    let names: Vec<String> = run.cases.iter().map(name).collect();
+    assert_eq!(names[0], "depth-pass/full-screen");
+    assert_eq!(names[4], "vertex/doubled,walls=list");
+    let outcome = |case: &Case| case.outcome;
+    assert_eq!(outcome(&run.cases[5]), Outcome::Missing);
+}

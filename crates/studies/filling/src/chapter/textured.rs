@@ -1,0 +1,454 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Textured fill: what a picture costs beside the plain fill of the same processes, how far its texels
+//! are from where they should be, and what it looks like beside the reference.
+//!
+//! Cozzi (2007) named the two arctangents of the texture coordinates as what textured fill loses most
+//! on. Findings are compared with the measured interval; nothing here knows what came out.
+
+use super::data::{DEPTH_PASS, Data, counter, distinct, is_same, name, switches, title};
+use terrafill_plot::number::{bytes, count, significant, spread};
+use terrafill_results::{
+    Block, Case, Cell, Claim, Estimate, Finding, Heading, Outcome, Picture, PictureFigure,
+    Pictures, Row, Standing, Table,
+};
+
+/// Switches that a plain fill of the same layout has not.
+const TEXTURE_KEYS: [&str; 4] = ["normalize", "picture", "position", "texture"];
+
+/// How many times the plain fill a textured one may take.
+const MAX_OVER_PLAIN: f64 = 1.3;
+
+/// The view for which that is asked.
+const TOP_DOWN: &str = "top-down";
+
+type TextureSwitches = &'static [(&'static str, &'static str)];
+
+/// What is compared: time of the one over time of the other, by their texture switches, sorted.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Comparison {
+    heading: &'static str,
+    pub(super) case: TextureSwitches,
+    /// Empty: the plain fill.
+    pub(super) control: TextureSwitches,
+}
+
+const CHOSEN: TextureSwitches = &[("texture", "chosen")];
+const NATIVE: TextureSwitches = &[("texture", "atan2-native+bowring-1")];
+/// What any textured fill must pay that looks at depth.
+const FLOOR: TextureSwitches = &[("texture", "floor")];
+
+/// The document's comparisons.
+pub(super) const COMPARISONS: [Comparison; 8] = [
+    Comparison {
+        heading: "native atan2 ÷ plain",
+        case: NATIVE,
+        control: &[],
+    },
+    Comparison {
+        heading: "chosen route ÷ plain",
+        case: CHOSEN,
+        control: &[],
+    },
+    Comparison {
+        heading: "least textured fill ÷ plain",
+        case: FLOOR,
+        control: &[],
+    },
+    Comparison {
+        heading: "chosen route ÷ least",
+        case: CHOSEN,
+        control: FLOOR,
+    },
+    Comparison {
+        heading: "native atan2 ÷ chosen route",
+        case: NATIVE,
+        control: CHOSEN,
+    },
+    Comparison {
+        heading: "a picture each ÷ one for all",
+        case: &[("picture", "each"), ("texture", "chosen")],
+        control: CHOSEN,
+    },
+    Comparison {
+        heading: "picture of the scene ÷ of 32²",
+        case: CHOSEN,
+        control: &[("picture", "32"), ("texture", "chosen")],
+    },
+    Comparison {
+        heading: "normalised twice ÷ once",
+        case: &[
+            ("normalize", "superfluous"),
+            ("texture", "atan2-native+bowring-1"),
+        ],
+        control: NATIVE,
+    },
+];
+
+/// A sentence, the comparison that speaks of it, and what it claims.
+struct TextureClaim {
+    sentence: &'static str,
+    comparison: usize,
+    claim: Claim,
+    /// The one view that it is about; all without.
+    view: Option<&'static str>,
+}
+
+const CLAIMS: [TextureClaim; 5] = [
+    TextureClaim {
+        sentence: "Cozzi (2007): a textured fill pays for “two costly atan calls”.",
+        comparison: 4,
+        claim: Claim::Faster,
+        view: None,
+    },
+    TextureClaim {
+        sentence: "Cozzi (2007): without them “the performance could double”.",
+        comparison: 4,
+        claim: Claim::AtLeast(2.0),
+        view: None,
+    },
+    TextureClaim {
+        sentence: "This project's goal: by the chosen route, less than 1.3 times the plain fill.",
+        comparison: 1,
+        claim: Claim::LessThan(MAX_OVER_PLAIN),
+        view: Some(TOP_DOWN),
+    },
+    TextureClaim {
+        sentence: "Whether this device can reach it: the least textured fill takes less than 1.3 times \
+                   the plain one.",
+        comparison: 2,
+        claim: Claim::LessThan(MAX_OVER_PLAIN),
+        view: Some(TOP_DOWN),
+    },
+    TextureClaim {
+        sentence: "By the chosen route, less than 1.3 times the least textured fill.",
+        comparison: 3,
+        claim: Claim::LessThan(MAX_OVER_PLAIN),
+        view: None,
+    },
+];
+
+/// Whether the case is a textured fill.
+pub(super) fn is_textured(case: &Case) -> bool {
+    !["", "none", "plain"].contains(&case.condition("texture"))
+}
+
+/// A view with textured fills.
+struct TexturedView<'a> {
+    title: String,
+    /// Textured fills and the plain ones that they are compared with.
+    cases: Vec<&'a Case>,
+}
+
+impl<'a> TexturedView<'a> {
+    /// The first technique's case with these texture switches.
+    fn case(&self, wanted: TextureSwitches) -> Option<&'a Case> {
+        let found = |case: &&&Case| texture_switches(case) == wanted;
+        self.cases.iter().find(found).copied()
+    }
+}
+
+/// Nothing for a run that plans no textured fill.
+pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
+    let views = views(data);
+    if views.is_empty() {
+        return Vec::new();
+    }
+    let mut blocks = vec![
+        Block::section("Textured fill"),
+        Block::Text(format!(
+            "Every fragment of a textured fill finds its longitude and latitude and from them its place \
+             in a picture. Times are {}, beside the plain fill of the same layout in the same \
+             processes; an interval is that of 95 %. The error of a fill is how far its texels lie from \
+             the reference's, in texels, outside silhouettes: at most ¼ RMS and ½ anywhere, or the row \
+             is wrong. The least textured fill is what every such fill must pay: the same stencil and \
+             the same pixels, but a fragment only reads its depth and samples the picture once, nowhere \
+             in particular; its texels have no error.",
+            data.run.clock().name()
+        )),
+    ];
+    blocks.extend(ratios(data, &views));
+    blocks.extend(
+        CLAIMS
+            .iter()
+            .flat_map(|claim| findings(data, &views, claim))
+            .map(Block::Finding),
+    );
+    blocks.extend(Block::folded_list(
+        "Not measured",
+        not_measured(data, &views),
+    ));
+    for view in &views {
+        blocks.push(Block::Heading {
+            level: 4,
+            text: format!("Textured: {}", view.title),
+        });
+        blocks.push(Block::Table(table(data, view)));
+    }
+    let figures: Vec<PictureFigure> = views.iter().filter_map(figure).collect();
+    if !figures.is_empty() {
+        blocks.push(Block::Pictures(Pictures {
+            caption: "A part of the image round the middle of what is filled, a pixel for a pixel: \
+                      reference, technique, and ten times their difference where both fill with the \
+                      same region. What is not filled is one colour in the reference and shaded surface \
+                      in the technique's."
+                .to_owned(),
+            figures,
+        }));
+    }
+    blocks
+}
+
+fn views<'a>(data: &Data<'a>) -> Vec<TexturedView<'a>> {
+    let textured = || data.cases.iter().copied().filter(|case| is_textured(case));
+    let titles = distinct(textured().map(title));
+    let view = |of: String| {
+        let own = textured().filter(|case| title(case) == of);
+        let mut cases: Vec<&Case> = Vec::new();
+        for case in own {
+            for case in plain_of(data, case).into_iter().chain([case]) {
+                if !cases.iter().any(|known| known.id() == case.id()) {
+                    cases.push(case);
+                }
+            }
+        }
+        TexturedView { title: of, cases }
+    };
+    titles.into_iter().map(view).collect()
+}
+
+/// Switches that make the fill a textured one, by name; none of a plain fill.
+fn texture_switches(case: &Case) -> Vec<(&str, &str)> {
+    if !is_textured(case) {
+        return Vec::new();
+    }
+    let own = switches(case).into_iter();
+    own.filter(|(key, _)| TEXTURE_KEYS.contains(key)).collect()
+}
+
+/// The same fill without a picture.
+fn plain_of<'a>(data: &Data<'a>, case: &Case) -> Option<&'a Case> {
+    let others = |of: &Case| -> Vec<(String, String)> {
+        let own = switches(of).into_iter();
+        let own = own.filter(|(key, _)| !TEXTURE_KEYS.contains(key));
+        own.map(|(key, value)| (key.to_owned(), value.to_owned()))
+            .collect()
+    };
+    let wanted = others(case);
+    let same = ["scene", "view", "technique", "layout"];
+    let is_plain = |other: &&&Case| {
+        !is_textured(other) && is_same(other, case, &same) && others(other) == wanted
+    };
+    data.cases.iter().find(is_plain).copied()
+}
+
+fn compare(data: &Data<'_>, view: &TexturedView<'_>, comparison: &Comparison) -> Option<Estimate> {
+    let case = view.case(comparison.case)?;
+    // The plain fill of the same technique and layout, not the first one there is.
+    let control = match comparison.control {
+        [] => plain_of(data, case)?,
+        wanted => view.case(wanted)?,
+    };
+    data.over(case, control)
+}
+
+/// View by view, a cell for each comparison.
+fn ratios(data: &Data<'_>, views: &[TexturedView<'_>]) -> Option<Block> {
+    let rows: Vec<Row> = views
+        .iter()
+        .filter_map(|view| {
+            let ratios = COMPARISONS.map(|comparison| compare(data, view, &comparison));
+            ratios.iter().any(Option::is_some).then(|| {
+                let mut cells = vec![Cell::name(&view.title)];
+                let why = "no case of one of the two, or it is not right";
+                cells.extend(
+                    ratios
+                        .iter()
+                        .map(|ratio| data.ratio_cell(ratio.as_ref(), why)),
+                );
+                Row::new(cells)
+            })
+        })
+        .collect();
+    let headings = COMPARISONS
+        .iter()
+        .map(|comparison| Heading::plain(comparison.heading));
+    (!rows.is_empty()).then(|| {
+        Block::Table(Table {
+            headings: std::iter::once(Heading::plain("view"))
+                .chain(headings)
+                .collect(),
+            rows,
+            is_main: true,
+            ..Table::default()
+        })
+    })
+}
+
+/// One for each view with such times.
+fn findings(data: &Data<'_>, views: &[TexturedView<'_>], claim: &TextureClaim) -> Vec<Finding> {
+    let is_about = |view: &&TexturedView<'_>| {
+        let name = view.cases.first().map_or("", |case| case.condition("view"));
+        claim.view.is_none_or(|wanted| wanted == name)
+    };
+    let measured = views.iter().filter(is_about).filter_map(|view| {
+        let ratio = compare(data, view, &COMPARISONS[claim.comparison])?;
+        Some(Finding {
+            claim: claim.sentence.to_owned(),
+            standing: claim.claim.standing(&ratio),
+            because: format!("{}: {}", view.title, data.ratio_text(&ratio)),
+        })
+    });
+    let mut findings: Vec<Finding> = measured.collect();
+    if findings.is_empty() {
+        findings.push(Finding {
+            claim: claim.sentence.to_owned(),
+            standing: Standing::NotMeasured,
+            because: String::new(),
+        });
+    }
+    findings
+}
+
+fn table(data: &Data<'_>, view: &TexturedView<'_>) -> Table {
+    Table {
+        headings: vec![
+            Heading::plain("fill"),
+            Heading::plain("status"),
+            Heading::metric(format!("fill, {}", data.unit()), data.metric),
+            Heading::plain("÷\u{a0}depth-pass"),
+            Heading::plain("÷\u{a0}plain"),
+            Heading::metric("texels, RMS", "texel_rms"),
+            Heading::metric("texels, largest", "texel_max"),
+            Heading::metric("non-finite", "texel_non_finite"),
+            Heading::metric("px compared", "texel_compared_px"),
+            Heading::metric("texture bytes", "texture_bytes"),
+        ],
+        rows: view.cases.iter().map(|case| row(data, case)).collect(),
+        ..Table::default()
+    }
+}
+
+fn row(data: &Data<'_>, case: &Case) -> Row {
+    let why = match case.reason.as_str() {
+        "" if is_textured(case) => "not measured",
+        "" => "a plain fill has no texels",
+        reason => reason,
+    };
+    let cell = |text: Option<String>| Cell::or_absent(text, why);
+    let over_plain = Some(case)
+        .filter(|case| is_textured(case))
+        .and_then(|case| data.over(case, plain_of(data, case)?));
+    let over_depth_pass = data.over_baseline(case, DEPTH_PASS);
+    let remark = [case.note("texture_route"), case.reason.as_str()];
+    let remark = remark.iter().filter(|text| !text.is_empty());
+    Row {
+        cells: vec![
+            Cell {
+                detail: name(case),
+                ..Cell::name(label(case))
+            },
+            Cell::plain(case.outcome.name()),
+            cell(data.right_time(case).map(spread)),
+            cell(over_depth_pass.map(|ratio| significant(ratio.middle))),
+            cell(over_plain.map(|ratio| data.ratio_text(&ratio))),
+            cell(case.value("texel_rms").map(significant)),
+            cell(case.value("texel_max").map(significant)),
+            cell(counter(case, "texel_non_finite").map(count)),
+            cell(counter(case, "texel_compared_px").map(count)),
+            cell(counter(case, "texture_bytes").map(bytes)),
+        ],
+        status: case.outcome.name().to_owned(),
+        remark: match is_textured(case) {
+            true => remark.copied().collect::<Vec<_>>().join(". "),
+            false => String::new(),
+        },
+    }
+}
+
+/// What a case is, in words.
+pub(super) fn label(case: &Case) -> String {
+    let mut words = Vec::new();
+    for (key, value) in texture_switches(case) {
+        match (key, value) {
+            ("texture", "chosen") => words.insert(0, "chosen route".to_owned()),
+            ("texture", "floor") => words.insert(0, "least textured fill".to_owned()),
+            ("texture", route) if route.starts_with("atan2-native") => {
+                words.insert(0, "native atan2".to_owned());
+            }
+            ("picture", "each") => words.push("a picture for each region".to_owned()),
+            ("picture", size) => words.push(format!("a picture of {size}²")),
+            ("normalize", _) => words.push("normalised twice".to_owned()),
+            ("texture", route) => words.insert(0, route.to_owned()),
+            (key, value) => words.push(format!("{key}={value}")),
+        }
+    }
+    if words.is_empty() {
+        return "plain fill".to_owned();
+    }
+    words.join(", ")
+}
+
+/// Cases without a result, timed cases whose comparison cannot be formed.
+fn not_measured(data: &Data<'_>, views: &[TexturedView<'_>]) -> Vec<String> {
+    let mut lines = Vec::new();
+    for view in views {
+        for case in view.cases.iter().filter(|case| is_textured(case)) {
+            let key = case.id();
+            if case.outcome != Outcome::Ok {
+                lines.push(format!("{key}: {}: {}", case.outcome.name(), case.reason));
+            } else if texture_switches(case) != FLOOR
+                && counter(case, "texel_compared_px").unwrap_or(0) == 0
+            {
+                lines.push(format!("{key}: its texture coordinates were not compared"));
+            }
+        }
+        let absent = COMPARISONS
+            .iter()
+            .filter(|comparison| compare(data, view, comparison).is_none());
+        let absent: Vec<&str> = absent.map(|comparison| comparison.heading).collect();
+        if view.cases.iter().all(|case| data.time(case).is_none()) {
+            lines.push(format!("{}: drawn and compared, not timed", view.title));
+        } else if !absent.is_empty() {
+            lines.push(format!(
+                "{}: no right case with times for {}",
+                view.title,
+                absent.join("; ")
+            ));
+        }
+    }
+    lines
+}
+
+/// The pictures of the view's first case that has them.
+fn figure(view: &TexturedView<'_>) -> Option<PictureFigure> {
+    let mut textured = view.cases.iter().filter(|case| is_textured(case));
+    let case = textured.find(|case| case.value("colour_max").is_some())?;
+    let figure = |metric| {
+        case.value(metric)
+            .map_or_else(|| "–".to_owned(), significant)
+    };
+    let picture = |note: &str, caption: &str| Picture {
+        path: case.note(note).to_owned(),
+        caption: caption.to_owned(),
+    };
+    Some(PictureFigure {
+        pictures: vec![
+            picture("reference_image", "reference"),
+            picture("image", "technique"),
+            picture("difference_image", "difference × 10"),
+        ],
+        notes: vec![format!(
+            "{}, {}{}: {} texels RMS, {} at most; colours differ by {} of 255 on average, {} at most",
+            view.title,
+            name(case),
+            match case.outcome {
+                Outcome::Ok => "",
+                _ => " (wrong)",
+            },
+            figure("texel_rms"),
+            figure("texel_max"),
+            figure("colour_mean"),
+            counter(case, "colour_max").map_or_else(|| "–".to_owned(), count),
+        )],
+    })
+}
