@@ -83,8 +83,12 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "report",
         ],
     ),
+    ("fixtures", &["core", "scene", "fill"]),
     ("xtask", &["shaders"]),
 ];
+
+/// What tests share. Every crate's tests may use it and nothing that ships may.
+const DEV_ONLY: &str = "fixtures";
 
 /// What the reference may take from core: bodies and parsed rings, nothing that meshes.
 const REFERENCE_MAY_IMPORT: &[&str] = &[
@@ -166,7 +170,13 @@ pub(crate) fn check(edges: &[Edge]) -> Result<String> {
         bail!("no edges found: the workspace was not read");
     }
     let mut forbidden = Vec::new();
-    for Edge { from, to, .. } in edges {
+    for Edge { from, to, kind } in edges {
+        if to == DEV_ONLY {
+            if kind.as_deref() != Some("dev") {
+                forbidden.push(format!("{from} -> {to}: allowed: as a dev-dependency"));
+            }
+            continue;
+        }
         match ALLOWED.iter().find(|(name, _)| name == from) {
             None => forbidden.push(format!("{from} -> {to}: {from} is not in the allow list")),
             Some((_, allowed)) if !allowed.contains(&to.as_str()) => {
@@ -292,6 +302,14 @@ mod tests {
             assert!(text.contains(&format!("{from} -> {to}:")), "{text}");
             assert!(!text.contains("scene -> core"), "{text}");
         }
+    }
+
+    #[test]
+    fn fixtures_are_for_tests_only() {
+        let mut fixtures = edge("core", "fixtures");
+        assert!(check(std::slice::from_ref(&fixtures)).is_err());
+        fixtures.kind = Some("dev".to_owned());
+        check(&[fixtures]).expect("allowed");
     }
 
     #[test]
