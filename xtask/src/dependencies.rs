@@ -14,7 +14,8 @@ use std::path::Path;
 ///
 /// `core ← scene ← fill ← {devices ← techniques, conformance, filling} ← terrafill`; `core ← texture ←
 /// {scene, fill, shaders}`; `{conformance, filling, report} → results`. Techniques never name each
-/// other, nor does a study name them: `terrafill` holds the list. The reference finds texture coordinates by itself. `report` opens no device, so it sees results only.
+/// other, nor does a study name them: `terrafill` holds the list. The reference finds texture
+/// coordinates by itself. `report` opens no device, so it sees results only.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("core", &[]),
     ("texture", &["core"]),
