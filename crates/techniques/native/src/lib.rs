@@ -16,7 +16,6 @@ mod pass;
 mod ring_order;
 mod strips;
 mod technique;
-mod textured;
 mod variant;
 
 pub use backend::NativeBackend;
