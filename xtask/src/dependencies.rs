@@ -12,21 +12,34 @@ use std::path::Path;
 
 /// What a crate may depend on, in the short names of the folders.
 ///
-/// `core ← scene ← fill ← backends ← {conformance, filling}`; `core ← texture ← {scene, fill,
+/// `core ← scene ← surface ← fill ← backends ← {conformance, filling}`; `core ← texture ← {scene, fill,
 /// shaders}`; `{conformance, filling, report} → results`. Backends never name each other; the reference
 /// finds texture coordinates by itself. `report` opens no device, so it sees results only.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("core", &[]),
     ("texture", &["core"]),
     ("scene", &["core", "texture"]),
-    ("fill", &["core", "texture", "scene"]),
+    ("surface", &["core", "scene"]),
+    ("fill", &["core", "texture", "scene", "surface"]),
     ("shaders", &["texture"]),
-    ("gpu", &["core", "texture", "scene", "fill", "shaders"]),
-    ("vulkan", &["core", "scene", "fill", "shaders"]),
-    ("vertex", &["core", "scene", "fill", "shaders", "gpu"]),
-    ("compute", &["core", "scene", "fill", "shaders", "gpu"]),
-    ("native", &["core", "scene", "fill", "shaders", "vulkan"]),
-    ("reference", &["core", "scene", "fill"]),
+    (
+        "gpu",
+        &["core", "texture", "scene", "surface", "fill", "shaders"],
+    ),
+    ("vulkan", &["core", "scene", "surface", "fill", "shaders"]),
+    (
+        "vertex",
+        &["core", "scene", "surface", "fill", "shaders", "gpu"],
+    ),
+    (
+        "compute",
+        &["core", "scene", "surface", "fill", "shaders", "gpu"],
+    ),
+    (
+        "native",
+        &["core", "scene", "surface", "fill", "shaders", "vulkan"],
+    ),
+    ("reference", &["core", "scene", "surface", "fill"]),
     ("results", &[]),
     (
         "conformance",
@@ -34,6 +47,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "core",
             "texture",
             "scene",
+            "surface",
             "fill",
             "shaders",
             "gpu",
@@ -51,6 +65,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "core",
             "texture",
             "scene",
+            "surface",
             "fill",
             "shaders",
             "gpu",
@@ -69,6 +84,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         &[
             "core",
             "scene",
+            "surface",
             "fill",
             "shaders",
             "gpu",

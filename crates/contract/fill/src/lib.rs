@@ -15,6 +15,7 @@ mod fixed_point;
 mod footprint;
 mod frame;
 mod geometry;
+mod identity;
 mod input;
 mod palette;
 mod program;
@@ -38,6 +39,7 @@ pub use fixed_point::{
 };
 pub use frame::{Counters, Frame, FrameTimes, MemoryUse, NO_REGION};
 pub use geometry::{GeometryBytes, IndexLists, boundary_edges};
+pub use identity::{RegionSet, ViewId};
 pub use input::{FrameInput, PreparedScene};
 pub use palette::{Colours, MAX_REGIONS, ids_of, paint, region_colour};
 pub use program::{

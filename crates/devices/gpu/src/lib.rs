@@ -14,6 +14,7 @@ mod fill;
 mod readback;
 mod route_table;
 mod statistics;
+mod surface;
 mod targets;
 mod textured;
 mod timing;

@@ -27,6 +27,7 @@ mod pipeline;
 mod queries;
 mod readback;
 mod sampled;
+mod surface;
 mod targets;
 mod textured;
 mod validation;

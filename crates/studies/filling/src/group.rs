@@ -29,7 +29,8 @@ use terrafill_reference::ReferenceBackend;
 use terrafill_results::legacy::{
     Baselines, CaseKey, ErrorFigures, RunFolder, Sample, Status, median,
 };
-use terrafill_scene::{LeveledMeshes, PlanOptions, SurfaceMesh};
+use terrafill_scene::{LeveledMeshes, PlanOptions};
+use terrafill_surface::open_surface;
 
 /// A case with what draws it and what the probe frame showed.
 pub(crate) struct RunningCase<'a> {
@@ -138,10 +139,10 @@ impl<'a> GroupRun<'a> {
             view: view.name.clone(),
             source,
         };
-        let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
+        let surface = open_surface(options.surfaces, scene)?;
         let meshes = build_meshes(scene, &scene.mesh)?;
         let prepared = PreparedScene::new(scene, meshes, surface);
-        let input = FrameInput::new(&prepared, view, options.size, PlanOptions::default());
+        let input = FrameInput::new(&prepared, view, options.size, PlanOptions::default())?;
         let targets = RenderTargets::shared(gpu, options.size).map_err(device)?;
         let judged = ReferenceBackend::new().judge(&input).map_err(device)?;
         let band = boundary_band(&judged.frame);
@@ -728,6 +729,7 @@ fn is_all_silhouette(errors: &TextureErrors) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use terrafill_surface::EllipsoidKind;
 
     /// `None`, with the reason printed, where there is none and none is required.
     fn device() -> Option<Arc<Gpu>> {
@@ -805,6 +807,7 @@ mod tests {
         let Some(gpu) = device() else { return };
         let place = tempfile::tempdir().expect("a folder");
         let options = BenchOptions {
+            surfaces: &[&EllipsoidKind],
             scenes: vec!["california".to_owned()],
             backends: vec!["vertex".to_owned()],
             quick: true,
@@ -872,6 +875,7 @@ mod tests {
         let Some(gpu) = device() else { return };
         let place = tempfile::tempdir().expect("a folder");
         let options = BenchOptions {
+            surfaces: &[&EllipsoidKind],
             scenes: vec!["square-200km".to_owned()],
             backends: vec!["vertex".to_owned()],
             quick: false,

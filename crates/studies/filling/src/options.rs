@@ -3,6 +3,7 @@
 
 use std::path::PathBuf;
 use terrafill_scene::ImageSize;
+use terrafill_surface::{SurfaceError, SurfaceKind};
 
 /// Part `index` (from 1) of `count`: every `count`-th scene view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,6 +32,8 @@ impl std::str::FromStr for Shard {
 /// A run's options.
 #[derive(Debug, Clone)]
 pub struct BenchOptions {
+    /// Surfaces that scenes can name.
+    pub surfaces: &'static [&'static dyn SurfaceKind],
     /// Names of shipped scenes or paths of scene files; empty for all shipped ones.
     pub scenes: Vec<String>,
     /// Backends to run; empty for all.
@@ -157,6 +160,17 @@ pub enum BenchError {
     /// A scene's file or a name is wrong.
     #[error(transparent)]
     Scene(#[from] terrafill_scene::SceneError),
+    /// A scene's surface cannot be opened.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// A scene's surface cannot be drawn in a view.
+    #[error("{place}: {source}")]
+    View {
+        /// Scene file and view.
+        place: String,
+        /// Why.
+        source: Box<SurfaceError>,
+    },
     /// A backend that does not exist was asked for.
     #[error("backend {found:?}, allowed: {allowed}")]
     UnknownBackend {

@@ -6,7 +6,9 @@ use crate::{BenchError, BenchOptions, NO_SCENE, SceneGroup, group_cases};
 use std::path::Path;
 use std::sync::Arc;
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
+use terrafill_fill::RegionSet;
 use terrafill_scene::{Scene, SceneError, shipped_scene_names};
+use terrafill_surface::open_surface;
 
 pub(crate) type SkippedScenes = Vec<(String, String)>;
 
@@ -97,6 +99,14 @@ fn checked_scene(
 ) -> Result<Scene, BenchError> {
     let scene = open_scene(name, options.data_dir.as_deref())?;
     build_meshes(&scene, &scene.mesh)?;
+    let surface = open_surface(options.surfaces, &scene)?;
+    for view in &scene.views {
+        let frame = surface.frame(&view.camera(&scene.body), options.size);
+        frame.map_err(|source| BenchError::View {
+            place: format!("{}: view {}", scene.surface.file, view.name),
+            source: Box::new(source),
+        })?;
+    }
     if groups.iter().any(|group| group.scene.name == scene.name) {
         return Err(BenchError::SceneTwice { name: scene.name });
     }
@@ -116,10 +126,7 @@ pub fn open_scene(name: &str, data_dir: Option<&Path>) -> Result<Scene, SceneErr
 }
 
 /// Meshes of every region, or the first errors.
-pub(crate) fn build_meshes(
-    scene: &Scene,
-    options: &MeshOptions,
-) -> Result<Arc<[RegionMesh]>, BenchError> {
+pub(crate) fn build_meshes(scene: &Scene, options: &MeshOptions) -> Result<RegionSet, BenchError> {
     let meshes = RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, options);
     match meshes {
         Ok(meshes) => Ok(meshes.into()),

@@ -415,7 +415,8 @@ fn plan_names(plan: PlanOptions) -> Vec<String> {
 mod tests {
     use super::*;
     use terrafill_fill::{FacePasses, FrameInput, PreparedScene};
-    use terrafill_scene::{Scene, SurfaceMesh};
+    use terrafill_scene::Scene;
+    use terrafill_surface::{EllipsoidKind, open_surface};
 
     #[test]
     fn plan_and_fill_switches_share_one_sorted_name() {
@@ -523,14 +524,15 @@ mod tests {
         let (body, rule) = (&scene.body, scene.edge_rule);
         let meshes = RegionMesh::build_all(&scene.regions, body, rule, &scene.mesh);
         let meshes = meshes.expect("it meshes").into();
-        let surface = Arc::new(SurfaceMesh::ellipsoid(body, scene.surface_rows));
+        let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
         let prepared = PreparedScene::new(&scene, meshes, surface);
         let view = &scene.views[0];
         let size = ImageSize {
             width: 40,
             height: 30,
         };
-        let input = FrameInput::new(&prepared, view, size, PlanOptions::default());
+        let input =
+            FrameInput::new(&prepared, view, size, PlanOptions::default()).expect("a surface");
         for backend in BACKENDS {
             let bytes = |colour: &str| {
                 let mut technique = technique(backend);

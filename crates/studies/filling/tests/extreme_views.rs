@@ -19,6 +19,7 @@ use terrafill_filling::{BenchOptions, Technique, group_cases, open_scene};
 use terrafill_native::{NativeVariant, Technique as Native};
 use terrafill_results::legacy::ErrorFigures;
 use terrafill_scene::{ImageSize, PlanOptions};
+use terrafill_surface::EllipsoidKind;
 use terrafill_vertex::{Layout, VertexVariant, shared_flag_bytes, variant_bytes};
 
 const SIZE: ImageSize = ImageSize {
@@ -42,7 +43,8 @@ fn figures_of(name: &str) -> Option<BTreeMap<(String, &'static str), ErrorFigure
     let targets = AllTargets::new(&devices, SIZE);
     let mut all = BTreeMap::new();
     for view in &views {
-        let input = FrameInput::new(&prepared, view, SIZE, PlanOptions::default());
+        let input =
+            FrameInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
         let judged = judge(&input);
         for positions in PositionFormat::ALL {
             let draw = |layout| {
@@ -118,7 +120,8 @@ fn ten_metres_from_several_eyes() {
         // 0.37 m to the east each time and 0.23 m to the north.
         moved.pose.eye.longitude_rad += (f64::from(i) * 4.7e-6).to_radians();
         moved.pose.eye.latitude_rad += (f64::from(i) * 2.1e-6).to_radians();
-        let input = FrameInput::new(&prepared, &moved, SIZE, PlanOptions::default());
+        let input =
+            FrameInput::new(&prepared, &moved, SIZE, PlanOptions::default()).expect("a surface");
         let judged = judge(&input);
         let figures_of = |positions| {
             let technique = Technique::Vertex(variant(Layout::Doubled, positions));
@@ -187,7 +190,8 @@ fn walls_between_triangles_leave_no_trace_where_they_are_clipped() {
         view.pose.eye.longitude_rad += (f64::from(i) * 4.7e-6).to_radians();
         view.pose.eye.latitude_rad += (f64::from(i) * 2.1e-6).to_radians();
         view.pose.pitch_rad += (f64::from(i) * 0.11).to_radians();
-        let input = FrameInput::new(&prepared, &view, SIZE, PlanOptions::default());
+        let input =
+            FrameInput::new(&prepared, &view, SIZE, PlanOptions::default()).expect("a surface");
         let name = techniques[1].variant_name();
         let [mut whole, split] = techniques.map(|technique| targets.draw(&input, technique));
         assert!(whole.filled_px() > 10_000, "eye {i}");
@@ -222,7 +226,8 @@ fn bytes_by_formula_are_those_that_are_allocated() {
         return;
     };
     let (prepared, views) = shipped("square-200km").expect("ships with the project");
-    let input = FrameInput::new(&prepared, &views[0], SIZE, PlanOptions::default());
+    let input =
+        FrameInput::new(&prepared, &views[0], SIZE, PlanOptions::default()).expect("a surface");
     let targets = AllTargets::new(&devices, SIZE);
     let mut known = BTreeMap::new();
     for layout in Layout::ALL {
@@ -251,6 +256,7 @@ fn bytes_by_formula_are_those_that_are_allocated() {
 #[test]
 fn the_bench_sweeps_through_the_formats_where_a_scene_asks_for_it() {
     let options = BenchOptions {
+        surfaces: &[&EllipsoidKind],
         scenes: Vec::new(),
         backends: Vec::new(),
         quick: false,

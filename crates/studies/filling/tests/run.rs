@@ -7,10 +7,12 @@ use terrafill_filling::{BACKENDS, BenchError, BenchOptions, group_cases, open_sc
 use terrafill_native::Technique;
 use terrafill_results::legacy::{CaseKey, RunFolder, Status, Summary};
 use terrafill_scene::ImageSize;
+use terrafill_surface::EllipsoidKind;
 use terrafill_vertex::Layout;
 
 fn options(out: &Path) -> BenchOptions {
     BenchOptions {
+        surfaces: &[&EllipsoidKind],
         scenes: vec!["california".to_owned()],
         backends: Vec::new(),
         quick: true,

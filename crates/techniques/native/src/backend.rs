@@ -8,11 +8,10 @@ use crate::{Indices, Technique};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
-use terrafill_core::RegionMesh;
 use terrafill_fill::{
     Backend, BackendError, Capabilities, Colours, Counters, CpuStopwatch, FillPass, FillProgram,
     FillStep, Frame, FrameInput, FrameTimes, MemoryUse, Picture, PositionFormat, RegionConstants,
-    SwitchError, Switches, TimedBackend, VolumeBackend, WorkDone, pick,
+    SwitchError, Switches, TimedBackend, ViewId, VolumeBackend, WorkDone, pick,
 };
 use terrafill_scene::Overlap;
 use terrafill_vulkan::{
@@ -120,7 +119,7 @@ pub struct NativeBackend {
 /// Geometry of every mesh of a scene, in view or not.
 #[derive(Debug)]
 pub(crate) struct SceneBuffers {
-    source: Arc<[RegionMesh]>,
+    revision: u64,
     pub(crate) regions: Vec<RegionSlice>,
     pub(crate) vertices: Buffer,
     pub(crate) short_indices: Buffer,
@@ -132,7 +131,7 @@ pub(crate) struct SceneBuffers {
 /// Constants of the regions of a view, and the order to draw them in.
 #[derive(Debug)]
 pub(crate) struct ViewBuffers {
-    source: Arc<[[f32; 3]]>,
+    id: ViewId,
     view_constants: Arc<Buffer>,
     constants: Arc<Buffer>,
     /// What lies in `constants`.
@@ -274,9 +273,9 @@ impl NativeBackend {
     }
 
     fn check_prepared(&self, input: &FrameInput) -> Result<(), BackendError> {
-        let meshes = self.scene.as_ref().map(|scene| &scene.source);
-        let surface = self.view.as_ref().map(|view| &view.source);
-        input.check_prepared(BACKEND, meshes, surface)
+        let revision = self.scene.as_ref().map(|scene| scene.revision);
+        let view_id = self.view.as_ref().map(|view| view.id);
+        input.check_prepared(BACKEND, revision, view_id)
     }
 
     fn upload_scene(&mut self, input: &FrameInput) -> Result<(), BackendError> {
@@ -297,7 +296,7 @@ impl NativeBackend {
         let gpu = self.gpu();
         let upload = |label, bytes, use_for| Buffer::upload(&gpu, label, bytes, use_for);
         self.scene = Some(SceneBuffers {
-            source: Arc::clone(&input.scene.meshes),
+            revision: input.scene.meshes.revision(),
             vertices: upload(
                 "volume vertices",
                 bytemuck::cast_slice(&geometry.vertices),
@@ -364,7 +363,7 @@ impl NativeBackend {
             _ => BindGroup::new(&gpu, &view_constants, Some(&constants))?,
         };
         self.view = Some(ViewBuffers {
-            source: Arc::clone(&input.surface_rte),
+            id: input.view_id,
             view_constants,
             constants,
             written,
@@ -429,7 +428,7 @@ impl NativeBackend {
         let is_uploaded = self
             .scene
             .as_ref()
-            .is_some_and(|scene| Arc::ptr_eq(&scene.source, &input.scene.meshes));
+            .is_some_and(|scene| scene.revision == input.scene.meshes.revision());
         if !is_uploaded {
             self.upload_scene(input)?;
         }
@@ -553,8 +552,10 @@ impl VolumeBackend for NativeBackend {
 mod tests {
     use super::*;
     use crate::strip_counts;
+    use terrafill_core::RegionMesh;
     use terrafill_fill::{ColourWay, PreparedScene};
-    use terrafill_scene::{ImageSize, PlanOptions, Scene, SurfaceMesh};
+    use terrafill_scene::{ImageSize, PlanOptions, Scene};
+    use terrafill_surface::{EllipsoidKind, open_surface};
 
     #[test]
     fn vertices_whose_numbers_a_float_would_round_are_refused() {
@@ -575,7 +576,7 @@ mod tests {
         let scene = Scene::shipped("california", None).expect("it ships");
         let meshes =
             RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh);
-        let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
+        let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
         let prepared = PreparedScene::new(&scene, meshes.expect("meshes").into(), surface);
         let mut views = scene.views.iter();
         let view = views.find(|view| view.name == "horizon").expect("a view");
@@ -583,7 +584,7 @@ mod tests {
             width: 256,
             height: 256,
         };
-        FrameInput::new(&prepared, view, size, PlanOptions::default())
+        FrameInput::new(&prepared, view, size, PlanOptions::default()).expect("a surface")
     }
 
     /// Takes the strips of the only region apart and puts them together again, changed.

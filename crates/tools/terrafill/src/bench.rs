@@ -2,6 +2,7 @@
 //! `bench` and `report`.
 
 use crate::arguments::{BenchArguments, GROWTH_SAMPLE, GrowthSampleArguments, ReportArguments};
+use crate::registry::SURFACES;
 use crate::{Failure, Outcome, print};
 use std::path::Path;
 use terrafill_filling::{BenchError, BenchOptions, GrowthProgram};
@@ -11,6 +12,7 @@ use terrafill_scene::{ImageSize, data_dir_from_env};
 
 pub(crate) fn run(arguments: BenchArguments) -> Result<Outcome, Failure> {
     let options = BenchOptions {
+        surfaces: SURFACES,
         scenes: arguments.scenes,
         backends: arguments.backend,
         quick: arguments.quick,

@@ -13,6 +13,7 @@ mod locate;
 mod mesh;
 mod output;
 mod regions;
+mod registry;
 mod render;
 mod usage;
 

@@ -4,8 +4,9 @@
 
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Geodetic};
-use terrafill_fill::{FrameInput, Picture, PreparedScene};
-use terrafill_scene::{CameraPose, ImageSize, Overlap, PlanOptions, SurfaceMesh, View};
+use terrafill_fill::{FrameInput, Picture, PreparedScene, RegionSet};
+use terrafill_scene::{CameraPose, ImageSize, Overlap, PlanOptions, View};
+use terrafill_surface::EllipsoidKind;
 
 /// Odd, so that rows are padded and the middle is a pixel.
 pub(crate) const SIZE: ImageSize = ImageSize {
@@ -24,10 +25,10 @@ pub(crate) fn globe_from(height_m: f64) -> FrameInput {
         edge_rule: Default::default(),
         overlap: Overlap::Disjoint,
         regions: Arc::new([]),
-        meshes: Arc::new([]),
+        meshes: RegionSet::default(),
         levels: Arc::default(),
         bounds: Arc::new([]),
-        surface: Arc::new(SurfaceMesh::ellipsoid(&body, 180)),
+        surface: EllipsoidKind::surface(&body, 180),
         texture: None,
     };
     let view = View {
@@ -41,7 +42,7 @@ pub(crate) fn globe_from(height_m: f64) -> FrameInput {
         },
         note: None,
     };
-    FrameInput::new(&scene, &view, SIZE, PlanOptions::default())
+    FrameInput::new(&scene, &view, SIZE, PlanOptions::default()).expect("a surface")
 }
 
 /// Asserts that `picture` holds the depth of the globe from 8,000 km, and no colour.
