@@ -3,9 +3,8 @@
 // pixel with alpha 1 was coloured by a fill.
 #import shared/view.wgsl
 
-// A slope of 1:10 towards the light is this much brighter. Mountains are gentle at the scale of a
-// globe: unexaggerated, a slope of 10 km in 100 km would show as 10 %.
-const RELIEF_PER_SLOPE: f32 = 3.0;
+// Brightness per slope towards the light, exaggerated: mountains are gentle at the scale of a globe.
+const RELIEF_PER_SLOPE: f32 = 8.0;
 
 struct Varying {
     @builtin(position) clip: vec4<f32>,
