@@ -21,6 +21,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("scene", &["core", "texture"]),
     ("surface", &["core", "scene"]),
     ("fill", &["core", "texture", "scene", "surface"]),
+    ("grid", &["core", "scene", "surface"]),
     ("shaders", &["texture"]),
     (
         "gpu",
@@ -85,6 +86,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "core",
             "scene",
             "surface",
+            "grid",
             "fill",
             "shaders",
             "gpu",

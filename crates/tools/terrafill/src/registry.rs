@@ -4,4 +4,4 @@
 use terrafill_surface::{EllipsoidKind, SurfaceKind};
 
 /// Surfaces that scenes can name.
-pub(crate) static SURFACES: &[&dyn SurfaceKind] = &[&EllipsoidKind];
+pub(crate) static SURFACES: &[&dyn SurfaceKind] = &[&EllipsoidKind, &terrafill_grid::GridKind];
