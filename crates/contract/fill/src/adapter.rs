@@ -2,7 +2,7 @@
 //! Choosing an adapter and refusing what it cannot: the same on every API, so that both open the
 //! same one and say the same of it.
 
-use crate::{BackendError, FrameInput};
+use crate::{DeviceError, FrameInput};
 use terrafill_scene::ImageSize;
 
 /// Kind of adapter, in order of preference.
@@ -65,15 +65,12 @@ impl<F> DeviceFacts<F> {
     /// Whether it can run.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] with all that it lacks.
-    pub fn check(&self) -> Result<(), BackendError> {
+    /// [`DeviceError::Unsupported`] with all that it lacks.
+    pub fn check(&self) -> Result<(), DeviceError> {
         if self.lacks.is_empty() {
             return Ok(());
         }
-        Err(BackendError::unsupported(
-            &self.lacks.join(", "),
-            &self.name,
-        ))
+        Err(DeviceError::unsupported(&self.lacks.join(", "), &self.name))
     }
 }
 
@@ -83,17 +80,17 @@ pub const THIS_MACHINE: &str = "this machine";
 /// Index of the first adapter, in order of preference, whose name contains `wanted`, case ignored.
 ///
 /// # Errors
-/// [`BackendError::Unsupported`] when there is none, or none by that name.
-pub fn choose_adapter(names: &[&str], wanted: Option<&str>) -> Result<usize, BackendError> {
+/// [`DeviceError::Unsupported`] when there is none, or none by that name.
+pub fn choose_adapter(names: &[&str], wanted: Option<&str>) -> Result<usize, DeviceError> {
     if names.is_empty() {
         let what = "a Vulkan device (ci/setup.sh installs a software one)";
-        return Err(BackendError::unsupported(what, THIS_MACHINE));
+        return Err(DeviceError::unsupported(what, THIS_MACHINE));
     }
     let wanted = wanted.unwrap_or("").to_lowercase();
     let is_wanted = |name: &&str| name.to_lowercase().contains(&wanted);
     names.iter().position(is_wanted).ok_or_else(|| {
         let what = format!("an adapter called {wanted:?}; it has {}", names.join(", "));
-        BackendError::unsupported(&what, THIS_MACHINE)
+        DeviceError::unsupported(&what, THIS_MACHINE)
     })
 }
 
@@ -104,7 +101,7 @@ pub fn choose_adapter(names: &[&str], wanted: Option<&str>) -> Result<usize, Bac
 /// When there is none and `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does: there a skipped
 /// device test would be a check that does not check.
 #[must_use]
-pub fn device_for_test<T>(opened: Result<T, BackendError>) -> Option<T> {
+pub fn device_for_test<T>(opened: Result<T, DeviceError>) -> Option<T> {
     let require = std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_some();
     opened
         .inspect_err(|error| {
@@ -122,8 +119,8 @@ pub const SKY: [f32; 4] = [0.02, 0.02, 0.04, 0.0];
 /// - `limit`: pixels a side
 ///
 /// # Errors
-/// [`BackendError::Unsupported`].
-pub fn check_target_size(size: ImageSize, limit: u32, adapter: &str) -> Result<(), BackendError> {
+/// [`DeviceError::Unsupported`].
+pub fn check_target_size(size: ImageSize, limit: u32, adapter: &str) -> Result<(), DeviceError> {
     if size.width.max(size.height) <= limit && size.width.min(size.height) > 0 {
         return Ok(());
     }
@@ -131,19 +128,19 @@ pub fn check_target_size(size: ImageSize, limit: u32, adapter: &str) -> Result<(
         "images of {} × {} pixels (1 … {limit} a side)",
         size.width, size.height
     );
-    Err(BackendError::unsupported(&what, adapter))
+    Err(DeviceError::unsupported(&what, adapter))
 }
 
 impl FrameInput {
     /// Whether targets of this size are the frame's.
     ///
     /// # Errors
-    /// [`BackendError::OverCapacity`].
-    pub fn check_size(&self, targets: ImageSize) -> Result<(), BackendError> {
+    /// [`DeviceError::OverCapacity`].
+    pub fn check_size(&self, targets: ImageSize) -> Result<(), DeviceError> {
         if self.size == targets {
             return Ok(());
         }
-        Err(BackendError::OverCapacity {
+        Err(DeviceError::OverCapacity {
             what: "image size differs from the targets', pixels".to_owned(),
             found: self.size.pixel_count() as u64,
             allowed: targets.pixel_count() as u64,
@@ -154,9 +151,9 @@ impl FrameInput {
 /// `count` as the 32 bits that draw calls take.
 ///
 /// # Errors
-/// [`BackendError::OverCapacity`].
-pub fn count_u32(what: &str, count: usize) -> Result<u32, BackendError> {
-    u32::try_from(count).map_err(|_| BackendError::OverCapacity {
+/// [`DeviceError::OverCapacity`].
+pub fn count_u32(what: &str, count: usize) -> Result<u32, DeviceError> {
+    u32::try_from(count).map_err(|_| DeviceError::OverCapacity {
         what: what.to_owned(),
         found: count as u64,
         allowed: u64::from(u32::MAX),

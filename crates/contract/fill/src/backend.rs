@@ -20,7 +20,7 @@ pub struct Capabilities {
 /// What can go wrong between a frame's input and its picture.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum BackendError {
+pub enum DeviceError {
     /// The adapter lacks something; becomes a *skipped* row with this reason.
     #[error("{adapter} lacks {capability}")]
     Unsupported {
@@ -73,7 +73,7 @@ pub enum BackendError {
     },
 }
 
-impl BackendError {
+impl DeviceError {
     /// `adapter` lacks `capability`.
     #[must_use]
     pub fn unsupported(capability: &str, adapter: &str) -> Self {
@@ -106,15 +106,15 @@ pub trait Backend {
     /// changes.
     ///
     /// # Errors
-    /// [`BackendError`] when the adapter cannot hold or run it.
-    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, BackendError>;
+    /// [`DeviceError`] when the adapter cannot hold or run it.
+    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, DeviceError>;
 
     /// Fills every planned region of `input` and reads the picture back; same bytes out for the
     /// same adapter and driver.
     ///
     /// # Errors
-    /// [`BackendError::NotPrepared`], or whatever the device reports.
-    fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError>;
+    /// [`DeviceError::NotPrepared`], or whatever the device reports.
+    fn render(&mut self, input: &FrameInput) -> Result<Frame, DeviceError>;
 }
 
 /// A picture read back.
@@ -148,14 +148,14 @@ pub trait VolumeBackend: TimedBackend {
     ///
     /// # Errors
     /// As [`Backend::render`].
-    fn picture(&mut self, input: &FrameInput) -> Result<Picture, BackendError>;
+    fn picture(&mut self, input: &FrameInput) -> Result<Picture, DeviceError>;
 
     /// Draws the surface into the backend's own targets, if it has any: once a round, untimed, so
     /// that every timed fill finds the same surface. Backends that share targets leave it to those.
     ///
     /// # Errors
     /// As [`Backend::render`].
-    fn draw_own_surface(&mut self, _input: &FrameInput) -> Result<(), BackendError> {
+    fn draw_own_surface(&mut self, _input: &FrameInput) -> Result<(), DeviceError> {
         Ok(())
     }
 }
@@ -167,5 +167,5 @@ pub trait TimedBackend: Backend {
     ///
     /// # Errors
     /// As [`Backend::render`].
-    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, BackendError>;
+    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, DeviceError>;
 }

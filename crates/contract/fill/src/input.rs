@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What goes in: the same bytes for every backend.
 
-use crate::{BackendError, MAX_REGIONS, RegionSet, ViewId};
+use crate::{DeviceError, MAX_REGIONS, RegionSet, ViewId};
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Extent, Region};
 use terrafill_scene::{
@@ -177,13 +177,13 @@ impl FrameInput {
     /// Whether ids can tell the scene's regions apart.
     ///
     /// # Errors
-    /// [`BackendError::OverCapacity`].
-    pub fn check_region_count(&self) -> Result<(), BackendError> {
+    /// [`DeviceError::OverCapacity`].
+    pub fn check_region_count(&self) -> Result<(), DeviceError> {
         let (found, allowed) = (self.scene.regions.len(), MAX_REGIONS);
         if found <= allowed {
             return Ok(());
         }
-        Err(BackendError::OverCapacity {
+        Err(DeviceError::OverCapacity {
             what: "regions".to_owned(),
             found: found as u64,
             allowed: allowed as u64,
@@ -196,13 +196,13 @@ impl FrameInput {
     /// - `view_id`: of the view that it holds
     ///
     /// # Errors
-    /// [`BackendError::NotPrepared`].
+    /// [`DeviceError::NotPrepared`].
     pub fn check_prepared(
         &self,
         backend: &'static str,
         revision: Option<u64>,
         view_id: Option<ViewId>,
-    ) -> Result<(), BackendError> {
+    ) -> Result<(), DeviceError> {
         let has_meshes = revision == Some(self.scene.meshes.revision());
         if has_meshes && view_id == Some(self.view_id) {
             return Ok(());
@@ -212,8 +212,8 @@ impl FrameInput {
 
     /// `backend` was prepared for something else.
     #[must_use]
-    pub fn not_prepared(&self, backend: &'static str) -> BackendError {
-        BackendError::NotPrepared {
+    pub fn not_prepared(&self, backend: &'static str) -> DeviceError {
+        DeviceError::NotPrepared {
             backend,
             scene: self.scene.name.clone(),
             view: self.view.clone(),

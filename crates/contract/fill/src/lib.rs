@@ -30,7 +30,7 @@ pub use adapter::{
     DeviceFacts, DeviceType, SKY, THIS_MACHINE, check_target_size, choose_adapter, count_u32,
     device_for_test,
 };
-pub use backend::{Backend, BackendError, Capabilities, Picture, TimedBackend, VolumeBackend};
+pub use backend::{Backend, Capabilities, DeviceError, Picture, TimedBackend, VolumeBackend};
 pub use batches::{RegionClasses, XOR_NUMBERS, XorBatches, overlap_depth};
 pub use clock::CpuStopwatch;
 pub use constants::{RegionConstants, RegionPlace, ViewConstants};

@@ -8,7 +8,7 @@
 use crate::batches::overlap_depth;
 use crate::batches::{RegionClasses, XorBatches};
 use crate::{
-    BackendError, BottomCap, ColourWay, DepthRuleChoice, FacePasses, StencilClear, Switches,
+    BottomCap, ColourWay, DepthRuleChoice, DeviceError, FacePasses, StencilClear, Switches,
 };
 use terrafill_scene::{FramePlan, Overlap, PlannedRegion};
 
@@ -186,15 +186,15 @@ impl FillProgram {
     /// The steps that fill `plan` with these switches.
     ///
     /// # Errors
-    /// [`BackendError::Switch`] when the switches do not go together or not with the scene;
-    /// [`BackendError::OverCapacity`] when more than 255 regions may lie over one pixel and are
+    /// [`DeviceError::Switch`] when the switches do not go together or not with the scene;
+    /// [`DeviceError::OverCapacity`] when more than 255 regions may lie over one pixel and are
     /// counted together: a multiple of 256 would count as none; or when more regions are planned
     /// than numbers can be accumulated exactly.
     pub fn new(
         plan: &FramePlan,
         switches: &Switches,
         overlap: Overlap,
-    ) -> Result<Self, BackendError> {
+    ) -> Result<Self, DeviceError> {
         switches.check(overlap)?;
         let builder = Builder {
             regions: &plan.regions,
@@ -228,7 +228,7 @@ impl FillProgram {
 /// Regions that an 8-bit count can hold over one pixel.
 const COUNTABLE: usize = 255;
 
-fn check_depth(regions: &[PlannedRegion]) -> Result<(), BackendError> {
+fn check_depth(regions: &[PlannedRegion]) -> Result<(), DeviceError> {
     if regions.len() <= COUNTABLE {
         return Ok(());
     }
@@ -236,7 +236,7 @@ fn check_depth(regions: &[PlannedRegion]) -> Result<(), BackendError> {
     if found <= COUNTABLE {
         return Ok(());
     }
-    Err(BackendError::OverCapacity {
+    Err(DeviceError::OverCapacity {
         what: "regions over one pixel, counted together in 8 bits".to_owned(),
         found: found as u64,
         allowed: COUNTABLE as u64,
@@ -248,11 +248,11 @@ fn check_depth(regions: &[PlannedRegion]) -> Result<(), BackendError> {
 /// than two sheets of every region at once.
 const ACCUMULABLE: usize = 4_095;
 
-fn check_numbers(regions: usize) -> Result<(), BackendError> {
+fn check_numbers(regions: usize) -> Result<(), DeviceError> {
     if regions <= ACCUMULABLE {
         return Ok(());
     }
-    Err(BackendError::OverCapacity {
+    Err(DeviceError::OverCapacity {
         what: "regions in view whose numbers are accumulated in 32-bit floats".to_owned(),
         found: regions as u64,
         allowed: ACCUMULABLE as u64,

@@ -3,7 +3,7 @@
 
 use crate::validation;
 use std::sync::Arc;
-use terrafill_fill::{BackendError, DeviceType, WorkCounters, choose_adapter, device_for_test};
+use terrafill_fill::{DeviceError, DeviceType, WorkCounters, choose_adapter, device_for_test};
 
 /// How to choose a device.
 #[derive(Debug, Clone, Default)]
@@ -106,9 +106,9 @@ impl Gpu {
     /// Opens a device.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] when there is no adapter, none by that name, or it lacks
+    /// [`DeviceError::Unsupported`] when there is no adapter, none by that name, or it lacks
     /// something.
-    pub fn open(options: &GpuOptions) -> Result<Arc<Self>, BackendError> {
+    pub fn open(options: &GpuOptions) -> Result<Arc<Self>, DeviceError> {
         let validation = options.validation || validation::is_requested();
         let instance = instance(validation);
         let all = adapters(&instance);
@@ -131,7 +131,7 @@ impl Gpu {
             ..Default::default()
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
-            .map_err(|error| BackendError::DeviceLost(error.to_string()))?;
+            .map_err(|error| DeviceError::DeviceLost(error.to_string()))?;
         let timestamp_period_ns = queue.get_timestamp_period();
         Ok(Arc::new(Self {
             device,
@@ -145,9 +145,9 @@ impl Gpu {
     /// Compiles the shader at `path`, imports put in.
     ///
     /// # Errors
-    /// [`BackendError::Shader`].
-    pub fn shader(&self, path: &str) -> Result<wgpu::ShaderModule, BackendError> {
-        let source = terrafill_shaders::compose(path).map_err(|error| BackendError::Shader {
+    /// [`DeviceError::Shader`].
+    pub fn shader(&self, path: &str) -> Result<wgpu::ShaderModule, DeviceError> {
+        let source = terrafill_shaders::compose(path).map_err(|error| DeviceError::Shader {
             name: path.to_owned(),
             message: error.to_string(),
         })?;
@@ -161,12 +161,12 @@ impl Gpu {
     /// Waits until the device has nothing left to do.
     ///
     /// # Errors
-    /// [`BackendError::DeviceLost`].
-    pub fn wait(&self) -> Result<(), BackendError> {
+    /// [`DeviceError::DeviceLost`].
+    pub fn wait(&self) -> Result<(), DeviceError> {
         self.device
             .poll(wgpu::PollType::wait_indefinitely())
             .map(|_| ())
-            .map_err(|error| BackendError::DeviceLost(error.to_string()))
+            .map_err(|error| DeviceError::DeviceLost(error.to_string()))
     }
 }
 

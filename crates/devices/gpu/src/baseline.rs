@@ -5,7 +5,7 @@ use crate::covers::full_screen;
 use crate::targets::{attached, read_only_depth};
 use crate::volume_pipeline::{colour_state, colour_target};
 use crate::{SharedTargets, TimedPass};
-use terrafill_fill::{BackendError, CpuStopwatch, FrameTimes, StencilTest};
+use terrafill_fill::{CpuStopwatch, DeviceError, FrameTimes, StencilTest};
 
 /// Which pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,8 +42,8 @@ impl Baseline {
     /// Builds the pass.
     ///
     /// # Errors
-    /// [`BackendError::Shader`].
-    pub fn new(kind: BaselineKind, targets: &SharedTargets) -> Result<Self, BackendError> {
+    /// [`DeviceError::Shader`].
+    pub fn new(kind: BaselineKind, targets: &SharedTargets) -> Result<Self, DeviceError> {
         let borrowed = targets.borrow();
         let gpu = borrowed.gpu();
         let layout = gpu.texture_layout("depth", wgpu::TextureSampleType::Depth);
@@ -85,8 +85,8 @@ impl Baseline {
     /// Draws it once over whatever the targets hold and waits.
     ///
     /// # Errors
-    /// [`BackendError::DeviceLost`].
-    pub fn time_frame(&mut self) -> Result<FrameTimes, BackendError> {
+    /// [`DeviceError::DeviceLost`].
+    pub fn time_frame(&mut self) -> Result<FrameTimes, DeviceError> {
         let targets = self.targets.borrow();
         let gpu = targets.gpu();
         let (colour, depth_stencil) = (targets.colour_view(), targets.depth_stencil_view());

@@ -6,7 +6,7 @@ use crate::targets::target;
 use crate::volume_pipeline::{NUMBER_FORMAT, colour_state, colour_target, unchanged};
 use crate::{Gpu, VolumePass};
 use std::collections::HashMap;
-use terrafill_fill::{BackendError, NUMBER_BYTES, StencilTest};
+use terrafill_fill::{DeviceError, NUMBER_BYTES, StencilTest};
 use terrafill_scene::ImageSize;
 
 /// Pipelines on one device, made when first asked for.
@@ -26,7 +26,7 @@ impl Covers {
     pub(crate) fn new(
         gpu: &Gpu,
         frame_layout: &wgpu::BindGroupLayout,
-    ) -> Result<Self, BackendError> {
+    ) -> Result<Self, DeviceError> {
         let number = wgpu::TextureSampleType::Float { filterable: false };
         let number_layout = gpu.texture_layout("accumulated numbers", number);
         let resolved = [Some(frame_layout), Some(&number_layout)];
@@ -50,7 +50,7 @@ impl Covers {
     }
 
     /// Makes the lookup's pipeline unless it is there.
-    pub(crate) fn ensure_resolve(&mut self, gpu: &Gpu) -> Result<(), BackendError> {
+    pub(crate) fn ensure_resolve(&mut self, gpu: &Gpu) -> Result<(), DeviceError> {
         if self.resolve.is_none() {
             let shader = gpu.shader("vertex/resolve.wgsl")?;
             let state = Some(unchanged(wgpu::CompareFunction::Always));

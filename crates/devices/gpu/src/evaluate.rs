@@ -15,7 +15,7 @@ use crate::readback::read_buffer_start;
 use crate::{CpuStopwatch, Gpu, read_buffer};
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
-use terrafill_fill::BackendError;
+use terrafill_fill::DeviceError;
 
 /// Inputs of one dispatch; more are taken in several.
 pub const EVALUATIONS_PER_DISPATCH: usize = 16_384;
@@ -139,7 +139,7 @@ impl Kernel<'static> {
 pub enum EvaluateError {
     /// The device, or the kernel's text.
     #[error(transparent)]
-    Backend(#[from] BackendError),
+    Backend(#[from] DeviceError),
     /// Other constants than the kernel was made with room for.
     #[error("{kernel}: {found} vectors of constants, allowed: at most {allowed}")]
     Constants {
@@ -278,7 +278,7 @@ impl Evaluator {
     /// Compiles `kernel`, with room for `constant_vectors` of four floats.
     ///
     /// # Errors
-    /// [`BackendError::Shader`] where the text does not compile, [`BackendError::Unsupported`] where
+    /// [`DeviceError::Shader`] where the text does not compile, [`DeviceError::Unsupported`] where
     /// the device lacks its table's format, [`EvaluateError::Table`].
     pub fn new(
         gpu: &Arc<Gpu>,
@@ -392,7 +392,7 @@ impl Evaluator {
     /// Evaluates every input, in as many dispatches as it takes.
     ///
     /// # Errors
-    /// [`BackendError::DeviceLost`].
+    /// [`DeviceError::DeviceLost`].
     pub fn evaluate(&self, inputs: &[[f32; 4]]) -> Result<Evaluation, EvaluateError> {
         let mut values = Vec::with_capacity(inputs.len());
         let mut dispatches = 0;
@@ -419,7 +419,7 @@ impl Evaluator {
     /// Evaluates what was prepared once and waits; `turns` as prepared.
     ///
     /// # Errors
-    /// [`BackendError::DeviceLost`].
+    /// [`DeviceError::DeviceLost`].
     pub fn time(&self, turns: u32) -> Result<EvaluationTime, EvaluateError> {
         let watch = CpuStopwatch::start();
         self.dispatch(&self.time, self.input_count, true);
@@ -496,7 +496,7 @@ impl Stamps {
     }
 
     /// `None` for stamps of zero or that run backwards; see `timing`.
-    fn read_ms(&self, gpu: &Gpu) -> Result<Option<f64>, BackendError> {
+    fn read_ms(&self, gpu: &Gpu) -> Result<Option<f64>, DeviceError> {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         encoder.resolve_query_set(&self.queries, 0..2, &self.resolved, 0);
         gpu.queue.submit([encoder.finish()]);
@@ -512,7 +512,7 @@ impl Stamps {
 }
 
 /// Compiles the kernel's text; wgpu tells of a mistake only to whoever asks.
-fn compile(gpu: &Gpu, kernel: &Kernel<'_>) -> Result<wgpu::ShaderModule, BackendError> {
+fn compile(gpu: &Gpu, kernel: &Kernel<'_>) -> Result<wgpu::ShaderModule, DeviceError> {
     let scope = gpu.device.push_error_scope(wgpu::ErrorFilter::Validation);
     let module = gpu
         .device
@@ -522,7 +522,7 @@ fn compile(gpu: &Gpu, kernel: &Kernel<'_>) -> Result<wgpu::ShaderModule, Backend
         });
     match pollster::block_on(scope.pop()) {
         None => Ok(module),
-        Some(error) => Err(BackendError::Shader {
+        Some(error) => Err(DeviceError::Shader {
             name: kernel.name.to_owned(),
             message: error.to_string(),
         }),
@@ -565,13 +565,13 @@ fn group_layout(gpu: &Gpu, kernel: &Kernel<'_>) -> wgpu::BindGroupLayout {
 fn table_layout(
     gpu: &Gpu,
     kernel: &Kernel<'_>,
-) -> Result<Option<wgpu::BindGroupLayout>, BackendError> {
+) -> Result<Option<wgpu::BindGroupLayout>, DeviceError> {
     let Some(table) = &kernel.table else {
         return Ok(None);
     };
     let missing = table.format.features(table.linear) - gpu.device.features();
     if !missing.is_empty() {
-        return Err(BackendError::Unsupported {
+        return Err(DeviceError::Unsupported {
             capability: format!("{:?}, {missing}", table.format),
             adapter: gpu.facts.name.clone(),
         });

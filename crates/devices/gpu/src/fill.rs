@@ -14,7 +14,7 @@ use crate::volume_pipeline::check_blendable;
 use crate::{Gpu, RenderTargets, SharedTargets, TimedPass, VolumePass};
 use std::sync::Arc;
 use terrafill_fill::{
-    BackendError, Capabilities, Counters, CpuStopwatch, FillPass, FillProgram, FillStep, Frame,
+    Capabilities, Counters, CpuStopwatch, DeviceError, FillPass, FillProgram, FillStep, Frame,
     FrameInput, FrameTimes, Picture, Switches, ViewId, VolumeDraw, VolumeState, WorkDone,
 };
 
@@ -93,15 +93,15 @@ impl VolumeFill {
     /// A fill on `targets` by the backend of this name.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] for what wgpu has no way to ask for, [`BackendError::Shader`].
+    /// [`DeviceError::Unsupported`] for what wgpu has no way to ask for, [`DeviceError::Shader`].
     pub fn new(
         targets: &SharedTargets,
         backend: &'static str,
         switches: &Switches,
-    ) -> Result<Self, BackendError> {
+    ) -> Result<Self, DeviceError> {
         // Whatever the device has; silence would look like a test that changes nothing.
         if switches.depth_bounds {
-            return Err(BackendError::unsupported("a depth-bounds test", "wgpu"));
+            return Err(DeviceError::unsupported("a depth-bounds test", "wgpu"));
         }
         let gpu = Arc::clone(targets.borrow().gpu());
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
@@ -165,8 +165,8 @@ impl VolumeFill {
     /// Whether this is what was prepared.
     ///
     /// # Errors
-    /// [`BackendError::NotPrepared`].
-    pub fn check_prepared(&self, input: &FrameInput) -> Result<(), BackendError> {
+    /// [`DeviceError::NotPrepared`].
+    pub fn check_prepared(&self, input: &FrameInput) -> Result<(), DeviceError> {
         let view_id = self.view.as_ref().map(|view| view.id);
         input.check_prepared(self.capabilities.backend, self.meshes, view_id)
     }
@@ -218,14 +218,14 @@ impl VolumeFill {
     /// - `constants`: of the regions in the plan, not empty
     ///
     /// # Errors
-    /// [`BackendError::OverCapacity`] when the device has no buffers that large;
-    /// [`BackendError::Switch`] for a textured fill of a scene without a picture.
+    /// [`DeviceError::OverCapacity`] when the device has no buffers that large;
+    /// [`DeviceError::Switch`] for a textured fill of a scene without a picture.
     pub fn upload_view(
         &mut self,
         input: &FrameInput,
         program: FillProgram,
         constants: Vec<u8>,
-    ) -> Result<(), BackendError> {
+    ) -> Result<(), DeviceError> {
         let targets = self.targets.borrow();
         let gpu = targets.gpu();
         if let Some(textured) = &mut self.textured {
@@ -280,13 +280,13 @@ impl VolumeFill {
     /// Makes the pipelines of the program unless they are there.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`], [`BackendError::Shader`].
+    /// [`DeviceError::Unsupported`], [`DeviceError::Shader`].
     pub fn ensure_pipelines(
         &mut self,
         volumes: &mut impl Volumes,
         input: &FrameInput,
         blends: bool,
-    ) -> Result<(), BackendError> {
+    ) -> Result<(), DeviceError> {
         let gpu = self.gpu();
         let Some(view) = &self.view else {
             return self.check_prepared(input);
@@ -315,13 +315,13 @@ impl VolumeFill {
     /// Draws the surface and the fill, and reads the targets back.
     ///
     /// # Errors
-    /// [`BackendError::NotPrepared`], [`BackendError::DeviceLost`].
+    /// [`DeviceError::NotPrepared`], [`DeviceError::DeviceLost`].
     pub fn draw_and_read(
         &mut self,
         volumes: &mut impl Volumes,
         input: &FrameInput,
         blends: bool,
-    ) -> Result<(Picture, Counters), BackendError> {
+    ) -> Result<(Picture, Counters), DeviceError> {
         self.check_prepared(input)?;
         let mut targets = self.targets.borrow_mut();
         targets.prepare(input)?;
@@ -351,14 +351,14 @@ impl VolumeFill {
     /// picture by drawing it once more with covers that write those, by the same functions.
     ///
     /// # Errors
-    /// [`BackendError::DeviceLost`].
+    /// [`DeviceError::DeviceLost`].
     pub fn frame(
         &mut self,
         volumes: &mut impl Volumes,
         input: &FrameInput,
         picture: &Picture,
         counters: Counters,
-    ) -> Result<Frame, BackendError> {
+    ) -> Result<Frame, DeviceError> {
         let plain = Frame::from_picture(picture, counters);
         let (Some(textured), Some(view)) = (&mut self.textured, &self.view) else {
             return Ok(plain);
@@ -391,12 +391,12 @@ impl VolumeFill {
     /// made per frame are those that the frame before has made.
     ///
     /// # Errors
-    /// [`BackendError::DeviceLost`].
+    /// [`DeviceError::DeviceLost`].
     pub fn count_fragments(
         &mut self,
         volumes: &mut impl Volumes,
         input: &FrameInput,
-    ) -> Result<Option<u64>, BackendError> {
+    ) -> Result<Option<u64>, DeviceError> {
         let Some(view) = &self.view else {
             return Ok(None);
         };
@@ -442,12 +442,12 @@ impl VolumeFill {
     /// Fills on top of the surface that the targets hold already, and waits for it.
     ///
     /// # Errors
-    /// [`BackendError::NotPrepared`], [`BackendError::DeviceLost`].
+    /// [`DeviceError::NotPrepared`], [`DeviceError::DeviceLost`].
     pub fn time_frame(
         &self,
         volumes: &mut impl Volumes,
         input: &FrameInput,
-    ) -> Result<FrameTimes, BackendError> {
+    ) -> Result<FrameTimes, DeviceError> {
         self.check_prepared(input)?;
         let targets = self.targets.borrow();
         let watch = CpuStopwatch::start();
@@ -470,7 +470,7 @@ impl VolumeFill {
         targets: &RenderTargets,
         makes_volumes: bool,
         times: &mut FrameTimes,
-    ) -> Result<(), BackendError> {
+    ) -> Result<(), DeviceError> {
         let (Some(timer), Some(view)) = (targets.timer(), &self.view) else {
             return Ok(());
         };
@@ -501,7 +501,7 @@ impl VolumeFill {
         volumes: &mut impl Volumes,
         input: &FrameInput,
         recording: Recording<'_>,
-    ) -> Result<Counters, BackendError> {
+    ) -> Result<Counters, DeviceError> {
         let mut counters = Counters::default();
         let Some(view) = &self.view else {
             self.check_prepared(input)?;

@@ -2,14 +2,14 @@
 //! Reading textures and buffers back to the CPU.
 
 use crate::Gpu;
-use terrafill_fill::BackendError;
+use terrafill_fill::DeviceError;
 
 /// Copies one aspect of a texture into tightly packed rows.
 pub(crate) fn read_texture(
     gpu: &Gpu,
     texture: &wgpu::Texture,
     aspect: wgpu::TextureAspect,
-) -> Result<Vec<u8>, BackendError> {
+) -> Result<Vec<u8>, DeviceError> {
     let size = texture.size();
     let texel_bytes = texture.format().block_copy_size(Some(aspect)).unwrap_or(4);
     let row_bytes = size.width * texel_bytes;
@@ -50,8 +50,8 @@ pub(crate) fn read_texture(
 /// Copies a buffer with `COPY_SRC` usage to the CPU.
 ///
 /// # Errors
-/// [`BackendError::DeviceLost`].
-pub fn read_buffer(gpu: &Gpu, source: &wgpu::Buffer) -> Result<Vec<u8>, BackendError> {
+/// [`DeviceError::DeviceLost`].
+pub fn read_buffer(gpu: &Gpu, source: &wgpu::Buffer) -> Result<Vec<u8>, DeviceError> {
     read_buffer_start(gpu, source, source.size())
 }
 
@@ -60,7 +60,7 @@ pub(crate) fn read_buffer_start(
     gpu: &Gpu,
     source: &wgpu::Buffer,
     size: u64,
-) -> Result<Vec<u8>, BackendError> {
+) -> Result<Vec<u8>, DeviceError> {
     let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some("buffer read-back"),
         size,
@@ -73,8 +73,8 @@ pub(crate) fn read_buffer_start(
     map_whole(gpu, &buffer)
 }
 
-fn map_whole(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u8>, BackendError> {
-    let lost = |message: String| BackendError::DeviceLost(message);
+fn map_whole(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u8>, DeviceError> {
+    let lost = |message: String| DeviceError::DeviceLost(message);
     let (sender, receiver) = std::sync::mpsc::channel();
     buffer.map_async(wgpu::MapMode::Read, .., move |result| {
         // The receiver lives until it has its answer; if it is gone, nobody waits for one.

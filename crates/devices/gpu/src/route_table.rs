@@ -3,7 +3,7 @@
 //! of longitude and latitude. Group 3 of a textured cover.
 
 use crate::Gpu;
-use terrafill_fill::{BackendError, RouteTexelFormat, RouteTexels, TexturedCover};
+use terrafill_fill::{DeviceError, RouteTexelFormat, RouteTexels, TexturedCover};
 
 /// A route's texture, bound.
 #[derive(Debug)]
@@ -18,13 +18,13 @@ impl RouteTable {
     /// The table that a cover's route reads; `None` if it reads none.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] when the device lacks the format or its filtering.
-    pub(crate) fn new(gpu: &Gpu, cover: &TexturedCover) -> Result<Option<Self>, BackendError> {
+    /// [`DeviceError::Unsupported`] when the device lacks the format or its filtering.
+    pub(crate) fn new(gpu: &Gpu, cover: &TexturedCover) -> Result<Option<Self>, DeviceError> {
         let table = |texels| Self::upload(gpu, &texels);
         cover.route_texels().map(table).transpose()
     }
 
-    fn upload(gpu: &Gpu, texels: &RouteTexels) -> Result<Self, BackendError> {
+    fn upload(gpu: &Gpu, texels: &RouteTexels) -> Result<Self, DeviceError> {
         let format = match texels.format {
             RouteTexelFormat::R8Unorm => wgpu::TextureFormat::R8Unorm,
             RouteTexelFormat::R16Unorm => wgpu::TextureFormat::R16Unorm,
@@ -112,11 +112,11 @@ impl RouteTable {
     }
 }
 
-fn require(gpu: &Gpu, needed: wgpu::Features, capability: &str) -> Result<(), BackendError> {
+fn require(gpu: &Gpu, needed: wgpu::Features, capability: &str) -> Result<(), DeviceError> {
     if gpu.device.features().contains(needed) {
         return Ok(());
     }
-    Err(BackendError::unsupported(capability, &gpu.facts.name))
+    Err(DeviceError::unsupported(capability, &gpu.facts.name))
 }
 
 fn upload(

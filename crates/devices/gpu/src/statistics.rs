@@ -2,7 +2,7 @@
 //! Pipeline statistics: exact counts of the work that a frame's passes gave the device.
 
 use crate::{Gpu, read_buffer};
-use terrafill_fill::{BackendError, Counters};
+use terrafill_fill::{Counters, DeviceError};
 
 /// Pipeline statistics of a frame's passes.
 #[derive(Debug)]
@@ -52,7 +52,7 @@ impl Statistics {
 
     /// Sums the passes: geometry counts of the volumes, fragments of the covers (volumes have no
     /// fragment shader).
-    pub(crate) fn read_into(&self, gpu: &Gpu, counters: &mut Counters) -> Result<(), BackendError> {
+    pub(crate) fn read_into(&self, gpu: &Gpu, counters: &mut Counters) -> Result<(), DeviceError> {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         encoder.resolve_query_set(&self.queries, 0..self.passes, &self.resolved, 0);
         gpu.queue.submit([encoder.finish()]);

@@ -4,7 +4,7 @@
 use crate::Gpu;
 use crate::targets::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, upload};
 use std::sync::Arc;
-use terrafill_fill::{BackendError, count_u32};
+use terrafill_fill::{DeviceError, count_u32};
 use terrafill_surface::{SurfaceFrame, SurfaceRenderer};
 
 /// Draws the triangles of any surface. Group 0 holds the view's constants.
@@ -24,10 +24,7 @@ struct Uploaded {
 
 impl TriangleRenderer {
     /// - `layout`: of group 0
-    pub(crate) fn new(
-        gpu: &Arc<Gpu>,
-        layout: &wgpu::BindGroupLayout,
-    ) -> Result<Self, BackendError> {
+    pub(crate) fn new(gpu: &Arc<Gpu>, layout: &wgpu::BindGroupLayout) -> Result<Self, DeviceError> {
         Ok(Self {
             pipeline: pipeline(gpu, layout)?,
             gpu: Arc::clone(gpu),
@@ -38,9 +35,9 @@ impl TriangleRenderer {
 
 impl SurfaceRenderer for TriangleRenderer {
     type Pass<'p> = wgpu::RenderPass<'p>;
-    type Error = BackendError;
+    type Error = DeviceError;
 
-    fn prepare(&mut self, frame: &SurfaceFrame) -> Result<(), BackendError> {
+    fn prepare(&mut self, frame: &SurfaceFrame) -> Result<(), DeviceError> {
         let indices = frame.triangles.as_flattened();
         let vertices = bytemuck::cast_slice(&frame.vertices_rte);
         let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
@@ -67,7 +64,7 @@ impl SurfaceRenderer for TriangleRenderer {
 fn pipeline(
     gpu: &Gpu,
     layout: &wgpu::BindGroupLayout,
-) -> Result<wgpu::RenderPipeline, BackendError> {
+) -> Result<wgpu::RenderPipeline, DeviceError> {
     let shader = gpu.shader("surface/surface.wgsl")?;
     let layout = gpu
         .device

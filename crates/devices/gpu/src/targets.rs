@@ -12,7 +12,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_fill::{
-    BackendError, FrameInput, Picture, SKY, ViewConstants, ViewId, check_target_size,
+    DeviceError, FrameInput, Picture, SKY, ViewConstants, ViewId, check_target_size,
 };
 use terrafill_scene::ImageSize;
 use terrafill_surface::SurfaceRenderer as _;
@@ -45,8 +45,8 @@ impl RenderTargets {
     /// A targets of the given size.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] when the device has no textures that large.
-    pub fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Result<Self, BackendError> {
+    /// [`DeviceError::Unsupported`] when the device has no textures that large.
+    pub fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Result<Self, DeviceError> {
         let limit = gpu.device.limits().max_texture_dimension_2d;
         check_target_size(size, limit, &gpu.facts.name)?;
         let device = &gpu.device;
@@ -101,7 +101,7 @@ impl RenderTargets {
     ///
     /// # Errors
     /// As [`RenderTargets::new`].
-    pub fn shared(gpu: &Arc<Gpu>, size: ImageSize) -> Result<SharedTargets, BackendError> {
+    pub fn shared(gpu: &Arc<Gpu>, size: ImageSize) -> Result<SharedTargets, DeviceError> {
         Ok(Rc::new(RefCell::new(Self::new(gpu, size)?)))
     }
 
@@ -154,8 +154,8 @@ impl RenderTargets {
     /// Uploads the view and its surface, unless they are there already.
     ///
     /// # Errors
-    /// [`BackendError::OverCapacity`] when the input's size is not the targets'.
-    pub fn prepare(&mut self, input: &FrameInput) -> Result<(), BackendError> {
+    /// [`DeviceError::OverCapacity`] when the input's size is not the targets'.
+    pub fn prepare(&mut self, input: &FrameInput) -> Result<(), DeviceError> {
         input.check_size(self.size)?;
         if self.prepared == Some(input.view_id) {
             return Ok(());
@@ -172,23 +172,23 @@ impl RenderTargets {
     /// Creates a buffer with these contents, padded with zeros to a multiple of 4 bytes.
     ///
     /// # Errors
-    /// [`BackendError::OverCapacity`] when the device has no buffers that large.
+    /// [`DeviceError::OverCapacity`] when the device has no buffers that large.
     pub fn upload(
         &self,
         label: &str,
         bytes: &[u8],
         usage: wgpu::BufferUsages,
-    ) -> Result<wgpu::Buffer, BackendError> {
+    ) -> Result<wgpu::Buffer, DeviceError> {
         upload(&self.gpu, label, bytes, usage)
     }
 
     /// Clears the targets, draws the surface, waits, and gives the pass's GPU time.
     ///
     /// # Errors
-    /// [`BackendError::NotPrepared`], [`BackendError::DeviceLost`].
-    pub fn draw_surface(&mut self) -> Result<Option<f64>, BackendError> {
+    /// [`DeviceError::NotPrepared`], [`DeviceError::DeviceLost`].
+    pub fn draw_surface(&mut self) -> Result<Option<f64>, DeviceError> {
         if self.prepared.is_none() {
-            return Err(BackendError::no_surface());
+            return Err(DeviceError::no_surface());
         }
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let (colour, depth_stencil) = (self.colour_view(), self.depth_stencil_view());
@@ -228,8 +228,8 @@ impl RenderTargets {
     /// Reads the targets back.
     ///
     /// # Errors
-    /// [`BackendError::DeviceLost`].
-    pub fn read(&self) -> Result<Picture, BackendError> {
+    /// [`DeviceError::DeviceLost`].
+    pub fn read(&self) -> Result<Picture, DeviceError> {
         let depth = read_texture(
             &self.gpu,
             &self.depth_stencil,
@@ -249,7 +249,7 @@ pub(crate) fn upload(
     label: &str,
     bytes: &[u8],
     usage: wgpu::BufferUsages,
-) -> Result<wgpu::Buffer, BackendError> {
+) -> Result<wgpu::Buffer, DeviceError> {
     let size = (bytes.len() as u64).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT);
     let limits = gpu.device.limits();
     let allowed = if usage.contains(wgpu::BufferUsages::STORAGE) {
@@ -260,7 +260,7 @@ pub(crate) fn upload(
         limits.max_buffer_size
     };
     if size > allowed {
-        return Err(BackendError::OverCapacity {
+        return Err(DeviceError::OverCapacity {
             what: format!("bytes of {label}"),
             found: size,
             allowed,
@@ -275,7 +275,7 @@ pub(crate) fn upload(
     });
     buffer
         .get_mapped_range_mut(..)
-        .map_err(|error| BackendError::DeviceLost(error.to_string()))?
+        .map_err(|error| DeviceError::DeviceLost(error.to_string()))?
         .slice(..bytes.len())
         .copy_from_slice(bytes);
     buffer.unmap();

@@ -14,7 +14,7 @@ use crate::{Gpu, RenderTargets};
 use std::collections::HashMap;
 use std::sync::Arc;
 use terrafill_fill::{
-    AddressMode, BackendError, CoverOverrides, FrameInput, Probed, StencilTest, Switches,
+    AddressMode, CoverOverrides, DeviceError, FrameInput, Probed, StencilTest, Switches,
     TexturedCover, TexturedPlan, ViewId,
 };
 use terrafill_scene::{ImageSize, MipChain, MipLevel, PlannedRegion, SceneTexture, TextureShare};
@@ -116,17 +116,17 @@ impl TexturedFill {
     /// Uploads `copies` of a picture with all its levels in place of those there were.
     ///
     /// # Errors
-    /// [`BackendError::OverCapacity`] when the device has no textures that large.
+    /// [`DeviceError::OverCapacity`] when the device has no textures that large.
     pub fn upload_image(
         &mut self,
         gpu: &Gpu,
         image: &MipChain,
         copies: usize,
-    ) -> Result<(), BackendError> {
+    ) -> Result<(), DeviceError> {
         let allowed = gpu.device.limits().max_texture_dimension_2d;
         let [width, height] = image.size_px();
         if width.max(height) > allowed {
-            return Err(BackendError::OverCapacity {
+            return Err(DeviceError::OverCapacity {
                 what: "texels along a side of the picture".to_owned(),
                 found: u64::from(width.max(height)),
                 allowed: u64::from(allowed),
@@ -158,13 +158,13 @@ impl TexturedFill {
     /// where they are missing.
     ///
     /// # Errors
-    /// [`BackendError::Shader`], [`BackendError::OverCapacity`], and [`BackendError::Unsupported`]
+    /// [`DeviceError::Shader`], [`DeviceError::OverCapacity`], and [`DeviceError::Unsupported`]
     /// for a route whose table the device cannot hold.
     pub fn set_view(
         &mut self,
         targets: &RenderTargets,
         plan: &TexturedPlan,
-    ) -> Result<(), BackendError> {
+    ) -> Result<(), DeviceError> {
         let gpu = targets.gpu();
         let mut covers = Vec::with_capacity(plan.covers.len());
         for cover in &plan.covers {
@@ -283,13 +283,13 @@ impl TexturedFill {
         gpu: &Gpu,
         plan: &TexturedPlan,
         cover: &TexturedCover,
-    ) -> Result<usize, BackendError> {
+    ) -> Result<usize, DeviceError> {
         let parts = parts(plan, cover);
         let there = self.shaders.iter().position(|made| made.parts == parts);
         if let Some(there) = there {
             return Ok(there);
         }
-        let failed = |error: terrafill_shaders::ShaderError| BackendError::Shader {
+        let failed = |error: terrafill_shaders::ShaderError| DeviceError::Shader {
             name: format!("{TEXTURED_COVER} with {}", cover.route.name()),
             message: error.to_string(),
         };
@@ -458,7 +458,7 @@ impl Textured {
         &mut self,
         targets: &RenderTargets,
         input: &FrameInput,
-    ) -> Result<(), BackendError> {
+    ) -> Result<(), DeviceError> {
         let is_same = |planned: &Planned| {
             planned.view_id == input.view_id && planned.regions == input.plan.regions
         };
@@ -533,9 +533,9 @@ impl Probe {
     /// Reads the targets back; `None` where nothing was covered.
     ///
     /// # Errors
-    /// [`BackendError::DeviceLost`].
-    pub fn read(&self, gpu: &Gpu) -> Result<Vec<Option<Probed>>, BackendError> {
-        let read = |texture| -> Result<Vec<[f32; 4]>, BackendError> {
+    /// [`DeviceError::DeviceLost`].
+    pub fn read(&self, gpu: &Gpu) -> Result<Vec<Option<Probed>>, DeviceError> {
+        let read = |texture| -> Result<Vec<[f32; 4]>, DeviceError> {
             let bytes = read_texture(gpu, texture, wgpu::TextureAspect::All)?;
             Ok(bytemuck::pod_collect_to_vec(&bytes))
         };

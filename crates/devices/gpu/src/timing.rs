@@ -5,7 +5,7 @@
 //! (wgpu #6406, #9414), and a difference of them is no time.
 
 use crate::{Gpu, read_buffer};
-use terrafill_fill::BackendError;
+use terrafill_fill::DeviceError;
 
 /// Stamps of up to `PASSES` passes a frame.
 #[derive(Debug)]
@@ -114,13 +114,13 @@ impl PassTimer {
     /// slots read as 0, hence as not measured.
     ///
     /// # Errors
-    /// [`BackendError::DeviceLost`].
+    /// [`DeviceError::DeviceLost`].
     pub fn read(
         &self,
         gpu: &Gpu,
         first: TimedPass,
         last: TimedPass,
-    ) -> Result<Stamps, BackendError> {
+    ) -> Result<Stamps, DeviceError> {
         let range = first.first_query()..last.first_query() + 2;
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         encoder.resolve_query_set(&self.queries, range.clone(), &self.resolved, 0);

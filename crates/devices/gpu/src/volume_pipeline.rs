@@ -5,7 +5,7 @@
 
 use crate::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, Gpu};
 use terrafill_fill::{
-    BackendError, DepthRule, FaceEffect, FaceSet, StencilRule, StencilTest, VolumeState,
+    DepthRule, DeviceError, FaceEffect, FaceSet, StencilRule, StencilTest, VolumeState,
 };
 
 /// Format of the accumulation target: integers to 2²⁴ are exact in it.
@@ -128,13 +128,13 @@ impl VolumeShader<'_> {
 /// Whether numbers can be accumulated.
 ///
 /// # Errors
-/// [`BackendError::Unsupported`].
-pub(crate) fn check_blendable(gpu: &Gpu) -> Result<(), BackendError> {
+/// [`DeviceError::Unsupported`].
+pub(crate) fn check_blendable(gpu: &Gpu) -> Result<(), DeviceError> {
     let needed = wgpu::Features::FLOAT32_BLENDABLE;
     if gpu.device.features().contains(needed) {
         return Ok(());
     }
-    Err(BackendError::unsupported(
+    Err(DeviceError::unsupported(
         "blending into 32-bit floats",
         &gpu.facts.name,
     ))

@@ -3,7 +3,7 @@
 //! take. Skipped without a device; see `device.rs`.
 
 use std::sync::Arc;
-use terrafill_fill::BackendError;
+use terrafill_fill::DeviceError;
 use terrafill_gpu::{
     EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluator, Gpu, GpuOptions, Kernel, KernelTable,
     TableFormat, open_for_test,
@@ -126,7 +126,7 @@ fn what_it_cannot_take_is_said() {
         ..CUBIC_KERNEL
     };
     match Evaluator::new(&gpu, &broken, 1) {
-        Err(EvaluateError::Backend(BackendError::Shader { name, message })) => {
+        Err(EvaluateError::Backend(DeviceError::Shader { name, message })) => {
             assert_eq!(name, "cubic");
             assert!(message.contains("cubic"), "{message}");
         }

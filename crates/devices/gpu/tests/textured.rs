@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Geodetic, parse_regions};
 use terrafill_fill::{
-    AddressMode, BackendError, FrameInput, PreparedScene, Probed, RegionSet, RouteChoice,
+    AddressMode, DeviceError, FrameInput, PreparedScene, Probed, RegionSet, RouteChoice,
     StencilTest, Switches, TexturedPlan, TexturedRegion,
 };
 use terrafill_gpu::{
@@ -217,7 +217,7 @@ fn frame_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
         })
 }
 
-fn draw(gpu: &Arc<Gpu>, input: &FrameInput, plan: &TexturedPlan) -> Result<Drawn, BackendError> {
+fn draw(gpu: &Arc<Gpu>, input: &FrameInput, plan: &TexturedPlan) -> Result<Drawn, DeviceError> {
     let mut targets = RenderTargets::new(gpu, SIZE).expect("small targets");
     targets.prepare(input).expect("fits");
     targets.draw_surface().expect("draws");

@@ -13,7 +13,7 @@ use std::ffi::CStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use terrafill_fill::{
-    BackendError, DeviceType, THIS_MACHINE, WorkCounters, WorkDone, choose_adapter, device_for_test,
+    DeviceError, DeviceType, THIS_MACHINE, WorkCounters, WorkDone, choose_adapter, device_for_test,
 };
 
 /// How to choose a device.
@@ -94,7 +94,7 @@ impl std::fmt::Debug for Gpu {
 }
 
 impl Api {
-    fn load(validation: bool) -> Result<Self, BackendError> {
+    fn load(validation: bool) -> Result<Self, DeviceError> {
         // SAFETY: loads the system's Vulkan loader, whose initialisers are its own affair.
         let entry = unsafe { ash::Entry::load() }.map_err(|error| no_loader(&error))?;
         let mut layers = Vec::new();
@@ -123,7 +123,7 @@ impl Api {
         }
         // SAFETY: the structures live through the call; the layer and the extension are there.
         let instance = unsafe { entry.create_instance(&info, None) }.map_err(|error| {
-            BackendError::unsupported(&format!("a Vulkan instance: {error}"), THIS_MACHINE)
+            DeviceError::unsupported(&format!("a Vulkan instance: {error}"), THIS_MACHINE)
         })?;
         let mut api = Self {
             messenger: None,
@@ -142,7 +142,7 @@ impl Api {
     }
 
     /// Adapters in order of preference.
-    fn adapters(&self) -> Result<Vec<Adapter>, BackendError> {
+    fn adapters(&self) -> Result<Vec<Adapter>, DeviceError> {
         // SAFETY: the instance is alive.
         let found = unsafe { self.instance.enumerate_physical_devices() }
             .map_err(|error| failure(error, "enumerating devices", 0))?;
@@ -168,12 +168,12 @@ impl Drop for Api {
     }
 }
 
-fn no_loader(error: &ash::LoadingError) -> BackendError {
+fn no_loader(error: &ash::LoadingError) -> DeviceError {
     let what = format!("a Vulkan loader (ci/setup.sh installs one): {error}");
-    BackendError::unsupported(&what, THIS_MACHINE)
+    DeviceError::unsupported(&what, THIS_MACHINE)
 }
 
-fn has_layer(entry: &ash::Entry, name: &CStr) -> Result<bool, BackendError> {
+fn has_layer(entry: &ash::Entry, name: &CStr) -> Result<bool, DeviceError> {
     // SAFETY: the loader is loaded.
     let layers = unsafe { entry.enumerate_instance_layer_properties() }
         .map_err(|error| failure(error, "enumerating layers", 0))?;
@@ -277,8 +277,8 @@ impl Adapter {
 /// Every Vulkan adapter of this machine, in the order in which [`Gpu::open`] prefers them.
 ///
 /// # Errors
-/// [`BackendError::Unsupported`] where there is no Vulkan loader.
-pub fn list_adapters() -> Result<Vec<DeviceFacts>, BackendError> {
+/// [`DeviceError::Unsupported`] where there is no Vulkan loader.
+pub fn list_adapters() -> Result<Vec<DeviceFacts>, DeviceError> {
     let adapters = Api::load(false)?.adapters()?;
     Ok(adapters.into_iter().map(|adapter| adapter.facts).collect())
 }
@@ -287,9 +287,9 @@ impl Gpu {
     /// Opens a device.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] when there is no loader, no adapter, none by that name, or it
+    /// [`DeviceError::Unsupported`] when there is no loader, no adapter, none by that name, or it
     /// lacks something.
-    pub fn open(options: &GpuOptions) -> Result<Arc<Self>, BackendError> {
+    pub fn open(options: &GpuOptions) -> Result<Arc<Self>, DeviceError> {
         let api = Api::load(options.validation || validation::is_requested())?;
         let all = api.adapters()?;
         let names: Vec<&str> = all.iter().map(|a| a.facts.name.as_str()).collect();
@@ -297,12 +297,12 @@ impl Gpu {
         adapter.facts.check()?;
         let Some(family) = adapter.queue_family else {
             let name = &adapter.facts.name;
-            return Err(BackendError::unsupported("a graphics queue", name));
+            return Err(DeviceError::unsupported("a graphics queue", name));
         };
         Self::on(api, adapter, family)
     }
 
-    fn on(api: Api, adapter: &Adapter, family: u32) -> Result<Arc<Self>, BackendError> {
+    fn on(api: Api, adapter: &Adapter, family: u32) -> Result<Arc<Self>, DeviceError> {
         let priorities = [1.0];
         let queues = [vk::DeviceQueueCreateInfo::default()
             .queue_family_index(family)
@@ -392,7 +392,7 @@ impl Gpu {
     pub(crate) unsafe fn submit(
         &self,
         record: impl FnOnce(&ash::Device, vk::CommandBuffer),
-    ) -> Result<(), BackendError> {
+    ) -> Result<(), DeviceError> {
         let queue = self.queue.lock().unwrap_or_else(PoisonError::into_inner);
         let begin = vk::CommandBufferBeginInfo::default()
             .flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
@@ -431,7 +431,7 @@ impl Drop for Gpu {
 }
 
 impl Queue {
-    fn new(device: &ash::Device, family: u32) -> Result<Self, BackendError> {
+    fn new(device: &ash::Device, family: u32) -> Result<Self, DeviceError> {
         let pool_info = vk::CommandPoolCreateInfo::default()
             .queue_family_index(family)
             .flags(vk::CommandPoolCreateFlags::TRANSIENT);
@@ -490,7 +490,7 @@ mod tests {
         // SAFETY: there is no such file, so nothing of it is run.
         let loaded = unsafe { ash::Entry::load_from("no-such-folder/libvulkan.so.1") };
         let error = loaded.err().map(|error| no_loader(&error));
-        let Some(BackendError::Unsupported {
+        let Some(DeviceError::Unsupported {
             capability,
             adapter,
         }) = error

@@ -5,7 +5,7 @@ use crate::failure::failure;
 use crate::{Buffer, BufferUse, Gpu};
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::BackendError;
+use terrafill_fill::DeviceError;
 
 /// View constants at binding 0 and, for fills, region constants at binding 1.
 #[derive(Debug)]
@@ -22,19 +22,19 @@ impl BindGroup {
     /// Binds a uniform buffer and, for fills, a storage buffer.
     ///
     /// # Errors
-    /// [`BackendError::OutOfMemory`]; [`BackendError::Unsupported`] when a buffer is of another
+    /// [`DeviceError::OutOfMemory`]; [`DeviceError::Unsupported`] when a buffer is of another
     /// device or for another use.
     pub fn new(
         gpu: &Arc<Gpu>,
         view: &Arc<Buffer>,
         regions: Option<&Arc<Buffer>>,
-    ) -> Result<Self, BackendError> {
+    ) -> Result<Self, DeviceError> {
         let fits =
             |buffer: &Buffer, use_for| buffer.is_on(gpu) && buffer.use_for() == Some(use_for);
         let all_fit = fits(view, BufferUse::Uniform)
             && regions.is_none_or(|regions| fits(regions, BufferUse::Storage));
         if !all_fit {
-            return Err(BackendError::unsupported(
+            return Err(DeviceError::unsupported(
                 "binding a buffer of another device or made for another use",
                 &gpu.facts.name,
             ));
@@ -96,7 +96,7 @@ impl SetPool {
         gpu: &Arc<Gpu>,
         layout: vk::DescriptorSetLayout,
         kinds: &[vk::DescriptorType],
-    ) -> Result<Self, BackendError> {
+    ) -> Result<Self, DeviceError> {
         let sizes: Vec<_> = kinds.iter().map(|&kind| pool_size(kind)).collect();
         let pool_info = vk::DescriptorPoolCreateInfo::default()
             .max_sets(1)

@@ -2,19 +2,19 @@
 //! From Vulkan's result codes to typed errors.
 
 use ash::vk;
-use terrafill_fill::BackendError;
+use terrafill_fill::DeviceError;
 
 /// The error of a call that was made for `what` and might have needed `bytes`.
-pub(crate) fn failure(result: vk::Result, what: &str, bytes: u64) -> BackendError {
+pub(crate) fn failure(result: vk::Result, what: &str, bytes: u64) -> DeviceError {
     match result {
         vk::Result::ERROR_OUT_OF_HOST_MEMORY
         | vk::Result::ERROR_OUT_OF_DEVICE_MEMORY
         | vk::Result::ERROR_OUT_OF_POOL_MEMORY
-        | vk::Result::ERROR_TOO_MANY_OBJECTS => BackendError::OutOfMemory {
+        | vk::Result::ERROR_TOO_MANY_OBJECTS => DeviceError::OutOfMemory {
             what: what.to_owned(),
             bytes,
         },
-        other => BackendError::DeviceLost(format!("{what}: {other}")),
+        other => DeviceError::DeviceLost(format!("{what}: {other}")),
     }
 }
 
@@ -27,6 +27,6 @@ mod tests {
         let memory = failure(vk::Result::ERROR_OUT_OF_DEVICE_MEMORY, "vertices", 12);
         assert_eq!(memory.to_string(), "out of memory: vertices needs 12 bytes");
         let lost = failure(vk::Result::ERROR_DEVICE_LOST, "waiting", 0);
-        assert!(matches!(&lost, BackendError::DeviceLost(words) if words.contains("waiting")));
+        assert!(matches!(&lost, DeviceError::DeviceLost(words) if words.contains("waiting")));
     }
 }

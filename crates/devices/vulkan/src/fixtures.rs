@@ -6,7 +6,7 @@
 
 use crate::failure::failure;
 use ash::vk;
-use terrafill_fill::BackendError;
+use terrafill_fill::DeviceError;
 
 /// Colour target: ids and colours are exact in it. Every driver can draw into it.
 pub(crate) const COLOUR_FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
@@ -65,7 +65,7 @@ fn fill_index(clears_stencil: bool, has_colour: bool) -> usize {
 
 impl Fixtures {
     /// - `has_no_store`: the device knows `VK_ATTACHMENT_STORE_OP_NONE` (Vulkan 1.3)
-    pub(crate) fn new(device: &ash::Device, has_no_store: bool) -> Result<Self, BackendError> {
+    pub(crate) fn new(device: &ash::Device, has_no_store: bool) -> Result<Self, DeviceError> {
         // Null handles may be destroyed, so that whatever was made until an error goes again.
         let mut fixtures = Self {
             surface: vk::RenderPass::null(),

@@ -7,7 +7,7 @@ use crate::failure::failure;
 use ash::vk;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use terrafill_fill::BackendError;
+use terrafill_fill::DeviceError;
 
 /// What a buffer is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,7 +58,7 @@ impl Memory {
         label: &str,
         needs: vk::MemoryRequirements,
         wanted: &[vk::MemoryPropertyFlags],
-    ) -> Result<Self, BackendError> {
+    ) -> Result<Self, DeviceError> {
         let fits = |flags: vk::MemoryPropertyFlags| {
             let types = gpu.memory.memory_types_as_slice();
             (0_u32..)
@@ -68,7 +68,7 @@ impl Memory {
                 })
                 .map(|(index, _)| index)
         };
-        let out_of_memory = || BackendError::OutOfMemory {
+        let out_of_memory = || DeviceError::OutOfMemory {
             what: label.to_owned(),
             bytes: needs.size,
         };
@@ -146,14 +146,14 @@ impl Buffer {
     /// none, since a buffer of 0 bytes is not allowed.
     ///
     /// # Errors
-    /// [`BackendError::OverCapacity`] when the device cannot bind one that large,
-    /// [`BackendError::OutOfMemory`].
+    /// [`DeviceError::OverCapacity`] when the device cannot bind one that large,
+    /// [`DeviceError::OutOfMemory`].
     pub fn upload(
         gpu: &Arc<Gpu>,
         label: &str,
         bytes: &[u8],
         use_for: BufferUse,
-    ) -> Result<Self, BackendError> {
+    ) -> Result<Self, DeviceError> {
         let size = bytes.len().max(4) as u64;
         let allowed = match use_for {
             BufferUse::Uniform => u64::from(gpu.limits.max_uniform_buffer_range),
@@ -162,7 +162,7 @@ impl Buffer {
             BufferUse::Vertex | BufferUse::Index | BufferUse::Constants => u64::MAX,
         };
         if size > allowed {
-            return Err(BackendError::OverCapacity {
+            return Err(DeviceError::OverCapacity {
                 what: format!("bytes of {label}"),
                 found: size,
                 allowed,
@@ -191,12 +191,12 @@ impl Buffer {
     /// Overwrites the start of a buffer that was uploaded; meant for constants.
     ///
     /// # Errors
-    /// [`BackendError::OverCapacity`] when the bytes do not fit or are no whole words,
-    /// [`BackendError::DeviceLost`].
-    pub fn rewrite(&self, bytes: &[u8]) -> Result<(), BackendError> {
+    /// [`DeviceError::OverCapacity`] when the bytes do not fit or are no whole words,
+    /// [`DeviceError::DeviceLost`].
+    pub fn rewrite(&self, bytes: &[u8]) -> Result<(), DeviceError> {
         let found = bytes.len() as u64;
         if found > self.size || !found.is_multiple_of(4) || self.use_for.is_none() {
-            return Err(BackendError::OverCapacity {
+            return Err(DeviceError::OverCapacity {
                 what: "bytes written into a buffer, in whole words".to_owned(),
                 found,
                 allowed: self.size,
@@ -217,7 +217,7 @@ impl Buffer {
     }
 
     /// A buffer that carries bytes to images.
-    pub(crate) fn staging(gpu: &Arc<Gpu>, label: &str, bytes: &[u8]) -> Result<Self, BackendError> {
+    pub(crate) fn staging(gpu: &Arc<Gpu>, label: &str, bytes: &[u8]) -> Result<Self, DeviceError> {
         let size = bytes.len().max(4) as u64;
         let staging = Self::new(gpu, label, size, vk::BufferUsageFlags::TRANSFER_SRC, HOST)?;
         staging.write(bytes)?;
@@ -225,11 +225,7 @@ impl Buffer {
     }
 
     /// A buffer that the device writes and the host reads.
-    pub(crate) fn for_reading(
-        gpu: &Arc<Gpu>,
-        label: &str,
-        size: u64,
-    ) -> Result<Self, BackendError> {
+    pub(crate) fn for_reading(gpu: &Arc<Gpu>, label: &str, size: u64) -> Result<Self, DeviceError> {
         Self::new(gpu, label, size, vk::BufferUsageFlags::TRANSFER_DST, HOST)
     }
 
@@ -239,7 +235,7 @@ impl Buffer {
         size: u64,
         usage: vk::BufferUsageFlags,
         wanted: &[vk::MemoryPropertyFlags],
-    ) -> Result<Self, BackendError> {
+    ) -> Result<Self, DeviceError> {
         let info = vk::BufferCreateInfo::default()
             .size(size)
             .usage(usage)
@@ -299,7 +295,7 @@ impl Buffer {
     }
 
     /// Copies `bytes` to the start of a buffer in host memory.
-    fn write(&self, bytes: &[u8]) -> Result<(), BackendError> {
+    fn write(&self, bytes: &[u8]) -> Result<(), DeviceError> {
         self.mapped(|start| {
             // SAFETY: `start` is the first of at least `bytes.len()` mapped bytes that nobody else
             // looks at.
@@ -308,7 +304,7 @@ impl Buffer {
     }
 
     /// Contents of a buffer in host memory.
-    pub(crate) fn read(&self) -> Result<Vec<u8>, BackendError> {
+    pub(crate) fn read(&self) -> Result<Vec<u8>, DeviceError> {
         let len = usize::try_from(self.size).unwrap_or(usize::MAX);
         self.mapped(|start| {
             // SAFETY: `start` is the first of `size` mapped bytes; the device has written what it
@@ -317,7 +313,7 @@ impl Buffer {
         })
     }
 
-    fn mapped<T>(&self, use_it: impl FnOnce(*mut u8) -> T) -> Result<T, BackendError> {
+    fn mapped<T>(&self, use_it: impl FnOnce(*mut u8) -> T) -> Result<T, DeviceError> {
         let device = &self.gpu.device;
         // SAFETY: the memory is host-visible, coherent and not mapped: this crate maps only here,
         // and unmaps before it returns.
@@ -386,7 +382,7 @@ impl Image {
         format: vk::Format,
         usage: vk::ImageUsageFlags,
         aspects: vk::ImageAspectFlags,
-    ) -> Result<Self, BackendError> {
+    ) -> Result<Self, DeviceError> {
         let kind = ImageKind {
             extent,
             format,
@@ -399,7 +395,7 @@ impl Image {
     }
 
     /// The extent is within the device's limits, and the format can be used so.
-    pub(crate) fn new(gpu: &Arc<Gpu>, label: &str, kind: &ImageKind) -> Result<Self, BackendError> {
+    pub(crate) fn new(gpu: &Arc<Gpu>, label: &str, kind: &ImageKind) -> Result<Self, DeviceError> {
         let info = vk::ImageCreateInfo::default()
             .flags(if kind.is_cube {
                 vk::ImageCreateFlags::CUBE_COMPATIBLE

@@ -13,7 +13,7 @@ use crate::{
 };
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::BackendError;
+use terrafill_fill::DeviceError;
 use terrafill_scene::PixelRect;
 
 /// Width of an index.
@@ -87,7 +87,7 @@ pub struct FillRecorder<'a> {
     /// Of the probe that was cleared in this fill.
     probed: vk::Framebuffer,
     passes: u32,
-    refused: Option<BackendError>,
+    refused: Option<DeviceError>,
 }
 
 /// Records the draws of one pass.
@@ -170,7 +170,7 @@ impl<'a> FillRecorder<'a> {
     }
 
     /// Number of passes, or why a draw could not be recorded.
-    pub(crate) fn finish(self) -> Result<u32, BackendError> {
+    pub(crate) fn finish(self) -> Result<u32, DeviceError> {
         self.refused.map_or(Ok(self.passes), Err)
     }
 
@@ -195,7 +195,7 @@ impl<'a> FillRecorder<'a> {
     /// been asked for them.
     pub fn accumulate(&mut self, record: impl FnOnce(&mut PassRecorder<'a, '_>)) {
         let Some(numbers) = self.targets.numbers() else {
-            self.refused.get_or_insert(BackendError::unsupported(
+            self.refused.get_or_insert(DeviceError::unsupported(
                 "drawing: numbers that the targets were not asked for",
                 &self.gpu.facts.name,
             ));
@@ -221,7 +221,7 @@ impl<'a> FillRecorder<'a> {
     /// One pass over the probe's targets in place of one over the targets'; the first clears them.
     pub fn probe(&mut self, probe: &'a Probe, record: impl FnOnce(&mut PassRecorder<'a, '_>)) {
         if !probe.is_beside(self.targets) {
-            self.refused.get_or_insert(BackendError::unsupported(
+            self.refused.get_or_insert(DeviceError::unsupported(
                 "drawing: a probe of other targets",
                 &self.gpu.facts.name,
             ));
@@ -343,7 +343,7 @@ impl<'a> PassRecorder<'a, '_> {
         };
         let end = (u64::from(first) + u64::from(count)) * geometry.width.bytes();
         if end > geometry.indices.size() {
-            self.fill.refused.get_or_insert(BackendError::OverCapacity {
+            self.fill.refused.get_or_insert(DeviceError::OverCapacity {
                 what: "bytes of indices that a draw reads".to_owned(),
                 found: end,
                 allowed: geometry.indices.size(),
@@ -431,7 +431,7 @@ impl<'a> PassRecorder<'a, '_> {
 
     fn refuse(&mut self, what: &str) {
         let adapter = self.fill.gpu.facts.name.clone();
-        self.fill.refused.get_or_insert(BackendError::Unsupported {
+        self.fill.refused.get_or_insert(DeviceError::Unsupported {
             capability: format!("drawing: {what}"),
             adapter,
         });

@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use std::ffi::CString;
 use std::sync::{Arc, Mutex, PoisonError};
 use terrafill_fill::{
-    BackendError, DepthRule, FaceEffect, FaceSet, StencilRule, StencilTest, VolumeState,
+    DepthRule, DeviceError, FaceEffect, FaceSet, StencilRule, StencilTest, VolumeState,
 };
 use terrafill_shaders::{HandsOn, SpirvStage, geometry_spirv, wgsl_to_spirv};
 
@@ -213,7 +213,7 @@ enum ModuleKey {
 pub(crate) struct ShaderModules(Mutex<HashMap<ModuleKey, vk::ShaderModule>>);
 
 impl ShaderModules {
-    fn get(&self, device: &ash::Device, key: ModuleKey) -> Result<vk::ShaderModule, BackendError> {
+    fn get(&self, device: &ash::Device, key: ModuleKey) -> Result<vk::ShaderModule, DeviceError> {
         let mut modules = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(module) = modules.get(&key) {
             return Ok(*module);
@@ -229,7 +229,7 @@ impl ShaderModules {
                 wgsl_to_spirv(path, SpirvStage::Fragment, entry_point, &[]),
             ),
         };
-        let spirv = spirv.map_err(|error| BackendError::Shader {
+        let spirv = spirv.map_err(|error| DeviceError::Shader {
             name: path.to_owned(),
             message: error.to_string(),
         })?;
@@ -254,8 +254,8 @@ impl ShaderModules {
     }
 }
 
-pub(crate) fn entry_name(name: &str) -> Result<CString, BackendError> {
-    CString::new(name).map_err(|error| BackendError::Shader {
+pub(crate) fn entry_name(name: &str) -> Result<CString, DeviceError> {
+    CString::new(name).map_err(|error| DeviceError::Shader {
         name: name.to_owned(),
         message: error.to_string(),
     })
@@ -265,10 +265,10 @@ impl Pipeline {
     /// Makes a pipeline.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] when the device lacks geometry shaders or depth bounds and the
-    /// pipeline needs them, [`BackendError::Shader`], [`BackendError::OutOfMemory`].
-    pub fn new(gpu: &Arc<Gpu>, descriptor: PipelineDescriptor) -> Result<Self, BackendError> {
-        let lacks = |capability: &str| BackendError::unsupported(capability, &gpu.facts.name);
+    /// [`DeviceError::Unsupported`] when the device lacks geometry shaders or depth bounds and the
+    /// pipeline needs them, [`DeviceError::Shader`], [`DeviceError::OutOfMemory`].
+    pub fn new(gpu: &Arc<Gpu>, descriptor: PipelineDescriptor) -> Result<Self, DeviceError> {
+        let lacks = |capability: &str| DeviceError::unsupported(capability, &gpu.facts.name);
         if descriptor.geometry.is_some() && !gpu.facts.features.geometry_shader {
             return Err(lacks("geometryShader"));
         }
@@ -320,7 +320,7 @@ impl Drop for Pipeline {
     }
 }
 
-fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, BackendError> {
+fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, DeviceError> {
     let device = &gpu.device;
     let vertex_name = entry_name(descriptor.vertex.entry_point)?;
     let main_name = entry_name("main")?;
@@ -413,7 +413,7 @@ pub(crate) struct Assembly<'a> {
 }
 
 impl Assembly<'_> {
-    pub(crate) fn create(&self, gpu: &Gpu) -> Result<vk::Pipeline, BackendError> {
+    pub(crate) fn create(&self, gpu: &Gpu) -> Result<vk::Pipeline, DeviceError> {
         let (bindings, attributes) = vertex_input(self.format);
         let input = vk::PipelineVertexInputStateCreateInfo::default()
             .vertex_binding_descriptions(&bindings)

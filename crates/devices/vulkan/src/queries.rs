@@ -8,7 +8,7 @@ use crate::Gpu;
 use crate::failure::failure;
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::BackendError;
+use terrafill_fill::DeviceError;
 
 /// GPU times of one fill.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -76,7 +76,7 @@ impl Queries {
         gpu: &Arc<Gpu>,
         kind: QueryKind,
         count: u32,
-    ) -> Result<Option<Self>, BackendError> {
+    ) -> Result<Option<Self>, DeviceError> {
         let features = gpu.facts.features;
         let base = vk::QueryPoolCreateInfo::default().query_count(count);
         let (is_there, info) = match kind {
@@ -109,7 +109,7 @@ impl Queries {
     }
 
     /// Results of queries `first..first + count`, which have been written and waited for.
-    pub(crate) fn read(&self, first: u32, count: u32) -> Result<Vec<u64>, BackendError> {
+    pub(crate) fn read(&self, first: u32, count: u32) -> Result<Vec<u64>, DeviceError> {
         if count == 0 {
             return Ok(Vec::new());
         }
@@ -130,7 +130,7 @@ impl Queries {
     }
 
     /// Statistics of the first `passes` queries added up.
-    pub(crate) fn read_statistics(&self, passes: u32) -> Result<PassStatistics, BackendError> {
+    pub(crate) fn read_statistics(&self, passes: u32) -> Result<PassStatistics, DeviceError> {
         let values = self.read(0, passes)?;
         let has_geometry = self.gpu.facts.features.geometry_shader;
         Ok(sum_statistics(&values, has_geometry))

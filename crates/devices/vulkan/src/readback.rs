@@ -7,7 +7,7 @@ use crate::targets::Targets;
 use crate::{Buffer, Gpu};
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::BackendError;
+use terrafill_fill::DeviceError;
 
 const DEPTH_AND_STENCIL: vk::ImageAspectFlags = vk::ImageAspectFlags::from_raw(
     vk::ImageAspectFlags::DEPTH.as_raw() | vk::ImageAspectFlags::STENCIL.as_raw(),
@@ -17,7 +17,7 @@ const DEPTH_AND_STENCIL: vk::ImageAspectFlags = vk::ImageAspectFlags::from_raw(
 pub(crate) fn read_targets(
     gpu: &Arc<Gpu>,
     targets: &Targets,
-) -> Result<(Vec<u8>, Vec<u8>), BackendError> {
+) -> Result<(Vec<u8>, Vec<u8>), DeviceError> {
     let extent = targets.area().extent;
     let size = u64::from(extent.width) * u64::from(extent.height) * 4;
     let colour = Buffer::for_reading(gpu, "colour read-back", size)?;
@@ -64,7 +64,7 @@ pub(crate) fn read_probed(
     gpu: &Arc<Gpu>,
     extent: vk::Extent2D,
     image: &Image,
-) -> Result<Vec<[f32; 4]>, BackendError> {
+) -> Result<Vec<[f32; 4]>, DeviceError> {
     let size = u64::from(extent.width) * u64::from(extent.height) * 16;
     let buffer = Buffer::for_reading(gpu, "probe read-back", size)?;
     let layout = vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL;

@@ -7,7 +7,7 @@ use crate::memory::{Image, ImageKind};
 use crate::{Buffer, Gpu};
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::{AddressMode, BackendError, RouteTexelFormat, RouteTexels};
+use terrafill_fill::{AddressMode, DeviceError, RouteTexelFormat, RouteTexels};
 use terrafill_scene::MipChain;
 
 /// An image in device memory, ready to be read by fragment shaders.
@@ -22,9 +22,9 @@ impl SampledImage {
     /// A picture with its levels. The sampler filters it in linear light, as the levels were made.
     ///
     /// # Errors
-    /// [`BackendError::OverCapacity`] when the device has no images that large,
-    /// [`BackendError::OutOfMemory`].
-    pub fn picture(gpu: &Arc<Gpu>, picture: &MipChain) -> Result<Self, BackendError> {
+    /// [`DeviceError::OverCapacity`] when the device has no images that large,
+    /// [`DeviceError::OutOfMemory`].
+    pub fn picture(gpu: &Arc<Gpu>, picture: &MipChain) -> Result<Self, DeviceError> {
         let levels = picture.levels();
         let [width, height] = picture.size_px();
         let kind = ImageKind {
@@ -46,9 +46,9 @@ impl SampledImage {
     /// A coordinate route's table.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] when the device lacks the format or its filtering;
-    /// [`BackendError::OverCapacity`], [`BackendError::OutOfMemory`].
-    pub fn route(gpu: &Arc<Gpu>, texels: &RouteTexels) -> Result<Self, BackendError> {
+    /// [`DeviceError::Unsupported`] when the device lacks the format or its filtering;
+    /// [`DeviceError::OverCapacity`], [`DeviceError::OutOfMemory`].
+    pub fn route(gpu: &Arc<Gpu>, texels: &RouteTexels) -> Result<Self, DeviceError> {
         let (format, name) = match texels.format {
             RouteTexelFormat::R8Unorm => (vk::Format::R8_UNORM, "R8_UNORM"),
             RouteTexelFormat::R16Unorm => (vk::Format::R16_UNORM, "R16_UNORM"),
@@ -69,7 +69,7 @@ impl SampledImage {
                 "reading"
             };
             let capability = format!("{how} of {name}");
-            return Err(BackendError::unsupported(&capability, &gpu.facts.name));
+            return Err(DeviceError::unsupported(&capability, &gpu.facts.name));
         }
         let [width, height] = texels.size;
         let extent = vk::Extent2D { width, height };
@@ -91,7 +91,7 @@ impl SampledImage {
         label: &str,
         kind: &ImageKind,
         levels: impl Iterator<Item = (vk::Extent2D, &'t [u8])>,
-    ) -> Result<Self, BackendError> {
+    ) -> Result<Self, DeviceError> {
         let allowed = if kind.is_cube {
             gpu.limits.max_image_dimension_cube
         } else {
@@ -99,7 +99,7 @@ impl SampledImage {
         };
         let found = kind.extent.width.max(kind.extent.height);
         if found > allowed {
-            return Err(BackendError::OverCapacity {
+            return Err(DeviceError::OverCapacity {
                 what: format!("texels along a side of a {label}"),
                 found: u64::from(found),
                 allowed: u64::from(allowed),
@@ -197,19 +197,19 @@ impl ImageBindings {
     /// - `address`: along u and along v
     ///
     /// # Errors
-    /// [`BackendError::OutOfMemory`].
+    /// [`DeviceError::OutOfMemory`].
     pub fn picture(
         image: &Arc<SampledImage>,
         address: [AddressMode; 2],
-    ) -> Result<Self, BackendError> {
+    ) -> Result<Self, DeviceError> {
         Self::new(image, Some(address.map(sampled)))
     }
 
     /// A route's table, linear within its one level where it is filtered.
     ///
     /// # Errors
-    /// [`BackendError::OutOfMemory`].
-    pub fn route(image: &Arc<SampledImage>, is_filtered: bool) -> Result<Self, BackendError> {
+    /// [`DeviceError::OutOfMemory`].
+    pub fn route(image: &Arc<SampledImage>, is_filtered: bool) -> Result<Self, DeviceError> {
         let edge = vk::SamplerAddressMode::CLAMP_TO_EDGE;
         Self::new(image, is_filtered.then_some([edge; 2]))
     }
@@ -217,7 +217,7 @@ impl ImageBindings {
     fn new(
         image: &Arc<SampledImage>,
         address: Option<[vk::SamplerAddressMode; 2]>,
-    ) -> Result<Self, BackendError> {
+    ) -> Result<Self, DeviceError> {
         let gpu = &image.gpu;
         let layout = gpu.fixtures.image_set_layout(address.is_some());
         let kinds = [

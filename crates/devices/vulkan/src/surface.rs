@@ -7,7 +7,7 @@ use crate::{
 };
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::{BackendError, count_u32};
+use terrafill_fill::{DeviceError, count_u32};
 use terrafill_surface::{SurfaceFrame, SurfaceRenderer};
 
 const SURFACE: PipelineDescriptor = PipelineDescriptor {
@@ -58,7 +58,7 @@ impl<'p> SurfacePass<'p> {
 }
 
 impl TriangleRenderer {
-    pub(crate) fn new(gpu: &Arc<Gpu>) -> Result<Self, BackendError> {
+    pub(crate) fn new(gpu: &Arc<Gpu>) -> Result<Self, DeviceError> {
         Ok(Self {
             pipeline: Pipeline::new(gpu, SURFACE)?,
             gpu: Arc::clone(gpu),
@@ -69,9 +69,9 @@ impl TriangleRenderer {
 
 impl SurfaceRenderer for TriangleRenderer {
     type Pass<'p> = SurfacePass<'p>;
-    type Error = BackendError;
+    type Error = DeviceError;
 
-    fn prepare(&mut self, frame: &SurfaceFrame) -> Result<(), BackendError> {
+    fn prepare(&mut self, frame: &SurfaceFrame) -> Result<(), DeviceError> {
         let indices = frame.triangles.as_flattened();
         let vertices = bytemuck::cast_slice(&frame.vertices_rte);
         let upload = |label, bytes, use_for| Buffer::upload(&self.gpu, label, bytes, use_for);

@@ -20,7 +20,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_fill::{
-    BackendError, FillProgram, FrameInput, NUMBER_BYTES, Picture, SKY, ViewConstants, ViewId,
+    DeviceError, FillProgram, FrameInput, NUMBER_BYTES, Picture, SKY, ViewConstants, ViewId,
     check_target_size,
 };
 use terrafill_scene::ImageSize;
@@ -77,7 +77,7 @@ pub(crate) struct Numbers {
 }
 
 impl Numbers {
-    fn new(targets: &Targets) -> Result<Self, BackendError> {
+    fn new(targets: &Targets) -> Result<Self, DeviceError> {
         let gpu = &targets.gpu;
         let image = Image::target(
             gpu,
@@ -157,7 +157,7 @@ impl Drop for Numbers {
 }
 
 impl Targets {
-    fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Result<Self, BackendError> {
+    fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Result<Self, DeviceError> {
         let extent = vk::Extent2D {
             width: size.width,
             height: size.height,
@@ -290,8 +290,8 @@ impl RenderTargets {
     /// A targets of the given size.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] when the device has no targets that large.
-    pub fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Result<Self, BackendError> {
+    /// [`DeviceError::Unsupported`] when the device has no targets that large.
+    pub fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Result<Self, DeviceError> {
         let limits = &gpu.limits;
         let limit = limits
             .max_image_dimension2_d
@@ -315,7 +315,7 @@ impl RenderTargets {
     ///
     /// # Errors
     /// As [`RenderTargets::new`].
-    pub fn shared(gpu: &Arc<Gpu>, size: ImageSize) -> Result<SharedTargets, BackendError> {
+    pub fn shared(gpu: &Arc<Gpu>, size: ImageSize) -> Result<SharedTargets, DeviceError> {
         Ok(Rc::new(RefCell::new(Self::new(gpu, size)?)))
     }
 
@@ -340,11 +340,11 @@ impl RenderTargets {
     /// Makes the target of accumulated numbers, unless it is there.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] when the device cannot blend into it,
-    /// [`BackendError::OutOfMemory`].
-    pub fn ensure_numbers(&mut self) -> Result<(), BackendError> {
+    /// [`DeviceError::Unsupported`] when the device cannot blend into it,
+    /// [`DeviceError::OutOfMemory`].
+    pub fn ensure_numbers(&mut self) -> Result<(), DeviceError> {
         if !self.gpu.facts.features.blends_float {
-            return Err(BackendError::unsupported(
+            return Err(DeviceError::unsupported(
                 "blending into R32_SFLOAT",
                 &self.gpu.facts.name,
             ));
@@ -371,29 +371,29 @@ impl RenderTargets {
     ///   a multiple of [`DepthBindings::alignment`]
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] when the device's shaders cannot read depth, or the buffer does
-    /// not fit; [`BackendError::OutOfMemory`].
+    /// [`DeviceError::Unsupported`] when the device's shaders cannot read depth, or the buffer does
+    /// not fit; [`DeviceError::OutOfMemory`].
     pub fn bind_depth(
         &self,
         regions: &Arc<Buffer>,
         stride: usize,
-    ) -> Result<DepthBindings, BackendError> {
+    ) -> Result<DepthBindings, DeviceError> {
         DepthBindings::new(&self.targets, &self.gpu, regions, stride)
     }
 
     /// Targets of a textured fill's probe.
     ///
     /// # Errors
-    /// [`BackendError::OutOfMemory`].
-    pub fn probe(&self) -> Result<Probe, BackendError> {
+    /// [`DeviceError::OutOfMemory`].
+    pub fn probe(&self) -> Result<Probe, DeviceError> {
         Probe::new(&self.targets, &self.gpu)
     }
 
     /// Uploads the view and its surface, unless they are there already.
     ///
     /// # Errors
-    /// [`BackendError::OverCapacity`] when the input's size is not the targets'.
-    pub fn prepare(&mut self, input: &FrameInput) -> Result<(), BackendError> {
+    /// [`DeviceError::OverCapacity`] when the input's size is not the targets'.
+    pub fn prepare(&mut self, input: &FrameInput) -> Result<(), DeviceError> {
         input.check_size(self.size)?;
         if self.is_prepared(input) {
             return Ok(());
@@ -430,10 +430,10 @@ impl RenderTargets {
     /// Clears the targets, draws the surface, waits, and gives the pass's GPU time.
     ///
     /// # Errors
-    /// [`BackendError::NotPrepared`], [`BackendError::DeviceLost`].
-    pub fn draw_surface(&mut self) -> Result<Option<f64>, BackendError> {
+    /// [`DeviceError::NotPrepared`], [`DeviceError::DeviceLost`].
+    pub fn draw_surface(&mut self) -> Result<Option<f64>, DeviceError> {
         let Some(prepared) = &self.prepared else {
-            return Err(BackendError::no_surface());
+            return Err(DeviceError::no_surface());
         };
         let clears = [
             vk::ClearValue {
@@ -492,16 +492,16 @@ impl RenderTargets {
     /// `record` must not upload, draw a surface or fill: the queue is taken while it runs.
     ///
     /// # Errors
-    /// [`BackendError::NotPrepared`] when there is no surface in the targets; the first draw's error
-    /// that could not be recorded; [`BackendError::DeviceLost`].
+    /// [`DeviceError::NotPrepared`] when there is no surface in the targets; the first draw's error
+    /// that could not be recorded; [`DeviceError::DeviceLost`].
     pub fn fill<'a>(
         &'a self,
         passes: usize,
         measured: Measured,
         record: impl FnOnce(&mut FillRecorder<'a>),
-    ) -> Result<FillReport, BackendError> {
+    ) -> Result<FillReport, DeviceError> {
         if !self.is_drawn {
-            return Err(BackendError::no_surface());
+            return Err(DeviceError::no_surface());
         }
         let count = u32::try_from(passes).unwrap_or(u32::MAX);
         let queries = match measured {
@@ -537,7 +537,7 @@ impl RenderTargets {
         Ok(report)
     }
 
-    fn fill_times(&self, stamps: &Queries, passes: u32) -> Result<FillTimes, BackendError> {
+    fn fill_times(&self, stamps: &Queries, passes: u32) -> Result<FillTimes, DeviceError> {
         let ticks = stamps.read(0, SURFACE_STAMPS)?;
         let span = |from: usize, to: usize| {
             span_ms(ticks[from], ticks[to], self.gpu.timestamp_period_ns())
@@ -552,10 +552,10 @@ impl RenderTargets {
     /// Reads the targets back.
     ///
     /// # Errors
-    /// [`BackendError::NotPrepared`] when nothing was drawn yet, [`BackendError::DeviceLost`].
-    pub fn read(&self) -> Result<Picture, BackendError> {
+    /// [`DeviceError::NotPrepared`] when nothing was drawn yet, [`DeviceError::DeviceLost`].
+    pub fn read(&self) -> Result<Picture, DeviceError> {
         if !self.is_drawn {
-            return Err(BackendError::no_surface());
+            return Err(DeviceError::no_surface());
         }
         let (rgba, depth) = read_targets(&self.gpu, &self.targets)?;
         let (depths, _) = depth.as_chunks::<4>();

@@ -15,7 +15,7 @@ use crate::{Buffer, BufferUse, Gpu, ImageBindings, Topology, VertexFormat};
 use ash::vk;
 use std::cell::Cell;
 use std::sync::Arc;
-use terrafill_fill::{BackendError, CoverOverrides, FaceSet, StencilTest};
+use terrafill_fill::{CoverOverrides, DeviceError, FaceSet, StencilTest};
 use terrafill_shaders::{SpirvStage, TEXTURED_COVER, TexturedParts, composed_to_spirv};
 
 /// What a textured cover is drawn for.
@@ -67,11 +67,11 @@ impl TexturedPipeline {
     /// Makes a pipeline.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] when the stencil would be written, which is attached read-only;
-    /// [`BackendError::Shader`], [`BackendError::OutOfMemory`].
-    pub fn new(gpu: &Arc<Gpu>, descriptor: &TexturedDescriptor<'_>) -> Result<Self, BackendError> {
+    /// [`DeviceError::Unsupported`] when the stencil would be written, which is attached read-only;
+    /// [`DeviceError::Shader`], [`DeviceError::OutOfMemory`].
+    pub fn new(gpu: &Arc<Gpu>, descriptor: &TexturedDescriptor<'_>) -> Result<Self, DeviceError> {
         if descriptor.test.zeroes {
-            return Err(BackendError::unsupported(
+            return Err(DeviceError::unsupported(
                 "a textured cover that writes the stencil",
                 &gpu.facts.name,
             ));
@@ -118,7 +118,7 @@ struct Modules<'a> {
 }
 
 impl Modules<'_> {
-    fn add(&mut self, spirv: &[u32]) -> Result<vk::ShaderModule, BackendError> {
+    fn add(&mut self, spirv: &[u32]) -> Result<vk::ShaderModule, DeviceError> {
         let info = vk::ShaderModuleCreateInfo::default().code(spirv);
         // SAFETY: naga validated the source.
         let module = unsafe { self.gpu.device.create_shader_module(&info, None) }
@@ -137,8 +137,8 @@ impl Drop for Modules<'_> {
     }
 }
 
-fn create(gpu: &Gpu, descriptor: &TexturedDescriptor<'_>) -> Result<vk::Pipeline, BackendError> {
-    let failed = |error: terrafill_shaders::ShaderError| BackendError::Shader {
+fn create(gpu: &Gpu, descriptor: &TexturedDescriptor<'_>) -> Result<vk::Pipeline, DeviceError> {
+    let failed = |error: terrafill_shaders::ShaderError| DeviceError::Shader {
         name: TEXTURED_COVER.to_owned(),
         message: error.to_string(),
     };
@@ -227,8 +227,8 @@ impl DepthBindings {
         gpu: &Arc<Gpu>,
         regions: &Arc<Buffer>,
         stride: usize,
-    ) -> Result<Self, BackendError> {
-        let lacks = |capability: &str| BackendError::unsupported(capability, &gpu.facts.name);
+    ) -> Result<Self, DeviceError> {
+        let lacks = |capability: &str| DeviceError::unsupported(capability, &gpu.facts.name);
         if !gpu.facts.features.samples_depth {
             return Err(lacks("reading depth in shaders"));
         }
@@ -338,7 +338,7 @@ pub struct Probe {
 }
 
 impl Probe {
-    pub(crate) fn new(targets: &Targets, gpu: &Arc<Gpu>) -> Result<Self, BackendError> {
+    pub(crate) fn new(targets: &Targets, gpu: &Arc<Gpu>) -> Result<Self, DeviceError> {
         let extent = targets.area().extent;
         let target = |label| {
             let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
@@ -371,8 +371,8 @@ impl Probe {
     /// into them.
     ///
     /// # Errors
-    /// [`BackendError::DeviceLost`].
-    pub fn read(&self) -> Result<Option<[Vec<[f32; 4]>; 2]>, BackendError> {
+    /// [`DeviceError::DeviceLost`].
+    pub fn read(&self) -> Result<Option<[Vec<[f32; 4]>; 2]>, DeviceError> {
         if !self.is_drawn.get() {
             return Ok(None);
         }

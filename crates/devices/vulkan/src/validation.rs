@@ -12,7 +12,7 @@ use std::ffi::CStr;
 use std::fs::{File, OpenOptions};
 use std::io::Write as _;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use terrafill_fill::BackendError;
+use terrafill_fill::DeviceError;
 
 /// One message of the validation layer.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -59,12 +59,12 @@ pub(crate) fn is_requested() -> bool {
 
 /// Opens the log, if the environment names one: a log that cannot be written would hide every
 /// message.
-pub(crate) fn open_log() -> Result<(), BackendError> {
+pub(crate) fn open_log() -> Result<(), DeviceError> {
     let Some(path) = std::env::var_os("TERRAFILL_VALIDATION_LOG") else {
         return Ok(());
     };
     let opened = OpenOptions::new().create(true).append(true).open(&path);
-    let file = opened.map_err(|error| BackendError::Unsupported {
+    let file = opened.map_err(|error| DeviceError::Unsupported {
         capability: format!(
             "a writable TERRAFILL_VALIDATION_LOG={}: {error}",
             path.display()

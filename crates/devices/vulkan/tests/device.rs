@@ -8,7 +8,7 @@ mod globe;
 use globe::{SIZE, assert_depth_of_the_ellipsoid, globe_from};
 use std::sync::Arc;
 use terrafill_fill::{
-    AddressMode, BackendError, CoverOverrides, DepthRule, FaceSet, RegionConstants,
+    AddressMode, CoverOverrides, DepthRule, DeviceError, FaceSet, RegionConstants,
     RouteTexelFormat, RouteTexels, StencilOperation, StencilRule, StencilTest, TexturedRegion,
 };
 use terrafill_scene::{ImageSize, MipChain, PixelRect};
@@ -368,7 +368,7 @@ fn what_the_device_lacks_is_named() {
     };
     match Pipeline::new(&gpu, bounded) {
         Ok(_) => assert!(gpu.facts.features.depth_bounds),
-        Err(BackendError::Unsupported {
+        Err(DeviceError::Unsupported {
             capability,
             adapter,
         }) => {
@@ -388,7 +388,7 @@ fn what_the_device_lacks_is_named() {
         ..cover_descriptor(EVERYWHERE)
     };
     let error = Pipeline::new(&gpu, missing).expect_err("no such shader");
-    assert!(matches!(error, BackendError::Shader { .. }), "{error}");
+    assert!(matches!(error, DeviceError::Shader { .. }), "{error}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use terrafill_fill::{
-    Backend, BackendError, Capabilities, Frame, FrameInput, MemoryUse, NO_REGION, TexturePixel,
+    Backend, Capabilities, DeviceError, Frame, FrameInput, MemoryUse, NO_REGION, TexturePixel,
     paint,
 };
 
@@ -78,8 +78,8 @@ impl ReferenceBackend {
     /// Judges `input`; the same input gives the same frame whatever the number of threads.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] when a region leaves open what is inside it.
-    pub fn judge(&self, input: &FrameInput) -> Result<ReferenceFrame, BackendError> {
+    /// [`DeviceError::Unsupported`] when a region leaves open what is inside it.
+    pub fn judge(&self, input: &FrameInput) -> Result<ReferenceFrame, DeviceError> {
         let texturing = if self.is_textured {
             Texturing::new(input)
         } else {
@@ -92,7 +92,7 @@ impl ReferenceBackend {
     ///
     /// # Errors
     /// As [`ReferenceBackend::judge`].
-    pub fn look_closely<'a>(&self, input: &'a FrameInput) -> Result<CloseLook<'a>, BackendError> {
+    pub fn look_closely<'a>(&self, input: &'a FrameInput) -> Result<CloseLook<'a>, DeviceError> {
         Ok(CloseLook {
             input,
             locator: self.locator(input)?,
@@ -100,9 +100,9 @@ impl ReferenceBackend {
         })
     }
 
-    fn locator(&self, input: &FrameInput) -> Result<Locator, BackendError> {
+    fn locator(&self, input: &FrameInput) -> Result<Locator, DeviceError> {
         Locator::new(&input.scene.regions, input.scene.edge_rule).map_err(|error| {
-            BackendError::Unsupported {
+            DeviceError::Unsupported {
                 capability: format!("a reading of its regions: {error}"),
                 adapter: format!("the {} of {}", self.capabilities.backend, input.scene.name),
             }
@@ -153,16 +153,16 @@ impl Backend for ReferenceBackend {
 
     /// Checks that every region can be judged. The reference keeps nothing between frames, so the
     /// memory that it holds is none.
-    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, BackendError> {
+    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, DeviceError> {
         self.locator(input)?;
         self.prepared = Some((input.scene.name.clone(), input.view.clone()));
         Ok(MemoryUse::default())
     }
 
-    fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError> {
+    fn render(&mut self, input: &FrameInput) -> Result<Frame, DeviceError> {
         let asked = (input.scene.name.clone(), input.view.clone());
         if self.prepared.as_ref() != Some(&asked) {
-            return Err(BackendError::NotPrepared {
+            return Err(DeviceError::NotPrepared {
                 backend: self.capabilities.backend,
                 scene: asked.0,
                 view: asked.1,

@@ -21,7 +21,7 @@ use terrafill_conformance::{
 };
 use terrafill_core::{MeshOptions, RegionMesh};
 use terrafill_fill::{
-    BackendError, ColourWay, Frame, FrameInput, FrameTimes, MemoryUse, PositionFormat,
+    ColourWay, DeviceError, Frame, FrameInput, FrameTimes, MemoryUse, PositionFormat,
     PreparedScene, RouteChoice, VolumeBackend, paint,
 };
 use terrafill_gpu::{Baseline, CpuStopwatch, Gpu, RenderTargets};
@@ -596,7 +596,7 @@ type Drawn = (Box<dyn VolumeBackend>, MemoryUse, Frame);
 fn draw_probe(
     mut backend: Box<dyn VolumeBackend>,
     input: &FrameInput,
-) -> Result<Drawn, BackendError> {
+) -> Result<Drawn, DeviceError> {
     let memory = backend.prepare(input)?;
     let frame = backend.render(input)?;
     Ok((backend, memory, frame))
@@ -667,10 +667,10 @@ fn plan_cpu_ms(input: &FrameInput, options: PlanOptions) -> Option<f64> {
 
 /// What the adapter lacks, and switches that do not go together, are skipped; everything else that
 /// breaks has failed.
-fn failed_probe(error: &BackendError) -> Probe {
+fn failed_probe(error: &DeviceError) -> Probe {
     Probe {
         status: Some(match error {
-            BackendError::Unsupported { .. } | BackendError::Switch(_) => Status::Skipped,
+            DeviceError::Unsupported { .. } | DeviceError::Switch(_) => Status::Skipped,
             _ => Status::Failed,
         }),
         reason: error.to_string(),
@@ -678,7 +678,7 @@ fn failed_probe(error: &BackendError) -> Probe {
     }
 }
 
-fn time(drawer: &mut Drawer) -> Option<Result<FrameTimes, BackendError>> {
+fn time(drawer: &mut Drawer) -> Option<Result<FrameTimes, DeviceError>> {
     match drawer {
         Drawer::Baseline(baseline) => Some(baseline.time_frame()),
         Drawer::Volumes(backend, input) => Some(backend.time_frame(input)),
@@ -788,7 +788,7 @@ mod tests {
 
     #[test]
     fn what_has_no_picture_is_skipped_with_that_reason() {
-        let error = BackendError::Switch(terrafill_fill::SwitchError {
+        let error = DeviceError::Switch(terrafill_fill::SwitchError {
             switch: "texture",
             found: "chosen for a scene without a picture".to_owned(),
             allowed: "plain".to_owned(),
@@ -798,7 +798,7 @@ mod tests {
         assert!(probe.reason.contains("without a picture"));
         assert!(probe.texture_errors.is_none() && probe.image.is_empty());
         // Twin: what breaks has failed.
-        let lost = failed_probe(&BackendError::DeviceLost("gone".to_owned()));
+        let lost = failed_probe(&DeviceError::DeviceLost("gone".to_owned()));
         assert_eq!(lost.status, Some(Status::Failed));
     }
 

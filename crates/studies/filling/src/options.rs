@@ -181,7 +181,7 @@ pub enum BenchError {
     },
     /// No device can run anything.
     #[error("no usable device: {0}")]
-    NoDevice(terrafill_fill::BackendError),
+    NoDevice(terrafill_fill::DeviceError),
     /// The run's folder.
     #[error(transparent)]
     Run(#[from] terrafill_results::legacy::RunError),
@@ -240,7 +240,7 @@ pub enum BenchError {
         /// View in hand.
         view: String,
         /// What happened.
-        source: terrafill_fill::BackendError,
+        source: terrafill_fill::DeviceError,
     },
 }
 

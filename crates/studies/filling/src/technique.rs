@@ -7,7 +7,7 @@ use std::sync::Arc;
 use terrafill_compute::{ComputeBackend, ComputeVariant, Expansion, compute_bytes};
 use terrafill_core::RegionMesh;
 use terrafill_fill::{
-    BackendError, GeometryBytes, PositionFormat, SwitchError, Switches, THIS_MACHINE, VolumeBackend,
+    DeviceError, GeometryBytes, PositionFormat, SwitchError, Switches, THIS_MACHINE, VolumeBackend,
 };
 use terrafill_gpu::{BaselineKind, SharedTargets};
 use terrafill_native::{NativeBackend, NativeVariant, native_bytes};
@@ -77,7 +77,7 @@ impl AllTargets {
         }
     }
 
-    fn native(&self) -> Result<&terrafill_vulkan::SharedTargets, BackendError> {
+    fn native(&self) -> Result<&terrafill_vulkan::SharedTargets, DeviceError> {
         let make = || {
             let gpu = self.native_gpu.open().map_err(Clone::clone)?;
             terrafill_vulkan::RenderTargets::shared(gpu, self.size)
@@ -85,13 +85,13 @@ impl AllTargets {
         };
         self.native.get_or_init(make).as_ref().map_err(|why| {
             let what = format!("a device for the native backend: {why}");
-            BackendError::unsupported(&what, THIS_MACHINE)
+            DeviceError::unsupported(&what, THIS_MACHINE)
         })
     }
 }
 
 /// Opens the first wgpu device whose name contains `adapter`.
-fn open_wgpu(adapter: Option<&str>) -> Result<Arc<terrafill_gpu::Gpu>, BackendError> {
+fn open_wgpu(adapter: Option<&str>) -> Result<Arc<terrafill_gpu::Gpu>, DeviceError> {
     terrafill_gpu::Gpu::open(&terrafill_gpu::GpuOptions {
         adapter: adapter.map(str::to_owned),
         ..terrafill_gpu::GpuOptions::default()
@@ -99,7 +99,7 @@ fn open_wgpu(adapter: Option<&str>) -> Result<Arc<terrafill_gpu::Gpu>, BackendEr
 }
 
 /// The same on Vulkan itself.
-fn open_vulkan(adapter: Option<&str>) -> Result<Arc<terrafill_vulkan::Gpu>, BackendError> {
+fn open_vulkan(adapter: Option<&str>) -> Result<Arc<terrafill_vulkan::Gpu>, DeviceError> {
     terrafill_vulkan::Gpu::open(&terrafill_vulkan::GpuOptions {
         adapter: adapter.map(str::to_owned),
         ..terrafill_vulkan::GpuOptions::default()
@@ -170,11 +170,11 @@ impl Technique {
     /// A backend that draws so on these targets; `None` for a full-screen pass.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] when the device lacks something, else whatever it reports.
+    /// [`DeviceError::Unsupported`] when the device lacks something, else whatever it reports.
     pub(crate) fn open(
         &self,
         targets: &AllTargets,
-    ) -> Option<Result<Box<dyn VolumeBackend>, BackendError>> {
+    ) -> Option<Result<Box<dyn VolumeBackend>, DeviceError>> {
         let wgpu = || Ok(SharedTargets::clone(&targets.wgpu));
         let vulkan = || targets.native().map(terrafill_vulkan::SharedTargets::clone);
         self.open_on(wgpu, vulkan)
@@ -185,25 +185,25 @@ impl Technique {
     /// - `adapter`: part of the adapter's name
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] when there is no such device, it lacks something, or this is a
+    /// [`DeviceError::Unsupported`] when there is no such device, it lacks something, or this is a
     /// full-screen pass; else whatever the device reports.
     pub fn open_alone(
         &self,
         adapter: Option<&str>,
         size: ImageSize,
-    ) -> Result<Box<dyn VolumeBackend>, BackendError> {
+    ) -> Result<Box<dyn VolumeBackend>, DeviceError> {
         let wgpu = || terrafill_gpu::RenderTargets::shared(&open_wgpu(adapter)?, size);
         let vulkan = || terrafill_vulkan::RenderTargets::shared(&open_vulkan(adapter)?, size);
         self.open_on(wgpu, vulkan)
-            .unwrap_or_else(|| Err(BackendError::unsupported("drawing volumes", self.backend())))
+            .unwrap_or_else(|| Err(DeviceError::unsupported("drawing volumes", self.backend())))
     }
 
     /// The one place where backends of volumes are made.
     fn open_on(
         &self,
-        wgpu: impl FnOnce() -> Result<SharedTargets, BackendError>,
-        vulkan: impl FnOnce() -> Result<terrafill_vulkan::SharedTargets, BackendError>,
-    ) -> Option<Result<Box<dyn VolumeBackend>, BackendError>> {
+        wgpu: impl FnOnce() -> Result<SharedTargets, DeviceError>,
+        vulkan: impl FnOnce() -> Result<terrafill_vulkan::SharedTargets, DeviceError>,
+    ) -> Option<Result<Box<dyn VolumeBackend>, DeviceError>> {
         Some(match self {
             Self::Baseline(_) => return None,
             Self::Vertex(variant) => {

@@ -18,7 +18,7 @@ use terrafill_compute::{
     placed_bytes,
 };
 use terrafill_fill::{
-    Backend as _, BackendError, BottomCap, ColourWay, DepthRuleChoice, FacePasses, Frame,
+    Backend as _, BottomCap, ColourWay, DepthRuleChoice, DeviceError, FacePasses, Frame,
     FrameInput, StencilClear, Switches, TimedBackend as _, VolumeBackend as _,
 };
 use terrafill_filling::Technique;
@@ -264,7 +264,7 @@ fn draw_within(
     input: &FrameInput,
     variant: ComputeVariant,
     capacity: Capacity,
-) -> Result<Frame, BackendError> {
+) -> Result<Frame, DeviceError> {
     let targets = AllTargets::new(devices, input.size);
     let mut backend = ComputeBackend::with_capacity(targets.wgpu(), variant, capacity)?;
     backend.prepare(input)?;
@@ -313,7 +313,7 @@ fn too_much_is_refused_with_numbers_and_just_enough_is_drawn() {
             };
             match within(narrow) {
                 Ok(narrow) => break narrow,
-                Err(BackendError::OverCapacity { found, allowed, .. }) => {
+                Err(DeviceError::OverCapacity { found, allowed, .. }) => {
                     assert_eq!(allowed, u64::from(columns * columns));
                     assert!(found > allowed);
                 }

@@ -11,7 +11,7 @@ mod drawing;
 use drawing::sights::{self, POSES, square_from, three_regions_from};
 use drawing::{AllTargets, Devices, SIZE, checks, counters, differing, draw, shipped, vertex};
 use terrafill_fill::{
-    Backend as _, BackendError, BottomCap, ColourWay, Counters, DepthRuleChoice, FacePasses,
+    Backend as _, BottomCap, ColourWay, Counters, DepthRuleChoice, DeviceError, FacePasses,
     FrameInput, StencilClear, Switches, TimedBackend as _, VolumeBackend as _,
 };
 use terrafill_filling::Technique;
@@ -422,7 +422,7 @@ fn what_the_device_lacks_is_refused_by_name() {
     };
     assert_eq!(bounded.name(), "gs-degenerate,depth-bounds=on");
     match NativeBackend::new(targets.vulkan(), bounded) {
-        Err(BackendError::Unsupported { capability, .. }) => {
+        Err(DeviceError::Unsupported { capability, .. }) => {
             assert_eq!(capability, "depthBounds");
             assert!(!devices.vulkan().facts.features.depth_bounds);
         }

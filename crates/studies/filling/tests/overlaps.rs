@@ -11,7 +11,7 @@ use drawing::{
 use terrafill_conformance::{filled_only, verdict};
 use terrafill_core::Ellipsoid;
 use terrafill_fill::{
-    BackendError, ColourWay, FrameInput, NO_REGION, Picture, PreparedScene, region_colour,
+    ColourWay, DeviceError, FrameInput, NO_REGION, Picture, PreparedScene, region_colour,
 };
 use terrafill_filling::Technique;
 use terrafill_scene::{ImageSize, Overlap};
@@ -63,12 +63,12 @@ fn nested_regions_are_right_or_refused() {
             let mut backend = targets.open(translucent(colour, 100));
             match backend.prepare(&input) {
                 Ok(_) => {}
-                Err(BackendError::Switch(error)) => {
+                Err(DeviceError::Switch(error)) => {
                     assert!(error.to_string().contains(colour.name()), "{error}");
                     refused.push((colour, count));
                     continue;
                 }
-                Err(BackendError::OverCapacity { found, allowed, .. }) => {
+                Err(DeviceError::OverCapacity { found, allowed, .. }) => {
                     assert_eq!((found, allowed), (u64::from(count), 255));
                     refused.push((colour, count));
                     continue;

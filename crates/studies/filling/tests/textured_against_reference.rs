@@ -13,7 +13,7 @@ use terrafill_conformance::{
 };
 use terrafill_core::{Ellipsoid, RegionMesh};
 use terrafill_fill::{
-    BackendError, ColourWay, Frame, FrameInput, PreparedScene, RouteChoice, Switches, VolumeBackend,
+    ColourWay, DeviceError, Frame, FrameInput, PreparedScene, RouteChoice, Switches, VolumeBackend,
 };
 use terrafill_gpu::{Gpu, GpuOptions, RenderTargets, SharedTargets, open_for_test};
 use terrafill_native::{Indices, NativeBackend, NativeVariant, Technique};
@@ -712,7 +712,7 @@ fn what_cannot_be_textured_is_refused() {
         let mut backend = vertex(&targets, Layout::Doubled, switches("chosen", colour));
         match backend.prepare(&input) {
             Ok(_) => None,
-            Err(BackendError::Switch(error)) => Some(error.to_string()),
+            Err(DeviceError::Switch(error)) => Some(error.to_string()),
             Err(error) => panic!("{error}"),
         }
     };

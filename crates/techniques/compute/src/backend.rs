@@ -5,7 +5,7 @@ use crate::expansion::Capacity;
 use crate::volumes::ComputeVolumes;
 use crate::{ComputeBytes, ComputeVariant, GpuCulling};
 use terrafill_fill::{
-    Backend, BackendError, Capabilities, Colours, FillProgram, Frame, FrameInput, FrameTimes,
+    Backend, Capabilities, Colours, DeviceError, FillProgram, Frame, FrameInput, FrameTimes,
     MemoryUse, Picture, PositionFormat, RegionConstants, TimedBackend, VolumeBackend,
 };
 use terrafill_gpu::{SharedTargets, VolumeFill};
@@ -25,8 +25,8 @@ impl ComputeBackend {
     /// A backend on `targets`.
     ///
     /// # Errors
-    /// [`BackendError::Shader`], [`BackendError::Switch`], [`BackendError::Unsupported`].
-    pub fn new(targets: &SharedTargets, variant: ComputeVariant) -> Result<Self, BackendError> {
+    /// [`DeviceError::Shader`], [`DeviceError::Switch`], [`DeviceError::Unsupported`].
+    pub fn new(targets: &SharedTargets, variant: ComputeVariant) -> Result<Self, DeviceError> {
         let capacity = Capacity::of(&targets.borrow().gpu().device.limits());
         Self::with_capacity(targets, variant, capacity)
     }
@@ -39,7 +39,7 @@ impl ComputeBackend {
         targets: &SharedTargets,
         variant: ComputeVariant,
         capacity: Capacity,
-    ) -> Result<Self, BackendError> {
+    ) -> Result<Self, DeviceError> {
         variant.check()?;
         let fill = VolumeFill::new(targets, "compute", &variant.switches)?;
         let gpu = fill.gpu();
@@ -47,7 +47,7 @@ impl ComputeBackend {
         // otherwise.
         let first_instance = wgpu::Features::INDIRECT_FIRST_INSTANCE;
         if variant.culling != GpuCulling::Off && !gpu.device.features().contains(first_instance) {
-            return Err(BackendError::unsupported(
+            return Err(DeviceError::unsupported(
                 "a first instance in indirect draws",
                 &gpu.facts.name,
             ));
@@ -76,14 +76,14 @@ impl ComputeBackend {
     /// meshes. None without culling on the device.
     ///
     /// # Errors
-    /// [`BackendError::DeviceLost`].
-    pub fn regions_left_out(&self) -> Result<Vec<usize>, BackendError> {
+    /// [`DeviceError::DeviceLost`].
+    pub fn regions_left_out(&self) -> Result<Vec<usize>, DeviceError> {
         self.volumes.left_out(&self.fill.gpu())
     }
 
     /// Makes what the view needs, and brings program and constants up to date. Where that fails,
     /// what was made for the view before is gone too.
-    fn upload_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), BackendError> {
+    fn upload_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), DeviceError> {
         let made = self.make_view(input, colours);
         if made.is_err() {
             self.fill.forget_view();
@@ -91,7 +91,7 @@ impl ComputeBackend {
         made
     }
 
-    fn make_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), BackendError> {
+    fn make_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), DeviceError> {
         let program = FillProgram::new(&input.plan, &self.variant.switches, input.scene.overlap)?;
         let targets = self.fill.targets().borrow();
         self.volumes.upload_view(&targets, input)?;
@@ -107,7 +107,7 @@ impl ComputeBackend {
     }
 
     /// Uploads what is not there yet, and gives how many bytes that took.
-    fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, BackendError> {
+    fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, DeviceError> {
         let before = self.fill.gpu().work_done();
         if !self.fill.holds_meshes(input) {
             let targets = self.fill.targets().borrow();
@@ -127,7 +127,7 @@ impl Backend for ComputeBackend {
         self.fill.capabilities()
     }
 
-    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, BackendError> {
+    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, DeviceError> {
         input.check_region_count()?;
         self.fill.targets().borrow_mut().prepare(input)?;
         let upload_bytes = self.bring_up_to_date(input)?;
@@ -146,7 +146,7 @@ impl Backend for ComputeBackend {
         })
     }
 
-    fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError> {
+    fn render(&mut self, input: &FrameInput) -> Result<Frame, DeviceError> {
         let (picture, mut counters) = self.fill.draw_and_read(&mut self.volumes, input, false)?;
         counters.vertices += self.volumes.drawn_by_device(&self.fill.gpu())?;
         counters.stencil_fragments = self.fill.count_fragments(&mut self.volumes, input)?;
@@ -156,7 +156,7 @@ impl Backend for ComputeBackend {
 }
 
 impl TimedBackend for ComputeBackend {
-    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, BackendError> {
+    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, DeviceError> {
         self.fill.time_frame(&mut self.volumes, input)
     }
 }
@@ -174,7 +174,7 @@ impl VolumeBackend for ComputeBackend {
         self.fill.note()
     }
 
-    fn picture(&mut self, input: &FrameInput) -> Result<Picture, BackendError> {
+    fn picture(&mut self, input: &FrameInput) -> Result<Picture, DeviceError> {
         self.upload_view(input, OPAQUE)?;
         let drawn = self.fill.draw_and_read(&mut self.volumes, input, false);
         self.upload_view(input, Colours::Ids)?;
@@ -229,7 +229,7 @@ mod tests {
         let error = backend.prepare(&full).expect_err("too large");
         assert!(error.to_string().contains("expanded volumes"), "{error}");
         let error = backend.render(&empty).expect_err("no longer prepared");
-        assert!(matches!(error, BackendError::NotPrepared { .. }), "{error}");
+        assert!(matches!(error, DeviceError::NotPrepared { .. }), "{error}");
         // Twin: what fits can be prepared again.
         backend.prepare(&empty).expect("as before");
         backend.render(&empty).expect("prepared");

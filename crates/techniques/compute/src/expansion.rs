@@ -4,7 +4,7 @@
 use crate::layout::MeshSlice;
 use bytemuck::{Pod, Zeroable};
 use terrafill_core::RegionMesh;
-use terrafill_fill::BackendError;
+use terrafill_fill::DeviceError;
 
 /// Invocations of a workgroup of `compute/expand.wgsl`.
 pub(crate) const WORKGROUP_SIZE: usize = 64;
@@ -32,12 +32,12 @@ impl Capacity {
     }
 
     /// Refuses a buffer that is too large.
-    pub(crate) fn check_bytes(self, what: &str, found: u64) -> Result<(), BackendError> {
+    pub(crate) fn check_bytes(self, what: &str, found: u64) -> Result<(), DeviceError> {
         check(&format!("bytes of {what}"), found, self.storage_bytes)
     }
 
     /// Columns and rows of workgroups that hold `workgroups` of them.
-    pub(crate) fn dispatch_size(self, workgroups: usize) -> Result<[u32; 2], BackendError> {
+    pub(crate) fn dispatch_size(self, workgroups: usize) -> Result<[u32; 2], DeviceError> {
         let (found, columns) = (workgroups as u64, u64::from(self.workgroups_per_dimension));
         check("workgroups that expand volumes", found, columns * columns)?;
         let size = [found.min(columns), found.div_ceil(columns.max(1))];
@@ -45,11 +45,11 @@ impl Capacity {
     }
 }
 
-fn check(what: &str, found: u64, allowed: u64) -> Result<(), BackendError> {
+fn check(what: &str, found: u64, allowed: u64) -> Result<(), DeviceError> {
     if found <= allowed {
         return Ok(());
     }
-    Err(BackendError::OverCapacity {
+    Err(DeviceError::OverCapacity {
         what: what.to_owned(),
         found,
         allowed,
@@ -93,10 +93,10 @@ impl ExpansionPlan {
     /// Lays the volumes of `meshes` one after the other.
     ///
     /// # Errors
-    /// [`BackendError::OverCapacity`] when an index would have no 32-bit number.
+    /// [`DeviceError::OverCapacity`] when an index would have no 32-bit number.
     pub(crate) fn new<'a>(
         meshes: impl Iterator<Item = (&'a RegionMesh, &'a MeshSlice)>,
-    ) -> Result<Self, BackendError> {
+    ) -> Result<Self, DeviceError> {
         let mut plan = Self::default();
         for (mesh, slice) in meshes {
             plan.push(mesh, slice)?;
@@ -108,7 +108,7 @@ impl ExpansionPlan {
         clippy::cast_possible_truncation,
         reason = "the sum is checked against 2^32 before any part of it is cast"
     )]
-    fn push(&mut self, mesh: &RegionMesh, slice: &MeshSlice) -> Result<(), BackendError> {
+    fn push(&mut self, mesh: &RegionMesh, slice: &MeshSlice) -> Result<(), DeviceError> {
         let end = self.index_count + slice.output_indices();
         check("indices of expanded volumes", end, u64::from(u32::MAX))?;
         let region = self.outputs.len() as u32;
@@ -176,7 +176,7 @@ impl PlacingPlan {
     /// Lays the corners of `meshes` one after the other.
     ///
     /// # Errors
-    /// [`BackendError::OverCapacity`] when a draw could not begin at one of them: it says so in 31
+    /// [`DeviceError::OverCapacity`] when a draw could not begin at one of them: it says so in 31
     /// bits.
     #[allow(
         clippy::cast_possible_truncation,
@@ -184,7 +184,7 @@ impl PlacingPlan {
     )]
     pub(crate) fn new<'a>(
         meshes: impl Iterator<Item = &'a RegionMesh>,
-    ) -> Result<Self, BackendError> {
+    ) -> Result<Self, DeviceError> {
         let mut plan = Self::default();
         for (region, mesh) in meshes.enumerate() {
             let end = plan.corner_count + 2 * mesh.vertices_ecef.len() as u64;

@@ -3,7 +3,7 @@
 
 use crate::{ComputeVariant, Expansion, GpuCulling, Transform};
 use std::collections::HashMap;
-use terrafill_fill::{BackendError, VolumeState};
+use terrafill_fill::{DeviceError, VolumeState};
 use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
 
 /// What each bind group holds, by its number; 0 holds view and regions.
@@ -66,7 +66,7 @@ fn compute_pipeline(
     (path, entry_point): (&str, &str),
     groups: &[Option<&wgpu::BindGroupLayout>],
     constants: &[(&str, f64)],
-) -> Result<wgpu::ComputePipeline, BackendError> {
+) -> Result<wgpu::ComputePipeline, DeviceError> {
     Ok(
         gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(entry_point),
@@ -86,7 +86,7 @@ fn expand_pipeline(
     gpu: &Gpu,
     Groups(all): &Groups<'_>,
     variant: ComputeVariant,
-) -> Result<wgpu::ComputePipeline, BackendError> {
+) -> Result<wgpu::ComputePipeline, DeviceError> {
     let (entry_point, groups) = match (variant.expansion, variant.culling) {
         // No view is known yet.
         (Expansion::Cached, _) => ("expand_all", &[None, all[1], all[2]] as &[_]),
@@ -101,7 +101,7 @@ fn cull_pipeline(
     gpu: &Gpu,
     Groups(all): &Groups<'_>,
     culling: GpuCulling,
-) -> Result<wgpu::ComputePipeline, BackendError> {
+) -> Result<wgpu::ComputePipeline, DeviceError> {
     // Two groups more than it reads: pipelines of one pass whose layouts differ before a group
     // disturb that group (Vulkan 1.3, "Pipeline Layout Compatibility"), and wgpu does not bind it
     // again where a layout has a gap.
@@ -111,7 +111,7 @@ fn cull_pipeline(
 }
 
 impl Pipelines {
-    pub(crate) fn new(fill: &VolumeFill, variant: ComputeVariant) -> Result<Self, BackendError> {
+    pub(crate) fn new(fill: &VolumeFill, variant: ComputeVariant) -> Result<Self, DeviceError> {
         let gpu = fill.gpu();
         let bindings = Bindings::new(&gpu);
         let groups = Groups::new(fill.frame_layout(), &bindings);

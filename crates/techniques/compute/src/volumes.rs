@@ -6,7 +6,7 @@ use crate::expansion::{Capacity, ExpansionPlan, OutputSlice, PlacingPlan, WorkGr
 use crate::layout::{MeshSlice, SceneGeometry};
 use crate::pipeline::Pipelines;
 use crate::{ComputeBytes, ComputeVariant, Expansion, GpuCulling, Transform};
-use terrafill_fill::{BackendError, FrameInput, RegionPlace};
+use terrafill_fill::{DeviceError, FrameInput, RegionPlace};
 use terrafill_gpu::{Gpu, RenderTargets, VolumeFill, read_buffer};
 use terrafill_scene::PlannedRegion;
 
@@ -100,7 +100,7 @@ impl Placed {
     }
 }
 
-fn read_vec<T: bytemuck::Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<T>, BackendError> {
+fn read_vec<T: bytemuck::Pod>(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<T>, DeviceError> {
     Ok(bytemuck::pod_collect_to_vec(&read_buffer(gpu, buffer)?))
 }
 
@@ -127,7 +127,7 @@ impl ComputeVolumes {
         fill: &VolumeFill,
         variant: ComputeVariant,
         capacity: Capacity,
-    ) -> Result<Self, BackendError> {
+    ) -> Result<Self, DeviceError> {
         Ok(Self {
             variant,
             capacity,
@@ -191,12 +191,12 @@ impl ComputeVolumes {
     }
 
     /// Refuses constants that the device cannot hold.
-    pub(crate) fn check_constants(&self, bytes: u64) -> Result<(), BackendError> {
+    pub(crate) fn check_constants(&self, bytes: u64) -> Result<(), DeviceError> {
         self.capacity.check_bytes("region constants", bytes)
     }
 
     /// Vertices of this frame's draws whose size only the device knows.
-    pub(crate) fn drawn_by_device(&self, gpu: &Gpu) -> Result<u64, BackendError> {
+    pub(crate) fn drawn_by_device(&self, gpu: &Gpu) -> Result<u64, DeviceError> {
         let Some(culling) = &self.view.culling else {
             return Ok(0);
         };
@@ -206,7 +206,7 @@ impl ComputeVolumes {
     }
 
     /// Meshes that the device left out of the last frame.
-    pub(crate) fn left_out(&self, gpu: &Gpu) -> Result<Vec<usize>, BackendError> {
+    pub(crate) fn left_out(&self, gpu: &Gpu) -> Result<Vec<usize>, DeviceError> {
         let Some(culling) = &self.view.culling else {
             return Ok(Vec::new());
         };
@@ -222,7 +222,7 @@ impl ComputeVolumes {
         &mut self,
         targets: &RenderTargets,
         input: &FrameInput,
-    ) -> Result<(), BackendError> {
+    ) -> Result<(), DeviceError> {
         let geometry = SceneGeometry::build(&input.scene.meshes);
         let bytes = geometry.bytes();
         let capacity = self.capacity;
@@ -259,7 +259,7 @@ impl ComputeVolumes {
         &mut self,
         targets: &RenderTargets,
         input: &FrameInput,
-    ) -> Result<(), BackendError> {
+    ) -> Result<(), DeviceError> {
         self.view = ViewBuffers::default();
         let Some(scene) = &self.scene else {
             return Ok(());
@@ -298,7 +298,7 @@ impl ComputeVolumes {
         &self,
         targets: &RenderTargets,
         plan: ExpansionPlan,
-    ) -> Result<Expanded, BackendError> {
+    ) -> Result<Expanded, DeviceError> {
         let labels = ["expanded volumes", "expansion work"];
         let (bytes, usage) = (plan.output_bytes(), wgpu::BufferUsages::INDEX);
         Ok(Expanded {
@@ -312,7 +312,7 @@ impl ComputeVolumes {
         &self,
         targets: &RenderTargets,
         input: &FrameInput,
-    ) -> Result<Placed, BackendError> {
+    ) -> Result<Placed, DeviceError> {
         let planned = input.plan.regions.iter();
         let plan = PlacingPlan::new(planned.map(|planned| &input.scene.meshes[planned.mesh]))?;
         let labels = ["corners in clip space", "placing work"];
@@ -331,7 +331,7 @@ impl ComputeVolumes {
         work: &[WorkGroup],
         output_bytes: u64,
         usage: wgpu::BufferUsages,
-    ) -> Result<Filled, BackendError> {
+    ) -> Result<Filled, DeviceError> {
         let work_bytes = size_of_val(work) as u64;
         self.capacity.check_bytes(label, output_bytes)?;
         self.capacity.check_bytes(work_label, work_bytes)?;
@@ -373,7 +373,7 @@ impl ComputeVolumes {
         targets: &RenderTargets,
         input: &FrameInput,
         regions: Vec<CullRegion>,
-    ) -> Result<Culling, BackendError> {
+    ) -> Result<Culling, DeviceError> {
         let planned = &input.plan.regions;
         let draw_bytes = 2 * (size_of::<DrawArguments>() * planned.len().max(1)) as u64;
         let region_bytes = size_of_val(&*regions) as u64;

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 use terrafill_fill::{
-    Backend, BackendError, Capabilities, Colours, Counters, CpuStopwatch, FillPass, FillProgram,
+    Backend, Capabilities, Colours, Counters, CpuStopwatch, DeviceError, FillPass, FillProgram,
     FillStep, Frame, FrameInput, FrameTimes, MemoryUse, Picture, PositionFormat, RegionConstants,
     SwitchError, Switches, TimedBackend, ViewId, VolumeBackend, WorkDone, pick,
 };
@@ -153,12 +153,12 @@ impl NativeBackend {
     /// A backend on `targets`.
     ///
     /// # Errors
-    /// [`BackendError::Unsupported`] when the device lacks `geometryShader`, `depthBounds` or
+    /// [`DeviceError::Unsupported`] when the device lacks `geometryShader`, `depthBounds` or
     /// depth that shaders can read, and the variant needs it.
-    pub fn new(targets: &SharedTargets, variant: NativeVariant) -> Result<Self, BackendError> {
+    pub fn new(targets: &SharedTargets, variant: NativeVariant) -> Result<Self, DeviceError> {
         let gpu = Arc::clone(targets.borrow().gpu());
         let features = gpu.facts.features;
-        let lacks = |capability: &str| BackendError::unsupported(capability, &gpu.facts.name);
+        let lacks = |capability: &str| DeviceError::unsupported(capability, &gpu.facts.name);
         if variant.technique.needs_geometry_shader() && !features.geometry_shader {
             return Err(lacks("geometryShader"));
         }
@@ -195,7 +195,7 @@ impl NativeBackend {
         Arc::clone(self.targets.borrow().gpu())
     }
 
-    fn draw_and_read(&mut self, input: &FrameInput) -> Result<(Picture, Counters), BackendError> {
+    fn draw_and_read(&mut self, input: &FrameInput) -> Result<(Picture, Counters), DeviceError> {
         self.check_prepared(input)?;
         let gpu = self.gpu();
         self.targets.borrow_mut().prepare(input)?;
@@ -222,7 +222,7 @@ impl NativeBackend {
         input: &FrameInput,
         measured: Measured,
         probe: Option<&Probe>,
-    ) -> Result<(FillReport, Counters), BackendError> {
+    ) -> Result<(FillReport, Counters), DeviceError> {
         let mut counters = Counters::default();
         let targets = self.targets.borrow();
         let Some(drawing) = self.drawing(input, probe) else {
@@ -252,7 +252,7 @@ impl NativeBackend {
     }
 
     /// Fragments of all volumes that mark, drawn once more without any test.
-    fn count_fragments(&mut self, input: &FrameInput) -> Result<Option<u64>, BackendError> {
+    fn count_fragments(&mut self, input: &FrameInput) -> Result<Option<u64>, DeviceError> {
         let steps = |view: &ViewBuffers| {
             let counted = view.program.counted().map(FillStep::Volumes);
             descriptors(self.variant, counted)
@@ -272,13 +272,13 @@ impl NativeBackend {
         Ok(report.samples)
     }
 
-    fn check_prepared(&self, input: &FrameInput) -> Result<(), BackendError> {
+    fn check_prepared(&self, input: &FrameInput) -> Result<(), DeviceError> {
         let revision = self.scene.as_ref().map(|scene| scene.revision);
         let view_id = self.view.as_ref().map(|view| view.id);
         input.check_prepared(BACKEND, revision, view_id)
     }
 
-    fn upload_scene(&mut self, input: &FrameInput) -> Result<(), BackendError> {
+    fn upload_scene(&mut self, input: &FrameInput) -> Result<(), DeviceError> {
         let (technique, indices) = (self.variant.technique, self.variant.indices());
         let geometry = SceneGeometry::build(technique, indices, &input.scene.meshes);
         self.upload_geometry(input, geometry)
@@ -288,7 +288,7 @@ impl NativeBackend {
         &mut self,
         input: &FrameInput,
         geometry: SceneGeometry,
-    ) -> Result<(), BackendError> {
+    ) -> Result<(), DeviceError> {
         let technique = self.variant.technique;
         let vertices = geometry.vertex_count(technique);
         check_numbers(technique, vertices)?;
@@ -320,7 +320,7 @@ impl NativeBackend {
     }
 
     /// Brings program and constants up to date; nothing is made or written where they are already.
-    fn upload_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), BackendError> {
+    fn upload_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), DeviceError> {
         let Some(scene) = &self.scene else {
             return self.check_prepared(input);
         };
@@ -373,7 +373,7 @@ impl NativeBackend {
         Ok(())
     }
 
-    fn ensure_program_pipelines(&mut self) -> Result<(), BackendError> {
+    fn ensure_program_pipelines(&mut self) -> Result<(), DeviceError> {
         let is_textured = self.textured.is_some();
         let steps = |view: &ViewBuffers| {
             let all = view.program.passes.iter().flat_map(FillPass::steps);
@@ -386,7 +386,7 @@ impl NativeBackend {
         self.ensure_textured(Purpose::Colour)
     }
 
-    fn ensure_textured(&mut self, purpose: Purpose) -> Result<(), BackendError> {
+    fn ensure_textured(&mut self, purpose: Purpose) -> Result<(), DeviceError> {
         let gpu = self.gpu();
         let (Some(textured), Some(view)) = (&mut self.textured, &self.view) else {
             return Ok(());
@@ -396,7 +396,7 @@ impl NativeBackend {
 
     /// The frame with ids and places from the textured covers, drawn once more with what they write
     /// for the probe, by the same functions; a plain fill's frame as it is.
-    fn probed(&mut self, input: &FrameInput, plain: Frame) -> Result<Frame, BackendError> {
+    fn probed(&mut self, input: &FrameInput, plain: Frame) -> Result<Frame, DeviceError> {
         if self.textured.is_none() {
             return Ok(plain);
         }
@@ -411,7 +411,7 @@ impl NativeBackend {
         })
     }
 
-    fn ensure_pipelines(&mut self, wanted: Vec<PipelineDescriptor>) -> Result<(), BackendError> {
+    fn ensure_pipelines(&mut self, wanted: Vec<PipelineDescriptor>) -> Result<(), DeviceError> {
         let gpu = self.gpu();
         for descriptor in wanted {
             if let Entry::Vacant(place) = self.pipelines.entry(descriptor) {
@@ -422,7 +422,7 @@ impl NativeBackend {
     }
 
     /// Brings geometry, constants and pipelines up to date, and gives the bytes handed over.
-    fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, BackendError> {
+    fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, DeviceError> {
         let gpu = self.gpu();
         let before = gpu.work_done();
         let is_uploaded = self
@@ -451,11 +451,11 @@ fn descriptors<'a>(
 }
 
 /// Whether every vertex has a number of its own in the geometry shader.
-fn check_numbers(technique: Technique, vertices: usize) -> Result<(), BackendError> {
+fn check_numbers(technique: Technique, vertices: usize) -> Result<(), DeviceError> {
     if vertices <= MAX_VERTICES || !technique.needs_geometry_shader() {
         return Ok(());
     }
-    Err(BackendError::OverCapacity {
+    Err(DeviceError::OverCapacity {
         what: "vertices that geometry shaders tell apart".to_owned(),
         found: vertices as u64,
         allowed: MAX_VERTICES as u64,
@@ -467,7 +467,7 @@ impl Backend for NativeBackend {
         &self.capabilities
     }
 
-    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, BackendError> {
+    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, DeviceError> {
         input.check_region_count()?;
         self.targets.borrow_mut().prepare(input)?;
         let upload_bytes = self.bring_up_to_date(input)?;
@@ -493,7 +493,7 @@ impl Backend for NativeBackend {
         })
     }
 
-    fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError> {
+    fn render(&mut self, input: &FrameInput) -> Result<Frame, DeviceError> {
         let (picture, mut counters) = self.draw_and_read(input)?;
         counters.stencil_fragments = self.count_fragments(input)?;
         self.probed(input, Frame::from_picture(&picture, counters))
@@ -501,7 +501,7 @@ impl Backend for NativeBackend {
 }
 
 impl TimedBackend for NativeBackend {
-    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, BackendError> {
+    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, DeviceError> {
         self.check_prepared(input)?;
         // Another backend of the targets may have drawn another view since.
         if !self.targets.borrow().holds(input) {
@@ -534,14 +534,14 @@ impl VolumeBackend for NativeBackend {
         plan.map(|plan| plan.note())
     }
 
-    fn picture(&mut self, input: &FrameInput) -> Result<Picture, BackendError> {
+    fn picture(&mut self, input: &FrameInput) -> Result<Picture, DeviceError> {
         self.upload_view(input, OPAQUE)?;
         let picture = self.draw_and_read(input).map(|(picture, _)| picture);
         self.upload_view(input, Colours::Ids)?;
         picture
     }
 
-    fn draw_own_surface(&mut self, input: &FrameInput) -> Result<(), BackendError> {
+    fn draw_own_surface(&mut self, input: &FrameInput) -> Result<(), DeviceError> {
         let mut targets = self.targets.borrow_mut();
         targets.prepare(input)?;
         targets.draw_surface().map(|_| ())

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 use terrafill_fill::{
-    AddressMode, BackendError, FillPass, FillStep, FrameInput, Probed, StencilTest, Switches,
+    AddressMode, DeviceError, FillPass, FillStep, FrameInput, Probed, StencilTest, Switches,
     TexturedCover, TexturedPlan, ViewId,
 };
 use terrafill_scene::{MipChain, PlannedRegion, SceneTexture, TextureShare};
@@ -110,7 +110,7 @@ impl Textured {
         &mut self,
         targets: &RenderTargets,
         input: &FrameInput,
-    ) -> Result<(), BackendError> {
+    ) -> Result<(), DeviceError> {
         let is_same = |view: &View| view.id == input.view_id && view.regions == input.plan.regions;
         if self.view.as_ref().is_some_and(is_same) && self.holds_image(input) {
             return Ok(());
@@ -173,7 +173,7 @@ impl Textured {
         gpu: &Arc<Gpu>,
         image: &MipChain,
         copies: usize,
-    ) -> Result<(), BackendError> {
+    ) -> Result<(), DeviceError> {
         let mut texels = image.levels()[0].rgba.chunks_exact(4);
         self.images_are_opaque = texels.all(|texel| texel[3] == u8::MAX);
         self.image_bindings.clear();
@@ -188,7 +188,7 @@ impl Textured {
         gpu: &Arc<Gpu>,
         plan: &TexturedPlan,
         cover: &TexturedCover,
-    ) -> Result<usize, BackendError> {
+    ) -> Result<usize, DeviceError> {
         let parts = parts(plan, cover);
         let there = self.shaders.iter().position(|made| made.parts == parts);
         if let Some(there) = there {
@@ -206,7 +206,7 @@ impl Textured {
         Ok(self.shaders.len() - 1)
     }
 
-    fn ensure_image_bindings(&mut self, key: ImageKey) -> Result<(), BackendError> {
+    fn ensure_image_bindings(&mut self, key: ImageKey) -> Result<(), DeviceError> {
         let Some(image) = self.images.get(key.0) else {
             return Ok(());
         };
@@ -222,7 +222,7 @@ impl Textured {
         gpu: &Arc<Gpu>,
         passes: impl Iterator<Item = &'a FillPass>,
         purpose: Purpose,
-    ) -> Result<(), BackendError> {
+    ) -> Result<(), DeviceError> {
         for step in passes.flat_map(FillPass::steps) {
             let FillStep::Cover { test, regions, .. } = step else {
                 continue;
@@ -292,7 +292,7 @@ impl Textured {
 }
 
 /// What the covers left in `probe`; nothing where none was drawn.
-pub(crate) fn probed(probe: &Probe, pixels: usize) -> Result<Vec<Option<Probed>>, BackendError> {
+pub(crate) fn probed(probe: &Probe, pixels: usize) -> Result<Vec<Option<Probed>>, DeviceError> {
     Ok(match probe.read()? {
         Some([places, sizes]) => Probed::of_targets(&places, &sizes),
         None => vec![None; pixels],

@@ -4,7 +4,7 @@
 use crate::VertexVariant;
 use crate::pass::VertexVolumes;
 use terrafill_fill::{
-    Backend, BackendError, Capabilities, Colours, FillProgram, Frame, FrameInput, FrameTimes,
+    Backend, Capabilities, Colours, DeviceError, FillProgram, Frame, FrameInput, FrameTimes,
     MemoryUse, Picture, RegionConstants, TimedBackend, VolumeBackend,
 };
 use terrafill_gpu::{SharedTargets, VolumeFill};
@@ -21,9 +21,9 @@ impl VertexBackend {
     /// A backend on `targets`.
     ///
     /// # Errors
-    /// [`BackendError::Switch`] when the layout lacks what was chosen for it;
-    /// [`BackendError::Unsupported`] for what wgpu has no way to ask for; [`BackendError::Shader`].
-    pub fn new(targets: &SharedTargets, variant: VertexVariant) -> Result<Self, BackendError> {
+    /// [`DeviceError::Switch`] when the layout lacks what was chosen for it;
+    /// [`DeviceError::Unsupported`] for what wgpu has no way to ask for; [`DeviceError::Shader`].
+    pub fn new(targets: &SharedTargets, variant: VertexVariant) -> Result<Self, DeviceError> {
         variant.check_layout()?;
         let fill = VolumeFill::new(targets, "vertex", &variant.switches)?;
         Ok(Self {
@@ -40,7 +40,7 @@ impl VertexBackend {
     }
 
     /// Brings program and constants up to date; nothing is made or written where they are already.
-    fn upload_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), BackendError> {
+    fn upload_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), DeviceError> {
         let Some(place_of) = self.volumes.places() else {
             return self.fill.check_prepared(input);
         };
@@ -51,7 +51,7 @@ impl VertexBackend {
     }
 
     /// Brings geometry, constants and pipelines up to date, and gives the bytes handed over.
-    fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, BackendError> {
+    fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, DeviceError> {
         let before = self.fill.gpu().work_done();
         if !self.fill.holds_meshes(input) {
             self.volumes.upload(&self.fill.targets().borrow(), input)?;
@@ -69,7 +69,7 @@ impl Backend for VertexBackend {
         self.fill.capabilities()
     }
 
-    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, BackendError> {
+    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, DeviceError> {
         input.check_region_count()?;
         self.fill.targets().borrow_mut().prepare(input)?;
         let upload_bytes = self.bring_up_to_date(input)?;
@@ -86,7 +86,7 @@ impl Backend for VertexBackend {
         })
     }
 
-    fn render(&mut self, input: &FrameInput) -> Result<Frame, BackendError> {
+    fn render(&mut self, input: &FrameInput) -> Result<Frame, DeviceError> {
         let (picture, mut counters) = self.fill.draw_and_read(&mut self.volumes, input, false)?;
         counters.stencil_fragments = self.fill.count_fragments(&mut self.volumes, input)?;
         self.fill
@@ -95,7 +95,7 @@ impl Backend for VertexBackend {
 }
 
 impl TimedBackend for VertexBackend {
-    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, BackendError> {
+    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, DeviceError> {
         self.fill.time_frame(&mut self.volumes, input)
     }
 }
@@ -113,7 +113,7 @@ impl VolumeBackend for VertexBackend {
         self.fill.note()
     }
 
-    fn picture(&mut self, input: &FrameInput) -> Result<Picture, BackendError> {
+    fn picture(&mut self, input: &FrameInput) -> Result<Picture, DeviceError> {
         self.variant.check(input.scene.overlap)?;
         let blends = self.variant.opacity_percent < 100;
         let opacity = f32::from(self.variant.opacity_percent) / 100.0;

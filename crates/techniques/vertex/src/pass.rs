@@ -4,7 +4,7 @@
 use crate::layout::{RegionSlice, SceneGeometry};
 use crate::pipeline::{Part, PipelineKey, Pipelines, draws_first_walls_twice, parts};
 use crate::{Layout, VertexVariant};
-use terrafill_fill::{BackendError, FrameInput, GeometryBytes, RegionPlace, VolumeDraw};
+use terrafill_fill::{DeviceError, FrameInput, GeometryBytes, RegionPlace, VolumeDraw};
 use terrafill_gpu::{Gpu, RenderTargets, VolumeFill, VolumePass, Volumes};
 
 /// Volumes of a scene, and the pipelines that draw them.
@@ -30,7 +30,7 @@ struct SceneBuffers {
 }
 
 impl VertexVolumes {
-    pub(crate) fn new(fill: &VolumeFill, variant: VertexVariant) -> Result<Self, BackendError> {
+    pub(crate) fn new(fill: &VolumeFill, variant: VertexVariant) -> Result<Self, DeviceError> {
         Ok(Self {
             variant,
             pipelines: Pipelines::new(fill, variant)?,
@@ -57,7 +57,7 @@ impl VertexVolumes {
         &mut self,
         targets: &RenderTargets,
         input: &FrameInput,
-    ) -> Result<(), BackendError> {
+    ) -> Result<(), DeviceError> {
         let layout = self.variant.layout;
         let geometry = SceneGeometry::build(&self.variant, &input.scene.meshes);
         let bytes = geometry.bytes();

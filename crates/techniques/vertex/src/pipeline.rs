@@ -3,7 +3,7 @@
 
 use crate::{FLAG_BYTES, Layout, VertexVariant};
 use std::collections::HashMap;
-use terrafill_fill::{BackendError, FaceSet, PositionFormat, VolumeState};
+use terrafill_fill::{DeviceError, FaceSet, PositionFormat, VolumeState};
 use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
 
 /// Which part of a volume a pipeline draws. Doubled walls may be strips, and a strip's restart value
@@ -55,7 +55,7 @@ pub(crate) struct Pipelines {
 }
 
 impl Pipelines {
-    pub(crate) fn new(fill: &VolumeFill, variant: VertexVariant) -> Result<Self, BackendError> {
+    pub(crate) fn new(fill: &VolumeFill, variant: VertexVariant) -> Result<Self, DeviceError> {
         let gpu = fill.gpu();
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT;

@@ -11,7 +11,7 @@ use std::io::Cursor;
 use std::path::PathBuf;
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
 use terrafill_fill::{
-    BackendError, Frame, FrameInput, MemoryUse, PreparedScene, SwitchError, paint,
+    DeviceError, Frame, FrameInput, MemoryUse, PreparedScene, SwitchError, paint,
 };
 use terrafill_filling::{Technique, open_scene};
 use terrafill_reference::ReferenceBackend;
@@ -229,7 +229,7 @@ fn draw(
     technique: &Technique,
     arguments: &RenderArguments,
 ) -> Result<Drawn, Failure> {
-    let draw = || -> Result<Drawn, BackendError> {
+    let draw = || -> Result<Drawn, DeviceError> {
         let mut backend = technique.open_alone(arguments.adapter.as_deref(), input.size)?;
         let memory = backend.prepare(input)?;
         let frame = backend.render(input)?;
@@ -248,7 +248,7 @@ fn draw(
         })
     };
     draw().map_err(|error| match error {
-        BackendError::Unsupported { .. } | BackendError::DeviceLost(_) => Failure::no_device(error),
+        DeviceError::Unsupported { .. } | DeviceError::DeviceLost(_) => Failure::no_device(error),
         _ => Failure::bad_input(error),
     })
 }

@@ -14,7 +14,7 @@ use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, Region, parse_regions};
-use terrafill_fill::{Backend, BackendError, FrameInput, PreparedScene, RegionSet, ViewId};
+use terrafill_fill::{Backend, DeviceError, FrameInput, PreparedScene, RegionSet, ViewId};
 use terrafill_scene::{Camera, CameraPose, FramePlan, ImageSize, Overlap};
 use terrafill_surface::{EllipsoidKind, SurfaceFrame};
 
@@ -323,12 +323,12 @@ fn rendering_wants_its_own_input_prepared() {
     second.view = "another".to_owned();
     assert!(matches!(
         reference.render(&first),
-        Err(BackendError::NotPrepared { .. })
+        Err(DeviceError::NotPrepared { .. })
     ));
     assert!(reference.prepare(&first).is_ok());
     assert!(matches!(
         reference.render(&second),
-        Err(BackendError::NotPrepared { .. })
+        Err(DeviceError::NotPrepared { .. })
     ));
     let frame = reference.render(&first).expect("prepared");
     let judged = reference.judge(&first).expect("no regions");
@@ -402,7 +402,7 @@ fn a_frame_is_judged_from_its_parsed_regions() {
     input.scene.edge_rule = EdgeRule::GreatEllipse;
     let refused = ReferenceBackend::new().prepare(&input);
     assert!(
-        matches!(refused, Err(BackendError::Unsupported { .. })),
+        matches!(refused, Err(DeviceError::Unsupported { .. })),
         "{refused:?}"
     );
 }
