@@ -43,7 +43,7 @@ fn largest_footprint(
     farthest_m: f64,
 ) -> f64 {
     let body = &input.scene.body;
-    let terrain = input.scene.terrain();
+    let terrain = input.terrain();
     let [_, south, _, north] = texture.extent_rad;
     let poleward = south.abs().max(north.abs());
     let equatorward = if south <= 0.0 && north >= 0.0 {

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What goes in: the same bytes for every backend.
 
-use crate::{DeviceError, MAX_REGIONS};
+use crate::{DeviceError, MAX_REGIONS, RegionSet, ViewId};
 use std::sync::Arc;
-use terrafill_core::{EdgeRule, Ellipsoid, Region, RegionMesh};
+use terrafill_core::{EdgeRule, Ellipsoid, Extent, Region};
 use terrafill_scene::{
-    Camera, FramePlan, ImageSize, LevelTable, LeveledMeshes, Overlap, PixelRect, PlanOptions,
-    RegionBounds, Scene, SceneTexture, SurfaceMesh, TerrainRange, View,
+    Camera, FramePlan, HeightRange, ImageSize, LevelTable, LeveledMeshes, Overlap, PixelRect,
+    PlanOptions, RegionBounds, Scene, SceneTexture, View,
 };
+use terrafill_surface::{Surface, SurfaceError, SurfaceFrame};
 
-/// A scene made ready to draw: regions meshed, surface tessellated. One per scene and mesh
-/// options; shared by all its views.
+/// A scene made ready to draw: regions meshed, surface opened. One per scene and mesh options; shared
+/// by all its views.
 #[derive(Debug, Clone)]
 pub struct PreparedScene {
     /// Name in reports.
@@ -25,13 +26,14 @@ pub struct PreparedScene {
     pub regions: Arc<[Region]>,
     /// As meshed: what volume backends draw. The first are `regions` in their order; what follows
     /// are coarser levels of them, see `levels`.
-    pub meshes: Arc<[RegionMesh]>,
+    pub meshes: RegionSet,
     /// Which of `meshes` is which region at which level.
     pub levels: Arc<LevelTable>,
-    /// Bounds of `meshes` over the surface, made once for all views.
+    /// Bounds of `meshes` over the surface, made once for all views; narrower in the input of a view
+    /// that draws the surface between closer heights.
     pub bounds: Arc<[RegionBounds]>,
     /// What lies under the fill.
-    pub surface: Arc<SurfaceMesh>,
+    pub surface: Arc<dyn Surface>,
     /// What a textured fill shows; plain fills never look at it.
     pub texture: Option<Arc<SceneTexture>>,
 }
@@ -39,14 +41,14 @@ pub struct PreparedScene {
 impl PreparedScene {
     /// Joins a scene with its meshes and surface.
     #[must_use]
-    pub fn new(scene: &Scene, meshes: Arc<[RegionMesh]>, surface: Arc<SurfaceMesh>) -> Self {
+    pub fn new(scene: &Scene, meshes: RegionSet, surface: Arc<dyn Surface>) -> Self {
         Self {
             name: scene.name.clone(),
             body: scene.body,
             edge_rule: scene.edge_rule,
             overlap: scene.overlap,
             regions: Arc::clone(&scene.regions),
-            bounds: bounds(&scene.body, &meshes, &surface),
+            bounds: bounds(&scene.body, &meshes, &*surface, None),
             meshes,
             levels: Arc::default(),
             surface,
@@ -56,7 +58,7 @@ impl PreparedScene {
 
     /// Joins a scene with the meshes of all its levels and its surface.
     #[must_use]
-    pub fn leveled(scene: &Scene, leveled: LeveledMeshes, surface: Arc<SurfaceMesh>) -> Self {
+    pub fn leveled(scene: &Scene, leveled: LeveledMeshes, surface: Arc<dyn Surface>) -> Self {
         Self {
             levels: Arc::new(leveled.table),
             ..Self::new(scene, leveled.meshes.into(), surface)
@@ -65,34 +67,31 @@ impl PreparedScene {
 
     /// The same scene with its regions meshed otherwise, at one level.
     #[must_use]
-    pub fn with_meshes(&self, meshes: Arc<[RegionMesh]>) -> Self {
+    pub fn with_meshes(&self, meshes: RegionSet) -> Self {
         Self {
-            bounds: bounds(&self.body, &meshes, &self.surface),
+            bounds: bounds(&self.body, &meshes, &*self.surface, None),
             meshes,
             levels: Arc::default(),
             ..self.clone()
         }
     }
-
-    /// Height range of the surface as drawn.
-    #[must_use]
-    pub fn terrain(&self) -> TerrainRange {
-        terrain(&self.surface)
-    }
 }
 
-fn terrain(surface: &SurfaceMesh) -> TerrainRange {
-    TerrainRange {
-        lowest_m: surface.lowest_m,
-        highest_m: surface.highest_m,
-    }
-}
-
-fn bounds(body: &Ellipsoid, meshes: &[RegionMesh], surface: &SurfaceMesh) -> Arc<[RegionBounds]> {
-    let terrain = terrain(surface);
+/// Bounds of each mesh over the heights of its own extent, of which a view may draw a part.
+fn bounds(
+    body: &Ellipsoid,
+    meshes: &RegionSet,
+    surface: &dyn Surface,
+    drawn: Option<HeightRange>,
+) -> Arc<[RegionBounds]> {
     meshes
         .iter()
-        .map(|mesh| RegionBounds::new(body, mesh, terrain))
+        .map(|mesh| {
+            let stated = surface.heights(&mesh.extent);
+            // Where the two have nothing in common, the view draws nothing over the region.
+            let drawn = drawn.and_then(|drawn| stated.intersection(drawn));
+            RegionBounds::new(body, mesh, drawn.unwrap_or(stated))
+        })
         .collect()
 }
 
@@ -107,40 +106,60 @@ pub struct FrameInput {
     pub camera: Camera,
     /// The image.
     pub size: ImageSize,
-    /// The surface's vertices as every renderer sees them: metres relative to the eye, ECEF axes.
-    pub surface_rte: Arc<[[f32; 3]]>,
+    /// Identity of eye, image and surface as drawn.
+    pub view_id: ViewId,
+    /// The surface as every renderer sees it.
+    pub surface: SurfaceFrame,
     /// What is drawn and what is left out.
     pub plan: FramePlan,
 }
 
 impl FrameInput {
     /// Plans a frame of `scene` seen by `view`.
-    #[must_use]
-    pub fn new(scene: &PreparedScene, view: &View, size: ImageSize, options: PlanOptions) -> Self {
+    ///
+    /// # Errors
+    /// [`SurfaceError`] when the surface cannot be drawn in this view.
+    pub fn new(
+        scene: &PreparedScene,
+        view: &View,
+        size: ImageSize,
+        options: PlanOptions,
+    ) -> Result<Self, SurfaceError> {
         let camera = view.camera(&scene.body);
-        let plan = plan(scene, &camera, size, options);
-        Self {
-            scene: scene.clone(),
+        let surface = scene.surface.frame(&camera, size)?;
+        let scene = drawn_between(scene, surface.heights);
+        Ok(Self {
+            plan: plan(&scene, &camera, size, surface.heights, options),
+            scene,
             view: view.name.clone(),
             camera,
             size,
-            surface_rte: scene.surface.relative_to_eye(camera.eye_ecef).into(),
-            plan,
-        }
+            view_id: ViewId::unique(),
+            surface,
+        })
     }
 
     /// The same view of the same surface with regions meshed otherwise, such as with another
     /// boundary tolerance; what lies under the fill stays the same bytes.
     #[must_use]
     pub fn remeshed(&self, scene: &PreparedScene, options: PlanOptions) -> Self {
+        let terrain = self.surface.heights;
+        let scene = drawn_between(scene, terrain);
         Self {
-            scene: scene.clone(),
+            plan: plan(&scene, &self.camera, self.size, terrain, options),
+            scene,
             view: self.view.clone(),
             camera: self.camera,
             size: self.size,
-            surface_rte: Arc::clone(&self.surface_rte),
-            plan: plan(scene, &self.camera, self.size, options),
+            view_id: self.view_id,
+            surface: self.surface.clone(),
         }
+    }
+
+    /// Heights between which the surface lies as drawn in this view.
+    #[must_use]
+    pub fn terrain(&self) -> HeightRange {
+        self.surface.heights
     }
 
     /// Where a planned region may be drawn: its screen rectangle with `scissor`, else everywhere.
@@ -173,20 +192,19 @@ impl FrameInput {
 
     /// Whether this is what `backend` was prepared for.
     ///
-    /// - `meshes`: those that it holds
-    /// - `surface_rte`: that of the view that it holds
+    /// - `revision`: of the meshes that it holds
+    /// - `view_id`: of the view that it holds
     ///
     /// # Errors
     /// [`DeviceError::NotPrepared`].
     pub fn check_prepared(
         &self,
         backend: &'static str,
-        meshes: Option<&Arc<[RegionMesh]>>,
-        surface_rte: Option<&Arc<[[f32; 3]]>>,
+        revision: Option<u64>,
+        view_id: Option<ViewId>,
     ) -> Result<(), DeviceError> {
-        let has_meshes = meshes.is_some_and(|held| Arc::ptr_eq(held, &self.scene.meshes));
-        let has_view = surface_rte.is_some_and(|held| Arc::ptr_eq(held, &self.surface_rte));
-        if has_meshes && has_view {
+        let has_meshes = revision == Some(self.scene.meshes.revision());
+        if has_meshes && view_id == Some(self.view_id) {
             return Ok(());
         }
         Err(self.not_prepared(backend))
@@ -203,17 +221,38 @@ impl FrameInput {
     }
 }
 
+/// The scene with the bounds of a view that draws the surface between these heights.
+fn drawn_between(scene: &PreparedScene, drawn: HeightRange) -> PreparedScene {
+    let everywhere = scene.surface.heights(&WHOLE_BODY);
+    if everywhere == drawn {
+        return scene.clone();
+    }
+    PreparedScene {
+        bounds: bounds(&scene.body, &scene.meshes, &*scene.surface, Some(drawn)),
+        ..scene.clone()
+    }
+}
+
+/// All there is.
+const WHOLE_BODY: Extent = Extent {
+    west_deg: -180.0,
+    south_deg: -90.0,
+    east_deg: 180.0,
+    north_deg: 90.0,
+};
+
 fn plan(
     scene: &PreparedScene,
     camera: &Camera,
     size: ImageSize,
+    terrain: HeightRange,
     options: PlanOptions,
 ) -> FramePlan {
     let mut plan = FramePlan::new(
         &scene.body,
         camera,
         size,
-        scene.terrain(),
+        terrain,
         &scene.bounds,
         &scene.levels,
         options,

@@ -16,6 +16,7 @@ mod fixed_point;
 mod footprint;
 mod frame;
 mod geometry;
+mod identity;
 mod input;
 mod ladder;
 mod matrix;
@@ -45,6 +46,7 @@ pub use fixed_point::{
 };
 pub use frame::{Counters, Frame, FrameTimes, MemoryUse, NO_REGION};
 pub use geometry::{GeometryBytes, IndexLists, boundary_edges};
+pub use identity::{RegionSet, ViewId};
 pub use input::{FrameInput, PreparedScene};
 pub use ladder::{Climb, Rung};
 pub use matrix::{LOD_PX, matrix_row};

@@ -464,7 +464,7 @@ fn map_region(
         east_rad,
         north_rad,
     };
-    let terrain = input.scene.terrain();
+    let terrain = input.terrain();
     let heights = (terrain.lowest_m, terrain.highest_m);
     let pixel_m = sight.pixel * sight.nearest_m;
     let eye_ecef = input.camera.eye_ecef;
@@ -505,8 +505,7 @@ impl Sight {
         let camera = &input.camera;
         let body = &input.scene.body;
         // A box holds the region's caps too, and the eye may be in it; the ground is further away.
-        let above_m =
-            body.ecef_to_geodetic(camera.eye_ecef).height_m - input.scene.terrain().highest_m;
+        let above_m = body.ecef_to_geodetic(camera.eye_ecef).height_m - input.terrain().highest_m;
         Self {
             nearest_m: nearest_m.max(above_m).max(camera.near_m),
             // No finite box: as far as anything on the body can be.

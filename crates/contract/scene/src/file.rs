@@ -7,7 +7,7 @@
 
 use crate::data::{Verified, read_verified};
 use crate::procedural::Islands;
-use crate::scene::{Overlap, Scene, View};
+use crate::scene::{Overlap, Scene, SurfaceChoice, View};
 use crate::shipped;
 use crate::texture::{
     ImageSource, MAX_SIDE_PX, Outside, SceneTexture, TextureAnchor, TexturePlacement, TextureShare,
@@ -25,10 +25,8 @@ const DEFAULT_FOV_DEG: f64 = 60.0;
 /// Distance of the near plane where a view names none, share of the eye's height: far below
 /// anything a camera above the surface can see, and reversed depth keeps its precision.
 const DEFAULT_NEAR_SHARE: f64 = 1e-3;
-/// Rows of the surface grid where a scene names none: 1°.
-const DEFAULT_SURFACE_ROWS: i64 = 180;
-/// Rows of the surface grid: four are the fewest that close, 4,096 are 67 million triangles.
-const SURFACE_ROWS: RangeInclusive<i64> = 4..=4096;
+/// The surface where a scene names none: the bare body.
+const DEFAULT_SURFACE: &str = "ellipsoid";
 /// Largest edge of a cap triangle, degrees: beyond 30° a facet sags by hundreds of kilometres.
 const CAP_STEP_LIMIT_DEG: f64 = 30.0;
 
@@ -154,7 +152,6 @@ impl Scene {
         )?;
         let repair = check.repair(raw.regions.repair.as_deref())?;
         let source = check.region_source(raw.regions)?;
-        let surface_rows = check.surface_rows(&raw.surface)?;
         let mesh = check.mesh(&raw.mesh)?;
         let levels = check.levels(raw.levels)?;
         let views = check.views(&raw.views)?;
@@ -193,7 +190,14 @@ impl Scene {
             overlap,
             mesh,
             levels,
-            surface_rows,
+            surface: SurfaceChoice {
+                file: file.to_owned(),
+                kind: raw
+                    .surface
+                    .kind
+                    .unwrap_or_else(|| DEFAULT_SURFACE.to_owned()),
+                parameters: raw.surface.parameters,
+            },
             views,
             sweep_boundary_tolerance_m,
             texture,
@@ -223,6 +227,7 @@ struct RawScene {
     edges: Option<String>,
     overlap: Option<String>,
     regions: RawRegions,
+    #[serde(default)]
     surface: RawSurface,
     #[serde(default)]
     mesh: RawMesh,
@@ -255,11 +260,11 @@ struct RawProcedural {
     lake_every: i64,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Deserialize, Default)]
 struct RawSurface {
-    kind: String,
-    rows: Option<i64>,
+    kind: Option<String>,
+    #[serde(flatten)]
+    parameters: toml::Table,
 }
 
 #[derive(Deserialize, Default)]
@@ -735,14 +740,6 @@ impl Check<'_> {
             )?,
             lake_every: self.count(&key("lake_every"), raw.lake_every, 0..=10_000)?,
         })
-    }
-
-    fn surface_rows(&self, raw: &RawSurface) -> Result<u32, SceneError> {
-        if raw.kind != "ellipsoid" {
-            return Err(self.refuse("surface.kind", format!("{:?}", raw.kind), "ellipsoid"));
-        }
-        let rows = raw.rows.unwrap_or(DEFAULT_SURFACE_ROWS);
-        self.count("surface.rows", rows, SURFACE_ROWS)
     }
 
     fn mesh(&self, raw: &RawMesh) -> Result<MeshOptions, SceneError> {

@@ -11,7 +11,6 @@ mod plan;
 mod procedural;
 mod scene;
 mod shipped;
-mod surface;
 mod texture;
 
 pub use camera::{Camera, CameraPose, ImageSize};
@@ -22,13 +21,12 @@ pub use level::{
     LeveledMeshes,
 };
 pub use plan::{
-    CAP_CLEARANCE_PX, FramePlan, LeftOutReason, LeftOutRegion, PixelRect, PlanOptions,
-    PlannedRegion, RegionBounds, TerrainRange,
+    CAP_CLEARANCE_PX, FramePlan, HeightRange, LeftOutReason, LeftOutRegion, PixelRect, PlanOptions,
+    PlannedRegion, RegionBounds,
 };
 pub use procedural::Islands;
-pub use scene::{Overlap, Scene, View};
+pub use scene::{Overlap, Scene, SurfaceChoice, View};
 pub use shipped::shipped_scene_names;
-pub use surface::SurfaceMesh;
 pub use terrafill_core::ShapeFamily;
 pub use texture::{
     MipChain, MipLevel, Outside, SceneTexture, TextureAnchor, TexturePlacement, TextureShare,

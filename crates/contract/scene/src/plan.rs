@@ -174,7 +174,7 @@ pub struct RegionBounds {
 impl RegionBounds {
     /// Bounds of `mesh` over `terrain`.
     #[must_use]
-    pub fn new(body: &Ellipsoid, mesh: &RegionMesh, terrain: TerrainRange) -> Self {
+    pub fn new(body: &Ellipsoid, mesh: &RegionMesh, terrain: HeightRange) -> Self {
         let heights = mesh.volume_heights(terrain.lowest_m, terrain.highest_m);
         Self {
             heights,
@@ -198,13 +198,34 @@ impl RegionBounds {
     }
 }
 
-/// A body's surface as drawn lies between these heights, metres above the ellipsoid.
+/// Heights above the ellipsoid between which a surface lies, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TerrainRange {
-    /// Lowest point.
+pub struct HeightRange {
+    /// No point lies lower.
     pub lowest_m: f64,
-    /// Highest point.
+    /// No point lies higher.
     pub highest_m: f64,
+}
+
+impl HeightRange {
+    /// What lies in both ranges, or `None` where they have nothing in common.
+    #[must_use]
+    pub fn intersection(self, other: Self) -> Option<Self> {
+        let both = Self {
+            lowest_m: self.lowest_m.max(other.lowest_m),
+            highest_m: self.highest_m.min(other.highest_m),
+        };
+        (both.lowest_m <= both.highest_m).then_some(both)
+    }
+
+    /// The smallest range that holds both.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self {
+            lowest_m: self.lowest_m.min(other.lowest_m),
+            highest_m: self.highest_m.max(other.highest_m),
+        }
+    }
 }
 
 impl FramePlan {
@@ -218,7 +239,7 @@ impl FramePlan {
         body: &Ellipsoid,
         camera: &Camera,
         size: ImageSize,
-        terrain: TerrainRange,
+        terrain: HeightRange,
         meshes: &[RegionBounds],
         levels: &LevelTable,
         options: PlanOptions,
@@ -227,7 +248,7 @@ impl FramePlan {
             camera,
             size,
             horizon: Horizon::new(body, camera.eye_ecef, terrain.lowest_m),
-            clearance_m: cap_clearance_m(body, camera, size),
+            clearance_m: cap_clearance_m(body, camera, size, terrain),
             near_plane: NearPlane::new(camera, size),
             options,
         };
@@ -407,14 +428,25 @@ fn distance_to_box_m(bounds: &OrientedBox, ecef: DVec3) -> f64 {
         .length()
 }
 
-/// [`CAP_CLEARANCE_PX`] in metres at the farthest distance at which anything can be seen: nothing
-/// beyond the horizon is.
-fn cap_clearance_m(body: &Ellipsoid, camera: &Camera, size: ImageSize) -> f64 {
+/// [`CAP_CLEARANCE_PX`] in metres at the farthest distance at which anything can be seen: the horizon
+/// and, over terrain, the summits behind it. From the point where a ray touches the sphere of the
+/// lowest terrain, it reaches the highest terrain after `√((b + highest)² − (b + lowest)²)`.
+fn cap_clearance_m(
+    body: &Ellipsoid,
+    camera: &Camera,
+    size: ImageSize,
+    terrain: HeightRange,
+) -> f64 {
     let to_center = camera.eye_ecef.length();
-    let horizon_m = (to_center * to_center - body.polar_radius_m().powi(2))
-        .max(0.0)
-        .sqrt();
-    camera.pixel_size_m(size, horizon_m) * CAP_CLEARANCE_PX
+    let polar_m = body.polar_radius_m();
+    let horizon_m = (to_center * to_center - polar_m.powi(2)).max(0.0).sqrt();
+    let behind_m = if terrain.highest_m > 0.0 {
+        let [low, high] = [terrain.lowest_m.min(0.0), terrain.highest_m].map(|h| polar_m + h);
+        (high * high - low * low).max(0.0).sqrt()
+    } else {
+        0.0
+    };
+    camera.pixel_size_m(size, horizon_m + behind_m) * CAP_CLEARANCE_PX
 }
 
 /// Whether all corners lie outside one side plane, or behind the eye.

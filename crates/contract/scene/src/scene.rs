@@ -34,7 +34,18 @@ impl View {
     }
 }
 
-/// A scene, checked.
+/// The `[surface]` of a scene file. What a kind and its parameters mean is known to the surface alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfaceChoice {
+    /// The scene file, for messages.
+    pub file: String,
+    /// Which surface.
+    pub kind: String,
+    /// All other keys.
+    pub parameters: toml::Table,
+}
+
+/// A scene, checked but for its surface.
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// Name in reports and on the command line.
@@ -53,8 +64,8 @@ pub struct Scene {
     pub mesh: MeshOptions,
     /// Coarser versions of their boundaries.
     pub levels: LevelChoice,
-    /// Rows of the surface grid from pole to pole.
-    pub surface_rows: u32,
+    /// What lies under the fill.
+    pub surface: SurfaceChoice,
     /// Cameras.
     pub views: Vec<View>,
     /// Boundary tolerances to sweep for error against run time, metres; may be empty.

@@ -17,6 +17,7 @@ const SCENES: &[(&str, &str)] = &[
     file!("california.toml"),
     file!("square-10m.toml"),
     file!("square-200km.toml"),
+    file!("hills.toml"),
     file!("countries-110m.toml"),
     file!("countries-50m.toml"),
     file!("us-states.toml"),

@@ -5,15 +5,15 @@
 use glam::DVec3;
 use terrafill_core::{Geodetic, RegionMesh};
 use terrafill_scene::{
-    Camera, FEWEST_VERTICES_FOR_LEVELS, FramePlan, ImageSize, LEVEL_VERTEX_SHARE, LevelChoice,
-    LeveledMeshes, PlanOptions, PlannedRegion, RegionBounds, Scene, TerrainRange,
+    Camera, FEWEST_VERTICES_FOR_LEVELS, FramePlan, HeightRange, ImageSize, LEVEL_VERTEX_SHARE,
+    LevelChoice, LeveledMeshes, PlanOptions, PlannedRegion, RegionBounds, Scene,
 };
 
 const SIZE: ImageSize = ImageSize {
     width: 1024,
     height: 1024,
 };
-const TERRAIN: TerrainRange = TerrainRange {
+const TERRAIN: HeightRange = HeightRange {
     lowest_m: -500.0,
     highest_m: 0.0,
 };

@@ -13,10 +13,9 @@ use crate::textured::{BoundCover, CoverPurpose, Probe, Textured};
 use crate::volume_pipeline::check_blendable;
 use crate::{API, Gpu, RenderTargets, SharedTargets, TimedPass, VolumePass};
 use std::sync::Arc;
-use terrafill_core::RegionMesh;
 use terrafill_fill::{
     Capabilities, Counters, CpuStopwatch, DeviceError, FillPass, FillProgram, FillStep, Frame,
-    FrameInput, FrameTimes, Picture, Switches, VolumeDraw, VolumeState, WorkDone,
+    FrameInput, FrameTimes, Picture, Switches, ViewId, VolumeDraw, VolumeState, WorkDone,
 };
 
 /// Volumes of a backend, as the passes of a fill draw them.
@@ -57,7 +56,8 @@ pub struct VolumeFill {
     covers: Covers,
     /// Of a textured fill; its covers stand where the plain ones would.
     textured: Option<Textured>,
-    meshes: Option<Arc<[RegionMesh]>>,
+    /// Revision of the meshes that the backend has uploaded.
+    meshes: Option<u64>,
     view: Option<View>,
     /// Asked of the device for the frame that comes next.
     work: WorkDone,
@@ -66,7 +66,7 @@ pub struct VolumeFill {
 /// Constants of the regions of a view, and the order to draw them in.
 #[derive(Debug)]
 struct View {
-    surface_rte: Arc<[[f32; 3]]>,
+    id: ViewId,
     constants: wgpu::Buffer,
     /// What `constants` holds.
     written: Vec<u8>,
@@ -154,13 +154,12 @@ impl VolumeFill {
     /// Whether the backend has uploaded the meshes of `input`.
     #[must_use]
     pub fn holds_meshes(&self, input: &FrameInput) -> bool {
-        let held = self.meshes.as_ref();
-        held.is_some_and(|held| Arc::ptr_eq(held, &input.scene.meshes))
+        self.meshes == Some(input.scene.meshes.revision())
     }
 
     /// The backend has uploaded the meshes of `input`.
     pub fn hold_meshes(&mut self, input: &FrameInput) {
-        self.meshes = Some(Arc::clone(&input.scene.meshes));
+        self.meshes = Some(input.scene.meshes.revision());
     }
 
     /// Whether this is what was prepared.
@@ -168,8 +167,8 @@ impl VolumeFill {
     /// # Errors
     /// [`DeviceError::NotPrepared`].
     pub fn check_prepared(&self, input: &FrameInput) -> Result<(), DeviceError> {
-        let surface = self.view.as_ref().map(|view| &view.surface_rte);
-        input.check_prepared(self.capabilities.backend, self.meshes.as_ref(), surface)
+        let view_id = self.view.as_ref().map(|view| view.id);
+        input.check_prepared(self.capabilities.backend, self.meshes, view_id)
     }
 
     /// What the device was asked for since `before` is for the frame that comes next; gives the
@@ -263,7 +262,7 @@ impl VolumeFill {
             }
         };
         self.view = Some(View {
-            surface_rte: Arc::clone(&input.surface_rte),
+            id: input.view_id,
             constants: buffer,
             written: constants,
             bind_group,

@@ -15,6 +15,7 @@ mod readback;
 mod route_table;
 mod shared;
 mod statistics;
+mod surface;
 mod targets;
 mod textured;
 mod timing;

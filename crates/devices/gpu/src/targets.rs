@@ -6,14 +6,16 @@
 //! fills of the same view.
 
 use crate::readback::read_texture;
+use crate::surface::TriangleRenderer;
 use crate::{Gpu, PassTimer, TimedPass};
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_fill::{
-    DeviceError, FrameInput, Picture, SKY, ViewConstants, check_target_size, count_u32,
+    DeviceError, FrameInput, Picture, SKY, ViewConstants, ViewId, check_target_size,
 };
 use terrafill_scene::ImageSize;
+use terrafill_surface::SurfaceRenderer as _;
 
 /// Colour target: ids and colours are exact in it.
 pub const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
@@ -34,16 +36,9 @@ pub struct RenderTargets {
     timer: Option<PassTimer>,
     view_constants: wgpu::Buffer,
     bind_group: wgpu::BindGroup,
-    pipeline: wgpu::RenderPipeline,
-    prepared: Option<PreparedSurface>,
-}
-
-#[derive(Debug)]
-struct PreparedSurface {
-    source: Arc<[[f32; 3]]>,
-    vertices: wgpu::Buffer,
-    indices: wgpu::Buffer,
-    index_count: u32,
+    surface: TriangleRenderer,
+    /// The view whose surface is uploaded.
+    prepared: Option<ViewId>,
 }
 
 impl RenderTargets {
@@ -97,7 +92,7 @@ impl RenderTargets {
             timer: PassTimer::new(gpu),
             view_constants,
             bind_group,
-            pipeline: surface_pipeline(gpu, &layout)?,
+            surface: TriangleRenderer::new(gpu, &layout)?,
             prepared: None,
         })
     }
@@ -162,29 +157,15 @@ impl RenderTargets {
     /// [`DeviceError::OverCapacity`] when the input's size is not the targets'.
     pub fn prepare(&mut self, input: &FrameInput) -> Result<(), DeviceError> {
         input.check_size(self.size)?;
-        let is_same =
-            |prepared: &PreparedSurface| Arc::ptr_eq(&prepared.source, &input.surface_rte);
-        if self.prepared.as_ref().is_some_and(is_same) {
+        if self.prepared == Some(input.view_id) {
             return Ok(());
         }
+        self.prepared = None;
         let constants = ViewConstants::new(input);
         self.gpu
             .write_buffer(&self.view_constants, 0, bytemuck::bytes_of(&constants));
-        let indices = input.scene.surface.triangles.as_flattened();
-        self.prepared = Some(PreparedSurface {
-            source: Arc::clone(&input.surface_rte),
-            vertices: self.upload(
-                "surface vertices",
-                bytemuck::cast_slice(&input.surface_rte),
-                wgpu::BufferUsages::VERTEX,
-            )?,
-            indices: self.upload(
-                "surface indices",
-                bytemuck::cast_slice(indices),
-                wgpu::BufferUsages::INDEX,
-            )?,
-            index_count: count_u32("surface indices", indices.len())?,
-        });
+        self.surface.prepare(&input.surface)?;
+        self.prepared = Some(input.view_id);
         Ok(())
     }
 
@@ -198,37 +179,7 @@ impl RenderTargets {
         bytes: &[u8],
         usage: wgpu::BufferUsages,
     ) -> Result<wgpu::Buffer, DeviceError> {
-        let size = (bytes.len() as u64).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT);
-        let limits = self.gpu.device.limits();
-        let allowed = if usage.contains(wgpu::BufferUsages::STORAGE) {
-            limits
-                .max_buffer_size
-                .min(limits.max_storage_buffer_binding_size)
-        } else {
-            limits.max_buffer_size
-        };
-        if size > allowed {
-            return Err(DeviceError::OverCapacity {
-                what: format!("bytes of {label}"),
-                found: size,
-                allowed,
-            });
-        }
-        let buffer = self.gpu.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            // A buffer of 0 bytes is not allowed; an empty scene still draws its surface.
-            size: size.max(wgpu::COPY_BUFFER_ALIGNMENT),
-            usage: usage | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: true,
-        });
-        buffer
-            .get_mapped_range_mut(..)
-            .map_err(|error| DeviceError::DeviceLost(error.to_string()))?
-            .slice(..bytes.len())
-            .copy_from_slice(bytes);
-        buffer.unmap();
-        self.gpu.work.count_upload(bytes.len() as u64);
-        Ok(buffer)
+        upload(&self.gpu, label, bytes, usage)
     }
 
     /// Clears the targets, draws the surface, waits, and gives the pass's GPU time.
@@ -236,9 +187,9 @@ impl RenderTargets {
     /// # Errors
     /// [`DeviceError::NotPrepared`], [`DeviceError::DeviceLost`].
     pub fn draw_surface(&mut self) -> Result<Option<f64>, DeviceError> {
-        let Some(prepared) = &self.prepared else {
+        if self.prepared.is_none() {
             return Err(DeviceError::no_surface());
-        };
+        }
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let (colour, depth_stencil) = (self.colour_view(), self.depth_stencil_view());
         let [r, g, b, a] = SKY.map(f64::from);
@@ -260,11 +211,8 @@ impl RenderTargets {
             timestamp_writes: self.timer.as_ref().map(|t| t.around(TimedPass::Surface)),
             ..Default::default()
         });
-        pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.bind_group, &[]);
-        pass.set_vertex_buffer(0, prepared.vertices.slice(..));
-        pass.set_index_buffer(prepared.indices.slice(..), wgpu::IndexFormat::Uint32);
-        pass.draw_indexed(0..prepared.index_count, 0, 0..1);
+        self.surface.draw(&mut pass);
         drop(pass);
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait()?;
@@ -293,6 +241,46 @@ impl RenderTargets {
             depth: bytemuck::pod_collect_to_vec(&depth),
         })
     }
+}
+
+/// [`RenderTargets::upload`] without targets.
+pub(crate) fn upload(
+    gpu: &Gpu,
+    label: &str,
+    bytes: &[u8],
+    usage: wgpu::BufferUsages,
+) -> Result<wgpu::Buffer, DeviceError> {
+    let size = (bytes.len() as u64).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT);
+    let limits = gpu.device.limits();
+    let allowed = if usage.contains(wgpu::BufferUsages::STORAGE) {
+        limits
+            .max_buffer_size
+            .min(limits.max_storage_buffer_binding_size)
+    } else {
+        limits.max_buffer_size
+    };
+    if size > allowed {
+        return Err(DeviceError::OverCapacity {
+            what: format!("bytes of {label}"),
+            found: size,
+            allowed,
+        });
+    }
+    let buffer = gpu.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        // A buffer of 0 bytes is not allowed; an empty scene still draws its surface.
+        size: size.max(wgpu::COPY_BUFFER_ALIGNMENT),
+        usage: usage | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: true,
+    });
+    buffer
+        .get_mapped_range_mut(..)
+        .map_err(|error| DeviceError::DeviceLost(error.to_string()))?
+        .slice(..bytes.len())
+        .copy_from_slice(bytes);
+    buffer.unmap();
+    gpu.work.count_upload(bytes.len() as u64);
+    Ok(buffer)
 }
 
 /// A texture of one level that is drawn into, and whatever `usage` says beside.
@@ -348,52 +336,4 @@ pub(crate) fn attached(
             store: wgpu::StoreOp::Store,
         },
     }
-}
-
-fn surface_pipeline(
-    gpu: &Gpu,
-    layout: &wgpu::BindGroupLayout,
-) -> Result<wgpu::RenderPipeline, DeviceError> {
-    let shader = gpu.shader("surface/surface.wgsl")?;
-    let layout = gpu
-        .device
-        .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("surface"),
-            bind_group_layouts: &[Some(layout)],
-            immediate_size: 0,
-        });
-    Ok(gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("surface"),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &shader,
-            entry_point: Some("vertex_main"),
-            compilation_options: Default::default(),
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: 12,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &wgpu::vertex_attr_array![0 => Float32x3],
-            })],
-        },
-        primitive: wgpu::PrimitiveState {
-            cull_mode: Some(wgpu::Face::Back),
-            ..Default::default()
-        },
-        depth_stencil: Some(wgpu::DepthStencilState {
-            format: DEPTH_STENCIL_FORMAT,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Greater),
-            stencil: Default::default(),
-            bias: Default::default(),
-        }),
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &shader,
-            entry_point: Some("fragment_main"),
-            compilation_options: Default::default(),
-            targets: &[Some(COLOUR_FORMAT.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    }))
 }

@@ -15,7 +15,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use terrafill_fill::{
     AddressMode, CoverOverrides, DeviceError, FrameInput, Probed, StencilTest, Switches,
-    TexturedCover, TexturedPlan,
+    TexturedCover, TexturedPlan, ViewId,
 };
 use terrafill_scene::{ImageSize, MipChain, MipLevel, PlannedRegion, SceneTexture, TextureShare};
 use terrafill_shaders::{RouteText, TEXTURED_COVER, TexturedParts, TexturedPlacement};
@@ -428,7 +428,7 @@ pub(crate) struct Textured {
 /// A plan, and what it was made from.
 #[derive(Debug)]
 struct Planned {
-    surface_rte: Arc<[[f32; 3]]>,
+    view_id: ViewId,
     regions: Vec<PlannedRegion>,
     plan: TexturedPlan,
 }
@@ -460,8 +460,7 @@ impl Textured {
         input: &FrameInput,
     ) -> Result<(), DeviceError> {
         let is_same = |planned: &Planned| {
-            Arc::ptr_eq(&planned.surface_rte, &input.surface_rte)
-                && planned.regions == input.plan.regions
+            planned.view_id == input.view_id && planned.regions == input.plan.regions
         };
         if self.planned.as_ref().is_some_and(is_same) && self.holds_image(input) {
             return Ok(());
@@ -485,7 +484,7 @@ impl Textured {
         }
         self.covers.set_view(targets, &plan)?;
         self.planned = Some(Planned {
-            surface_rte: Arc::clone(&input.surface_rte),
+            view_id: input.view_id,
             regions: input.plan.regions.clone(),
             plan,
         });

@@ -7,16 +7,17 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Geodetic, parse_regions};
 use terrafill_fill::{
-    AddressMode, DeviceError, FrameInput, PreparedScene, Probed, RouteChoice, StencilTest,
-    Switches, TexturedPlan, TexturedRegion,
+    AddressMode, DeviceError, FrameInput, PreparedScene, Probed, RegionSet, RouteChoice,
+    StencilTest, Switches, TexturedPlan, TexturedRegion,
 };
 use terrafill_gpu::{
     BoundCover, CoverPurpose, Gpu, GpuOptions, Probe, RenderTargets, TexturedFill, open_for_test,
 };
 use terrafill_scene::{
     CameraPose, ImageSize, MipChain, Outside, Overlap, PixelRect, PlanOptions, PlannedRegion,
-    SceneTexture, SurfaceMesh, TextureAnchor, TexturePlacement, TextureShare, View,
+    SceneTexture, TextureAnchor, TexturePlacement, TextureShare, View,
 };
+use terrafill_surface::EllipsoidKind;
 use terrafill_texture::PositionRoute;
 
 const SIZE: ImageSize = ImageSize {
@@ -105,10 +106,10 @@ fn input(eye: Eye, bounds: Bounds, placement: TexturePlacement) -> FrameInput {
         edge_rule: Default::default(),
         overlap: Overlap::Disjoint,
         regions: regions.into(),
-        meshes: Arc::new([]),
+        meshes: RegionSet::default(),
         levels: Arc::default(),
         bounds: Arc::new([]),
-        surface: Arc::new(SurfaceMesh::ellipsoid(&BODY, 720)),
+        surface: EllipsoidKind::surface(&BODY, 720),
         texture: Some(Arc::new(SceneTexture {
             source: "test".to_owned(),
             image: picture(),
@@ -129,7 +130,7 @@ fn input(eye: Eye, bounds: Bounds, placement: TexturePlacement) -> FrameInput {
         },
         note: None,
     };
-    let mut input = FrameInput::new(&scene, &view, SIZE, PlanOptions::default());
+    let mut input = FrameInput::new(&scene, &view, SIZE, PlanOptions::default()).expect("above");
     input.plan.regions.push(PlannedRegion {
         region: 0,
         mesh: 0,

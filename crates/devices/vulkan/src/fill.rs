@@ -13,10 +13,9 @@ use crate::{
     SharedTargets, VolumePass,
 };
 use std::sync::Arc;
-use terrafill_core::RegionMesh;
 use terrafill_fill::{
     Capabilities, Counters, CpuStopwatch, DeviceError, FillPass, FillProgram, FillStep, Frame,
-    FrameInput, FrameTimes, Picture, Switches, VolumeDraw, WorkDone,
+    FrameInput, FrameTimes, Picture, Switches, ViewId, VolumeDraw, WorkDone,
 };
 
 /// Volumes of a backend, as the passes of a fill draw them.
@@ -39,7 +38,8 @@ pub struct VolumeFill {
     covers: Covers,
     /// Of a textured fill; its covers stand where the plain ones would.
     textured: Option<TexturedFill>,
-    meshes: Option<Arc<[RegionMesh]>>,
+    /// Revision of the meshes that the backend holds.
+    meshes: Option<u64>,
     view: Option<View>,
     /// Asked of the device for the frame that comes next.
     work: WorkDone,
@@ -48,7 +48,7 @@ pub struct VolumeFill {
 /// Constants of the regions of a view, and the order to draw them in.
 #[derive(Debug)]
 struct View {
-    surface_rte: Arc<[[f32; 3]]>,
+    id: ViewId,
     view_constants: Arc<Buffer>,
     constants: Arc<Buffer>,
     /// What `constants` holds.
@@ -114,13 +114,12 @@ impl VolumeFill {
     /// Whether the backend has uploaded the meshes of `input`.
     #[must_use]
     pub fn holds_meshes(&self, input: &FrameInput) -> bool {
-        let held = self.meshes.as_ref();
-        held.is_some_and(|held| Arc::ptr_eq(held, &input.scene.meshes))
+        self.meshes == Some(input.scene.meshes.revision())
     }
 
     /// The backend has uploaded the meshes of `input`.
     pub fn hold_meshes(&mut self, input: &FrameInput) {
-        self.meshes = Some(Arc::clone(&input.scene.meshes));
+        self.meshes = Some(input.scene.meshes.revision());
     }
 
     /// Whether this is what was prepared.
@@ -128,8 +127,8 @@ impl VolumeFill {
     /// # Errors
     /// [`DeviceError::NotPrepared`].
     pub fn check_prepared(&self, input: &FrameInput) -> Result<(), DeviceError> {
-        let surface = self.view.as_ref().map(|view| &view.surface_rte);
-        input.check_prepared(self.capabilities.backend, self.meshes.as_ref(), surface)
+        let view_id = self.view.as_ref().map(|view| view.id);
+        input.check_prepared(self.capabilities.backend, self.meshes, view_id)
     }
 
     /// What the device was asked for since `before` is for the frame that comes next; gives the
@@ -222,7 +221,7 @@ impl VolumeFill {
             _ => BindGroup::new(gpu, view_constants, Some(&buffer))?,
         };
         self.view = Some(View {
-            surface_rte: Arc::clone(&input.surface_rte),
+            id: input.view_id,
             view_constants: Arc::clone(view_constants),
             constants: buffer,
             written: constants,

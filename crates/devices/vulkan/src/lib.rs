@@ -31,6 +31,7 @@ mod queries;
 mod readback;
 mod sampled;
 mod shared;
+mod surface;
 mod targets;
 mod textured;
 mod textured_pipeline;

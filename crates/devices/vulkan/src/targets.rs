@@ -10,20 +10,21 @@ use crate::fixtures::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, NUMBER_FORMAT};
 use crate::memory::Image;
 use crate::queries::{Queries, QueryKind, span_ms};
 use crate::readback::read_targets;
+use crate::surface::{SurfacePass, TriangleRenderer};
 use crate::{
-    BindGroup, Buffer, BufferUse, DepthBindings, FillRecorder, FillTimes, Fragments, Gpu,
-    PassStatistics, Pipeline, PipelineDescriptor, PipelineState, Probe, Topology, VertexFormat,
-    VertexStage,
+    BindGroup, Buffer, BufferUse, DepthBindings, FillRecorder, FillTimes, Gpu, PassStatistics,
+    Probe,
 };
 use ash::vk;
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_fill::{
-    DeviceError, FillProgram, FrameInput, NUMBER_BYTES, Picture, SKY, ViewConstants,
-    check_target_size, count_u32,
+    DeviceError, FillProgram, FrameInput, NUMBER_BYTES, Picture, SKY, ViewConstants, ViewId,
+    check_target_size,
 };
 use terrafill_scene::ImageSize;
+use terrafill_surface::SurfaceRenderer as _;
 
 /// A targets shared by the backends of one run.
 pub type SharedTargets = Rc<RefCell<RenderTargets>>;
@@ -267,41 +268,23 @@ pub struct RenderTargets {
     size: ImageSize,
     targets: Targets,
     stamps: Option<Queries>,
-    pipeline: Pipeline,
-    prepared: Option<PreparedSurface>,
+    surface: TriangleRenderer,
+    prepared: Option<PreparedView>,
     /// The surface of what is prepared is in the targets, and these are in their layouts.
     is_drawn: bool,
 }
 
+/// A view whose surface is uploaded.
 #[derive(Debug)]
-struct PreparedSurface {
-    source: Arc<[[f32; 3]]>,
+struct PreparedView {
+    id: ViewId,
     constants: Arc<Buffer>,
     bindings: BindGroup,
-    vertices: Buffer,
-    indices: Buffer,
-    index_count: u32,
 }
 
 /// Stamps: three of a fill, two of the surface.
 const STAMPS: u32 = 5;
 const SURFACE_STAMPS: u32 = 3;
-
-const SURFACE: PipelineDescriptor = PipelineDescriptor {
-    vertex: VertexStage {
-        path: "surface/surface.wgsl",
-        entry_point: "vertex_main",
-    },
-    geometry: None,
-    fragments: Fragments::Shader {
-        path: "surface/surface.wgsl",
-        entry_point: "fragment_main",
-    },
-    format: VertexFormat::Metres,
-    topology: Topology::Triangles,
-    state: PipelineState::Surface,
-    depth_bounds: false,
-};
 
 impl RenderTargets {
     /// A targets of the given size.
@@ -322,7 +305,7 @@ impl RenderTargets {
             size,
             targets: Targets::new(gpu, size)?,
             stamps: Queries::new(gpu, QueryKind::Timestamps, STAMPS)?,
-            pipeline: Pipeline::new(gpu, SURFACE)?,
+            surface: TriangleRenderer::new(gpu)?,
             prepared: None,
             is_drawn: false,
         })
@@ -417,29 +400,17 @@ impl RenderTargets {
         }
         self.is_drawn = false;
         self.prepared = None;
-        let constants = ViewConstants::new(input);
-        let indices = input.scene.surface.triangles.as_flattened();
-        let upload = |label, bytes, use_for| Buffer::upload(&self.gpu, label, bytes, use_for);
-        let constants = Arc::new(upload(
+        let constants = Arc::new(Buffer::upload(
+            &self.gpu,
             "view constants",
-            bytemuck::bytes_of(&constants),
+            bytemuck::bytes_of(&ViewConstants::new(input)),
             BufferUse::Uniform,
         )?);
-        self.prepared = Some(PreparedSurface {
-            source: Arc::clone(&input.surface_rte),
+        self.surface.prepare(&input.surface)?;
+        self.prepared = Some(PreparedView {
+            id: input.view_id,
             bindings: BindGroup::new(&self.gpu, &constants, None)?,
             constants,
-            vertices: upload(
-                "surface vertices",
-                bytemuck::cast_slice(&input.surface_rte),
-                BufferUse::Vertex,
-            )?,
-            indices: upload(
-                "surface indices",
-                bytemuck::cast_slice(indices),
-                BufferUse::Index,
-            )?,
-            index_count: count_u32("surface indices", indices.len())?,
         });
         Ok(())
     }
@@ -447,7 +418,7 @@ impl RenderTargets {
     fn is_prepared(&self, input: &FrameInput) -> bool {
         self.prepared
             .as_ref()
-            .is_some_and(|prepared| Arc::ptr_eq(&prepared.source, &input.surface_rte))
+            .is_some_and(|prepared| prepared.id == input.view_id)
     }
 
     /// Whether the targets hold the surface of this input.
@@ -479,8 +450,8 @@ impl RenderTargets {
             .clear_values(&clears);
         let stamps = self.stamps.as_ref();
         let graphics = vk::PipelineBindPoint::GRAPHICS;
-        // SAFETY: pipeline, bindings and buffers were made for this pass on this device and live
-        // until the submission is done; the indices are all there.
+        // SAFETY: bindings were made for this pass on this device; they and the surface live until the
+        // submission is done.
         unsafe {
             self.gpu.submit(|device, commands| {
                 if let Some(stamps) = stamps {
@@ -491,7 +462,6 @@ impl RenderTargets {
                 device.cmd_begin_render_pass(commands, &begin, vk::SubpassContents::INLINE);
                 device.cmd_set_viewport(commands, 0, &[self.targets.viewport()]);
                 device.cmd_set_scissor(commands, 0, &[self.targets.area()]);
-                device.cmd_bind_pipeline(commands, graphics, self.pipeline.raw);
                 device.cmd_bind_descriptor_sets(
                     commands,
                     graphics,
@@ -500,10 +470,7 @@ impl RenderTargets {
                     &[prepared.bindings.set()],
                     &[],
                 );
-                device.cmd_bind_vertex_buffers(commands, 0, &[prepared.vertices.raw], &[0]);
-                let width = vk::IndexType::UINT32;
-                device.cmd_bind_index_buffer(commands, prepared.indices.raw, 0, width);
-                device.cmd_draw_indexed(commands, prepared.index_count, 1, 0, 0, 0);
+                self.surface.draw(&mut SurfacePass::new(device, commands));
                 device.cmd_end_render_pass(commands);
                 if let Some(stamps) = stamps {
                     let end = vk::PipelineStageFlags::BOTTOM_OF_PIPE;

@@ -14,7 +14,7 @@ use std::collections::hash_map::Entry;
 use std::sync::Arc;
 use terrafill_fill::{
     AddressMode, DeviceError, FrameInput, Probed, StencilTest, Switches, TexturedCover,
-    TexturedPlan,
+    TexturedPlan, ViewId,
 };
 use terrafill_scene::{MipChain, PlannedRegion, SceneTexture, TextureShare};
 
@@ -54,7 +54,7 @@ struct Table {
 /// A plan, what it was made from, and its constants.
 #[derive(Debug)]
 struct View {
-    surface_rte: Arc<[[f32; 3]]>,
+    id: ViewId,
     regions: Vec<PlannedRegion>,
     plan: TexturedPlan,
     /// By planned region, the place of its shader.
@@ -111,9 +111,7 @@ impl TexturedFill {
         targets: &RenderTargets,
         input: &FrameInput,
     ) -> Result<(), DeviceError> {
-        let is_same = |view: &View| {
-            Arc::ptr_eq(&view.surface_rte, &input.surface_rte) && view.regions == input.plan.regions
-        };
+        let is_same = |view: &View| view.id == input.view_id && view.regions == input.plan.regions;
         if self.view.as_ref().is_some_and(is_same) && self.holds_image(input) {
             return Ok(());
         }
@@ -153,7 +151,7 @@ impl TexturedFill {
             }
         };
         self.view = Some(View {
-            surface_rte: Arc::clone(&input.surface_rte),
+            id: input.view_id,
             regions: input.plan.regions.clone(),
             plan,
             shaders,

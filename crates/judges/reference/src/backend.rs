@@ -73,7 +73,7 @@ impl ReferenceBackend {
         Ok(CloseLook {
             input,
             locator: self.locator(input)?,
-            surface: SurfaceTriangles::new(&input.surface_rte, &input.scene.surface.triangles),
+            surface: SurfaceTriangles::new(&input.surface),
         })
     }
 
@@ -177,7 +177,7 @@ pub(crate) fn judge(
     locator: &Locator,
     texturing: Option<&Texturing<'_>>,
 ) -> ReferenceFrame {
-    let surface = SurfaceTriangles::new(&input.surface_rte, &input.scene.surface.triangles);
+    let surface = SurfaceTriangles::new(&input.surface);
     let width = input.size.width as usize;
     let mut pixels = vec![Pixel::default(); input.size.pixel_count()];
     if width > 0 {

@@ -12,6 +12,7 @@
 
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
+use terrafill_surface::SurfaceFrame;
 
 /// Triangles in a leaf.
 const LEAF_SIZE: usize = 4;
@@ -41,9 +42,10 @@ struct Node {
 
 impl SurfaceTriangles {
     /// Triangles with a NaN or infinite corner cannot be met; they are counted instead.
-    pub(crate) fn new(vertices_rte: &[[f32; 3]], triangles: &[[u32; 3]]) -> Self {
-        let corner = |index: u32| DVec3::from(vertices_rte[index as usize].map(f64::from));
-        let mut all: Vec<[DVec3; 3]> = triangles.iter().map(|ids| ids.map(corner)).collect();
+    pub(crate) fn new(frame: &SurfaceFrame) -> Self {
+        let vertices = &frame.vertices_rte;
+        let corner = |index: u32| DVec3::from(vertices[index as usize].map(f64::from));
+        let mut all: Vec<[DVec3; 3]> = frame.triangles.iter().map(|ids| ids.map(corner)).collect();
         let count = all.len();
         all.retain(|corners| corners.iter().all(|corner| corner.is_finite()));
         let non_finite = (count - all.len()) as u64;

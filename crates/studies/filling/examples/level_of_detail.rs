@@ -14,9 +14,8 @@ use terrafill_fill::{FillBackend as _, FrameInput, PreparedScene};
 use terrafill_gpu::{Baseline, BaselineKind, Gpu, GpuOptions, RenderTargets};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::legacy::median;
-use terrafill_scene::{
-    ImageSize, LeveledMeshes, PlanOptions, Scene, SurfaceMesh, data_dir_from_env,
-};
+use terrafill_scene::{ImageSize, LeveledMeshes, PlanOptions, Scene, data_dir_from_env};
+use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vertex::{VertexBackend, VertexVariant, layout_bytes};
 
 const SIZE: ImageSize = ImageSize {
@@ -38,7 +37,7 @@ fn main() -> anyhow::Result<()> {
         let scene = Scene::shipped(&name, data_dir_from_env().as_deref())?;
         let leveled = LeveledMeshes::build(&scene, &scene.mesh)
             .map_err(|errors| anyhow::anyhow!("{name}: {errors:?}"))?;
-        let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
+        let surface = open_surface(&[&EllipsoidKind], &scene)?;
         let prepared = PreparedScene::leveled(&scene, leveled, surface);
         let as_written = geometry_bytes(&prepared.meshes[..scene.regions.len()]);
         let all = geometry_bytes(&prepared.meshes);
@@ -65,7 +64,7 @@ fn measure(
 ) -> anyhow::Result<()> {
     let targets = RenderTargets::shared(gpu, SIZE)?;
     let mut bound = Baseline::new(BaselineKind::DepthPass, &targets)?;
-    let full = FrameInput::new(scene, view, SIZE, PlanOptions::default());
+    let full = FrameInput::new(scene, view, SIZE, PlanOptions::default())?;
     let reference = ReferenceBackend::new().judge(&full)?.frame;
     let mut settings = Vec::new();
     for pixels in [None, Some(0.25), Some(0.5), Some(1.0)] {

@@ -102,6 +102,8 @@ pub(crate) struct ViewGroup {
     pub(crate) scene: Arc<Scene>,
     /// Its view.
     pub(crate) view: View,
+    /// Surfaces that its scene may lie on.
+    pub(crate) surfaces: crate::subject::Surfaces,
     /// Image size.
     pub(crate) size: terrafill_scene::ImageSize,
     /// Baselines first.
@@ -144,6 +146,7 @@ pub(crate) fn view_group(
     ViewGroup {
         scene: Arc::clone(scene),
         view: view.clone(),
+        surfaces: wishes.surfaces,
         size: wishes.size,
         cases: builder.cases,
         planned,

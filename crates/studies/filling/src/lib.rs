@@ -28,7 +28,7 @@ mod textured;
 pub use chapter::FillingChapter;
 pub use scenes::open_scene;
 pub use study::{FillingStudy, STUDY};
-pub use subject::Techniques;
+pub use subject::{Surfaces, Techniques};
 
 #[cfg(test)]
 mod tests {

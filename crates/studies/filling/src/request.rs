@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What is wanted of the study: a request's words as it understands them.
 
-use crate::subject::Techniques;
+use crate::subject::{Surfaces, Techniques};
 use std::path::PathBuf;
 use terrafill_fill::Technique;
 use terrafill_scene::ImageSize;
@@ -33,6 +33,7 @@ pub(crate) struct Wishes {
     pub(crate) scenes: Vec<String>,
     /// All there are; the first is the one whose pictures the others' are laid beside.
     pub(crate) all_techniques: Techniques,
+    pub(crate) surfaces: Surfaces,
     pub(crate) techniques: Vec<&'static dyn Technique>,
     pub(crate) depth: Depth,
     pub(crate) size: ImageSize,
@@ -45,7 +46,11 @@ pub(crate) struct Wishes {
 impl Wishes {
     /// # Errors
     /// [`StudyError::BadInput`] for a technique that there is not.
-    pub(crate) fn new(request: &Request, all: Techniques) -> Result<Self, StudyError> {
+    pub(crate) fn new(
+        request: &Request,
+        all: Techniques,
+        surfaces: Surfaces,
+    ) -> Result<Self, StudyError> {
         let mut techniques = Vec::new();
         for name in &request.techniques {
             let found = all.iter().find(|technique| technique.name() == name);
@@ -64,6 +69,7 @@ impl Wishes {
         Ok(Self {
             scenes: request.scenes.clone(),
             all_techniques: all,
+            surfaces,
             techniques,
             depth: request.depth,
             size: ImageSize { width, height },

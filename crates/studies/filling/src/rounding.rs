@@ -113,10 +113,10 @@ fn largest_in_sight(input: &FrameInput, from: DVec3, to: DVec3) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::open_scene;
-    use std::sync::Arc;
     use terrafill_core::RegionMesh;
     use terrafill_fill::{PreparedScene, two_float, two_float_difference_m};
-    use terrafill_scene::{ImageSize, PlanOptions, SurfaceMesh};
+    use terrafill_scene::{ImageSize, PlanOptions};
+    use terrafill_surface::EllipsoidKind;
 
     const SIZE: ImageSize = ImageSize {
         width: 1024,
@@ -127,11 +127,12 @@ mod tests {
         let scene = open_scene(name, None).expect("ships with the project");
         let meshes =
             RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh);
-        let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, 60));
+        let surface = EllipsoidKind::surface(&scene.body, 60);
         let prepared = PreparedScene::new(&scene, meshes.expect("meshes").into(), surface);
         let views = scene.views.iter();
         views
             .map(|view| FrameInput::new(&prepared, view, SIZE, PlanOptions::default()))
+            .map(|input| input.expect("a surface"))
             .collect()
     }
 

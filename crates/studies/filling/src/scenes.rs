@@ -7,9 +7,11 @@ use crate::textured::left_out_of_quick_runs;
 use std::path::Path;
 use std::sync::Arc;
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
+use terrafill_fill::RegionSet;
 use terrafill_results::Skipped;
 use terrafill_scene::{Scene, SceneError, shipped_scene_names};
 use terrafill_study::StudyError;
+use terrafill_surface::open_surface;
 
 /// Scenes with missing data are skipped with that reason; wrong ones, and those whose regions cannot
 /// be meshed, stop the run before it starts; all of them are named.
@@ -41,7 +43,7 @@ pub(crate) fn plan_scenes(wishes: &Wishes) -> Result<(Vec<ViewGroup>, Vec<Skippe
             }
             Ok(scene) => {
                 let scene = Arc::new(scene);
-                match build_meshes(&scene, &scene.mesh) {
+                match ready(&scene, wishes) {
                     Ok(meshes) => {
                         let views = scene.views.iter().enumerate();
                         groups.extend(views.map(|(index, view)| {
@@ -64,6 +66,21 @@ pub(crate) fn plan_scenes(wishes: &Wishes) -> Result<(Vec<ViewGroup>, Vec<Skippe
     }
     check_wishes(wishes, &groups, &skipped)?;
     Ok((groups, skipped))
+}
+
+/// Meshes of a scene whose surface can be drawn in each of its views.
+fn ready(scene: &Scene, wishes: &Wishes) -> Result<RegionSet, StudyError> {
+    let meshes = build_meshes(scene, &scene.mesh)?;
+    let bad = |error: &dyn std::fmt::Display| StudyError::BadInput(error.to_string());
+    let surface = open_surface(wishes.surfaces, scene).map_err(|error| bad(&error))?;
+    for view in &scene.views {
+        let frame = surface.frame(&view.camera(&scene.body), wishes.size);
+        frame.map_err(|error| {
+            let (file, view) = (&scene.surface.file, &view.name);
+            StudyError::BadInput(format!("{file}: view {view}: {error}"))
+        })?;
+    }
+    Ok(meshes)
 }
 
 /// Ladders and matrices exist of scenes of the run only. Those skipped for want of data are among
@@ -106,10 +123,7 @@ pub fn open_scene(name: &str, data_dir: Option<&Path>) -> Result<Scene, SceneErr
 }
 
 /// Meshes of every region, or the first errors.
-pub(crate) fn build_meshes(
-    scene: &Scene,
-    options: &MeshOptions,
-) -> Result<Arc<[RegionMesh]>, StudyError> {
+pub(crate) fn build_meshes(scene: &Scene, options: &MeshOptions) -> Result<RegionSet, StudyError> {
     let meshes = RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, options);
     match meshes {
         Ok(meshes) => Ok(meshes.into()),

@@ -27,8 +27,9 @@ use terrafill_fill::{
 use terrafill_gpu::{Baseline, CpuStopwatch, SharedTargets, shared_targets};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::{Status, Verdict, median};
-use terrafill_scene::{LeveledMeshes, PlanOptions, SurfaceMesh};
+use terrafill_scene::{LeveledMeshes, PlanOptions};
 use terrafill_study::{Context, Session, StudyError};
+use terrafill_surface::open_surface;
 
 enum Drawer {
     Baseline(Baseline),
@@ -89,11 +90,13 @@ pub(crate) struct ViewSession<'a> {
 impl<'a> ViewSession<'a> {
     pub(crate) fn new(group: &'a ViewGroup, context: Context<'a>) -> Result<Self, StudyError> {
         let scene = &group.scene;
-        let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
+        let bad = |error: &dyn std::fmt::Display| StudyError::BadInput(error.to_string());
+        let surface = open_surface(group.surfaces, scene).map_err(|error| bad(&error))?;
         let meshes = build_meshes(scene, &scene.mesh)?;
         let prepared = PreparedScene::new(scene, meshes, surface);
         let plan = PlanOptions::default();
         let input = FrameInput::new(&prepared, &group.view, group.size, plan);
+        let input = input.map_err(|error| bad(&error))?;
         let targets = Targets::new(context.devices, group.size);
         let wgpu =
             shared_targets(&targets).map_err(|error| StudyError::NoDevice(error.to_string()))?;

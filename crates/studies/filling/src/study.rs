@@ -7,7 +7,7 @@ use crate::metrics::METRICS;
 use crate::request::Wishes;
 use crate::scenes::plan_scenes;
 use crate::session::ViewSession;
-use crate::subject::Techniques;
+use crate::subject::{Surfaces, Techniques};
 use terrafill_results::{Chapter, Metric, PlannedCase};
 use terrafill_study::{Context, Group, Planned, Request, Session, Study, StudyError};
 
@@ -19,6 +19,8 @@ pub const STUDY: &str = "filling";
 pub struct FillingStudy {
     /// Techniques that it compares, in the order in which they are measured.
     pub techniques: Techniques,
+    /// Surfaces that scenes may lie on.
+    pub surfaces: Surfaces,
 }
 
 impl Study for FillingStudy {
@@ -35,7 +37,7 @@ impl Study for FillingStudy {
     }
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
-        let wishes = Wishes::new(request, self.techniques)?;
+        let wishes = Wishes::new(request, self.techniques, self.surfaces)?;
         let (groups, skipped) = plan_scenes(&wishes)?;
         let groups = groups.into_iter();
         Ok(Planned {

@@ -5,10 +5,14 @@ use terrafill_core::RegionMesh;
 use terrafill_fill::{Api, GeometryBytes, PositionFormat, Switches, Technique, Variant};
 use terrafill_gpu::BaselineKind;
 use terrafill_scene::PlanOptions;
+use terrafill_surface::SurfaceKind;
 
 /// Techniques of a study, in the order in which they are measured. The first is the one whose
 /// pictures the others' are laid beside.
 pub type Techniques = &'static [&'static dyn Technique];
+
+/// Surfaces that scenes may name.
+pub type Surfaces = &'static [&'static dyn SurfaceKind];
 
 /// What draws a case.
 #[derive(Debug, Clone)]

@@ -155,7 +155,8 @@ fn culling_on_the_device_changes_no_pixel_and_leaves_out_what_the_plan_would() {
     };
     let (prepared, views) = shipped("planet-134").expect("ships with the project");
     for view in &views {
-        let planned = FrameInput::new(&prepared, view, SIZE, PlanOptions::default());
+        let planned =
+            FrameInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
         let everything = planned.remeshed(&prepared, NOTHING_LEFT_OUT);
         assert!(planned.plan.regions.len() < everything.plan.regions.len());
         let uncut = draw(&devices, &everything, compute(ComputeVariant::default()));

@@ -13,13 +13,15 @@ use drawing::{
     with_colour,
 };
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use terrafill_conformance::ErrorFigures;
 use terrafill_conformance::verdict;
 use terrafill_fill::{ColourWay, FrameInput, PositionFormat, Switches};
-use terrafill_filling::{BenchOptions, group_cases, open_scene};
+use terrafill_filling::{FillingStudy, open_scene};
 use terrafill_native::{Extrusion as Native, NativeVariant};
+use terrafill_results::PlannedCase;
 use terrafill_scene::{ImageSize, PlanOptions};
+use terrafill_study::{Depth, Request, Study as _};
+use terrafill_surface::EllipsoidKind;
 use terrafill_vertex::{Layout, VertexVariant, shared_flag_bytes, variant_bytes};
 
 const SIZE: ImageSize = ImageSize {
@@ -43,7 +45,8 @@ fn figures_of(name: &str) -> Option<BTreeMap<(String, &'static str), ErrorFigure
     let targets = AllTargets::new(&devices, SIZE);
     let mut all = BTreeMap::new();
     for view in &views {
-        let input = FrameInput::new(&prepared, view, SIZE, PlanOptions::default());
+        let input =
+            FrameInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
         let judged = judge(&input);
         for positions in PositionFormat::ALL {
             let draw = |layout| {
@@ -119,7 +122,8 @@ fn ten_metres_from_several_eyes() {
         // 0.37 m to the east each time and 0.23 m to the north.
         moved.pose.eye.longitude_rad += (f64::from(i) * 4.7e-6).to_radians();
         moved.pose.eye.latitude_rad += (f64::from(i) * 2.1e-6).to_radians();
-        let input = FrameInput::new(&prepared, &moved, SIZE, PlanOptions::default());
+        let input =
+            FrameInput::new(&prepared, &moved, SIZE, PlanOptions::default()).expect("a surface");
         let judged = judge(&input);
         let figures_of = |positions| {
             let technique = Technique::Vertex(variant(Layout::Doubled, positions));
@@ -188,7 +192,8 @@ fn walls_between_triangles_leave_no_trace_where_they_are_clipped() {
         view.pose.eye.longitude_rad += (f64::from(i) * 4.7e-6).to_radians();
         view.pose.eye.latitude_rad += (f64::from(i) * 2.1e-6).to_radians();
         view.pose.pitch_rad += (f64::from(i) * 0.11).to_radians();
-        let input = FrameInput::new(&prepared, &view, SIZE, PlanOptions::default());
+        let input =
+            FrameInput::new(&prepared, &view, SIZE, PlanOptions::default()).expect("a surface");
         let name = format!("{:?}", techniques[1]);
         let [mut whole, split] = techniques.map(|technique| targets.draw(&input, technique));
         assert!(whole.filled_px() > 10_000, "eye {i}");
@@ -223,7 +228,8 @@ fn bytes_by_formula_are_those_that_are_allocated() {
         return;
     };
     let (prepared, views) = shipped("square-200km").expect("ships with the project");
-    let input = FrameInput::new(&prepared, &views[0], SIZE, PlanOptions::default());
+    let input =
+        FrameInput::new(&prepared, &views[0], SIZE, PlanOptions::default()).expect("a surface");
     let targets = AllTargets::new(&devices, SIZE);
     let mut known = BTreeMap::new();
     for layout in Layout::ALL {
@@ -250,60 +256,54 @@ fn bytes_by_formula_are_those_that_are_allocated() {
 }
 
 #[test]
-fn the_bench_sweeps_through_the_formats_where_a_scene_asks_for_it() {
-    let options = BenchOptions {
-        techniques: TECHNIQUES,
-        scenes: Vec::new(),
-        backends: Vec::new(),
-        quick: false,
-        out: PathBuf::new(),
-        resume: false,
-        data_dir: None,
-        frames: None,
-        size: SIZE,
-        shard: None,
-        adapter: None,
-        ladder: None,
-        matrix: None,
-        precision: None,
-    };
-    for (name, is_asked) in [
+fn the_study_sweeps_through_the_formats_where_a_scene_asks_for_it() {
+    for (name, is_swept) in [
         ("square-10m", true),
         ("square-200km", true),
         ("california", false),
     ] {
-        let scene = open_scene(name, None)
-            .expect("ships with the project")
-            .into();
-        let group = group_cases(&scene, &scene.views[0], &options);
-        let named = |format: PositionFormat| {
-            let part = format!("positions={}", format.name());
-            let cases = group.cases.iter();
-            cases
-                .filter(|case| case.key.variant.contains(&part))
-                .collect::<Vec<_>>()
+        let scene = open_scene(name, None).expect("ships with the project");
+        let study = FillingStudy {
+            techniques: TECHNIQUES,
+            surfaces: &[&EllipsoidKind],
+        };
+        let request = Request {
+            scenes: vec![name.to_owned()],
+            depth: Depth::Full,
+            size: [SIZE.width, SIZE.height],
+            ..Request::default()
+        };
+        let planned = study.plan(&request).expect("a shipped scene");
+        let all = planned.groups[0].cases();
+        let is = |case: &PlannedCase, role: &str| {
+            case.id
+                .condition("role")
+                .split('+')
+                .any(|held| held == role)
         };
         for format in [
             PositionFormat::LocalF32,
             PositionFormat::EcefF32,
             PositionFormat::TwoFloat,
         ] {
-            let cases = named(format);
-            let in_sweep = cases.iter().filter(|case| case.roles.sweep).count();
+            let named = |case: &&PlannedCase| case.id.condition("positions") == format.name();
+            let cases: Vec<&PlannedCase> = all.iter().filter(named).collect();
+            let in_sweep = cases.iter().filter(|case| is(case, "sweep")).count();
             let tolerances = scene.sweep_boundary_tolerance_m.len();
-            assert_eq!(
-                in_sweep,
-                if is_asked { tolerances } else { 0 },
-                "{name} {format:?}"
-            );
+            let expected = if is_swept { tolerances } else { 0 };
+            assert_eq!(in_sweep, expected, "{name} {format:?}");
             // Outside the sweep a wrong picture fails the run.
-            let is_main = cases.iter().any(|case| case.roles.main);
-            assert_eq!(is_main, !is_asked && format == PositionFormat::LocalF32);
+            let is_main = cases.iter().any(|case| is(case, "main"));
+            assert_eq!(is_main, !is_swept && format == PositionFormat::LocalF32);
+            assert!(
+                cases
+                    .iter()
+                    .all(|case| case.may_be_wrong == is(case, "sweep"))
+            );
         }
-        let default = group
-            .cases
+        let default = all
             .iter()
-            .find(|case| case.key.variant == "doubled");
-        assert!(default.is_some_and(|case| case.roles.main && !case.roles.sweep));
+            .find(|case| case.id.condition("variant") == "doubled");
+        assert!(default.is_some_and(|case| is(case, "main") && !is(case, "sweep")));
     }
 }

@@ -8,7 +8,6 @@
 mod drawing;
 
 use drawing::{Devices, Technique, differing, draw, judge, vertex};
-use std::sync::Arc;
 use terrafill_conformance::ErrorFigures;
 use terrafill_conformance::{
     BAND_RADIUS_PX, MOVED_STEP_PX, boundary_movement, compare_closely, verdict_of_moved,
@@ -18,8 +17,9 @@ use terrafill_fill::{Frame, FrameInput, NO_REGION, PreparedScene, Switches};
 use terrafill_native::{Extrusion as Native, Indices, NativeVariant};
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{
-    ImageSize, LevelChoice, LeveledMeshes, PlanOptions, Scene, SurfaceMesh, View, data_dir_from_env,
+    ImageSize, LevelChoice, LeveledMeshes, PlanOptions, Scene, View, data_dir_from_env,
 };
+use terrafill_surface::{EllipsoidKind, open_surface};
 
 const SIZE: ImageSize = ImageSize {
     width: 512,
@@ -42,7 +42,7 @@ fn leveled(name: &str, levels: LevelChoice) -> Option<(Scene, PreparedScene)> {
         meshes.meshes.len() > scene.regions.len(),
         "{name}: one level"
     );
-    let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
+    let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
     let prepared = PreparedScene::leveled(&scene, meshes, surface);
     Some((scene, prepared))
 }
@@ -105,13 +105,13 @@ fn fine_reference(scene: &PreparedScene, view: &View) -> Frame {
         width: SIZE.width * 4,
         height: SIZE.height * 4,
     };
-    let input = FrameInput::new(scene, view, size, options(None));
+    let input = FrameInput::new(scene, view, size, options(None)).expect("a surface");
     judge(&input)
 }
 
 /// Of one view: asserts what must hold up to half a pixel, and prints what it costs.
 fn check_view(devices: &Devices, scene: &PreparedScene, view: &View) -> (usize, usize) {
-    let full_input = FrameInput::new(scene, view, SIZE, options(None));
+    let full_input = FrameInput::new(scene, view, SIZE, options(None)).expect("a surface");
     let reference = judge(&full_input);
     let full = draw_plain(devices, &full_input);
     let mut at_half = 0;
@@ -177,7 +177,7 @@ fn boundaries_moved_too_far_are_noticed() {
     let (scene, prepared) =
         leveled("planet-134", LevelChoice::Given(vec![6e4])).expect("ships with the project");
     let view = &scene.views[0];
-    let input = FrameInput::new(&prepared, view, SIZE, options(Some(32.0)));
+    let input = FrameInput::new(&prepared, view, SIZE, options(Some(32.0))).expect("a surface");
     let reference = judge(&input);
     let figures = figures(&input, &reference, &draw_plain(&devices, &input));
     assert!(figures.mismatched_px_outside_band > 0, "{figures:?}");
@@ -207,7 +207,7 @@ fn a_movement_understated_four_times_is_noticed() {
             continue;
         };
         let view = &scene.views[0];
-        let full = FrameInput::new(&prepared, view, SIZE, options(None));
+        let full = FrameInput::new(&prepared, view, SIZE, options(None)).expect("a surface");
         let reference = judge(&full);
         let input = full.remeshed(&prepared, options(Some(drawn_px)));
         let found = figures(&full, &reference, &draw_plain(&devices, &input));
@@ -242,7 +242,7 @@ fn neighbours_at_different_levels_part_and_the_count_of_unowned_pixels_shows_it(
         return;
     };
     let view = &scene.views[0];
-    let full_input = FrameInput::new(&prepared, view, SIZE, options(None));
+    let full_input = FrameInput::new(&prepared, view, SIZE, options(None)).expect("a surface");
     let full = draw_plain(&devices, &full_input);
     let fine = fine_reference(&prepared, view);
     assert_eq!(unowned_on_borders(&fine, FINE, &full), 0);
@@ -274,7 +274,7 @@ fn every_level_in_lists_and_strips_shows_what_doubled_vertices_show() {
         leveled("planet-134", LevelChoice::Automatic).expect("ships with the project");
     let mut coarser = 0;
     for view in &scene.views {
-        let full = FrameInput::new(&prepared, view, SIZE, options(None));
+        let full = FrameInput::new(&prepared, view, SIZE, options(None)).expect("a surface");
         let input = full.remeshed(&prepared, options(Some(0.5)));
         let levels = input.plan.regions.iter();
         coarser += levels

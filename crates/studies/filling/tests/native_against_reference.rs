@@ -163,7 +163,8 @@ fn volumes_of_single_triangles_leave_no_sliver_between_neighbours() {
             width: 512,
             height: 512,
         };
-        let input = FrameInput::new(&prepared, view, size, PlanOptions::default());
+        let input =
+            FrameInput::new(&prepared, view, size, PlanOptions::default()).expect("a surface");
         let switches = Switches::for_overlap(prepared.overlap);
         let by_vertex = draw(&devices, &input, vertex(switches));
         let frame = draw(&devices, &input, native(Native::GsPerTriangle, switches));
@@ -244,7 +245,8 @@ fn bytes_are_what_the_formula_says_and_in_strips_less_than_half_of_doubled_verti
         let Some((prepared, views)) = shipped(name) else {
             continue;
         };
-        let input = FrameInput::new(&prepared, &views[0], SIZE, PlanOptions::default());
+        let input =
+            FrameInput::new(&prepared, &views[0], SIZE, PlanOptions::default()).expect("a surface");
         let doubled: u64 = prepared
             .meshes
             .iter()

@@ -20,8 +20,9 @@ use terrafill_native::{Extrusion, Indices, NativeBackend, NativeVariant};
 use terrafill_reference::{ReferenceBackend, ReferenceFrame};
 use terrafill_scene::{
     ImageSize, MipChain, Outside, Overlap, PlanOptions, Scene, SceneError, SceneTexture,
-    SurfaceMesh, TextureAnchor, TexturePlacement, TextureShare, data_dir_from_env,
+    TextureAnchor, TexturePlacement, TextureShare, data_dir_from_env,
 };
+use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vertex::{Layout, VertexBackend, VertexVariant};
 
 const SIZE: ImageSize = ImageSize {
@@ -147,7 +148,7 @@ fn shipped(name: &str) -> Option<(Scene, PreparedScene)> {
     };
     let (body, rule) = (&scene.body, scene.edge_rule);
     let meshes = RegionMesh::build_all(&scene.regions, body, rule, &scene.mesh).expect("meshes");
-    let surface = Arc::new(SurfaceMesh::ellipsoid(body, scene.surface_rows));
+    let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
     let prepared = PreparedScene::new(&scene, meshes.into(), surface);
     Some((scene, prepared))
 }
@@ -166,7 +167,8 @@ fn shipped_scenes_show_their_picture_where_the_reference_does() {
         };
         let mut backends: Option<(SharedTargets, Box<dyn FillBackend>)> = None;
         for view in &scene.views {
-            let input = FrameInput::new(&prepared, view, SIZE, PlanOptions::default());
+            let input =
+                FrameInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
             let reference = judge(&input);
             let (_, backend) = backends.get_or_insert_with(|| {
                 let targets = targets(&gpu, &input);

@@ -92,7 +92,8 @@ fn culling_changes_no_pixel() {
     };
     let (prepared, views) = shipped("planet-134").expect("ships with the project");
     for view in &views {
-        let culled = FrameInput::new(&prepared, view, SIZE, PlanOptions::default());
+        let culled =
+            FrameInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
         let everything = culled.remeshed(
             &prepared,
             PlanOptions {

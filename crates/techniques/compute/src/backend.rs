@@ -182,11 +182,12 @@ impl FillBackend for ComputeBackend {
 mod tests {
     use super::*;
     use crate::compute_bytes;
-    use std::sync::Arc;
     use terrafill_core::RegionMesh;
     use terrafill_fill::PreparedScene;
+    use terrafill_fill::RegionSet;
     use terrafill_gpu::{GpuOptions, RenderTargets, open_for_test};
-    use terrafill_scene::{ImageSize, PlanOptions, Scene, SurfaceMesh};
+    use terrafill_scene::{ImageSize, PlanOptions, Scene};
+    use terrafill_surface::{EllipsoidKind, open_surface};
 
     #[test]
     fn a_view_that_does_not_fit_leaves_none_prepared() {
@@ -196,14 +197,15 @@ mod tests {
         let scene = Scene::shipped("california", None).expect("it ships");
         let (body, rule) = (&scene.body, scene.edge_rule);
         let meshes = RegionMesh::build_all(&scene.regions, body, rule, &scene.mesh);
-        let meshes: Arc<[RegionMesh]> = meshes.expect("it meshes").into();
-        let surface = Arc::new(SurfaceMesh::ellipsoid(body, scene.surface_rows));
-        let prepared = PreparedScene::new(&scene, Arc::clone(&meshes), surface);
+        let meshes: RegionSet = meshes.expect("it meshes").into();
+        let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
+        let prepared = PreparedScene::new(&scene, meshes.clone(), surface);
         let size = ImageSize {
             width: 16,
             height: 16,
         };
-        let full = FrameInput::new(&prepared, &scene.views[0], size, PlanOptions::default());
+        let full = FrameInput::new(&prepared, &scene.views[0], size, PlanOptions::default())
+            .expect("a surface");
         let mut empty = full.clone();
         empty.plan.regions.clear();
         // The meshes fit, and their volumes do not.

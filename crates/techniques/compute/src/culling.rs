@@ -73,7 +73,7 @@ impl Horizon {
     pub(crate) fn new(input: &FrameInput) -> Self {
         let body = &input.scene.body;
         let flattening = body.equatorial_radius_m() / body.polar_radius_m();
-        let shrink = (-input.scene.terrain().lowest_m).max(0.0) * flattening;
+        let shrink = (-input.terrain().lowest_m).max(0.0) * flattening;
         let radii = body.radii_m() - DVec3::splat(shrink);
         if radii.min_element() <= 0.0 {
             // Nothing solid is left to hide anything.

@@ -5,14 +5,14 @@
 //! usage: cargo run --release -p terrafill-native --example techniques [SCENE [ROUNDS [SIZE]]]
 
 use std::error::Error;
-use std::sync::Arc;
 use std::time::Instant;
 use terrafill_core::RegionMesh;
 use terrafill_fill::{FillBackend as _, FrameInput, PreparedScene, Switches};
 use terrafill_native::{
     Extrusion, Indices, NativeBackend, NativeVariant, StripCounts, native_bytes, strip_counts,
 };
-use terrafill_scene::{ImageSize, PlanOptions, Scene, SurfaceMesh, data_dir_from_env};
+use terrafill_scene::{ImageSize, PlanOptions, Scene, data_dir_from_env};
+use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vulkan::{Gpu, GpuOptions, RenderTargets};
 
 #[allow(
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = Scene::shipped(name, data_dir_from_env().as_deref())?;
     let meshes = RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh)
         .map_err(|errors| format!("{errors:?}"))?;
-    let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
+    let surface = open_surface(&[&EllipsoidKind], &scene)?;
     let prepared = PreparedScene::new(&scene, meshes.into(), surface);
     let gpu = Gpu::open(&GpuOptions::default())?;
     println!(
@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     println!("{}", strips_of(&prepared.meshes));
     for view in &scene.views {
-        let input = FrameInput::new(&prepared, view, size, PlanOptions::default());
+        let input = FrameInput::new(&prepared, view, size, PlanOptions::default())?;
         let targets = RenderTargets::shared(&gpu, size)?;
         let mut backends = Vec::new();
         for &variant in &variants {

@@ -127,10 +127,10 @@ mod tests {
     use super::*;
     use crate::layout::SceneGeometry;
     use crate::{Extrusion, Indices, strip_counts};
-    use std::sync::Arc;
     use terrafill_core::RegionMesh;
     use terrafill_fill::{ColourWay, PreparedScene, Switches};
-    use terrafill_scene::{ImageSize, PlanOptions, Scene, SurfaceMesh};
+    use terrafill_scene::{ImageSize, PlanOptions, Scene};
+    use terrafill_surface::{EllipsoidKind, open_surface};
     use terrafill_vulkan::Measured;
 
     /// California from the side: from above, walls turned against caps are hardly seen.
@@ -138,7 +138,7 @@ mod tests {
         let scene = Scene::shipped("california", None).expect("it ships");
         let meshes =
             RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh);
-        let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
+        let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
         let prepared = PreparedScene::new(&scene, meshes.expect("meshes").into(), surface);
         let mut views = scene.views.iter();
         let view = views.find(|view| view.name == "horizon").expect("a view");
@@ -146,7 +146,7 @@ mod tests {
             width: 256,
             height: 256,
         };
-        FrameInput::new(&prepared, view, size, PlanOptions::default())
+        FrameInput::new(&prepared, view, size, PlanOptions::default()).expect("a surface")
     }
 
     /// Takes the strips of the only region apart and puts them together again, changed.

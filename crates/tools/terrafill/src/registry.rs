@@ -11,6 +11,7 @@ use terrafill_native::NativeTechnique;
 use terrafill_precision::PrecisionStudy;
 use terrafill_results::{Chapter, Metric};
 use terrafill_study::Study;
+use terrafill_surface::{EllipsoidKind, SurfaceKind};
 use terrafill_vertex::VertexTechnique;
 
 /// Every technique, in the order in which they are measured. The first is the one whose pictures the
@@ -18,10 +19,14 @@ use terrafill_vertex::VertexTechnique;
 pub(crate) static TECHNIQUES: &[&dyn Technique] =
     &[&VertexTechnique, &ComputeTechnique, &NativeTechnique];
 
+/// Surfaces that scenes can name.
+pub(crate) static SURFACES: &[&dyn SurfaceKind] = &[&EllipsoidKind, &terrafill_grid::GridKind];
+
 /// Every study, in the order in which they are measured and reported.
 pub(crate) static STUDIES: &[&dyn Study] = &[
     &FillingStudy {
         techniques: TECHNIQUES,
+        surfaces: SURFACES,
     },
     &PrecisionStudy,
     &GrowthStudy {

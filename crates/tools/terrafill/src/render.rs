@@ -3,7 +3,7 @@
 
 use crate::arguments::RenderArguments;
 use crate::output::{check_paths, write_all};
-use crate::registry::{TECHNIQUES, technique};
+use crate::registry::{SURFACES, TECHNIQUES, technique};
 use crate::{Failure, Outcome};
 use image::{ExtendedColorType, ImageFormat};
 use serde_json::json;
@@ -11,7 +11,6 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::PathBuf;
 use std::rc::Rc;
-use std::sync::Arc;
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
 use terrafill_fill::{
     DeviceError, Devices, Frame, FrameInput, MemoryUse, PreparedScene, SwitchError, Targets,
@@ -19,9 +18,8 @@ use terrafill_fill::{
 };
 use terrafill_filling::open_scene;
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{
-    ImageSize, LeveledMeshes, PlanOptions, Scene, SurfaceMesh, View, data_dir_from_env,
-};
+use terrafill_scene::{ImageSize, LeveledMeshes, PlanOptions, Scene, View, data_dir_from_env};
+use terrafill_surface::open_surface;
 
 /// What one backend drew.
 struct Drawn {
@@ -193,7 +191,7 @@ fn input(
             .collect();
         Failure::bad_input(lines.join("\n"))
     };
-    let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
+    let surface = open_surface(SURFACES, scene).map_err(Failure::bad_input)?;
     let prepared = if wanted.plan().boundary_lod_px.is_some() {
         let leveled = LeveledMeshes::build(scene, &wanted.mesh).map_err(refused)?;
         PreparedScene::leveled(scene, leveled, surface)
@@ -206,7 +204,10 @@ fn input(
         width: arguments.size.0,
         height: arguments.size.1,
     };
-    Ok(FrameInput::new(&prepared, view, size, wanted.plan()))
+    FrameInput::new(&prepared, view, size, wanted.plan()).map_err(|error| {
+        let (scene, view) = (&arguments.scene, &view.name);
+        Failure::bad_input(format!("{scene}: view {view}: {error}"))
+    })
 }
 
 fn draw_reference(input: &FrameInput, is_textured: bool) -> Result<Drawn, Failure> {

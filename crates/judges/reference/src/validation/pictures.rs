@@ -14,8 +14,9 @@ use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, Region, parse_regions};
-use terrafill_fill::{DeviceError, FrameInput, PreparedScene};
-use terrafill_scene::{Camera, CameraPose, FramePlan, ImageSize, Overlap, SurfaceMesh};
+use terrafill_fill::{DeviceError, FrameInput, PreparedScene, RegionSet, ViewId};
+use terrafill_scene::{Camera, CameraPose, FramePlan, ImageSize, Overlap};
+use terrafill_surface::{EllipsoidKind, SurfaceFrame};
 
 const ROWS: u32 = 360;
 
@@ -30,28 +31,30 @@ fn pose(lon: f64, lat: f64, height_m: f64, pitch_deg: f64) -> CameraPose {
 }
 
 fn input(body: Ellipsoid, pose: &CameraPose, size: u32, rows: u32) -> FrameInput {
-    let surface = SurfaceMesh::ellipsoid(&body, rows);
+    let surface = EllipsoidKind::surface(&body, rows);
     let camera = Camera::new(&body, pose);
+    let size = ImageSize {
+        width: size,
+        height: size,
+    };
     FrameInput {
-        surface_rte: surface.relative_to_eye(camera.eye_ecef).into(),
+        view_id: ViewId::unique(),
+        surface: surface.frame(&camera, size).expect("above"),
         scene: PreparedScene {
             name: "validation".to_owned(),
             body,
             edge_rule: EdgeRule::Planar,
             overlap: Overlap::Ordered,
             regions: Arc::from([]),
-            meshes: Arc::from([]),
+            meshes: RegionSet::default(),
             levels: Arc::default(),
             bounds: Arc::from([]),
-            surface: Arc::new(surface),
+            surface,
             texture: None,
         },
         view: "from the axis".to_owned(),
         camera,
-        size: ImageSize {
-            width: size,
-            height: size,
-        },
+        size,
         plan: FramePlan::default(),
     }
 }
@@ -191,7 +194,7 @@ fn the_tree_of_boxes_gives_what_brute_force_gives() {
     ];
     for pose in poses {
         let input = input(Ellipsoid::WGS84, &pose, 48, 40);
-        let surface = SurfaceTriangles::new(&input.surface_rte, &input.scene.surface.triangles);
+        let surface = SurfaceTriangles::new(&input.surface);
         let mut found = 0;
         for row in 0..48 {
             for column in 0..48 {
@@ -208,11 +211,11 @@ fn the_tree_of_boxes_gives_what_brute_force_gives() {
 }
 
 /// Rays through corners, and through points of edges as near as doubles get, that meet nothing.
-fn leaks(input: &FrameInput, triangles: &[[u32; 3]]) -> usize {
-    let surface = SurfaceTriangles::new(&input.surface_rte, triangles);
-    let corner = |i: u32| DVec3::from(input.surface_rte[i as usize].map(f64::from));
+fn leaks(input: &FrameInput) -> usize {
+    let surface = SurfaceTriangles::new(&input.surface);
+    let corner = |i: u32| DVec3::from(input.surface.vertices_rte[i as usize].map(f64::from));
     let mut leaks = 0;
-    for triangle in &input.scene.surface.triangles {
+    for triangle in input.surface.triangles.iter() {
         let [a, b, c] = triangle.map(corner);
         // Only what faces the eye well away from the rim.
         let normal = (b - a).cross(c - a);
@@ -242,25 +245,24 @@ fn leaks(input: &FrameInput, triangles: &[[u32; 3]]) -> usize {
 fn no_ray_falls_through_between_triangles() {
     for pose in [pose(7.0, 40.0, 1e7, -90.0), pose(7.0, 40.0, 1e5, -90.0)] {
         let input = input(Ellipsoid::WGS84, &pose, 8, 90);
-        let triangles = &input.scene.surface.triangles;
-        assert_eq!(leaks(&input, triangles), 0);
+        let triangles = &input.surface.triangles;
+        assert_eq!(leaks(&input), 0);
         // Twin: without one triangle in sight, rays through its edges' neighbours still hit, but
         // those inside it do not.
-        let seen = input.camera.eye_ecef;
+        let corner = |i: u32| DVec3::from(input.surface.vertices_rte[i as usize].map(f64::from));
         let nearest = (0..triangles.len()).min_by(|&i, &j| {
             let middle = |k: usize| {
-                let sum: DVec3 = triangles[k]
-                    .iter()
-                    .map(|&v| input.scene.surface.vertices_ecef[v as usize])
-                    .sum();
-                (sum / 3.0 - seen).length()
+                let sum: DVec3 = triangles[k].map(corner).into_iter().sum();
+                sum.length()
             };
             middle(i).total_cmp(&middle(j))
         });
-        let mut holed = triangles.clone();
+        let mut holed = triangles.to_vec();
         let lost = holed.remove(nearest.expect("triangles"));
-        let surface = SurfaceTriangles::new(&input.surface_rte, &holed);
-        let corner = |i: u32| DVec3::from(input.surface_rte[i as usize].map(f64::from));
+        let surface = SurfaceTriangles::new(&SurfaceFrame {
+            triangles: holed.into(),
+            ..input.surface.clone()
+        });
         let inside = lost.map(corner).iter().copied().sum::<DVec3>() / 3.0;
         let hit = surface.hit(inside, 0.0);
         assert!(hit.is_none_or(|t| t > 1.001), "{hit:?}");
@@ -279,7 +281,7 @@ fn hits_before_the_near_plane_do_not_count() {
     );
     // Past the near side of the globe its far side is seen, 2 a farther on.
     input.camera.near_m = 2e6;
-    let surface = SurfaceTriangles::new(&input.surface_rte, &input.scene.surface.triangles);
+    let surface = SurfaceTriangles::new(&input.surface);
     let ahead = input.camera.pixel_direction_ecef(input.size, 8, 8);
     let depth = surface
         .hit(ahead, input.camera.near_m)
@@ -302,9 +304,9 @@ fn hits_before_the_near_plane_do_not_count() {
 fn non_finite_vertices_are_counted() {
     let mut input = input(Ellipsoid::WGS84, &pose(0.0, 0.0, 1e6, -90.0), 16, 60);
     assert_eq!(judge(&input, &nothing(), None).frame.non_finite, 0);
-    let mut vertices = input.surface_rte.to_vec();
+    let mut vertices = input.surface.vertices_rte.to_vec();
     vertices[(30 * 120 + 60) as usize] = [f32::NAN, 0.0, 0.0];
-    input.surface_rte = vertices.into();
+    input.surface.vertices_rte = vertices.into();
     // Six triangles meet in a vertex of the grid.
     assert_eq!(judge(&input, &nothing(), None).frame.non_finite, 6);
     // A camera that is nowhere makes every hit's position NaN.

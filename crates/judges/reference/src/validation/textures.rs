@@ -14,11 +14,14 @@ use crate::texture::{SurfacePoint, Texturing};
 use glam::DVec3;
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, Region, parse_regions};
-use terrafill_fill::{AddressMode, FrameInput, PlannedTexture, PreparedScene, TexturePixel};
+use terrafill_fill::{
+    AddressMode, FrameInput, PlannedTexture, PreparedScene, RegionSet, TexturePixel, ViewId,
+};
 use terrafill_scene::{
     Camera, CameraPose, FramePlan, ImageSize, Outside, Overlap, Scene, SceneError, SceneTexture,
-    SurfaceMesh, TextureAnchor, TexturePlacement, data_dir_from_env,
+    TextureAnchor, TexturePlacement, data_dir_from_env,
 };
+use terrafill_surface::EllipsoidKind;
 
 const FIJI: &str = "[[[[177,-18],[180,-18],[180,-16],[177,-16],[177,-18]]],\
                      [[[-180,-18],[-178,-18],[-178,-17],[-180,-17],[-180,-18]]]]";
@@ -88,7 +91,7 @@ impl Shot {
     }
 
     fn input(&self) -> FrameInput {
-        let surface = SurfaceMesh::ellipsoid(&self.body, 90);
+        let surface = EllipsoidKind::surface(&self.body, 90);
         let [longitude, latitude, height_m, pitch_deg] = self.eye;
         let pose = CameraPose {
             eye: Geodetic::from_degrees(longitude, latitude, height_m),
@@ -98,26 +101,28 @@ impl Shot {
             near_m: height_m * 1e-3,
         };
         let camera = Camera::new(&self.body, &pose);
+        let size = ImageSize {
+            width: self.size,
+            height: self.size,
+        };
         FrameInput {
-            surface_rte: surface.relative_to_eye(camera.eye_ecef).into(),
+            view_id: ViewId::unique(),
+            surface: surface.frame(&camera, size).expect("above"),
             scene: PreparedScene {
                 name: "textures".to_owned(),
                 body: self.body,
                 edge_rule: self.rule,
                 overlap: Overlap::Disjoint,
                 regions: regions(self.coordinates).into(),
-                meshes: Arc::from([]),
+                meshes: RegionSet::default(),
                 levels: Arc::default(),
                 bounds: Arc::from([]),
-                surface: Arc::new(surface),
+                surface,
                 texture: Some(Arc::new(checker(self.placement))),
             },
             view: "test".to_owned(),
             camera,
-            size: ImageSize {
-                width: self.size,
-                height: self.size,
-            },
+            size,
             plan: FramePlan::default(),
         }
     }

@@ -140,7 +140,8 @@ pub(crate) fn assert_shipped_scenes_right(techniques: impl Fn(Switches) -> Vec<T
         };
         let switches = Switches::for_overlap(prepared.overlap);
         for view in &views {
-            let input = FrameInput::new(&prepared, view, SIZE, PlanOptions::default());
+            let input =
+                FrameInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
             let judged = judge(&input);
             let by_vertex = draw(&devices, &input, vertex(switches));
             for technique in techniques(switches) {

@@ -16,14 +16,13 @@ use terrafill_conformance::ErrorFigures;
 use terrafill_conformance::{compare, verdict};
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh, parse_regions};
 use terrafill_fill::{
-    ColourWay, Counters, FillBackend, Frame, FrameInput, PreparedScene, Switches,
+    ColourWay, Counters, FillBackend, Frame, FrameInput, PreparedScene, RegionSet, Switches,
 };
 use terrafill_filling::{Techniques, open_scene};
 use terrafill_native::{NativeBackend, NativeTechnique, NativeVariant};
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{
-    CameraPose, ImageSize, Overlap, PlanOptions, SurfaceMesh, View, data_dir_from_env,
-};
+use terrafill_scene::{CameraPose, ImageSize, Overlap, PlanOptions, View, data_dir_from_env};
+use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vertex::{VertexBackend, VertexTechnique, VertexVariant};
 
 /// As the command line hands them to a study.
@@ -238,10 +237,10 @@ pub(crate) fn scene_within(
         edge_rule: EdgeRule::Planar,
         overlap,
         regions: regions.into(),
-        meshes: Arc::new([]),
+        meshes: RegionSet::default(),
         levels: Arc::default(),
         bounds: Arc::new([]),
-        surface: Arc::new(SurfaceMesh::ellipsoid(&body, rows)),
+        surface: EllipsoidKind::surface(&body, rows),
         texture: None,
     }
     .with_meshes(meshes.expect("meshes").into())
@@ -261,7 +260,7 @@ pub(crate) fn look(scene: &PreparedScene, pose: Pose, near_m: f64, size: ImageSi
         },
         note: None,
     };
-    FrameInput::new(scene, &view, size, PlanOptions::default())
+    FrameInput::new(scene, &view, size, PlanOptions::default()).expect("a surface")
 }
 
 /// A shipped scene with its views; `None`, said aloud, where its data is not here.
@@ -275,7 +274,7 @@ pub(crate) fn shipped(name: &str) -> Option<(PreparedScene, Vec<View>)> {
     };
     let meshes = RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh)
         .expect("meshes");
-    let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
+    let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
     let prepared = PreparedScene::new(&scene, meshes.into(), surface);
     Some((prepared, scene.views))
 }

@@ -9,4 +9,5 @@ mod locate;
 mod mesh;
 mod readme;
 mod render;
+mod surfaces;
 mod usage;

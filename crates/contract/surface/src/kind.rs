@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! From a scene's `[surface]` to a surface: kinds by name, and parameters checked one by one.
+
+use crate::{Surface, SurfaceError};
+use std::fmt::{Debug, Display};
+use std::ops::RangeInclusive;
+use std::sync::Arc;
+use terrafill_core::Ellipsoid;
+use terrafill_scene::{Scene, SurfaceChoice};
+use toml::Value;
+
+/// A kind of surface that scenes can name.
+pub trait SurfaceKind: Debug + Sync {
+    /// Name in scene files.
+    fn name(&self) -> &'static str;
+
+    /// Opens a surface of this kind on `body`. Keys that are not read are refused afterwards.
+    ///
+    /// # Errors
+    /// [`SurfaceError::Value`].
+    fn open(
+        &self,
+        body: &Ellipsoid,
+        parameters: &mut Parameters<'_>,
+    ) -> Result<Arc<dyn Surface>, SurfaceError>;
+}
+
+/// Opens the surface that `scene` names.
+///
+/// - `kinds`: those that there are
+///
+/// # Errors
+/// [`SurfaceError::Value`] for a kind that there is not, a value that is not allowed, or a key that
+/// the kind does not know.
+pub fn open_surface(
+    kinds: &[&dyn SurfaceKind],
+    scene: &Scene,
+) -> Result<Arc<dyn Surface>, SurfaceError> {
+    let choice = &scene.surface;
+    let mut parameters = Parameters {
+        choice,
+        read: Vec::new(),
+    };
+    let Some(kind) = kinds.iter().find(|kind| kind.name() == choice.kind) else {
+        let names: Vec<&str> = kinds.iter().map(|kind| kind.name()).collect();
+        let found = format!("{:?}", choice.kind);
+        return Err(parameters.refuse("kind", found, names.join(", ")));
+    };
+    let surface = kind.open(&scene.body, &mut parameters)?;
+    parameters.refuse_unread()?;
+    Ok(surface)
+}
+
+/// Keys of a scene's `[surface]` besides the kind.
+#[derive(Debug)]
+pub struct Parameters<'a> {
+    choice: &'a SurfaceChoice,
+    /// Keys that the kind knows.
+    read: Vec<&'static str>,
+}
+
+impl Parameters<'_> {
+    /// A whole number.
+    ///
+    /// # Errors
+    /// [`SurfaceError::Value`] when it is no whole number in `range`.
+    pub fn count(
+        &mut self,
+        key: &'static str,
+        default: u32,
+        range: RangeInclusive<u32>,
+    ) -> Result<u32, SurfaceError> {
+        let Some(value) = self.value(key) else {
+            return Ok(default);
+        };
+        let count = value
+            .as_integer()
+            .and_then(|found| u32::try_from(found).ok());
+        count
+            .filter(|count| range.contains(count))
+            .ok_or_else(|| self.refuse(key, value, format!("{} to {}", range.start(), range.end())))
+    }
+
+    /// A number; a whole one may be written without a point.
+    ///
+    /// # Errors
+    /// [`SurfaceError::Value`] when it is no number in `range`.
+    pub fn number(
+        &mut self,
+        key: &'static str,
+        default: f64,
+        range: RangeInclusive<f64>,
+    ) -> Result<f64, SurfaceError> {
+        let Some(value) = self.value(key) else {
+            return Ok(default);
+        };
+        let number = match value {
+            Value::Float(number) => Some(*number),
+            Value::Integer(whole) => Some(*whole as f64),
+            _ => None,
+        };
+        number
+            .filter(|number| range.contains(number))
+            .ok_or_else(|| self.refuse(key, value, format!("{} to {}", range.start(), range.end())))
+    }
+
+    /// `key` has a value that is not allowed.
+    #[must_use]
+    pub fn refuse(
+        &self,
+        key: &str,
+        found: impl Display,
+        allowed: impl Into<String>,
+    ) -> SurfaceError {
+        SurfaceError::Value {
+            file: self.choice.file.clone(),
+            key: key.to_owned(),
+            found: found.to_string(),
+            allowed: allowed.into(),
+        }
+    }
+}
+
+impl<'a> Parameters<'a> {
+    fn value(&mut self, key: &'static str) -> Option<&'a Value> {
+        self.read.push(key);
+        self.choice.parameters.get(key)
+    }
+
+    fn refuse_unread(&self) -> Result<(), SurfaceError> {
+        let mut stray = self.choice.parameters.iter();
+        match stray.find(|(key, _)| !self.read.contains(&key.as_str())) {
+            None => Ok(()),
+            Some((key, value)) => {
+                let known = [&["kind"], self.read.as_slice()].concat().join(", ");
+                Err(self.refuse(key, value, format!("only the keys {known}")))
+            }
+        }
+    }
+}
