@@ -666,7 +666,7 @@ fn vertex_table(data: &Data<'_>) -> Grid {
     let mut formats: Vec<&str> = Vec::new();
     for row in data.of("vertex") {
         if !formats.contains(&row.route()) {
-            formats.push(&row.route());
+            formats.push(row.route());
         }
     }
     let rows = formats.into_iter().map(|format| {
@@ -809,7 +809,7 @@ fn special_table(data: &Data<'_>) -> Grid {
     let mut conditions: Vec<&str> = Vec::new();
     for row in data.of("special") {
         if !conditions.contains(&row.condition()) {
-            conditions.push(&row.condition());
+            conditions.push(row.condition());
         }
     }
     let rows = conditions.into_iter().map(|condition| {
