@@ -95,12 +95,16 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "report",
         ],
     ),
+    ("fixtures", &["core", "scene", "fill"]),
     ("xtask", &["shaders"]),
 ];
 
 /// What the tests of a crate may need beside: those of a study draw with every technique, while the
 /// study itself is handed a list and names none.
 const ALLOWED_IN_TESTS: &[(&str, &[&str])] = &[("filling", &["vertex", "compute", "native"])];
+
+/// What tests share. Every crate's tests may use it and nothing that ships may.
+const DEV_ONLY: &str = "fixtures";
 
 /// What the reference may take from core: bodies and parsed rings, nothing that meshes.
 const REFERENCE_MAY_IMPORT: &[&str] = &[
@@ -186,6 +190,12 @@ pub(crate) fn check(edges: &[Edge]) -> Result<String> {
         let in_tests = ALLOWED_IN_TESTS.iter().find(|(name, _)| name == from);
         let is_for_tests = in_tests.is_some_and(|(_, allowed)| allowed.contains(&to.as_str()));
         if is_for_tests && kind.as_deref() == Some("dev") {
+            continue;
+        }
+        if to == DEV_ONLY {
+            if kind.as_deref() != Some("dev") {
+                forbidden.push(format!("{from} -> {to}: allowed: as a dev-dependency"));
+            }
             continue;
         }
         match ALLOWED.iter().find(|(name, _)| name == from) {
@@ -323,6 +333,14 @@ mod tests {
         };
         assert!(check(&[of(Some("dev"))]).is_ok());
         assert!(check(&[of(None)]).is_err());
+    }
+
+    #[test]
+    fn fixtures_are_for_tests_only() {
+        let mut fixtures = edge("core", "fixtures");
+        assert!(check(std::slice::from_ref(&fixtures)).is_err());
+        fixtures.kind = Some("dev".to_owned());
+        check(&[fixtures]).expect("allowed");
     }
 
     #[test]

@@ -6,16 +6,14 @@
 //! writes each value as it is measured, goes on with broken-off runs and measures a few cases twice.
 //! No study repeats any of that, and the runner names no study.
 //!
-//! Nothing here opens a device, reads a clock or starts a thread or a process: [`Devices`] keeps what
+//! Nothing here opens a device, reads a clock or starts a thread or a process: `Devices` keeps what
 //! studies open, [`Progress`] is told what is being done, and who wants several processes starts
 //! them with another [`RunOptions::process`] each.
 
-mod devices;
 mod run;
 mod schedule;
 mod study;
 
-pub use devices::Devices;
 pub use run::{Plan, Progress, RunOptions, RunOutcome, Silent, plan, run};
 pub use schedule::SplitMix64;
 pub use study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};

@@ -6,9 +6,11 @@
 //! the first verifies every case, the others make sure that they do the same work and time it again.
 
 use crate::schedule::{SplitMix64, block_order};
-use crate::{Context, Devices, Group, Planned, Request, Session, Study, StudyError};
+use crate::{Context, Group, Planned, Request, Session, Study, StudyError};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::rc::Rc;
+use terrafill_fill::Devices;
 use terrafill_results::{
     Measurement, Note, Outcome, PlannedCase, Run, RunError, RunFolder, RunPlan, Shard, Status,
     Verdict, repeated_cases,
@@ -199,7 +201,7 @@ fn with_twins(group: Box<dyn Group>, seed: u64) -> PlannedGroup {
 pub fn run(
     plan: &Plan,
     folder: &RunFolder,
-    devices: &Devices,
+    devices: &Rc<Devices>,
     options: &RunOptions,
     progress: &mut dyn Progress,
 ) -> Result<(), StudyError> {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a study promises the runner.
 
-use crate::Devices;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use terrafill_fill::Devices;
 use terrafill_results::{Chapter, Metric, PlannedCase, Skipped, Status, Verdict};
 
 /// How much is measured.
@@ -74,7 +75,7 @@ pub struct Planned {
 #[derive(Debug, Clone, Copy)]
 pub struct Context<'a> {
     /// Devices of the run.
-    pub devices: &'a Devices,
+    pub devices: &'a Rc<Devices>,
     /// The run's folder; pictures go to `images/` in it.
     pub folder: &'a Path,
 }

@@ -5,13 +5,14 @@ use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::rc::Rc;
+use terrafill_fill::Devices;
 use terrafill_results::{
-    Block, CaseId, Chapter, ChapterError, Clock, Kind, Metric, Outcome, PlannedCase, Run, RunEnvironment,
-    RunError, RunFolder, SCHEMA, Shard, Status, Verdict,
+    Block, CaseId, Chapter, ChapterError, Clock, Kind, Metric, Outcome, PlannedCase, Run,
+    RunEnvironment, RunError, RunFolder, SCHEMA, Shard, Status, Verdict,
 };
 use terrafill_study::{
-    Context, Devices, Group, Plan, Planned, Request, RunOptions, RunOutcome, Session, Silent,
-    Study, StudyError, plan, run,
+    Context, Group, Plan, Planned, Request, RunOptions, RunOutcome, Session, Silent, Study,
+    StudyError, plan, run,
 };
 
 const METRICS: [Metric; 2] = [
@@ -223,7 +224,14 @@ fn create(path: &Path, plan: &Plan) -> RunFolder {
 }
 
 fn measure(plan: &Plan, folder: &RunFolder, options: &RunOptions) {
-    run(plan, folder, &Devices::default(), options, &mut Silent).expect("measured");
+    run(
+        plan,
+        folder,
+        &Rc::new(Devices::default()),
+        options,
+        &mut Silent,
+    )
+    .expect("measured");
 }
 
 #[test]

@@ -12,19 +12,22 @@ use terrafill_fill::{CpuStopwatch, DeviceError, FrameTimes, StencilTest};
 pub enum BaselineKind {
     /// Reads depth, writes a constant colour: what any technique must pay that looks at depth in a
     /// shader.
-    Bound,
+    DepthPass,
     /// Clears the stencil and writes a stencil-tested constant colour: what any stencil technique
     /// must pay.
-    Floor,
+    StencilPass,
 }
 
 impl BaselineKind {
+    /// Every kind.
+    pub const ALL: [Self; 2] = [Self::DepthPass, Self::StencilPass];
+
     /// Name in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::Bound => "bound",
-            Self::Floor => "floor",
+            Self::DepthPass => "depth-pass",
+            Self::StencilPass => "stencil-pass",
         }
     }
 }
@@ -47,12 +50,12 @@ impl Baseline {
         let borrowed = targets.borrow();
         let gpu = borrowed.gpu();
         let layout = gpu.texture_layout("depth", wgpu::TextureSampleType::Depth);
-        let reads_depth = kind == BaselineKind::Bound;
+        let reads_depth = kind == BaselineKind::DepthPass;
         let bind_group =
             reads_depth.then(|| gpu.bind_texture("depth", &layout, &borrowed.depth_view()));
         let path = match kind {
-            BaselineKind::Bound => "baseline/bound.wgsl",
-            BaselineKind::Floor => "baseline/floor.wgsl",
+            BaselineKind::DepthPass => "baseline/bound.wgsl",
+            BaselineKind::StencilPass => "baseline/floor.wgsl",
         };
         let shader = gpu.shader(path)?;
         let layouts: &[Option<&wgpu::BindGroupLayout>] =
@@ -64,7 +67,7 @@ impl Baseline {
             read_mask: 0xff,
             zeroes: false,
         };
-        let depth_stencil = (kind == BaselineKind::Floor).then(|| colour_state(unmarked));
+        let depth_stencil = (kind == BaselineKind::StencilPass).then(|| colour_state(unmarked));
         let (label, target) = (kind.name(), colour_target(false));
         let pipeline = full_screen(gpu, label, &pipeline_layout, &shader, depth_stencil, target);
         drop(borrowed);
@@ -95,7 +98,7 @@ impl Baseline {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(self.kind.name()),
             color_attachments: &[Some(attached(&colour, wgpu::LoadOp::Load))],
-            depth_stencil_attachment: (self.kind == BaselineKind::Floor)
+            depth_stencil_attachment: (self.kind == BaselineKind::StencilPass)
                 .then(|| read_only_depth(&depth_stencil, Some(wgpu::LoadOp::Clear(0)))),
             timestamp_writes: targets.timer().map(|t| t.around(TimedPass::Baseline)),
             ..Default::default()

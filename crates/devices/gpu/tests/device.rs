@@ -2,9 +2,7 @@
 //! Tests that need a Vulkan device. Without one they are skipped with the reason printed, unless
 //! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.
 
-mod globe;
-
-use globe::{SIZE, assert_depth_of_the_ellipsoid, globe_from};
+use terrafill_fixtures::globe::{SIZE, assert_depth_of_the_ellipsoid, globe_from};
 use terrafill_gpu::{
     Baseline, BaselineKind, GpuOptions, POSITIVE_CONTROL, RenderTargets, make_deliberate_error,
     messages, open_for_test,
@@ -73,7 +71,7 @@ fn baselines_cover_every_pixel() {
         return;
     };
     let input = globe_from(8e6);
-    for kind in [BaselineKind::Bound, BaselineKind::Floor] {
+    for kind in [BaselineKind::DepthPass, BaselineKind::StencilPass] {
         let targets = RenderTargets::shared(&gpu, SIZE).expect("small targets");
         targets.borrow_mut().prepare(&input).expect("fits");
         targets.borrow_mut().draw_surface().expect("draws");

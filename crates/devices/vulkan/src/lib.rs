@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The same ground as `terrafill-gpu`, on Vulkan itself: the device, the targets and the surface
-//! pass that fills them, pipelines with geometry shaders, queries, clocks and read-back.
+//! pass that fills them, fills by volumes with all but the volumes themselves, pipelines with
+//! geometry shaders, queries, clocks and read-back.
 //!
 //! All `unsafe` of the project's own drawing is here, behind an interface that cannot be misused:
 //!
@@ -19,7 +20,9 @@
 
 mod adapter;
 mod bindings;
+mod covers;
 mod failure;
+mod fill;
 mod fixtures;
 mod memory;
 mod pass;
@@ -30,12 +33,15 @@ mod sampled;
 mod shared;
 mod targets;
 mod textured;
+mod textured_pipeline;
 mod validation;
+mod volume_pass;
 
 pub use adapter::{DeviceFacts, Features, Gpu, GpuOptions, list_adapters, open_for_test};
 pub use bindings::BindGroup;
 pub use terrafill_shaders::{HandsOn, RouteText, TexturedParts, TexturedPlacement};
 
+pub use fill::{VolumeFill, Volumes};
 pub use memory::{Buffer, BufferUse};
 pub use pass::{CoverState, DrawState, FillRecorder, Geometry, IndexWidth, PassRecorder};
 pub use pipeline::{
@@ -46,5 +52,8 @@ pub use queries::{FillTimes, PassStatistics};
 pub use sampled::{ImageBindings, SampledImage};
 pub use shared::{API, shared_gpu, shared_targets};
 pub use targets::{FillReport, Measured, RenderTargets, SharedTargets};
-pub use textured::{CoverPurpose, DepthBindings, Probe, TexturedDescriptor, TexturedPipeline};
+pub use textured_pipeline::{
+    CoverPurpose, DepthBindings, Probe, TexturedDescriptor, TexturedPipeline,
+};
 pub use validation::{POSITIVE_CONTROL, ValidationMessage, make_deliberate_error, messages};
+pub use volume_pass::VolumePass;

@@ -1,395 +1,333 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Textured covers on Vulkan: their pipelines, what they are bound to, and the probe's targets.
+//! The textured side of a fill on Vulkan: what was planned last, and what the device holds of it.
 //!
-//! Depth stays attached read-only as in every pass of a fill, and that layout is one in which shaders
-//! may read it too: no depth is copied and no layout changes. The covers' passes write no stencil.
+//! Textured covers stand where plain ones would. Plan, constants and WGSL are those of the wgpu
+//! backends; a plain fill has nothing of this, neither buffers nor pipelines nor a picture.
 
-use crate::bindings::SetPool;
-use crate::failure::failure;
-use crate::fixtures::{PROBE_FORMAT, REGION_KIND};
-use crate::memory::Image;
-use crate::pipeline::{Assembly, entry_name, stencil_test};
-use crate::readback::read_probed;
-use crate::targets::Targets;
-use crate::{Buffer, BufferUse, Gpu, ImageBindings, Topology, VertexFormat};
-use ash::vk;
-use std::cell::Cell;
+use crate::{
+    BindGroup, Buffer, BufferUse, CoverPurpose, CoverState, DepthBindings, Gpu, ImageBindings,
+    Probe, RenderTargets, RouteText, SampledImage, TexturedDescriptor, TexturedParts,
+    TexturedPipeline, TexturedPlacement, VolumePass,
+};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
-use terrafill_fill::{CoverOverrides, DeviceError, FaceSet, StencilTest};
-use terrafill_shaders::{SpirvStage, TEXTURED_COVER, TexturedParts, composed_to_spirv};
+use terrafill_fill::{
+    AddressMode, DeviceError, FrameInput, Probed, StencilTest, Switches, TexturedCover,
+    TexturedPlan,
+};
+use terrafill_scene::{MipChain, PlannedRegion, SceneTexture, TextureShare};
 
-/// What a textured cover is drawn for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum CoverPurpose {
-    /// The picture's colours.
-    Colour {
-        /// What its shader has in it.
-        overrides: CoverOverrides,
-        /// It is blended over what lies under it.
-        blends: bool,
-    },
-    /// Where the picture's texels came from, into the targets of a [`Probe`].
-    Probe {
-        /// What its shader has in it.
-        overrides: CoverOverrides,
-    },
-}
+/// A copy of the picture, and what is seen beyond it.
+type ImageKey = (usize, [AddressMode; 2]);
 
-impl CoverPurpose {
-    fn is_probe(self) -> bool {
-        matches!(self, Self::Probe { .. })
-    }
-}
+/// Shader, stencil test and purpose.
+type PipelineKey = (usize, StencilTest, CoverPurpose);
 
-/// All that makes the pipeline of a textured cover.
-#[derive(Debug, Clone, Copy)]
-pub struct TexturedDescriptor<'a> {
-    /// The shader.
-    pub parts: &'a TexturedParts,
-    /// Whether the table that the route reads has a sampler; `None` for a route without a table.
-    pub table_is_sampled: Option<bool>,
-    /// What the stencil must say, which is left as it is.
-    pub test: StencilTest,
-    /// What for.
-    pub purpose: CoverPurpose,
-}
-
-/// Draws a textured cover.
+/// Textured covers of one scene and view.
 #[derive(Debug)]
-pub struct TexturedPipeline {
-    gpu: Arc<Gpu>,
-    pub(crate) raw: vk::Pipeline,
-    table_is_sampled: Option<bool>,
-    is_probe: bool,
+pub(crate) struct TexturedFill {
+    switches: Switches,
+    shaders: Vec<Shader>,
+    pipelines: HashMap<PipelineKey, TexturedPipeline>,
+    source: Option<Arc<SceneTexture>>,
+    images: Vec<Arc<SampledImage>>,
+    /// Whether the pictures hide what lies under them.
+    images_are_opaque: bool,
+    image_bindings: HashMap<ImageKey, ImageBindings>,
+    view: Option<View>,
 }
 
-impl TexturedPipeline {
-    /// Makes a pipeline.
-    ///
-    /// # Errors
-    /// [`DeviceError::Unsupported`] when the stencil would be written, which is attached read-only;
-    /// [`DeviceError::Shader`], [`DeviceError::OutOfMemory`].
-    pub fn new(gpu: &Arc<Gpu>, descriptor: &TexturedDescriptor<'_>) -> Result<Self, DeviceError> {
-        if descriptor.test.zeroes {
-            return Err(DeviceError::unsupported(
-                "a textured cover that writes the stencil",
-                &gpu.facts.name,
-            ));
-        }
-        let raw = create(gpu, descriptor)?;
-        gpu.work.count_pipeline();
-        Ok(Self {
-            gpu: Arc::clone(gpu),
-            raw,
-            table_is_sampled: descriptor.table_is_sampled,
-            is_probe: descriptor.purpose.is_probe(),
+/// A composed shader, and the table that its route reads.
+#[derive(Debug)]
+struct Shader {
+    parts: TexturedParts,
+    table: Option<Table>,
+}
+
+#[derive(Debug)]
+struct Table {
+    image: Arc<SampledImage>,
+    bindings: ImageBindings,
+}
+
+/// A plan, what it was made from, and its constants.
+#[derive(Debug)]
+struct View {
+    surface_rte: Arc<[[f32; 3]]>,
+    regions: Vec<PlannedRegion>,
+    plan: TexturedPlan,
+    /// By planned region, the place of its shader.
+    shaders: Vec<usize>,
+    constants: Arc<Buffer>,
+    written: Vec<[f32; 4]>,
+    stride: usize,
+    bindings: DepthBindings,
+}
+
+/// What covers are drawn for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    Colour,
+    Probe,
+}
+
+impl TexturedFill {
+    /// `None` for a plain fill.
+    pub(crate) fn new(switches: &Switches) -> Option<Self> {
+        switches.texture.map(|_| Self {
+            switches: *switches,
+            shaders: Vec::new(),
+            pipelines: HashMap::new(),
+            source: None,
+            images: Vec::new(),
+            images_are_opaque: true,
+            image_bindings: HashMap::new(),
+            view: None,
         })
     }
 
-    pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
-        Arc::ptr_eq(&self.gpu, gpu)
+    /// The plan of the view that was uploaded last.
+    pub(crate) fn plan(&self) -> Option<&TexturedPlan> {
+        self.view.as_ref().map(|view| &view.plan)
     }
 
-    pub(crate) fn layout(&self) -> vk::PipelineLayout {
-        self.gpu.fixtures.textured_layout(self.table_is_sampled)
+    /// Bytes of the pictures on the device, and of the routes' tables.
+    pub(crate) fn texture_bytes(&self) -> u64 {
+        let tables = self.shaders.iter().filter_map(|made| made.table.as_ref());
+        let tables = tables.map(|table| &table.image);
+        self.images.iter().chain(tables).map(|i| i.bytes()).sum()
     }
 
-    pub(crate) fn is_probe(&self) -> bool {
-        self.is_probe
+    /// Bytes of the regions' constants.
+    pub(crate) fn constant_bytes(&self) -> u64 {
+        let written = self.view.as_ref().map(|view| size_of_val(&*view.written));
+        written.unwrap_or(0) as u64
     }
 
-    /// Whether set 3 is what the route reads.
-    pub(crate) fn takes_table(&self, table: Option<&ImageBindings>) -> bool {
-        table.map(ImageBindings::is_sampled) == self.table_is_sampled
-    }
-}
-
-impl Drop for TexturedPipeline {
-    fn drop(&mut self) {
-        // SAFETY: every submission that used it has been waited for.
-        unsafe { self.gpu.device.destroy_pipeline(self.raw, None) };
-    }
-}
-
-/// Shader modules of one pipeline, which keeps what it needs of them.
-struct Modules<'a> {
-    gpu: &'a Gpu,
-    made: Vec<vk::ShaderModule>,
-}
-
-impl Modules<'_> {
-    fn add(&mut self, spirv: &[u32]) -> Result<vk::ShaderModule, DeviceError> {
-        let info = vk::ShaderModuleCreateInfo::default().code(spirv);
-        // SAFETY: naga validated the source.
-        let module = unsafe { self.gpu.device.create_shader_module(&info, None) }
-            .map_err(|error| failure(error, TEXTURED_COVER, size_of_val(spirv) as u64))?;
-        self.made.push(module);
-        Ok(module)
-    }
-}
-
-impl Drop for Modules<'_> {
-    fn drop(&mut self) {
-        for module in self.made.drain(..) {
-            // SAFETY: no pipeline is being made of it any more.
-            unsafe { self.gpu.device.destroy_shader_module(module, None) };
+    /// Plans and uploads the view of `input`; the same view again costs nothing.
+    pub(crate) fn upload(
+        &mut self,
+        targets: &RenderTargets,
+        input: &FrameInput,
+    ) -> Result<(), DeviceError> {
+        let is_same = |view: &View| {
+            Arc::ptr_eq(&view.surface_rte, &input.surface_rte) && view.regions == input.plan.regions
+        };
+        if self.view.as_ref().is_some_and(is_same) && self.holds_image(input) {
+            return Ok(());
         }
+        let Some(plan) = TexturedPlan::of_switches(input, &self.switches)? else {
+            return Ok(());
+        };
+        let gpu = targets.gpu();
+        if let Some(texture) = &input.scene.texture
+            && !self.holds_image(input)
+        {
+            let copies = match texture.share {
+                TextureShare::One => 1,
+                TextureShare::Each => input.scene.regions.len(),
+            };
+            self.upload_image(gpu, &texture.image, copies)?;
+            self.source = Some(Arc::clone(texture));
+        }
+        let mut shaders = Vec::with_capacity(plan.covers.len());
+        for cover in &plan.covers {
+            shaders.push(self.shader(gpu, &plan, cover)?);
+            self.ensure_image_bindings((cover.texture.image, cover.texture.address))?;
+        }
+        let (written, stride) = plan.aligned_constants(DepthBindings::alignment(gpu));
+        let bytes = bytemuck::cast_slice(&written);
+        let (constants, bindings) = match self.view.take() {
+            Some(view) if (view.written.len(), view.stride) == (written.len(), stride) => {
+                if view.written != written {
+                    view.constants.rewrite(bytes)?;
+                }
+                (view.constants, view.bindings)
+            }
+            _ => {
+                let label = "textured regions";
+                let constants = Arc::new(Buffer::upload(gpu, label, bytes, BufferUse::Constants)?);
+                let bindings = targets.bind_depth(&constants, stride)?;
+                (constants, bindings)
+            }
+        };
+        self.view = Some(View {
+            surface_rte: Arc::clone(&input.surface_rte),
+            regions: input.plan.regions.clone(),
+            plan,
+            shaders,
+            constants,
+            written,
+            stride,
+            bindings,
+        });
+        Ok(())
     }
-}
 
-fn create(gpu: &Gpu, descriptor: &TexturedDescriptor<'_>) -> Result<vk::Pipeline, DeviceError> {
-    let failed = |error: terrafill_shaders::ShaderError| DeviceError::Shader {
-        name: TEXTURED_COVER.to_owned(),
-        message: error.to_string(),
-    };
-    let composed = descriptor.parts.compose().map_err(failed)?;
-    let (entry_point, overrides, blends) = match descriptor.purpose {
-        CoverPurpose::Colour { overrides, blends } => ("fragment_main", overrides, blends),
-        CoverPurpose::Probe { overrides } => ("probe_main", overrides, false),
-    };
-    let constants = overrides.constants();
-    let mut modules = Modules {
-        gpu,
-        made: Vec::new(),
-    };
-    let names = [entry_name("vertex_main")?, entry_name(entry_point)?];
-    let mut stages = Vec::new();
-    for (stage, flag, name, entry_point) in [
-        (
-            SpirvStage::Vertex,
-            vk::ShaderStageFlags::VERTEX,
-            &names[0],
-            "vertex_main",
-        ),
-        (
-            SpirvStage::Fragment,
-            vk::ShaderStageFlags::FRAGMENT,
-            &names[1],
-            entry_point,
-        ),
-    ] {
-        let spirv = composed_to_spirv(TEXTURED_COVER, &composed, stage, entry_point, &constants);
-        let module = modules.add(&spirv.map_err(failed)?)?;
-        stages.push(
-            vk::PipelineShaderStageCreateInfo::default()
-                .stage(flag)
-                .module(module)
-                .name(name),
-        );
+    fn holds_image(&self, input: &FrameInput) -> bool {
+        let both = self.source.as_ref().zip(input.scene.texture.as_ref());
+        both.is_some_and(|(held, wanted)| Arc::ptr_eq(held, wanted))
     }
-    // Straight alpha over what is there.
-    let over = vk::PipelineColorBlendAttachmentState::default()
-        .color_write_mask(vk::ColorComponentFlags::RGBA)
-        .blend_enable(blends)
-        .src_color_blend_factor(vk::BlendFactor::SRC_ALPHA)
-        .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
-        .color_blend_op(vk::BlendOp::ADD)
-        .src_alpha_blend_factor(vk::BlendFactor::ONE)
-        .dst_alpha_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
-        .alpha_blend_op(vk::BlendOp::ADD);
-    let is_probe = descriptor.purpose.is_probe();
-    Assembly {
-        stages: &stages,
-        format: VertexFormat::Number,
-        topology: Topology::Triangles,
-        faces: FaceSet::Both,
-        is_turned: false,
-        depth_stencil: stencil_test(descriptor.test),
-        depth_bounds: false,
-        blends: &[over; 2][..1 + usize::from(is_probe)],
-        layout: gpu.fixtures.textured_layout(descriptor.table_is_sampled),
-        render_pass: if is_probe {
-            gpu.fixtures.probe(false)
-        } else {
-            gpu.fixtures.textured
-        },
-    }
-    .create(gpu)
-}
 
-/// The surface's depth and the regions' constants, as textured covers read them.
-#[derive(Debug)]
-pub struct DepthBindings {
-    gpu: Arc<Gpu>,
-    view: vk::ImageView,
-    pool: SetPool,
-    stride: u32,
-    count: usize,
-    depth: Arc<Image>,
-    /// The set points at it.
-    _regions: Arc<Buffer>,
-}
-
-impl DepthBindings {
-    /// - `regions`: constants of one region after the other, `stride` bytes each
-    pub(crate) fn new(
-        targets: &Targets,
+    fn upload_image(
+        &mut self,
         gpu: &Arc<Gpu>,
-        regions: &Arc<Buffer>,
-        stride: usize,
-    ) -> Result<Self, DeviceError> {
-        let lacks = |capability: &str| DeviceError::unsupported(capability, &gpu.facts.name);
-        if !gpu.facts.features.samples_depth {
-            return Err(lacks("reading depth in shaders"));
+        image: &MipChain,
+        copies: usize,
+    ) -> Result<(), DeviceError> {
+        let mut texels = image.levels()[0].rgba.chunks_exact(4);
+        self.images_are_opaque = texels.all(|texel| texel[3] == u8::MAX);
+        self.image_bindings.clear();
+        self.images = (0..copies)
+            .map(|_| SampledImage::picture(gpu, image).map(Arc::new))
+            .collect::<Result<_, _>>()?;
+        Ok(())
+    }
+
+    fn shader(
+        &mut self,
+        gpu: &Arc<Gpu>,
+        plan: &TexturedPlan,
+        cover: &TexturedCover,
+    ) -> Result<usize, DeviceError> {
+        let parts = parts(plan, cover);
+        let there = self.shaders.iter().position(|made| made.parts == parts);
+        if let Some(there) = there {
+            return Ok(there);
         }
-        let alignment = Self::alignment(gpu);
-        let fits = regions.is_on(gpu)
-            && regions.use_for() == Some(BufferUse::Constants)
-            && stride > 0
-            && stride.is_multiple_of(alignment)
-            && stride as u64 <= u64::from(gpu.limits.max_uniform_buffer_range)
-            && regions.size() >= stride as u64;
-        let bytes = u32::try_from(stride).ok().filter(|_| fits);
-        let Some(bytes) = bytes else {
-            return Err(lacks(
-                "binding constants of another device, for another use or out of step",
-            ));
+        let table = match cover.route_texels() {
+            None => None,
+            Some(texels) => {
+                let image = Arc::new(SampledImage::route(gpu, &texels)?);
+                let bindings = ImageBindings::route(&image, texels.is_filtered)?;
+                Some(Table { image, bindings })
+            }
         };
-        let kinds = [vk::DescriptorType::SAMPLED_IMAGE, REGION_KIND];
-        let depth = Arc::clone(targets.depth_stencil());
-        let mut bindings = Self {
-            gpu: Arc::clone(gpu),
-            view: vk::ImageView::null(),
-            pool: SetPool::new(gpu, gpu.fixtures.depth_set_layout, &kinds)?,
-            stride: bytes,
-            count: usize::try_from(regions.size() / stride as u64).unwrap_or(usize::MAX),
-            depth,
-            _regions: Arc::clone(regions),
+        self.shaders.push(Shader { parts, table });
+        Ok(self.shaders.len() - 1)
+    }
+
+    fn ensure_image_bindings(&mut self, key: ImageKey) -> Result<(), DeviceError> {
+        let Some(image) = self.images.get(key.0) else {
+            return Ok(());
         };
-        let view_info = vk::ImageViewCreateInfo::default()
-            .image(bindings.depth.raw)
-            .view_type(vk::ImageViewType::TYPE_2D)
-            .format(crate::fixtures::DEPTH_STENCIL_FORMAT)
-            .subresource_range(
-                vk::ImageSubresourceRange::default()
-                    .aspect_mask(vk::ImageAspectFlags::DEPTH)
-                    .level_count(1)
-                    .layer_count(1),
-            );
-        // SAFETY: the image lives as long as the view, in its own format, and was made to be sampled.
-        bindings.view = unsafe { gpu.device.create_image_view(&view_info, None) }
-            .map_err(|error| failure(error, "view of depth", 0))?;
-        let images = [vk::DescriptorImageInfo {
-            sampler: vk::Sampler::null(),
-            image_view: bindings.view,
-            image_layout: crate::fixtures::DEPTH_READ_ONLY,
-        }];
-        let buffers = [vk::DescriptorBufferInfo {
-            buffer: regions.raw,
-            offset: 0,
-            range: stride as u64,
-        }];
-        let write = |binding, kind| {
-            vk::WriteDescriptorSet::default()
-                .dst_set(bindings.pool.set)
-                .dst_binding(binding)
-                .descriptor_type(kind)
-        };
-        let writes = [
-            write(0, kinds[0]).image_info(&images),
-            write(1, kinds[1]).buffer_info(&buffers),
-        ];
-        // SAFETY: of the kinds that the layout has; view and buffer live as long as the set.
-        unsafe { gpu.device.update_descriptor_sets(&writes, &[]) };
-        Ok(bindings)
-    }
-
-    /// What a region's constants must begin at a multiple of, bytes.
-    #[must_use]
-    pub fn alignment(gpu: &Gpu) -> usize {
-        let alignment = gpu.limits.min_uniform_buffer_offset_alignment;
-        usize::try_from(alignment).unwrap_or(usize::MAX)
-    }
-
-    /// Whether it is the depth of these targets.
-    pub(crate) fn reads(&self, targets: &Targets) -> bool {
-        Arc::ptr_eq(&self.depth, targets.depth_stencil())
-    }
-
-    pub(crate) fn set(&self) -> vk::DescriptorSet {
-        self.pool.set
-    }
-
-    /// Where the constants of one region begin; `None` beyond the last.
-    pub(crate) fn offset(&self, region: usize) -> Option<u32> {
-        let index = u32::try_from(region).ok().filter(|_| region < self.count)?;
-        index.checked_mul(self.stride)
-    }
-}
-
-impl Drop for DepthBindings {
-    fn drop(&mut self) {
-        // SAFETY: every submission that used it has been waited for; null is ignored.
-        unsafe { self.gpu.device.destroy_image_view(self.view, None) };
-    }
-}
-
-/// Targets of the textured covers' probe, as large as the targets'.
-#[derive(Debug)]
-pub struct Probe {
-    gpu: Arc<Gpu>,
-    pub(crate) framebuffer: vk::Framebuffer,
-    /// Places and sizes, in the order of the shader's locations.
-    pub(crate) images: [Image; 2],
-    pub(crate) extent: vk::Extent2D,
-    /// A pass has cleared the images and left them in its layout.
-    pub(crate) is_drawn: Cell<bool>,
-    depth: Arc<Image>,
-}
-
-impl Probe {
-    pub(crate) fn new(targets: &Targets, gpu: &Arc<Gpu>) -> Result<Self, DeviceError> {
-        let extent = targets.area().extent;
-        let target = |label| {
-            let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
-            let aspects = vk::ImageAspectFlags::COLOR;
-            Image::target(gpu, label, extent, PROBE_FORMAT, usage, aspects)
-        };
-        let mut probe = Self {
-            gpu: Arc::clone(gpu),
-            framebuffer: vk::Framebuffer::null(),
-            images: [target("probed places")?, target("probed sizes")?],
-            extent,
-            is_drawn: Cell::new(false),
-            depth: Arc::clone(targets.depth_stencil()),
-        };
-        let [places, sizes] = &probe.images;
-        let views = [places.view, sizes.view, probe.depth.view];
-        let info = vk::FramebufferCreateInfo::default()
-            .render_pass(gpu.fixtures.probe(false))
-            .attachments(&views)
-            .width(extent.width)
-            .height(extent.height)
-            .layers(1);
-        // SAFETY: the views are of the pass's formats and of this size.
-        probe.framebuffer = unsafe { gpu.device.create_framebuffer(&info, None) }
-            .map_err(|error| failure(error, "framebuffer", 0))?;
-        Ok(probe)
-    }
-
-    /// What the covers wrote into its two targets, row 0 at the top; `None` where no pass has drawn
-    /// into them.
-    ///
-    /// # Errors
-    /// [`DeviceError::DeviceLost`].
-    pub fn read(&self) -> Result<Option<[Vec<[f32; 4]>; 2]>, DeviceError> {
-        if !self.is_drawn.get() {
-            return Ok(None);
+        if let Entry::Vacant(place) = self.image_bindings.entry(key) {
+            place.insert(ImageBindings::picture(image, key.1)?);
         }
-        let [places, sizes] = &self.images;
-        let read = |image| read_probed(&self.gpu, self.extent, image);
-        Ok(Some([read(places)?, read(sizes)?]))
+        Ok(())
     }
 
-    /// Whether it attaches the depth of these targets.
-    pub(crate) fn is_beside(&self, targets: &Targets) -> bool {
-        Arc::ptr_eq(&self.depth, targets.depth_stencil())
+    /// Makes the pipelines of the covers of `regions` where they are missing.
+    pub(crate) fn ensure(
+        &mut self,
+        gpu: &Arc<Gpu>,
+        test: StencilTest,
+        purpose: Purpose,
+        regions: &[usize],
+    ) -> Result<(), DeviceError> {
+        for &planned in regions {
+            let Some((key, _)) = self.key(test, purpose, planned) else {
+                continue;
+            };
+            let Shader { parts, table } = &self.shaders[key.0];
+            if let Entry::Vacant(place) = self.pipelines.entry(key) {
+                let descriptor = TexturedDescriptor {
+                    parts,
+                    table_is_sampled: table.as_ref().map(|table| table.bindings.is_sampled()),
+                    test,
+                    purpose: key.2,
+                };
+                place.insert(TexturedPipeline::new(gpu, &descriptor)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Covers marked pixels with the pictures of `regions`, in this order.
+    pub(crate) fn draw_covers<'a>(
+        &'a self,
+        pass: &mut VolumePass<'a, '_, '_>,
+        test: StencilTest,
+        purpose: Purpose,
+        scissor: bool,
+        regions: &[usize],
+    ) {
+        for &planned in regions {
+            if let Some(state) = self.cover(pass.bindings(), test, purpose, planned) {
+                pass.cut(planned, scissor);
+                pass.cover(&state, planned);
+            }
+        }
+    }
+
+    fn key(
+        &self,
+        test: StencilTest,
+        purpose: Purpose,
+        planned: usize,
+    ) -> Option<(PipelineKey, &TexturedCover)> {
+        let view = self.view.as_ref()?;
+        let (cover, shader) = view
+            .plan
+            .covers
+            .get(planned)
+            .zip(view.shaders.get(planned))?;
+        let purpose = match purpose {
+            Purpose::Colour => CoverPurpose::Colour {
+                overrides: cover.overrides(),
+                blends: cover.is_translucent() || !self.images_are_opaque,
+            },
+            Purpose::Probe => CoverPurpose::Probe {
+                overrides: cover.overrides().of_probe(),
+            },
+        };
+        Some(((*shader, test, purpose), cover))
+    }
+
+    /// What covers one planned region; `None` where [`TexturedFill::ensure`] was not called for it.
+    fn cover<'a>(
+        &'a self,
+        bindings: &'a BindGroup,
+        test: StencilTest,
+        purpose: Purpose,
+        planned: usize,
+    ) -> Option<CoverState<'a>> {
+        let (key, cover) = self.key(test, purpose, planned)?;
+        let image = (cover.texture.image, cover.texture.address);
+        let table = self.shaders[key.0].table.as_ref();
+        Some(CoverState {
+            pipeline: self.pipelines.get(&key)?,
+            bindings,
+            depth: &self.view.as_ref()?.bindings,
+            picture: self.image_bindings.get(&image)?,
+            table: table.map(|table| &table.bindings),
+        })
     }
 }
 
-impl Drop for Probe {
-    fn drop(&mut self) {
-        // SAFETY: every submission that used it has been waited for; null is ignored.
-        unsafe { self.gpu.device.destroy_framebuffer(self.framebuffer, None) };
+/// What the covers left in `probe`; nothing where none was drawn.
+pub(crate) fn probed(probe: &Probe, pixels: usize) -> Result<Vec<Option<Probed>>, DeviceError> {
+    Ok(match probe.read()? {
+        Some([places, sizes]) => Probed::of_targets(&places, &sizes),
+        None => vec![None; pixels],
+    })
+}
+
+/// The shader of one cover.
+fn parts(plan: &TexturedPlan, cover: &TexturedCover) -> TexturedParts {
+    TexturedParts {
+        position: RouteText {
+            wgsl: plan.position_wgsl(),
+            constants: cover.position_constants.len(),
+        },
+        route: RouteText {
+            wgsl: cover.route_wgsl(),
+            constants: cover.route_constants.len(),
+        },
+        placement: match cover.texture.pattern {
+            Some(_) => TexturedPlacement::Pattern,
+            None => TexturedPlacement::Affine,
+        },
     }
 }

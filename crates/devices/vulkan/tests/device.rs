@@ -2,15 +2,12 @@
 //! Tests that need a Vulkan device. Without one they are skipped with the reason printed, unless
 //! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.
 
-#[path = "../../../devices/gpu/tests/globe/mod.rs"]
-mod globe;
-
-use globe::{SIZE, assert_depth_of_the_ellipsoid, globe_from};
 use std::sync::Arc;
 use terrafill_fill::{
     AddressMode, CoverOverrides, DepthRule, DeviceError, FaceSet, RegionConstants,
     RouteTexelFormat, RouteTexels, StencilOperation, StencilRule, StencilTest, TexturedRegion,
 };
+use terrafill_fixtures::globe::{SIZE, assert_depth_of_the_ellipsoid, globe_from};
 use terrafill_scene::{ImageSize, MipChain, PixelRect};
 use terrafill_vulkan::{
     BindGroup, Buffer, BufferUse, CoverPurpose, CoverState, DepthBindings, DrawState, Fragments,

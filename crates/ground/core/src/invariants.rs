@@ -219,7 +219,8 @@ impl RegionMesh {
     /// Whether the corners are on one line in longitude and latitude, exactly. On the body a sliver
     /// may be flat to the last bit, and a facet between two lines towards a pole is: the volume
     /// needs it to be closed.
-    pub(crate) fn is_degenerate(&self, triangle: [u32; 3]) -> bool {
+    #[must_use]
+    pub fn is_degenerate(&self, triangle: [u32; 3]) -> bool {
         let [a, b, c] = triangle.map(|i| self.vertices_deg[i as usize]);
         if [a, b, c].iter().any(|corner| corner[1].abs() == 90.0) {
             return false;
@@ -233,7 +234,8 @@ impl RegionMesh {
     /// Largest distance between an edge that is straight in longitude and latitude and the plane
     /// through its ends and the normal in its middle. Over tens of degrees of latitude the bow is
     /// deepest elsewhere than in the middle, so it is looked for at seven places.
-    pub(crate) fn planar_bow_m(&self, body: &Ellipsoid, from: u32, to: u32) -> f64 {
+    #[must_use]
+    pub fn planar_bow_m(&self, body: &Ellipsoid, from: u32, to: u32) -> f64 {
         let [start, end] = [from, to].map(|i| self.vertices_deg[i as usize]);
         if start[1].abs() == 90.0 || end[1].abs() == 90.0 {
             // Meshed towards some longitude at the pole, up to the widest edge away from its
@@ -294,7 +296,9 @@ impl RegionMesh {
         }
     }
 
-    pub(crate) fn boundary_length_m(&self) -> f64 {
+    /// Length of all boundary edges as drawn, metres.
+    #[must_use]
+    pub fn boundary_length_m(&self) -> f64 {
         let length = |ring: &Vec<u32>| -> f64 {
             let next = ring.iter().cycle().skip(1);
             ring.iter()

@@ -27,8 +27,6 @@ mod shape_family;
 mod snap;
 mod stitch;
 mod triangulate;
-mod volume;
-mod volume_invariants;
 
 pub use analytic::{AnalyticError, AnalyticRegion, GeodesicSector, SensorCone, SurfaceEllipse};
 pub use body::{Ellipsoid, Geodetic};
@@ -39,7 +37,3 @@ pub use mesh::{Extent, MeshOptions, OrientedBox, RegionMesh, VolumeHeights};
 pub use mesh_error::MeshError;
 pub use region::{EdgePlace, EdgeRule, Pole, Polygon, Region, Ring};
 pub use shape_family::ShapeFamily;
-pub use volume::{
-    ClosedSurface, OpenSurface, RegionVolume, VolumePart, VolumeTriangle, check_closed,
-};
-pub use volume_invariants::{RoundedVolume, VolumeFault, VolumeReport};

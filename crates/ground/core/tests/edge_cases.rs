@@ -7,15 +7,12 @@
     reason = "the largest error is worth reading beside its limit"
 )]
 
-mod expectations;
-mod extruded;
-
-use expectations::{Case, Place, Refusal, Stage, accepted, all_cases};
-use extruded::check_extruded;
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
 use std::collections::BTreeSet;
 use terrafill_core::{Geodetic, MeshError, MeshOptions, Region, RegionMesh};
+use terrafill_fixtures::check_extruded;
+use terrafill_fixtures::expectations::{Case, Place, Refusal, Stage, accepted, all_cases};
 
 /// Of the body's radius, 20 m on the Earth: fine enough that no point of a case is closer to the
 /// boundary than the boundary is drawn.
@@ -380,13 +377,8 @@ fn in_every_refused_case_another_word_or_place_is_noticed() {
 }
 
 #[test]
-fn the_table_in_testing_md_lists_every_case_and_no_other() {
-    let testing = include_str!("../../../../TESTING.md");
-    // Other sections have tables of their own.
-    let (_, from_here) = testing
-        .split_once("\n## Edge cases\n")
-        .expect("the section");
-    let text = from_here.split("\n## ").next().expect("its text");
+fn the_table_lists_every_case_and_no_other() {
+    let text = include_str!("EDGE_CASES.md");
     let listed: BTreeSet<&str> = text
         .lines()
         .filter_map(|line| line.strip_prefix("| `")?.split('`').next())

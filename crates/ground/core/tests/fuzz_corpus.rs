@@ -1,23 +1,16 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Replays the fuzz targets' seeds and regressions, and holds their judges to account: each must
-//! reach all its branches, and say so when it is lied to.
+//! Replays the fuzz targets' seeds and regressions, and tests their checks: each target must
+//! reach all its branches, and each check must notice a wrong outcome.
 
-#[path = "../fuzz/src/lib.rs"]
-#[allow(
-    unreachable_pub,
-    reason = "a crate of its own for libFuzzer, a module here"
-)]
-mod fuzz;
-
-use fuzz::bytes::Bytes;
-use fuzz::mesh::Case;
-use fuzz::reached::Reached;
-use fuzz::{area, geojson, mesh};
 use std::path::{Path, PathBuf};
 use terrafill_core::{
     EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionFileError, RegionMesh,
     RegionProblem, RegionProblemKind, parse_regions,
 };
+use terrafill_fixtures::fuzz::bytes::Bytes;
+use terrafill_fixtures::fuzz::mesh::Case;
+use terrafill_fixtures::fuzz::reached::Reached;
+use terrafill_fixtures::fuzz::{area, geojson, mesh};
 
 type Check = fn(&[u8], &mut Reached) -> Result<(), String>;
 
@@ -118,7 +111,7 @@ fn an_empty_corpus_a_find_and_a_branch_not_reached_are_noticed() {
     assert!(reached.found().is_empty());
 }
 
-// ---- the judges ---------------------------------------------------------------------------------
+// ---- the checks ---------------------------------------------------------------------------------
 
 fn case(polygons: Vec<Vec<Vec<[f64; 2]>>>) -> Case {
     Case {
@@ -142,7 +135,7 @@ fn region(case: &Case) -> Region {
 }
 
 fn find(case: &Case, outcome: &Result<RegionMesh, MeshError>) -> Result<(), String> {
-    mesh::judge(
+    mesh::check_outcome(
         &region(case),
         case,
         outcome,
@@ -328,18 +321,21 @@ fn a_refusal_without_a_reason_is_found_out() {
 #[test]
 fn a_reader_that_lies_is_found_out() {
     let text = br#"{"type":"Polygon","coordinates":[[[0,0],[4,0],[4,4],[0,0]]]}"#;
-    let judge = |text: &[u8], outcome: &geojson::Outcome| {
-        geojson::judge(text, outcome, &mut Reached::new(geojson::BRANCHES))
+    let checked = |text: &[u8], outcome: &geojson::Outcome| {
+        geojson::check_outcome(text, outcome, &mut Reached::new(geojson::BRANCHES))
     };
     let right = parse_regions(text, "fuzz.geojson").expect("valid");
-    assert_eq!(judge(text, &Ok(right.clone())), Ok(()));
-    assert!(judge(b"{", &Ok(right.clone())).is_err(), "not JSON");
-    assert!(judge(text, &Ok(Vec::new())).is_err(), "nothing read");
+    assert_eq!(checked(text, &Ok(right.clone())), Ok(()));
+    assert!(checked(b"{", &Ok(right.clone())).is_err(), "not JSON");
+    assert!(checked(text, &Ok(Vec::new())).is_err(), "nothing read");
     let mut twice = right.clone();
     twice.extend(right.clone());
-    assert!(judge(text, &Ok(twice)).is_err(), "the same index twice");
+    assert!(checked(text, &Ok(twice)).is_err(), "the same index twice");
     let other = br#"{"type":"Polygon","coordinates":[[[0,0],[4,0],[4,5],[0,0]]]}"#;
-    assert!(judge(other, &Ok(right.clone())).is_err(), "another file's");
+    assert!(
+        checked(other, &Ok(right.clone())).is_err(),
+        "another file's"
+    );
 
     let refused = |kind: RegionProblemKind, readable: Vec<Region>| {
         let problem = RegionProblem {
@@ -350,7 +346,7 @@ fn a_reader_that_lies_is_found_out() {
             vertex: None,
             kind,
         };
-        judge(
+        checked(
             text,
             &Err(RegionFileError {
                 file: "fuzz.geojson".to_owned(),
@@ -400,7 +396,7 @@ fn area_by_slabs_is_right_by_arithmetic() {
             zone(80.0, 90.0, 360.0),
         );
         // Two finds: an edge across the cut of a ring round the pole, which is as far in the west as in
-        // the east. The judge took it for an end of the cut, and then for one of its two sides where
+        // the east. The check took it for an end of the cut, and then for one of its two sides where
         // those were not the same to the last bit.
         for (south, north, to_deg) in [(2.0, 8.0, 180.0), (3.930772794662713, 13.0125, -45.0)] {
             let ring = rectangle(0.0, 1.2, 360.0, 90.0);
@@ -459,22 +455,22 @@ fn areas_of_great_ellipses_are_compared_beside_chords_too() {
     };
     let build =
         |case: &Case| RegionMesh::build(&region(case), &case.body, case.rule, &case.options);
-    let judged = |case: &Case, mesh: &Case| {
+    let checked = |case: &Case, mesh: &Case| {
         let mut reached = Reached::new(mesh::BRANCHES);
-        let judged = mesh::judge(&region(case), case, &build(mesh), &mut reached);
+        let checked = mesh::check_outcome(&region(case), case, &build(mesh), &mut reached);
         (
-            judged,
+            checked,
             reached.found().contains(&"great_ellipse_area_compared"),
         )
     };
     let touching = with_tip(1.0, 1.000_1);
-    assert_eq!(judged(&touching, &touching), (Ok(()), true));
+    assert_eq!(checked(&touching, &touching), (Ok(()), true));
     // Twin: the mesh of another hole, 20 m shorter.
-    let (found, _) = judged(&touching, &with_tip(1.0, 0.999_9));
+    let (found, _) = checked(&touching, &with_tip(1.0, 0.999_9));
     assert!(found.is_err_and(|find| find.contains("by slabs")));
     // On the chord itself it touches only, and is led past it all the same.
     let on_the_chord = with_tip(1.0, 1.0);
-    assert_eq!(judged(&on_the_chord, &on_the_chord), (Ok(()), true));
+    assert_eq!(checked(&on_the_chord, &on_the_chord), (Ok(()), true));
     let over_the_arc = with_tip(1.0, 1.001);
     assert!(matches!(
         build(&over_the_arc),

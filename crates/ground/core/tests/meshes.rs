@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Meshes of shapes whose area and boundary are known by arithmetic.
 
-mod extruded;
 mod outlines;
 
-use extruded::check_extruded;
 use outlines::{RULES, region};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use terrafill_core::{
     EdgeRule, Ellipsoid, Extent, InvariantViolation, MeshError, MeshOptions, Region, RegionMesh,
 };
+use terrafill_fixtures::check_extruded;
 
 fn mesh_on(body: &Ellipsoid, rule: EdgeRule, region: &Region) -> RegionMesh {
     let mesh = RegionMesh::build(region, body, rule, &MeshOptions::default()).expect("meshes");

@@ -5,14 +5,12 @@
 //! pole ever faster. Areas are compared with quadrature on the unit sphere in the distance from the
 //! pole, which has no cancellation however close to it.
 
-mod extruded;
-
-use extruded::check_extruded;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use terrafill_core::{
     EdgeRule, Ellipsoid, Geodetic, InvariantViolation, MeshOptions, RegionMesh, parse_regions,
 };
+use terrafill_fixtures::check_extruded;
 
 /// From one vertex at `west_deg`, `height_deg` below the north pole, two edges to the pole, written
 /// there at two longitudes.

@@ -2,14 +2,12 @@
 //! Random rings, tangled ones included: whatever meshes must be sound, and has to mesh once its
 //! crossings are vertices.
 
-mod extruded;
-
-use extruded::check_extruded;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use terrafill_core::{
     EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, parse_regions,
 };
+use terrafill_fixtures::check_extruded;
 
 /// GeoJSON of rings; each vertex at an angle and a distance from a centre.
 fn region(centre: [f64; 2], rings: &[Vec<(f64, f64)>], stretch: f64) -> Option<Region> {

@@ -2,15 +2,14 @@
 //! Real outlines, where `TERRAFILL_DATA` says they are: every region sound, borders shared, areas
 //! right by arithmetic that shares nothing with the mesher.
 
-mod extruded;
 mod outlines;
 
-use extruded::check_extruded;
 use outlines::{data, repaired};
 use std::collections::BTreeSet;
 use terrafill_core::{
     EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, Ring, parse_regions,
 };
+use terrafill_fixtures::check_extruded;
 
 fn meshes(regions: &[Region], rule: EdgeRule) -> Vec<RegionMesh> {
     let body = Ellipsoid::WGS84;

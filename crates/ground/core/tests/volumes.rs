@@ -2,16 +2,15 @@
 //! The closed solid of a mesh: sound for real outlines and hard shapes, and every way of breaking it
 //! noticed under its own name.
 
-mod extruded;
 mod outlines;
 
-use extruded::{check_extruded, heights};
 use glam::{DVec3, Vec3};
 use outlines::{RULES, data, region};
 use rayon::prelude::*;
-use terrafill_core::{
-    EdgeRule, Ellipsoid, MeshOptions, RegionMesh, RegionVolume, VolumeFault, VolumeHeights,
-    VolumePart, VolumeReport, parse_regions,
+use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh, VolumeHeights, parse_regions};
+use terrafill_fixtures::{
+    RegionVolume, VolumeFault, VolumePart, VolumeReport, check_extruded, check_volume,
+    terrain_heights as heights,
 };
 
 fn mesh_on(body: &Ellipsoid, rule: EdgeRule, coordinates: &str) -> RegionMesh {
@@ -180,7 +179,7 @@ fn hard_shapes_are_sound_on_every_body_between_any_heights() {
                         top_m: high * radius_m,
                         bottom_m: low * radius_m,
                     };
-                    if let Err(fault) = mesh.check_volume_invariants(&body, heights) {
+                    if let Err(fault) = check_volume(&mesh, &body, heights) {
                         panic!("{shape}, {}, {rule:?}, {heights:?}: {fault}", body.name());
                     }
                 }
@@ -425,9 +424,7 @@ fn swapped_heights_and_vertices_out_of_place_are_noticed() {
         (top_m, -6.34e6),
     ] {
         let heights = VolumeHeights { top_m, bottom_m };
-        let fault = mesh
-            .check_volume_invariants(&body, heights)
-            .expect_err("no solid");
+        let fault = check_volume(&mesh, &body, heights).expect_err("no solid");
         assert!(matches!(fault, VolumeFault::Heights { .. }), "{fault}");
     }
     // The two copies of one vertex exchanged, in every triangle.
@@ -671,7 +668,7 @@ fn a_fault_says_where() {
     let mesh = mesh_on(&body, EdgeRule::Planar, SQUARE);
     let mut volume = RegionVolume::new(&mesh, &body, heights(&mesh, &body)).expect("in range");
     let is_bottom = |triangle: &&_| {
-        let triangle: &terrafill_core::VolumeTriangle = triangle;
+        let triangle: &terrafill_fixtures::VolumeTriangle = triangle;
         triangle.part == VolumePart::BottomCap
     };
     let count = volume.triangles.iter().filter(is_bottom).count();

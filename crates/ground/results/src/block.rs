@@ -81,7 +81,9 @@ impl DerivedTable {
             let written = writer.write_record(&row);
             written.map_err(|error| failed(error.to_string()))?;
         }
-        let bytes = writer.into_inner().map_err(|error| failed(error.to_string()))?;
+        let bytes = writer
+            .into_inner()
+            .map_err(|error| failed(error.to_string()))?;
         Ok(Self {
             file: file.to_owned(),
             text: String::from_utf8(bytes).map_err(|error| failed(error.to_string()))?,

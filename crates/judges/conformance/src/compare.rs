@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The figures of a comparison.
 
+use crate::ErrorFigures;
 use crate::boundary::Grid;
 use crate::distance::hausdorff_px;
 use terrafill_fill::Frame;
-use terrafill_results::legacy::ErrorFigures;
 
 /// Why two pictures cannot be compared.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -9,6 +9,7 @@ mod boundary;
 mod compare;
 mod difference;
 mod distance;
+mod figures;
 mod moved;
 mod texture;
 mod tolerance;
@@ -17,6 +18,7 @@ mod verdict;
 pub use boundary::{boundary_band, boundary_pixels, checks_nothing};
 pub use compare::{CompareError, MAX_PROBED, compare, compare_closely, filled_only};
 pub use difference::difference_rgb;
+pub use figures::ErrorFigures;
 pub use moved::{MAX_MEASURED, Movement, boundary_movement, with_movement};
 pub use texture::{TextureErrors, compare_texture, silhouette_band};
 pub use tolerance::{

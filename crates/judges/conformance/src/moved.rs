@@ -12,11 +12,11 @@
 //! Here every pixel of the tongue is within δ of its shore, while in a strip too wide to close the
 //! middle is not.
 
+use crate::ErrorFigures;
 use crate::compare::{CompareError, check};
 use crate::tolerance::{MOVED_SEARCH_PX, MOVED_STEP_PX};
 use std::f64::consts::TAU;
 use terrafill_fill::Frame;
-use terrafill_results::legacy::ErrorFigures;
 
 /// Mismatched pixels that are asked about; what differs at more of them was not moved a little.
 ///

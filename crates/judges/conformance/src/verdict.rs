@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Whether figures of error are within the tolerances.
 
+use crate::ErrorFigures;
 use crate::moved::MAX_MEASURED;
 use crate::texture::TextureErrors;
 use crate::tolerance::{
     MAX_FOREIGN_PX, MAX_HAUSDORFF_PX, MAX_MISMATCHED_OUTSIDE_BAND_PX, MAX_NON_FINITE, MAX_TEXELS,
     MAX_TEXELS_RMS, allowed_moved_px,
 };
-use terrafill_results::legacy::ErrorFigures;
 
 /// Whether a picture may be called right.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -4,11 +4,8 @@
 
 #![allow(clippy::print_stdout, reason = "how much was asked is worth reading")]
 
-#[path = "../../../ground/core/tests/expectations/mod.rs"]
-mod expectations;
-
-use expectations::{Case, accepted};
 use terrafill_core::EdgeRule;
+use terrafill_fixtures::expectations::{Case, accepted};
 use terrafill_reference::{Locator, LocatorError};
 
 /// What a case says of locators that promise no less than meshes do.

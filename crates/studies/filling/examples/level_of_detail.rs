@@ -64,7 +64,7 @@ fn measure(
     rounds: u32,
 ) -> anyhow::Result<()> {
     let targets = RenderTargets::shared(gpu, SIZE)?;
-    let mut bound = Baseline::new(BaselineKind::Bound, &targets)?;
+    let mut bound = Baseline::new(BaselineKind::DepthPass, &targets)?;
     let full = FrameInput::new(scene, view, SIZE, PlanOptions::default());
     let reference = ReferenceBackend::new().judge(&full)?.frame;
     let mut settings = Vec::new();

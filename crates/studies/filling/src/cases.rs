@@ -1,308 +1,414 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Which cases a scene gives, and what each is measured for.
+//! Which cases a view of a scene gives, and what each is measured for.
 
+use crate::memory::{LayoutOfScene, REGION_COUNTS};
+use crate::request::Wishes;
+use crate::study::STUDY;
+use crate::subject::Subject;
 use crate::textured::{ShownPicture, is_picture_scene, textured_variants};
-use crate::{BenchOptions, Subject};
 use std::sync::Arc;
+use terrafill_core::{MeshOptions, RegionMesh};
 use terrafill_fill::{Role, Technique, matrix_row};
 use terrafill_gpu::BaselineKind;
-use terrafill_results::legacy::{CaseKey, LadderRung};
-use terrafill_scene::{Scene, View};
+use terrafill_results::{CaseId, PlannedCase};
+use terrafill_scene::{PlanOptions, Scene, View};
 
 /// What a case is measured for; it may be several things at once.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Roles {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Purpose {
     /// A full-screen pass that techniques are held against.
-    pub baseline: bool,
+    Baseline,
     /// A technique as it should be used, or one switch beside it.
-    pub main: bool,
-    /// A point of the sweep through the boundary tolerance: allowed to be wrong, since its error is
-    /// what the sweep is about.
-    pub sweep: bool,
-    /// A point of the sweep through the cap step: right, and asked for its walls and its time.
-    pub subdivision: bool,
+    Main,
+    /// A point of the sweep through the boundary tolerance: it may be wrong, since its error is what
+    /// the sweep is about.
+    Sweep,
+    /// A point of the sweep through the cap step: right, for its walls and its time.
+    Subdivision,
     /// A rung of a ladder.
-    pub ladder: bool,
+    Ladder,
     /// A cell of the matrix.
-    pub matrix: bool,
+    Matrix,
     /// A textured fill.
-    pub texture: bool,
+    Texture,
+    /// Bytes of a layout, by formula and as allocated.
+    Memory,
 }
 
-impl Roles {
-    /// Names joined by `+`, as in the `role` column.
-    #[must_use]
-    pub fn name(self) -> String {
-        let names = [
-            (self.baseline, "baseline"),
-            (self.main, "main"),
-            (self.sweep, "sweep"),
-            (self.subdivision, "subdivision"),
-            (self.ladder, "ladder"),
-            (self.matrix, "matrix"),
-            (self.texture, "texture"),
-        ];
-        let held = names.into_iter().filter(|(held, _)| *held);
-        held.map(|(_, name)| name).collect::<Vec<_>>().join("+")
-    }
-
-    fn and(self, other: Self) -> Self {
-        Self {
-            baseline: self.baseline || other.baseline,
-            main: self.main || other.main,
-            sweep: self.sweep || other.sweep,
-            subdivision: self.subdivision || other.subdivision,
-            ladder: self.ladder || other.ladder,
-            matrix: self.matrix || other.matrix,
-            texture: self.texture || other.texture,
+impl Purpose {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Baseline => "baseline",
+            Self::Main => "main",
+            Self::Sweep => "sweep",
+            Self::Subdivision => "subdivision",
+            Self::Ladder => "ladder",
+            Self::Matrix => "matrix",
+            Self::Texture => "texture",
+            Self::Memory => "memory",
         }
     }
 }
 
-/// One case: a row to be.
+/// A case's place on a ladder.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Place {
+    /// From 1.
+    pub(crate) rung: usize,
+    /// What changes, in a word.
+    pub(crate) step: &'static str,
+    /// What changes, in a sentence.
+    pub(crate) change: &'static str,
+}
+
+/// One case.
 #[derive(Debug, Clone)]
-pub struct BenchCase {
-    /// Its name.
-    pub key: CaseKey,
+pub(crate) struct FillCase {
     /// What draws it.
-    pub subject: Subject,
-    /// Boundary tolerance of its meshes, metres; `None` for baselines.
-    pub boundary_tolerance_m: Option<f64>,
-    /// Largest edge of a cap triangle, degrees; `None` for baselines.
-    pub cap_step_deg: Option<f64>,
+    pub(crate) subject: Subject,
+    /// Mesh options that are not the scene's, and what the variant says of them.
+    pub(crate) mesh: Option<(MeshOptions, String)>,
     /// Which picture it shows; plain fills show none.
-    pub shown: ShownPicture,
+    pub(crate) shown: ShownPicture,
     /// What it is for.
-    pub roles: Roles,
-    /// Timed frames; 0 for a case that is only drawn and compared.
-    pub frames: u32,
+    pub(crate) purposes: Vec<Purpose>,
+    /// Where it stands on its technique's ladder.
+    pub(crate) place: Option<Place>,
+    /// Of bytes by formula: for so many regions.
+    pub(crate) regions: Option<usize>,
+    /// Timed frames in a process; 0 for a case that is only drawn and compared.
+    pub(crate) frames: u32,
+}
+
+impl FillCase {
+    pub(crate) fn is(&self, purpose: Purpose) -> bool {
+        self.purposes.contains(&purpose)
+    }
+
+    /// Its variant with what of mesh and picture is its own.
+    pub(crate) fn variant_name(&self) -> String {
+        let mesh = self.mesh.as_ref().map(|(_, name)| name.as_str());
+        let own = [mesh, self.shown.name()].into_iter().flatten();
+        own.fold(self.subject.variant_name(), |name, own| {
+            format!("{name},{own}")
+        })
+    }
 }
 
 /// All cases of one scene and view: measured together, interleaved.
-#[derive(Debug, Clone)]
-pub struct SceneGroup {
+#[derive(Debug)]
+pub(crate) struct ViewGroup {
     /// The scene.
-    pub scene: Arc<Scene>,
+    pub(crate) scene: Arc<Scene>,
     /// Its view.
-    pub view: View,
+    pub(crate) view: View,
+    /// Image size.
+    pub(crate) size: terrafill_scene::ImageSize,
     /// Baselines first.
-    pub cases: Vec<BenchCase>,
-    /// Ladders through `cases`.
-    pub ladder: Vec<LadderRung>,
+    pub(crate) cases: Vec<FillCase>,
+    /// What each of them is to the runner.
+    pub(crate) planned: Vec<PlannedCase>,
 }
 
 /// The cases of `scene` seen by `view`.
-#[must_use]
-pub fn group_cases(scene: &Arc<Scene>, view: &View, options: &BenchOptions) -> SceneGroup {
-    let mut group = Builder {
+///
+/// - `is_last`: of the scene's views; bytes of layouts are told there, once
+pub(crate) fn view_group(
+    scene: &Arc<Scene>,
+    view: &View,
+    is_last: bool,
+    meshes: &[RegionMesh],
+    wishes: &Wishes,
+) -> ViewGroup {
+    let mut builder = Builder {
         scene,
         view,
+        wishes,
         cases: Vec::new(),
     };
-    let frames = options.frame_count();
     if is_picture_scene(scene) {
-        return group.of_pictures(scene, options);
-    }
-    group.add_baselines(frames);
-    let techniques = options.wanted_techniques();
-    let mut rungs = Vec::new();
-    let role = if options.quick {
-        Role::Quick
+        for technique in &wishes.techniques {
+            builder.add_textured(*technique, [0, 0]);
+        }
     } else {
-        Role::Main
-    };
-    for technique in techniques.clone() {
-        for variant in technique.variants(scene, role) {
-            group.add(
-                Subject::Fill(technique, variant),
-                Roles {
-                    main: true,
-                    ..Roles::default()
-                },
-                frames,
-            );
-        }
-        let few = options.ladder_frame_count();
-        group.add_textured(technique, options, [frames, few]);
-        if !options.quick {
-            group.add_sweep(technique, frames);
+        builder.add_all();
+        if is_last {
+            builder.add_memory(meshes);
         }
     }
-    for technique in techniques
-        .clone()
-        .filter(|_| options.wants_ladder(&scene.name))
-    {
-        let role = Roles {
-            ladder: true,
-            ..Roles::default()
-        };
-        for (rung, number) in technique.ladder(scene.overlap).into_iter().zip(1..) {
-            let subject = Subject::Fill(technique, rung.variant);
-            let key = group.add(subject, role, options.ladder_frame_count());
-            rungs.push(LadderRung {
-                ladder: technique.name().to_owned(),
-                rung: number,
-                step: rung.step.to_owned(),
-                change: rung.change.to_owned(),
-                scene: key.scene,
-                view: key.view,
-                backend: key.backend,
-                variant: key.variant,
-            });
-        }
-    }
-    for technique in techniques.filter(|_| options.wants_matrix(&scene.name)) {
-        let role = Roles {
-            matrix: true,
-            ..Roles::default()
-        };
-        for base in technique.variants(scene, Role::Layouts) {
-            for variant in matrix_row(technique, &base, scene.overlap) {
-                group.add(Subject::Fill(technique, variant), role, 0);
-            }
-        }
-    }
-    SceneGroup {
+    let planned = builder
+        .cases
+        .iter()
+        .map(|case| builder.planned(case))
+        .collect();
+    ViewGroup {
         scene: Arc::clone(scene),
         view: view.clone(),
-        cases: group.cases,
-        ladder: rungs,
+        size: wishes.size,
+        cases: builder.cases,
+        planned,
     }
 }
 
 struct Builder<'a> {
     scene: &'a Scene,
     view: &'a View,
-    cases: Vec<BenchCase>,
+    wishes: &'a Wishes,
+    cases: Vec<FillCase>,
 }
 
 impl Builder<'_> {
-    /// Textured fills only, drawn and compared but not timed.
-    fn of_pictures(mut self, scene: &Arc<Scene>, options: &BenchOptions) -> SceneGroup {
-        for technique in options.wanted_techniques() {
-            self.add_textured(technique, options, [0, 0]);
+    fn add_all(&mut self) {
+        let (scene, wishes) = (self.scene, self.wishes);
+        let frames = wishes.frames();
+        for kind in BaselineKind::ALL {
+            self.add(Subject::Baseline(kind), Purpose::Baseline, frames);
         }
-        SceneGroup {
-            scene: Arc::clone(scene),
-            view: self.view.clone(),
-            cases: self.cases,
-            ladder: Vec::new(),
+        let role = if wishes.is_full() {
+            Role::Main
+        } else {
+            Role::Quick
+        };
+        for technique in &wishes.techniques {
+            for variant in technique.variants(scene, role) {
+                self.add(Subject::Fill(*technique, variant), Purpose::Main, frames);
+            }
+            self.add_textured(*technique, [frames, wishes.few_frames()]);
+            if wishes.is_full() {
+                self.add_sweeps(*technique, frames);
+            }
+        }
+        if wishes.wants_ladder(&scene.name) {
+            for technique in &wishes.techniques {
+                for (rung, number) in technique.ladder(scene.overlap).into_iter().zip(1..) {
+                    let subject = Subject::Fill(*technique, rung.variant);
+                    let case = self.add(subject, Purpose::Ladder, wishes.few_frames());
+                    case.place = Some(Place {
+                        rung: number,
+                        step: rung.step,
+                        change: rung.change,
+                    });
+                }
+            }
+        }
+        if wishes.wants_matrix(&scene.name) {
+            for technique in &wishes.techniques {
+                for base in technique.variants(scene, Role::Layouts) {
+                    for variant in matrix_row(*technique, &base, scene.overlap) {
+                        self.add(Subject::Fill(*technique, variant), Purpose::Matrix, 0);
+                    }
+                }
+            }
         }
     }
 
-    /// - `frames`: of the two routes, which are held against a bound, and of what varies them
-    fn add_textured(
-        &mut self,
-        technique: &'static dyn Technique,
-        options: &BenchOptions,
-        frames: [u32; 2],
-    ) {
+    /// A case that exists already takes the purpose on, and the larger number of frames.
+    fn add(&mut self, subject: Subject, purpose: Purpose, frames: u32) -> &mut FillCase {
+        let new = FillCase {
+            subject,
+            mesh: None,
+            shown: ShownPicture::Scene,
+            purposes: vec![purpose],
+            place: None,
+            regions: None,
+            frames,
+        };
+        let name = (new.subject.backend(), new.variant_name());
+        let is_same = |case: &FillCase| (case.subject.backend(), case.variant_name()) == name;
+        let index = match self.cases.iter().position(is_same) {
+            Some(index) => {
+                let case = &mut self.cases[index];
+                if !case.is(purpose) {
+                    case.purposes.push(purpose);
+                }
+                case.frames = case.frames.max(frames);
+                index
+            }
+            None => {
+                self.cases.push(new);
+                self.cases.len() - 1
+            }
+        };
+        &mut self.cases[index]
+    }
+
+    /// - `frames`: of the two routes, which are held against a limit, and of what varies them
+    fn add_textured(&mut self, technique: &'static dyn Technique, frames: [u32; 2]) {
         let plain = technique.main(self.scene.overlap);
-        let first = options.techniques.first();
+        let first = self.wishes.all_techniques.first();
         let is_first = first.is_some_and(|first| first.name() == technique.name());
-        let textured = textured_variants(&plain, is_first, self.scene, self.view, options.quick);
-        for (variant, shown) in textured {
+        let is_full = self.wishes.is_full();
+        let variants = textured_variants(&plain, is_first, self.scene, self.view, !is_full);
+        for (variant, shown) in variants {
             let is_varied =
                 shown != ShownPicture::Scene || !is_first || variant.switches.superfluous_normalize;
-            let subject = Subject::Fill(technique, variant);
-            let knob = shown
-                .name()
-                .map_or(String::new(), |name| format!(",{name}"));
-            let roles = Roles {
-                texture: true,
-                ..Roles::default()
-            };
-            let frames = frames[usize::from(is_varied)];
-            let case = self.case(subject, &knob, roles, frames);
-            self.cases.push(BenchCase { shown, ..case });
-        }
-    }
-
-    fn add_baselines(&mut self, frames: u32) {
-        for kind in [BaselineKind::Bound, BaselineKind::Floor] {
-            let roles = Roles {
-                baseline: true,
-                ..Roles::default()
-            };
-            let case = self.case(Subject::Baseline(kind), "", roles, frames);
-            self.cases.push(BenchCase {
-                boundary_tolerance_m: None,
-                cap_step_deg: None,
-                ..case
+            self.cases.push(FillCase {
+                subject: Subject::Fill(technique, variant),
+                mesh: None,
+                shown,
+                purposes: vec![Purpose::Texture],
+                place: None,
+                regions: None,
+                frames: frames[usize::from(is_varied)],
             });
         }
     }
 
-    /// A case with the scene's meshes and picture.
-    ///
-    /// - `knob`: what of the input its name says, with the comma before it
-    fn case(&self, subject: Subject, knob: &str, roles: Roles, frames: u32) -> BenchCase {
-        BenchCase {
-            key: self.key(&subject, knob),
-            subject,
-            boundary_tolerance_m: Some(self.scene.mesh.boundary_tolerance_m),
-            cap_step_deg: Some(self.scene.mesh.cap_step_deg),
-            shown: ShownPicture::Scene,
-            roles,
-            frames,
-        }
-    }
-
-    fn key(&self, subject: &Subject, knob: &str) -> CaseKey {
-        CaseKey {
-            scene: self.scene.name.clone(),
-            view: self.view.name.clone(),
-            backend: subject.backend().to_owned(),
-            variant: subject.variant_name() + knob,
-        }
-    }
-
-    /// A case that exists already takes the role on, and the larger number of frames.
-    fn add(&mut self, subject: Subject, roles: Roles, frames: u32) -> CaseKey {
-        let key = self.key(&subject, "");
-        match self.cases.iter_mut().find(|case| case.key == key) {
-            Some(case) => {
-                case.roles = case.roles.and(roles);
-                case.frames = case.frames.max(frames);
-            }
-            None => self.cases.push(self.case(subject, "", roles, frames)),
-        }
-        key
-    }
-
-    fn add_sweep(&mut self, technique: &'static dyn Technique, frames: u32) {
+    fn add_sweeps(&mut self, technique: &'static dyn Technique, frames: u32) {
         let scene = self.scene;
         let variants = technique.variants(scene, Role::Sweep);
+        let mut points = Vec::new();
         for variant in &variants {
             for &tolerance in &scene.sweep_boundary_tolerance_m {
-                let roles = Roles {
-                    sweep: true,
-                    ..Roles::default()
+                let mesh = MeshOptions {
+                    boundary_tolerance_m: tolerance,
+                    ..scene.mesh
                 };
-                let knob = format!(",boundary-tolerance-m={tolerance}");
-                let subject = Subject::Fill(technique, variant.clone());
-                let case = self.case(subject, &knob, roles, frames);
-                self.cases.push(BenchCase {
-                    boundary_tolerance_m: Some(tolerance),
-                    ..case
-                });
+                let name = format!("boundary-tolerance-m={tolerance}");
+                points.push((variant, mesh, name, Purpose::Sweep));
             }
         }
-        // One layout: what is asked is a question about meshes.
+        // One layout: the question is one about meshes.
         for variant in variants.iter().take(1) {
             for &step in &scene.sweep_cap_step_deg {
-                let roles = Roles {
-                    subdivision: true,
-                    ..Roles::default()
+                let mesh = MeshOptions {
+                    cap_step_deg: step,
+                    ..scene.mesh
                 };
-                let knob = format!(",cap-step-deg={step}");
-                let subject = Subject::Fill(technique, variant.clone());
-                let case = self.case(subject, &knob, roles, frames);
-                self.cases.push(BenchCase {
-                    cap_step_deg: Some(step),
-                    ..case
-                });
+                let name = format!("cap-step-deg={step}");
+                points.push((variant, mesh, name, Purpose::Subdivision));
             }
+        }
+        for (variant, mesh, name, purpose) in points {
+            self.cases.push(FillCase {
+                subject: Subject::Fill(technique, variant.clone()),
+                mesh: Some((mesh, name)),
+                shown: ShownPicture::Scene,
+                purposes: vec![purpose],
+                place: None,
+                regions: None,
+                frames,
+            });
+        }
+    }
+
+    /// Bytes of every layout that is drawn here, for the scene's regions and for other numbers of them.
+    fn add_memory(&mut self, meshes: &[RegionMesh]) {
+        let mut layouts: Vec<(&str, String)> = Vec::new();
+        let mut cases = Vec::new();
+        for case in &self.cases {
+            let is_plain = case.mesh.is_none()
+                && !case.is(Purpose::Texture)
+                && case.subject.plan() == PlanOptions::default();
+            let layout = (case.subject.backend(), case.subject.layout());
+            if !is_plain || layout.1.is_empty() || layouts.contains(&layout) {
+                continue;
+            }
+            layouts.push(layout);
+            let own = meshes.len();
+            let others = REGION_COUNTS.into_iter().filter(|count| *count != own);
+            cases.extend([own].into_iter().chain(others).map(|regions| FillCase {
+                purposes: vec![Purpose::Memory],
+                place: None,
+                regions: Some(regions),
+                frames: 0,
+                ..case.clone()
+            }));
+        }
+        self.cases.extend(cases);
+    }
+
+    fn planned(&self, case: &FillCase) -> PlannedCase {
+        let (scene, view) = (&self.scene.name, &self.view.name);
+        let technique = case.subject.backend();
+        let purposes: Vec<&str> = case.purposes.iter().map(|purpose| purpose.name()).collect();
+        let role = purposes.join("+");
+        let (name, conditions) = match case.regions {
+            Some(regions) => {
+                let layout = case.subject.layout();
+                let name = format!("{scene}/memory/{technique}/{layout}/{regions}");
+                (name, self.memory_conditions(&layout, technique, regions))
+            }
+            None => {
+                let variant = case.variant_name();
+                let name = format!("{scene}/{view}/{technique}/{variant}");
+                (name, self.conditions(case, &variant))
+            }
+        };
+        let conditions = conditions.into_iter().chain([("role".to_owned(), role)]);
+        PlannedCase {
+            id: CaseId::new(STUDY, name, conditions),
+            samples: case.frames,
+            may_be_wrong: case.is(Purpose::Sweep),
+        }
+    }
+
+    fn memory_conditions(
+        &self,
+        layout: &str,
+        technique: &str,
+        regions: usize,
+    ) -> Vec<(String, String)> {
+        let condition = |key: &str, value: String| (key.to_owned(), value);
+        vec![
+            condition("scene", self.scene.name.clone()),
+            condition("technique", technique.to_owned()),
+            condition("layout", layout.to_owned()),
+            condition("regions", regions.to_string()),
+        ]
+    }
+
+    /// One for each thing that tells the case from others; switches with their defaults.
+    fn conditions(&self, case: &FillCase, variant: &str) -> Vec<(String, String)> {
+        let condition = |key: &str, value: String| (key.to_owned(), value);
+        let mut conditions = case.subject.settings();
+        conditions.extend([
+            condition("scene", self.scene.name.clone()),
+            condition("view", self.view.name.clone()),
+            condition("technique", case.subject.backend().to_owned()),
+            condition("variant", variant.to_owned()),
+        ]);
+        if !case.is(Purpose::Baseline) {
+            let own = case.mesh.as_ref().map(|(mesh, _)| *mesh);
+            let mesh = own.unwrap_or(self.scene.mesh);
+            let picture = match case.shown {
+                ShownPicture::Scene => "scene",
+                ShownPicture::Each => "each",
+                ShownPicture::Small => "32",
+            };
+            conditions.extend([
+                condition(
+                    "boundary-tolerance-m",
+                    mesh.boundary_tolerance_m.to_string(),
+                ),
+                condition("cap-step-deg", mesh.cap_step_deg.to_string()),
+            ]);
+            if case.is(Purpose::Texture) {
+                conditions.push(condition("picture", picture.to_owned()));
+            }
+        }
+        if let Some(place) = case.place {
+            conditions.extend([
+                condition("rung", place.rung.to_string()),
+                condition("step", place.step.to_owned()),
+            ]);
+        }
+        conditions
+    }
+}
+
+impl ViewGroup {
+    /// What a case about memory is about.
+    pub(crate) fn layout_of<'a>(
+        &'a self,
+        case: &'a FillCase,
+        meshes: &'a [RegionMesh],
+        is_drawn: &'a [bool],
+    ) -> LayoutOfScene<'a> {
+        LayoutOfScene {
+            subject: &case.subject,
+            meshes,
+            is_drawn,
         }
     }
 }

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pictures of a run, as PNG files in its folder.
 
-use crate::BenchError;
 use image::{ExtendedColorType, ImageFormat};
 use std::path::Path;
-use terrafill_results::legacy::CaseKey;
 use terrafill_scene::ImageSize;
+use terrafill_study::StudyError;
 
 /// Writes RGB pixels under `folder/images/` and returns the path relative to `folder`.
 pub(crate) fn write_rgb(
@@ -13,7 +12,7 @@ pub(crate) fn write_rgb(
     name: &str,
     size: ImageSize,
     rgb: &[u8],
-) -> Result<String, BenchError> {
+) -> Result<String, StudyError> {
     let relative = format!("images/{name}.png");
     let path = folder.join(&relative);
     image::save_buffer_with_format(
@@ -24,8 +23,8 @@ pub(crate) fn write_rgb(
         ExtendedColorType::Rgb8,
         ImageFormat::Png,
     )
-    .map_err(|error| BenchError::Image {
-        path,
+    .map_err(|error| StudyError::Broken {
+        place: path.display().to_string(),
         message: error.to_string(),
     })?;
     Ok(relative)
@@ -39,16 +38,11 @@ pub(crate) fn drop_alpha(rgba: &[u8]) -> Vec<u8> {
         .collect()
 }
 
-/// A case as a file name.
-pub(crate) fn file_stem(key: &CaseKey) -> String {
-    let text = format!("{}_{}_{}_{}", key.scene, key.view, key.backend, key.variant);
+/// Parts of a case's name as a file name.
+pub(crate) fn file_stem(parts: &[&str]) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);
+    let text = parts.join("_");
     text.chars()
-        .map(|c| {
-            if c.is_ascii_alphanumeric() || "-_".contains(c) {
-                c
-            } else {
-                '-'
-            }
-        })
+        .map(|c| if is_plain(c) { c } else { '-' })
         .collect()
 }

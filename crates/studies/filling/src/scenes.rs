@@ -1,106 +1,96 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! From names to scenes that can be measured.
 
+use crate::cases::{ViewGroup, view_group};
+use crate::request::{NO_SCENE, Wishes};
 use crate::textured::left_out_of_quick_runs;
-use crate::{BenchError, BenchOptions, NO_SCENE, SceneGroup, group_cases};
 use std::path::Path;
 use std::sync::Arc;
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
+use terrafill_results::Skipped;
 use terrafill_scene::{Scene, SceneError, shipped_scene_names};
-
-pub(crate) type SkippedScenes = Vec<(String, String)>;
+use terrafill_study::StudyError;
 
 /// Scenes with missing data are skipped with that reason; wrong ones, and those whose regions cannot
 /// be meshed, stop the run before it starts; all of them are named.
-pub(crate) fn plan_groups(
-    options: &BenchOptions,
-) -> Result<(Vec<SceneGroup>, SkippedScenes), BenchError> {
-    let names: Vec<String> = if options.scenes.is_empty() {
-        shipped_scene_names()
-            .into_iter()
-            .map(str::to_owned)
-            .collect()
+pub(crate) fn plan_scenes(wishes: &Wishes) -> Result<(Vec<ViewGroup>, Vec<Skipped>), StudyError> {
+    let names: Vec<String> = if wishes.scenes.is_empty() {
+        let shipped = shipped_scene_names().into_iter();
+        shipped.map(str::to_owned).collect()
     } else {
-        options.scenes.clone()
+        wishes.scenes.clone()
     };
-    let mut groups: Vec<SceneGroup> = Vec::new();
+    let mut groups: Vec<ViewGroup> = Vec::new();
     let mut skipped = Vec::new();
-    let mut errors = Vec::new();
-    let is_quick_run = options.quick && options.scenes.is_empty();
+    let mut errors: Vec<String> = Vec::new();
     for name in &names {
-        if let Some(why) = left_out_of_quick_runs(name).filter(|_| is_quick_run) {
-            skipped.push((name.clone(), why));
+        let is_left_out = !wishes.is_full() && wishes.scenes.is_empty();
+        if let Some(reason) = left_out_of_quick_runs(name).filter(|_| is_left_out) {
+            skipped.push(Skipped {
+                what: name.clone(),
+                reason,
+            });
             continue;
         }
-        match checked_scene(name, options, &groups) {
+        match open_scene(name, wishes.data_dir.as_deref()) {
+            Ok(scene) if groups.iter().any(|group| group.scene.name == scene.name) => {
+                errors.push(format!(
+                    "scene {:?} is given twice, allowed: once",
+                    scene.name
+                ));
+            }
             Ok(scene) => {
                 let scene = Arc::new(scene);
-                for view in &scene.views {
-                    groups.push(group_cases(&scene, view, options));
+                match build_meshes(&scene, &scene.mesh) {
+                    Ok(meshes) => {
+                        let views = scene.views.iter().enumerate();
+                        groups.extend(views.map(|(index, view)| {
+                            let is_last = index + 1 == scene.views.len();
+                            view_group(&scene, view, is_last, &meshes, wishes)
+                        }));
+                    }
+                    Err(error) => errors.push(error.to_string()),
                 }
             }
-            Err(BenchError::Scene(error @ SceneError::DataMissing { .. })) => {
-                skipped.push((name.clone(), error.to_string()));
-            }
-            Err(error) => errors.push(error),
+            Err(error @ SceneError::DataMissing { .. }) => skipped.push(Skipped {
+                what: name.clone(),
+                reason: error.to_string(),
+            }),
+            Err(error) => errors.push(error.to_string()),
         }
     }
-    match errors.len() {
-        0 => {}
-        1 => return Err(errors.remove(0)),
-        _ => return Err(BenchError::Several(errors)),
+    if !errors.is_empty() {
+        return Err(StudyError::BadInput(errors.join("\n")));
     }
-    check_asked_for(options, &groups, &skipped)?;
-    if let Some(shard) = options.shard {
-        let mut index = 0;
-        groups.retain(|_| {
-            index += 1;
-            (index - 1) % shard.count == shard.index - 1
-        });
-    }
+    check_wishes(wishes, &groups, &skipped)?;
     Ok((groups, skipped))
 }
 
-/// Ladders and matrices can be had of scenes of the run only. Those skipped for want of data are
-/// among them: on another machine the same command measures them.
-fn check_asked_for(
-    options: &BenchOptions,
-    groups: &[SceneGroup],
-    skipped: &SkippedScenes,
-) -> Result<(), BenchError> {
+/// Ladders and matrices exist of scenes of the run only. Those skipped for want of data are among
+/// them: on another machine the same command measures them.
+fn check_wishes(
+    wishes: &Wishes,
+    groups: &[ViewGroup],
+    skipped: &[Skipped],
+) -> Result<(), StudyError> {
     let mut allowed: Vec<&str> = Vec::new();
     let measured = groups.iter().map(|group| group.scene.name.as_str());
-    let left_out = skipped.iter().map(|(name, _)| name.as_str());
+    let left_out = skipped.iter().map(|skipped| skipped.what.as_str());
     for name in measured.chain(left_out).chain([NO_SCENE]) {
         if !allowed.contains(&name) {
             allowed.push(name);
         }
     }
-    for (option, scenes) in [("--ladder", &options.ladder), ("--matrix", &options.matrix)] {
-        let mut asked = scenes.iter().flatten();
-        if let Some(found) = asked.find(|name| !allowed.contains(&name.as_str())) {
-            return Err(BenchError::NotInRun {
-                option,
-                found: found.clone(),
-                allowed: allowed.join(", "),
-            });
+    for (option, scenes) in [("--ladder", &wishes.ladder), ("--matrix", &wishes.matrix)] {
+        let mut wanted = scenes.iter().flatten();
+        if let Some(found) = wanted.find(|name| !allowed.contains(&name.as_str())) {
+            return Err(StudyError::BadInput(format!(
+                "{option}: found {found:?}, allowed: {}",
+                allowed.join(", ")
+            )));
         }
     }
     Ok(())
-}
-
-/// A scene that can be measured beside those of `groups`.
-fn checked_scene(
-    name: &str,
-    options: &BenchOptions,
-    groups: &[SceneGroup],
-) -> Result<Scene, BenchError> {
-    let scene = open_scene(name, options.data_dir.as_deref())?;
-    build_meshes(&scene, &scene.mesh)?;
-    if groups.iter().any(|group| group.scene.name == scene.name) {
-        return Err(BenchError::SceneTwice { name: scene.name });
-    }
-    Ok(scene)
 }
 
 /// A scene by the name of a shipped one, or by the path of a scene file (with `/` or `.toml` in it).
@@ -119,7 +109,7 @@ pub fn open_scene(name: &str, data_dir: Option<&Path>) -> Result<Scene, SceneErr
 pub(crate) fn build_meshes(
     scene: &Scene,
     options: &MeshOptions,
-) -> Result<Arc<[RegionMesh]>, BenchError> {
+) -> Result<Arc<[RegionMesh]>, StudyError> {
     let meshes = RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, options);
     match meshes {
         Ok(meshes) => Ok(meshes.into()),
@@ -128,11 +118,9 @@ pub(crate) fn build_meshes(
 }
 
 /// One line per region that cannot be meshed.
-pub(crate) fn mesh_error(scene: &Scene, errors: &[MeshError]) -> BenchError {
+pub(crate) fn mesh_error(scene: &Scene, errors: &[MeshError]) -> StudyError {
     let lines = errors
         .iter()
         .map(|error| format!("{}: {error}", scene.name));
-    BenchError::Mesh {
-        lines: lines.collect::<Vec<_>>().join("\n"),
-    }
+    StudyError::BadInput(lines.collect::<Vec<_>>().join("\n"))
 }

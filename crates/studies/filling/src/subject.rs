@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What draws a case: a full-screen pass, or a variant of a technique.
 
-use terrafill_fill::{GeometryBytes, PositionFormat, Switches, Technique, Variant};
+use terrafill_core::RegionMesh;
+use terrafill_fill::{Api, GeometryBytes, PositionFormat, Switches, Technique, Variant};
 use terrafill_gpu::BaselineKind;
 use terrafill_scene::PlanOptions;
 
-/// Techniques of a run, in the order in which they are measured. The first is the one whose pictures
-/// the others' are laid beside.
+/// Techniques of a study, in the order in which they are measured. The first is the one whose
+/// pictures the others' are laid beside.
 pub type Techniques = &'static [&'static dyn Technique];
 
 /// What draws a case.
 #[derive(Debug, Clone)]
-pub enum Subject {
+pub(crate) enum Subject {
     /// A full-screen pass.
     Baseline(BaselineKind),
     /// A variant of a technique.
@@ -19,9 +20,8 @@ pub enum Subject {
 }
 
 impl Subject {
-    /// Name of the backend in rows.
-    #[must_use]
-    pub fn backend(&self) -> &'static str {
+    /// Name of the technique, or of the pass, in rows.
+    pub(crate) fn backend(&self) -> &'static str {
         match self {
             Self::Baseline(kind) => kind.name(),
             Self::Fill(technique, _) => technique.name(),
@@ -29,8 +29,7 @@ impl Subject {
     }
 
     /// Layout first, then what differs from the default, `key=value`, sorted.
-    #[must_use]
-    pub fn variant_name(&self) -> String {
+    pub(crate) fn variant_name(&self) -> String {
         match self {
             Self::Baseline(_) => "full-screen".to_owned(),
             Self::Fill(_, variant) => variant.name(),
@@ -44,25 +43,46 @@ impl Subject {
         }
     }
 
+    /// Every choice with its value, defaults included. The first of a technique's own parameters is
+    /// called `layout`, whatever it is called there, so that it is one column for all.
+    pub(crate) fn settings(&self) -> Vec<(String, String)> {
+        let Self::Fill(technique, variant) = self else {
+            return Vec::new();
+        };
+        let first = technique
+            .parameters()
+            .first()
+            .map(|parameter| parameter.key);
+        let layout = ("layout".to_owned(), variant.layout().to_owned());
+        let others = variant.settings().into_iter();
+        let others = others.filter(|(key, _)| Some(key.as_str()) != first);
+        [layout].into_iter().chain(others).collect()
+    }
+
     /// The fill's switches; a full-screen pass has none.
-    #[must_use]
-    pub fn switches(&self) -> Option<&Switches> {
+    pub(crate) fn switches(&self) -> Option<&Switches> {
         self.variant().map(|variant| &variant.switches)
     }
 
     /// How its frames are planned.
-    #[must_use]
-    pub fn plan(&self) -> PlanOptions {
-        self.variant()
-            .map_or_else(PlanOptions::default, |variant| variant.plan)
+    pub(crate) fn plan(&self) -> PlanOptions {
+        let plan = self.variant().map(|variant| variant.plan);
+        plan.unwrap_or_default()
+    }
+
+    /// The interface that it draws by.
+    pub(crate) fn api(&self) -> Api {
+        match self {
+            Self::Baseline(_) => terrafill_gpu::API,
+            Self::Fill(technique, _) => technique.api(),
+        }
     }
 
     /// How it stores positions, where that is a choice.
     pub(crate) fn positions(&self) -> Option<PositionFormat> {
         let value = self.variant()?.value("positions")?;
-        PositionFormat::ALL
-            .into_iter()
-            .find(|format| format.name() == value)
+        let mut formats = PositionFormat::ALL.into_iter();
+        formats.find(|format| format.name() == value)
     }
 
     /// How geometry is stored; empty where there is none.
@@ -76,11 +96,7 @@ impl Subject {
     /// Bytes of one region by the layout's formula; `None` where there is no geometry.
     ///
     /// - `is_drawn`: whether the view draws it, since some layouts hold parts for those only
-    pub(crate) fn formula(
-        &self,
-        mesh: &terrafill_core::RegionMesh,
-        is_drawn: bool,
-    ) -> Option<GeometryBytes> {
+    pub(crate) fn formula(&self, mesh: &RegionMesh, is_drawn: bool) -> Option<GeometryBytes> {
         match self {
             Self::Baseline(_) => None,
             Self::Fill(technique, variant) => technique.bytes(variant, mesh, is_drawn).ok(),
@@ -88,72 +104,12 @@ impl Subject {
     }
 
     /// Bytes that all regions share, by the layout's formula.
-    pub(crate) fn shared_formula(&self, meshes: &[terrafill_core::RegionMesh]) -> GeometryBytes {
+    pub(crate) fn shared_formula(&self, meshes: &[RegionMesh]) -> GeometryBytes {
         match self {
             Self::Baseline(_) => GeometryBytes::default(),
             Self::Fill(technique, variant) => {
                 technique.shared_bytes(variant, meshes).unwrap_or_default()
             }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::tests::TECHNIQUES;
-    use std::rc::Rc;
-    use std::sync::Arc;
-    use terrafill_core::RegionMesh;
-    use terrafill_fill::{Devices, FrameInput, PreparedScene, Targets};
-    use terrafill_scene::{ImageSize, Overlap, Scene, SurfaceMesh};
-
-    #[test]
-    fn a_full_screen_pass_has_neither_switches_nor_geometry() {
-        let bound = Subject::Baseline(BaselineKind::Bound);
-        assert!(bound.switches().is_none() && bound.positions().is_none());
-        assert_eq!(
-            (bound.variant_name().as_str(), bound.layout().as_str()),
-            ("full-screen", "")
-        );
-        assert_eq!(bound.plan(), PlanOptions::default());
-    }
-
-    #[test]
-    fn a_target_of_numbers_is_counted_where_there_is_one() {
-        if terrafill_gpu::open_for_test(&Default::default()).is_none()
-            || terrafill_vulkan::open_for_test(&Default::default()).is_none()
-        {
-            return;
-        }
-        let scene = Scene::shipped("california", None).expect("it ships");
-        let (body, rule) = (&scene.body, scene.edge_rule);
-        let meshes = RegionMesh::build_all(&scene.regions, body, rule, &scene.mesh);
-        let meshes = meshes.expect("it meshes").into();
-        let surface = Arc::new(SurfaceMesh::ellipsoid(body, scene.surface_rows));
-        let prepared = PreparedScene::new(&scene, meshes, surface);
-        let size = ImageSize {
-            width: 40,
-            height: 30,
-        };
-        let input = FrameInput::new(&prepared, &scene.views[0], size, PlanOptions::default());
-        let targets = Targets::new(&Rc::new(Devices::default()), size);
-        for technique in TECHNIQUES {
-            let bytes = |colour: &str| {
-                let variant = technique.main(Overlap::Disjoint).with("colour", colour);
-                let mut backend = technique.open(&targets, &variant).expect("opens");
-                let memory = backend.prepare(&input).expect("fits");
-                // Preparing again holds the same.
-                assert_eq!(
-                    backend.prepare(&input).expect("fits").target_bytes,
-                    memory.target_bytes
-                );
-                memory.target_bytes
-            };
-            let name = technique.name();
-            assert_eq!(bytes("id-accumulation"), 4 * 40 * 30, "{name}");
-            // Twin: without such a target nothing is counted.
-            assert_eq!(bytes("xor"), 0, "{name}");
         }
     }
 }

@@ -7,7 +7,6 @@
 //! and with a normalisation that nothing needs. Each is a row beside the plain fill of the same
 //! rounds. Errors in texels; colours of 0 to 255.
 
-use crate::BenchError;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -16,9 +15,10 @@ use terrafill_conformance::{TextureErrors, Verdict, compare_texture, texture_ver
 use terrafill_fill::{Frame, FrameInput, NO_REGION, Picture, RouteChoice, Variant};
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{ImageSize, Scene, SceneTexture, TextureShare, View, checker};
+use terrafill_study::StudyError;
 
 /// Scenes that are about pictures: only textured fills are drawn of them, each once.
-pub const PICTURE_SCENES: [&str; 1] = ["blue-marble"];
+pub(crate) const PICTURE_SCENES: [&str; 1] = ["blue-marble"];
 
 /// The one scene and view that a quick run measures textured.
 const QUICK: (&str, &str) = ("california", "top-down");
@@ -41,7 +41,7 @@ const NOT_COMPARED: [u8; 3] = [18, 20, 26];
 
 /// Which picture a textured case shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub enum ShownPicture {
+pub(crate) enum ShownPicture {
     /// The scene's, shared as the scene says.
     #[default]
     Scene,
@@ -54,7 +54,7 @@ pub enum ShownPicture {
 impl ShownPicture {
     /// `key=value` in the variant; empty for the scene's own.
     #[must_use]
-    pub fn name(self) -> Option<&'static str> {
+    pub(crate) fn name(self) -> Option<&'static str> {
         match self {
             Self::Scene => None,
             Self::Each => Some("picture=each"),
@@ -136,10 +136,10 @@ pub(crate) fn textured_variants(
 /// for. How many copies there are changes nothing that is seen.
 #[derive(Default)]
 pub(crate) struct TexturedReferences {
-    known: RefCell<BTreeMap<[u32; 2], Judged>>,
+    known: RefCell<BTreeMap<[u32; 2], Drawn>>,
 }
 
-type Judged = Result<Rc<TexturedReference>, String>;
+type Drawn = Result<Rc<TexturedReference>, String>;
 
 /// What the reference says of a textured frame.
 pub(crate) struct TexturedReference {
@@ -148,26 +148,26 @@ pub(crate) struct TexturedReference {
 }
 
 impl TexturedReferences {
-    fn of(&self, input: &FrameInput) -> Judged {
+    fn of(&self, input: &FrameInput) -> Drawn {
         let Some(texture) = &input.scene.texture else {
             return Err("the scene has no picture to compare with".to_owned());
         };
         let mut known = self.known.borrow_mut();
-        let judge = || {
-            let judged = ReferenceBackend::textured().judge(input);
-            let judged = judged.map_err(|error| error.to_string())?;
+        let draw = || {
+            let drawn = ReferenceBackend::textured().judge(input);
+            let drawn = drawn.map_err(|error| error.to_string())?;
             let missing = || "the reference drew no picture".to_owned();
             Ok(Rc::new(TexturedReference {
-                rgb: judged.picture.ok_or_else(missing)?,
-                frame: judged.frame,
+                rgb: drawn.picture.ok_or_else(missing)?,
+                frame: drawn.frame,
             }))
         };
         let size = texture.image.size_px();
-        known.entry(size).or_insert_with(judge).clone()
+        known.entry(size).or_insert_with(draw).clone()
     }
 
     /// Errors of the places that a textured frame's texels come from, and what speaks against them.
-    pub(crate) fn judge(
+    pub(crate) fn compare(
         &self,
         input: &FrameInput,
         frame: &Frame,
@@ -306,7 +306,7 @@ pub(crate) fn write_cut_out(
     size: ImageSize,
     centre: [usize; 2],
     rgb: &[u8],
-) -> Result<String, BenchError> {
+) -> Result<String, StudyError> {
     let (size, rgb) = cut_out(size, centre, rgb);
     crate::images::write_rgb(folder, name, size, &rgb)
 }

@@ -14,11 +14,11 @@ use drawing::{
 };
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use terrafill_conformance::ErrorFigures;
 use terrafill_conformance::verdict;
 use terrafill_fill::{ColourWay, FrameInput, PositionFormat, Switches};
 use terrafill_filling::{BenchOptions, group_cases, open_scene};
 use terrafill_native::{Extrusion as Native, NativeVariant};
-use terrafill_results::legacy::ErrorFigures;
 use terrafill_scene::{ImageSize, PlanOptions};
 use terrafill_vertex::{Layout, VertexVariant, shared_flag_bytes, variant_bytes};
 

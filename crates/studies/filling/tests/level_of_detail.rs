@@ -9,6 +9,7 @@ mod drawing;
 
 use drawing::{Devices, Technique, differing, draw, judge, vertex};
 use std::sync::Arc;
+use terrafill_conformance::ErrorFigures;
 use terrafill_conformance::{
     BAND_RADIUS_PX, MOVED_STEP_PX, boundary_movement, compare_closely, verdict_of_moved,
     with_movement,
@@ -16,7 +17,6 @@ use terrafill_conformance::{
 use terrafill_fill::{Frame, FrameInput, NO_REGION, PreparedScene, Switches};
 use terrafill_native::{Extrusion as Native, Indices, NativeVariant};
 use terrafill_reference::ReferenceBackend;
-use terrafill_results::legacy::ErrorFigures;
 use terrafill_scene::{
     ImageSize, LevelChoice, LeveledMeshes, PlanOptions, Scene, SurfaceMesh, View, data_dir_from_env,
 };

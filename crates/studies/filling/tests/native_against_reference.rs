@@ -389,12 +389,13 @@ fn times_are_measured_and_pictures_in_the_regions_colours() {
     let targets = AllTargets::new(&devices, SIZE);
     let mut backend = backend_of(&targets, Native::default(), Indices::Strip);
     backend.prepare(&input).expect("fits");
-    backend.draw_surface(&input).expect("draws");
+    let surface = backend.draw_surface(&input).expect("draws");
     let times = backend.time_frame(&input).expect("draws");
     assert!(times.fill_cpu_ms > 0.0 && times.fill_wall_ms > 0.0);
     let parts = [times.stencil_gpu_ms, times.colour_gpu_ms, times.fill_gpu_ms];
     let timestamps = backend.capabilities().gpu_timestamps;
     assert!(parts.iter().all(|part| part.is_some() == timestamps));
+    assert_eq!(surface.is_some(), timestamps);
     let frame = backend.render(&input).expect("draws");
     let picture = backend.picture(&input).expect("draws");
     let again = backend.render(&input).expect("draws");

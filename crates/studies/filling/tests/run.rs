@@ -70,6 +70,10 @@ fn a_run_is_measured_killed_and_resumed_without_measuring_twice() {
     assert_eq!((summaries.len(), samples.len()), (29, 87));
     assert!(summaries.iter().all(|row| row.status == Status::Ok));
     assert!(summaries.iter().all(|row| row.samples == 3));
+    // The surface is timed on every interface, where the device has a clock.
+    let surfaces = summaries.iter().map(|row| row.surface_gpu_ms);
+    let has_clock = surfaces.clone().any(|gpu_ms| gpu_ms.is_some());
+    assert!(surfaces.clone().all(|gpu_ms| gpu_ms.is_some() == has_clock));
 
     // As a kill would leave it: one view summed up, the second half measured, a torn last row.
     let path = out.join("samples.csv");

@@ -8,8 +8,7 @@ use crate::suite::{Condition, Suite};
 use crate::timing::LoopTime;
 use std::cell::RefCell;
 use std::rc::Rc;
-use std::sync::Arc;
-use terrafill_gpu::{Gpu, GpuOptions};
+use terrafill_gpu::shared_gpu;
 use terrafill_results::{CaseId, Chapter, Metric, PlannedCase, Status, Verdict};
 use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
 
@@ -59,14 +58,8 @@ impl Study for PrecisionStudy {
 type SharedKernels = Rc<RefCell<Kernels>>;
 
 fn kernels(suite: &Suite, context: Context<'_>) -> Result<SharedKernels, StudyError> {
-    let open = |adapter: Option<&str>| {
-        let options = GpuOptions {
-            adapter: adapter.map(str::to_owned),
-            ..GpuOptions::default()
-        };
-        Gpu::open(&options).map_err(|error| error.to_string())
-    };
-    let gpu: Arc<Gpu> = context.devices.get(open).map_err(StudyError::NoDevice)?;
+    let gpu =
+        shared_gpu(context.devices).map_err(|error| StudyError::NoDevice(error.to_string()))?;
     let compile = |_: Option<&str>| {
         let kernels = Kernels::new(&gpu, &suite.routes);
         Ok::<_, String>(Rc::new(RefCell::new(kernels)))

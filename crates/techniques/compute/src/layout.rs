@@ -163,7 +163,7 @@ impl SceneGeometry {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::by_hand::{circle_deg, mesh};
+    use terrafill_fixtures::by_hand::{circle_deg, mesh};
 
     /// A fan of `count` boundary vertices around one interior vertex.
     pub(crate) fn disc(count: u32) -> RegionMesh {

@@ -9,9 +9,6 @@
 //! pieces that no pixel can show.
 
 mod backend;
-#[cfg(test)]
-#[path = "../../../ground/core/tests/by_hand/mod.rs"]
-mod by_hand;
 mod culling;
 mod expansion;
 mod layout;

@@ -1,74 +1,25 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The backend: buffers of a scene, constants of a view, and the passes of a frame.
+//! The backend: its volumes, and the fill that every backend on Vulkan itself shares.
 
-use crate::layout::{RegionSlice, SceneGeometry};
-use crate::pass::{Drawing, pipelines_of};
-use crate::textured::{Purpose, Textured, probed};
-use crate::{Extrusion, NativeVariant};
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
+use crate::NativeVariant;
+use crate::pass::NativeVolumes;
 use std::sync::Arc;
-use terrafill_core::RegionMesh;
 use terrafill_fill::{
-    Capabilities, Colours, Counters, CpuStopwatch, DeviceError, FillBackend, FillPass, FillProgram,
-    FillStep, Frame, FrameInput, FrameTimes, MemoryUse, Picture, PositionFormat, RegionConstants,
-    WorkDone,
+    Capabilities, Colours, DeviceError, FillBackend, FillProgram, Frame, FrameInput, FrameTimes,
+    MemoryUse, Picture, PositionFormat, RegionConstants,
 };
-use terrafill_vulkan::{
-    BindGroup, Buffer, BufferUse, FillReport, Gpu, Measured, Pipeline, PipelineDescriptor, Probe,
-    SharedTargets,
-};
-
-/// Pipelines of one backend, made when first asked for.
-pub(crate) type Pipelines = HashMap<PipelineDescriptor, Pipeline>;
+use terrafill_vulkan::{SharedTargets, VolumeFill};
 
 /// Shadow volumes extruded in geometry shaders, or by `vs-control` in the vertex shader.
 #[derive(Debug)]
 pub struct NativeBackend {
-    targets: SharedTargets,
     variant: NativeVariant,
-    capabilities: Capabilities,
-    pipelines: Pipelines,
-    /// Of a textured fill; its covers stand where the plain ones would.
-    textured: Option<Textured>,
-    scene: Option<SceneBuffers>,
-    view: Option<ViewBuffers>,
-    /// Asked of the device for the frame that comes next.
-    work: WorkDone,
+    fill: VolumeFill,
+    volumes: NativeVolumes,
 }
-
-/// Geometry of every mesh of a scene, in view or not.
-#[derive(Debug)]
-pub(crate) struct SceneBuffers {
-    source: Arc<[RegionMesh]>,
-    pub(crate) regions: Vec<RegionSlice>,
-    pub(crate) vertices: Buffer,
-    pub(crate) short_indices: Buffer,
-    pub(crate) long_indices: Buffer,
-    vertex_bytes: u64,
-    index_bytes: u64,
-}
-
-/// Constants of the regions of a view, and the order to draw them in.
-#[derive(Debug)]
-pub(crate) struct ViewBuffers {
-    source: Arc<[[f32; 3]]>,
-    view_constants: Arc<Buffer>,
-    constants: Arc<Buffer>,
-    /// What lies in `constants`.
-    written: Vec<u8>,
-    pub(crate) bindings: BindGroup,
-    pub(crate) program: FillProgram,
-}
-
-/// Its name in rows and messages.
-const BACKEND: &str = "native";
 
 /// In pictures for people.
 const OPAQUE: Colours = Colours::Palette { opacity: 1.0 };
-
-/// Vertices whose numbers a 32-bit float tells apart: geometry shaders know corners by number.
-const MAX_VERTICES: usize = 1 << 24;
 
 impl NativeBackend {
     /// A backend on `targets`.
@@ -78,31 +29,13 @@ impl NativeBackend {
     /// depth that shaders can read, and the variant needs it.
     pub fn new(targets: &SharedTargets, variant: NativeVariant) -> Result<Self, DeviceError> {
         let gpu = Arc::clone(targets.borrow().gpu());
-        let features = gpu.facts.features;
-        let lacks = |capability: &str| DeviceError::unsupported(capability, &gpu.facts.name);
-        if variant.technique.needs_geometry_shader() && !features.geometry_shader {
-            return Err(lacks("geometryShader"));
-        }
-        if variant.switches.texture.is_some() && !features.samples_depth {
-            return Err(lacks("reading depth in shaders"));
-        }
-        if variant.switches.depth_bounds && !features.depth_bounds {
-            return Err(lacks("depthBounds"));
+        if variant.technique.needs_geometry_shader() && !gpu.facts.features.geometry_shader {
+            return Err(DeviceError::unsupported("geometryShader", &gpu.facts.name));
         }
         Ok(Self {
-            targets: SharedTargets::clone(targets),
             variant,
-            capabilities: Capabilities {
-                backend: BACKEND,
-                adapter: gpu.facts.title(),
-                gpu_timestamps: features.timestamps,
-                pipeline_statistics: features.pipeline_statistics,
-            },
-            pipelines: Pipelines::new(),
-            textured: Textured::new(&variant.switches),
-            scene: None,
-            view: None,
-            work: WorkDone::default(),
+            fill: VolumeFill::new(targets, "native", &variant.switches)?,
+            volumes: NativeVolumes::new(variant),
         })
     }
 
@@ -112,280 +45,34 @@ impl NativeBackend {
         self.variant
     }
 
-    fn gpu(&self) -> Arc<Gpu> {
-        Arc::clone(self.targets.borrow().gpu())
-    }
-
-    fn draw_and_read(&mut self, input: &FrameInput) -> Result<(Picture, Counters), DeviceError> {
-        self.check_prepared(input)?;
-        let gpu = self.gpu();
-        self.targets.borrow_mut().prepare(input)?;
-        self.targets.borrow_mut().draw_surface()?;
-        let before = gpu.work_done();
-        let (report, mut counters) = self.draw(input, Measured::Statistics, None)?;
-        let prepared = std::mem::take(&mut self.work);
-        WorkDone::write_into(&mut counters, prepared, gpu.work_done() - before);
-        if let Some(statistics) = report.statistics {
-            counters.vertex_shader_invocations = Some(statistics.vertex_shader_invocations);
-            counters.geometry_shader_primitives = statistics.geometry_shader_primitives;
-            counters.clipper_invocations = Some(statistics.clipper_invocations);
-            counters.clipper_primitives_out = Some(statistics.clipper_primitives_out);
-            counters.fragment_shader_invocations = Some(statistics.fragment_shader_invocations);
-        }
-        let picture = self.targets.borrow().read()?;
-        Ok((picture, counters))
-    }
-
-    /// Draws the fill over the surface that the targets hold; textured covers into `probe`, if there
-    /// is one.
-    fn draw(
-        &self,
-        input: &FrameInput,
-        measured: Measured,
-        probe: Option<&Probe>,
-    ) -> Result<(FillReport, Counters), DeviceError> {
-        let mut counters = Counters::default();
-        let targets = self.targets.borrow();
-        let Some(drawing) = self.drawing(input, probe) else {
-            return Ok((FillReport::default(), counters));
-        };
-        let passes = drawing.view.program.passes.len();
-        let report = targets.fill(passes, measured, |recorder| {
-            drawing.fill(recorder, &mut counters);
-        })?;
-        Ok((report, counters))
-    }
-
-    fn drawing<'a>(
-        &'a self,
-        input: &'a FrameInput,
-        probe: Option<&'a Probe>,
-    ) -> Option<Drawing<'a>> {
-        Some(Drawing {
-            variant: self.variant,
-            pipelines: &self.pipelines,
-            textured: self.textured.as_ref(),
-            probe,
-            scene: self.scene.as_ref()?,
-            view: self.view.as_ref()?,
-            input,
-        })
-    }
-
-    /// Fragments of all volumes that mark, drawn once more without any test.
-    fn count_fragments(&mut self, input: &FrameInput) -> Result<Option<u64>, DeviceError> {
-        let steps = |view: &ViewBuffers| {
-            let counted = view.program.counted().map(FillStep::Volumes);
-            descriptors(self.variant, counted)
-        };
-        let wanted = self.view.as_ref().map(steps).unwrap_or_default();
-        if wanted.is_empty() {
-            return Ok(Some(0));
-        }
-        self.ensure_pipelines(wanted)?;
-        let targets = self.targets.borrow();
-        let Some(drawing) = self.drawing(input, None) else {
-            return Ok(None);
-        };
-        let report = targets.fill(1, Measured::Samples, |recorder| {
-            drawing.count_fragments(recorder);
-        })?;
-        Ok(report.samples)
-    }
-
-    fn check_prepared(&self, input: &FrameInput) -> Result<(), DeviceError> {
-        let meshes = self.scene.as_ref().map(|scene| &scene.source);
-        let surface = self.view.as_ref().map(|view| &view.source);
-        input.check_prepared(BACKEND, meshes, surface)
-    }
-
-    fn upload_scene(&mut self, input: &FrameInput) -> Result<(), DeviceError> {
-        let (technique, indices) = (self.variant.technique, self.variant.indices());
-        let geometry = SceneGeometry::build(technique, indices, &input.scene.meshes);
-        self.upload_geometry(input, geometry)
-    }
-
-    fn upload_geometry(
-        &mut self,
-        input: &FrameInput,
-        geometry: SceneGeometry,
-    ) -> Result<(), DeviceError> {
-        let technique = self.variant.technique;
-        let vertices = geometry.vertex_count(technique);
-        check_numbers(technique, vertices)?;
-        let bytes = geometry.bytes();
-        let gpu = self.gpu();
-        let upload = |label, bytes, use_for| Buffer::upload(&gpu, label, bytes, use_for);
-        self.scene = Some(SceneBuffers {
-            source: Arc::clone(&input.scene.meshes),
-            vertices: upload(
-                "volume vertices",
-                bytemuck::cast_slice(&geometry.vertices),
-                BufferUse::Vertex,
-            )?,
-            short_indices: upload(
-                "16-bit indices",
-                bytemuck::cast_slice(&geometry.indices.short),
-                BufferUse::Index,
-            )?,
-            long_indices: upload(
-                "32-bit indices",
-                bytemuck::cast_slice(&geometry.indices.long),
-                BufferUse::Index,
-            )?,
-            regions: geometry.regions,
-            vertex_bytes: bytes.vertex_bytes,
-            index_bytes: bytes.index_bytes,
-        });
-        Ok(())
-    }
-
     /// Brings program and constants up to date; nothing is made or written where they are already.
     fn upload_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), DeviceError> {
-        let Some(scene) = &self.scene else {
-            return self.check_prepared(input);
+        let Some(place_of) = self.volumes.places() else {
+            return self.fill.check_prepared(input);
         };
-        let gpu = self.gpu();
         let program = FillProgram::new(&input.plan, &self.variant.switches, input.scene.overlap)?;
-        if program.accumulates() {
-            self.targets.borrow_mut().ensure_numbers()?;
-        }
-        if let Some(textured) = &mut self.textured {
-            textured.upload(&self.targets.borrow(), input)?;
-        }
-        let place = |mesh: usize| scene.regions[mesh].place();
         let positions = PositionFormat::Fixed;
-        let written = RegionConstants::bytes_of_all(input, positions, colours, place);
-        let targets = self.targets.borrow();
-        let Some(view_constants) = targets.view_constants().map(Arc::clone) else {
-            drop(targets);
-            return self.check_prepared(input);
-        };
-        drop(targets);
-        let constants = match &self.view {
-            Some(view) if view.written.len() == written.len() => {
-                if view.written != written {
-                    view.constants.rewrite(&written)?;
-                }
-                Arc::clone(&view.constants)
-            }
-            _ => {
-                let label = "region constants";
-                Arc::new(Buffer::upload(&gpu, label, &written, BufferUse::Storage)?)
-            }
-        };
-        let bindings = match self.view.take() {
-            Some(view)
-                if Arc::ptr_eq(&view.constants, &constants)
-                    && Arc::ptr_eq(&view.view_constants, &view_constants) =>
-            {
-                view.bindings
-            }
-            _ => BindGroup::new(&gpu, &view_constants, Some(&constants))?,
-        };
-        self.view = Some(ViewBuffers {
-            source: Arc::clone(&input.surface_rte),
-            view_constants,
-            constants,
-            written,
-            bindings,
-            program,
-        });
-        Ok(())
-    }
-
-    fn ensure_program_pipelines(&mut self) -> Result<(), DeviceError> {
-        let is_textured = self.textured.is_some();
-        let steps = |view: &ViewBuffers| {
-            let all = view.program.passes.iter().flat_map(FillPass::steps);
-            let is_plain =
-                |step: &FillStep<'_>| !is_textured || !matches!(step, FillStep::Cover { .. });
-            descriptors(self.variant, all.filter(is_plain))
-        };
-        let wanted = self.view.as_ref().map(steps).unwrap_or_default();
-        self.ensure_pipelines(wanted)?;
-        self.ensure_textured(Purpose::Colour)
-    }
-
-    fn ensure_textured(&mut self, purpose: Purpose) -> Result<(), DeviceError> {
-        let gpu = self.gpu();
-        let (Some(textured), Some(view)) = (&mut self.textured, &self.view) else {
-            return Ok(());
-        };
-        textured.ensure(&gpu, view.program.passes.iter(), purpose)
-    }
-
-    /// The frame with ids and places from the textured covers, drawn once more with what they write
-    /// for the probe, by the same functions; a plain fill's frame as it is.
-    fn probed(&mut self, input: &FrameInput, plain: Frame) -> Result<Frame, DeviceError> {
-        if self.textured.is_none() {
-            return Ok(plain);
-        }
-        self.ensure_textured(Purpose::Probe)?;
-        let probe = self.targets.borrow().probe()?;
-        self.draw(input, Measured::Nothing, Some(&probe))?;
-        let found = probed(&probe, input.size.pixel_count())?;
-        let plan = self.textured.as_ref().and_then(Textured::plan);
-        Ok(match plan {
-            Some(plan) => plan.frame(input, plain, &found),
-            None => plain,
-        })
-    }
-
-    fn ensure_pipelines(&mut self, wanted: Vec<PipelineDescriptor>) -> Result<(), DeviceError> {
-        let gpu = self.gpu();
-        for descriptor in wanted {
-            if let Entry::Vacant(place) = self.pipelines.entry(descriptor) {
-                place.insert(Pipeline::new(&gpu, descriptor)?);
-            }
-        }
-        Ok(())
+        let constants = RegionConstants::bytes_of_all(input, positions, colours, place_of);
+        self.fill.upload_view(input, program, constants)
     }
 
     /// Brings geometry, constants and pipelines up to date, and gives the bytes handed over.
     fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, DeviceError> {
-        let gpu = self.gpu();
+        let gpu = self.fill.gpu();
         let before = gpu.work_done();
-        let is_uploaded = self
-            .scene
-            .as_ref()
-            .is_some_and(|scene| Arc::ptr_eq(&scene.source, &input.scene.meshes));
-        if !is_uploaded {
-            self.upload_scene(input)?;
+        if !self.fill.holds_meshes(input) {
+            self.volumes.upload(&gpu, &input.scene.meshes)?;
+            self.fill.hold_meshes(input);
         }
         self.upload_view(input, Colours::Ids)?;
-        self.ensure_program_pipelines()?;
-        let done = gpu.work_done() - before;
-        self.work = self.work + done;
-        Ok(done.upload_bytes)
+        self.fill.ensure_pipelines(&mut self.volumes, input)?;
+        Ok(self.fill.count_work_since(before))
     }
-}
-
-/// Pipelines that `steps` are drawn with.
-fn descriptors<'a>(
-    variant: NativeVariant,
-    steps: impl Iterator<Item = FillStep<'a>>,
-) -> Vec<PipelineDescriptor> {
-    steps
-        .flat_map(|step| pipelines_of(variant, &step))
-        .collect()
-}
-
-/// Whether every vertex has a number of its own in the geometry shader.
-fn check_numbers(technique: Extrusion, vertices: usize) -> Result<(), DeviceError> {
-    if vertices <= MAX_VERTICES || !technique.needs_geometry_shader() {
-        return Ok(());
-    }
-    Err(DeviceError::OverCapacity {
-        what: "vertices that geometry shaders tell apart".to_owned(),
-        found: vertices as u64,
-        allowed: MAX_VERTICES as u64,
-    })
 }
 
 impl FillBackend for NativeBackend {
     fn capabilities(&self) -> &Capabilities {
-        &self.capabilities
+        self.fill.capabilities()
     }
 
     fn tells_regions_apart(&self) -> bool {
@@ -393,94 +80,58 @@ impl FillBackend for NativeBackend {
     }
 
     fn note(&self) -> Option<String> {
-        let plan = self.textured.as_ref().and_then(Textured::plan);
-        plan.map(|plan| plan.note())
+        self.fill.note()
     }
 
     fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, DeviceError> {
         input.check_region_count()?;
-        self.targets.borrow_mut().prepare(input)?;
+        self.fill.targets().borrow_mut().prepare(input)?;
         let upload_bytes = self.bring_up_to_date(input)?;
-        let (Some(scene), Some(view)) = (&self.scene, &self.view) else {
-            return Ok(MemoryUse::default());
-        };
-        let used = [
-            &scene.vertices,
-            &scene.short_indices,
-            &scene.long_indices,
-            &view.constants,
-        ];
-        let textured = self.textured.as_ref();
+        let (bytes, buffers) = self.volumes.memory();
         Ok(MemoryUse {
-            vertex_bytes: scene.vertex_bytes,
-            index_bytes: scene.index_bytes,
-            constant_bytes: RegionConstants::byte_count(input)
-                + textured.map_or(0, Textured::constant_bytes),
-            target_bytes: self.targets.borrow().number_bytes(&view.program),
-            texture_bytes: textured.map_or(0, Textured::texture_bytes),
-            buffers: used.len() as u64 + u64::from(textured.is_some()),
+            vertex_bytes: bytes.vertex_bytes,
+            index_bytes: bytes.index_bytes,
+            constant_bytes: RegionConstants::byte_count(input) + self.fill.textured_bytes(),
+            target_bytes: self.fill.target_bytes(),
+            texture_bytes: self.fill.texture_bytes(),
+            // And the constants'.
+            buffers: buffers + self.fill.constant_buffers(),
             upload_bytes,
         })
     }
 
     fn render(&mut self, input: &FrameInput) -> Result<Frame, DeviceError> {
-        let (picture, mut counters) = self.draw_and_read(input)?;
-        counters.stencil_fragments = self.count_fragments(input)?;
-        self.probed(input, Frame::from_picture(&picture, counters))
+        let (picture, mut counters) = self.fill.draw_and_read(&self.volumes, input)?;
+        counters.stencil_fragments = self.fill.count_fragments(&mut self.volumes, input)?;
+        self.fill.frame(&self.volumes, input, &picture, counters)
     }
 
     fn picture(&mut self, input: &FrameInput) -> Result<Picture, DeviceError> {
         self.upload_view(input, OPAQUE)?;
-        let picture = self.draw_and_read(input).map(|(picture, _)| picture);
+        let drawn = self.fill.draw_and_read(&self.volumes, input);
         self.upload_view(input, Colours::Ids)?;
-        picture
+        drawn.map(|(picture, _)| picture)
     }
 
     fn draw_surface(&mut self, input: &FrameInput) -> Result<Option<f64>, DeviceError> {
-        let mut targets = self.targets.borrow_mut();
-        targets.prepare(input)?;
-        targets.draw_surface()
+        self.fill.draw_surface(input)
     }
 
     fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, DeviceError> {
-        self.check_prepared(input)?;
-        // Another backend of the targets may have drawn another view since.
-        if !self.targets.borrow().holds(input) {
-            return Err(input.not_prepared(BACKEND));
-        }
-        let watch = CpuStopwatch::start();
-        let (report, _) = self.draw(input, Measured::Times, None)?;
-        Ok(FrameTimes {
-            surface_gpu_ms: None,
-            stencil_gpu_ms: report.times.stencil_ms,
-            colour_gpu_ms: report.times.colour_ms,
-            fill_gpu_ms: report.times.fill_ms,
-            fill_cpu_ms: watch.cpu_ms(),
-            fill_wall_ms: watch.wall_ms(),
-        })
+        self.fill.time_frame(&self.volumes, input)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Indices, strip_counts};
+    use crate::layout::SceneGeometry;
+    use crate::{Extrusion, Indices, strip_counts};
+    use std::sync::Arc;
+    use terrafill_core::RegionMesh;
     use terrafill_fill::{ColourWay, PreparedScene, Switches};
     use terrafill_scene::{ImageSize, PlanOptions, Scene, SurfaceMesh};
-
-    #[test]
-    fn vertices_whose_numbers_a_float_would_round_are_refused() {
-        let all = Extrusion::ALL.into_iter();
-        for technique in all.filter(|technique| technique.needs_geometry_shader()) {
-            assert!(check_numbers(technique, MAX_VERTICES).is_ok());
-            let error = check_numbers(technique, MAX_VERTICES + 1).expect_err("one more");
-            assert!(error.to_string().contains("16777217"), "{error}");
-        }
-        assert!(check_numbers(Extrusion::VsControl, MAX_VERTICES + 1).is_ok());
-        // The largest number is one less than the count, and the next float up from it is the next.
-        let largest = (MAX_VERTICES - 1) as f32;
-        assert_eq!(largest.next_up(), MAX_VERTICES as f32);
-    }
+    use terrafill_vulkan::Measured;
 
     /// California from the side: from above, walls turned against caps are hardly seen.
     fn california() -> FrameInput {
@@ -535,7 +186,9 @@ mod tests {
                 backend.prepare(&input).expect("fits");
                 let mut geometry = SceneGeometry::build(technique, indices, &input.scene.meshes);
                 change(&mut geometry);
-                backend.upload_geometry(&input, geometry).expect("fits");
+                let gpu = backend.fill.gpu();
+                let uploaded = backend.volumes.upload_geometry(&gpu, geometry);
+                uploaded.expect("fits");
                 backend.render(&input).expect("draws").ids
             };
             let list = drawn(Indices::List, &|_| {});
@@ -599,9 +252,9 @@ mod tests {
             let mut backend = NativeBackend::new(&targets, variant).expect("has the features");
             backend.prepare(&input).expect("fits");
             backend.render(&input).expect("draws");
-            let (report, _) = backend
-                .draw(&input, Measured::Statistics, None)
-                .expect("draws");
+            let statistics = Measured::Statistics;
+            let measured = backend.fill.measure(&backend.volumes, &input, statistics);
+            let (report, _) = measured.expect("draws");
             let given = report.statistics.expect("has the feature");
             let what = (technique.name(), indices.name());
             let found = given.geometry_shader_invocations;

@@ -3,8 +3,7 @@
 
 use terrafill_fill::{DepthRule, VolumeState};
 use terrafill_vulkan::{
-    Fragments, GeometryStage, HandsOn, PipelineDescriptor, PipelineState, Topology, VertexFormat,
-    VertexStage,
+    Fragments, GeometryStage, HandsOn, PipelineDescriptor, Topology, VertexFormat, VertexStage,
 };
 
 /// How volumes come about.
@@ -212,28 +211,5 @@ impl Extrusion {
                     VolumeState::Mark { .. } | VolumeState::Accumulate { .. }
                 ),
         }
-    }
-}
-
-/// The pipeline of a triangle over the screen: a cover, or the lookup of accumulated numbers.
-pub(crate) fn cover_pipeline(state: PipelineState) -> PipelineDescriptor {
-    let path = match state {
-        PipelineState::Resolve => "vertex/resolve.wgsl",
-        _ => "vertex/cover.wgsl",
-    };
-    PipelineDescriptor {
-        vertex: VertexStage {
-            path,
-            entry_point: "vertex_main",
-        },
-        geometry: None,
-        fragments: Fragments::Shader {
-            path,
-            entry_point: "fragment_main",
-        },
-        format: VertexFormat::Number,
-        topology: Topology::Triangles,
-        state,
-        depth_bounds: false,
     }
 }

@@ -362,8 +362,8 @@ fn with_neighbours(mesh: &RegionMesh) -> Vec<u32> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::by_hand::{circle_deg, mesh};
     use std::collections::BTreeSet;
+    use terrafill_fixtures::by_hand::{circle_deg, mesh};
     use terrafill_scene::Scene;
 
     /// A ring of `count` vertices on each of two circles, and the triangles between them: a disc

@@ -8,9 +8,6 @@
 //! comparison is Cozzi's (2007), whose geometry shaders ran on the first hardware that had any.
 
 mod backend;
-#[cfg(test)]
-#[path = "../../../ground/core/tests/by_hand/mod.rs"]
-mod by_hand;
 mod depth_bounds;
 mod extrusion;
 mod layout;
@@ -19,7 +16,6 @@ mod pass;
 mod ring_order;
 mod strips;
 mod technique;
-mod textured;
 mod variant;
 
 pub use backend::NativeBackend;

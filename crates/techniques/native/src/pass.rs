@@ -1,256 +1,227 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Records a fill program's passes on Vulkan.
+//! Volumes as the passes of a fill draw them: buffers of a scene, and the pipelines that read them.
 
-use crate::backend::{Pipelines, SceneBuffers, ViewBuffers};
-use crate::extrusion::{Extrusion, Part, cover_pipeline};
-use crate::textured::{Purpose, Textured};
+use crate::extrusion::{Extrusion, Part};
+use crate::layout::{RegionSlice, SceneGeometry};
 use crate::{NativeVariant, depth_range};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::sync::Arc;
+use terrafill_core::RegionMesh;
 use terrafill_fill::{
-    Counters, FaceSet, FillStep, FrameInput, StencilTest, VolumeDraw, VolumeState,
+    DeviceError, FrameInput, GeometryBytes, RegionPlace, VolumeDraw, VolumeState,
 };
 use terrafill_vulkan::{
-    BindGroup, DrawState, FillRecorder, Geometry, IndexWidth, PassRecorder, Pipeline,
-    PipelineDescriptor, PipelineState, Probe,
+    Buffer, BufferUse, Geometry, Gpu, IndexWidth, Pipeline, PipelineDescriptor, VolumePass, Volumes,
 };
 
 /// Widths of indices, short ones first.
 const WIDTHS: [IndexWidth; 2] = [IndexWidth::Short, IndexWidth::Long];
 
-/// The pipelines that draw volumes in one state.
-fn volume_pipelines(
+/// Vertices whose numbers a 32-bit float tells apart: geometry shaders know corners by number.
+const MAX_VERTICES: usize = 1 << 24;
+
+/// Volumes of a scene, and the pipelines that draw them, made when first asked for.
+#[derive(Debug)]
+pub(crate) struct NativeVolumes {
     variant: NativeVariant,
-    state: VolumeState,
-    without_bottom: bool,
-) -> impl Iterator<Item = (Part, PipelineDescriptor)> {
-    let technique = variant.technique;
-    technique.parts().iter().map(move |&part| {
-        let (indices, depth_bounds) = (variant.indices(), variant.switches.depth_bounds);
-        let pipeline =
-            technique.volume_pipeline(part, indices, state, without_bottom, depth_bounds);
-        (part, pipeline)
-    })
+    pipelines: HashMap<PipelineDescriptor, Pipeline>,
+    scene: Option<SceneBuffers>,
 }
 
-/// The state of a triangle over the screen; `None` for volumes.
-fn cover_state(step: &FillStep<'_>) -> Option<PipelineState> {
-    match step {
-        FillStep::Volumes(_) => None,
-        FillStep::Cover { test, .. } => Some(PipelineState::Colour {
-            test: *test,
-            faces: FaceSet::Both,
-        }),
-        FillStep::Resolve => Some(PipelineState::Resolve),
-    }
+/// Geometry of every mesh of a scene, in view or not.
+#[derive(Debug)]
+struct SceneBuffers {
+    regions: Vec<RegionSlice>,
+    vertices: Buffer,
+    short_indices: Buffer,
+    long_indices: Buffer,
+    bytes: GeometryBytes,
 }
 
-/// Every pipeline that a step is drawn with.
-pub(crate) fn pipelines_of(variant: NativeVariant, step: &FillStep<'_>) -> Vec<PipelineDescriptor> {
-    match step {
-        FillStep::Volumes(draw) => volume_pipelines(variant, draw.state, draw.without_bottom)
-            .map(|(_, pipeline)| pipeline)
-            .collect(),
-        _ => cover_state(step).map(cover_pipeline).into_iter().collect(),
-    }
-}
-
-/// What is drawn from, for one view of one scene.
-#[derive(Clone, Copy)]
-pub(crate) struct Drawing<'a> {
-    pub(crate) variant: NativeVariant,
-    pub(crate) pipelines: &'a Pipelines,
-    pub(crate) textured: Option<&'a Textured>,
-    /// Textured covers write where their texels came from into this instead of colours.
-    pub(crate) probe: Option<&'a Probe>,
-    pub(crate) scene: &'a SceneBuffers,
-    pub(crate) view: &'a ViewBuffers,
-    pub(crate) input: &'a FrameInput,
-}
-
-impl<'a> Drawing<'a> {
-    /// All passes.
-    pub(crate) fn fill(&self, recorder: &mut FillRecorder<'a>, counters: &mut Counters) {
-        for pass in &self.view.program.passes {
-            let mut steps = |recorder: &mut PassRecorder<'a, '_>| {
-                for step in pass.steps() {
-                    self.step(recorder, &step, counters);
-                }
-            };
-            if pass.accumulates() {
-                recorder.accumulate(|recorder| steps(recorder));
-            } else if pass.has_colour && self.textured.is_some() {
-                // Depth is read in this pass, which holds covers only and writes no stencil.
-                match self.probe {
-                    Some(probe) => recorder.probe(probe, |recorder| steps(recorder)),
-                    None => recorder.textured(|recorder| steps(recorder)),
-                }
-            } else {
-                recorder.pass(pass.clears_stencil, pass.has_colour, |recorder| {
-                    steps(recorder)
-                });
-            }
+impl NativeVolumes {
+    pub(crate) fn new(variant: NativeVariant) -> Self {
+        Self {
+            variant,
+            pipelines: HashMap::new(),
+            scene: None,
         }
     }
 
-    /// The volumes of all steps that mark, in one pass that only counts their fragments.
-    pub(crate) fn count_fragments(&self, recorder: &mut FillRecorder<'a>) {
-        recorder.pass(false, false, |recorder| {
-            for draw in self.view.program.counted() {
-                self.volumes(recorder, &draw, &mut Counters::default());
-            }
+    /// Bytes of the geometry, and how many buffers hold it.
+    pub(crate) fn memory(&self) -> (GeometryBytes, u64) {
+        // Vertices, and indices of both widths.
+        let scene = self.scene.as_ref();
+        scene.map_or_else(Default::default, |scene| (scene.bytes, 3))
+    }
+
+    /// Where a mesh lies; `None` before anything is uploaded.
+    pub(crate) fn places(&self) -> Option<impl Fn(usize) -> RegionPlace> {
+        let scene = self.scene.as_ref()?;
+        Some(|mesh: usize| scene.regions[mesh].place())
+    }
+
+    pub(crate) fn upload(
+        &mut self,
+        gpu: &Arc<Gpu>,
+        meshes: &[RegionMesh],
+    ) -> Result<(), DeviceError> {
+        let (technique, indices) = (self.variant.technique, self.variant.indices());
+        self.upload_geometry(gpu, SceneGeometry::build(technique, indices, meshes))
+    }
+
+    pub(crate) fn upload_geometry(
+        &mut self,
+        gpu: &Arc<Gpu>,
+        geometry: SceneGeometry,
+    ) -> Result<(), DeviceError> {
+        let technique = self.variant.technique;
+        check_numbers(technique, geometry.vertex_count(technique))?;
+        let bytes = geometry.bytes();
+        let upload = |label, bytes, use_for| Buffer::upload(gpu, label, bytes, use_for);
+        self.scene = Some(SceneBuffers {
+            vertices: upload(
+                "volume vertices",
+                bytemuck::cast_slice(&geometry.vertices),
+                BufferUse::Vertex,
+            )?,
+            short_indices: upload(
+                "16-bit indices",
+                bytemuck::cast_slice(&geometry.indices.short),
+                BufferUse::Index,
+            )?,
+            long_indices: upload(
+                "32-bit indices",
+                bytemuck::cast_slice(&geometry.indices.long),
+                BufferUse::Index,
+            )?,
+            regions: geometry.regions,
+            bytes,
         });
+        Ok(())
     }
 
-    fn step(&self, pass: &mut PassRecorder<'a, '_>, step: &FillStep<'_>, counters: &mut Counters) {
-        if let (
-            Some(textured),
-            FillStep::Cover {
-                test,
-                scissor,
-                regions,
-            },
-        ) = (self.textured, step)
-        {
-            self.textured_covers(pass, textured, *test, *scissor, regions, counters);
-            return;
-        }
-        let pipeline = cover_state(step).map(cover_pipeline);
-        let pipeline = pipeline.and_then(|key| self.pipelines.get(&key));
-        match (step, pipeline) {
-            (FillStep::Volumes(draw), _) => self.volumes(pass, draw, counters),
-            (
-                FillStep::Cover {
-                    scissor, regions, ..
-                },
-                Some(pipeline),
-            ) => self.covers(pass, pipeline, *scissor, regions, counters),
-            (FillStep::Resolve, Some(pipeline)) => {
-                self.covers(pass, pipeline, false, &[0], counters);
-            }
-            (FillStep::Cover { .. } | FillStep::Resolve, None) => {}
-        }
-    }
-
-    fn volumes(
+    /// The pipelines that draw volumes in one state.
+    fn pipelines_of(
         &self,
-        pass: &mut PassRecorder<'a, '_>,
-        draw: &VolumeDraw<'_>,
-        counters: &mut Counters,
-    ) {
-        for width in WIDTHS {
-            for (part, key) in volume_pipelines(self.variant, draw.state, draw.without_bottom) {
-                let Some(pipeline) = self.pipelines.get(&key) else {
-                    continue;
-                };
-                let drawn = draw.regions.iter().copied();
-                for planned in drawn.filter(|&planned| self.width(planned) == width) {
-                    pass.scissor(self.input.rect(planned, draw.scissor));
-                    if key.depth_bounds {
-                        let range = depth_range(self.input, &self.input.plan.regions[planned]);
-                        pass.depth_bounds(range.low, range.high);
-                    }
-                    let without = draw.without_bottom && part == Part::Caps;
-                    self.part(pass, pipeline, part, planned, without, counters);
-                }
-            }
-        }
+        state: VolumeState,
+        without_bottom: bool,
+    ) -> impl Iterator<Item = (Part, PipelineDescriptor)> + use<> {
+        let variant = self.variant;
+        variant.technique.parts().iter().map(move |&part| {
+            let (indices, depth_bounds) = (variant.indices(), variant.switches.depth_bounds);
+            let technique = variant.technique;
+            let pipeline =
+                technique.volume_pipeline(part, indices, state, without_bottom, depth_bounds);
+            (part, pipeline)
+        })
+    }
+}
+
+impl SceneBuffers {
+    fn slice(&self, input: &FrameInput, planned: usize) -> &RegionSlice {
+        &self.regions[input.plan.regions[planned].mesh]
     }
 
-    /// A triangle over the screen for each region.
-    fn covers(
-        &self,
-        pass: &mut PassRecorder<'a, '_>,
-        pipeline: &'a Pipeline,
-        scissor: bool,
-        regions: &[usize],
-        counters: &mut Counters,
-    ) {
-        let state = self.state(pipeline, None);
-        for &planned in regions {
-            pass.scissor(self.input.rect(planned, scissor));
-            pass.draw(&state, 3, instance(planned));
-            counters.draws += 1;
-            counters.vertices += 3;
-        }
-    }
-
-    /// The same with the picture.
-    fn textured_covers(
-        &self,
-        pass: &mut PassRecorder<'a, '_>,
-        textured: &'a Textured,
-        test: StencilTest,
-        scissor: bool,
-        regions: &[usize],
-        counters: &mut Counters,
-    ) {
-        let purpose = match self.probe {
-            Some(_) => Purpose::Probe,
-            None => Purpose::Colour,
-        };
-        for &planned in regions {
-            if let Some(state) = textured.cover(&self.view.bindings, test, purpose, planned) {
-                pass.scissor(self.input.rect(planned, scissor));
-                pass.cover(&state, planned);
-                counters.draws += 1;
-                counters.vertices += 3;
-            }
-        }
-    }
-
-    fn width(&self, planned: usize) -> IndexWidth {
-        let mesh = self.input.plan.regions[planned].mesh;
-        if self.scene.regions[mesh].short_indices {
+    fn width(&self, input: &FrameInput, planned: usize) -> IndexWidth {
+        if self.slice(input, planned).short_indices {
             IndexWidth::Short
         } else {
             IndexWidth::Long
         }
     }
 
-    fn state(&self, pipeline: &'a Pipeline, geometry: Option<Geometry<'a>>) -> DrawState<'a> {
-        let bindings: &'a BindGroup = &self.view.bindings;
-        DrawState {
-            pipeline,
-            bindings,
-            geometry,
-        }
-    }
-
-    fn part(
-        &self,
-        pass: &mut PassRecorder<'a, '_>,
-        pipeline: &'a Pipeline,
-        part: Part,
-        planned: usize,
-        without_bottom: bool,
-        counters: &mut Counters,
-    ) {
-        let slice = &self.scene.regions[self.input.plan.regions[planned].mesh];
-        let (first, count) = match part {
-            Part::Walls => (slice.first_wall_index, slice.wall_index_count),
-            // The bottom's triangles are the second half; geometry shaders leave theirs out.
-            Part::Caps if without_bottom && self.variant.technique == Extrusion::VsControl => {
-                (slice.first_index, slice.index_count / 2)
-            }
-            Part::Caps | Part::Whole | Part::Turned => (slice.first_index, slice.index_count),
-        };
-        let width = self.width(planned);
-        let geometry = Geometry {
-            vertices: &self.scene.vertices,
+    fn geometry(&self, width: IndexWidth) -> Geometry<'_> {
+        Geometry {
+            vertices: &self.vertices,
             indices: match width {
-                IndexWidth::Short => &self.scene.short_indices,
-                IndexWidth::Long => &self.scene.long_indices,
+                IndexWidth::Short => &self.short_indices,
+                IndexWidth::Long => &self.long_indices,
             },
             width,
-        };
-        let state = self.state(pipeline, Some(geometry));
-        let base_vertex = i32::try_from(slice.first_vertex).unwrap_or(i32::MAX);
-        pass.draw_indexed(&state, first, count, base_vertex, instance(planned));
-        counters.draws += 1;
-        counters.vertices += u64::from(count);
+        }
     }
 }
 
-/// The instance number is the index of the region's constants.
-fn instance(planned: usize) -> u32 {
-    u32::try_from(planned).unwrap_or(u32::MAX)
+impl Volumes for NativeVolumes {
+    fn ensure(&mut self, gpu: &Arc<Gpu>, draw: &VolumeDraw<'_>) -> Result<(), DeviceError> {
+        for (_, descriptor) in self.pipelines_of(draw.state, draw.without_bottom) {
+            if let Entry::Vacant(place) = self.pipelines.entry(descriptor) {
+                place.insert(Pipeline::new(gpu, descriptor)?);
+            }
+        }
+        Ok(())
+    }
+
+    fn draw<'a>(&'a self, pass: &mut VolumePass<'a, '_, '_>, draw: &VolumeDraw<'_>) {
+        let Some(scene) = &self.scene else {
+            return;
+        };
+        let input = pass.input;
+        for width in WIDTHS {
+            for (part, key) in self.pipelines_of(draw.state, draw.without_bottom) {
+                let Some(pipeline) = self.pipelines.get(&key) else {
+                    continue;
+                };
+                let drawn = draw.regions.iter().copied();
+                for planned in drawn.filter(|&planned| scene.width(input, planned) == width) {
+                    pass.cut(planned, draw.scissor);
+                    if key.depth_bounds {
+                        let range = depth_range(input, &input.plan.regions[planned]);
+                        pass.depth_bounds(range.low, range.high);
+                    }
+                    let slice = scene.slice(input, planned);
+                    let (first, count) = match part {
+                        Part::Walls => (slice.first_wall_index, slice.wall_index_count),
+                        // The bottom's triangles are the second half; geometry shaders leave
+                        // theirs out.
+                        Part::Caps
+                            if draw.without_bottom
+                                && self.variant.technique == Extrusion::VsControl =>
+                        {
+                            (slice.first_index, slice.index_count / 2)
+                        }
+                        Part::Caps | Part::Whole | Part::Turned => {
+                            (slice.first_index, slice.index_count)
+                        }
+                    };
+                    let base_vertex = i32::try_from(slice.first_vertex).unwrap_or(i32::MAX);
+                    let geometry = scene.geometry(width);
+                    let indices = first..first + count;
+                    pass.draw_indexed(pipeline, geometry, indices, base_vertex, planned);
+                }
+            }
+        }
+    }
+}
+
+/// Whether every vertex has a number of its own in the geometry shader.
+fn check_numbers(technique: Extrusion, vertices: usize) -> Result<(), DeviceError> {
+    if vertices <= MAX_VERTICES || !technique.needs_geometry_shader() {
+        return Ok(());
+    }
+    Err(DeviceError::OverCapacity {
+        what: "vertices that geometry shaders tell apart".to_owned(),
+        found: vertices as u64,
+        allowed: MAX_VERTICES as u64,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vertices_whose_numbers_a_float_would_round_are_refused() {
+        let all = Extrusion::ALL.into_iter();
+        for technique in all.filter(|technique| technique.needs_geometry_shader()) {
+            assert!(check_numbers(technique, MAX_VERTICES).is_ok());
+            let error = check_numbers(technique, MAX_VERTICES + 1).expect_err("one more");
+            assert!(error.to_string().contains("16777217"), "{error}");
+        }
+        assert!(check_numbers(Extrusion::VsControl, MAX_VERTICES + 1).is_ok());
+        // The largest number is one less than the count, and the next float up from it is the next.
+        let largest = (MAX_VERTICES - 1) as f32;
+        assert_eq!(largest.next_up(), MAX_VERTICES as f32);
+    }
 }

@@ -122,8 +122,8 @@ fn edges(ring: &[u32]) -> impl Iterator<Item = [u32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::by_hand;
     use std::collections::{BTreeMap, BTreeSet};
+    use terrafill_fixtures::by_hand;
 
     /// A mesh of which only the numbers matter.
     fn mesh(count: u32, boundary_loops: &[&[u32]], triangles: &[[u32; 3]]) -> RegionMesh {

@@ -326,8 +326,8 @@ fn bits(value: Vec3) -> IVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::by_hand::{circle_deg, mesh};
     use crate::{VertexSize, Walls};
+    use terrafill_fixtures::by_hand::{circle_deg, mesh};
 
     /// A fan of `count` boundary vertices around one interior vertex.
     fn disc(count: u32) -> RegionMesh {

@@ -8,9 +8,6 @@
 //! in the layouts that the document compared and one that duplicates no vertex.
 
 mod backend;
-#[cfg(test)]
-#[path = "../../../ground/core/tests/by_hand/mod.rs"]
-mod by_hand;
 mod cache_order;
 mod layout;
 mod pass;

@@ -19,11 +19,9 @@ use crate::{IndexOrder, Layout, VertexSize, VertexTechnique, VertexVariant, Wall
 use glam::{DVec3, IVec3, Vec3};
 use std::collections::HashMap;
 use std::path::PathBuf;
-use terrafill_core::{
-    ClosedSurface, EdgeRule, Ellipsoid, MeshOptions, RegionMesh, VolumeHeights, check_closed,
-    parse_regions,
-};
+use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh, VolumeHeights, parse_regions};
 use terrafill_fill::{PositionFormat, Technique as _, Variant, two_float, two_float_difference_m};
+use terrafill_fixtures::{ClosedSurface, check_closed, check_volume};
 use terrafill_scene::Overlap;
 
 /// Every way to store geometry.
@@ -552,7 +550,7 @@ impl Scene {
             bottom_m: -0.002 * radius_m,
         };
         let volumes_m3 = meshes.iter().map(|mesh| {
-            let report = mesh.check_volume_invariants(&body, heights);
+            let report = check_volume(mesh, &body, heights);
             report
                 .unwrap_or_else(|fault| panic!("{}: {fault}", mesh.name))
                 .volume_m3

@@ -71,7 +71,7 @@ pub(crate) const COLUMNS: [Column; 16] = [
         heading: "surface, GPU\u{a0}ms",
         cell: |case| case.value(|row| row.surface_gpu_ms).map(significant),
         is_time: true,
-        absent_because: "the backend draws a surface of its own, untimed, or the device gave no GPU time",
+        absent_because: NO_GPU_TIME,
     },
     Column {
         term: "stencil_gpu_ms",

@@ -6,14 +6,14 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use terrafill_core::{EdgeRule, Ellipsoid};
-use terrafill_filling::Shard;
+use terrafill_results::Shard;
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done · 1 a picture is wrong · 2 bad input or usage · 3 inconclusive ·
             4 nothing measured · 5 no usable device
 Example: terrafill bench california --quick --out out/first";
 
-/// Fills polygon regions on planets on the GPU and measures the error and the cost.
+/// Draws things on planets by competing GPU techniques and measures their error and their cost.
 #[derive(Debug, Parser)]
 #[command(version, after_help = EXIT_CODES, max_term_width = 100)]
 pub(crate) struct Arguments {
@@ -24,12 +24,15 @@ pub(crate) struct Arguments {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
-    /// Measure cases; writes samples.csv, summary.csv, environment.json, images and report.html
+    /// Measure studies into a folder of tables, and write its report
     #[command(after_help = "Example: terrafill bench planet-134 california --out out/first")]
     Bench(BenchArguments),
-    /// Rebuild report.html of a run from its CSV alone
+    /// Rebuild the report of a run from its tables alone
     #[command(after_help = "Example: terrafill report out/first")]
     Report(ReportArguments),
+    /// Join the shards of a run into one folder
+    #[command(after_help = "Example: terrafill merge out/shard-1 out/shard-2 --out out/all")]
+    Merge(MergeArguments),
     /// Draw one picture
     #[command(
         after_help = "Example: terrafill render california --view globe --out california.png"
@@ -44,6 +47,9 @@ pub(crate) enum Verb {
     /// List the shipped scenes and whether they can run
     #[command(after_help = "Example: terrafill scenes --data natural-earth")]
     Scenes(ScenesArguments),
+    /// List the studies, what each asks and what it measures
+    #[command(after_help = "Example: terrafill studies --json")]
+    Studies(StudiesArguments),
     /// List the devices of this machine, what runs on them, and what the rest lack
     #[command(after_help = "Example: terrafill devices")]
     Devices,
@@ -62,15 +68,33 @@ pub(crate) struct GrowthSampleArguments {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct StudiesArguments {
+    /// Print one JSON object instead of a list
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct BenchArguments {
     /// Shipped scenes by name, or paths of scene files [default: all shipped scenes]
     pub(crate) scenes: Vec<String>,
-    /// Backend to run; may be repeated [default: all]
-    #[arg(long)]
-    pub(crate) backend: Vec<String>,
-    /// 8 frames a case, main variants only
-    #[arg(long)]
+    #[arg(long, help = STUDY_HELP)]
+    pub(crate) study: Vec<String>,
+    /// Technique to run; may be repeated [default: all]
+    #[arg(long, alias = "backend")]
+    pub(crate) technique: Vec<String>,
+    /// Main variants in few frames and one process
+    #[arg(long, conflicts_with = "full")]
     pub(crate) quick: bool,
+    /// Every study, variant, ladder, matrix and sweep
+    #[arg(long)]
+    pub(crate) full: bool,
+    /// Processes to measure in, each a replicate [default: 3, with --quick 1]
+    #[arg(long, value_parser = parse_processes)]
+    pub(crate) processes: Option<u32>,
+    /// Which of the processes this is: `bench` starts the others with it
+    #[arg(long, hide = true, default_value = "0")]
+    pub(crate) process: u32,
     /// Folder for the run
     #[arg(long, default_value = "out/run")]
     pub(crate) out: PathBuf,
@@ -80,39 +104,50 @@ pub(crate) struct BenchArguments {
     /// Folder with real data [default: $TERRAFILL_DATA]
     #[arg(long)]
     pub(crate) data: Option<PathBuf>,
-    /// Timed frames per case [default: 30, with --quick 8]
-    #[arg(long, value_parser = parse_frames)]
-    pub(crate) frames: Option<u32>,
+    /// Timed samples of a case in each process [default: each study's own]
+    #[arg(long, alias = "frames", value_parser = parse_samples)]
+    pub(crate) samples: Option<u32>,
     /// Image size, WIDTHxHEIGHT or one number for both
     #[arg(long, default_value = "1024", value_parser = parse_size)]
     pub(crate) size: (u32, u32),
-    /// Part m of n of the scene views
+    /// Part m of n of the run
     #[arg(long, value_name = "M/N", value_parser = parse_shard)]
     pub(crate) shard: Option<Shard>,
     /// Part of the adapter's name
     #[arg(long)]
     pub(crate) adapter: Option<String>,
+    /// Seed of the order in which cases are measured
+    #[arg(long, default_value = "1")]
+    pub(crate) seed: u64,
     #[arg(long, value_name = "SCENE", help = LADDER_HELP)]
     pub(crate) ladder: Vec<String>,
     #[arg(long, value_name = "SCENE", help = MATRIX_HELP)]
     pub(crate) matrix: Vec<String>,
-    /// Measure the numerical suite [default: with all scenes]
-    #[arg(long, conflicts_with = "no_precision")]
-    pub(crate) precision: bool,
-    /// Leave the numerical suite out
+}
+
+const STUDY_HELP: &str = "\
+Study to measure; may be repeated; `terrafill studies`
+lists them [default: filling, with --full all]";
+
+#[derive(Debug, Args)]
+pub(crate) struct MergeArguments {
+    /// Folders of all the shards of a run
+    #[arg(required = true)]
+    pub(crate) runs: Vec<PathBuf>,
+    /// New folder for the whole run
     #[arg(long)]
-    pub(crate) no_precision: bool,
+    pub(crate) out: PathBuf,
 }
 
 const LADDER_HELP: &str = "\
 Scene to measure switch by switch, from the un-optimised
 method to the full plan, or none; may be repeated
-[default: planet-134, with --quick none]";
+[default: none, with --full planet-134]";
 
 const MATRIX_HELP: &str = "\
 Scene to draw by every backend, layout and switch, or none;
-may be repeated [default: planet-134, california,
-countries-110m, with --quick none]";
+may be repeated [default: none, with --full planet-134,
+california, countries-110m]";
 
 #[derive(Debug, Args)]
 pub(crate) struct ReportArguments {
@@ -265,10 +300,17 @@ fn parse_size(text: &str) -> Result<(u32, u32), &'static str> {
     Ok((parse(width)?, parse(height)?))
 }
 
-fn parse_frames(text: &str) -> Result<u32, &'static str> {
+fn parse_samples(text: &str) -> Result<u32, &'static str> {
     match text.parse() {
-        Ok(frames @ 1..=100_000) => Ok(frames),
+        Ok(samples @ 1..=100_000) => Ok(samples),
         _ => Err("1 … 100000"),
+    }
+}
+
+fn parse_processes(text: &str) -> Result<u32, &'static str> {
+    match text.parse() {
+        Ok(processes @ 1..=1_000) => Ok(processes),
+        _ => Err("1 … 1000"),
     }
 }
 

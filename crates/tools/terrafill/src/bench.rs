@@ -1,61 +1,200 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! `bench` and `report`.
+//! `bench`, `report` and `merge`.
 
-use crate::arguments::{BenchArguments, GrowthSampleArguments, ReportArguments};
-use crate::registry::TECHNIQUES;
+use crate::arguments::{BenchArguments, GrowthSampleArguments, MergeArguments, ReportArguments};
+use crate::environment::environment;
+use crate::progress::Said;
+use crate::registry::{STUDIES, chapters, metrics};
 use crate::{Failure, Outcome, print};
 use std::path::Path;
-use terrafill_filling::{BenchError, BenchOptions};
-use terrafill_report::write_report;
-use terrafill_results::legacy::RunFolder;
-use terrafill_scene::{ImageSize, data_dir_from_env};
+use std::process::Command;
+use std::rc::Rc;
+use terrafill_fill::Devices;
+use terrafill_gpu::shared_gpu;
+use terrafill_results::RunFolder;
+use terrafill_scene::data_dir_from_env;
+use terrafill_study::{Depth, Request, RunOptions, RunOutcome, Study, StudyError};
 
-pub(crate) fn run(arguments: BenchArguments) -> Result<Outcome, Failure> {
-    let options = BenchOptions {
-        techniques: TECHNIQUES,
-        scenes: arguments.scenes,
-        backends: arguments.backend,
-        quick: arguments.quick,
-        out: arguments.out,
-        resume: arguments.resume,
-        data_dir: arguments.data.or_else(data_dir_from_env),
-        frames: arguments.frames,
-        size: ImageSize {
-            width: arguments.size.0,
-            height: arguments.size.1,
-        },
-        shard: arguments.shard,
-        adapter: arguments.adapter,
-        ladder: (!arguments.ladder.is_empty()).then_some(arguments.ladder),
-        matrix: (!arguments.matrix.is_empty()).then_some(arguments.matrix),
-        precision: match (arguments.precision, arguments.no_precision) {
-            (true, _) => Some(true),
-            (_, true) => Some(false),
-            _ => None,
-        },
+/// Processes of a run: fewer than three show no spread.
+const PROCESSES: u32 = 3;
+
+/// Blocks dropped at the start of each process: caches, clock rates and lazily made pipelines settle.
+const WARM_UP: u32 = 2;
+
+pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
+    let depth = match (arguments.quick, arguments.full) {
+        (true, _) => Depth::Quick,
+        (_, true) => Depth::Full,
+        _ => Depth::Main,
     };
-    let outcome = terrafill_filling::run(&options);
-    let outcome = outcome.map_err(|error| match error {
-        BenchError::NoDevice(_) | BenchError::Device { .. } => Failure::no_device(error),
-        _ => Failure::bad_input(error),
-    })?;
-    for (scene, why) in &outcome.skipped_scenes {
-        eprintln!("skipped: {scene}: {why}");
+    let studies = studies(arguments, depth)?;
+    let request = request(arguments, depth);
+    let processes = arguments.processes.unwrap_or(match depth {
+        Depth::Quick => 1,
+        Depth::Main | Depth::Full => PROCESSES,
+    });
+    let options = RunOptions {
+        processes,
+        process: arguments.process,
+        warm_up: WARM_UP,
+        seed: arguments.seed,
+        shard: arguments.shard,
+    };
+    let plan = terrafill_study::plan(&studies, &request, &options).map_err(failure)?;
+    if options.process == 0 {
+        for skipped in &plan.run_plan().skipped {
+            eprintln!("skipped: {}: {}", skipped.what, skipped.reason);
+        }
     }
-    if outcome == Default::default() {
+    if plan.run_plan().cases.is_empty() {
         eprintln!("nothing was measured");
         return Ok(Outcome::NothingMeasured);
     }
+    let devices = Rc::new(Devices::new(arguments.adapter.clone()));
+    let folder = open_folder(arguments, &studies, &request, &options, &plan, &devices)?;
+    let mut progress = Said::new(options.process, processes);
+    let ran = terrafill_study::run(&plan, &folder, &devices, &options, &mut progress);
+    drop(progress);
+    ran.map_err(failure)?;
+    if options.process > 0 {
+        return Ok(Outcome::Done);
+    }
+    drop(devices);
+    for process in 1..processes {
+        run_process(process)?;
+    }
+    let outcome = RunOutcome::of(&arguments.out).map_err(Failure::bad_input)?;
     print(&format!(
         "{} right, {} wrong, {} failed, {} skipped; in sweeps {} wrong on purpose\n",
-        outcome.ok, outcome.wrong, outcome.failed, outcome.skipped, outcome.wrong_in_sweep
+        outcome.ok, outcome.wrong, outcome.failed, outcome.skipped, outcome.wrong_on_purpose
     ));
-    print_report(&options.out)?;
-    Ok(match outcome {
-        _ if outcome.wrong + outcome.failed > 0 => Outcome::Regression,
-        _ if outcome.ok == 0 => Outcome::NothingMeasured,
-        _ => Outcome::Done,
+    print_report(&arguments.out)
+}
+
+/// Studies by name, or those that belong to a run of this depth.
+fn studies(arguments: &BenchArguments, depth: Depth) -> Result<Vec<&'static dyn Study>, Failure> {
+    let mut chosen: Vec<&'static dyn Study> = Vec::new();
+    for name in &arguments.study {
+        let found = STUDIES.iter().find(|study| study.name() == name);
+        let study = found.ok_or_else(|| {
+            let allowed: Vec<&str> = STUDIES.iter().map(|study| study.name()).collect();
+            Failure::bad_input(format!(
+                "--study: found {name:?}, allowed: {}",
+                allowed.join(", ")
+            ))
+        })?;
+        if !chosen.iter().any(|other| other.name() == study.name()) {
+            chosen.push(*study);
+        }
+    }
+    if chosen.is_empty() {
+        // Who names scenes wants them measured, and not what has nothing to do with any.
+        let least = if arguments.scenes.is_empty() {
+            depth
+        } else {
+            depth.min(Depth::Main)
+        };
+        let belongs = STUDIES.iter().filter(|study| study.least_depth() <= least);
+        chosen.extend(belongs);
+    }
+    Ok(chosen)
+}
+
+fn request(arguments: &BenchArguments, depth: Depth) -> Request {
+    let mut request = Request {
+        scenes: arguments.scenes.clone(),
+        techniques: arguments.technique.clone(),
+        depth,
+        samples: arguments.samples,
+        size: [arguments.size.0, arguments.size.1],
+        data_dir: arguments.data.clone().or_else(data_dir_from_env),
+        ..Request::default()
+    };
+    for (key, scenes) in [("ladder", &arguments.ladder), ("matrix", &arguments.matrix)] {
+        if !scenes.is_empty() {
+            request.settings.insert(key.to_owned(), scenes.clone());
+        }
+    }
+    request
+}
+
+/// The run's options as `key=value`: a run is resumed with the same ones only.
+fn describe(studies: &[&dyn Study], request: &Request, options: &RunOptions) -> Vec<String> {
+    let names: Vec<&str> = studies.iter().map(|study| study.name()).collect();
+    let mut lines = vec![
+        format!("studies={}", names.join("+")),
+        format!("depth={:?}", request.depth).to_lowercase(),
+        format!("processes={}", options.processes),
+        format!("seed={}", options.seed),
+        format!("size={}x{}", request.size[0], request.size[1]),
+    ];
+    if let Some(samples) = request.samples {
+        lines.push(format!("samples={samples}"));
+    }
+    for (key, values) in [
+        ("scenes", &request.scenes),
+        ("techniques", &request.techniques),
+    ]
+    .into_iter()
+    .chain(
+        request
+            .settings
+            .iter()
+            .map(|(key, values)| (key.as_str(), values)),
+    ) {
+        if !values.is_empty() {
+            lines.push(format!("{key}={}", values.join("+")));
+        }
+    }
+    if let Some(shard) = options.shard {
+        lines.push(format!("shard={}/{}", shard.index, shard.count));
+    }
+    lines
+}
+
+fn open_folder(
+    arguments: &BenchArguments,
+    studies: &[&dyn Study],
+    request: &Request,
+    options: &RunOptions,
+    plan: &terrafill_study::Plan,
+    devices: &Devices,
+) -> Result<RunFolder, Failure> {
+    // Studies that need none are measured without a device; the others say so themselves.
+    let gpu = shared_gpu(devices).ok();
+    let facts = gpu.as_ref().map(|gpu| &gpu.facts);
+    let described = describe(studies, request, options);
+    let environment = environment(facts, request.size, described);
+    let (path, run_plan) = (&arguments.out, plan.run_plan());
+    if options.process > 0 || arguments.resume {
+        return RunFolder::resume(path, &environment, run_plan).map_err(Failure::bad_input);
+    }
+    RunFolder::create(path, environment, run_plan.clone(), metrics()).map_err(Failure::bad_input)
+}
+
+/// Measures everything once more in a process of its own.
+fn run_process(process: u32) -> Result<(), Failure> {
+    let this = std::env::current_exe().map_err(Failure::bad_input)?;
+    let status = Command::new(this)
+        .args(std::env::args_os().skip(1))
+        .arg(format!("--process={process}"))
+        .status()
+        .map_err(Failure::bad_input)?;
+    if status.success() {
+        return Ok(());
+    }
+    let message = format!("process {process} of the run: {status}");
+    Err(match status.code() {
+        Some(5) => Failure::no_device(message),
+        _ => Failure::bad_input(message),
     })
+}
+
+fn failure(error: StudyError) -> Failure {
+    match error {
+        StudyError::NoDevice(_) | StudyError::Broken { .. } => Failure::no_device(error),
+        _ => Failure::bad_input(error),
+    }
 }
 
 pub(crate) fn growth_sample(arguments: &GrowthSampleArguments) -> Result<Outcome, Failure> {
@@ -65,19 +204,24 @@ pub(crate) fn growth_sample(arguments: &GrowthSampleArguments) -> Result<Outcome
 }
 
 pub(crate) fn report(arguments: &ReportArguments) -> Result<Outcome, Failure> {
-    print_report(&arguments.run)?;
-    Ok(Outcome::Done)
+    print_report(&arguments.run)
 }
 
-fn print_report(run: &Path) -> Result<(), Failure> {
-    let summary = write_report(run).map_err(Failure::bad_input)?;
-    if summary.missing > 0 {
-        let folder = RunFolder::open(run).map_err(Failure::bad_input)?;
-        eprintln!("{} planned cases are missing:", summary.missing);
-        for case in folder.missing().map_err(Failure::bad_input)? {
+pub(crate) fn merge(arguments: &MergeArguments) -> Result<Outcome, Failure> {
+    terrafill_results::merge(&arguments.runs, &arguments.out, metrics())
+        .map_err(Failure::bad_input)?;
+    print_report(&arguments.out)
+}
+
+/// Writes the report, names what is missing, and gives the run's verdict.
+fn print_report(run: &Path) -> Result<Outcome, Failure> {
+    let report = terrafill_report::write(run, &chapters()).map_err(Failure::bad_input)?;
+    if !report.missing.is_empty() {
+        eprintln!("{} planned cases are missing:", report.missing.len());
+        for case in &report.missing {
             eprintln!("  {case}");
         }
     }
-    print(&format!("report: {}\n", summary.path.display()));
-    Ok(())
+    print(&format!("report: {}\n", report.path.display()));
+    Ok(Outcome::from_code(report.verdict.exit_code()))
 }

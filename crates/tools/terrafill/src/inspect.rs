@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! `scenes` and `devices`: what there is.
 
-use crate::arguments::ScenesArguments;
+use crate::arguments::{ScenesArguments, StudiesArguments};
+use crate::registry::STUDIES;
 use crate::{Failure, Outcome, print, registry};
+use terrafill_results::MetricRow;
 use terrafill_scene::{Scene, SceneError, data_dir_from_env, shipped_scene_names};
 
 pub(crate) fn scenes(arguments: &ScenesArguments) -> Result<Outcome, Failure> {
@@ -37,6 +39,34 @@ pub(crate) fn scenes(arguments: &ScenesArguments) -> Result<Outcome, Failure> {
         }
     }
     print(&text);
+    Ok(Outcome::Done)
+}
+
+pub(crate) fn studies(arguments: &StudiesArguments) -> Result<Outcome, Failure> {
+    if arguments.json {
+        let studies: Vec<serde_json::Value> = STUDIES
+            .iter()
+            .map(|study| {
+                let metrics: Vec<MetricRow> = study.metrics().iter().map(MetricRow::from).collect();
+                serde_json::json!({
+                    "name": study.name(),
+                    "question": study.question(),
+                    "metrics": metrics,
+                })
+            })
+            .collect();
+        let text = serde_json::to_string_pretty(&serde_json::json!({ "studies": studies }));
+        print(&(text.map_err(Failure::bad_input)? + "\n"));
+        return Ok(Outcome::Done);
+    }
+    for study in STUDIES {
+        let metrics = study.metrics().len();
+        print(&format!(
+            "{}\n    {}\n    {metrics} metrics\n",
+            study.name(),
+            study.question()
+        ));
+    }
     Ok(Outcome::Done)
 }
 

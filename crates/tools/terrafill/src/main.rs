@@ -8,10 +8,12 @@
 
 mod arguments;
 mod bench;
+mod environment;
 mod inspect;
 mod locate;
 mod mesh;
 mod output;
+mod progress;
 mod regions;
 mod registry;
 mod render;
@@ -27,8 +29,23 @@ pub(crate) enum Outcome {
     Done = 0,
     Regression = 1,
     BadInput = 2,
+    Inconclusive = 3,
     NothingMeasured = 4,
     NoDevice = 5,
+}
+
+impl Outcome {
+    /// The outcome with this exit code.
+    pub(crate) fn from_code(code: u8) -> Self {
+        match code {
+            0 => Self::Done,
+            1 => Self::Regression,
+            3 => Self::Inconclusive,
+            4 => Self::NothingMeasured,
+            5 => Self::NoDevice,
+            _ => Self::BadInput,
+        }
+    }
 }
 
 /// A message for standard error, one problem per line, and the exit code that goes with it.
@@ -62,12 +79,14 @@ fn main() -> ExitCode {
         Err(error) => return usage::answer(&error),
     };
     let result = match arguments.verb {
-        Verb::Bench(arguments) => bench::run(arguments),
+        Verb::Bench(arguments) => bench::run(&arguments),
         Verb::Report(arguments) => bench::report(&arguments),
+        Verb::Merge(arguments) => bench::merge(&arguments),
         Verb::Render(arguments) => render::run(&arguments),
         Verb::Mesh(arguments) => mesh::run(&arguments),
         Verb::Locate(arguments) => locate::run(&arguments),
         Verb::Scenes(arguments) => inspect::scenes(&arguments),
+        Verb::Studies(arguments) => inspect::studies(&arguments),
         Verb::Devices => inspect::devices(),
         Verb::GrowthSample(arguments) => bench::growth_sample(&arguments),
     };

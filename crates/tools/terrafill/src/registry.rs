@@ -1,15 +1,50 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The techniques there are. Adding one takes a crate and a line here.
+//! The techniques, surfaces and studies there are. Adding one takes a crate and a line here.
 
+use crate::arguments::GROWTH_SAMPLE;
+use std::sync::OnceLock;
 use terrafill_compute::ComputeTechnique;
 use terrafill_fill::Technique;
+use terrafill_filling::FillingStudy;
+use terrafill_growth::GrowthStudy;
 use terrafill_native::NativeTechnique;
+use terrafill_precision::PrecisionStudy;
+use terrafill_results::{Chapter, Metric};
+use terrafill_study::Study;
 use terrafill_vertex::VertexTechnique;
 
 /// Every technique, in the order in which they are measured. The first is the one whose pictures the
 /// others' are laid beside.
 pub(crate) static TECHNIQUES: &[&dyn Technique] =
     &[&VertexTechnique, &ComputeTechnique, &NativeTechnique];
+
+/// Every study, in the order in which they are measured and reported.
+pub(crate) static STUDIES: &[&dyn Study] = &[
+    &FillingStudy {
+        techniques: TECHNIQUES,
+    },
+    &PrecisionStudy,
+    &GrowthStudy {
+        verb: Some(GROWTH_SAMPLE),
+    },
+];
+
+/// Chapters of all studies.
+pub(crate) fn chapters() -> Vec<&'static dyn Chapter> {
+    STUDIES.iter().map(|study| study.chapter()).collect()
+}
+
+/// Everything that any study measures.
+pub(crate) fn metrics() -> &'static [Metric] {
+    static METRICS: OnceLock<Vec<Metric>> = OnceLock::new();
+    METRICS.get_or_init(|| {
+        STUDIES
+            .iter()
+            .flat_map(|study| study.metrics())
+            .copied()
+            .collect()
+    })
+}
 
 /// The technique called `name`.
 pub(crate) fn technique(name: &str) -> Option<&'static dyn Technique> {
@@ -35,6 +70,18 @@ mod tests {
     use terrafill_scene::{Overlap, Scene};
 
     const OVERLAPS: [Overlap; 2] = [Overlap::Disjoint, Overlap::Ordered];
+
+    #[test]
+    fn every_metric_is_declared_once_and_has_a_meaning() {
+        let names: BTreeSet<&str> = metrics().iter().map(|metric| metric.name).collect();
+        assert_eq!(names.len(), metrics().len());
+        assert!(metrics().iter().all(|metric| metric.meaning.ends_with('.')));
+        let studies: BTreeSet<&str> = STUDIES.iter().map(|study| study.name()).collect();
+        assert_eq!(studies.len(), STUDIES.len());
+        for study in STUDIES {
+            assert_eq!(study.chapter().study(), study.name());
+        }
+    }
 
     #[test]
     fn names_are_distinct_and_found() {

@@ -4,7 +4,7 @@
 //! usage: cargo run --release --example show -- geojson|mesh INPUT…
 
 use terrafill_core::{RegionMesh, parse_regions};
-use terrafill_core_fuzz::{bytes::Bytes, geojson, mesh, reached::Reached};
+use terrafill_fixtures::fuzz::{bytes::Bytes, geojson, mesh, reached::Reached};
 
 fn main() -> std::io::Result<()> {
     let mut arguments = std::env::args_os().skip(1);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! libFuzzer program; see `src/geojson.rs`.
+//! libFuzzer program; see `terrafill_fixtures::fuzz`.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
 use std::sync::Mutex;
-use terrafill_core_fuzz::{geojson, reached::Reached};
+use terrafill_fixtures::fuzz::{geojson, reached::Reached};
 
 static REACHED: Mutex<Option<Reached>> = Mutex::new(None);
 

@@ -9,7 +9,6 @@ pub use precision::{
     PrecisionGrid, PrecisionKey, PrecisionPart, PrecisionPlan, PrecisionRow, PrecisionTime,
 };
 pub use row::{
-    Baselines, CaseKey, ErrorFigures, GrowthRow, LadderRung, MemoryRow, RunEnvironment, RunPlan,
-    Sample, Summary,
+    Baselines, CaseKey, GrowthRow, LadderRung, MemoryRow, RunEnvironment, RunPlan, Sample, Summary,
 };
 pub use run::{RunError, RunFolder};

@@ -12,6 +12,7 @@ pub(crate) mod sights;
 use std::cell::OnceCell;
 use std::sync::Arc;
 use terrafill_compute::{ComputeBackend, ComputeTechnique, ComputeVariant};
+use terrafill_conformance::ErrorFigures;
 use terrafill_conformance::{compare, verdict};
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh, parse_regions};
 use terrafill_fill::{
@@ -20,7 +21,6 @@ use terrafill_fill::{
 use terrafill_filling::{Techniques, open_scene};
 use terrafill_native::{NativeBackend, NativeTechnique, NativeVariant};
 use terrafill_reference::ReferenceBackend;
-use terrafill_results::legacy::ErrorFigures;
 use terrafill_scene::{
     CameraPose, ImageSize, Overlap, PlanOptions, SurfaceMesh, View, data_dir_from_env,
 };

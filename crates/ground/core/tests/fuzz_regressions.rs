@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What fuzzing found, as small as it could be made.
 
-mod extruded;
-
-use extruded::check_extruded;
 use terrafill_core::{
     EdgeRule, Ellipsoid, Geodetic, InvariantViolation, MeshError, MeshOptions, Region, RegionMesh,
     parse_regions,
 };
+use terrafill_fixtures::check_extruded;
 
 fn region(coordinates: &str) -> Region {
     let text = format!(r#"{{"type":"MultiPolygon","coordinates":{coordinates}}}"#);

@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The fingerprint of the machine and build that a run was made with.
 
-use crate::BenchOptions;
 use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
 use sysinfo::System;
 use terrafill_gpu::DeviceFacts;
-use terrafill_results::legacy::RunEnvironment;
-
-/// Version of the CSV and JSON files' schema.
-const SCHEMA: u32 = 1;
+use terrafill_results::{RunEnvironment, SCHEMA};
 
 /// Facts about this machine, device and build.
-#[must_use]
-pub fn environment(device: &DeviceFacts, options: &BenchOptions) -> RunEnvironment {
+///
+/// - `device`: `None` where there is none; a study that needs none is measured all the same
+/// - `size`: of pictures, pixels
+/// - `options`: the run's, as `key=value`
+pub(crate) fn environment(
+    device: Option<&DeviceFacts>,
+    size: [u32; 2],
+    options: Vec<String>,
+) -> RunEnvironment {
     // Unknown facts stay empty or 0: a report shows them as not known.
     let system = System::new().ok().map(|mut system| {
         system.refresh_memory();
@@ -23,6 +26,7 @@ pub fn environment(device: &DeviceFacts, options: &BenchOptions) -> RunEnvironme
     let cpus = system.as_ref().map_or(&[][..], |system| system.cpus());
     let cpu = cpus.first().map(|cpu| cpu.brand().trim().to_owned());
     let started = SystemTime::now().duration_since(UNIX_EPOCH);
+    let text = |fact: fn(&DeviceFacts) -> &str| device.map_or("", fact).to_owned();
     RunEnvironment {
         schema: SCHEMA,
         commit: commit(),
@@ -35,16 +39,17 @@ pub fn environment(device: &DeviceFacts, options: &BenchOptions) -> RunEnvironme
             System::long_os_version().unwrap_or_default(),
             kernel_release(&System::kernel_version().unwrap_or_default())
         ),
-        gpu: device.name.clone(),
-        device_type: device.device_type.to_owned(),
-        vendor_id: device.vendor_id,
-        device_id: device.device_id,
-        driver: device.driver.clone(),
-        driver_info: device.driver_info.clone(),
-        mesa_version: mesa_version(&device.driver_info),
-        api: "Vulkan through wgpu 30.0.1; backend native through ash 0.38.0".to_owned(),
-        width: options.size.width,
-        height: options.size.height,
+        gpu: text(|device| &device.name),
+        device_type: text(|device| device.device_type),
+        vendor_id: device.map_or(0, |device| device.vendor_id),
+        device_id: device.map_or(0, |device| device.device_id),
+        driver: text(|device| &device.driver),
+        driver_info: text(|device| &device.driver_info),
+        mesa_version: mesa_version(device.map_or("", |device| &device.driver_info)),
+        api: "Vulkan through wgpu 30.0.1; technique native through ash 0.38.0".to_owned(),
+        gpu_timestamps: device.is_some_and(|device| device.features.timestamps),
+        width: size[0],
+        height: size[1],
         shader_hash: format!("{:016x}", terrafill_gpu::shader_source_hash()),
         profile: if cfg!(debug_assertions) {
             "debug"
@@ -52,7 +57,7 @@ pub fn environment(device: &DeviceFacts, options: &BenchOptions) -> RunEnvironme
             "release"
         }
         .to_owned(),
-        options: options.describe(),
+        options,
     }
 }
 

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Triangles over the screen that bring colours: covers of marked pixels, and the lookup of
+//! accumulated numbers. The one place where they are made and bound.
+
+use crate::{
+    Fragments, Gpu, Pipeline, PipelineDescriptor, PipelineState, Topology, VertexFormat,
+    VertexStage, VolumePass,
+};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::sync::Arc;
+use terrafill_fill::{DeviceError, FaceSet, StencilTest};
+
+/// Pipelines on one device, made when first asked for.
+#[derive(Debug, Default)]
+pub(crate) struct Covers {
+    made: HashMap<PipelineState, Pipeline>,
+}
+
+impl Covers {
+    /// Makes a cover's pipeline unless it is there.
+    pub(crate) fn ensure_cover(
+        &mut self,
+        gpu: &Arc<Gpu>,
+        test: StencilTest,
+    ) -> Result<(), DeviceError> {
+        self.ensure(gpu, cover(test), "vertex/cover.wgsl")
+    }
+
+    /// Makes the lookup's pipeline unless it is there.
+    pub(crate) fn ensure_resolve(&mut self, gpu: &Arc<Gpu>) -> Result<(), DeviceError> {
+        self.ensure(gpu, PipelineState::Resolve, "vertex/resolve.wgsl")
+    }
+
+    fn ensure(
+        &mut self,
+        gpu: &Arc<Gpu>,
+        state: PipelineState,
+        path: &'static str,
+    ) -> Result<(), DeviceError> {
+        if let Entry::Vacant(place) = self.made.entry(state) {
+            place.insert(Pipeline::new(gpu, full_screen(path, state))?);
+        }
+        Ok(())
+    }
+
+    /// Covers marked pixels in the colours of `regions`, in this order.
+    pub(crate) fn draw_covers<'a>(
+        &'a self,
+        pass: &mut VolumePass<'a, '_, '_>,
+        test: StencilTest,
+        scissor: bool,
+        regions: &[usize],
+    ) {
+        let Some(pipeline) = self.made.get(&cover(test)) else {
+            return;
+        };
+        for &planned in regions {
+            pass.cut(planned, scissor);
+            pass.draw(pipeline, 3, planned);
+        }
+    }
+
+    /// Looks up the colours of accumulated numbers.
+    pub(crate) fn draw_resolve<'a>(&'a self, pass: &mut VolumePass<'a, '_, '_>) {
+        if let Some(pipeline) = self.made.get(&PipelineState::Resolve) {
+            pass.cut(0, false);
+            pass.draw(pipeline, 3, 0);
+        }
+    }
+}
+
+fn cover(test: StencilTest) -> PipelineState {
+    PipelineState::Colour {
+        test,
+        faces: FaceSet::Both,
+    }
+}
+
+/// The pipeline of one triangle over the screen.
+fn full_screen(path: &'static str, state: PipelineState) -> PipelineDescriptor {
+    PipelineDescriptor {
+        vertex: VertexStage {
+            path,
+            entry_point: "vertex_main",
+        },
+        geometry: None,
+        fragments: Fragments::Shader {
+            path,
+            entry_point: "fragment_main",
+        },
+        format: VertexFormat::Number,
+        topology: Topology::Triangles,
+        state,
+        depth_bounds: false,
+    }
+}

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What a probe frame says about its case, and what of it is written.
+
+use crate::cases::FillCase;
+use terrafill_conformance::{ErrorFigures, TextureErrors};
+use terrafill_core::RegionMesh;
+use terrafill_fill::{Counters, DeviceError, Frame, FrameInput, MemoryUse};
+use terrafill_results::{Status, Verdict};
+
+/// Figures of a probe frame.
+#[derive(Debug, Default)]
+pub(crate) struct Probe {
+    pub(crate) status: Status,
+    pub(crate) reason: String,
+    memory: MemoryUse,
+    counters: Option<Counters>,
+    pub(crate) figures: Option<ErrorFigures>,
+    regions: [u64; 2],
+    left_out: String,
+    boundary_deviation_m: Option<f64>,
+    wall_height_m: Option<f64>,
+    cap_triangles: u64,
+    pub(crate) plan_cpu_ms: Option<f64>,
+    pub(crate) image: String,
+    pub(crate) difference_image: String,
+    pub(crate) reference_image: String,
+    pub(crate) texture_errors: Option<TextureErrors>,
+    /// Largest and mean difference of a colour channel from the reference's picture.
+    pub(crate) colour: Option<(u64, f64)>,
+    /// Pixels on which the reference's own tests disagree, in all and outside the boundary band.
+    pub(crate) disagreements: Option<(u64, u64)>,
+}
+
+impl Probe {
+    pub(crate) fn new(memory: MemoryUse, input: &FrameInput, frame: &Frame) -> Self {
+        let meshes = &input.scene.meshes;
+        Self {
+            memory,
+            counters: frame.counters,
+            regions: [
+                input.plan.regions.len() as u64,
+                input.plan.left_out.len() as u64,
+            ],
+            left_out: input.plan.left_out_summary(meshes),
+            boundary_deviation_m: largest_deviation(meshes),
+            wall_height_m: tallest_wall(input),
+            cap_triangles: cap_triangles(input),
+            ..Self::default()
+        }
+    }
+
+    pub(crate) fn remark(&mut self, remark: &str) {
+        if !self.reason.is_empty() {
+            self.reason.push_str("; ");
+        }
+        self.reason.push_str(remark);
+    }
+
+    /// Right without a reason against it.
+    pub(crate) fn set_status(&mut self, reasons: &[String]) {
+        self.status = if reasons.is_empty() {
+            Status::Ok
+        } else {
+            Status::Wrong
+        };
+        self.reason = reasons.join("; ");
+    }
+
+    /// Where every texel lies at a silhouette nothing speaks against them, and nothing for them: that
+    /// is not a pass.
+    pub(crate) fn let_off_if_all_silhouette(&mut self, is_mask_right: bool) {
+        let Some(errors) = self
+            .texture_errors
+            .filter(|errors| is_all_silhouette(errors))
+        else {
+            return;
+        };
+        if is_mask_right {
+            self.status = Status::Skipped;
+            self.reason = format!(
+                "all {} filled pixels lie at a silhouette: no texel to compare at this size",
+                errors.silhouette_px
+            );
+            self.texture_errors = None;
+        }
+    }
+
+    /// - `texts`: hashes of mask and ids, and the routes of a textured fill
+    pub(crate) fn verdict(
+        self,
+        case: &FillCase,
+        [mask_hash, ids_hash, texture_route]: [String; 3],
+    ) -> Verdict {
+        let figures = self.values(case);
+        let change = case.place.map_or("", |place| place.change).to_owned();
+        Verdict {
+            status: self.status,
+            reason: self.reason,
+            figures,
+            notes: vec![
+                ("left_out", self.left_out),
+                ("texture_route", texture_route),
+                ("mask_hash", mask_hash),
+                ("ids_hash", ids_hash),
+                ("image", self.image),
+                ("difference_image", self.difference_image),
+                ("reference_image", self.reference_image),
+                ("change", change),
+            ],
+        }
+    }
+
+    fn values(&self, case: &FillCase) -> Vec<(&'static str, f64)> {
+        let memory = &self.memory;
+        let is_textured = case.is(crate::cases::Purpose::Texture);
+        let mut counts: Vec<(&'static str, Option<u64>)> = vec![
+            ("geometry_bytes", Some(memory.geometry_bytes())),
+            ("vertex_bytes", Some(memory.vertex_bytes)),
+            ("index_bytes", Some(memory.index_bytes)),
+            ("constant_bytes", Some(memory.constant_bytes)),
+            ("target_bytes", Some(memory.target_bytes)),
+            (
+                "texture_bytes",
+                Some(memory.texture_bytes).filter(|_| is_textured),
+            ),
+            ("buffers", Some(memory.buffers)),
+            ("regions_drawn", Some(self.regions[0])),
+            ("regions_left_out", Some(self.regions[1])),
+            ("cap_triangles", Some(self.cap_triangles)),
+        ];
+        if let Some(counters) = &self.counters {
+            counts.extend([
+                ("upload_bytes", Some(counters.upload_bytes)),
+                ("draws", Some(counters.draws)),
+                ("vertices", Some(counters.vertices)),
+                (
+                    "vertex_shader_invocations",
+                    counters.vertex_shader_invocations,
+                ),
+                (
+                    "geometry_shader_primitives",
+                    counters.geometry_shader_primitives,
+                ),
+                ("clipper_invocations", counters.clipper_invocations),
+                ("clipper_primitives_out", counters.clipper_primitives_out),
+                (
+                    "fragment_shader_invocations",
+                    counters.fragment_shader_invocations,
+                ),
+                ("stencil_fragments", counters.stencil_fragments),
+                ("buffer_creations", Some(counters.buffer_creations)),
+                ("pipeline_creations", Some(counters.pipeline_creations)),
+            ]);
+        }
+        if let Some(figures) = &self.figures {
+            counts.extend([
+                ("filled_px", Some(figures.filled_px)),
+                ("mismatched_px", Some(figures.mismatched_px)),
+                (
+                    "mismatched_px_outside_band",
+                    Some(figures.mismatched_px_outside_band),
+                ),
+                ("foreign_px", figures.foreign_px),
+                ("tiny_regions", Some(figures.tiny_regions)),
+                ("non_finite", Some(figures.non_finite)),
+            ]);
+        }
+        if let Some((all, outside)) = self.disagreements {
+            counts.extend([
+                ("reference_disagreements", Some(all)),
+                ("reference_disagreements_outside_band", Some(outside)),
+            ]);
+        }
+        let errors = self.texture_errors;
+        counts.extend([
+            ("texel_non_finite", errors.map(|errors| errors.non_finite)),
+            ("texel_compared_px", errors.map(|errors| errors.compared_px)),
+            ("colour_max", self.colour.map(|(largest, _)| largest)),
+        ]);
+        // Of no pixel there is no error, which is not 0.
+        let compared = errors.filter(|errors| errors.compared_px > 0);
+        let figures = self.figures.as_ref();
+        let measures = [
+            ("plan_cpu_ms", self.plan_cpu_ms),
+            ("boundary_deviation_m", self.boundary_deviation_m),
+            ("wall_height_m", self.wall_height_m),
+            (
+                "hausdorff_px",
+                figures.and_then(|figures| figures.hausdorff_px),
+            ),
+            (
+                "boundary_moved_px",
+                figures.and_then(|figures| figures.boundary_moved_px),
+            ),
+            ("area_error", figures.and_then(|figures| figures.area_error)),
+            ("texel_rms", compared.map(|errors| worse(errors.rms_texels))),
+            ("texel_max", compared.map(|errors| worse(errors.max_texels))),
+            ("colour_mean", self.colour.map(|(_, mean)| mean)),
+        ];
+        let counts = counts.into_iter();
+        let counts = counts.map(|(name, count)| (name, count.map(|count| count as f64)));
+        counts
+            .chain(measures)
+            .filter_map(|(name, value)| Some((name, value?)))
+            .collect()
+    }
+}
+
+/// What the adapter lacks, and switches that do not go together, are skipped; everything else that
+/// breaks has failed.
+pub(crate) fn failed(error: &DeviceError) -> Verdict {
+    match error {
+        DeviceError::Unsupported { .. } | DeviceError::Switch(_) => {
+            Verdict::skipped(error.to_string())
+        }
+        _ => Verdict::failed(error.to_string()),
+    }
+}
+
+/// Of two axes; a NaN is worse than any number.
+fn worse([u, v]: [f64; 2]) -> f64 {
+    if u.is_nan() || v.is_nan() {
+        return f64::NAN;
+    }
+    u.max(v)
+}
+
+/// From the bottom cap to the top cap of the region drawn where they are farthest apart.
+fn tallest_wall(input: &FrameInput) -> Option<f64> {
+    let regions = input.plan.regions.iter();
+    let walls = regions.map(|region| region.heights.top_m - region.heights.bottom_m);
+    walls.reduce(f64::max)
+}
+
+/// Triangles of one cap of every region drawn.
+fn cap_triangles(input: &FrameInput) -> u64 {
+    let meshes = input.plan.regions.iter().map(|region| region.mesh);
+    meshes
+        .map(|mesh| input.scene.meshes[mesh].triangle_count() as u64)
+        .sum()
+}
+
+fn largest_deviation(meshes: &[RegionMesh]) -> Option<f64> {
+    let deviations = meshes.iter().map(|mesh| mesh.boundary_deviation_m);
+    deviations.reduce(f64::max)
+}
+
+/// Whether every texel of a picture was left out of the comparison because a silhouette is near, as in
+/// a very small image.
+fn is_all_silhouette(errors: &TextureErrors) -> bool {
+    let TextureErrors {
+        compared_px,
+        silhouette_px,
+        missing_px,
+        non_finite,
+        ..
+    } = *errors;
+    (compared_px, missing_px, non_finite) == (0, 0, 0) && silhouette_px > 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texels_that_are_all_at_silhouettes_are_no_verdict() {
+        let all = TextureErrors {
+            silhouette_px: 12,
+            ..TextureErrors::default()
+        };
+        assert!(is_all_silhouette(&all));
+        // Twins: no pixel at all, one without coordinates, one that is not finite, one compared.
+        for other in [
+            TextureErrors::default(),
+            TextureErrors {
+                missing_px: 1,
+                ..all
+            },
+            TextureErrors {
+                non_finite: 1,
+                ..all
+            },
+            TextureErrors {
+                compared_px: 1,
+                ..all
+            },
+        ] {
+            assert!(!is_all_silhouette(&other), "{other:?}");
+        }
+    }
+
+    #[test]
+    fn what_has_no_picture_is_skipped_with_that_reason() {
+        let error = DeviceError::Switch(terrafill_fill::SwitchError {
+            switch: "texture",
+            found: "chosen for a scene without a picture".to_owned(),
+            allowed: "plain".to_owned(),
+        });
+        let verdict = failed(&error);
+        assert_eq!(verdict.status, Status::Skipped);
+        assert!(verdict.reason.contains("without a picture"));
+        // Twin: what breaks has failed.
+        let lost = failed(&DeviceError::DeviceLost("gone".to_owned()));
+        assert_eq!(lost.status, Status::Failed);
+    }
+}

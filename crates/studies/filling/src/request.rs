@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What is wanted of the study: a request's words as it understands them.
+
+use crate::subject::Techniques;
+use std::path::PathBuf;
+use terrafill_fill::Technique;
+use terrafill_scene::ImageSize;
+use terrafill_study::{Depth, Request, StudyError};
+
+/// Stands for no scene at all.
+pub(crate) const NO_SCENE: &str = "none";
+
+/// The scene whose ladder a full run measures unless others are named: it needs no data, and its
+/// coasts are fine enough for vertices to matter.
+const LADDER_SCENE: &str = "planet-134";
+
+/// Scenes of which a full run draws the matrix unless others are named: islands, one region close by,
+/// and neighbours that share borders.
+const MATRIX_SCENES: [&str; 3] = ["planet-134", "california", "countries-110m"];
+
+/// Timed frames of a case in a process.
+const FRAMES: u32 = 8;
+/// The same in a full run, whose intervals are to be narrow.
+const FULL_FRAMES: u32 = 10;
+/// Timed frames of a rung in a process: few, since the first rungs take seconds where the last take
+/// milliseconds.
+const LADDER_FRAMES: u32 = 5;
+
+/// What is wanted.
+#[derive(Debug, Clone)]
+pub(crate) struct Wishes {
+    /// Names of shipped scenes or paths of scene files; empty for all shipped ones.
+    pub(crate) scenes: Vec<String>,
+    /// All there are; the first is the one whose pictures the others' are laid beside.
+    pub(crate) all_techniques: Techniques,
+    pub(crate) techniques: Vec<&'static dyn Technique>,
+    pub(crate) depth: Depth,
+    pub(crate) size: ImageSize,
+    pub(crate) data_dir: Option<PathBuf>,
+    samples: Option<u32>,
+    pub(crate) ladder: Option<Vec<String>>,
+    pub(crate) matrix: Option<Vec<String>>,
+}
+
+impl Wishes {
+    /// # Errors
+    /// [`StudyError::BadInput`] for a technique that there is not.
+    pub(crate) fn new(request: &Request, all: Techniques) -> Result<Self, StudyError> {
+        let mut techniques = Vec::new();
+        for name in &request.techniques {
+            let found = all.iter().find(|technique| technique.name() == name);
+            techniques.push(*found.ok_or_else(|| {
+                let allowed: Vec<&str> = all.iter().map(|technique| technique.name()).collect();
+                StudyError::BadInput(format!(
+                    "technique {name:?}, allowed: {}",
+                    allowed.join(", ")
+                ))
+            })?);
+        }
+        if techniques.is_empty() {
+            techniques = all.to_vec();
+        }
+        let [width, height] = request.size;
+        Ok(Self {
+            scenes: request.scenes.clone(),
+            all_techniques: all,
+            techniques,
+            depth: request.depth,
+            size: ImageSize { width, height },
+            data_dir: request.data_dir.clone(),
+            samples: request.samples,
+            ladder: request.settings.get("ladder").cloned(),
+            matrix: request.settings.get("matrix").cloned(),
+        })
+    }
+
+    /// Whether sweeps are wanted, and all textured fills.
+    pub(crate) fn is_full(&self) -> bool {
+        self.depth == Depth::Full
+    }
+
+    /// Timed frames of a case in a process.
+    pub(crate) fn frames(&self) -> u32 {
+        let default = if self.is_full() { FULL_FRAMES } else { FRAMES };
+        self.samples.unwrap_or(default)
+    }
+
+    /// Timed frames of a rung, or of one of many variants of a textured fill.
+    pub(crate) fn few_frames(&self) -> u32 {
+        self.frames().min(LADDER_FRAMES)
+    }
+
+    /// Whether the ladder of this scene is wanted.
+    pub(crate) fn wants_ladder(&self, scene: &str) -> bool {
+        match &self.ladder {
+            Some(scenes) => scenes.iter().any(|name| name == scene),
+            None => self.is_full() && scene == LADDER_SCENE,
+        }
+    }
+
+    /// Whether the matrix of this scene is wanted.
+    pub(crate) fn wants_matrix(&self, scene: &str) -> bool {
+        match &self.matrix {
+            Some(scenes) => scenes.iter().any(|name| name == scene),
+            None => self.is_full() && MATRIX_SCENES.contains(&scene),
+        }
+    }
+}

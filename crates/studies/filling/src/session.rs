@@ -1,0 +1,618 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! One scene and view being measured: the reference is drawn once, probes are compared with it, and
+//! frames are timed.
+
+use crate::cases::{FillCase, Purpose, ViewGroup};
+use crate::fingerprint::fingerprint;
+use crate::images::{drop_alpha, file_stem, write_rgb};
+use crate::probe::{Probe, failed};
+use crate::rounding::{objection, rounding_px};
+use crate::scenes::{build_meshes, mesh_error};
+use crate::subject::Subject;
+use crate::textured::{ShownPicture, TexturedReferences, write_cut_out};
+use std::cell::OnceCell;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::Arc;
+use terrafill_conformance::{
+    BAND_RADIUS_PX, ErrorFigures, Verdict as Comparison, boundary_band, boundary_movement,
+    checks_nothing, compare_closely, difference_rgb, filled_only, verdict_of_moved, with_movement,
+};
+use terrafill_core::{MeshOptions, RegionMesh};
+use terrafill_fill::{
+    Api, ColourWay, DeviceError, FillBackend, Frame, FrameInput, FrameTimes, MemoryUse,
+    PositionFormat, PreparedScene, RouteChoice, Targets, paint,
+};
+use terrafill_gpu::{Baseline, CpuStopwatch, SharedTargets, shared_targets};
+use terrafill_reference::ReferenceBackend;
+use terrafill_results::{Status, Verdict, median};
+use terrafill_scene::{LeveledMeshes, PlanOptions, SurfaceMesh};
+use terrafill_study::{Context, Session, StudyError};
+
+enum Drawer {
+    Baseline(Baseline),
+    Volumes(Box<dyn FillBackend>, Rc<FrameInput>),
+}
+
+/// Mesh options where they are not the scene's, how frames are planned, and which picture is shown.
+type InputKey = (Option<MeshOptions>, PlanOptions, ShownPicture);
+
+/// An input and the median CPU time of planning it.
+type PlannedInput = (Rc<FrameInput>, Option<f64>);
+
+type Compared = Result<ErrorFigures, String>;
+
+/// Why a row lacks the times of its passes.
+const ALTERNATING: &str =
+    "stencil and colour alternate region by region: no GPU times of their own";
+
+/// Why texels of a fill that only reads depth and samples once are not compared.
+const NOT_MAPPED: &str = "a lower limit: its fragments read their depth and sample the picture \
+                          once, nowhere in particular, so that its texels have no error";
+
+/// The reference's picture of the view.
+struct Reference {
+    frame: Frame,
+    /// With all regions as one.
+    filled: Frame,
+    /// Pixels on which its two inside tests disagree, in all and outside the boundary band.
+    disagreements: (u64, u64),
+    image: String,
+}
+
+/// One scene and view being measured.
+pub(crate) struct ViewSession<'a> {
+    group: &'a ViewGroup,
+    folder: &'a Path,
+    targets: Targets,
+    /// Those of wgpu, which baselines draw on.
+    wgpu: SharedTargets,
+    /// What the scene's mesh options give; other inputs share its surface.
+    input: Rc<FrameInput>,
+    /// Drawn when the first picture is compared: a process that only measures again needs none.
+    reference: OnceCell<Reference>,
+    /// The reference with pictures.
+    textured_references: TexturedReferences,
+    /// Inputs of other mesh or plan options, with how long their plans take.
+    inputs: Vec<(InputKey, PlannedInput)>,
+    leveled: Option<PreparedScene>,
+    /// What the comparison of each picture found: equal pictures get equal figures.
+    compared: BTreeMap<(String, u64, bool), Compared>,
+    /// What each layout allocated, for the cases about memory.
+    allocated: Vec<((&'static str, String), MemoryUse)>,
+    drawers: BTreeMap<usize, Drawer>,
+    /// GPU time of this block's surface pass by interface.
+    surfaces: Vec<(Api, Option<f64>)>,
+}
+
+impl<'a> ViewSession<'a> {
+    pub(crate) fn new(group: &'a ViewGroup, context: Context<'a>) -> Result<Self, StudyError> {
+        let scene = &group.scene;
+        let surface = Arc::new(SurfaceMesh::ellipsoid(&scene.body, scene.surface_rows));
+        let meshes = build_meshes(scene, &scene.mesh)?;
+        let prepared = PreparedScene::new(scene, meshes, surface);
+        let plan = PlanOptions::default();
+        let input = FrameInput::new(&prepared, &group.view, group.size, plan);
+        let targets = Targets::new(context.devices, group.size);
+        let wgpu =
+            shared_targets(&targets).map_err(|error| StudyError::NoDevice(error.to_string()))?;
+        Ok(Self {
+            group,
+            folder: context.folder,
+            targets,
+            wgpu,
+            input: Rc::new(input),
+            reference: OnceCell::new(),
+            textured_references: TexturedReferences::default(),
+            inputs: Vec::new(),
+            leveled: None,
+            compared: BTreeMap::new(),
+            allocated: Vec::new(),
+            drawers: BTreeMap::new(),
+            surfaces: Vec::new(),
+        })
+    }
+
+    fn broken(&self, why: &impl ToString) -> StudyError {
+        StudyError::Broken {
+            place: format!("{}/{}", self.group.scene.name, self.group.view.name),
+            message: why.to_string(),
+        }
+    }
+
+    fn reference(&self) -> Result<&Reference, StudyError> {
+        if let Some(reference) = self.reference.get() {
+            return Ok(reference);
+        }
+        let drawn = ReferenceBackend::new().judge(&self.input);
+        let drawn = drawn.map_err(|error| self.broken(&error))?;
+        let band = boundary_band(&drawn.frame);
+        let disagree = drawn.disagreements.iter().zip(&band);
+        let outside = disagree.filter(|&(&differ, &near)| differ && !near).count() as u64;
+        let name = format!(
+            "{}_{}_reference",
+            self.group.scene.name, self.group.view.name
+        );
+        let image = write_rgb(self.folder, &name, self.group.size, &paint(&drawn.frame))?;
+        Ok(self.reference.get_or_init(|| Reference {
+            disagreements: (drawn.disagreement_px(), outside),
+            filled: filled_only(&drawn.frame),
+            frame: drawn.frame,
+            image,
+        }))
+    }
+
+    fn input_for(&mut self, case: &FillCase) -> Result<PlannedInput, StudyError> {
+        let mesh = case.mesh.as_ref().map(|(mesh, _)| *mesh);
+        let plan = case.subject.plan();
+        let key: InputKey = (mesh, plan, case.shown);
+        if let Some((_, input)) = self.inputs.iter().find(|(known, _)| *known == key) {
+            return Ok(input.clone());
+        }
+        let input = match &mesh {
+            Some(options) => {
+                let meshes = build_meshes(&self.group.scene, options)?;
+                let prepared = self.input.scene.with_meshes(meshes);
+                Rc::new(self.input.remeshed(&prepared, plan))
+            }
+            None if plan == PlanOptions::default() => Rc::clone(&self.input),
+            None if plan.boundary_lod_px.is_some() => {
+                let leveled = self.leveled()?;
+                Rc::new(self.input.remeshed(&leveled, plan))
+            }
+            None => Rc::new(self.input.remeshed(&self.input.scene, plan)),
+        };
+        // Where there is no picture to show, the technique says so.
+        let input = match case.shown {
+            ShownPicture::Scene => input,
+            other => other.input(&input).map_or(input, Rc::new),
+        };
+        let plan_cpu_ms = plan_cpu_ms(&input, plan);
+        let planned = (input, plan_cpu_ms);
+        self.inputs.push((key, planned.clone()));
+        Ok(planned)
+    }
+
+    /// The scene with coarser levels of its boundaries.
+    fn leveled(&mut self) -> Result<PreparedScene, StudyError> {
+        if let Some(scene) = &self.leveled {
+            return Ok(scene.clone());
+        }
+        let scene = &self.group.scene;
+        let meshes = LeveledMeshes::build(scene, &scene.mesh)
+            .map_err(|errors| mesh_error(scene, &errors))?;
+        let surface = Arc::clone(&self.input.scene.surface);
+        let leveled = PreparedScene::leveled(scene, meshes, surface);
+        Ok(self.leveled.insert(leveled).clone())
+    }
+
+    /// Opens a case's backend and draws its probe frame. What goes wrong is the case's verdict.
+    fn draw(
+        &mut self,
+        case: &FillCase,
+        bound_px: impl Fn(PositionFormat, &FrameInput) -> f64,
+    ) -> Result<Result<Drawn, Verdict>, StudyError> {
+        let Subject::Fill(technique, variant) = &case.subject else {
+            return Ok(Err(Verdict::failed("a full-screen pass fills nothing")));
+        };
+        let (input, plan_cpu_ms) = self.input_for(case)?;
+        // A cell of the matrix has to be right; elsewhere its error is the question.
+        let has_to_be_right = case.is(Purpose::Matrix) && !case.is(Purpose::Main);
+        let positions = case.subject.positions().filter(|_| has_to_be_right);
+        let objection = positions.and_then(|format| objection(format, bound_px(format, &input)));
+        if let Some(reason) = objection {
+            return Ok(Err(Verdict::skipped(reason)));
+        }
+        let drawn = technique
+            .open(&self.targets, variant)
+            .and_then(|mut backend| {
+                let memory = backend.prepare(&input)?;
+                let frame = backend.render(&input)?;
+                Ok((backend, memory, frame))
+            });
+        Ok(match drawn {
+            Ok((backend, memory, frame)) => Ok(Drawn {
+                backend,
+                memory,
+                frame,
+                input,
+                plan_cpu_ms,
+            }),
+            Err(error) => Err(failed(&error)),
+        })
+    }
+
+    fn verify_fill(&mut self, index: usize) -> Result<Verdict, StudyError> {
+        let group = self.group;
+        let case = &group.cases[index];
+        let mut drawn = match self.draw(case, rounding_px)? {
+            Ok(drawn) => drawn,
+            Err(verdict) => return Ok(verdict),
+        };
+        let verdict = self.compare(case, &mut drawn)?;
+        let layout = (case.subject.backend(), case.subject.layout());
+        if !self.allocated.iter().any(|(known, _)| *known == layout) {
+            self.allocated.push((layout, drawn.memory));
+        }
+        // Only what is timed is held on to: a matrix has hundreds of backends.
+        if case.frames > 0 {
+            let drawer = Drawer::Volumes(drawn.backend, drawn.input);
+            self.drawers.insert(index, drawer);
+        }
+        Ok(verdict)
+    }
+
+    /// Holds a probe frame against the reference.
+    fn compare(&mut self, case: &FillCase, drawn: &mut Drawn) -> Result<Verdict, StudyError> {
+        self.reference()?;
+        let mut probe = Probe::new(drawn.memory, &drawn.input, &drawn.frame);
+        probe.plan_cpu_ms = drawn.plan_cpu_ms;
+        let (mask_hash, ids_hash) = hashes(&*drawn.backend, &drawn.frame);
+        let texture_route = drawn.backend.note().unwrap_or_default();
+        let moved_px = case.subject.plan().boundary_lod_px.unwrap_or(0.0);
+        let hash = (mask_hash.as_str(), ids_hash.as_str());
+        match self.figures(hash, &drawn.frame, moved_px > 0.0) {
+            Ok(figures) => {
+                let mut reasons = match verdict_of_moved(&figures, moved_px) {
+                    Comparison::Pass => Vec::new(),
+                    Comparison::Fail(reasons) => reasons,
+                };
+                let is_mask_right = reasons.is_empty();
+                probe.figures = Some(figures);
+                if is_mapped(&case.subject) {
+                    let compared = self.textured_references.compare(&drawn.input, &drawn.frame);
+                    probe.texture_errors = compared.0;
+                    reasons.extend(compared.1);
+                }
+                probe.set_status(&reasons);
+                probe.let_off_if_all_silhouette(is_mask_right);
+            }
+            Err(error) => {
+                probe.status = Status::Failed;
+                probe.reason = error;
+            }
+        }
+        if is_textured(&case.subject) && !is_mapped(&case.subject) {
+            probe.remark(NOT_MAPPED);
+        }
+        if case.frames > 0 && one_at_a_time(&case.subject) {
+            probe.remark(ALTERNATING);
+        }
+        let is_plain_main = case.is(Purpose::Main) && !case.variant_name().contains('=');
+        let is_wrong = probe.status == Status::Wrong && !case.is(Purpose::Sweep);
+        if is_plain_main || is_wrong {
+            self.write_pictures(case, drawn, &mut probe)?;
+        }
+        if is_textured(&case.subject) && (is_wrong || shows_chosen(case)) {
+            self.write_textured_pictures(case, drawn, &mut probe)?;
+        }
+        let reference = self.reference()?;
+        probe.disagreements = Some(reference.disagreements);
+        if probe.reference_image.is_empty() {
+            probe.reference_image.clone_from(&reference.image);
+        }
+        if checks_nothing(&reference.frame) {
+            probe.remark("no region boundary in sight: this view checks nothing");
+        }
+        if let Some(note) = &self.group.view.note {
+            probe.remark(note);
+        }
+        Ok(probe.verdict(case, [mask_hash, ids_hash, texture_route]))
+    }
+
+    /// How the frame differs from the reference; a fill in one colour is compared as a mask.
+    ///
+    /// - `hashes`: of its mask and of its ids, the latter empty for a fill in one colour
+    /// - `is_moved`: boundaries are simplified on purpose, and how far they moved is measured
+    fn figures(
+        &mut self,
+        (mask_hash, ids_hash): (&str, &str),
+        frame: &Frame,
+        is_moved: bool,
+    ) -> Compared {
+        let as_mask = ids_hash.is_empty();
+        let hash = if as_mask {
+            format!("mask {mask_hash}")
+        } else {
+            format!("ids {ids_hash}")
+        };
+        let key = (hash, frame.non_finite, is_moved);
+        if let Some(known) = self.compared.get(&key) {
+            return known.clone();
+        }
+        let compared = self.compare_pixels(frame, as_mask, is_moved);
+        self.compared.insert(key, compared.clone());
+        compared
+    }
+
+    fn compare_pixels(&self, frame: &Frame, as_mask: bool, is_moved: bool) -> Compared {
+        let reference = self.reference().map_err(|error| error.to_string())?;
+        // Needed for hardly any picture, so made only then.
+        let look = OnceCell::new();
+        let look = || {
+            let made = || ReferenceBackend::new().look_closely(&self.input).ok();
+            look.get_or_init(made).as_ref()
+        };
+        let as_compared = |id: u32| if as_mask { id.min(1) } else { id };
+        let shows = |pixel: usize, id: u32| {
+            look().is_some_and(|look| {
+                let mut ids = look.ids_within(pixel, BAND_RADIUS_PX).into_iter();
+                ids.any(|shown| as_compared(shown) == id)
+            })
+        };
+        let filled;
+        let (expected, frame) = if as_mask {
+            filled = filled_only(frame);
+            (&reference.filled, &filled)
+        } else {
+            (&reference.frame, frame)
+        };
+        let figures = compare_closely(expected, frame, shows).and_then(|figures| {
+            let Some(look) = is_moved.then(look).flatten() else {
+                return Ok(figures);
+            };
+            let shown_at = |place| as_compared(look.id_at(place));
+            let movement = boundary_movement(expected, frame, shown_at)?;
+            Ok(with_movement(figures, movement))
+        });
+        figures.map_err(|error| error.to_string())
+    }
+
+    fn stem(&self, case: &FillCase) -> String {
+        file_stem(&[
+            &self.group.scene.name,
+            &self.group.view.name,
+            case.subject.backend(),
+            &case.variant_name(),
+        ])
+    }
+
+    fn write_pictures(
+        &self,
+        case: &FillCase,
+        drawn: &mut Drawn,
+        probe: &mut Probe,
+    ) -> Result<(), StudyError> {
+        let (stem, size) = (self.stem(case), self.group.size);
+        if let Ok(picture) = drawn.backend.picture(&drawn.input) {
+            probe.image = write_rgb(self.folder, &stem, size, &drop_alpha(&picture.rgba))?;
+        }
+        if let Ok(rgb) = difference_rgb(&self.reference()?.frame, &drawn.frame) {
+            let name = format!("{stem}_difference");
+            probe.difference_image = write_rgb(self.folder, &name, size, &rgb)?;
+        }
+        Ok(())
+    }
+
+    /// Cut-outs of the reference's picture, the technique's, and their difference ten times.
+    fn write_textured_pictures(
+        &self,
+        case: &FillCase,
+        drawn: &mut Drawn,
+        probe: &mut Probe,
+    ) -> Result<(), StudyError> {
+        let (stem, size) = (self.stem(case), self.group.size);
+        let picture = match drawn.backend.picture(&drawn.input) {
+            Ok(picture) => picture,
+            Err(error) => {
+                probe.remark(&error.to_string());
+                return Ok(());
+            }
+        };
+        let references = &self.textured_references;
+        match references.pictures(&drawn.input, &drawn.frame, &picture) {
+            Ok(pictures) => {
+                let write = |name: &str, rgb: &[u8]| {
+                    write_cut_out(self.folder, name, size, pictures.centre, rgb)
+                };
+                probe.image = write(&format!("{stem}_cut"), &pictures.found)?;
+                probe.difference_image = write(&format!("{stem}_cut_x10"), &pictures.difference)?;
+                let reference = format!("{stem}_cut_reference");
+                probe.reference_image = write(&reference, &pictures.reference)?;
+                probe.colour = pictures.largest.zip(pictures.mean);
+            }
+            Err(why) => probe.remark(&why),
+        }
+        Ok(())
+    }
+
+    fn verify_baseline(&mut self, index: usize) -> Verdict {
+        let Subject::Baseline(kind) = self.group.cases[index].subject else {
+            return Verdict::failed("no full-screen pass");
+        };
+        match Baseline::new(kind, &self.wgpu) {
+            Ok(baseline) => {
+                self.drawers.insert(index, Drawer::Baseline(baseline));
+                Verdict {
+                    status: Status::Ok,
+                    reason: "a full-screen pass: it fills no region, so it has no error".to_owned(),
+                    ..Verdict::default()
+                }
+            }
+            Err(error) => failed(&error),
+        }
+    }
+
+    fn verify_memory(&self, case: &FillCase, regions: usize) -> Verdict {
+        let mut is_drawn = vec![false; self.input.scene.meshes.len()];
+        for planned in &self.input.plan.regions {
+            is_drawn[planned.mesh] = true;
+        }
+        let meshes: &[RegionMesh] = &self.input.scene.meshes;
+        let layout = (case.subject.backend(), case.subject.layout());
+        let allocated = self.allocated.iter().find(|(known, _)| *known == layout);
+        let allocated = allocated.map(|(_, memory)| *memory);
+        let figures = self
+            .group
+            .layout_of(case, meshes, &is_drawn)
+            .figures(regions, allocated);
+        Verdict {
+            status: Status::Ok,
+            reason: match allocated {
+                None => "by formula alone: nothing was drawn in this layout".to_owned(),
+                Some(_) => String::new(),
+            },
+            figures,
+            ..Verdict::default()
+        }
+    }
+}
+
+impl Session for ViewSession<'_> {
+    fn verify(&mut self, index: usize) -> Result<Verdict, StudyError> {
+        let group = self.group;
+        let case = &group.cases[index];
+        match (&case.subject, case.regions) {
+            (_, Some(regions)) => Ok(self.verify_memory(case, regions)),
+            (Subject::Baseline(_), None) => Ok(self.verify_baseline(index)),
+            (Subject::Fill(..), None) => self.verify_fill(index),
+        }
+    }
+
+    fn recheck(
+        &mut self,
+        index: usize,
+        status: Status,
+        notes: &BTreeMap<String, String>,
+    ) -> Result<Verdict, StudyError> {
+        let group = self.group;
+        let case = &group.cases[index];
+        let hash_of = |name: &str| notes.get(name).map_or("", String::as_str);
+        if matches!(case.subject, Subject::Baseline(_)) || hash_of("mask_hash").is_empty() {
+            return self.verify(index);
+        }
+        let drawn = match self.draw(case, rounding_px)? {
+            Ok(drawn) => drawn,
+            Err(verdict) => return Ok(verdict),
+        };
+        let (mask_hash, ids_hash) = hashes(&*drawn.backend, &drawn.frame);
+        if (hash_of("mask_hash"), hash_of("ids_hash")) != (&mask_hash, &ids_hash) {
+            let reason = "its picture is another one than when it was verified";
+            return Ok(Verdict {
+                status: Status::Failed,
+                reason: reason.to_owned(),
+                ..Verdict::default()
+            });
+        }
+        let drawer = Drawer::Volumes(drawn.backend, drawn.input);
+        self.drawers.insert(index, drawer);
+        Ok(Verdict {
+            status,
+            ..Verdict::default()
+        })
+    }
+
+    /// Draws the surface once for each interface: fills leave its depth untouched.
+    fn begin_block(&mut self) -> Result<(), StudyError> {
+        let drawn = {
+            let mut targets = self.wgpu.borrow_mut();
+            let prepared = targets.prepare(&self.input);
+            prepared.and_then(|()| targets.draw_surface())
+        };
+        let gpu_ms = drawn.map_err(|error| self.broken(&error))?;
+        self.surfaces = vec![(terrafill_gpu::API, gpu_ms)];
+        let mut failure = None;
+        for (&index, drawer) in &mut self.drawers {
+            let api = self.group.cases[index].subject.api();
+            let Drawer::Volumes(backend, input) = drawer else {
+                continue;
+            };
+            if self.surfaces.iter().all(|(drawn, _)| *drawn != api) {
+                match backend.draw_surface(input) {
+                    Ok(gpu_ms) => self.surfaces.push((api, gpu_ms)),
+                    Err(error) => failure = Some(error),
+                }
+            }
+        }
+        match failure {
+            Some(error) => Err(self.broken(&error)),
+            None => Ok(()),
+        }
+    }
+
+    fn sample(&mut self, index: usize) -> Result<Vec<(&'static str, f64)>, String> {
+        let api = self.group.cases[index].subject.api();
+        let drawer = self
+            .drawers
+            .get_mut(&index)
+            .ok_or("it was not made ready")?;
+        let times = match drawer {
+            Drawer::Baseline(baseline) => baseline.time_frame(),
+            Drawer::Volumes(backend, input) => backend.time_frame(input),
+        };
+        let times: FrameTimes = times.map_err(|error: DeviceError| error.to_string())?;
+        let surface = self.surfaces.iter().find(|(drawn, _)| *drawn == api);
+        let surface_gpu_ms = surface.and_then(|(_, gpu_ms)| *gpu_ms);
+        let gpu = [
+            ("surface_gpu_ms", times.surface_gpu_ms.or(surface_gpu_ms)),
+            ("stencil_gpu_ms", times.stencil_gpu_ms),
+            ("colour_gpu_ms", times.colour_gpu_ms),
+            ("fill_gpu_ms", times.fill_gpu_ms),
+        ];
+        let gpu = gpu.into_iter().filter_map(|(name, ms)| Some((name, ms?)));
+        let cpu = [
+            ("fill_cpu_ms", times.fill_cpu_ms),
+            ("fill_wall_ms", times.fill_wall_ms),
+        ];
+        Ok(cpu.into_iter().chain(gpu).collect())
+    }
+}
+
+/// A probe frame with what drew it.
+struct Drawn {
+    backend: Box<dyn FillBackend>,
+    memory: MemoryUse,
+    frame: Frame,
+    input: Rc<FrameInput>,
+    plan_cpu_ms: Option<f64>,
+}
+
+/// Hashes of the mask and of the ids; the latter is empty where regions are not told apart.
+fn hashes(backend: &dyn FillBackend, frame: &Frame) -> (String, String) {
+    let mask = fingerprint(frame.ids.iter().map(|&id| id.min(1)));
+    let ids = if backend.tells_regions_apart() {
+        fingerprint(frame.ids.iter().copied())
+    } else {
+        String::new()
+    };
+    (mask, ids)
+}
+
+/// Whether regions are filled with a picture.
+fn is_textured(subject: &Subject) -> bool {
+    subject
+        .switches()
+        .is_some_and(|switches| switches.texture.is_some())
+}
+
+/// Whether what they are filled with has its place on the ground.
+fn is_mapped(subject: &Subject) -> bool {
+    let route = subject.switches().and_then(|switches| switches.texture);
+    route.is_some_and(|route| route != RouteChoice::Floor)
+}
+
+/// Whether the case is a textured fill as it should be used.
+fn shows_chosen(case: &FillCase) -> bool {
+    let route = case
+        .subject
+        .switches()
+        .and_then(|switches| switches.texture);
+    route == Some(RouteChoice::Chosen) && case.shown == ShownPicture::Scene
+}
+
+/// Whether stencil and colour share a pass.
+fn one_at_a_time(subject: &Subject) -> bool {
+    let colour = subject.switches().map(|switches| switches.colour);
+    matches!(colour, Some(ColourWay::Rectangle | ColourWay::Volume))
+}
+
+/// Median over a few plans of the same frame.
+fn plan_cpu_ms(input: &FrameInput, options: PlanOptions) -> Option<f64> {
+    let plans = (0..9).map(|_| {
+        let watch = CpuStopwatch::start();
+        std::hint::black_box(input.remeshed(&input.scene, options));
+        watch.cpu_ms()
+    });
+    median(&plans.collect::<Vec<_>>())
+}

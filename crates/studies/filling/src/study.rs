@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The study: a group for each view of each scene.
+
+use crate::cases::ViewGroup;
+use crate::chapter::FillingChapter;
+use crate::metrics::METRICS;
+use crate::request::Wishes;
+use crate::scenes::plan_scenes;
+use crate::session::ViewSession;
+use crate::subject::Techniques;
+use terrafill_results::{Chapter, Metric, PlannedCase};
+use terrafill_study::{Context, Group, Planned, Request, Session, Study, StudyError};
+
+/// Name of the study.
+pub const STUDY: &str = "filling";
+
+/// Which technique fills regions with which error, at which cost.
+#[derive(Debug, Clone, Copy)]
+pub struct FillingStudy {
+    /// Techniques that it compares, in the order in which they are measured.
+    pub techniques: Techniques,
+}
+
+impl Study for FillingStudy {
+    fn name(&self) -> &'static str {
+        STUDY
+    }
+
+    fn question(&self) -> &'static str {
+        "Which technique fills regions on a surface with which error, time and memory?"
+    }
+
+    fn metrics(&self) -> &'static [Metric] {
+        &METRICS
+    }
+
+    fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
+        let wishes = Wishes::new(request, self.techniques)?;
+        let (groups, skipped) = plan_scenes(&wishes)?;
+        let groups = groups.into_iter();
+        Ok(Planned {
+            groups: groups
+                .map(|group| -> Box<dyn Group> { Box::new(group) })
+                .collect(),
+            skipped,
+        })
+    }
+
+    fn chapter(&self) -> &dyn Chapter {
+        &FillingChapter
+    }
+}
+
+impl Group for ViewGroup {
+    fn name(&self) -> String {
+        format!("{}/{}", self.scene.name, self.view.name)
+    }
+
+    fn cases(&self) -> &[PlannedCase] {
+        &self.planned
+    }
+
+    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
+        Ok(Box::new(ViewSession::new(self, context)?))
+    }
+}

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What a run is doing: a bar on a terminal, elsewhere a line at least every half minute.
+
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::IsTerminal as _;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::Duration;
+use terrafill_study::Progress;
+
+/// Longest silence where there is no terminal: what watches a job takes longer ones for a hang.
+const LONGEST_SILENCE: Duration = Duration::from_secs(25);
+
+/// Says what a run is doing until it is dropped.
+pub(crate) enum Said {
+    Bar(ProgressBar),
+    Lines {
+        steps: Option<Sender<String>>,
+        writer: Option<JoinHandle<()>>,
+    },
+}
+
+impl Said {
+    /// - `process`, `processes`: which of how many, from 0
+    pub(crate) fn new(process: u32, processes: u32) -> Self {
+        let prefix = format!("process {}/{processes}", process + 1);
+        if std::io::stderr().is_terminal() {
+            let bar = ProgressBar::new(0).with_prefix(prefix);
+            let style = "{prefix} {bar:30} {pos}/{len} · {eta} · {msg}";
+            if let Ok(style) = ProgressStyle::with_template(style) {
+                bar.set_style(style);
+            }
+            return Self::Bar(bar);
+        }
+        let (steps, said) = channel();
+        Self::Lines {
+            steps: Some(steps),
+            writer: Some(std::thread::spawn(move || write_lines(&prefix, &said))),
+        }
+    }
+}
+
+/// Writes the newest step whenever a silence has lasted long enough, even within one long step.
+fn write_lines(prefix: &str, said: &Receiver<String>) {
+    let mut newest = "starting".to_owned();
+    loop {
+        let silent_since = std::time::Instant::now();
+        loop {
+            let left = LONGEST_SILENCE.saturating_sub(silent_since.elapsed());
+            match said.recv_timeout(left) {
+                Ok(step) => newest = step,
+                Err(RecvTimeoutError::Timeout) => break,
+                Err(RecvTimeoutError::Disconnected) => return,
+            }
+        }
+        eprintln!("{prefix}, {newest}");
+    }
+}
+
+impl Progress for Said {
+    fn step(&mut self, done: usize, all: usize, what: &str) {
+        match self {
+            Self::Bar(bar) => {
+                bar.set_length(all as u64);
+                bar.set_position(done as u64);
+                bar.set_message(what.to_owned());
+            }
+            Self::Lines { steps, .. } => {
+                if let Some(steps) = steps {
+                    // A writer that has ended has nobody to write to.
+                    drop(steps.send(format!("step {done} of {all}: {what}")));
+                }
+            }
+        }
+    }
+}
+
+impl Drop for Said {
+    fn drop(&mut self) {
+        match self {
+            Self::Bar(bar) => bar.finish_and_clear(),
+            Self::Lines { steps, writer } => {
+                drop(steps.take());
+                if let Some(writer) = writer.take() {
+                    drop(writer.join());
+                }
+            }
+        }
+    }
+}
