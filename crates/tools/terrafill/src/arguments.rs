@@ -70,8 +70,11 @@ pub(crate) struct GrowthSampleArguments {
 #[derive(Debug, Args)]
 pub(crate) struct StudiesArguments {
     /// Print one JSON object instead of a list
-    #[arg(long)]
+    #[arg(long, conflicts_with = "markdown")]
     pub(crate) json: bool,
+    /// Print every metric with its meaning, as GLOSSARY.md has it
+    #[arg(long)]
+    pub(crate) markdown: bool,
 }
 
 #[derive(Debug, Args)]
