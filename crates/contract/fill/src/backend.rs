@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! What an opened backend promises, and how devices fail.
+//! What an opened backend promises.
 
-use crate::{Frame, FrameInput, FrameTimes, MemoryUse};
-use terrafill_scene::ImageSize;
+use crate::{DeviceError, Frame, FrameInput, FrameTimes, MemoryUse, Picture};
 
 /// What a backend runs on and what it can do there.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -15,94 +14,6 @@ pub struct Capabilities {
     pub gpu_timestamps: bool,
     /// Whether vertex and fragment counts come with the counters.
     pub pipeline_statistics: bool,
-}
-
-/// What can go wrong between a frame's input and its picture.
-#[derive(Debug, Clone, thiserror::Error)]
-#[non_exhaustive]
-pub enum DeviceError {
-    /// The adapter lacks something; becomes a *skipped* row with this reason.
-    #[error("{adapter} lacks {capability}")]
-    Unsupported {
-        /// What is missing.
-        capability: String,
-        /// Where it is missing.
-        adapter: String,
-    },
-    /// A buffer or texture could not be had.
-    #[error("out of memory: {what} needs {bytes} bytes")]
-    OutOfMemory {
-        /// Which resource.
-        what: String,
-        /// How large.
-        bytes: u64,
-    },
-    /// The input is larger than the technique can hold; becomes a *failed* row.
-    #[error("{what}: found {found}, allowed {allowed}")]
-    OverCapacity {
-        /// Which quantity.
-        what: String,
-        /// Its value.
-        found: u64,
-        /// The limit.
-        allowed: u64,
-    },
-    /// The device is gone.
-    #[error("the device was lost: {0}")]
-    DeviceLost(String),
-    /// A shader did not compile.
-    #[error("shader {name}: {message}")]
-    Shader {
-        /// File.
-        name: String,
-        /// Compiler's words.
-        message: String,
-    },
-    /// Switches that do not go together, or not with the scene.
-    #[error(transparent)]
-    Switch(#[from] crate::SwitchError),
-    /// [`FillBackend::render`] was called before [`FillBackend::prepare`], or with another input.
-    #[error("{backend} was not prepared for {scene}/{view}")]
-    NotPrepared {
-        /// Which backend.
-        backend: &'static str,
-        /// Scene asked for.
-        scene: String,
-        /// View asked for.
-        view: String,
-    },
-}
-
-impl DeviceError {
-    /// `adapter` lacks `capability`.
-    #[must_use]
-    pub fn unsupported(capability: &str, adapter: &str) -> Self {
-        Self::Unsupported {
-            capability: capability.to_owned(),
-            adapter: adapter.to_owned(),
-        }
-    }
-
-    /// A surface was asked for before there is one.
-    #[must_use]
-    pub fn no_surface() -> Self {
-        Self::NotPrepared {
-            backend: "surface",
-            scene: String::new(),
-            view: String::new(),
-        }
-    }
-}
-
-/// A picture read back.
-#[derive(Debug, Clone)]
-pub struct Picture {
-    /// Size of the others.
-    pub size: ImageSize,
-    /// Four bytes a pixel, row 0 at the top; alpha 0 where nothing was filled.
-    pub rgba: Vec<u8>,
-    /// Reversed depth, 0 where there is no surface.
-    pub depth: Vec<f32>,
 }
 
 /// One variant of a technique, opened on render targets.
