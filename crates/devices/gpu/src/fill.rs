@@ -6,9 +6,9 @@
 //! stays as the surface left it: it is attached read-only throughout. Covers of a textured fill read it
 //! there, and stand in passes that leave the stencil alone as well.
 
+use crate::attachments::{attached, read_only_depth};
 use crate::covers::{Covers, Numbers};
 use crate::statistics::Statistics;
-use crate::targets::{attached, read_only_depth};
 use crate::textured::{BoundCover, CoverPurpose, Probe, Textured};
 use crate::volume_pipeline::check_blendable;
 use crate::{API, Gpu, RenderTargets, SharedTargets, TimedPass, VolumePass};

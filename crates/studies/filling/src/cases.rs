@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which cases a view of a scene gives, and what each is measured for.
 
+use crate::STUDY;
 use crate::memory::{LayoutOfScene, REGION_COUNTS};
 use crate::request::Wishes;
-use crate::study::STUDY;
 use crate::subject::Subject;
 use crate::textured::{ShownPicture, is_picture_scene, textured_variants};
 use std::sync::Arc;

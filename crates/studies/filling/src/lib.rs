@@ -25,9 +25,9 @@ mod study;
 mod subject;
 mod textured;
 
-pub use chapter::FillingChapter;
+pub use chapter::{FillingChapter, STUDY};
 pub use scenes::open_scene;
-pub use study::{FillingStudy, STUDY};
+pub use study::FillingStudy;
 pub use subject::{Surfaces, Techniques};
 
 #[cfg(test)]

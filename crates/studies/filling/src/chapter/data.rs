@@ -6,6 +6,9 @@ use terrafill_results::{
     Case, Cell, Estimate, Heading, Noise, Run, Spread, process_medians, ratio, sample_spread,
 };
 
+/// Name of the study.
+pub const STUDY: &str = "filling";
+
 /// Full-screen pass that reads depth in a shader and writes a constant.
 pub(super) const DEPTH_PASS: &str = "depth-pass";
 /// Full-screen pass that clears the stencil and writes a constant where it passes.
@@ -59,11 +62,7 @@ pub(super) struct View<'a> {
 
 impl<'a> Data<'a> {
     pub(super) fn new(run: &'a Run, metric: &'static str) -> Self {
-        let own = || {
-            run.cases
-                .iter()
-                .filter(|case| case.id().study == super::STUDY)
-        };
+        let own = || run.cases.iter().filter(|case| case.id().study == STUDY);
         let (memory, cases) = own()
             .filter(|case| !case.is_twin())
             .partition(|case| has_role(case, "memory"));
