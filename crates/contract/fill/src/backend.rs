@@ -16,6 +16,16 @@ pub struct Capabilities {
     pub pipeline_statistics: bool,
 }
 
+/// What an update handed to the device.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Uploaded {
+    /// Bytes, those of the view's constants included.
+    pub bytes: u64,
+    /// Meshes whose geometry was uploaded: those that changed, or all of the scene where one of them
+    /// does not fit into its old place.
+    pub regions: Vec<usize>,
+}
+
 /// One variant of a technique, opened on render targets.
 ///
 /// The order is `prepare`, then any number of frames with the same input. A second `prepare`
@@ -39,6 +49,17 @@ pub trait FillBackend {
     /// # Errors
     /// [`DeviceError`] when the adapter cannot hold or run it.
     fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, DeviceError>;
+
+    /// Uploads what differs from the input prepared or updated last, whose meshes those of `input`
+    /// were made from by [`crate::RegionSet::with_changed`]. A region with as many vertices and
+    /// indices as before is rewritten where it lies; otherwise everything is uploaded.
+    ///
+    /// - `changed`: indices into the scene's meshes
+    ///
+    /// # Errors
+    /// As [`FillBackend::prepare`]; [`DeviceError::NotPrepared`] when something else was prepared,
+    /// [`DeviceError::ChangedRegions`] when other regions changed. Both leave what is prepared.
+    fn update(&mut self, input: &FrameInput, changed: &[usize]) -> Result<Uploaded, DeviceError>;
 
     /// Draws the surface, fills every planned region of `input` and reads the picture back; same
     /// bytes out for the same adapter and driver.

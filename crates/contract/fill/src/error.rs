@@ -47,6 +47,14 @@ pub enum DeviceError {
     /// Switches that do not go together, or not with the scene.
     #[error(transparent)]
     Switch(#[from] SwitchError),
+    /// [`crate::FillBackend::update`] was called for other regions than those that changed.
+    #[error("changed regions: found {found:?}, allowed {allowed:?}")]
+    ChangedRegions {
+        /// Regions claimed to have changed.
+        found: Vec<usize>,
+        /// Regions that did.
+        allowed: Vec<usize>,
+    },
     /// [`crate::FillBackend::render`] was called before [`crate::FillBackend::prepare`], or with
     /// another input.
     #[error("{backend} was not prepared for {scene}/{view}")]

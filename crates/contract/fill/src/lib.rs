@@ -39,7 +39,7 @@ pub use adapter::{
     DeviceFacts, DeviceType, SKY, THIS_MACHINE, check_target_size, choose_adapter, count_u32,
     device_for_test,
 };
-pub use backend::{Capabilities, FillBackend};
+pub use backend::{Capabilities, FillBackend, Uploaded};
 pub use batches::{RegionClasses, XOR_NUMBERS, XorBatches, overlap_depth};
 pub use clock::CpuStopwatch;
 pub use constants::{RegionConstants, RegionPlace, ViewConstants};
@@ -50,7 +50,7 @@ pub use fixed_point::{
 };
 pub use frame::{Counters, Frame, FrameTimes, MemoryUse};
 pub use geometry::{GeometryBytes, IndexLists, boundary_edges};
-pub use identity::{RegionSet, ViewId};
+pub use identity::{NoSuchRegion, RegionSet, ViewId};
 pub use input::{FrameInput, PreparedScene};
 pub use ladder::{Climb, LOD_PX, Rung};
 pub use matrix::matrix_row;
