@@ -2,8 +2,9 @@
 //! `scenes` and `devices`: what there is.
 
 use crate::arguments::{ScenesArguments, StudiesArguments};
+use crate::outcome::{Failure, Outcome, print};
+use crate::registry;
 use crate::registry::STUDIES;
-use crate::{Failure, Outcome, print, registry};
 use terrafill_results::MetricRow;
 use terrafill_scene::{Scene, SceneError, data_dir_from_env, shipped_scene_names};
 
