@@ -80,3 +80,112 @@ impl LayoutOfScene<'_> {
         figures.into_iter().map(as_value).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+    use terrafill_compute::ComputeTechnique;
+    use terrafill_core::MeshOptions;
+    use terrafill_fill::Technique as _;
+    use terrafill_gpu::BaselineKind;
+    use terrafill_scene::{Overlap, Scene};
+    use terrafill_vertex::VertexTechnique;
+
+    fn california() -> Vec<RegionMesh> {
+        let scene = Scene::shipped("california", None).expect("it ships");
+        let options = MeshOptions::default();
+        RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &options)
+            .expect("it meshes")
+    }
+
+    fn vertex(layout: &str) -> Subject {
+        let main = VertexTechnique.main(Overlap::Disjoint);
+        Subject::Fill(&VertexTechnique, main.with("layout", layout))
+    }
+
+    type Figures = BTreeMap<&'static str, f64>;
+
+    fn figures(
+        subject: &Subject,
+        meshes: &[RegionMesh],
+        is_drawn: bool,
+        regions: usize,
+        allocated: Option<MemoryUse>,
+    ) -> Figures {
+        let of_scene = LayoutOfScene {
+            subject,
+            meshes,
+            is_drawn: &[is_drawn],
+        };
+        of_scene.figures(regions, allocated).into_iter().collect()
+    }
+
+    fn formula_bytes(figures: &Figures) -> f64 {
+        figures["formula_vertex_bytes"] + figures["formula_index_bytes"]
+    }
+
+    #[track_caller]
+    fn assert_same(left: f64, right: f64) {
+        assert!((left - right).abs() < 0.5, "{left} bytes, {right} bytes");
+    }
+
+    #[test]
+    fn repeated_regions_take_as_many_times_the_bytes() {
+        let meshes = california();
+        for layout in ["doubled", "pulled", "per-triangle"] {
+            let allocated = Some(MemoryUse {
+                vertex_bytes: 7,
+                index_bytes: 5,
+                ..MemoryUse::default()
+            });
+            let of = |regions| figures(&vertex(layout), &meshes, true, regions, allocated);
+            let (one, many) = (of(1), of(5_000));
+            assert_same(one["allocated_vertex_bytes"], 7.0);
+            assert_same(one["allocated_index_bytes"], 5.0);
+            // Twin: nothing was allocated for more regions than the scene has.
+            assert!(!many.contains_key("allocated_vertex_bytes"), "{layout}");
+            assert_same(formula_bytes(&many), 5_000.0 * formula_bytes(&one));
+            let vertices = 5_000.0 * meshes[0].vertex_count() as f64;
+            assert_same(many["mesh_vertices"], vertices);
+            for name in ["smallest", "median", "largest"] {
+                let name = format!("region_bytes_{name}");
+                assert_same(many[name.as_str()], formula_bytes(&one));
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_made_per_frame_is_held_for_drawn_regions_only() {
+        let meshes = california();
+        let bytes = |expansion, is_drawn| {
+            let main = ComputeTechnique.main(Overlap::Disjoint);
+            let subject = Subject::Fill(&ComputeTechnique, main.with("expansion", expansion));
+            formula_bytes(&figures(&subject, &meshes, is_drawn, 1, None))
+        };
+        let drawn = bytes("per-frame", true);
+        assert!(bytes("per-frame", false) < drawn);
+        assert_same(bytes("cached", false), drawn);
+    }
+
+    #[test]
+    fn what_regions_share_is_counted_once() {
+        let meshes = california();
+        let of = |regions| figures(&vertex("separate"), &meshes, true, regions, None);
+        let (one, many) = (of(1), of(5_000));
+        let own = one["region_bytes_median"];
+        let shared = formula_bytes(&one) - own;
+        assert_same(shared, 2.0 * 4.0 * meshes[0].vertex_count() as f64);
+        assert_same(formula_bytes(&many), 5_000.0 * own + shared);
+        // Twin: were the flags stored with each region, there would be more of them.
+        assert!(formula_bytes(&many) < 5_000.0 * formula_bytes(&one));
+    }
+
+    #[test]
+    fn a_full_screen_pass_has_no_geometry() {
+        for kind in BaselineKind::ALL {
+            let pass = Subject::Baseline(kind);
+            assert!(figures(&pass, &california(), true, 1, None).is_empty());
+        }
+    }
+}

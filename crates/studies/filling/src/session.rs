@@ -80,8 +80,9 @@ pub(crate) struct ViewSession<'a> {
     leveled: Option<PreparedScene>,
     /// What the comparison of each picture found: equal pictures get equal figures.
     compared: BTreeMap<(String, u64, bool), Compared>,
-    /// What each layout allocated, for the cases about memory.
-    allocated: Vec<((&'static str, String), MemoryUse)>,
+    /// What each technique's variants allocated, for the cases about memory; `None` for what could
+    /// not be drawn.
+    allocated: BTreeMap<(&'static str, String), Option<MemoryUse>>,
     drawers: BTreeMap<usize, Drawer>,
     /// GPU time of this block's surface pass by interface.
     surfaces: Vec<(Api, Option<f64>)>,
@@ -111,7 +112,7 @@ impl<'a> ViewSession<'a> {
             inputs: Vec::new(),
             leveled: None,
             compared: BTreeMap::new(),
-            allocated: Vec::new(),
+            allocated: BTreeMap::new(),
             drawers: BTreeMap::new(),
             surfaces: Vec::new(),
         })
@@ -214,6 +215,8 @@ impl<'a> ViewSession<'a> {
                 let frame = backend.render(&input)?;
                 Ok((backend, memory, frame))
             });
+        let memory = drawn.as_ref().ok().map(|(_, memory, _)| *memory);
+        self.allocated.insert(allocated_by(case), memory);
         Ok(match drawn {
             Ok((backend, memory, frame)) => Ok(Drawn {
                 backend,
@@ -234,10 +237,6 @@ impl<'a> ViewSession<'a> {
             Err(verdict) => return Ok(verdict),
         };
         let verdict = self.compare(case, &mut drawn)?;
-        let layout = (case.subject.backend(), case.subject.layout());
-        if !self.allocated.iter().any(|(known, _)| *known == layout) {
-            self.allocated.push((layout, drawn.memory));
-        }
         // Only what is timed is held on to: a matrix has hundreds of backends.
         if case.frames > 0 {
             let drawer = Drawer::Volumes(drawn.backend, drawn.input);
@@ -437,20 +436,22 @@ impl<'a> ViewSession<'a> {
         }
     }
 
-    fn verify_memory(&self, case: &FillCase, regions: usize) -> Verdict {
+    fn verify_memory(&mut self, case: &FillCase, regions: usize) -> Result<Verdict, StudyError> {
+        // Drawn already, unless a run that was broken off goes on here.
+        if !self.allocated.contains_key(&allocated_by(case)) {
+            drop(self.draw(case, rounding_px)?);
+        }
+        let allocated = self.allocated.get(&allocated_by(case)).copied().flatten();
         let mut is_drawn = vec![false; self.input.scene.meshes.len()];
         for planned in &self.input.plan.regions {
             is_drawn[planned.mesh] = true;
         }
         let meshes: &[RegionMesh] = &self.input.scene.meshes;
-        let layout = (case.subject.backend(), case.subject.layout());
-        let allocated = self.allocated.iter().find(|(known, _)| *known == layout);
-        let allocated = allocated.map(|(_, memory)| *memory);
         let figures = self
             .group
             .layout_of(case, meshes, &is_drawn)
             .figures(regions, allocated);
-        Verdict {
+        Ok(Verdict {
             status: Status::Ok,
             reason: match allocated {
                 None => "by formula alone: nothing was drawn in this layout".to_owned(),
@@ -458,7 +459,7 @@ impl<'a> ViewSession<'a> {
             },
             figures,
             ..Verdict::default()
-        }
+        })
     }
 }
 
@@ -467,7 +468,7 @@ impl Session for ViewSession<'_> {
         let group = self.group;
         let case = &group.cases[index];
         match (&case.subject, case.regions) {
-            (_, Some(regions)) => Ok(self.verify_memory(case, regions)),
+            (_, Some(regions)) => self.verify_memory(case, regions),
             (Subject::Baseline(_), None) => Ok(self.verify_baseline(index)),
             (Subject::Fill(..), None) => self.verify_fill(index),
         }
@@ -571,6 +572,11 @@ struct Drawn {
     plan_cpu_ms: Option<f64>,
 }
 
+/// What is drawn for bytes: a technique and its variant.
+fn allocated_by(case: &FillCase) -> (&'static str, String) {
+    (case.subject.backend(), case.variant_name())
+}
+
 /// Hashes of the mask and of the ids; the latter is empty where regions are not told apart.
 fn hashes(backend: &dyn FillBackend, frame: &Frame) -> (String, String) {
     let mask = fingerprint(frame.ids.iter().map(|&id| id.min(1)));
@@ -618,4 +624,134 @@ fn plan_cpu_ms(input: &FrameInput, options: PlanOptions) -> Option<f64> {
         watch.cpu_ms()
     });
     median(&plans.collect::<Vec<_>>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cases::view_group;
+    use crate::request::Wishes;
+    use crate::tests::TECHNIQUES;
+    use terrafill_fill::Devices;
+    use terrafill_scene::Scene;
+    use terrafill_study::Request;
+    use terrafill_surface::EllipsoidKind;
+
+    /// The first technique's cases of a view, matrix included.
+    fn group(scene: &str, view: &str, size: u32) -> ViewGroup {
+        let request = Request {
+            techniques: vec!["vertex".to_owned()],
+            samples: Some(1),
+            size: [size, size],
+            settings: BTreeMap::from([("matrix".to_owned(), vec![scene.to_owned()])]),
+            ..Request::default()
+        };
+        let wishes = Wishes::new(&request, TECHNIQUES, &[&EllipsoidKind]).expect("wishes");
+        let scene = Arc::new(Scene::shipped(scene, None).expect("it ships"));
+        let meshes = build_meshes(&scene, &scene.mesh).expect("it meshes");
+        let view = scene.views.iter().find(|known| known.name == view);
+        view_group(&scene, view.expect("a view"), false, &meshes, &wishes)
+    }
+
+    /// Calls `check` with a session of the group; skipped, said aloud, where there is no device.
+    fn with_session(group: &ViewGroup, check: impl FnOnce(&mut ViewSession<'_>)) {
+        if terrafill_gpu::open_for_test(&Default::default()).is_none() {
+            return;
+        }
+        let place = tempfile::tempdir().expect("a folder");
+        std::fs::create_dir(place.path().join("images")).expect("a folder");
+        let devices = Rc::new(Devices::default());
+        let context = Context {
+            devices: &devices,
+            folder: place.path(),
+        };
+        check(&mut ViewSession::new(group, context).expect("a session"));
+    }
+
+    fn figure(verdict: &Verdict, metric: &str) -> Option<f64> {
+        let mut figures = verdict.figures.iter();
+        figures
+            .find(|(name, _)| *name == metric)
+            .map(|(_, value)| *value)
+    }
+
+    #[test]
+    fn coordinates_that_are_shifted_make_the_row_wrong() {
+        let mut group = group("california", "top-down", 96);
+        // In full depth, or in the view that quick runs show textured.
+        let plain = TECHNIQUES[0].main(group.scene.overlap);
+        let (textured, shown) =
+            crate::textured::textured_variants(&plain, true, &group.scene, &group.view, true)
+                .remove(0);
+        group.cases[0].subject = Subject::Fill(TECHNIQUES[0], textured);
+        group.cases[0].shown = shown;
+        group.cases[0].purposes = vec![Purpose::Texture];
+        let case = &group.cases[0];
+        assert!(shows_chosen(case), "{}", case.variant_name());
+        with_session(&group, |session| {
+            let mut compared = |shift_texels: f64| {
+                let drawn = session.draw(case, rounding_px).expect("goes on");
+                let Ok(mut drawn) = drawn else {
+                    panic!("{}: not drawn", case.variant_name());
+                };
+                let texture = drawn.frame.texture.as_mut().expect("textured");
+                let columns = f64::from(texture.texels[0]);
+                for pixel in texture.pixels.iter_mut().flatten() {
+                    pixel.uv[0] += shift_texels / columns;
+                }
+                session.compare(case, &mut drawn).expect("compared")
+            };
+            let right = compared(0.0);
+            assert_eq!((right.status, right.reason.as_str()), (Status::Ok, ""));
+            let wrong = compared(1.0);
+            assert_eq!(wrong.status, Status::Wrong);
+            assert!(
+                wrong.reason.contains("texels, allowed 0.25"),
+                "{}",
+                wrong.reason
+            );
+            let rms = figure(&wrong, "texel_rms").expect("compared");
+            assert!((rms - 1.0).abs() < 0.1, "{rms}");
+        });
+    }
+
+    #[test]
+    fn what_rounds_too_much_to_be_right_is_left_out_of_the_matrix_by_its_bound_alone() {
+        let group = group("square-200km", "edge-1m5", 512);
+        let cell = |name: &str| {
+            let mut cases = group.cases.iter();
+            let place = cases.position(|case| case.variant_name() == name);
+            place.expect("a cell of the matrix")
+        };
+        with_session(&group, |session| {
+            let naive = &group.cases[cell("doubled,positions=ecef-f32")];
+            let found = session.draw(naive, rounding_px).expect("goes on");
+            let skipped = found.err().expect("not drawn");
+            assert_eq!(skipped.status, Status::Skipped);
+            assert!(
+                skipped.reason.starts_with("ecef-f32 rounds by up to ")
+                    && skipped.reason.ends_with(" px here, allowed 0.25"),
+                "{}",
+                skipped.reason
+            );
+            assert!(skipped.figures.is_empty());
+            // Twin: were its bound nothing, it would be drawn, and wrong.
+            let unbounded = session.draw(naive, |_, _| 0.0).expect("goes on");
+            let Ok(mut drawn) = unbounded else {
+                panic!("not drawn");
+            };
+            let found = session.compare(naive, &mut drawn).expect("compared");
+            assert_eq!(found.status, Status::Wrong, "{}", found.reason);
+            assert!(figure(&found, "mismatched_px") > Some(100.0));
+            // What is right by its bound is drawn, and so is everything that is not about positions.
+            for name in [
+                "doubled,positions=two-float",
+                "doubled",
+                "doubled,walls=list",
+            ] {
+                let found = session.verify(cell(name)).expect("verified");
+                assert_eq!(found.status, Status::Ok, "{name}: {}", found.reason);
+            }
+        });
+    }
 }

@@ -176,7 +176,8 @@ impl Errors {
                 .map(|row| PlannedCase {
                     id: row.id(),
                     samples: 0,
-                    may_be_wrong: false,
+                    // Its error is the question: a formula without an answer is a result.
+                    may_be_wrong: true,
                 })
                 .collect(),
             suite: Rc::clone(suite),
