@@ -96,6 +96,11 @@ pub trait Study: Sync {
         Depth::Quick
     }
 
+    /// Whether nothing of it can be measured without a device.
+    fn needs_device(&self) -> bool {
+        true
+    }
+
     /// Its cases.
     ///
     /// # Errors

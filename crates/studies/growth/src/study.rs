@@ -54,6 +54,10 @@ impl Study for GrowthStudy {
         Depth::Full
     }
 
+    fn needs_device(&self) -> bool {
+        false
+    }
+
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let program = match self.verb {
             None => None,

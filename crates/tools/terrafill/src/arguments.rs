@@ -89,7 +89,7 @@ pub(crate) struct BenchArguments {
     /// Every study, variant, ladder, matrix and sweep
     #[arg(long)]
     pub(crate) full: bool,
-    /// Processes to measure in, each a replicate [default: 3, with --quick 1]
+    /// Processes to measure in, each a replicate [default: 3, quick 1]
     #[arg(long, value_parser = parse_processes)]
     pub(crate) processes: Option<u32>,
     /// Which of the processes this is: `bench` starts the others with it
@@ -104,7 +104,7 @@ pub(crate) struct BenchArguments {
     /// Folder with real data [default: $TERRAFILL_DATA]
     #[arg(long)]
     pub(crate) data: Option<PathBuf>,
-    /// Timed samples of a case in each process [default: each study's own]
+    /// Timed samples of a case in each process [default: each study's]
     #[arg(long, alias = "frames", value_parser = parse_samples)]
     pub(crate) samples: Option<u32>,
     /// Image size, WIDTHxHEIGHT or one number for both

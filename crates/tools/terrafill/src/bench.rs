@@ -7,7 +7,7 @@ use crate::outcome::{Failure, Outcome, print};
 use crate::progress::Said;
 use crate::registry::{STUDIES, chapters, metrics};
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::rc::Rc;
 use terrafill_fill::Devices;
 use terrafill_gpu::shared_gpu;
@@ -49,6 +49,9 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     if plan.run_plan().cases.is_empty() {
         eprintln!("nothing was measured");
         return Ok(Outcome::NothingMeasured);
+    }
+    if options.process > 0 {
+        end_with_first_process();
     }
     let devices = Rc::new(Devices::new(arguments.adapter.clone()));
     let folder = open_folder(arguments, &studies, &request, &options, &plan, &devices)?;
@@ -160,8 +163,14 @@ fn open_folder(
     plan: &terrafill_study::Plan,
     devices: &Devices,
 ) -> Result<RunFolder, Failure> {
-    // Studies that need none are measured without a device; the others say so themselves.
-    let gpu = shared_gpu(devices).ok();
+    // Without the device that a study needs, no folder is begun.
+    let gpu = match shared_gpu(devices) {
+        Ok(gpu) => Some(gpu),
+        Err(error) if studies.iter().any(|study| study.needs_device()) => {
+            return Err(Failure::no_device(error));
+        }
+        Err(_) => None,
+    };
     let facts = gpu.as_ref().map(|gpu| &gpu.facts);
     let described = describe(studies, request, options);
     let environment = environment(facts, request.size, described);
@@ -175,11 +184,16 @@ fn open_folder(
 /// Measures everything once more in a process of its own.
 fn run_process(process: u32) -> Result<(), Failure> {
     let this = std::env::current_exe().map_err(Failure::bad_input)?;
-    let status = Command::new(this)
+    let mut child = Command::new(this)
         .args(std::env::args_os().skip(1))
         .arg(format!("--process={process}"))
-        .status()
+        .stdin(Stdio::piped())
+        .spawn()
         .map_err(Failure::bad_input)?;
+    // Held until the child has ended, see `end_with_first_process`; waiting would close it.
+    let pipe = child.stdin.take();
+    let status = child.wait().map_err(Failure::bad_input)?;
+    drop(pipe);
     if status.success() {
         return Ok(());
     }
@@ -188,6 +202,16 @@ fn run_process(process: u32) -> Result<(), Failure> {
         Some(5) => Failure::no_device(message),
         _ => Failure::bad_input(message),
     })
+}
+
+/// Ends this process when the one that started it is killed. It would write on beside the run that
+/// is resumed there.
+fn end_with_first_process() {
+    std::thread::spawn(|| {
+        // Nothing is ever written to the pipe: it ends when its other end is closed.
+        drop(std::io::copy(&mut std::io::stdin(), &mut std::io::sink()));
+        std::process::exit(Outcome::Inconclusive as i32);
+    });
 }
 
 fn failure(error: StudyError) -> Failure {

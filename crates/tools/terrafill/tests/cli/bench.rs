@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! `bench` and `report`: what a run writes, and that a killed one goes on where it was.
+//! `bench`, `report` and `merge`: what a run writes, what it is asked for, and how it ends.
 
-use crate::harness::{Desk, Ran, collection, has_device, polygon, ran, rectangle};
-use std::collections::BTreeSet;
-use std::time::{Duration, Instant};
+use crate::harness::{Desk, collection, has_device, polygon, rectangle};
+use std::collections::{BTreeMap, BTreeSet};
+use terrafill_results::{Case, Outcome, Run};
 
 /// Columns that scripts and the gate rely on, in this order.
 const STABLE_COLUMNS: &str = "scene,view,backend,variant,status,reason,surface_gpu_ms,fill_gpu_ms,\
@@ -11,30 +11,37 @@ const STABLE_COLUMNS: &str = "scene,view,backend,variant,status,reason,surface_g
     upload_bytes,draws,vertices,filled_px,mismatched_px,mismatched_px_outside_band,hausdorff_px,\
     left_out,";
 
-const QUICK: [&str; 7] = [
-    "bench",
-    "--quick",
-    "--size",
-    "64",
-    "california",
-    "--out",
-    "run",
+/// Numbers of regions for which bytes are worked out, of a scene whose own number is among them.
+const REGION_COUNTS: usize = 12;
+
+/// Every file of a run and its report.
+const FILES: [&str; 11] = [
+    "cases.csv",
+    "environment.json",
+    "index.html",
+    "measurements.csv",
+    "metrics.csv",
+    "notes.csv",
+    "plan.json",
+    "result.json",
+    "schema.json",
+    "summary.csv",
+    "summary.md",
 ];
 
-/// Rows of a CSV file of the run.
-fn rows(desk: &Desk, name: &str) -> Vec<Vec<String>> {
-    let text = desk.read_text(name);
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let rows = reader.records().map(|row| {
-        let row = row.expect("a row");
-        row.iter().map(str::to_owned).collect()
-    });
-    rows.collect()
+/// California at a size that takes a moment, into the folder `out`.
+fn quick<'a>(out: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    let options = ["--quick", "--size", "64", "--out", out];
+    [&["bench", "california"][..], &options, more].concat()
 }
 
-/// Scene, view, backend and variant, joined as the program names a case.
-fn case(row: &[String]) -> String {
-    row[..4].join("/")
+fn load(desk: &Desk, name: &str) -> Run {
+    Run::load(&desk.path(name)).expect("a run")
+}
+
+/// Names of a run's cases.
+fn names(run: &Run) -> BTreeSet<String> {
+    run.cases.iter().map(|case| case.id().key()).collect()
 }
 
 #[test]
@@ -43,34 +50,23 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
         return;
     }
     let desk = Desk::new();
-    let text = desk
-        .run(&[&QUICK[..], &["--frames", "2"]].concat())
-        .succeeded();
-    assert!(
-        text.starts_with("23 right, 0 wrong, 0 failed, 0 skipped"),
-        "{text}"
-    );
-    assert!(text.ends_with("report: run/report.html\n"), "{text}");
+    let text = desk.run(&quick("run", &["--samples", "2"])).succeeded();
+    // Nine full-screen passes and fills in each view, two textured ones, bytes of seven layouts.
+    let all = 3 * 9 + 2 + 7 * REGION_COUNTS;
+    let counts = format!("{all} right, 0 wrong, 0 failed, 0 skipped");
+    assert!(text.starts_with(&counts), "{text}");
+    assert!(text.ends_with("report: run/index.html\n"), "{text}");
     assert_eq!(desk.names(), ["run"]);
-    for name in [
-        "samples.csv",
-        "environment.json",
-        "plan.json",
-        "report.html",
-    ] {
+    for name in FILES {
         assert!(!desk.read(&format!("run/{name}")).is_empty(), "{name}");
     }
     let summary = desk.read_text("run/summary.csv");
     assert!(summary.starts_with(STABLE_COLUMNS), "{summary}");
-    let cases: BTreeSet<String> = rows(&desk, "run/summary.csv")
-        .iter()
-        .map(|row| case(row))
-        .collect();
     let mut expected = BTreeSet::new();
     for view in ["globe", "top-down", "horizon"] {
         for technique in [
-            "bound/full-screen",
-            "floor/full-screen",
+            "depth-pass/full-screen",
+            "stencil-pass/full-screen",
             "vertex/doubled",
             "vertex/pulled",
             "compute/per-frame",
@@ -79,25 +75,44 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
             "native/gs-degenerate",
             "native/gs-line",
         ] {
-            expected.insert(format!("california/{view}/{technique}"));
+            expected.insert(format!("filling/california/{view}/{technique}"));
         }
     }
     for route in ["chosen", "atan2-native+bowring-1"] {
         expected.insert(format!(
-            "california/top-down/vertex/doubled,texture={route}"
+            "filling/california/top-down/vertex/doubled,texture={route}"
         ));
     }
-    assert_eq!(cases, expected);
-    assert_eq!(rows(&desk, "run/samples.csv").len(), 2 * expected.len());
-    let html = desk.read_text("run/report.html");
+    let run = load(&desk, "run");
+    let timed = run.cases.iter().filter(|case| case.planned.samples > 0);
+    let drawn: BTreeSet<String> = timed
+        .clone()
+        .filter(|case| !case.is_twin())
+        .map(|case| case.id().key())
+        .collect();
+    assert_eq!(drawn, expected);
+    assert!(timed.clone().any(Case::is_twin), "identical work twice");
+    for case in timed {
+        assert_eq!(case.timed_samples(0).len(), 2, "{}", case.id());
+    }
+    let result: serde_json::Value =
+        serde_json::from_slice(&desk.read("run/result.json")).expect("JSON");
+    assert_eq!(
+        (&result["verdict"], &result["exit_code"]),
+        (&"good".into(), &0.into())
+    );
+    let html = desk.read_text("run/index.html");
     assert!(html.trim_end().ends_with("</html>") && html.contains("california"));
-    // The report again, from the files alone and without a device.
-    std::fs::remove_file(desk.path("run/report.html")).expect("removable");
+    // The report again, from the tables alone and without a device.
+    for name in ["index.html", "summary.csv", "summary.md", "result.json"] {
+        std::fs::remove_file(desk.path(&format!("run/{name}"))).expect("removable");
+    }
     let ran = desk.run_without_device(&["report", "run"]);
-    assert_eq!(ran.succeeded(), "report: run/report.html\n");
-    assert_eq!(desk.read_text("run/report.html"), html);
+    assert_eq!(ran.succeeded(), "report: run/index.html\n");
+    assert_eq!(desk.read_text("run/index.html"), html);
+    assert_eq!(desk.read_text("run/summary.csv"), summary);
     // A run in the same place is not mixed with this one.
-    desk.run(&QUICK)
+    desk.run(&quick("run", &[]))
         .refused(&[&["run holds a run already", "--resume"]]);
 }
 
@@ -113,17 +128,36 @@ fn a_wrong_picture_ends_with_1() {
     ]);
     desk.write_scene("overlap", &overlapping);
     let bench = |out: &str| {
-        let options = ["--quick", "--size", "64", "--frames", "1", "--data", "data"];
+        let options = [
+            "--quick",
+            "--size",
+            "64",
+            "--samples",
+            "1",
+            "--data",
+            "data",
+        ];
         let arguments = [&["bench", "overlap.toml", "--out", out][..], &options].concat();
         desk.run(&arguments)
     };
+    // Two full-screen passes, and the bytes of seven layouts.
+    let other = 2 + 7 * REGION_COUNTS;
     // Disjoint is what the scene says; XOR colouring relies on it.
     let ran = bench("wrong");
     assert_eq!(ran.code, 1, "{}", ran.stdout);
-    assert!(ran.stdout.starts_with("0 right, 7 wrong"), "{}", ran.stdout);
+    assert!(
+        ran.stdout.starts_with(&format!("{other} right, 7 wrong")),
+        "{}",
+        ran.stdout
+    );
     let truth = format!("overlap = \"ordered\"\n{}", desk.read_text("overlap.toml"));
     desk.write("overlap.toml", truth);
-    assert!(bench("right").succeeded().starts_with("7 right, 0 wrong"));
+    let right = bench("right").succeeded();
+    let all = other + 7;
+    assert!(
+        right.starts_with(&format!("{all} right, 0 wrong")),
+        "{right}"
+    );
 }
 
 #[test]
@@ -151,164 +185,161 @@ fn a_folder_without_a_run_has_no_report_and_cannot_be_resumed() {
     desk.write("folder/file", "");
     for folder in ["none", "folder"] {
         desk.run(&["report", folder])
-            .refused(&[&[folder, "plan.json"]]);
+            .refused(&[&[folder, "schema.json"]]);
         assert!(!desk.path("none").exists());
     }
     if has_device() {
-        desk.run(&[&QUICK[..], &["--resume"]].concat())
-            .refused(&[&["run/plan.json"]]);
+        desk.run(&quick("run", &["--resume"]))
+            .refused(&[&["run/schema.json"]]);
         assert_eq!(desk.names(), ["folder"]);
     }
 }
 
-/// Frames of each case in the run that is killed: a few seconds of work on a software driver.
-const FRAMES: u32 = 120;
-/// Cases of the run: three views of two full-screen passes and seven techniques, and two textured fills.
-const CASES: usize = 29;
-
-fn long_run(desk: &Desk, more: &[&str]) -> std::process::Command {
-    let frames = FRAMES.to_string();
-    desk.command(&[&QUICK[..], &["--frames", &frames], more].concat())
-}
-
-/// Starts the run and kills it with SIGKILL once `samples.csv` holds `rows` rows.
-fn kill_after(desk: &Desk, more: &[&str], rows: usize) {
-    let mut child = long_run(desk, more).spawn().expect("the program starts");
-    let started = Instant::now();
-    let lines = || {
-        let text = std::fs::read(desk.path("run/samples.csv")).unwrap_or_default();
-        text.iter().filter(|byte| **byte == b'\n').count()
-    };
-    let mut ended = None;
-    while lines() < rows + 1 && ended.is_none() && started.elapsed() < Duration::from_secs(120) {
-        std::thread::sleep(Duration::from_millis(2));
-        ended = child.try_wait().expect("a child");
-    }
-    // Killed before anything is asserted, so that no failure leaves it running.
-    child.kill().expect("killed");
-    let status = child.wait().expect("a child");
-    assert_eq!(status.code(), None, "ended by itself before it was killed");
-    assert!(lines() > rows, "no rows came");
-}
-
-/// The file's finished lines: what a kill must not take away.
-fn whole_lines(desk: &Desk, name: &str) -> Vec<u8> {
-    let mut bytes = std::fs::read(desk.path(name)).unwrap_or_default();
-    let end = bytes
-        .iter()
-        .rposition(|byte| *byte == b'\n')
-        .map_or(0, |at| at + 1);
-    bytes.truncate(end);
-    bytes
-}
-
-/// `report` on what is left: names the cases without a row in the summary.
-fn check_report(desk: &Desk) -> Ran {
-    let measured: BTreeSet<String> = if desk.path("run/summary.csv").exists() {
-        rows(desk, "run/summary.csv")
-            .iter()
-            .map(|row| case(row))
-            .collect()
-    } else {
-        BTreeSet::new()
-    };
-    let ran = desk.run(&["report", "run"]);
-    assert_eq!(
-        (ran.code, ran.stdout.as_str()),
-        (0, "report: run/report.html\n"),
-        "{}",
-        ran.stderr
-    );
-    let missing = CASES - measured.len();
-    let mut lines = ran.stderr.lines();
-    let heading = format!("{missing} planned cases are missing:");
-    assert_eq!(lines.next(), Some(heading.as_str()));
-    let named: BTreeSet<&str> = lines.map(str::trim).collect();
-    assert_eq!(named.len(), missing);
-    assert!(measured.iter().all(|case| !named.contains(case.as_str())));
-    let html = desk.read_text("run/report.html");
-    assert!(html.trim_end().ends_with("</html>"));
-    ran
+#[test]
+fn a_study_is_named_as_it_is_listed() {
+    let desk = Desk::new();
+    desk.run(&["bench", "--study", "nosuch"])
+        .refused(&[&["--study: found \"nosuch\", allowed: filling, precision, growth"]]);
+    assert_eq!(desk.names(), [""; 0], "nothing was written");
+    // Only the named one is measured, and once however often it is named.
+    let growth = ["bench", "--study", "growth", "--study", "growth"];
+    let options = ["--quick", "--samples", "1", "--out", "run"];
+    let ran = desk.run_without_device(&[&growth[..], &options].concat());
+    assert!(ran.succeeded().starts_with("15 right, 0 wrong"));
+    let run = load(&desk, "run");
+    assert!(run.cases.iter().all(|case| case.id().study == "growth"));
+    assert!(!desk.path("run/summary.csv").exists(), "of filling alone");
 }
 
 #[test]
-fn a_killed_run_is_reported_and_resumed_without_measuring_anything_twice() {
+fn old_names_of_options_still_work() {
     if !has_device() {
         return;
     }
     let desk = Desk::new();
-    // In the first view, before any case is finished.
-    kill_after(&desk, &[], 40);
-    let ran = check_report(&desk);
-    assert!(
-        ran.stderr.contains("  california/horizon/vertex/pulled\n"),
-        "{}",
-        ran.stderr
-    );
-    let first = whole_lines(&desk, "run/samples.csv");
-    // In the second view: the first one is summed up.
-    let view = 9 * FRAMES as usize;
-    kill_after(&desk, &["--resume"], view + 60);
-    let ran = check_report(&desk);
-    assert!(!ran.stderr.contains("california/globe"), "{}", ran.stderr);
-    let samples = whole_lines(&desk, "run/samples.csv");
-    assert!(
-        samples.starts_with(&first),
-        "rows of the first part stay as they were"
-    );
-    let summary = whole_lines(&desk, "run/summary.csv");
-
-    // Nothing but the same run goes on here.
-    let others: [(&[&str], &str); 4] = [
-        (&["--frames", "9"], "frames=9"),
-        (&["--frames", "120", "--size", "65"], "size=65x65"),
-        (
-            &["--frames", "120", "planet-134"],
-            "scenes=california+planet-134",
-        ),
-        (&["--frames", "120", "--shard", "1/2"], "shard=1/2"),
-    ];
-    for (more, phrase) in others {
-        let base: Vec<&str> = QUICK
-            .into_iter()
-            .filter(|word| !more.contains(&"--size") || !["--size", "64"].contains(word))
-            .collect();
-        let arguments = [&base[..], more, &["--resume"]].concat();
-        desk.run(&arguments)
-            .refused(&[&["run holds a run already: cannot resume with", phrase]]);
-        assert_eq!(whole_lines(&desk, "run/samples.csv"), samples, "{phrase}");
+    let plan = |out: &str, options: [&str; 4]| {
+        desk.run(&quick(out, &options)).succeeded();
+        desk.read_text(&format!("{out}/plan.json"))
+    };
+    let old = plan("old", ["--backend", "vertex", "--frames", "1"]);
+    let new = plan("new", ["--technique", "vertex", "--samples", "1"]);
+    assert_eq!(old, new);
+    // Twin: another technique, and another number of samples.
+    for (out, options) in [
+        ("compute", ["--technique", "compute", "--samples", "1"]),
+        ("two", ["--technique", "vertex", "--samples", "2"]),
+    ] {
+        assert_ne!(plan(out, options), new, "{out}");
     }
-
-    let text = ran_to_the_end(&desk);
-    assert!(
-        text.starts_with("23 right, 0 wrong, 0 failed, 0 skipped"),
-        "{text}"
-    );
-    let all = desk.read("run/samples.csv");
-    assert!(
-        all.starts_with(&samples),
-        "rows of both parts stay as they were"
-    );
-    assert!(desk.read("run/summary.csv").starts_with(&summary));
-    let found: Vec<(String, String)> = rows(&desk, "run/samples.csv")
-        .iter()
-        .map(|row| (case(row), row[4].clone()))
-        .collect();
-    let distinct: BTreeSet<&(String, String)> = found.iter().collect();
-    assert_eq!(found.len(), CASES * FRAMES as usize);
-    assert_eq!(distinct.len(), found.len(), "no frame stands twice");
-    assert_eq!(rows(&desk, "run/summary.csv").len(), CASES);
-    // Once more: there is nothing left to do.
-    ran_to_the_end(&desk);
-    assert_eq!(desk.read("run/samples.csv"), all);
-    assert_eq!(
-        desk.run(&["report", "run"]).succeeded(),
-        "report: run/report.html\n"
-    );
 }
 
-fn ran_to_the_end(desk: &Desk) -> String {
-    ran(&mut long_run(desk, &["--resume"])).succeeded()
+const TWO_PROCESSES: [&str; 6] = [
+    "--technique",
+    "vertex",
+    "--samples",
+    "2",
+    "--processes",
+    "2",
+];
+
+#[test]
+fn two_processes_are_two_replicates_and_the_second_rechecks_every_picture() {
+    if !has_device() {
+        return;
+    }
+    let desk = Desk::new();
+    desk.run(&quick("run", &TWO_PROCESSES)).succeeded();
+    let run = load(&desk, "run");
+    let timed = run.cases.iter().filter(|case| case.planned.samples > 0);
+    assert!(timed.clone().count() > 9);
+    for case in timed {
+        assert_eq!(case.replicates("fill_cpu_ms").len(), 2, "{}", case.id());
+        for process in 0..2 {
+            assert_eq!(case.timed_samples(process).len(), 2, "{}", case.id());
+        }
+    }
+    // Figures of the picture are the first process's.
+    let rows = desk.read_text("run/measurements.csv");
+    assert!(rows.contains(",geometry_bytes,0,0,"));
+    assert!(!rows.lines().any(|row| row.contains(",1,0,")), "{rows}");
+
+    // Had the first process seen another picture, the second would notice.
+    let first: Vec<&str> = rows.lines().filter(|row| !of_process(row, "1")).collect();
+    desk.write("run/measurements.csv", first.join("\n") + "\n");
+    let notes = desk.read_text("run/notes.csv");
+    let case = "filling/california/globe/vertex/pulled";
+    let hash = notes
+        .lines()
+        .find_map(|row| row.strip_prefix(&format!("{case},mask_hash,")))
+        .expect("a hash");
+    let changed = notes.replace(
+        &format!("{case},mask_hash,{hash}"),
+        &format!("{case},mask_hash,0000000000000000"),
+    );
+    desk.write("run/notes.csv", changed);
+    let resumed = [&TWO_PROCESSES[..], &["--resume"]].concat();
+    let ran = desk.run(&quick("run", &resumed));
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    let run = load(&desk, "run");
+    let failed: Vec<&Case> = run
+        .cases
+        .iter()
+        .filter(|case| case.outcome == Outcome::Failed && !case.is_twin())
+        .collect();
+    let [failed] = failed[..] else {
+        panic!("{} failed", failed.len());
+    };
+    assert_eq!(failed.id().key(), case);
+    assert!(failed.reason.contains("another one"), "{}", failed.reason);
+}
+
+/// Whether a row of `measurements.csv` is of this process.
+fn of_process(row: &str, process: &str) -> bool {
+    row.rsplit(',').nth(2) == Some(process)
+}
+
+#[test]
+fn shards_together_are_the_whole_run_and_nothing_less_is_merged() {
+    if !has_device() {
+        return;
+    }
+    let desk = Desk::new();
+    let bench = |out: &str, more: &[&str]| {
+        let options = [&["--technique", "vertex", "--samples", "1"][..], more].concat();
+        desk.run(&quick(out, &options)).succeeded();
+    };
+    bench("whole", &[]);
+    bench("one", &["--shard", "1/2"]);
+    bench("two", &["--shard", "2/2"]);
+    let merged = desk
+        .run(&["merge", "two", "one", "--out", "all"])
+        .succeeded();
+    assert_eq!(merged, "report: all/index.html\n");
+    let (whole, all) = (load(&desk, "whole"), load(&desk, "all"));
+    assert_eq!(names(&all), names(&whole));
+    assert_ne!(names(&load(&desk, "one")), names(&whole));
+    let statuses = |run: &Run| -> BTreeMap<String, (Outcome, String)> {
+        let cases = run.cases.iter();
+        let picture = |case: &Case| (case.outcome, case.note("mask_hash").to_owned());
+        cases.map(|case| (case.id().key(), picture(case))).collect()
+    };
+    let equal = statuses(&all) == statuses(&whole);
+    assert!(equal, "other pictures");
+    for name in FILES {
+        assert!(desk.path(&format!("all/{name}")).is_file(), "{name}");
+    }
+    let refused = |parts: &[&str], phrases: &[&str]| {
+        let merge = [&["merge"][..], parts, &["--out", "none"]].concat();
+        desk.run(&merge).refused(&[phrases]);
+        assert!(!desk.path("none").exists(), "{parts:?}");
+    };
+    refused(&["one"], &["shards 2 of 2 are missing"]);
+    refused(
+        &["one", "two", "one"],
+        &["shard 1/2: found in one and in one"],
+    );
+    refused(&["whole", "one"], &["whole: a whole run, allowed: shards"]);
+    refused(&["one", "lost"], &["lost/schema.json"]);
 }
 
 #[test]

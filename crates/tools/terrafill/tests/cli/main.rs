@@ -4,7 +4,9 @@
 
 mod bad_input;
 mod bench;
+mod folders;
 mod harness;
+mod killed;
 mod locate;
 mod mesh;
 mod readme;

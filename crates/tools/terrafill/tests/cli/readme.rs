@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The commands of README.md, run as they stand there.
+//! The commands and the script of README.md, run as they stand there.
 
 use crate::harness::{Desk, has_device, ran};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -31,19 +32,28 @@ fn clone() -> Desk {
     desk
 }
 
-/// Runs a line in a shell that finds the program first in its path. Runs of the bench are cut to a
-/// moment by a small picture, one frame, no numerical suite, and no ladder and matrix where the line
-/// asks for none; all else is as written.
+/// What a bench of the README is cut to a moment by, unless the line says it itself: a small picture,
+/// one sample, one process, one study, no ladder and no matrix.
+const HASTE: [(&str, &str); 6] = [
+    ("--size", "48"),
+    ("--samples", "1"),
+    ("--processes", "1"),
+    ("--study", "filling"),
+    ("--ladder", "none"),
+    ("--matrix", "none"),
+];
+
+/// Runs a line in a shell that finds the program first in its path.
 fn run_line(desk: &Desk, line: &str) -> Result<(), String> {
     let program = Path::new(env!("CARGO_BIN_EXE_terrafill"));
     let folder = program.parent().expect("a folder").display();
     let path = std::env::var("PATH").unwrap_or_default();
-    let is_bench = line.starts_with("terrafill bench");
-    let haste = match is_bench {
-        true if line.contains("--matrix") => " --size 48 --frames 1 --no-precision",
-        true => " --size 48 --frames 1 --ladder none --matrix none --no-precision",
-        false => "",
-    };
+    let mut haste = String::new();
+    for (option, value) in HASTE {
+        if line.starts_with("terrafill bench") && !line.contains(option) {
+            haste += &format!(" {option} {value}");
+        }
+    }
     let ran = ran(Command::new("sh")
         .args(["-c", &format!("{line}{haste}")])
         .current_dir(desk.path(""))
@@ -65,7 +75,7 @@ fn every_command_of_the_readme_runs_as_written() {
     let readme = std::fs::read_to_string(repository().join("README.md")).expect("README.md");
     let commands = commands(&readme);
     for verb in [
-        "scenes", "devices", "bench", "report", "render", "mesh", "locate",
+        "scenes", "studies", "devices", "bench", "report", "render", "mesh", "locate",
     ] {
         let used = commands
             .iter()
@@ -77,8 +87,8 @@ fn every_command_of_the_readme_runs_as_written() {
         assert_eq!(run_line(&desk, command), Ok(()));
     }
     for output in [
-        "out/quick/report.html",
-        "out/full/report.html",
+        "out/quick/index.html",
+        "out/full/index.html",
         "california.png",
     ] {
         assert!(desk.path(output).is_file(), "{output}");
@@ -91,4 +101,116 @@ fn a_command_that_does_not_run_is_noticed() {
     let commands = commands(table);
     assert_eq!(commands, ["terrafill mesh none --json"]);
     assert!(run_line(&clone(), commands[0]).is_err());
+}
+
+/// Fastest correct technique of each scene and view, with its bytes and its error, as README.md has it.
+const FASTEST: &str = r#"import pandas as pd
+cases, rows = pd.read_csv("out/run/cases.csv"), pd.read_csv("out/run/measurements.csv")
+wide = rows.pivot_table(index="case", columns="metric", values="value", aggfunc="median").reset_index()
+right = cases[(cases.status == "ok") & cases.repeats.isna()].merge(wide, on="case").dropna(subset=["fill_cpu_ms", "mismatched_px"])
+print(right.loc[right.groupby(["scene", "view"]).fill_cpu_ms.idxmin(), ["scene", "view", "technique", "variant", "fill_cpu_ms", "geometry_bytes", "mismatched_px"]])
+"#;
+
+type Record = BTreeMap<String, String>;
+
+fn records(desk: &Desk, name: &str) -> Vec<Record> {
+    let text = desk.read_text(name);
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let rows = reader.deserialize().map(|row| row.expect("a row"));
+    rows.collect()
+}
+
+/// The script's answer from the same two tables: scene, view, technique and variant.
+fn fastest(desk: &Desk) -> Vec<[String; 4]> {
+    let mut values: BTreeMap<[String; 2], Vec<f64>> = BTreeMap::new();
+    for row in records(desk, "out/run/measurements.csv") {
+        let value = row["value"].parse().expect("a number");
+        let key = [row["case"].clone(), row["metric"].clone()];
+        values.entry(key).or_default().push(value);
+    }
+    let value = |case: &str, metric: &str| {
+        let all = values.get(&[case.to_owned(), metric.to_owned()])?;
+        terrafill_results::median(all)
+    };
+    let mut best: BTreeMap<[String; 2], (f64, [String; 4])> = BTreeMap::new();
+    for case in records(desk, "out/run/cases.csv") {
+        if case["status"] != "ok" || !case["repeats"].is_empty() {
+            continue;
+        }
+        let figures = ["fill_cpu_ms", "geometry_bytes", "mismatched_px"];
+        let [Some(ms), Some(_), Some(_)] = figures.map(|metric| value(&case["case"], metric))
+        else {
+            continue;
+        };
+        let view = ["scene", "view"].map(|key| case[key].clone());
+        let name = ["scene", "view", "technique", "variant"].map(|key| case[key].clone());
+        if best.get(&view).is_none_or(|(best_ms, _)| ms < *best_ms) {
+            best.insert(view, (ms, name));
+        }
+    }
+    best.into_values().map(|(_, name)| name).collect()
+}
+
+/// Why the script cannot be run here; `None` where it can.
+fn lacks_pandas() -> Option<String> {
+    let import = Command::new("python3")
+        .args(["-c", "import pandas"])
+        .output();
+    match import {
+        Err(error) => Some(format!("python3: {error}")),
+        Ok(output) if !output.status.success() => {
+            let why = String::from_utf8_lossy(&output.stderr);
+            Some(why.lines().last().unwrap_or_default().to_owned())
+        }
+        Ok(_) => None,
+    }
+}
+
+/// Whether a line of the table that the script prints has these words in this order.
+fn has_row(printed: &str, name: &[String; 4]) -> bool {
+    printed.lines().any(|line| {
+        let mut words = line.split_whitespace();
+        name.iter().all(|word| words.any(|found| found == word))
+    })
+}
+
+#[test]
+fn the_readmes_script_finds_the_fastest_correct_technique_of_every_view() {
+    let readme = std::fs::read_to_string(repository().join("README.md")).expect("README.md");
+    let fenced = format!("```python\n{FASTEST}```\n");
+    assert!(readme.contains(&fenced), "README.md has other lines");
+    assert_eq!(FASTEST.lines().count(), 5);
+    if !has_device() {
+        return;
+    }
+    let desk = Desk::new();
+    let bench = ["bench", "california", "--quick", "--size", "64"];
+    let options = ["--samples", "2", "--out", "out/run"];
+    desk.run(&[&bench[..], &options].concat()).succeeded();
+    let fastest = fastest(&desk);
+    let views = fastest.iter().map(|[scene, view, ..]| [scene, view]);
+    let expected = ["globe", "horizon", "top-down"].map(|view| ["california", view]);
+    assert_eq!(views.collect::<Vec<_>>(), expected);
+    if let Some(why) = lacks_pandas() {
+        eprintln!("the script itself is not run: {why}");
+        return;
+    }
+    desk.write("fastest.py", FASTEST);
+    let script = Command::new("python3")
+        .arg("fastest.py")
+        .current_dir(desk.path(""))
+        // On a narrow terminal pandas leaves columns out.
+        .env("COLUMNS", "200")
+        .output();
+    let script = script.expect("python3 starts");
+    let printed = String::from_utf8_lossy(&script.stdout);
+    let complaint = String::from_utf8_lossy(&script.stderr);
+    assert!(script.status.success(), "{complaint}");
+    for name in &fastest {
+        assert!(has_row(&printed, name), "{name:?} is not in {printed}");
+        // Twin: another technique is not found.
+        let mut other = name.clone();
+        other[2] = "metal".to_owned();
+        assert!(!has_row(&printed, &other));
+    }
 }

@@ -35,7 +35,7 @@ fn help_of_every_verb_fits_a_screen_and_shows_an_example() {
     assert_eq!(check_help(&help, "terrafill "), Ok(()));
     let verbs = verbs(&help);
     for verb in [
-        "bench", "report", "render", "mesh", "locate", "scenes", "devices",
+        "bench", "report", "merge", "render", "mesh", "locate", "scenes", "studies", "devices",
     ] {
         assert!(verbs.iter().any(|found| found == verb), "{verb}: {verbs:?}");
     }
@@ -80,7 +80,7 @@ fn exit_codes_are_listed_and_the_version_is_the_packages() {
 #[test]
 fn a_wrong_value_gets_one_line_with_what_is_allowed() {
     let desk = Desk::new();
-    let cases: [(&[&str], &str); 13] = [
+    let cases: [(&[&str], &str); 14] = [
         (
             &["mesh", "f", "--edges", "rhumb"],
             "--edges: found \"rhumb\", allowed: planar, great-ellipse",
@@ -119,7 +119,11 @@ fn a_wrong_value_gets_one_line_with_what_is_allowed() {
         ),
         (
             &["bench", "--frames", "0"],
-            "--frames: found \"0\", allowed: 1 … 100000",
+            "--samples: found \"0\", allowed: 1 … 100000",
+        ),
+        (
+            &["bench", "--processes", "0"],
+            "--processes: found \"0\", allowed: 1 … 1000",
         ),
         (
             &["bench", "--shard", "3/2"],
@@ -127,7 +131,7 @@ fn a_wrong_value_gets_one_line_with_what_is_allowed() {
         ),
         (
             &["bench", "--backend", "metal"],
-            "backend \"metal\", allowed: vertex",
+            "technique \"metal\", allowed: vertex, compute, native",
         ),
         (
             &[
@@ -187,6 +191,37 @@ fn scenes_says_what_there_is_and_what_the_rest_needs() {
     let text = desk.run(&["scenes", "--data", "data"]).succeeded();
     assert!(text.contains("is not there"), "{text}");
     assert!(!text.contains("TERRAFILL_DATA is not set"), "{text}");
+}
+
+#[test]
+fn studies_says_what_each_asks_and_measures() {
+    let desk = Desk::new();
+    let text = desk.run(&["studies"]).succeeded();
+    let json = desk.run(&["studies", "--json"]).succeeded();
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let studies = json["studies"].as_array().expect("a list");
+    let names = studies.iter().map(|study| study["name"].as_str());
+    assert_eq!(
+        names.collect::<Vec<_>>(),
+        ["filling", "precision", "growth"].map(Some)
+    );
+    for study in studies {
+        let word = |key: &str| study[key].as_str().expect("a text");
+        let metrics = study["metrics"].as_array().expect("a list");
+        let lines = format!(
+            "{}\n    {}\n    {} metrics\n",
+            word("name"),
+            word("question"),
+            metrics.len()
+        );
+        assert!(text.contains(&lines), "{lines:?} is not in {text}");
+        assert!(word("question").ends_with('?'));
+        for metric in metrics {
+            for key in ["name", "unit", "kind", "better", "meaning"] {
+                assert!(metric[key].is_string(), "{key}: {metric}");
+            }
+        }
+    }
 }
 
 #[test]

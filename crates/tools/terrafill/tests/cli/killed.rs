@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A run of each study that is killed: the report names what is missing, and the run goes on where it
+//! was.
+
+use crate::harness::{Desk, Ran, has_device, ran};
+use std::collections::BTreeSet;
+use std::process::Command;
+use std::time::{Duration, Instant};
+use terrafill_results::{Outcome, Run};
+
+/// Longest wait for a run's first rows: a debug build on a busy machine takes seconds.
+const MAX_WAIT: Duration = Duration::from_secs(120);
+
+/// Samples of each case: a few seconds of work on a software driver.
+const SAMPLES: &str = "40";
+
+/// A run of `study` that takes long enough to be killed.
+fn bench<'a>(study: &'a str, samples: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    let options = ["--quick", "--samples", samples, "--out", "run"];
+    let scene = ["california", "--size", "64"];
+    let scene = if study == "filling" { &scene[..] } else { &[] };
+    [&["bench", "--study", study][..], scene, &options, more].concat()
+}
+
+fn measured_rows(desk: &Desk) -> usize {
+    let text = std::fs::read(desk.path("run/measurements.csv")).unwrap_or_default();
+    let lines = text.iter().filter(|byte| **byte == b'\n').count();
+    lines.saturating_sub(1)
+}
+
+/// Starts the run and kills it with SIGKILL once so many values are measured.
+fn kill_after(desk: &Desk, command: &mut Command, rows: usize) {
+    kill_when(command, || measured_rows(desk) >= rows);
+}
+
+/// Starts the run and kills it with SIGKILL at a moment.
+fn kill_when(command: &mut Command, is_now: impl Fn() -> bool) {
+    let mut child = command.spawn().expect("the program starts");
+    let started = Instant::now();
+    let mut ended = None;
+    while !is_now() && ended.is_none() && started.elapsed() < MAX_WAIT {
+        std::thread::sleep(Duration::from_millis(2));
+        ended = child.try_wait().expect("a child");
+    }
+    // Killed before anything is asserted, so that no failure leaves it running.
+    child.kill().expect("killed");
+    let status = child.wait().expect("a child");
+    assert_eq!(status.code(), None, "ended by itself before it was killed");
+    assert!(is_now(), "no rows came");
+}
+
+fn load(desk: &Desk) -> Run {
+    Run::load(&desk.path("run")).expect("a run")
+}
+
+/// The file's finished lines: what a kill must not take away.
+fn whole_lines(desk: &Desk, name: &str) -> Vec<u8> {
+    let mut bytes = desk.read(&format!("run/{name}"));
+    let end = bytes.iter().rposition(|byte| *byte == b'\n');
+    bytes.truncate(end.map_or(0, |end| end + 1));
+    bytes
+}
+
+/// `report` on what is left: a page, the names of the missing cases, and exit code 3.
+fn check_report(desk: &Desk) -> Ran {
+    let run = load(desk);
+    let missing: BTreeSet<String> = run
+        .cases
+        .iter()
+        .filter(|case| case.outcome == Outcome::Missing)
+        .map(|case| case.id().key())
+        .collect();
+    assert!(!missing.is_empty());
+    let ran = desk.run(&["report", "run"]);
+    assert_eq!(
+        (ran.code, ran.stdout.as_str()),
+        (3, "report: run/index.html\n"),
+        "{}",
+        ran.stderr
+    );
+    let mut lines = ran.stderr.lines();
+    let heading = lines.next().unwrap_or_default();
+    let count = heading.strip_suffix(" planned cases are missing:");
+    let named: BTreeSet<String> = lines.map(|line| line.trim().to_owned()).collect();
+    assert_eq!(count, Some(named.len().to_string().as_str()));
+    assert!(named.is_subset(&missing), "{named:?}");
+    let twins = missing.difference(&named);
+    for name in twins {
+        assert!(name.ends_with(" (again)"), "{name} is not named");
+    }
+    let html = desk.read_text("run/index.html");
+    assert!(html.trim_end().ends_with("</html>"));
+    ran
+}
+
+/// Resumes to the end and checks that nothing was measured twice.
+fn check_resumed(desk: &Desk, arguments: &[&str]) -> String {
+    let before = whole_lines(desk, "measurements.csv");
+    let text = ran(&mut desk.command(arguments)).succeeded();
+    let after = desk.read_text("run/measurements.csv");
+    assert!(
+        after.as_bytes().starts_with(&before),
+        "rows of the first part stay as they were"
+    );
+    // Figures of a probe are samples numbered 0; a case that was being verified is verified again.
+    let timed: Vec<&str> = after
+        .lines()
+        .filter_map(|row| row.rsplit_once(',').map(|(key, _)| key))
+        .filter(|key| !key.ends_with(",0"))
+        .collect();
+    let distinct: BTreeSet<&&str> = timed.iter().collect();
+    assert_eq!(distinct.len(), timed.len(), "no sample stands twice");
+    let run = load(desk);
+    for case in &run.cases {
+        assert_ne!(case.outcome, Outcome::Missing, "{}", case.id());
+        let taken = case.timed_samples(0).len();
+        assert!(
+            [0, case.planned.samples as usize].contains(&taken),
+            "{}: {taken} samples",
+            case.id()
+        );
+    }
+    // Once more: there is nothing left to do.
+    ran(&mut desk.command(arguments)).succeeded();
+    assert_eq!(desk.read_text("run/measurements.csv"), after);
+    text
+}
+
+#[test]
+fn filling_that_is_killed_is_reported_and_resumed() {
+    if !has_device() {
+        return;
+    }
+    let desk = Desk::new();
+    let run = |more: &[&'static str]| desk.command(&bench("filling", SAMPLES, more));
+    // In the first view, before any case has all its samples.
+    kill_after(&desk, &mut run(&[]), 400);
+    let report = check_report(&desk);
+    let last = "  filling/california/horizon/vertex/pulled\n";
+    assert!(report.stderr.contains(last), "{}", report.stderr);
+    // In the second view: the first one is complete.
+    let rows = |view: &str| {
+        let text = desk.read_text("run/measurements.csv");
+        text.lines().filter(|row| row.contains(view)).count()
+    };
+    let mut more = measured_rows(&desk);
+    while rows("/top-down/") < 400 {
+        more += 400;
+        kill_after(&desk, &mut run(&["--resume"]), more);
+    }
+    let report = check_report(&desk);
+    let first = "california/globe";
+    assert!(!report.stderr.contains(first), "{}", report.stderr);
+
+    // Nothing but the same run goes on here.
+    let before = whole_lines(&desk, "measurements.csv");
+    let others: [(&[&str], &str); 4] = [
+        (&["--seed", "2"], "seed=2"),
+        (&["--processes", "2"], "processes=2"),
+        (&["planet-134"], "scenes=california+planet-134"),
+        (&["--shard", "1/2"], "shard=1/2"),
+    ];
+    for (more, phrase) in others {
+        let arguments = [&bench("filling", SAMPLES, &["--resume"]), more].concat();
+        desk.run(&arguments)
+            .refused(&[&["run holds a run already: cannot resume with", phrase]]);
+        assert_eq!(whole_lines(&desk, "measurements.csv"), before, "{phrase}");
+    }
+    let text = check_resumed(&desk, &bench("filling", SAMPLES, &["--resume"]));
+    assert!(text.starts_with("113 right, 0 wrong"), "{text}");
+    let report = desk.run(&["report", "run"]).succeeded();
+    assert_eq!(report, "report: run/index.html\n");
+}
+
+#[test]
+fn a_run_that_is_killed_in_its_second_process_leaves_nothing_that_goes_on_writing() {
+    if !has_device() {
+        return;
+    }
+    let desk = Desk::new();
+    let options = ["--technique", "vertex", "--processes", "2"];
+    let is_second = || {
+        let text = std::fs::read(desk.path("run/measurements.csv")).unwrap_or_default();
+        let text = String::from_utf8_lossy(&text);
+        let seconds = text.lines().filter(|row| row.contains("_cpu_ms,1,"));
+        seconds.count() > 20
+    };
+    let mut command = desk.command(&bench("filling", SAMPLES, &options));
+    kill_when(&mut command, is_second);
+    // The second process hears of it within a frame.
+    std::thread::sleep(Duration::from_millis(300));
+    let left = measured_rows(&desk);
+    check_report(&desk);
+    std::thread::sleep(Duration::from_millis(300));
+    assert_eq!(measured_rows(&desk), left);
+    let resumed = [&options[..], &["--resume"]].concat();
+    check_resumed(&desk, &bench("filling", SAMPLES, &resumed));
+}
+
+#[test]
+fn precision_that_is_killed_is_reported_and_resumed() {
+    if !has_device() {
+        return;
+    }
+    let desk = Desk::new();
+    // Among the errors, which come after the times.
+    kill_after(
+        &desk,
+        &mut desk.command(&bench("precision", "1", &[])),
+        4_000,
+    );
+    check_report(&desk);
+    check_resumed(&desk, &bench("precision", "1", &["--resume"]));
+}
+
+#[test]
+fn growth_that_is_killed_is_reported_and_resumed() {
+    let desk = Desk::new();
+    // Each of fifteen shapes is verified, and a few are timed.
+    kill_after(&desk, &mut desk.command(&bench("growth", "2", &[])), 18);
+    let report = check_report(&desk);
+    assert!(report.stderr.contains("growth/"), "{}", report.stderr);
+    let text = check_resumed(&desk, &bench("growth", "2", &["--resume"]));
+    assert!(text.starts_with("15 right, 0 wrong"), "{text}");
+}
