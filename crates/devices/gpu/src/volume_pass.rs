@@ -44,13 +44,23 @@ impl<'a> VolumePass<'a> {
 
     /// Draws vertices that the shader makes up, of a planned region.
     pub fn draw(&mut self, vertices: Range<u32>, planned: usize) {
-        self.count(&vertices);
+        self.count(&vertices, 1);
         self.raw.draw(vertices, instance(planned));
+    }
+
+    /// Draws `corners` vertices that the shader makes up for each of `instances`, of a planned region.
+    /// Instance numbers say which instance it is, so vertex numbers say which region: the first one
+    /// is `corners` times its index.
+    pub fn draw_instances(&mut self, corners: u32, instances: Range<u32>, planned: usize) {
+        let first = corners * instance(planned).start;
+        let vertices = first..first + corners;
+        self.count(&vertices, instances.len());
+        self.raw.draw(vertices, instances);
     }
 
     /// Draws indices, each plus `base_vertex`, of a planned region.
     pub fn draw_indexed(&mut self, indices: Range<u32>, base_vertex: i32, planned: usize) {
-        self.count(&indices);
+        self.count(&indices, 1);
         self.raw
             .draw_indexed(indices, base_vertex, instance(planned));
     }
@@ -61,9 +71,9 @@ impl<'a> VolumePass<'a> {
         self.raw.draw_indexed_indirect(arguments, offset);
     }
 
-    fn count(&mut self, vertices: &Range<u32>) {
+    fn count(&mut self, vertices: &Range<u32>, instances: usize) {
         self.counters.draws += 1;
-        self.counters.vertices += u64::from(vertices.end - vertices.start);
+        self.counters.vertices += (vertices.len() * instances) as u64;
     }
 }
 
