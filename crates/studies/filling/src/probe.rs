@@ -69,10 +69,7 @@ impl Probe {
     /// Where every texel lies at a silhouette nothing speaks against them, and nothing for them: that
     /// is not a pass.
     pub(crate) fn let_off_if_all_silhouette(&mut self, is_mask_right: bool) {
-        let Some(errors) = self
-            .texture_errors
-            .filter(|errors| is_all_silhouette(errors))
-        else {
+        let Some(errors) = self.texture_errors.filter(is_all_silhouette) else {
             return;
         };
         if is_mask_right {

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::rc::Rc;
 use terrafill_compute::ComputeTechnique;
-use terrafill_fill::{Devices, Technique as _};
+use terrafill_fill::Devices;
 use terrafill_filling::{FillingStudy, STUDY, Surfaces, Techniques};
 use terrafill_native::{Extrusion, NativeTechnique};
 use terrafill_results::{

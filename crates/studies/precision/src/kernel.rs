@@ -211,7 +211,7 @@ impl Kernels {
 
     /// What the loop alone takes now.
     pub(crate) fn time_empty(&self) -> Result<LoopTime, StudyError> {
-        let empty = self.empty.as_ref().map_err(|why| broken(why))?;
+        let empty = self.empty.as_ref().map_err(broken)?;
         LoopTime::of_empty(empty, TURNS)
     }
 
