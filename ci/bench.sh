@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT OR Apache-2.0
 #
-# From nothing to a report: sets the machine up, builds, measures every scene whose data is here,
-# and says where report.html is. Further arguments go to `terrafill bench`.
+# From nothing to a report: sets the machine up, builds, measures the main question on every scene
+# whose data is here, and says where the report is. --full measures everything, --quick just enough to
+# see that it works. Further arguments go to `terrafill bench`.
 #
-# usage: ci/bench.sh [--quick] [SCENE...] [--backend B...] [--out DIR]
+# usage: ci/bench.sh [--quick|--full] [SCENE...] [--study S...] [--technique T...] [--out DIR]
 set -euo pipefail
 here=$PWD
 cd "$(dirname "$0")/.."
@@ -46,7 +47,7 @@ esac
 status=0
 "$program" bench ${arguments[@]+"${arguments[@]}"} --out "$out" || status=$?
 # With a report, its place was the last thing said.
-if [ ! -e "$out/report.html" ]; then
+if [ ! -e "$out/index.html" ]; then
     echo "bench: no report was written to $out" >&2
     [ "$status" -ne 0 ] || status=1
 fi

@@ -44,11 +44,10 @@ cargo fmt --all --check
 section "lints"
 cargo clippy --workspace --all-targets --locked -- -D warnings
 
-section "dependencies, shaders, goldens"
+section "dependencies, cycles, shaders"
 cargo xtask check-deps
 cargo xtask check-cycles
 cargo xtask check-shaders
-cargo xtask check-goldens
 
 section "tests"
 target=${CARGO_TARGET_DIR:-target}

@@ -1,125 +1,71 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Which crate may depend on which.
+//! Which crate may depend on which, by the folder that it stands in.
 //!
-//! An allow list, not a list of what is forbidden: a crate that nobody thought of is refused until
-//! someone writes down where it stands. Edges of tests count as well, since a backend whose tests
-//! need another backend cannot be taken out.
+//! What is allowed is written down, not what is forbidden: a crate in a folder that nobody thought of
+//! is refused. Edges of tests count as well, since a technique whose tests need another technique
+//! cannot be taken out.
 
 use anyhow::{Context as _, Result, bail};
 use serde::Deserialize;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// What a crate may depend on, in the short names of the folders.
-///
-/// `core ← scene ← fill ← {devices ← techniques, conformance, filling} ← terrafill`; `core ← texture ←
-/// {scene, fill, shaders}`; `{conformance, filling, report} → results`. Techniques never name each
-/// other, nor does a study name them: `terrafill` holds the list. The reference finds texture coordinates by itself. `report` opens no device, so it sees results, and
-/// the kit that plots are drawn with.
-const ALLOWED: &[(&str, &[&str])] = &[
-    ("core", &[]),
+/// Folders of `crates/`, from the bottom up. A crate may need those of the layers that its own layer
+/// names, and none of its own layer unless [`WITHIN`] says so: techniques, surfaces, studies and
+/// devices never name each other. So a new crate needs no line here.
+const LAYERS: &[(&str, &[&str])] = &[
+    ("ground", &[]),
+    ("contract", &["ground"]),
+    ("devices", &["ground", "contract"]),
+    ("techniques", &["ground", "contract", "devices"]),
+    ("surfaces", &["ground", "contract", "devices"]),
+    ("judges", &["ground", "contract"]),
+    ("studies", &["ground", "contract", "devices", "judges"]),
+    (
+        "tools",
+        &[
+            "ground",
+            "contract",
+            "devices",
+            "techniques",
+            "surfaces",
+            "judges",
+            "studies",
+        ],
+    ),
+];
+
+/// What a crate may need within its own layer.
+const WITHIN: &[(&str, &[&str])] = &[
     ("texture", &["core"]),
-    ("scene", &["core", "texture"]),
-    ("surface", &["core", "scene"]),
-    ("fill", &["core", "texture", "scene", "surface"]),
-    ("grid", &["core", "scene", "surface"]),
     ("shaders", &["texture"]),
-    (
-        "gpu",
-        &["core", "texture", "scene", "surface", "fill", "shaders"],
-    ),
-    ("vulkan", &["core", "scene", "surface", "fill", "shaders"]),
-    (
-        "vertex",
-        &["core", "scene", "surface", "fill", "shaders", "gpu"],
-    ),
-    (
-        "compute",
-        &["core", "scene", "surface", "fill", "shaders", "gpu"],
-    ),
-    (
-        "native",
-        &["core", "scene", "surface", "fill", "shaders", "vulkan"],
-    ),
-    ("reference", &["core", "scene", "surface", "fill"]),
-    ("results", &[]),
     ("plot", &["results"]),
-    ("study", &["results"]),
-    (
-        "conformance",
-        &[
-            "core",
-            "texture",
-            "scene",
-            "surface",
-            "fill",
-            "shaders",
-            "gpu",
-            "vulkan",
-            "vertex",
-            "compute",
-            "native",
-            "reference",
-            "results",
-        ],
-    ),
-    (
-        "filling",
-        &[
-            "core",
-            "texture",
-            "scene",
-            "surface",
-            "fill",
-            "shaders",
-            "gpu",
-            "vulkan",
-            "reference",
-            "conformance",
-            "results",
-            "plot",
-        ],
-    ),
-    (
-        "growth",
-        &["core", "scene", "fill", "results", "plot", "study"],
-    ),
-    (
-        "precision",
-        &["core", "texture", "fill", "gpu", "results", "plot", "study"],
-    ),
+    ("surface", &["scene"]),
+    ("fill", &["scene", "surface"]),
+    ("study", &["fill"]),
+    ("terrafill", &["report"]),
+];
+
+/// Crates that may need less than their layer: the reference finds texture coordinates by itself and
+/// shares no meshing, projection or fill with what it verifies; `report` opens no device, so it sees
+/// results and the kit that plots are drawn with.
+const LESS: &[(&str, &[&str])] = &[
+    ("core", &[]),
+    ("results", &[]),
+    ("scene", &["core", "texture"]),
+    ("reference", &["core", "scene", "surface", "fill"]),
     ("report", &["results", "plot"]),
-    (
-        "terrafill",
-        &[
-            "core",
-            "scene",
-            "surface",
-            "grid",
-            "fill",
-            "shaders",
-            "gpu",
-            "vulkan",
-            "vertex",
-            "compute",
-            "native",
-            "reference",
-            "conformance",
-            "results",
-            "study",
-            "filling",
-            "growth",
-            "precision",
-            "report",
-        ],
-    ),
-    ("fixtures", &["core", "scene", "fill"]),
     ("xtask", &["shaders"]),
 ];
 
-/// What the tests of a crate may need beside: those of a study draw with every technique, while the
-/// study itself is handed a list and names none.
-const ALLOWED_IN_TESTS: &[(&str, &[&str])] = &[("filling", &["vertex", "compute", "native"])];
+/// What the tests of a layer may need beside: those of a study draw with every technique on every
+/// surface, while the study itself is handed lists and names none; those of a technique are verified by
+/// the reference.
+const IN_TESTS: &[(&str, &[&str])] = &[
+    ("studies", &["techniques", "surfaces"]),
+    ("techniques", &["judges"]),
+    ("surfaces", &["judges"]),
+];
 
 /// What tests share. Every crate's tests may use it and nothing that ships may.
 const DEV_ONLY: &str = "fixtures";
@@ -145,6 +91,7 @@ struct Metadata {
 #[derive(Deserialize)]
 struct Package {
     name: String,
+    manifest_path: String,
     dependencies: Vec<Dependency>,
 }
 
@@ -155,18 +102,31 @@ struct Dependency {
     path: Option<String>,
 }
 
+/// A crate: its short name and the layer that it stands in.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Crate {
+    name: String,
+    layer: String,
+}
+
+impl Crate {
+    /// - `folder`: of its manifest, such as `…/crates/ground/core`
+    fn new(name: &str, folder: &Path) -> Self {
+        let layer = folder.parent().and_then(Path::file_name);
+        Self {
+            name: name.strip_prefix("terrafill-").unwrap_or(name).to_owned(),
+            layer: layer.map_or_else(String::new, |layer| layer.to_string_lossy().into_owned()),
+        }
+    }
+}
+
 /// One crate of the workspace needs another.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Edge {
-    from: String,
-    to: String,
+    from: Crate,
+    to: Crate,
     /// `dev` or `build`; `None` for an ordinary one.
     kind: Option<String>,
-}
-
-/// `terrafill-core` → `core`; `terrafill` and `xtask` stay.
-fn short(name: &str) -> String {
-    name.strip_prefix("terrafill-").unwrap_or(name).to_owned()
 }
 
 /// Edges between crates of the workspace, sorted.
@@ -174,28 +134,62 @@ pub(crate) fn edges(metadata: &str) -> Result<Vec<Edge>> {
     let metadata: Metadata = serde_json::from_str(metadata).context("cargo metadata")?;
     let mut edges = BTreeSet::new();
     for package in &metadata.packages {
-        let inside = package.dependencies.iter().filter(|d| d.path.is_some());
-        edges.extend(inside.map(|dependency| Edge {
-            from: short(&package.name),
-            to: short(&dependency.name),
-            kind: dependency.kind.clone(),
-        }));
+        let manifest = Path::new(&package.manifest_path);
+        let from = Crate::new(&package.name, manifest.parent().unwrap_or(manifest));
+        for dependency in &package.dependencies {
+            if let Some(path) = &dependency.path {
+                edges.insert(Edge {
+                    from: from.clone(),
+                    to: Crate::new(&dependency.name, Path::new(path)),
+                    kind: dependency.kind.clone(),
+                });
+            }
+        }
     }
     Ok(edges.into_iter().collect())
 }
 
-/// One line per crate, for the golden: whoever adds an edge sees it in the review.
-pub(crate) fn listing(edges: &[Edge]) -> String {
-    edges
-        .iter()
-        .map(|edge| {
-            let kind = edge
-                .kind
-                .as_ref()
-                .map_or(String::new(), |k| format!(" ({k})"));
-            format!("{} -> {}{kind}\n", edge.from, edge.to)
-        })
-        .collect()
+/// What `name` has in a list; nothing where it has no line.
+fn listed<'a>(list: &[(&str, &'a [&'a str])], name: &str) -> Option<&'a [&'a str]> {
+    let mut lines = list.iter();
+    lines.find(|(of, _)| *of == name).map(|(_, names)| *names)
+}
+
+/// Why an edge is not allowed.
+fn objection(Edge { from, to, kind }: &Edge) -> Option<String> {
+    let is_dev = kind.as_deref() == Some("dev");
+    let has = |names: Option<&[&str]>, name: &str| names.is_some_and(|names| names.contains(&name));
+    if to.name == DEV_ONLY {
+        return (!is_dev).then(|| "allowed: as a dev-dependency".to_owned());
+    }
+    if from.name == DEV_ONLY {
+        // Only tests see it, so that what it needs of a contract ships with nothing.
+        let is_below = ["ground", "contract"].contains(&to.layer.as_str());
+        return (!is_below).then(|| "allowed: ground and contract".to_owned());
+    }
+    if is_dev && has(listed(IN_TESTS, &from.layer), &to.layer) {
+        return None;
+    }
+    if let Some(less) = listed(LESS, &from.name) {
+        let is_allowed = less.contains(&to.name.as_str());
+        return (!is_allowed).then(|| format!("allowed: {}", less.join(", ")));
+    }
+    let Some(layers) = listed(LAYERS, &from.layer) else {
+        let known: Vec<&str> = LAYERS.iter().map(|(layer, _)| *layer).collect();
+        let layer = &from.layer;
+        return Some(format!(
+            "{} stands in {layer:?}, allowed: a folder of crates/ that is {}",
+            from.name,
+            known.join(", ")
+        ));
+    };
+    let within = listed(WITHIN, &from.name);
+    if layers.contains(&to.layer.as_str()) || has(within, &to.name) {
+        return None;
+    }
+    let within = within.unwrap_or_default().iter();
+    let allowed: Vec<&str> = layers.iter().chain(within).copied().collect();
+    Some(format!("allowed: {}", allowed.join(", ")))
 }
 
 /// Refuses edges that are not allowed.
@@ -203,27 +197,13 @@ pub(crate) fn check(edges: &[Edge]) -> Result<String> {
     if edges.is_empty() {
         bail!("no edges found: the workspace was not read");
     }
-    let mut forbidden = Vec::new();
-    for Edge { from, to, kind } in edges {
-        let in_tests = ALLOWED_IN_TESTS.iter().find(|(name, _)| name == from);
-        let is_for_tests = in_tests.is_some_and(|(_, allowed)| allowed.contains(&to.as_str()));
-        if is_for_tests && kind.as_deref() == Some("dev") {
-            continue;
-        }
-        if to == DEV_ONLY {
-            if kind.as_deref() != Some("dev") {
-                forbidden.push(format!("{from} -> {to}: allowed: as a dev-dependency"));
-            }
-            continue;
-        }
-        match ALLOWED.iter().find(|(name, _)| name == from) {
-            None => forbidden.push(format!("{from} -> {to}: {from} is not in the allow list")),
-            Some((_, allowed)) if !allowed.contains(&to.as_str()) => {
-                forbidden.push(format!("{from} -> {to}: allowed: {}", allowed.join(", ")));
-            }
-            Some(_) => {}
-        }
-    }
+    let forbidden: Vec<String> = edges
+        .iter()
+        .filter_map(|edge| {
+            let why = objection(edge)?;
+            Some(format!("{} -> {}: {why}", edge.from.name, edge.to.name))
+        })
+        .collect();
     if forbidden.is_empty() {
         return Ok(format!("{} edges between crates, all allowed", edges.len()));
     }
@@ -297,68 +277,75 @@ fn imports_from_core(text: &str) -> BTreeSet<String> {
 mod tests {
     use super::*;
 
-    fn edge(from: &str, to: &str) -> Edge {
-        Edge {
-            from: from.to_owned(),
-            to: to.to_owned(),
-            kind: None,
-        }
-    }
-
-    #[test]
-    fn edges_of_the_architecture_pass() {
-        let good = [("scene", "core"), ("vertex", "gpu"), ("filling", "results")];
-        let edges: Vec<Edge> = good.map(|(from, to)| edge(from, to)).to_vec();
-        assert_eq!(
-            check(&edges).expect("allowed"),
-            "3 edges between crates, all allowed"
-        );
-    }
-
-    #[test]
-    fn every_forbidden_edge_is_refused_by_name() {
-        let forbidden = [
-            ("core", "scene"),
-            ("fill", "gpu"),
-            ("vertex", "compute"),
-            ("vertex", "reference"),
-            ("gpu", "vulkan"),
-            ("reference", "gpu"),
-            ("reference", "vertex"),
-            ("reference", "texture"),
-            ("texture", "scene"),
-            ("results", "core"),
-            ("report", "gpu"),
-            ("report", "filling"),
-            ("filling", "report"),
-            ("filling", "terrafill"),
-            ("shaders", "core"),
-            ("newcomer", "core"),
-        ];
-        for (from, to) in forbidden {
-            let error = check(&[edge("scene", "core"), edge(from, to)]).expect_err(to);
-            let text = error.to_string();
-            assert!(text.contains(&format!("{from} -> {to}:")), "{text}");
-            assert!(!text.contains("scene -> core"), "{text}");
-        }
-    }
-
-    #[test]
-    fn a_study_names_techniques_in_its_tests_only() {
-        let of = |kind: Option<&str>| Edge {
-            kind: kind.map(str::to_owned),
-            ..edge("filling", "vertex")
+    fn edge(from: (&str, &str), to: (&str, &str), kind: Option<&str>) -> Edge {
+        let of = |(layer, name): (&str, &str)| Crate {
+            name: name.to_owned(),
+            layer: layer.to_owned(),
         };
-        assert!(check(&[of(Some("dev"))]).is_ok());
-        assert!(check(&[of(None)]).is_err());
+        Edge {
+            from: of(from),
+            to: of(to),
+            kind: kind.map(str::to_owned),
+        }
+    }
+
+    const CORE: (&str, &str) = ("ground", "core");
+    const FILL: (&str, &str) = ("contract", "fill");
+    const GPU: (&str, &str) = ("devices", "gpu");
+    const VERTEX: (&str, &str) = ("techniques", "vertex");
+    const FILLING: (&str, &str) = ("studies", "filling");
+    const REFERENCE: (&str, &str) = ("judges", "reference");
+    const REPORT: (&str, &str) = ("tools", "report");
+
+    #[test]
+    fn what_points_down_is_allowed_also_for_a_newcomer() {
+        let newcomer = ("techniques", "newcomer");
+        let allowed = [
+            edge(FILL, CORE, None),
+            edge(GPU, FILL, None),
+            edge(newcomer, GPU, None),
+            edge(newcomer, REFERENCE, Some("dev")),
+            edge(FILLING, REFERENCE, None),
+            edge(FILLING, VERTEX, Some("dev")),
+            edge(("tools", "terrafill"), newcomer, None),
+            edge(("tools", "terrafill"), REPORT, None),
+            edge(CORE, ("ground", "fixtures"), Some("dev")),
+        ];
+        let summary = check(&allowed).expect("allowed");
+        assert!(summary.starts_with("9 edges"), "{summary}");
     }
 
     #[test]
-    fn fixtures_are_for_tests_only() {
-        let mut fixtures = edge("core", "fixtures");
-        assert!(check(std::slice::from_ref(&fixtures)).is_err());
-        fixtures.kind = Some("dev".to_owned());
-        check(&[fixtures]).expect("allowed");
+    fn each_forbidden_edge_is_named() {
+        let compute = ("techniques", "compute");
+        for (from, to, kind) in [
+            (VERTEX, compute, None),
+            (VERTEX, compute, Some("dev")),
+            (VERTEX, FILLING, None),
+            (GPU, ("devices", "vulkan"), None),
+            (GPU, VERTEX, None),
+            (FILL, GPU, None),
+            (CORE, ("ground", "results"), None),
+            (CORE, FILL, None),
+            (FILLING, VERTEX, None),
+            (FILLING, ("studies", "growth"), None),
+            (FILLING, REPORT, None),
+            (REFERENCE, GPU, None),
+            (REFERENCE, ("ground", "texture"), None),
+            (REFERENCE, VERTEX, Some("dev")),
+            (REPORT, GPU, None),
+            (REPORT, FILLING, None),
+            (VERTEX, REFERENCE, None),
+            (("contract", "scene"), FILL, None),
+            (("surfaces", "grid"), ("surfaces", "tiles"), None),
+            (VERTEX, ("ground", "fixtures"), None),
+            (("elsewhere", "newcomer"), CORE, None),
+        ] {
+            let error = check(&[edge(FILL, CORE, None), edge(from, to, kind)]);
+            let text = error.expect_err(to.1).to_string();
+            assert!(text.contains(&format!("{} -> {}:", from.1, to.1)), "{text}");
+            assert!(!text.contains("fill -> core"), "{text}");
+        }
     }
 
     #[test]
@@ -368,24 +355,31 @@ mod tests {
     }
 
     #[test]
-    fn edges_are_read_from_metadata_with_those_of_tests() {
-        let metadata = r#"{"packages":[{"name":"terrafill-fill","dependencies":[
+    fn edges_are_read_from_metadata_with_their_layers_and_those_of_tests() {
+        let metadata = r#"{"packages":[{"name":"terrafill-fill",
+            "manifest_path":"/x/crates/contract/fill/Cargo.toml","dependencies":[
             {"name":"glam","kind":null},
-            {"name":"terrafill-scene","kind":null,"path":"p"},
-            {"name":"terrafill-gpu","kind":"dev","path":"p"}]}]}"#;
+            {"name":"terrafill-scene","kind":null,"path":"/x/crates/contract/scene"},
+            {"name":"terrafill-gpu","kind":"dev","path":"/x/crates/devices/gpu"}]}]}"#;
         let edges = edges(metadata).expect("valid");
-        assert_eq!(listing(&edges), "fill -> gpu (dev)\nfill -> scene\n");
+        let expected = [
+            edge(FILL, GPU, Some("dev")),
+            edge(FILL, ("contract", "scene"), None),
+        ];
+        assert_eq!(edges, expected);
         let error = check(&edges).expect_err("an edge of tests is an edge");
         assert!(error.to_string().contains("fill -> gpu"), "{error}");
     }
 
     #[test]
-    fn the_allow_list_has_no_circle() {
-        // Whoever is allowed must stand earlier in the list.
-        for (i, (name, allowed)) in ALLOWED.iter().enumerate() {
+    fn layers_name_only_layers_below() {
+        for (index, (layer, allowed)) in LAYERS.iter().enumerate() {
             for other in *allowed {
-                let place = ALLOWED.iter().position(|(n, _)| n == other);
-                assert!(place.is_some_and(|place| place < i), "{name} -> {other}");
+                let place = LAYERS.iter().position(|(name, _)| name == other);
+                assert!(
+                    place.is_some_and(|place| place < index),
+                    "{layer} -> {other}"
+                );
             }
         }
     }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Checks of the repository that need more than cargo, the blessing of goldens, and shaders compiled
-//! beforehand.
+//! Checks of the repository that need more than cargo, and shaders compiled beforehand.
 //!
 //! Every check prints what it looked at and how much of it there was, since a check that found
 //! nothing to check has not passed.
@@ -8,7 +7,6 @@
 mod cycles;
 mod dependencies;
 mod geometry;
-mod goldens;
 mod lines;
 mod pictures;
 mod shaders;
@@ -27,10 +25,8 @@ usage: cargo xtask COMMAND
   check-shaders                shaders on disk, embedded and documented are the same, and valid
   compile-shaders              write the SPIR-V of the geometry shaders anew
   check-validation-log FILE    the Vulkan layer was at work and reported nothing unexpected
-  check-goldens                every golden is there, is used and is what the code gives
   compare-pictures BASE NEW    two run folders hold the same masks and ids, case by case
-  lines [--root DIR]           lines of source outside tests, for each package
-  bless NAME                   write the golden NAME anew; the only command that writes goldens";
+  lines [--root DIR]           lines of source outside tests, for each package";
 
 #[allow(
     clippy::print_stdout,
@@ -45,11 +41,9 @@ fn main() -> ExitCode {
         ["check-shaders"] => shaders::check(&root().join("shaders")),
         ["compile-shaders"] => geometry::compile(&root().join("shaders")),
         ["check-validation-log", file] => validation_log::check(Path::new(file)),
-        ["check-goldens"] => goldens_now().and_then(|all| goldens::check(&goldens_dir(), &all)),
         ["compare-pictures", base, new] => pictures::compare(Path::new(base), Path::new(new)),
         ["lines"] => lines::count(&root()),
         ["lines", "--root", folder] => lines::count(Path::new(folder)),
-        ["bless", name] => goldens_now().and_then(|all| goldens::bless(&goldens_dir(), &all, name)),
         _ => {
             eprintln!("{USAGE}");
             return ExitCode::from(2);
@@ -71,16 +65,6 @@ fn check_deps() -> Result<String> {
     let edges = dependencies::edges(&metadata()?)?;
     let imports = dependencies::check_reference(&root().join("crates/judges/reference/src"))?;
     Ok(format!("{}; {imports}", dependencies::check(&edges)?))
-}
-
-/// Every golden by name, with what it should be now.
-fn goldens_now() -> Result<Vec<(&'static str, String)>> {
-    let edges = dependencies::edges(&metadata()?)?;
-    Ok(vec![("dependencies.txt", dependencies::listing(&edges))])
-}
-
-fn goldens_dir() -> PathBuf {
-    root().join("tests/goldens")
 }
 
 /// The repository: xtask lies in a folder of it.

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! What an opened backend promises, and how devices fail.
+//! What an opened backend promises.
 
-use crate::{Frame, FrameInput, FrameTimes, MemoryUse};
-use terrafill_scene::ImageSize;
+use crate::{DeviceError, Frame, FrameInput, FrameTimes, MemoryUse, Picture};
 
 /// What a backend runs on and what it can do there.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -17,92 +16,14 @@ pub struct Capabilities {
     pub pipeline_statistics: bool,
 }
 
-/// What can go wrong between a frame's input and its picture.
-#[derive(Debug, Clone, thiserror::Error)]
-#[non_exhaustive]
-pub enum DeviceError {
-    /// The adapter lacks something; becomes a *skipped* row with this reason.
-    #[error("{adapter} lacks {capability}")]
-    Unsupported {
-        /// What is missing.
-        capability: String,
-        /// Where it is missing.
-        adapter: String,
-    },
-    /// A buffer or texture could not be had.
-    #[error("out of memory: {what} needs {bytes} bytes")]
-    OutOfMemory {
-        /// Which resource.
-        what: String,
-        /// How large.
-        bytes: u64,
-    },
-    /// The input is larger than the technique can hold; becomes a *failed* row.
-    #[error("{what}: found {found}, allowed {allowed}")]
-    OverCapacity {
-        /// Which quantity.
-        what: String,
-        /// Its value.
-        found: u64,
-        /// The limit.
-        allowed: u64,
-    },
-    /// The device is gone.
-    #[error("the device was lost: {0}")]
-    DeviceLost(String),
-    /// A shader did not compile.
-    #[error("shader {name}: {message}")]
-    Shader {
-        /// File.
-        name: String,
-        /// Compiler's words.
-        message: String,
-    },
-    /// Switches that do not go together, or not with the scene.
-    #[error(transparent)]
-    Switch(#[from] crate::SwitchError),
-    /// [`FillBackend::render`] was called before [`FillBackend::prepare`], or with another input.
-    #[error("{backend} was not prepared for {scene}/{view}")]
-    NotPrepared {
-        /// Which backend.
-        backend: &'static str,
-        /// Scene asked for.
-        scene: String,
-        /// View asked for.
-        view: String,
-    },
-}
-
-impl DeviceError {
-    /// `adapter` lacks `capability`.
-    #[must_use]
-    pub fn unsupported(capability: &str, adapter: &str) -> Self {
-        Self::Unsupported {
-            capability: capability.to_owned(),
-            adapter: adapter.to_owned(),
-        }
-    }
-
-    /// A surface was asked for before there is one.
-    #[must_use]
-    pub fn no_surface() -> Self {
-        Self::NotPrepared {
-            backend: "surface",
-            scene: String::new(),
-            view: String::new(),
-        }
-    }
-}
-
-/// A picture read back.
-#[derive(Debug, Clone)]
-pub struct Picture {
-    /// Size of the others.
-    pub size: ImageSize,
-    /// Four bytes a pixel, row 0 at the top; alpha 0 where nothing was filled.
-    pub rgba: Vec<u8>,
-    /// Reversed depth, 0 where there is no surface.
-    pub depth: Vec<f32>,
+/// What an update handed to the device.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Uploaded {
+    /// Bytes, those of the view's constants included.
+    pub bytes: u64,
+    /// Meshes whose geometry was uploaded: those that changed, or all of the scene where one of them
+    /// does not fit into its old place.
+    pub regions: Vec<usize>,
 }
 
 /// One variant of a technique, opened on render targets.
@@ -128,6 +49,17 @@ pub trait FillBackend {
     /// # Errors
     /// [`DeviceError`] when the adapter cannot hold or run it.
     fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, DeviceError>;
+
+    /// Uploads what differs from the input prepared or updated last, whose meshes those of `input`
+    /// were made from by [`crate::RegionSet::with_changed`]. A region with as many vertices and
+    /// indices as before is rewritten where it lies; otherwise everything is uploaded.
+    ///
+    /// - `changed`: indices into the scene's meshes
+    ///
+    /// # Errors
+    /// As [`FillBackend::prepare`]; [`DeviceError::NotPrepared`] when something else was prepared,
+    /// [`DeviceError::ChangedRegions`] when other regions changed. Both leave what is prepared.
+    fn update(&mut self, input: &FrameInput, changed: &[usize]) -> Result<Uploaded, DeviceError>;
 
     /// Draws the surface, fills every planned region of `input` and reads the picture back; same
     /// bytes out for the same adapter and driver.

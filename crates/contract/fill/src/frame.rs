@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What comes out: the picture as region ids, what it cost in memory and work, and how long it took.
 
-use crate::{Picture, TextureCoordinates, ids_of};
+use crate::{NO_REGION, Picture, TextureCoordinates, ids_of};
 use terrafill_scene::ImageSize;
-
-/// Id of pixels that belong to no region. Region *i* of the scene has id *i* + 1.
-pub const NO_REGION: u32 = 0;
 
 /// A drawn frame.
 #[derive(Debug, Clone)]
@@ -36,6 +33,15 @@ impl Frame {
             non_finite: depths.filter(|depth| !depth.is_finite()).count() as u64,
             counters: Some(counters),
             texture: None,
+        }
+    }
+
+    /// The same frame with the places its texels came from.
+    #[must_use]
+    pub fn textured(self, texture: TextureCoordinates) -> Self {
+        Self {
+            texture: Some(texture),
+            ..self
         }
     }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What tells one view and one set of regions from another: numbers, given once in a process.
 
+use std::collections::BTreeSet;
 use std::ops::Deref;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -31,7 +32,26 @@ impl ViewId {
 #[derive(Debug, Clone)]
 pub struct RegionSet {
     revision: u64,
+    origin: Option<Origin>,
     meshes: Arc<[RegionMesh]>,
+}
+
+/// Which set another one was made from, and where the two differ.
+#[derive(Debug, Clone)]
+struct Origin {
+    revision: u64,
+    /// Ascending, each once.
+    changed: Arc<[usize]>,
+}
+
+/// A set has no region at this place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("region {found} of a set of {regions}")]
+pub struct NoSuchRegion {
+    /// The place.
+    pub found: usize,
+    /// How many regions there are.
+    pub regions: usize,
 }
 
 impl RegionSet {
@@ -39,6 +59,43 @@ impl RegionSet {
     #[must_use]
     pub fn revision(&self) -> u64 {
         self.revision
+    }
+
+    /// A set with other meshes at some places, which remembers what it was made from. Of two meshes
+    /// for one place the last one counts.
+    ///
+    /// - cost: O(bytes of all meshes), which are copied
+    ///
+    /// # Errors
+    /// [`NoSuchRegion`] for a place that this set does not have.
+    pub fn with_changed(
+        &self,
+        meshes: impl IntoIterator<Item = (usize, RegionMesh)>,
+    ) -> Result<Self, NoSuchRegion> {
+        let mut all = self.meshes.to_vec();
+        let mut changed = BTreeSet::new();
+        for (found, mesh) in meshes {
+            let regions = all.len();
+            let place = all.get_mut(found);
+            *place.ok_or(NoSuchRegion { found, regions })? = mesh;
+            changed.insert(found);
+        }
+        Ok(Self {
+            origin: Some(Origin {
+                revision: self.revision,
+                changed: changed.into_iter().collect(),
+            }),
+            ..Self::from(all)
+        })
+    }
+
+    /// Where this set differs from the one of `revision` that it was made from, ascending; `None` for
+    /// any other set.
+    #[must_use]
+    pub fn changed_since(&self, revision: u64) -> Option<&[usize]> {
+        let origin = self.origin.as_ref();
+        let origin = origin.filter(|origin| origin.revision == revision)?;
+        Some(&origin.changed)
     }
 }
 
@@ -52,6 +109,7 @@ impl From<Vec<RegionMesh>> for RegionSet {
     fn from(meshes: Vec<RegionMesh>) -> Self {
         Self {
             revision: next(),
+            origin: None,
             meshes: meshes.into(),
         }
     }
@@ -68,6 +126,7 @@ impl Deref for RegionSet {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, parse_regions};
 
     #[test]
     fn clones_keep_their_identity_and_equal_contents_do_not_share_one() {
@@ -75,5 +134,29 @@ mod tests {
         assert_eq!(set.revision(), set.clone().revision());
         assert_ne!(set.revision(), RegionSet::from(set.to_vec()).revision());
         assert_ne!(ViewId::unique(), ViewId::unique());
+    }
+
+    #[test]
+    fn a_changed_set_knows_its_origin_and_no_other_set() {
+        let triangle = r#"{"type":"Polygon","coordinates":[[[0,0],[1,0],[0,1],[0,0]]]}"#;
+        let regions = parse_regions(triangle.as_bytes(), "test").expect("valid");
+        let options = MeshOptions::default();
+        let (body, rule) = (Ellipsoid::WGS84, EdgeRule::Planar);
+        let meshes = RegionMesh::build_all(&regions, &body, rule, &options).expect("it meshes");
+        let mesh = || meshes[0].clone();
+        let set = RegionSet::from(vec![mesh(), mesh(), mesh()]);
+        let changed = set.with_changed([(2, mesh()), (0, mesh()), (2, mesh())]);
+        let changed = changed.expect("three regions");
+        assert_eq!(changed.changed_since(set.revision()), Some(&[0, 2][..]));
+        assert_eq!(changed.len(), 3);
+        // Twins: neither itself nor equal contents are its origin, nor is a grandparent.
+        assert_eq!(changed.changed_since(changed.revision()), None);
+        let equal = RegionSet::from(set.to_vec());
+        assert_eq!(changed.changed_since(equal.revision()), None);
+        let again = changed.with_changed([(1, mesh())]).expect("three regions");
+        assert_eq!(again.changed_since(set.revision()), None);
+        let (found, regions) = (3, 3);
+        let error = set.with_changed([(3, mesh())]).expect_err("three regions");
+        assert_eq!(error, NoSuchRegion { found, regions });
     }
 }

@@ -2,6 +2,7 @@
 //! What goes in: the same bytes for every backend.
 
 use crate::{DeviceError, MAX_REGIONS, RegionSet, ViewId};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Extent, Region};
 use terrafill_scene::{
@@ -208,6 +209,32 @@ impl FrameInput {
             return Ok(());
         }
         Err(self.not_prepared(backend))
+    }
+
+    /// Whether `changed` names the meshes in which this differs from what `backend` holds.
+    ///
+    /// - `revision`: of the meshes that it holds
+    /// - `changed`: indices into the meshes, in any order
+    ///
+    /// # Errors
+    /// [`DeviceError::NotPrepared`] when it holds other meshes than those that this was made from,
+    /// [`DeviceError::ChangedRegions`] when `changed` names others.
+    pub fn check_update(
+        &self,
+        backend: &'static str,
+        revision: Option<u64>,
+        changed: &[usize],
+    ) -> Result<(), DeviceError> {
+        let allowed = revision.and_then(|held| self.scene.meshes.changed_since(held));
+        let allowed = allowed.ok_or_else(|| self.not_prepared(backend))?;
+        let found: BTreeSet<usize> = changed.iter().copied().collect();
+        if found.iter().eq(allowed) {
+            return Ok(());
+        }
+        Err(DeviceError::ChangedRegions {
+            found: changed.to_vec(),
+            allowed: allowed.to_vec(),
+        })
     }
 
     /// `backend` was prepared for something else.

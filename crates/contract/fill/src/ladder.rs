@@ -9,8 +9,12 @@
 //! All rungs before the last two fill every region in one colour, as his did. A technique puts its
 //! own rungs between those that all techniques share.
 
-use crate::{BottomCap, ColourWay, DepthRuleChoice, FacePasses, LOD_PX, Switches, Variant};
+use crate::{BottomCap, ColourWay, DepthRuleChoice, FacePasses, Switches, Variant};
 use terrafill_scene::{Overlap, PlanOptions};
+
+/// Deviation that boundaries may be drawn with where levels of detail are on: half a pixel stays
+/// within the band in which rounding decides as well.
+pub const LOD_PX: f64 = 0.5;
 
 /// One rung.
 #[derive(Debug, Clone, PartialEq)]

@@ -12,6 +12,7 @@ mod batches;
 mod clock;
 mod constants;
 mod devices;
+mod error;
 mod fixed_point;
 mod footprint;
 mod frame;
@@ -21,7 +22,9 @@ mod input;
 mod ladder;
 mod matrix;
 mod palette;
+mod picture;
 mod program;
+mod route_choice;
 mod steps;
 mod switches;
 mod targets;
@@ -36,25 +39,28 @@ pub use adapter::{
     DeviceFacts, DeviceType, SKY, THIS_MACHINE, check_target_size, choose_adapter, count_u32,
     device_for_test,
 };
-pub use backend::{Capabilities, DeviceError, FillBackend, Picture};
+pub use backend::{Capabilities, FillBackend, Uploaded};
 pub use batches::{RegionClasses, XOR_NUMBERS, XorBatches, overlap_depth};
 pub use clock::CpuStopwatch;
 pub use constants::{RegionConstants, RegionPlace, ViewConstants};
 pub use devices::Devices;
+pub use error::DeviceError;
 pub use fixed_point::{
     EyeInUnits, FixedPoint, PositionFormat, eye_relative_m, two_float, two_float_difference_m,
 };
-pub use frame::{Counters, Frame, FrameTimes, MemoryUse, NO_REGION};
+pub use frame::{Counters, Frame, FrameTimes, MemoryUse};
 pub use geometry::{GeometryBytes, IndexLists, boundary_edges};
-pub use identity::{RegionSet, ViewId};
+pub use identity::{NoSuchRegion, RegionSet, ViewId};
 pub use input::{FrameInput, PreparedScene};
-pub use ladder::{Climb, Rung};
-pub use matrix::{LOD_PX, matrix_row};
-pub use palette::{Colours, MAX_REGIONS, ids_of, paint, region_colour};
+pub use ladder::{Climb, LOD_PX, Rung};
+pub use matrix::matrix_row;
+pub use palette::{Colours, paint, region_colour};
+pub use picture::{MAX_REGIONS, NO_REGION, Picture, ids_of};
 pub use program::{
     CoverShape, DepthRule, FaceEffect, FaceSet, FillCommand, FillPass, FillProgram,
     StencilOperation, StencilRule, StencilTest,
 };
+pub use route_choice::RouteChoice;
 pub use steps::{FillStep, NUMBER_BYTES, VolumeDraw, VolumeState};
 pub use switches::{
     BottomCap, ColourWay, DepthRuleChoice, FacePasses, StencilClear, SwitchError, Switches, pick,
@@ -62,9 +68,7 @@ pub use switches::{
 pub use targets::{Api, Targets};
 pub use technique::{Role, Technique, layouts};
 pub use texture::{AddressMode, Pattern, PlannedTexture, TextureCoordinates, TexturePixel};
-pub use textured::{
-    CoverOverrides, RouteChoice, RouteNote, TexturedCover, TexturedPlan, TexturedRegion,
-};
+pub use textured::{CoverOverrides, RouteNote, TexturedCover, TexturedPlan, TexturedRegion};
 pub use textured_device::{Probed, RouteTexelFormat, RouteTexels};
 pub use variant::{Parameter, Values, Variant};
 pub use work::{WorkCounters, WorkDone};

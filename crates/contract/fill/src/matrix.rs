@@ -5,13 +5,10 @@
 //! same surface in another way.
 
 use crate::{
-    BottomCap, ColourWay, DepthRuleChoice, FacePasses, StencilClear, Switches, Technique, Variant,
+    BottomCap, ColourWay, DepthRuleChoice, FacePasses, LOD_PX, StencilClear, Switches, Technique,
+    Variant,
 };
 use terrafill_scene::Overlap;
-
-/// Deviation that boundaries may be drawn with where levels of detail are on: half a pixel stays
-/// within the band in which rounding decides as well.
-pub const LOD_PX: f64 = 0.5;
 
 /// `base` and, one at a time, every switch away from its default; with it, where a switch has no
 /// effect or is not allowed alone, the one that it needs.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One colour per region, the same in every picture.
 
-use crate::{Frame, NO_REGION, Picture};
+use crate::{Frame, NO_REGION};
 
 /// Colour of region `index`: hues a golden angle apart, so that neighbours in the file differ, in
 /// three lightnesses.
@@ -56,20 +56,6 @@ impl Colours {
     }
 }
 
-/// Regions that [`Colours::Ids`] can tell apart.
-pub const MAX_REGIONS: usize = (1 << 24) - 1;
-
-/// Ids out of a picture drawn with [`Colours::Ids`]; alpha 0 is the surface or the sky.
-#[must_use]
-pub fn ids_of(picture: &Picture) -> Vec<u32> {
-    let id = |pixel: &[u8]| match pixel {
-        [_, _, _, 0] => NO_REGION,
-        [r, g, b, _] => u32::from_le_bytes([*r, *g, *b, 0]),
-        _ => NO_REGION,
-    };
-    picture.rgba.chunks_exact(4).map(id).collect()
-}
-
 /// A picture of a frame's ids, RGB, row 0 at the top: regions in their colours on a grey surface.
 #[must_use]
 pub fn paint(frame: &Frame) -> Vec<u8> {
@@ -86,6 +72,7 @@ pub fn paint(frame: &Frame) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{MAX_REGIONS, Picture, ids_of};
     use terrafill_scene::ImageSize;
 
     #[test]

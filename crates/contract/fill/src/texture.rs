@@ -10,7 +10,7 @@
 //! blended over what the target holds as it stands, by the texel's alpha times the scene's times what
 //! the distance leaves of it.
 
-use crate::{Frame, PreparedScene};
+use crate::PreparedScene;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use terrafill_core::{EdgeRule, Ellipsoid, Pole, Polygon, Region, Ring};
 use terrafill_scene::{Outside, SceneTexture, TextureAnchor, TexturePlacement, TextureShare};
@@ -353,17 +353,6 @@ impl TexturePixel {
         [u, v, pattern_level, footprint_texels, level, distance_m]
             .iter()
             .all(|value| value.is_finite())
-    }
-}
-
-impl Frame {
-    /// The same frame with the places its texels came from.
-    #[must_use]
-    pub fn textured(self, texture: TextureCoordinates) -> Self {
-        Self {
-            texture: Some(texture),
-            ..self
-        }
     }
 }
 

@@ -8,12 +8,12 @@
 
 use crate::footprint::is_magnified;
 use crate::{
-    AddressMode, FrameInput, PlannedTexture, SwitchError, TextureCoordinates, TexturePixel,
+    AddressMode, FrameInput, PlannedTexture, RouteChoice, SwitchError, TextureCoordinates,
+    TexturePixel,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
 use std::collections::BTreeMap;
-use std::hash::{Hash, Hasher};
 use std::sync::{Mutex, PoisonError};
 use terrafill_core::{Ellipsoid, OrientedBox};
 use terrafill_scene::{PlannedRegion, SceneTexture};
@@ -22,53 +22,8 @@ use terrafill_texture::{
     Reason, View,
 };
 
-/// Name of a textured fill without a route.
-const FLOOR: &str = "floor";
-
-/// What stands in its shader all the same: the fewest steps there are.
+/// What stands in the shader of [`RouteChoice::Floor`] all the same: the fewest steps there are.
 const UNTAKEN: CoordinateRoute = CoordinateRoute::Chart(Chart::Planes);
-
-/// How a textured fill's coordinate routes are picked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RouteChoice {
-    /// Per region, the cheapest whose computed residual the picture and the screen do not show.
-    Chosen,
-    /// This one for all regions, whatever its residual.
-    Route(CoordinateRoute),
-    /// None: what any textured fill must pay, whose fragments read their depth and sample a picture
-    /// once. It draws colours that stand nowhere in particular, and is there to be measured.
-    Floor,
-}
-
-impl Hash for RouteChoice {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        self.name().hash(state);
-    }
-}
-
-impl RouteChoice {
-    /// Name in variants.
-    #[must_use]
-    pub fn name(&self) -> String {
-        match self {
-            Self::Chosen => "chosen".to_owned(),
-            Self::Route(route) => route.name(),
-            Self::Floor => FLOOR.to_owned(),
-        }
-    }
-
-    /// The choice called `name`.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        if name == "chosen" {
-            return Some(Self::Chosen);
-        }
-        if name == FLOOR {
-            return Some(Self::Floor);
-        }
-        CoordinateRoute::parse(name).map(Self::Route)
-    }
-}
 
 /// A region as the textured cover sees it. Meridian axes: body axes turned about the polar axis
 /// until the anchor's longitude is 0. Metres and radians.
@@ -260,7 +215,7 @@ impl TexturedPlan {
                 .map_err(|error| refuse(told(error.to_string()), "plain"))?;
             let (route, note) = match choice {
                 RouteChoice::Route(route) => (route, named(route.name())),
-                RouteChoice::Floor => (UNTAKEN, named(FLOOR.to_owned())),
+                RouteChoice::Floor => (UNTAKEN, named(choice.name())),
                 RouteChoice::Chosen => {
                     let demand = sight.demand(map, &texture, scene_texture);
                     chosen_once(&chooser, &demand)

@@ -12,11 +12,10 @@ use crate::shipped;
 use crate::texture::{
     ImageSource, MAX_SIDE_PX, Outside, SceneTexture, TextureAnchor, TexturePlacement, TextureShare,
 };
-use crate::{CameraPose, LevelChoice, RegionLoadError};
+use crate::{CameraPose, LevelChoice, RegionLoadError, SceneError};
 use serde::Deserialize;
-use std::io;
 use std::ops::RangeInclusive;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Component, Path};
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, Region, parse_regions};
 
@@ -29,77 +28,6 @@ const DEFAULT_NEAR_SHARE: f64 = 1e-3;
 const DEFAULT_SURFACE: &str = "ellipsoid";
 /// Largest edge of a cap triangle, degrees: beyond 30° a facet sags by hundreds of kilometres.
 const CAP_STEP_LIMIT_DEG: f64 = 30.0;
-
-/// Why a scene cannot be used.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum SceneError {
-    /// No shipped scene has this name.
-    #[error("scene {name:?} is not shipped, allowed: {allowed}")]
-    Unknown {
-        /// Name asked for.
-        name: String,
-        /// Names there are.
-        allowed: String,
-    },
-    /// The scene file cannot be read.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Unreadable {
-        /// The path.
-        path: PathBuf,
-        /// The system's words.
-        source: io::Error,
-    },
-    /// Not TOML, a key that means nothing, a missing key or a value of the wrong type.
-    #[error("{file}:{line}:{column}: {message}")]
-    Syntax {
-        /// The scene file.
-        file: String,
-        /// From 1.
-        line: usize,
-        /// From 1, in bytes.
-        column: usize,
-        /// The parser's words.
-        message: String,
-    },
-    /// A value outside what is allowed.
-    #[error("{file}: {key}: found {found}, allowed: {allowed}")]
-    Value {
-        /// The scene file.
-        file: String,
-        /// Path of the key, such as `views[2].latitude_deg`.
-        key: String,
-        /// The value.
-        found: String,
-        /// What it may be.
-        allowed: String,
-    },
-    /// The scene is right, but its data is not here: to be skipped, not failed.
-    #[error("scene {scene} needs {file} (sha256 {sha256}), but {why}; {how}")]
-    DataMissing {
-        /// Name of the scene.
-        scene: String,
-        /// Path relative to the data folder.
-        file: String,
-        /// Hash the file must have.
-        sha256: String,
-        /// What is the matter.
-        why: String,
-        /// How to get the file.
-        how: String,
-    },
-    /// The texture's file is here, with the right bytes, and is no picture that can be used.
-    #[error("{file}: is no picture that can be used: {message}")]
-    Image {
-        /// Path relative to the data folder.
-        file: String,
-        /// What is the matter.
-        message: String,
-    },
-    /// The regions' file is here and is wrong.
-    #[error(transparent)]
-    Regions(#[from] RegionLoadError),
-}
 
 impl Scene {
     /// Reads a scene file.

@@ -5,7 +5,7 @@
 //! Regions that share a border always take the same level, or their borders would part. Level 0 is
 //! every region as written; its meshes come first, in the order of the regions.
 
-use crate::Scene;
+use crate::{LevelChoice, Scene};
 use terrafill_core::{
     Ellipsoid, MeshError, MeshOptions, Region, RegionMesh, SharedBoundaries, SimplifiedRegions,
 };
@@ -26,18 +26,6 @@ const CHORD_SHARE: f64 = 1.0 / 16.0;
 /// Deviation of the coarsest automatic level, share of the body's radius: 100 km on the Earth, four
 /// pixels of an image of 1,024 rows that holds all of it.
 const COARSEST_LEVEL_SHARE: f64 = 1.0 / 64.0;
-
-/// Which levels a scene has.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub enum LevelChoice {
-    /// Deviations from the boundary tolerance of the meshes on, [`LEVEL_GROWTH`] times as large each
-    /// time, without those that have more than [`LEVEL_VERTEX_SHARE`] of the vertices of the one
-    /// before; none for scenes of fewer than [`FEWEST_VERTICES_FOR_LEVELS`] vertices.
-    #[default]
-    Automatic,
-    /// These deviations, metres, growing; none for level 0 alone.
-    Given(Vec<f64>),
-}
 
 /// A coarser level.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,6 +4,7 @@
 
 mod camera;
 mod data;
+mod error;
 mod file;
 mod level;
 mod near_plane;
@@ -15,17 +16,16 @@ mod texture;
 
 pub use camera::{Camera, CameraPose, ImageSize};
 pub use data::{DATA_DIR_VARIABLE, RegionLoadError, data_dir_from_env, load_regions};
-pub use file::SceneError;
+pub use error::SceneError;
 pub use level::{
-    FEWEST_VERTICES_FOR_LEVELS, LEVEL_GROWTH, LEVEL_VERTEX_SHARE, Level, LevelChoice, LevelTable,
-    LeveledMeshes,
+    FEWEST_VERTICES_FOR_LEVELS, LEVEL_GROWTH, LEVEL_VERTEX_SHARE, Level, LevelTable, LeveledMeshes,
 };
 pub use plan::{
     CAP_CLEARANCE_PX, FramePlan, HeightRange, LeftOutReason, LeftOutRegion, PixelRect, PlanOptions,
     PlannedRegion, RegionBounds,
 };
 pub use procedural::Islands;
-pub use scene::{Overlap, Scene, SurfaceChoice, View};
+pub use scene::{LevelChoice, Overlap, Scene, SurfaceChoice, View};
 pub use shipped::shipped_scene_names;
 pub use terrafill_core::ShapeFamily;
 pub use texture::{

@@ -11,7 +11,7 @@
 //! is left after clipping by the box's six planes (Sutherland and Hodgman, 1974). When no face
 //! does, the rectangle lies wholly inside or wholly outside, and one of its points decides for all.
 
-use crate::{Camera, FramePlan, ImageSize};
+use crate::{Camera, ImageSize};
 use glam::DVec3;
 use std::f64::consts::TAU;
 use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh, VolumeHeights};
@@ -77,30 +77,8 @@ fn half_size_m(camera: &Camera, size: ImageSize) -> [f64; 2] {
     [half_y * size.aspect(), half_y]
 }
 
-impl FramePlan {
-    /// Asks the volumes themselves where only their boxes were known to meet the near rectangle.
-    ///
-    /// - `meshes`: what [`crate::PlannedRegion::mesh`] points into
-    /// - cost: O(triangles) for each planned region whose box the near rectangle meets, else none
-    pub fn settle_near_plane(
-        &mut self,
-        body: &Ellipsoid,
-        camera: &Camera,
-        size: ImageSize,
-        meshes: &[RegionMesh],
-    ) {
-        for planned in &mut self.regions {
-            if planned.near_plane_meets_volume {
-                let mesh = &meshes[planned.mesh];
-                let volume = ViewVolume::new(body, camera, mesh, planned.heights);
-                planned.near_plane_meets_volume = volume.meets_near_rectangle(camera, size);
-            }
-        }
-    }
-}
-
 /// A region's volume in view space: x right, y up, z towards the viewer, metres from the eye.
-struct ViewVolume<'a> {
+pub(crate) struct ViewVolume<'a> {
     mesh: &'a RegionMesh,
     /// Top and bottom of every vertex.
     corners: Vec<[DVec3; 2]>,
@@ -111,7 +89,7 @@ struct ViewVolume<'a> {
 }
 
 impl<'a> ViewVolume<'a> {
-    fn new(
+    pub(crate) fn new(
         body: &Ellipsoid,
         camera: &Camera,
         mesh: &'a RegionMesh,
@@ -162,7 +140,7 @@ impl<'a> ViewVolume<'a> {
         caps.chain(walls)
     }
 
-    fn meets_near_rectangle(&self, camera: &Camera, size: ImageSize) -> bool {
+    pub(crate) fn meets_near_rectangle(&self, camera: &Camera, size: ImageSize) -> bool {
         let middle = DVec3::new(0.0, 0.0, -camera.near_m);
         let [half_x, half_y] = half_size_m(camera, size);
         let grown_by = |reach_m: f64| {

@@ -15,7 +15,7 @@
 //! Boundary levels of detail are no cull: they move boundaries, by no more than the stated pixels.
 
 use crate::level::DrawnRegion;
-use crate::near_plane::NearPlane;
+use crate::near_plane::{NearPlane, ViewVolume};
 use crate::{Camera, ImageSize, LevelTable};
 use glam::DVec3;
 use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh, VolumeHeights};
@@ -342,6 +342,26 @@ impl FramePlan {
             ));
         }
         phrases.join("; ")
+    }
+
+    /// Asks the volumes themselves where only their boxes were known to meet the near rectangle.
+    ///
+    /// - `meshes`: what [`PlannedRegion::mesh`] points into
+    /// - cost: O(triangles) for each planned region whose box the near rectangle meets, else none
+    pub fn settle_near_plane(
+        &mut self,
+        body: &Ellipsoid,
+        camera: &Camera,
+        size: ImageSize,
+        meshes: &[RegionMesh],
+    ) {
+        for planned in &mut self.regions {
+            if planned.near_plane_meets_volume {
+                let mesh = &meshes[planned.mesh];
+                let volume = ViewVolume::new(body, camera, mesh, planned.heights);
+                planned.near_plane_meets_volume = volume.meets_near_rectangle(camera, size);
+            }
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 //! A scene: a body, its regions, the rule for their edges, the surface, the views, the texture, and
 //! what to vary.
 
-use crate::{Camera, CameraPose, LevelChoice, SceneTexture};
+use crate::{Camera, CameraPose, SceneTexture};
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, Region};
 
@@ -43,6 +43,18 @@ pub struct SurfaceChoice {
     pub kind: String,
     /// All other keys.
     pub parameters: toml::Table,
+}
+
+/// Which levels a scene has.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum LevelChoice {
+    /// Deviations from the boundary tolerance of the meshes on, [`crate::LEVEL_GROWTH`] times as large each
+    /// time, without those that have more than [`crate::LEVEL_VERTEX_SHARE`] of the vertices of the one
+    /// before; none for scenes of fewer than [`crate::FEWEST_VERTICES_FOR_LEVELS`] vertices.
+    #[default]
+    Automatic,
+    /// These deviations, metres, growing; none for level 0 alone.
+    Given(Vec<f64>),
 }
 
 /// A scene, checked but for its surface.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The two full-screen passes that fills are measured against, in the same run on the same targets.
 
+use crate::attachments::{attached, read_only_depth};
 use crate::covers::full_screen;
-use crate::targets::{attached, read_only_depth};
 use crate::volume_pipeline::{colour_state, colour_target};
 use crate::{SharedTargets, TimedPass};
 use terrafill_fill::{CpuStopwatch, DeviceError, FrameTimes, StencilTest};

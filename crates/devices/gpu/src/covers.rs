@@ -2,7 +2,7 @@
 //! Triangles over the screen that bring colours: covers of marked pixels, and the lookup of
 //! accumulated numbers. The one place where they are made and bound.
 
-use crate::targets::target;
+use crate::attachments::target;
 use crate::volume_pipeline::{NUMBER_FORMAT, colour_state, colour_target, unchanged};
 use crate::{Gpu, VolumePass};
 use std::collections::HashMap;

@@ -6,9 +6,9 @@
 //! stays as the surface left it: it is attached read-only throughout. Covers of a textured fill read it
 //! there, and stand in passes that leave the stencil alone as well.
 
+use crate::attachments::{attached, read_only_depth};
 use crate::covers::{Covers, Numbers};
 use crate::statistics::Statistics;
-use crate::targets::{attached, read_only_depth};
 use crate::textured::{BoundCover, CoverPurpose, Probe, Textured};
 use crate::volume_pipeline::check_blendable;
 use crate::{API, Gpu, RenderTargets, SharedTargets, TimedPass, VolumePass};
@@ -160,6 +160,19 @@ impl VolumeFill {
     /// The backend has uploaded the meshes of `input`.
     pub fn hold_meshes(&mut self, input: &FrameInput) {
         self.meshes = Some(input.scene.meshes.revision());
+    }
+
+    /// Whether `changed` names the meshes of `input` that differ from those uploaded.
+    ///
+    /// # Errors
+    /// [`DeviceError::NotPrepared`], [`DeviceError::ChangedRegions`].
+    pub fn check_update(&self, input: &FrameInput, changed: &[usize]) -> Result<(), DeviceError> {
+        input.check_update(self.capabilities.backend, self.meshes, changed)
+    }
+
+    /// The backend is about to write over the meshes: until it holds others, nothing is prepared.
+    pub fn forget_meshes(&mut self) {
+        self.meshes = None;
     }
 
     /// Whether this is what was prepared.

@@ -4,11 +4,13 @@
 //! full-screen passes that fills are measured against.
 
 mod adapter;
+mod attachments;
 mod baseline;
 mod bindings;
 #[cfg(test)]
 mod constants;
 mod covers;
+mod deliberate_error;
 mod evaluate;
 mod fill;
 mod readback;
@@ -28,7 +30,9 @@ pub use terrafill_fill::{CpuStopwatch, WorkDone};
 pub use terrafill_shaders::source_hash as shader_source_hash;
 
 pub use adapter::{DeviceFacts, Features, Gpu, GpuOptions, list_adapters, open_for_test};
+pub use attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT};
 pub use baseline::{Baseline, BaselineKind};
+pub use deliberate_error::make_deliberate_error;
 pub use evaluate::{
     EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluation, EvaluationTime, Evaluator, Kernel,
     KernelTable, TableFormat,
@@ -36,9 +40,9 @@ pub use evaluate::{
 pub use fill::{VolumeFill, Volumes};
 pub use readback::read_buffer;
 pub use shared::{API, shared_gpu, shared_targets};
-pub use targets::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, RenderTargets, SharedTargets};
+pub use targets::{RenderTargets, SharedTargets};
 pub use textured::{BoundCover, CoverPurpose, Probe, TexturedFill};
 pub use timing::{PassTimer, Stamps, TimedPass};
-pub use validation::{POSITIVE_CONTROL, ValidationMessage, make_deliberate_error, messages};
+pub use validation::{POSITIVE_CONTROL, ValidationMessage, messages};
 pub use volume_pass::VolumePass;
 pub use volume_pipeline::{HandedOn, VolumeShader};

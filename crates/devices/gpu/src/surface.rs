@@ -2,7 +2,7 @@
 //! Surfaces that are triangles, drawn through wgpu.
 
 use crate::Gpu;
-use crate::targets::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, upload};
+use crate::attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT};
 use std::sync::Arc;
 use terrafill_fill::{DeviceError, count_u32};
 use terrafill_surface::{SurfaceFrame, SurfaceRenderer};
@@ -41,7 +41,7 @@ impl SurfaceRenderer for TriangleRenderer {
         let indices = frame.triangles.as_flattened();
         let vertices = bytemuck::cast_slice(&frame.vertices_rte);
         let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
-        let upload = |label, bytes, usage| upload(&self.gpu, label, bytes, usage);
+        let upload = |label, bytes, usage| self.gpu.upload(label, bytes, usage);
         self.uploaded = Some(Uploaded {
             vertices: upload("surface vertices", vertices, vertex)?,
             indices: upload("surface indices", bytemuck::cast_slice(indices), index)?,

@@ -5,6 +5,7 @@
 //! construction. A fill reads depth and never writes it, so one surface pass serves any number of
 //! fills of the same view.
 
+use crate::attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, attached, target};
 use crate::readback::read_texture;
 use crate::surface::TriangleRenderer;
 use crate::{Gpu, PassTimer, TimedPass};
@@ -16,12 +17,6 @@ use terrafill_fill::{
 };
 use terrafill_scene::ImageSize;
 use terrafill_surface::SurfaceRenderer as _;
-
-/// Colour target: ids and colours are exact in it.
-pub const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-
-/// Reversed depth needs float: on a 24-bit depth buffer it gains nothing.
-pub const DEPTH_STENCIL_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32FloatStencil8;
 
 /// A targets shared by the backends of one run.
 pub type SharedTargets = Rc<RefCell<RenderTargets>>;
@@ -179,7 +174,7 @@ impl RenderTargets {
         bytes: &[u8],
         usage: wgpu::BufferUsages,
     ) -> Result<wgpu::Buffer, DeviceError> {
-        upload(&self.gpu, label, bytes, usage)
+        self.gpu.upload(label, bytes, usage)
     }
 
     /// Clears the targets, draws the surface, waits, and gives the pass's GPU time.
@@ -240,100 +235,5 @@ impl RenderTargets {
             rgba: read_texture(&self.gpu, &self.colour, wgpu::TextureAspect::All)?,
             depth: bytemuck::pod_collect_to_vec(&depth),
         })
-    }
-}
-
-/// [`RenderTargets::upload`] without targets.
-pub(crate) fn upload(
-    gpu: &Gpu,
-    label: &str,
-    bytes: &[u8],
-    usage: wgpu::BufferUsages,
-) -> Result<wgpu::Buffer, DeviceError> {
-    let size = (bytes.len() as u64).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT);
-    let limits = gpu.device.limits();
-    let allowed = if usage.contains(wgpu::BufferUsages::STORAGE) {
-        limits
-            .max_buffer_size
-            .min(limits.max_storage_buffer_binding_size)
-    } else {
-        limits.max_buffer_size
-    };
-    if size > allowed {
-        return Err(DeviceError::OverCapacity {
-            what: format!("bytes of {label}"),
-            found: size,
-            allowed,
-        });
-    }
-    let buffer = gpu.create_buffer(&wgpu::BufferDescriptor {
-        label: Some(label),
-        // A buffer of 0 bytes is not allowed; an empty scene still draws its surface.
-        size: size.max(wgpu::COPY_BUFFER_ALIGNMENT),
-        usage: usage | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: true,
-    });
-    buffer
-        .get_mapped_range_mut(..)
-        .map_err(|error| DeviceError::DeviceLost(error.to_string()))?
-        .slice(..bytes.len())
-        .copy_from_slice(bytes);
-    buffer.unmap();
-    gpu.work.count_upload(bytes.len() as u64);
-    Ok(buffer)
-}
-
-/// A texture of one level that is drawn into, and whatever `usage` says beside.
-pub(crate) fn target(
-    gpu: &Gpu,
-    size: ImageSize,
-    label: &str,
-    format: wgpu::TextureFormat,
-    usage: wgpu::TextureUsages,
-) -> wgpu::Texture {
-    gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d {
-            width: size.width,
-            height: size.height,
-            depth_or_array_layers: 1,
-        },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
-        view_formats: &[],
-    })
-}
-
-/// Depth as it is, and the stencil to be written, or, without a way to load it, to be left as it is too.
-pub(crate) fn read_only_depth(
-    view: &wgpu::TextureView,
-    stencil: Option<wgpu::LoadOp<u32>>,
-) -> wgpu::RenderPassDepthStencilAttachment<'_> {
-    wgpu::RenderPassDepthStencilAttachment {
-        view,
-        depth_ops: None,
-        stencil_ops: stencil.map(|load| wgpu::Operations {
-            load,
-            store: wgpu::StoreOp::Store,
-        }),
-    }
-}
-
-/// A colour target, written.
-pub(crate) fn attached(
-    view: &wgpu::TextureView,
-    load: wgpu::LoadOp<wgpu::Color>,
-) -> wgpu::RenderPassColorAttachment<'_> {
-    wgpu::RenderPassColorAttachment {
-        view,
-        depth_slice: None,
-        resolve_target: None,
-        ops: wgpu::Operations {
-            load,
-            store: wgpu::StoreOp::Store,
-        },
     }
 }

@@ -517,7 +517,7 @@ impl Probe {
     pub fn new(gpu: &Gpu, size: ImageSize) -> Self {
         let target = |label| {
             let usage = wgpu::TextureUsages::COPY_SRC;
-            crate::targets::target(gpu, size, label, PROBE_FORMAT, usage)
+            crate::attachments::target(gpu, size, label, PROBE_FORMAT, usage)
         };
         Self {
             textures: [target("probed places"), target("probed sizes")],

@@ -5,7 +5,7 @@
 //! installed that keeps every message of severity warning or error that comes from Vulkan, and
 //! appends it to the file named by `TERRAFILL_VALIDATION_LOG`, one line each:
 //! process id, severity, message id and text, separated by tabs. Silence alone proves nothing, so
-//! [`make_deliberate_error`] commits an error that a working layer must report.
+//! [`crate::make_deliberate_error`] commits an error that a working layer must report.
 
 use std::fs::OpenOptions;
 use std::io::Write as _;
@@ -24,7 +24,7 @@ pub struct ValidationMessage {
 
 static MESSAGES: Mutex<Vec<ValidationMessage>> = Mutex::new(Vec::new());
 
-/// Message id that [`make_deliberate_error`] must bring about.
+/// Message id that [`crate::make_deliberate_error`] must bring about.
 pub const POSITIVE_CONTROL: &str = "VUID-VkBufferCreateInfo-size-00912";
 
 /// Id given to synchronisation messages about depth that a pass attaches read-only and its fragment
@@ -133,33 +133,6 @@ fn append(path: &str, message: &ValidationMessage) {
         written.is_ok(),
         "TERRAFILL_VALIDATION_LOG={path}: {written:?}"
     );
-}
-
-/// Creates a Vulkan buffer of 0 bytes, which the specification forbids
-/// (`VUID-VkBufferCreateInfo-size-00912`), behind wgpu's back and destroys it again.
-///
-/// Returns false when the device is not a Vulkan one.
-#[must_use]
-pub fn make_deliberate_error(gpu: &crate::Gpu) -> bool {
-    #[allow(
-        unsafe_code,
-        reason = "wgpu refuses the error itself, so it must be made below wgpu"
-    )]
-    // SAFETY: the device outlives the call; the buffer is never used and destroyed at once. A
-    // size of 0 is invalid usage on purpose; drivers return a buffer or an error for it.
-    unsafe {
-        let Some(device) = gpu.device.as_hal::<wgpu::hal::api::Vulkan>() else {
-            return false;
-        };
-        let raw = device.raw_device();
-        let info = ash::vk::BufferCreateInfo::default()
-            .size(0)
-            .usage(ash::vk::BufferUsageFlags::TRANSFER_SRC);
-        if let Ok(buffer) = raw.create_buffer(&info, None) {
-            raw.destroy_buffer(buffer, None);
-        }
-    }
-    true
 }
 
 #[cfg(test)]

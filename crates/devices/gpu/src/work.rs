@@ -5,7 +5,7 @@
 //! measuring needs, such as queries and read-back, is made on the device itself and not counted.
 
 use crate::Gpu;
-use terrafill_fill::WorkDone;
+use terrafill_fill::{DeviceError, WorkDone};
 
 impl Gpu {
     /// What was made and written so far.
@@ -19,6 +19,46 @@ impl Gpu {
     pub fn create_buffer(&self, descriptor: &wgpu::BufferDescriptor<'_>) -> wgpu::Buffer {
         self.work.count_buffer();
         self.device.create_buffer(descriptor)
+    }
+
+    /// A new buffer with these bytes, padded with zeros to a multiple of 4.
+    pub(crate) fn upload(
+        &self,
+        label: &str,
+        bytes: &[u8],
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer, DeviceError> {
+        let size = (bytes.len() as u64).next_multiple_of(wgpu::COPY_BUFFER_ALIGNMENT);
+        let limits = self.device.limits();
+        let allowed = if usage.contains(wgpu::BufferUsages::STORAGE) {
+            limits
+                .max_buffer_size
+                .min(limits.max_storage_buffer_binding_size)
+        } else {
+            limits.max_buffer_size
+        };
+        if size > allowed {
+            return Err(DeviceError::OverCapacity {
+                what: format!("bytes of {label}"),
+                found: size,
+                allowed,
+            });
+        }
+        let buffer = self.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            // A buffer of 0 bytes is not allowed; an empty scene still draws its surface.
+            size: size.max(wgpu::COPY_BUFFER_ALIGNMENT),
+            usage: usage | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: true,
+        });
+        buffer
+            .get_mapped_range_mut(..)
+            .map_err(|error| DeviceError::DeviceLost(error.to_string()))?
+            .slice(..bytes.len())
+            .copy_from_slice(bytes);
+        buffer.unmap();
+        self.work.count_upload(bytes.len() as u64);
+        Ok(buffer)
     }
 
     /// Writes into a buffer.

@@ -6,7 +6,7 @@
 
 use crate::failure::failure;
 use crate::fixtures::{DEPTH_STENCIL_FORMAT, Fixtures, NUMBER_FORMAT};
-use crate::pipeline::ShaderModules;
+use crate::shader_modules::ShaderModules;
 use crate::validation;
 use ash::{ext, vk};
 use std::ffi::CStr;

@@ -122,6 +122,19 @@ impl VolumeFill {
         self.meshes = Some(input.scene.meshes.revision());
     }
 
+    /// Whether `changed` names the meshes of `input` that differ from those uploaded.
+    ///
+    /// # Errors
+    /// [`DeviceError::NotPrepared`], [`DeviceError::ChangedRegions`].
+    pub fn check_update(&self, input: &FrameInput, changed: &[usize]) -> Result<(), DeviceError> {
+        input.check_update(self.capabilities.backend, self.meshes, changed)
+    }
+
+    /// The backend is about to write over the meshes: until it holds others, nothing is prepared.
+    pub fn forget_meshes(&mut self) {
+        self.meshes = None;
+    }
+
     /// Whether this is what was prepared.
     ///
     /// # Errors

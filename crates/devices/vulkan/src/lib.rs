@@ -21,6 +21,7 @@
 mod adapter;
 mod bindings;
 mod covers;
+mod deliberate_error;
 mod failure;
 mod fill;
 mod fixtures;
@@ -29,7 +30,9 @@ mod pass;
 mod pipeline;
 mod queries;
 mod readback;
+mod render_targets;
 mod sampled;
+mod shader_modules;
 mod shared;
 mod surface;
 mod targets;
@@ -42,19 +45,20 @@ pub use adapter::{DeviceFacts, Features, Gpu, GpuOptions, list_adapters, open_fo
 pub use bindings::BindGroup;
 pub use terrafill_shaders::{HandsOn, RouteText, TexturedParts, TexturedPlacement};
 
+pub use deliberate_error::make_deliberate_error;
 pub use fill::{VolumeFill, Volumes};
 pub use memory::{Buffer, BufferUse};
 pub use pass::{CoverState, DrawState, FillRecorder, Geometry, IndexWidth, PassRecorder};
 pub use pipeline::{
     Fragments, GeometryStage, Pipeline, PipelineDescriptor, PipelineState, Topology, VertexFormat,
-    VertexStage,
 };
 pub use queries::{FillTimes, PassStatistics};
+pub use render_targets::{FillReport, Measured, RenderTargets, SharedTargets};
 pub use sampled::{ImageBindings, SampledImage};
+pub use shader_modules::VertexStage;
 pub use shared::{API, shared_gpu, shared_targets};
-pub use targets::{FillReport, Measured, RenderTargets, SharedTargets};
 pub use textured_pipeline::{
     CoverPurpose, DepthBindings, Probe, TexturedDescriptor, TexturedPipeline,
 };
-pub use validation::{POSITIVE_CONTROL, ValidationMessage, make_deliberate_error, messages};
+pub use validation::{POSITIVE_CONTROL, ValidationMessage, messages};
 pub use volume_pass::VolumePass;

@@ -216,6 +216,38 @@ impl Buffer {
         Ok(())
     }
 
+    /// Overwrites a part of a buffer that was uploaded, at any byte: copies need no alignment.
+    ///
+    /// # Errors
+    /// [`DeviceError::OverCapacity`] when the bytes do not fit, [`DeviceError::OutOfMemory`],
+    /// [`DeviceError::DeviceLost`].
+    pub fn rewrite_part(&self, first_byte: u64, bytes: &[u8]) -> Result<(), DeviceError> {
+        if bytes.is_empty() {
+            return Ok(());
+        }
+        let size = bytes.len() as u64;
+        let found = first_byte.saturating_add(size);
+        if found > self.size || self.use_for.is_none() {
+            return Err(DeviceError::OverCapacity {
+                what: "bytes written into a part of a buffer".to_owned(),
+                found,
+                allowed: self.size,
+            });
+        }
+        let staging = Self::staging(&self.gpu, "rewritten part", bytes)?;
+        let region = [vk::BufferCopy::default().dst_offset(first_byte).size(size)];
+        // SAFETY: the part lies inside the buffer, which was made to be copied into, and the staging
+        // buffer has at least its size; both live until the submission is done.
+        unsafe {
+            self.gpu.submit(|device, commands| {
+                device.cmd_copy_buffer(commands, staging.raw, self.raw, &region);
+                let_be_read(device, commands);
+            })?;
+        }
+        self.gpu.work.count_upload(size);
+        Ok(())
+    }
+
     /// A buffer that carries bytes to images.
     pub(crate) fn staging(gpu: &Arc<Gpu>, label: &str, bytes: &[u8]) -> Result<Self, DeviceError> {
         let size = bytes.len().max(4) as u64;

@@ -4,7 +4,7 @@
 //! With `TERRAFILL_VALIDATION=1` the layer is loaded and every message of severity warning or error
 //! is kept, and appended to the file named by `TERRAFILL_VALIDATION_LOG`, one line each: process id,
 //! severity, message id and text, separated by tabs; the same lines as `terrafill-gpu` writes. Silence
-//! alone proves nothing, so [`make_deliberate_error`] commits an error that a working layer must
+//! alone proves nothing, so [`crate::make_deliberate_error`] commits an error that a working layer must
 //! report.
 
 use ash::vk;
@@ -25,7 +25,7 @@ pub struct ValidationMessage {
     pub text: String,
 }
 
-/// Message id that [`make_deliberate_error`] must bring about.
+/// Message id that [`crate::make_deliberate_error`] must bring about.
 pub const POSITIVE_CONTROL: &str = "VUID-VkBufferCreateInfo-size-00912";
 
 /// The layer that checks.
@@ -137,21 +137,6 @@ unsafe extern "system" fn on_message(
         &words(text),
     );
     vk::FALSE
-}
-
-/// Creates a buffer of 0 bytes, which the specification forbids
-/// (`VUID-VkBufferCreateInfo-size-00912`), and destroys it again.
-pub fn make_deliberate_error(gpu: &crate::Gpu) {
-    let info = vk::BufferCreateInfo::default()
-        .size(0)
-        .usage(vk::BufferUsageFlags::TRANSFER_SRC);
-    // SAFETY: the device outlives the call; the buffer is never used and destroyed at once. A size
-    // of 0 is invalid usage on purpose; drivers return a buffer or an error for it.
-    unsafe {
-        if let Ok(buffer) = gpu.device.create_buffer(&info, None) {
-            gpu.device.destroy_buffer(buffer, None);
-        }
-    }
 }
 
 #[cfg(test)]

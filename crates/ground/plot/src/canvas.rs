@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A drawing in pixels on plotters' SVG backend: the few marks that the plots are made of.
 
-use crate::PlotError;
+use crate::error::PlotError;
 use crate::palette::{INK, Marker, PAPER, Stroke, hex};
 use plotters::coord::Shift;
 use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};

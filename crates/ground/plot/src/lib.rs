@@ -8,6 +8,7 @@
 
 mod bars;
 mod canvas;
+mod error;
 mod labels;
 mod lines;
 mod log_log;
@@ -20,6 +21,7 @@ mod steps;
 mod work_precision;
 
 pub use bars::{Bar, Bars};
+pub use error::PlotError;
 pub use lines::{Line, Lines};
 pub use palette::{Palette, dark_rules};
 pub use panels::{Arrangement, named_aside, panels};
@@ -35,25 +37,6 @@ pub(crate) const WIDTH_PX: f64 = 1080.0;
 
 /// Longest label before its middle is left out.
 const LABEL_CHARS: usize = 62;
-
-/// A plot could not be drawn.
-#[derive(Debug, thiserror::Error)]
-#[error("plot {plot:?}: {message}")]
-pub struct PlotError {
-    /// Which plot.
-    pub plot: String,
-    /// Why.
-    pub message: String,
-}
-
-impl From<PlotError> for terrafill_results::ChapterError {
-    fn from(error: PlotError) -> Self {
-        Self::Block {
-            what: format!("plot {:?}", error.plot),
-            message: error.message,
-        }
-    }
-}
 
 /// A row's label as a plot has room for it.
 fn label(text: &str) -> String {

@@ -13,7 +13,6 @@ mod case;
 mod environment;
 mod folder;
 mod front;
-pub mod legacy;
 pub mod made_up;
 mod merge;
 mod metric;

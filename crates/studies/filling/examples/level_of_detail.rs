@@ -13,7 +13,7 @@ use terrafill_core::RegionMesh;
 use terrafill_fill::{FillBackend as _, FrameInput, PreparedScene};
 use terrafill_gpu::{Baseline, BaselineKind, Gpu, GpuOptions, RenderTargets};
 use terrafill_reference::ReferenceBackend;
-use terrafill_results::legacy::median;
+use terrafill_results::median;
 use terrafill_scene::{ImageSize, LeveledMeshes, PlanOptions, Scene, data_dir_from_env};
 use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vertex::{VertexBackend, VertexVariant, layout_bytes};

@@ -2,8 +2,7 @@
 //! Which cases a view of a scene gives, and what each is measured for.
 
 use crate::memory::{LayoutOfScene, REGION_COUNTS};
-use crate::request::Wishes;
-use crate::study::STUDY;
+use crate::request::{STUDY, Wishes};
 use crate::subject::Subject;
 use crate::textured::{ShownPicture, is_picture_scene, textured_variants};
 use std::sync::Arc;

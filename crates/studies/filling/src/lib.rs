@@ -26,8 +26,9 @@ mod subject;
 mod textured;
 
 pub use chapter::FillingChapter;
+pub use request::STUDY;
 pub use scenes::open_scene;
-pub use study::{FillingStudy, STUDY};
+pub use study::FillingStudy;
 pub use subject::{Surfaces, Techniques};
 
 #[cfg(test)]

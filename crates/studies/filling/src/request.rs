@@ -7,6 +7,9 @@ use terrafill_fill::Technique;
 use terrafill_scene::ImageSize;
 use terrafill_study::{Depth, Request, StudyError};
 
+/// Name of the study.
+pub const STUDY: &str = "filling";
+
 /// Stands for no scene at all.
 pub(crate) const NO_SCENE: &str = "none";
 

@@ -4,15 +4,12 @@
 use crate::cases::ViewGroup;
 use crate::chapter::FillingChapter;
 use crate::metrics::METRICS;
-use crate::request::Wishes;
+use crate::request::{STUDY, Wishes};
 use crate::scenes::plan_scenes;
 use crate::session::ViewSession;
 use crate::subject::{Surfaces, Techniques};
 use terrafill_results::{Chapter, Metric, PlannedCase};
 use terrafill_study::{Context, Group, Planned, Request, Session, Study, StudyError};
-
-/// Name of the study.
-pub const STUDY: &str = "filling";
 
 /// Which technique fills regions with which error, at which cost.
 #[derive(Debug, Clone, Copy)]

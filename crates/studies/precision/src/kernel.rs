@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Routes on the device: the text of each, compiled once and asked for every region.
 
+use crate::failure::{broken, lost};
 use crate::place::{Place, radical_inverse};
-use crate::position::{self, MAPPINGS};
 use crate::row::PrecisionPart;
+use crate::sight::{self, MAPPINGS};
 use crate::timing::LoopTime;
 use std::sync::Arc;
 use terrafill_gpu::{
-    EVALUATIONS_PER_DISPATCH, EvaluateError, Evaluation, EvaluationTime, Evaluator, Gpu, Kernel,
-    KernelTable, TableFormat,
+    EVALUATIONS_PER_DISPATCH, Evaluation, EvaluationTime, Evaluator, Gpu, Kernel, KernelTable,
+    TableFormat,
 };
 use terrafill_study::StudyError;
 use terrafill_texture::{
@@ -48,18 +49,6 @@ pub(crate) struct Kernels {
     pub(crate) coordinate: Vec<CoordinateKernel>,
     pub(crate) position: Vec<PositionKernel>,
     empty: Result<Evaluator, String>,
-}
-
-/// A device's failure as the run's.
-pub(crate) fn lost(error: EvaluateError) -> StudyError {
-    broken(error)
-}
-
-fn broken(why: impl ToString) -> StudyError {
-    StudyError::Broken {
-        place: crate::STUDY.to_owned(),
-        message: why.to_string(),
-    }
 }
 
 /// What the device's linear sampler does with each format of a table.
@@ -187,7 +176,7 @@ impl Kernels {
     pub(crate) fn prepare_timing(&mut self) -> Result<(), StudyError> {
         let offsets = timed_offsets();
         let of_offset = [TIMED_STEP_M; 4];
-        let depths = position::timed_inputs();
+        let depths = sight::timed_inputs();
         if let Ok(empty) = &mut self.empty {
             empty.prepare_timing(&offsets, of_offset, TURNS);
         }
@@ -201,9 +190,9 @@ impl Kernels {
         }
         for kernel in &mut self.position {
             if let Ok(device) = &mut kernel.device {
-                let constants = position::timed_constants(kernel.route, kernel.mapping);
+                let constants = sight::timed_constants(kernel.route, kernel.mapping);
                 device.set_constants(&constants).map_err(lost)?;
-                device.prepare_timing(&depths, position::TIMED_STEP, TURNS);
+                device.prepare_timing(&depths, sight::TIMED_STEP, TURNS);
             }
         }
         Ok(())
@@ -271,7 +260,7 @@ impl TimedFormula {
     pub(crate) fn name(&self) -> String {
         match self {
             Self::Coordinate(route) => route.name(),
-            Self::Position(route, mapping) => position::timed_name(*route, *mapping),
+            Self::Position(route, mapping) => sight::timed_name(*route, *mapping),
         }
     }
 }
@@ -351,9 +340,9 @@ fn position_evaluator(
     route: PositionRoute,
     mapping: DepthMapping,
 ) -> Result<Evaluator, String> {
-    let format = position::timed_format(mapping);
+    let format = sight::timed_format(mapping);
     let kernel = Kernel {
-        name: &position::timed_name(route, mapping),
+        name: &sight::timed_name(route, mapping),
         wgsl: &route.wgsl(&format),
         constants: Some("PositionConstants"),
         call: "vec4f(fragment_offset(x.xy, x.z, constants), 0.0)",

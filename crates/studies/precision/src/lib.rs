@@ -12,12 +12,14 @@
 mod chapter;
 mod coordinate;
 mod error;
+mod failure;
 mod findings;
 mod kernel;
 mod place;
 mod position;
 mod routes;
 mod row;
+mod sight;
 mod special;
 mod study;
 mod suite;

@@ -3,7 +3,7 @@
 
 use crate::kernel::{Kernels, TimedFormula};
 use crate::row::PrecisionRow;
-use crate::{coordinate, place, position, routes, special, vertex};
+use crate::{coordinate, place, position, routes, sight, special, vertex};
 use std::sync::Arc;
 use terrafill_gpu::{Gpu, GpuOptions};
 use terrafill_study::StudyError;
@@ -20,7 +20,7 @@ pub(crate) struct Suite {
     pub(crate) places: Vec<place::Place>,
     /// What a frame plan takes in each of them.
     pub(crate) chosen: Vec<Option<CoordinateRoute>>,
-    pub(crate) sights: Vec<position::Sight>,
+    pub(crate) sights: Vec<sight::Sight>,
     pub(crate) points: u32,
 }
 
@@ -52,7 +52,7 @@ impl Suite {
             routes,
             places,
             chosen,
-            sights: position::sights(quick),
+            sights: sight::sights(quick),
             points: if quick { QUICK_POINTS } else { POINTS },
         }
     }
@@ -175,7 +175,7 @@ mod tests {
                 .iter()
                 .filter_map(|name| CoordinateRoute::parse(name))
                 .collect(),
-            sights: position::sights(true).into_iter().take(2).collect(),
+            sights: sight::sights(true).into_iter().take(2).collect(),
             points: 60,
         }
     }
@@ -404,11 +404,11 @@ mod tests {
     /// Largest errors on the device of the default position, in metres and pixels.
     fn default_positions(
         distance_m: f64,
-        anchor: position::Anchor,
+        anchor: sight::Anchor,
     ) -> Option<Vec<(String, f64, f64)>> {
         let gpu = open_for_test(&GpuOptions::default())?;
         let kernels = Kernels::new(&gpu, &[]);
-        let sights = position::sights(false);
+        let sights = sight::sights(false);
         let here = sights.iter().filter(|s| s.is_default(distance_m, anchor));
         let rows =
             here.flat_map(|sight| position::rows(sight, QUICK_POINTS, &kernels).expect("runs"));
@@ -426,7 +426,7 @@ mod tests {
 
     #[test]
     fn where_a_plan_puts_the_anchor_positions_hold_everywhere() {
-        use position::Anchor::{Middle, Plan};
+        use sight::Anchor::{Middle, Plan};
         for distance_m in [10.0, 20.0, 1e3, 1e6, 3e7] {
             let Some(found) = default_positions(distance_m, Plan) else {
                 return;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Times of formulas beyond the loop around them.
 
-use crate::kernel::lost;
+use crate::failure::lost;
 use terrafill_gpu::Evaluator;
 use terrafill_results::median;
 use terrafill_study::StudyError;

@@ -80,10 +80,39 @@ pub fn placed_bytes(mesh: &RegionMesh) -> u64 {
 pub(crate) struct MeshSlice {
     /// Loops lie one after the other, each closed.
     pub(crate) place: RegionPlace,
+    pub(crate) vertex_count: u32,
+    /// Words of the list of indices.
+    pub(crate) index_words: u32,
     pub(crate) edge_count: u32,
 }
 
 impl MeshSlice {
+    /// Where `other` lies when it takes this one's place; `None` where it has more or fewer vertices
+    /// or indices.
+    pub(crate) fn replaced_by(&self, other: &Self) -> Option<Self> {
+        let counts = |slice: &Self| {
+            let triangles = slice.place.triangle_count;
+            let counts = [
+                triangles,
+                slice.vertex_count,
+                slice.index_words,
+                slice.edge_count,
+            ];
+            (counts, slice.place.has_short_indices)
+        };
+        let place = RegionPlace {
+            fixed: other.place.fixed,
+            ..self.place
+        };
+        (counts(self) == counts(other)).then_some(Self { place, ..*self })
+    }
+
+    /// First byte of its indices.
+    pub(crate) fn first_index_byte(&self) -> u64 {
+        let index_bytes = if self.place.has_short_indices { 2 } else { 4 };
+        u64::from(self.place.first_triangle_index) * index_bytes
+    }
+
     /// Indices that the region's volume takes.
     pub(crate) fn output_indices(&self) -> u64 {
         6 * (u64::from(self.place.triangle_count) + u64::from(self.edge_count))
@@ -145,6 +174,8 @@ impl SceneGeometry {
                 triangle_count: mesh.triangles.len() as u32,
                 has_short_indices,
             },
+            vertex_count: mesh.vertices_ecef.len() as u32,
+            index_words: self.indices.len() as u32 - first_word,
             edge_count: mesh.boundary_edge_count() as u32,
         });
     }

@@ -35,6 +35,30 @@ pub(crate) struct SceneBuffers {
     pub(crate) expanded: Option<Expanded>,
 }
 
+impl SceneBuffers {
+    /// Writes the changed meshes, unless one of them does not fit.
+    fn rewrite(&mut self, gpu: &Gpu, input: &FrameInput, changed: &[usize]) -> bool {
+        let mut rewritten = Vec::with_capacity(changed.len());
+        for &mesh in changed {
+            let mesh_alone = std::slice::from_ref(&input.scene.meshes[mesh]);
+            let geometry = SceneGeometry::build(mesh_alone);
+            let Some(slice) = self.meshes[mesh].replaced_by(&geometry.meshes[0]) else {
+                return false;
+            };
+            rewritten.push((mesh, slice, geometry));
+        }
+        for (mesh, slice, geometry) in rewritten {
+            let first_byte = 12 * u64::from(slice.place.first_vertex);
+            let positions = bytemuck::cast_slice(&geometry.positions);
+            gpu.write_buffer(&self.positions, first_byte, positions);
+            let indices = bytemuck::cast_slice(&geometry.indices);
+            gpu.write_buffer(&self.indices, slice.first_index_byte(), indices);
+            self.meshes[mesh] = slice;
+        }
+        true
+    }
+}
+
 /// What is made for a view.
 #[derive(Debug, Default)]
 pub(crate) struct ViewBuffers {
@@ -235,15 +259,7 @@ impl ComputeVolumes {
         let indices = targets.upload("mesh indices", indices, storage)?;
         let (gpu, layout) = (targets.gpu(), &self.pipelines.bindings.geometry);
         let bind_group = gpu.bind_buffers("meshes", layout, &[&positions, &indices]);
-        let expanded = match self.variant.expansion {
-            Expansion::PerFrame => None,
-            Expansion::Cached => {
-                let meshes = input.scene.meshes.iter().zip(&geometry.meshes);
-                let expanded = self.make_room(targets, ExpansionPlan::new(meshes)?)?;
-                self.expand_once(gpu, &bind_group, &expanded);
-                Some(expanded)
-            }
-        };
+        let expanded = self.expand_scene(targets, input, &geometry.meshes, &bind_group)?;
         self.scene = Some(SceneBuffers {
             meshes: geometry.meshes,
             positions,
@@ -253,6 +269,42 @@ impl ComputeVolumes {
             expanded,
         });
         Ok(())
+    }
+
+    /// Writes the geometry of the changed meshes over what they were; volumes that are kept are all
+    /// made anew. False, with nothing written, where a mesh does not fit into its old place.
+    pub(crate) fn rewrite(
+        &mut self,
+        targets: &RenderTargets,
+        input: &FrameInput,
+        changed: &[usize],
+    ) -> Result<bool, DeviceError> {
+        let Some(mut scene) = self.scene.take() else {
+            return Ok(false);
+        };
+        let is_rewritten = scene.rewrite(targets.gpu(), input, changed);
+        if is_rewritten {
+            scene.expanded = self.expand_scene(targets, input, &scene.meshes, &scene.bind_group)?;
+        }
+        self.scene = Some(scene);
+        Ok(is_rewritten)
+    }
+
+    /// The volumes of the whole scene, where they are kept.
+    fn expand_scene(
+        &self,
+        targets: &RenderTargets,
+        input: &FrameInput,
+        meshes: &[MeshSlice],
+        bind_group: &wgpu::BindGroup,
+    ) -> Result<Option<Expanded>, DeviceError> {
+        if self.variant.expansion == Expansion::PerFrame {
+            return Ok(None);
+        }
+        let meshes = input.scene.meshes.iter().zip(meshes);
+        let expanded = self.make_room(targets, ExpansionPlan::new(meshes)?)?;
+        self.expand_once(targets.gpu(), bind_group, &expanded);
+        Ok(Some(expanded))
     }
 
     pub(crate) fn upload_view(

@@ -6,7 +6,7 @@ use crate::pass::NativeVolumes;
 use std::sync::Arc;
 use terrafill_fill::{
     Capabilities, Colours, DeviceError, FillBackend, FillProgram, Frame, FrameInput, FrameTimes,
-    MemoryUse, Picture, PositionFormat, RegionConstants,
+    MemoryUse, Picture, PositionFormat, RegionConstants, Uploaded,
 };
 use terrafill_vulkan::{SharedTargets, VolumeFill};
 
@@ -97,6 +97,30 @@ impl FillBackend for NativeBackend {
             // And the constants'.
             buffers: buffers + self.fill.constant_buffers(),
             upload_bytes,
+        })
+    }
+
+    fn update(&mut self, input: &FrameInput, changed: &[usize]) -> Result<Uploaded, DeviceError> {
+        input.check_region_count()?;
+        self.fill.check_update(input, changed)?;
+        self.fill.targets().borrow_mut().prepare(input)?;
+        let before = self.fill.gpu().work_done();
+        self.fill.forget_meshes();
+        let is_rewritten = self.volumes.rewrite(&input.scene.meshes, changed)?;
+        if is_rewritten {
+            self.fill.hold_meshes(input);
+        }
+        let rewritten_bytes = self.fill.count_work_since(before);
+        let mut regions = if is_rewritten {
+            changed.to_vec()
+        } else {
+            (0..input.scene.meshes.len()).collect()
+        };
+        regions.sort_unstable();
+        regions.dedup();
+        Ok(Uploaded {
+            bytes: rewritten_bytes + self.bring_up_to_date(input)?,
+            regions,
         })
     }
 

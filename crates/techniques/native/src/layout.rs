@@ -106,6 +106,7 @@ pub(crate) struct RegionSlice {
     pub(crate) fixed: FixedPoint,
     /// In stored vertices: two per mesh vertex with `vs-control`.
     pub(crate) first_vertex: u32,
+    pub(crate) vertex_count: u32,
     pub(crate) short_indices: bool,
     /// In indices of the region's width: caps, or all there is.
     pub(crate) first_index: u32,
@@ -116,6 +117,17 @@ pub(crate) struct RegionSlice {
 }
 
 impl RegionSlice {
+    /// Where `other` lies when it takes this one's place; `None` where it has more or fewer vertices
+    /// or indices.
+    pub(crate) fn replaced_by(&self, other: &Self) -> Option<Self> {
+        let counts = |slice: &Self| {
+            let indices = [slice.index_count, slice.wall_index_count];
+            (slice.vertex_count, indices, slice.short_indices)
+        };
+        let fixed = other.fixed;
+        (counts(self) == counts(other)).then_some(Self { fixed, ..*self })
+    }
+
     /// As shaders are told; none here counts triangles.
     pub(crate) fn place(&self) -> RegionPlace {
         RegionPlace {
@@ -232,6 +244,7 @@ impl SceneGeometry {
         self.regions.push(RegionSlice {
             fixed,
             first_vertex,
+            vertex_count: self.vertex_count(technique) as u32 - first_vertex,
             short_indices: short,
             first_index,
             index_count: first_wall_index - first_index,
@@ -302,7 +315,8 @@ impl SceneGeometry {
     }
 }
 
-fn words_per_vertex(technique: Extrusion) -> usize {
+/// Words of a stored vertex.
+pub(crate) fn words_per_vertex(technique: Extrusion) -> usize {
     if technique == Extrusion::VsControl {
         4
     } else {

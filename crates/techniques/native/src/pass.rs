@@ -2,7 +2,7 @@
 //! Volumes as the passes of a fill draw them: buffers of a scene, and the pipelines that read them.
 
 use crate::extrusion::{Extrusion, Part};
-use crate::layout::{RegionSlice, SceneGeometry};
+use crate::layout::{RegionSlice, SceneGeometry, words_per_vertex};
 use crate::{NativeVariant, depth_range};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -68,6 +68,41 @@ impl NativeVolumes {
     ) -> Result<(), DeviceError> {
         let (technique, indices) = (self.variant.technique, self.variant.indices());
         self.upload_geometry(gpu, SceneGeometry::build(technique, indices, meshes))
+    }
+
+    /// Writes the geometry of the changed meshes over what they were. False, with nothing written,
+    /// where one of them does not fit into its old place.
+    pub(crate) fn rewrite(
+        &mut self,
+        meshes: &[RegionMesh],
+        changed: &[usize],
+    ) -> Result<bool, DeviceError> {
+        let (technique, indices) = (self.variant.technique, self.variant.indices());
+        let Some(scene) = &mut self.scene else {
+            return Ok(false);
+        };
+        let mut rewritten = Vec::with_capacity(changed.len());
+        for &mesh in changed {
+            let mesh_alone = std::slice::from_ref(&meshes[mesh]);
+            let geometry = SceneGeometry::build(technique, indices, mesh_alone);
+            let Some(slice) = scene.regions[mesh].replaced_by(&geometry.regions[0]) else {
+                return Ok(false);
+            };
+            rewritten.push((mesh, slice, geometry));
+        }
+        for (mesh, slice, geometry) in rewritten {
+            let vertex_bytes = 4 * words_per_vertex(technique) as u64;
+            let first_byte = u64::from(slice.first_vertex) * vertex_bytes;
+            let vertices = bytemuck::cast_slice(&geometry.vertices);
+            scene.vertices.rewrite_part(first_byte, vertices)?;
+            let first_index = u64::from(slice.first_index);
+            let short = bytemuck::cast_slice(&geometry.indices.short);
+            scene.short_indices.rewrite_part(2 * first_index, short)?;
+            let long = bytemuck::cast_slice(&geometry.indices.long);
+            scene.long_indices.rewrite_part(4 * first_index, long)?;
+            scene.regions[mesh] = slice;
+        }
+        Ok(true)
     }
 
     pub(crate) fn upload_geometry(

@@ -5,7 +5,7 @@ use crate::VertexVariant;
 use crate::pass::VertexVolumes;
 use terrafill_fill::{
     Capabilities, Colours, DeviceError, FillBackend, FillProgram, Frame, FrameInput, FrameTimes,
-    MemoryUse, Picture, RegionConstants,
+    MemoryUse, Picture, RegionConstants, Uploaded,
 };
 use terrafill_gpu::{SharedTargets, VolumeFill};
 
@@ -91,6 +91,31 @@ impl FillBackend for VertexBackend {
             // And the constants'.
             buffers: buffers + self.fill.constant_buffers(),
             upload_bytes,
+        })
+    }
+
+    fn update(&mut self, input: &FrameInput, changed: &[usize]) -> Result<Uploaded, DeviceError> {
+        input.check_region_count()?;
+        self.fill.check_update(input, changed)?;
+        self.fill.targets().borrow_mut().prepare(input)?;
+        let before = self.fill.gpu().work_done();
+        self.fill.forget_meshes();
+        let gpu = self.fill.gpu();
+        let is_rewritten = self.volumes.rewrite(&gpu, input, changed);
+        if is_rewritten {
+            self.fill.hold_meshes(input);
+        }
+        let rewritten_bytes = self.fill.count_work_since(before);
+        let mut regions = if is_rewritten {
+            changed.to_vec()
+        } else {
+            (0..input.scene.meshes.len()).collect()
+        };
+        regions.sort_unstable();
+        regions.dedup();
+        Ok(Uploaded {
+            bytes: rewritten_bytes + self.bring_up_to_date(input)?,
+            regions,
         })
     }
 

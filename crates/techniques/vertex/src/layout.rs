@@ -7,6 +7,7 @@ use crate::{IndexOrder, Layout, VertexVariant, cache_ordered};
 use glam::{DVec3, IVec3, Vec3};
 use std::borrow::Cow;
 use std::collections::HashSet;
+use std::ops::Range;
 use terrafill_core::RegionMesh;
 use terrafill_fill::{
     FixedPoint, GeometryBytes, IndexLists, PositionFormat, RegionPlace, boundary_edges, two_float,
@@ -104,10 +105,40 @@ pub fn per_triangle_volume_bytes(
 pub(crate) struct RegionSlice {
     /// Vertices are counted as stored: two per mesh vertex when doubled.
     pub(crate) place: RegionPlace,
+    pub(crate) vertex_count: u32,
     /// Indices of the strips, or entries of the loop list.
     pub(crate) loop_index_count: u32,
     /// Of those, the last ones: the second walls on inner edges. The first ones, as many, precede them.
     pub(crate) turned_index_count: u32,
+}
+
+impl RegionSlice {
+    /// Where `other` lies when it takes this one's place; `None` where it has more or fewer vertices
+    /// or indices.
+    pub(crate) fn replaced_by(&self, other: &Self) -> Option<Self> {
+        let place = RegionPlace {
+            fixed: other.place.fixed,
+            ..self.place
+        };
+        let moved = Self { place, ..*self };
+        let unmoved = |slice: &Self| Self {
+            place: RegionPlace {
+                fixed: other.place.fixed,
+                first_vertex: 0,
+                first_triangle_index: 0,
+                first_loop_index: slice.place.first_loop_index - slice.place.first_triangle_index,
+                ..slice.place
+            },
+            ..*slice
+        };
+        (unmoved(self) == unmoved(other)).then_some(moved)
+    }
+
+    /// Its indices, caps and then walls, in the list of their width.
+    pub(crate) fn indices(&self) -> Range<usize> {
+        let end = self.place.first_loop_index + self.loop_index_count;
+        self.place.first_triangle_index as usize..end as usize
+    }
 }
 
 /// Contents of a scene's geometry buffers.
@@ -173,6 +204,7 @@ impl SceneGeometry {
                 triangle_count: mesh.triangles.len() as u32,
                 has_short_indices: short_indices,
             },
+            vertex_count: (self.vertices.len() / variant.vertex_words()) as u32 - first_vertex,
             loop_index_count: self.indices.count(short_indices) - first_loop_index,
             turned_index_count,
         });

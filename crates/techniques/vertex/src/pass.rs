@@ -4,7 +4,8 @@
 use crate::layout::{RegionSlice, SceneGeometry};
 use crate::pipeline::{Part, PipelineKey, Pipelines, draws_first_walls_twice, parts};
 use crate::{Layout, VertexVariant};
-use terrafill_fill::{DeviceError, FrameInput, GeometryBytes, RegionPlace, VolumeDraw};
+use std::ops::Range;
+use terrafill_fill::{DeviceError, FrameInput, GeometryBytes, IndexLists, RegionPlace, VolumeDraw};
 use terrafill_gpu::{Gpu, RenderTargets, VolumeFill, VolumePass, Volumes};
 
 /// Volumes of a scene, and the pipelines that draw them.
@@ -24,6 +25,8 @@ struct SceneBuffers {
     flags: Option<wgpu::Buffer>,
     short_indices: wgpu::Buffer,
     long_indices: wgpu::Buffer,
+    /// What `short_indices` holds: a device is written to in words, which two regions may share.
+    short: Vec<u16>,
     /// Layout `pulled`: the vertices with the short and with the long indices.
     pulled: Option<[wgpu::BindGroup; 2]>,
     bytes: GeometryBytes,
@@ -98,14 +101,56 @@ impl VertexVolumes {
             flags,
             short_indices,
             long_indices,
+            short: geometry.indices.short,
             pulled,
             bytes,
         });
         Ok(())
     }
+
+    /// Writes the geometry of the changed meshes over what they were. False, with nothing written,
+    /// where one of them does not fit into its old place.
+    pub(crate) fn rewrite(&mut self, gpu: &Gpu, input: &FrameInput, changed: &[usize]) -> bool {
+        let Some(scene) = &mut self.scene else {
+            return false;
+        };
+        let mut rewritten = Vec::with_capacity(changed.len());
+        for &mesh in changed {
+            let mesh_alone = std::slice::from_ref(&input.scene.meshes[mesh]);
+            let geometry = SceneGeometry::build(&self.variant, mesh_alone);
+            let Some(slice) = scene.regions[mesh].replaced_by(&geometry.regions[0]) else {
+                return false;
+            };
+            rewritten.push((mesh, slice, geometry));
+        }
+        let vertex_bytes = 4 * self.variant.vertex_words() as u64;
+        for (mesh, slice, geometry) in rewritten {
+            let first_byte = u64::from(slice.place.first_vertex) * vertex_bytes;
+            let vertices = bytemuck::cast_slice(&geometry.vertices);
+            gpu.write_buffer(&scene.vertices, first_byte, vertices);
+            scene.write_indices(gpu, slice.indices(), &geometry.indices);
+            scene.regions[mesh] = slice;
+        }
+        true
+    }
 }
 
 impl SceneBuffers {
+    /// Writes the indices of a region, which are all of one width.
+    fn write_indices(&mut self, gpu: &Gpu, range: Range<usize>, indices: &IndexLists) {
+        if !indices.long.is_empty() {
+            let first_byte = 4 * range.start as u64;
+            let long = bytemuck::cast_slice(&indices.long);
+            gpu.write_buffer(&self.long_indices, first_byte, long);
+        }
+        if !indices.short.is_empty() {
+            self.short[range.clone()].copy_from_slice(&indices.short);
+            let (first_byte, words) = whole_words(&self.short, range);
+            let words = bytemuck::cast_slice(&words);
+            gpu.write_buffer(&self.short_indices, first_byte, words);
+        }
+    }
+
     fn slice(&self, input: &FrameInput, planned: usize) -> &RegionSlice {
         &self.regions[input.plan.regions[planned].mesh]
     }
@@ -134,6 +179,16 @@ impl SceneBuffers {
             pass.set_index_buffer(indices, wgpu::IndexFormat::Uint32);
         }
     }
+}
+
+/// The pairs of indices that hold those of `range`, and where they begin, in bytes. A buffer with an
+/// odd number of indices ends with zeros.
+fn whole_words(list: &[u16], range: Range<usize>) -> (u64, Vec<[u16; 2]>) {
+    let first = range.start / 2 * 2;
+    let end = range.end.next_multiple_of(2).min(list.len());
+    let pairs = list[first..end].chunks(2);
+    let words = pairs.map(|pair| [pair[0], pair.get(1).copied().unwrap_or(0)]);
+    (2 * first as u64, words.collect())
 }
 
 impl Volumes for VertexVolumes {
@@ -241,5 +296,20 @@ impl VertexVolumes {
             i32::try_from(slice.place.first_vertex).unwrap_or(i32::MAX)
         };
         pass.draw_indexed(first..first + count, base_vertex, planned);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_hold_a_range_and_what_shares_a_word_with_it() {
+        let list = [1, 2, 3, 4, 5];
+        assert_eq!(whole_words(&list, 0..2), (0, vec![[1, 2]]));
+        assert_eq!(whole_words(&list, 1..2), (0, vec![[1, 2]]));
+        assert_eq!(whole_words(&list, 1..3), (0, vec![[1, 2], [3, 4]]));
+        assert_eq!(whole_words(&list, 3..5), (4, vec![[3, 4], [5, 0]]));
+        assert_eq!(whole_words(&list, 4..5), (8, vec![[5, 0]]));
     }
 }

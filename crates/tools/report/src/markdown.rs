@@ -27,26 +27,34 @@ pub(crate) fn names(text: &mut String, heading: &str, names: &[String]) {
     }
 }
 
-/// Adds a chapter's findings and main tables, each table under the last section's heading.
+/// Adds a chapter's findings and main tables, each under the last heading before it.
 pub(crate) fn chapter(text: &mut String, title: &str, blocks: &[Block]) {
     let mut own = String::new();
-    let mut heading = "";
+    let mut heading: Option<&str> = None;
+    let mut is_after_finding = false;
     for block in blocks {
-        match block {
-            Block::Heading { text, .. } => heading = text,
-            Block::Finding(finding) => own.push_str(&line(finding)),
-            Block::Table(main) if main.is_main => {
-                if !heading.is_empty() {
-                    own.push_str(&format!("\n### {}\n", escaped(heading)));
-                    heading = "";
-                }
-                own.push_str(&table(main));
+        let piece = match block {
+            Block::Heading { text, .. } => {
+                heading = Some(text);
+                continue;
             }
-            _ => {}
+            Block::Finding(finding) => line(finding),
+            Block::Table(main) if main.is_main => table(main),
+            _ => continue,
+        };
+        if let Some(heading) = heading.take() {
+            own.push_str(&format!("\n### {}\n", escaped(heading)));
+            is_after_finding = false;
         }
+        let is_finding = matches!(block, Block::Finding(_));
+        if is_finding && !is_after_finding {
+            own.push('\n');
+        }
+        is_after_finding = is_finding;
+        own.push_str(&piece);
     }
     if !own.is_empty() {
-        text.push_str(&format!("\n## {title}\n\n{}\n", own.trim_start()));
+        text.push_str(&format!("\n## {title}\n\n{}\n", own.trim()));
     }
 }
 
@@ -130,7 +138,9 @@ mod tests {
         assert!(text.contains("### One thing changed\n\n| view | time |\n| --- | --- |\n"));
         assert!(text.contains("| a\\|b c | 2.00 × |"), "{text}");
         assert!(!text.contains("hidden"));
-        assert!(text.contains("- Strips made no \\<difference\\>. 1.02 ×: **cannot tell**"));
+        let finding =
+            "| a\\|b c | 2.00 × |\n\n- Strips made no \\<difference\\>. 1.02 ×: **cannot tell**";
+        assert!(text.contains(finding), "{text}");
         // Twin: a chapter without either is not mentioned.
         let mut text = String::new();
         chapter(&mut text, "Filling", &[table(false, "hidden")]);

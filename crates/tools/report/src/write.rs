@@ -3,7 +3,7 @@
 
 use crate::verdict::{Counts, StudyNoise, Verdict, is_defect, named, noise, plural, sentences};
 use crate::view::Renderer;
-use crate::{WriteError, markdown};
+use crate::{ReportError, markdown};
 use askama::Template;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -86,9 +86,9 @@ struct NoiseFile {
 /// reader never meets half a file.
 ///
 /// # Errors
-/// [`WriteError::Chapter`] when the folder holds no run, or a file in it does not fit the schema;
-/// [`WriteError::Io`] when a file cannot be written.
-pub fn write(folder: &Path, chapters: &[&dyn Chapter]) -> Result<WrittenReport, WriteError> {
+/// [`ReportError::Chapter`] when the folder holds no run, or a file in it does not fit the schema;
+/// [`ReportError::Io`] when a file cannot be written.
+pub fn write(folder: &Path, chapters: &[&dyn Chapter]) -> Result<WrittenReport, ReportError> {
     let run = Run::load(folder)?;
     let counts = Counts::of(&run);
     let (verdict, noise) = (counts.verdict(), noise(&run, chapters));
@@ -142,7 +142,7 @@ pub fn write(folder: &Path, chapters: &[&dyn Chapter]) -> Result<WrittenReport, 
         noise: noise.iter().map(noise_file).collect(),
     };
     files.push((SUMMARY.to_owned(), summary));
-    let result = serde_json::to_string_pretty(&result).map_err(WriteError::Result)?;
+    let result = serde_json::to_string_pretty(&result).map_err(ReportError::Result)?;
     files.push((RESULT.to_owned(), result + "\n"));
     files.push((PAGE.to_owned(), page.render()?));
     for (file, text) in &files {
@@ -160,7 +160,7 @@ pub fn write(folder: &Path, chapters: &[&dyn Chapter]) -> Result<WrittenReport, 
 fn chapter_views(
     run: &Run,
     chapters: &[(&dyn Chapter, Vec<Block>)],
-) -> Result<Vec<ChapterView>, WriteError> {
+) -> Result<Vec<ChapterView>, ReportError> {
     let mut renderer = Renderer::new(run);
     let views = chapters.iter().map(|(chapter, blocks)| {
         let id = renderer.id(chapter.study());
@@ -272,19 +272,19 @@ fn environment(run: &Run) -> Vec<(&'static str, String)> {
 }
 
 /// Writes beside the file and renames, so that a kill in between leaves the old file whole.
-fn replace(path: &Path, text: &str) -> Result<(), WriteError> {
+fn replace(path: &Path, text: &str) -> Result<(), ReportError> {
     let mut unfinished = path.as_os_str().to_owned();
     unfinished.push(".new");
     let unfinished = PathBuf::from(unfinished);
     std::fs::write(&unfinished, text)
         .and_then(|()| std::fs::rename(&unfinished, path))
-        .map_err(|source| WriteError::Io {
+        .map_err(|source| ReportError::Io {
             path: path.to_owned(),
             source,
         })
 }
 
-impl From<RunError> for WriteError {
+impl From<RunError> for ReportError {
     fn from(error: RunError) -> Self {
         Self::Chapter(ChapterError::Run(error))
     }

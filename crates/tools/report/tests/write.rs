@@ -4,7 +4,7 @@
 
 use std::fs;
 use std::path::Path;
-use terrafill_report::{Verdict, WriteError, WrittenReport, write};
+use terrafill_report::{ReportError, Verdict, WrittenReport, write};
 use terrafill_results::made_up::{MadeUpRun, case_id};
 use terrafill_results::{
     Block, CaseId, Cell, CellClass, Chapter, ChapterError, Clock, DerivedTable, Finding, Heading,
@@ -389,7 +389,7 @@ fn a_missing_table_and_a_wrong_cell_are_refused_with_their_place() {
     let empty = tempfile::tempdir().expect("a folder");
     let error = write(empty.path(), &[]).expect_err("no run");
     assert!(
-        matches!(error, WriteError::Chapter(ChapterError::Run(_))),
+        matches!(error, ReportError::Chapter(ChapterError::Run(_))),
         "{error}"
     );
 }

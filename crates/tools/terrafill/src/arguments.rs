@@ -54,12 +54,9 @@ pub(crate) enum Verb {
     #[command(after_help = "Example: terrafill devices")]
     Devices,
     /// Mesh one region and print its vertices and CPU milliseconds: what `bench` starts for each
-    #[command(hide = true, name = GROWTH_SAMPLE)]
+    #[command(hide = true, name = registry::GROWTH_SAMPLE)]
     GrowthSample(GrowthSampleArguments),
 }
-
-/// Verb by which this program measures itself in a fresh process.
-pub(crate) const GROWTH_SAMPLE: &str = "growth-sample";
 
 #[derive(Debug, Args)]
 pub(crate) struct GrowthSampleArguments {
@@ -70,8 +67,11 @@ pub(crate) struct GrowthSampleArguments {
 #[derive(Debug, Args)]
 pub(crate) struct StudiesArguments {
     /// Print one JSON object instead of a list
-    #[arg(long)]
+    #[arg(long, conflicts_with = "markdown")]
     pub(crate) json: bool,
+    /// Print every metric with its meaning, as GLOSSARY.md has it
+    #[arg(long)]
+    pub(crate) markdown: bool,
 }
 
 #[derive(Debug, Args)]

@@ -3,9 +3,9 @@
 
 use crate::arguments::{BenchArguments, GrowthSampleArguments, MergeArguments, ReportArguments};
 use crate::environment::environment;
+use crate::outcome::{Failure, Outcome, print};
 use crate::progress::Said;
 use crate::registry::{STUDIES, chapters, metrics};
-use crate::{Failure, Outcome, print};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::rc::Rc;

@@ -2,8 +2,9 @@
 //! `scenes` and `devices`: what there is.
 
 use crate::arguments::{ScenesArguments, StudiesArguments};
+use crate::outcome::{Failure, Outcome, print};
+use crate::registry;
 use crate::registry::STUDIES;
-use crate::{Failure, Outcome, print, registry};
 use terrafill_results::MetricRow;
 use terrafill_scene::{Scene, SceneError, data_dir_from_env, shipped_scene_names};
 
@@ -59,6 +60,10 @@ pub(crate) fn studies(arguments: &StudiesArguments) -> Result<Outcome, Failure> 
         print(&(text.map_err(Failure::bad_input)? + "\n"));
         return Ok(Outcome::Done);
     }
+    if arguments.markdown {
+        print(&metrics_as_markdown());
+        return Ok(Outcome::Done);
+    }
     for study in STUDIES {
         let metrics = study.metrics().len();
         print(&format!(
@@ -68,6 +73,27 @@ pub(crate) fn studies(arguments: &StudiesArguments) -> Result<Outcome, Failure> 
         ));
     }
     Ok(Outcome::Done)
+}
+
+/// A table of each study's metrics: the generated part of GLOSSARY.md.
+fn metrics_as_markdown() -> String {
+    let mut text = String::new();
+    for study in STUDIES {
+        text += &format!(
+            "\n### Study `{}`\n\n{}\n\n| metric | unit | kind | better | meaning |\n|---|---|---|---|---|\n",
+            study.name(),
+            study.question()
+        );
+        for metric in study.metrics() {
+            let kind = format!("{:?}", metric.kind).to_lowercase();
+            let better = format!("{:?}", metric.better).to_lowercase();
+            text += &format!(
+                "| `{}` | {} | {kind} | {better} | {} |\n",
+                metric.name, metric.unit, metric.meaning
+            );
+        }
+    }
+    text
 }
 
 /// What one adapter is to each of the two APIs. Both may know adapters that the other does not.
@@ -229,6 +255,33 @@ fn describe(adapter: &Adapter) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Lines around the generated part of GLOSSARY.md.
+    const GENERATED: [&str; 2] = [
+        "<!-- generated: terrafill studies --markdown -->\n",
+        "<!-- end of the generated part -->\n",
+    ];
+
+    /// The generated part of a glossary.
+    fn generated(glossary: &str) -> Option<&str> {
+        let (_, rest) = glossary.split_once(GENERATED[0])?;
+        rest.split_once(GENERATED[1]).map(|(part, _)| part)
+    }
+
+    #[test]
+    fn the_glossary_has_every_metric_as_it_is_declared() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../GLOSSARY.md");
+        let glossary = std::fs::read_to_string(path).expect("GLOSSARY.md");
+        let expected = metrics_as_markdown();
+        assert!(
+            generated(&glossary) == Some(&expected),
+            "GLOSSARY.md is not what `terrafill studies --markdown` prints: paste it there"
+        );
+        // Twins: a word that was changed by hand, and a glossary without the part.
+        let edited = glossary.replacen("| counter |", "| number |", 1);
+        assert!(generated(&edited) != Some(&expected));
+        assert_eq!(generated("# Glossary\n"), None);
+    }
     use terrafill_vulkan::Features;
 
     fn wgpu_facts(name: &str) -> terrafill_gpu::DeviceFacts {

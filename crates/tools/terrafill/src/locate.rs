@@ -2,8 +2,8 @@
 //! `locate`: `lon,lat` in, `lon,lat,regions` out.
 
 use crate::arguments::LocateArguments;
+use crate::outcome::{Failure, Outcome, print};
 use crate::regions::{Leniency, Meshed, read_and_mesh, report_skipped};
-use crate::{Failure, Outcome, print};
 use std::path::Path;
 use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh};
 use terrafill_reference::Locator;

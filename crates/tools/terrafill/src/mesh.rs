@@ -2,9 +2,9 @@
 //! `mesh`: what becomes of a file's regions.
 
 use crate::arguments::MeshArguments;
+use crate::outcome::{Failure, Outcome, print};
 use crate::regions::{FeatureProblem, Leniency, Meshed, read_and_mesh, report_skipped};
 use crate::registry::TECHNIQUES;
-use crate::{Failure, Outcome, print};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;

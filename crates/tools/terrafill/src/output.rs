@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Files that a verb writes: all of them whole, or none.
 
-use crate::Failure;
+use crate::outcome::Failure;
 use std::io;
 use std::path::{Path, PathBuf};
 

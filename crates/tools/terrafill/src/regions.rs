@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Files of regions, read and meshed: every problem of a file at once.
 
-use crate::Failure;
 use crate::arguments::Repair;
+use crate::outcome::Failure;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The techniques, surfaces and studies there are. Adding one takes a crate and a line here.
 
-use crate::arguments::GROWTH_SAMPLE;
 use std::sync::OnceLock;
 use terrafill_compute::ComputeTechnique;
 use terrafill_fill::Technique;
@@ -13,6 +12,9 @@ use terrafill_results::{Chapter, Metric};
 use terrafill_study::Study;
 use terrafill_surface::{EllipsoidKind, SurfaceKind};
 use terrafill_vertex::VertexTechnique;
+
+/// Verb by which this program measures itself in a fresh process.
+pub(crate) const GROWTH_SAMPLE: &str = "growth-sample";
 
 /// Every technique, in the order in which they are measured. The first is the one whose pictures the
 /// others' are laid beside.

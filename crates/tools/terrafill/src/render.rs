@@ -2,9 +2,9 @@
 //! `render`: one picture.
 
 use crate::arguments::RenderArguments;
+use crate::outcome::{Failure, Outcome};
 use crate::output::{check_paths, write_all};
 use crate::registry::{SURFACES, TECHNIQUES, technique};
-use crate::{Failure, Outcome};
 use image::{ExtendedColorType, ImageFormat};
 use serde_json::json;
 use std::collections::BTreeMap;

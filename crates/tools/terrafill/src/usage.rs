@@ -4,7 +4,7 @@
 //! A wrong value gets the one line that wrong input gets everywhere, with what was found and what is
 //! allowed; for the rest clap's own text says best what the verb looks like.
 
-use crate::Outcome;
+use crate::outcome::Outcome;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::error::Error as _;
 use std::process::ExitCode;

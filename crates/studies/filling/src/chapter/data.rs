@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The study's cases as its chapter reads them, in scenes and views, with the run's clock.
 
+use crate::request::STUDY;
 use terrafill_plot::number::times;
 use terrafill_results::{
     Case, Cell, Estimate, Heading, Noise, Run, Spread, process_medians, ratio, sample_spread,
@@ -59,11 +60,7 @@ pub(super) struct View<'a> {
 
 impl<'a> Data<'a> {
     pub(super) fn new(run: &'a Run, metric: &'static str) -> Self {
-        let own = || {
-            run.cases
-                .iter()
-                .filter(|case| case.id().study == super::STUDY)
-        };
+        let own = || run.cases.iter().filter(|case| case.id().study == STUDY);
         let (memory, cases) = own()
             .filter(|case| !case.is_twin())
             .partition(|case| has_role(case, "memory"));

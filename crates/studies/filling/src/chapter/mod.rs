@@ -20,11 +20,9 @@ mod summary;
 mod tests;
 mod textured;
 
+use crate::request::STUDY;
 use data::{Data, is_baseline};
 use terrafill_results::{Block, Chapter, ChapterError, Clock, DerivedTable, Outcome, Run};
-
-/// Name of the study.
-const STUDY: &str = "filling";
 
 /// What filling regions costs and how right it is.
 #[derive(Debug, Clone, Copy, Default)]

@@ -64,7 +64,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
     vec![
         Block::section("One thing changed"),
         Block::Text(format!(
-            "{} of the one over that of the other, paired by process, with the 95 % interval where \
+            "Ratios of {}: the first over the second, paired by process, with the 95 % interval where \
              there are processes enough; below 1 the first is faster. Both as they should be used, \
              with the full picture right.",
             data.run.clock().name()

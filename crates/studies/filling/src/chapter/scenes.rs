@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Every scene with its views: plots, tables of all cases, and pictures beside the reference's.
 
-use super::data::{DEPTH_PASS, Data, STENCIL_PASS, Scene, View, counter, is_baseline, name};
+use super::data::{
+    DEPTH_PASS, Data, STENCIL_PASS, Scene, View, counter, has_role, is_baseline, name,
+};
 use super::ladder::{AXIS_ONE, axis_title, no_ratio};
 use super::{error_time, memory, published};
 use terrafill_plot::number::{bytes, count, significant, spread};
@@ -121,8 +123,11 @@ pub(super) fn overview(data: &Data<'_>) -> Option<Block> {
     })
 }
 
+/// The points of a sweep draw coarser boundaries on purpose, so that they do not compete.
 fn overview_row(data: &Data<'_>, scene: &str, view: &View<'_>) -> Option<Row> {
-    let right = view.cases.iter().filter(|case| case.counts());
+    let competes = |case: &&&Case| !has_role(case, "sweep") || has_role(case, "main");
+    let all = view.cases.iter().filter(competes);
+    let right = all.clone().filter(|case| case.counts());
     let timed = right
         .clone()
         .filter_map(|case| Some((*case, data.right_time(case)?)));
@@ -143,7 +148,7 @@ fn overview_row(data: &Data<'_>, scene: &str, view: &View<'_>) -> Option<Row> {
     };
     Some(Row::new(vec![
         Cell::name(format!("{scene}, {}", view.name)),
-        Cell::plain(format!("{} of {}", right.count(), view.cases.len())),
+        Cell::plain(format!("{} of {}", right.count(), all.count())),
         Cell::name(name(fastest)),
         Cell::plain(significant(time.median)),
         over(DEPTH_PASS),

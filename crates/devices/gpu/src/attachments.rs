@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Textures that passes draw into, their formats, and how passes attach them.
+
+use crate::Gpu;
+use terrafill_scene::ImageSize;
+
+/// Colour target: ids and colours are exact in it.
+pub const COLOUR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+
+/// Reversed depth needs float: on a 24-bit depth buffer it gains nothing.
+pub const DEPTH_STENCIL_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32FloatStencil8;
+
+/// A texture of one level that is drawn into, and whatever `usage` says beside.
+pub(crate) fn target(
+    gpu: &Gpu,
+    size: ImageSize,
+    label: &str,
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d {
+            width: size.width,
+            height: size.height,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
+        view_formats: &[],
+    })
+}
+
+/// Depth as it is, and the stencil to be written, or, without a way to load it, to be left as it is too.
+pub(crate) fn read_only_depth(
+    view: &wgpu::TextureView,
+    stencil: Option<wgpu::LoadOp<u32>>,
+) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: None,
+        stencil_ops: stencil.map(|load| wgpu::Operations {
+            load,
+            store: wgpu::StoreOp::Store,
+        }),
+    }
+}
+
+/// A colour target, written.
+pub(crate) fn attached(
+    view: &wgpu::TextureView,
+    load: wgpu::LoadOp<wgpu::Color>,
+) -> wgpu::RenderPassColorAttachment<'_> {
+    wgpu::RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops: wgpu::Operations {
+            load,
+            store: wgpu::StoreOp::Store,
+        },
+    }
+}

@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The targets that every Vulkan backend plays on: one pair of targets and the surface drawn into
+//! them, by the same shader and in the same formats as the wgpu targets'.
+//!
+//! A fill reads depth and never writes it, so one surface pass serves any number of fills of the
+//! same view.
+
+use crate::queries::{Queries, QueryKind, span_ms};
+use crate::readback::read_targets;
+use crate::surface::{SurfacePass, TriangleRenderer};
+use crate::targets::Targets;
+use crate::{
+    BindGroup, Buffer, BufferUse, DepthBindings, FillRecorder, FillTimes, Gpu, PassStatistics,
+    Probe,
+};
+use ash::vk;
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::Arc;
+use terrafill_fill::{
+    DeviceError, FillProgram, FrameInput, NUMBER_BYTES, Picture, SKY, ViewConstants, ViewId,
+    check_target_size,
+};
+use terrafill_scene::ImageSize;
+use terrafill_surface::SurfaceRenderer as _;
+
+/// A targets shared by the backends of one run.
+pub type SharedTargets = Rc<RefCell<RenderTargets>>;
+
+/// What is measured of a fill.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measured {
+    /// Nothing.
+    Nothing,
+    /// GPU times.
+    Times,
+    /// Pipeline statistics.
+    Statistics,
+    /// Samples that pass depth and stencil test.
+    Samples,
+}
+
+/// What was measured; absent where the device cannot, or it was not asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FillReport {
+    /// GPU times.
+    pub times: FillTimes,
+    /// Pipeline statistics.
+    pub statistics: Option<PassStatistics>,
+    /// Samples that passed the depth and stencil test.
+    pub samples: Option<u64>,
+}
+
+/// Targets, surface and clock on one device.
+#[derive(Debug)]
+pub struct RenderTargets {
+    gpu: Arc<Gpu>,
+    size: ImageSize,
+    targets: Targets,
+    stamps: Option<Queries>,
+    surface: TriangleRenderer,
+    prepared: Option<PreparedView>,
+    /// The surface of what is prepared is in the targets, and these are in their layouts.
+    is_drawn: bool,
+}
+
+/// A view whose surface is uploaded.
+#[derive(Debug)]
+struct PreparedView {
+    id: ViewId,
+    constants: Arc<Buffer>,
+    bindings: BindGroup,
+}
+
+/// Stamps: three of a fill, two of the surface.
+const STAMPS: u32 = 5;
+
+const SURFACE_STAMPS: u32 = 3;
+
+impl RenderTargets {
+    /// A targets of the given size.
+    ///
+    /// # Errors
+    /// [`DeviceError::Unsupported`] when the device has no targets that large.
+    pub fn new(gpu: &Arc<Gpu>, size: ImageSize) -> Result<Self, DeviceError> {
+        let limits = &gpu.limits;
+        let limit = limits
+            .max_image_dimension2_d
+            .min(limits.max_framebuffer_width)
+            .min(limits.max_framebuffer_height)
+            .min(limits.max_viewport_dimensions[0])
+            .min(limits.max_viewport_dimensions[1]);
+        check_target_size(size, limit, &gpu.facts.name)?;
+        Ok(Self {
+            gpu: Arc::clone(gpu),
+            size,
+            targets: Targets::new(gpu, size)?,
+            stamps: Queries::new(gpu, QueryKind::Timestamps, STAMPS)?,
+            surface: TriangleRenderer::new(gpu)?,
+            prepared: None,
+            is_drawn: false,
+        })
+    }
+
+    /// The same, shared.
+    ///
+    /// # Errors
+    /// As [`RenderTargets::new`].
+    pub fn shared(gpu: &Arc<Gpu>, size: ImageSize) -> Result<SharedTargets, DeviceError> {
+        Ok(Rc::new(RefCell::new(Self::new(gpu, size)?)))
+    }
+
+    /// The device.
+    #[must_use]
+    pub fn gpu(&self) -> &Arc<Gpu> {
+        &self.gpu
+    }
+
+    /// Size of the targets.
+    #[must_use]
+    pub fn size(&self) -> ImageSize {
+        self.size
+    }
+
+    /// Constants of the view that was prepared last.
+    #[must_use]
+    pub fn view_constants(&self) -> Option<&Arc<Buffer>> {
+        self.prepared.as_ref().map(|prepared| &prepared.constants)
+    }
+
+    /// Makes the target of accumulated numbers, unless it is there.
+    ///
+    /// # Errors
+    /// [`DeviceError::Unsupported`] when the device cannot blend into it,
+    /// [`DeviceError::OutOfMemory`].
+    pub fn ensure_numbers(&mut self) -> Result<(), DeviceError> {
+        if !self.gpu.facts.features.blends_float {
+            return Err(DeviceError::unsupported(
+                "blending into R32_SFLOAT",
+                &self.gpu.facts.name,
+            ));
+        }
+        if self.targets.numbers().is_none() {
+            self.targets.make_numbers()?;
+        }
+        Ok(())
+    }
+
+    /// Bytes of the target of accumulated numbers, if `program` draws into it.
+    #[must_use]
+    pub fn number_bytes(&self, program: &FillProgram) -> u64 {
+        if program.accumulates() {
+            self.size.pixel_count() as u64 * NUMBER_BYTES
+        } else {
+            0
+        }
+    }
+
+    /// The depth that the surface leaves and regions' constants, for textured covers on this targets.
+    ///
+    /// - `regions`: constants of one region after the other, `stride` bytes each,
+    ///   a multiple of [`DepthBindings::alignment`]
+    ///
+    /// # Errors
+    /// [`DeviceError::Unsupported`] when the device's shaders cannot read depth, or the buffer does
+    /// not fit; [`DeviceError::OutOfMemory`].
+    pub fn bind_depth(
+        &self,
+        regions: &Arc<Buffer>,
+        stride: usize,
+    ) -> Result<DepthBindings, DeviceError> {
+        DepthBindings::new(&self.targets, &self.gpu, regions, stride)
+    }
+
+    /// Targets of a textured fill's probe.
+    ///
+    /// # Errors
+    /// [`DeviceError::OutOfMemory`].
+    pub fn probe(&self) -> Result<Probe, DeviceError> {
+        Probe::new(&self.targets, &self.gpu)
+    }
+
+    /// Uploads the view and its surface, unless they are there already.
+    ///
+    /// # Errors
+    /// [`DeviceError::OverCapacity`] when the input's size is not the targets'.
+    pub fn prepare(&mut self, input: &FrameInput) -> Result<(), DeviceError> {
+        input.check_size(self.size)?;
+        if self.is_prepared(input) {
+            return Ok(());
+        }
+        self.is_drawn = false;
+        self.prepared = None;
+        let constants = Arc::new(Buffer::upload(
+            &self.gpu,
+            "view constants",
+            bytemuck::bytes_of(&ViewConstants::new(input)),
+            BufferUse::Uniform,
+        )?);
+        self.surface.prepare(&input.surface)?;
+        self.prepared = Some(PreparedView {
+            id: input.view_id,
+            bindings: BindGroup::new(&self.gpu, &constants, None)?,
+            constants,
+        });
+        Ok(())
+    }
+
+    fn is_prepared(&self, input: &FrameInput) -> bool {
+        self.prepared
+            .as_ref()
+            .is_some_and(|prepared| prepared.id == input.view_id)
+    }
+
+    /// Whether the targets hold the surface of this input.
+    #[must_use]
+    pub fn holds(&self, input: &FrameInput) -> bool {
+        self.is_drawn && self.is_prepared(input)
+    }
+
+    /// Clears the targets, draws the surface, waits, and gives the pass's GPU time.
+    ///
+    /// # Errors
+    /// [`DeviceError::NotPrepared`], [`DeviceError::DeviceLost`].
+    pub fn draw_surface(&mut self) -> Result<Option<f64>, DeviceError> {
+        let Some(prepared) = &self.prepared else {
+            return Err(DeviceError::no_surface());
+        };
+        let clears = [
+            vk::ClearValue {
+                color: vk::ClearColorValue { float32: SKY },
+            },
+            vk::ClearValue {
+                depth_stencil: vk::ClearDepthStencilValue::default(),
+            },
+        ];
+        let begin = vk::RenderPassBeginInfo::default()
+            .render_pass(self.gpu.fixtures.surface)
+            .framebuffer(self.targets.framebuffer(true))
+            .render_area(self.targets.area())
+            .clear_values(&clears);
+        let stamps = self.stamps.as_ref();
+        let graphics = vk::PipelineBindPoint::GRAPHICS;
+        // SAFETY: bindings were made for this pass on this device; they and the surface live until the
+        // submission is done.
+        unsafe {
+            self.gpu.submit(|device, commands| {
+                if let Some(stamps) = stamps {
+                    device.cmd_reset_query_pool(commands, stamps.raw, SURFACE_STAMPS, 2);
+                    let start = vk::PipelineStageFlags::TOP_OF_PIPE;
+                    device.cmd_write_timestamp(commands, start, stamps.raw, SURFACE_STAMPS);
+                }
+                device.cmd_begin_render_pass(commands, &begin, vk::SubpassContents::INLINE);
+                device.cmd_set_viewport(commands, 0, &[self.targets.viewport()]);
+                device.cmd_set_scissor(commands, 0, &[self.targets.area()]);
+                device.cmd_bind_descriptor_sets(
+                    commands,
+                    graphics,
+                    self.gpu.fixtures.pipeline_layout,
+                    0,
+                    &[prepared.bindings.set()],
+                    &[],
+                );
+                self.surface.draw(&mut SurfacePass::new(device, commands));
+                device.cmd_end_render_pass(commands);
+                if let Some(stamps) = stamps {
+                    let end = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
+                    device.cmd_write_timestamp(commands, end, stamps.raw, SURFACE_STAMPS + 1);
+                }
+            })?;
+        }
+        self.is_drawn = true;
+        match stamps {
+            Some(stamps) => {
+                let ticks = stamps.read(SURFACE_STAMPS, 2)?;
+                Ok(span_ms(ticks[0], ticks[1], self.gpu.timestamp_period_ns()))
+            }
+            None => Ok(None),
+        }
+    }
+
+    /// Records a fill of at most `passes` passes on top of the surface, submits it and waits.
+    /// `record` must not upload, draw a surface or fill: the queue is taken while it runs.
+    ///
+    /// # Errors
+    /// [`DeviceError::NotPrepared`] when there is no surface in the targets; the first draw's error
+    /// that could not be recorded; [`DeviceError::DeviceLost`].
+    pub fn fill<'a>(
+        &'a self,
+        passes: usize,
+        measured: Measured,
+        record: impl FnOnce(&mut FillRecorder<'a>),
+    ) -> Result<FillReport, DeviceError> {
+        if !self.is_drawn {
+            return Err(DeviceError::no_surface());
+        }
+        let count = u32::try_from(passes).unwrap_or(u32::MAX);
+        let queries = match measured {
+            Measured::Statistics => Queries::new(&self.gpu, QueryKind::Statistics, count)?,
+            Measured::Samples => Queries::new(&self.gpu, QueryKind::Samples, count)?,
+            Measured::Nothing | Measured::Times => None,
+        };
+        let stamps = self.stamps.as_ref().filter(|_| measured == Measured::Times);
+        let mut recorder = FillRecorder::new(&self.gpu, &self.targets, queries.as_ref(), stamps);
+        // SAFETY: the recorder records what fits only; it borrows what draws use for `'a`, which
+        // outlives this call, and the queries live until the end of it.
+        unsafe {
+            self.gpu.submit(|_, commands| {
+                recorder.begin(commands);
+                record(&mut recorder);
+                recorder.end();
+            })?;
+        }
+        let drawn = recorder.finish()?;
+        let mut report = FillReport::default();
+        if let Some(stamps) = stamps.filter(|_| drawn > 0) {
+            report.times = self.fill_times(stamps, drawn)?;
+        }
+        if let Some(queries) = &queries {
+            // Queries that were never begun would be waited for in vain.
+            let counted = drawn.min(queries.count);
+            if queries.kind == QueryKind::Statistics {
+                report.statistics = Some(queries.read_statistics(counted)?);
+            } else {
+                report.samples = Some(queries.read(0, counted)?.iter().sum());
+            }
+        }
+        Ok(report)
+    }
+
+    fn fill_times(&self, stamps: &Queries, passes: u32) -> Result<FillTimes, DeviceError> {
+        let ticks = stamps.read(0, SURFACE_STAMPS)?;
+        let span = |from: usize, to: usize| {
+            span_ms(ticks[from], ticks[to], self.gpu.timestamp_period_ns())
+        };
+        Ok(FillTimes {
+            stencil_ms: span(0, 1).filter(|_| passes == 2),
+            colour_ms: span(1, 2).filter(|_| passes == 2),
+            fill_ms: span(0, 2),
+        })
+    }
+
+    /// Reads the targets back.
+    ///
+    /// # Errors
+    /// [`DeviceError::NotPrepared`] when nothing was drawn yet, [`DeviceError::DeviceLost`].
+    pub fn read(&self) -> Result<Picture, DeviceError> {
+        if !self.is_drawn {
+            return Err(DeviceError::no_surface());
+        }
+        let (rgba, depth) = read_targets(&self.gpu, &self.targets)?;
+        let (depths, _) = depth.as_chunks::<4>();
+        Ok(Picture {
+            size: self.size,
+            rgba,
+            depth: depths
+                .iter()
+                .map(|&bytes| f32::from_ne_bytes(bytes))
+                .collect(),
+        })
+    }
+}

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Shader modules, compiled once a device.
+
+use crate::failure::failure;
+use ash::vk;
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
+use terrafill_fill::DeviceError;
+use terrafill_shaders::{HandsOn, SpirvStage, geometry_spirv, wgsl_to_spirv};
+
+/// A vertex shader.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct VertexStage {
+    /// WGSL module, relative to `shaders/`.
+    pub path: &'static str,
+    /// Its entry point.
+    pub entry_point: &'static str,
+}
+
+/// What a shader module was made from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum ModuleKey {
+    Vertex(VertexStage),
+    Geometry(&'static str, HandsOn),
+    Fragment(&'static str, &'static str),
+}
+
+/// Shader modules, made once.
+#[derive(Debug, Default)]
+pub(crate) struct ShaderModules(Mutex<HashMap<ModuleKey, vk::ShaderModule>>);
+
+impl ShaderModules {
+    pub(crate) fn get(
+        &self,
+        device: &ash::Device,
+        key: ModuleKey,
+    ) -> Result<vk::ShaderModule, DeviceError> {
+        let mut modules = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(module) = modules.get(&key) {
+            return Ok(*module);
+        }
+        let (path, spirv) = match key {
+            ModuleKey::Vertex(VertexStage { path, entry_point }) => (
+                path,
+                wgsl_to_spirv(path, SpirvStage::Vertex, entry_point, &[]),
+            ),
+            ModuleKey::Geometry(path, hands_on) => (path, geometry_spirv(path, hands_on)),
+            ModuleKey::Fragment(path, entry_point) => (
+                path,
+                wgsl_to_spirv(path, SpirvStage::Fragment, entry_point, &[]),
+            ),
+        };
+        let spirv = spirv.map_err(|error| DeviceError::Shader {
+            name: path.to_owned(),
+            message: error.to_string(),
+        })?;
+        let info = vk::ShaderModuleCreateInfo::default().code(&spirv);
+        // SAFETY: naga validated the source, or spirv-val what was compiled before.
+        let module = unsafe { device.create_shader_module(&info, None) }
+            .map_err(|error| failure(error, path, spirv.len() as u64 * 4))?;
+        modules.insert(key, module);
+        Ok(module)
+    }
+
+    pub(crate) fn destroy(&mut self, device: &ash::Device) {
+        let modules = self.0.get_mut().unwrap_or_else(PoisonError::into_inner);
+        #[allow(
+            clippy::iter_over_hash_type,
+            reason = "the order in which they go changes nothing"
+        )]
+        for (_, module) in modules.drain() {
+            // SAFETY: pipelines keep what they need of a module.
+            unsafe { device.destroy_shader_module(module, None) };
+        }
+    }
+}
