@@ -211,7 +211,7 @@ impl FrameInput {
         Err(self.not_prepared(backend))
     }
 
-    /// Whether `changed` names the meshes in which this differs from what `backend` holds.
+    /// The meshes in which this differs from what `backend` holds, ascending, if `changed` names them.
     ///
     /// - `revision`: of the meshes that it holds
     /// - `changed`: indices into the meshes, in any order
@@ -224,12 +224,12 @@ impl FrameInput {
         backend: &'static str,
         revision: Option<u64>,
         changed: &[usize],
-    ) -> Result<(), DeviceError> {
+    ) -> Result<&[usize], DeviceError> {
         let allowed = revision.and_then(|held| self.scene.meshes.changed_since(held));
         let allowed = allowed.ok_or_else(|| self.not_prepared(backend))?;
         let found: BTreeSet<usize> = changed.iter().copied().collect();
         if found.iter().eq(allowed) {
-            return Ok(());
+            return Ok(allowed);
         }
         Err(DeviceError::ChangedRegions {
             found: changed.to_vec(),

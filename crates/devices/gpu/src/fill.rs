@@ -162,11 +162,15 @@ impl VolumeFill {
         self.meshes = Some(input.scene.meshes.revision());
     }
 
-    /// Whether `changed` names the meshes of `input` that differ from those uploaded.
+    /// The meshes of `input` that differ from those uploaded, ascending, if `changed` names them.
     ///
     /// # Errors
     /// [`DeviceError::NotPrepared`], [`DeviceError::ChangedRegions`].
-    pub fn check_update(&self, input: &FrameInput, changed: &[usize]) -> Result<(), DeviceError> {
+    pub fn check_update<'a>(
+        &self,
+        input: &'a FrameInput,
+        changed: &[usize],
+    ) -> Result<&'a [usize], DeviceError> {
         input.check_update(self.capabilities.backend, self.meshes, changed)
     }
 

@@ -96,7 +96,7 @@ impl FillBackend for VertexBackend {
 
     fn update(&mut self, input: &FrameInput, changed: &[usize]) -> Result<Uploaded, DeviceError> {
         input.check_region_count()?;
-        self.fill.check_update(input, changed)?;
+        let changed = self.fill.check_update(input, changed)?;
         self.fill.targets().borrow_mut().prepare(input)?;
         let before = self.fill.gpu().work_done();
         self.fill.forget_meshes();
@@ -106,13 +106,11 @@ impl FillBackend for VertexBackend {
             self.fill.hold_meshes(input);
         }
         let rewritten_bytes = self.fill.count_work_since(before);
-        let mut regions = if is_rewritten {
+        let regions = if is_rewritten {
             changed.to_vec()
         } else {
             (0..input.scene.meshes.len()).collect()
         };
-        regions.sort_unstable();
-        regions.dedup();
         Ok(Uploaded {
             bytes: rewritten_bytes + self.bring_up_to_date(input)?,
             regions,
