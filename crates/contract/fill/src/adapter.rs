@@ -2,7 +2,7 @@
 //! Choosing an adapter and refusing what it cannot: the same on every API, so that both open the
 //! same one and say the same of it.
 
-use crate::{DeviceError, FrameInput};
+use crate::{DeviceError, FillInput};
 use terrafill_scene::ImageSize;
 
 /// Kind of adapter, in order of preference.
@@ -131,7 +131,7 @@ pub fn check_target_size(size: ImageSize, limit: u32, adapter: &str) -> Result<(
     Err(DeviceError::unsupported(&what, adapter))
 }
 
-impl FrameInput {
+impl FillInput {
     /// Whether targets of this size are the frame's.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What an opened backend promises.
 
-use crate::{DeviceError, Frame, FrameInput, FrameTimes, MemoryUse, Picture};
+use crate::{DeviceError, FillInput, Frame, FrameTimes, MemoryUse, Picture};
 
 /// What a backend runs on and what it can do there.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -48,7 +48,7 @@ pub trait FillBackend {
     ///
     /// # Errors
     /// [`DeviceError`] when the adapter cannot hold or run it.
-    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, DeviceError>;
+    fn prepare(&mut self, input: &FillInput) -> Result<MemoryUse, DeviceError>;
 
     /// Uploads what differs from the input prepared or updated last, whose meshes those of `input`
     /// were made from by [`crate::RegionSet::with_changed`]. A region with as many vertices and
@@ -59,33 +59,33 @@ pub trait FillBackend {
     /// # Errors
     /// As [`FillBackend::prepare`]; [`DeviceError::NotPrepared`] when something else was prepared,
     /// [`DeviceError::ChangedRegions`] when other regions changed. Both leave what is prepared.
-    fn update(&mut self, input: &FrameInput, changed: &[usize]) -> Result<Uploaded, DeviceError>;
+    fn update(&mut self, input: &FillInput, changed: &[usize]) -> Result<Uploaded, DeviceError>;
 
     /// Draws the surface, fills every planned region of `input` and reads the picture back; same
     /// bytes out for the same adapter and driver.
     ///
     /// # Errors
     /// [`DeviceError::NotPrepared`], or whatever the device reports.
-    fn render(&mut self, input: &FrameInput) -> Result<Frame, DeviceError>;
+    fn render(&mut self, input: &FillInput) -> Result<Frame, DeviceError>;
 
     /// Draws the frame in the regions' own colours, or a textured fill in its picture's, over the
     /// shaded surface.
     ///
     /// # Errors
     /// As [`FillBackend::render`].
-    fn picture(&mut self, input: &FrameInput) -> Result<Picture, DeviceError>;
+    fn picture(&mut self, input: &FillInput) -> Result<Picture, DeviceError>;
 
     /// Draws the surface into the render targets and gives its GPU time, where there is a clock.
     /// Once a round is enough for all backends that share the targets.
     ///
     /// # Errors
     /// As [`FillBackend::render`].
-    fn draw_surface(&mut self, input: &FrameInput) -> Result<Option<f64>, DeviceError>;
+    fn draw_surface(&mut self, input: &FillInput) -> Result<Option<f64>, DeviceError>;
 
     /// Fills exactly as [`FillBackend::render`] does, on top of the surface that the targets hold
     /// already, and waits for it. A fill leaves depth untouched, so one surface serves many fills.
     ///
     /// # Errors
     /// As [`FillBackend::render`].
-    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, DeviceError>;
+    fn time_frame(&mut self, input: &FillInput) -> Result<FrameTimes, DeviceError>;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Rust twins of the constants in `shaders/shared/`; tests hold the layouts together.
 
-use crate::{Colours, FixedPoint, FrameInput, PositionFormat, two_float};
+use crate::{Colours, FillInput, FixedPoint, PositionFormat, two_float};
 use bytemuck::{Pod, Zeroable};
 use terrafill_scene::PlannedRegion;
 
@@ -32,7 +32,7 @@ impl ViewConstants {
         clippy::cast_possible_truncation,
         reason = "rounding to what the GPU reads is the purpose"
     )]
-    pub fn new(input: &FrameInput) -> Self {
+    pub fn new(input: &FillInput) -> Self {
         let camera = &input.camera;
         let column = |i: usize| {
             let c = camera.view_from_ecef.col(i).as_vec3();
@@ -115,7 +115,7 @@ impl RegionConstants {
         reason = "rounding to what the GPU reads is the purpose"
     )]
     pub fn new(
-        input: &FrameInput,
+        input: &FillInput,
         planned: &PlannedRegion,
         place: &RegionPlace,
         positions: PositionFormat,
@@ -154,7 +154,7 @@ impl RegionConstants {
     /// lies. One element of zeros where nothing is planned: a storage binding may not be empty.
     #[must_use]
     pub fn bytes_of_all(
-        input: &FrameInput,
+        input: &FillInput,
         positions: PositionFormat,
         colours: Colours,
         place_of: impl Fn(usize) -> RegionPlace,
@@ -171,7 +171,7 @@ impl RegionConstants {
 
     /// Bytes of the constants that `input` asks for, without what only fills a binding.
     #[must_use]
-    pub fn byte_count(input: &FrameInput) -> u64 {
+    pub fn byte_count(input: &FillInput) -> u64 {
         (input.plan.regions.len() * size_of::<Self>()) as u64
     }
 }

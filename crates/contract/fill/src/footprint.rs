@@ -8,7 +8,7 @@
 //! visible surface lies; the ellipsoid's normal is turned from theirs by a bounded angle δ).
 //! Metres and radians.
 
-use crate::{FrameInput, PlannedTexture};
+use crate::{FillInput, PlannedTexture};
 use glam::DVec3;
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_scene::{PixelRect, PlannedRegion};
@@ -21,7 +21,7 @@ const MAGNIFIED_BELOW: f64 = 0.99;
 /// - `texels`: columns and rows of the picture
 /// - `farthest_m`: no point of the region is further from the eye
 pub(crate) fn is_magnified(
-    input: &FrameInput,
+    input: &FillInput,
     planned: &PlannedRegion,
     texture: &PlannedTexture,
     texels: [u32; 2],
@@ -36,7 +36,7 @@ pub(crate) fn is_magnified(
 /// Texels that a step to the next pixel spans at most, of those pixels of `rect` that show the region;
 /// infinite where no bound is known.
 fn largest_footprint(
-    input: &FrameInput,
+    input: &FillInput,
     rect: PixelRect,
     texture: &PlannedTexture,
     texels: [u32; 2],
@@ -113,7 +113,7 @@ fn largest_deflection_rad(body: &Ellipsoid) -> f64 {
 
 /// The largest angle between the way to the body's centre and a line of sight through `rect`. Where it
 /// is below 90° at the corners, the lines in between are in the same convex cone.
-fn widest_angle_rad(input: &FrameInput, rect: PixelRect) -> f64 {
+fn widest_angle_rad(input: &FillInput, rect: PixelRect) -> f64 {
     let camera = &input.camera;
     let down = camera.view_from_ecef * -camera.eye_ecef;
     let tan = camera.tan_half_fov();

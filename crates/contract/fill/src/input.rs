@@ -98,7 +98,7 @@ fn bounds(
 
 /// Everything one frame is drawn from.
 #[derive(Debug, Clone)]
-pub struct FrameInput {
+pub struct FillInput {
     /// The scene.
     pub scene: PreparedScene,
     /// Name of the view.
@@ -115,7 +115,7 @@ pub struct FrameInput {
     pub plan: FramePlan,
 }
 
-impl FrameInput {
+impl FillInput {
     /// Plans a frame of `scene` seen by `view`.
     ///
     /// # Errors

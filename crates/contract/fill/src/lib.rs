@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The contract between scenes and backends: what goes in, what comes out, what may fail.
 //!
-//! A backend gets a [`FrameInput`] and gives a [`Frame`]. It may read anything in the input, and
+//! A backend gets a [`FillInput`] and gives a [`Frame`]. It may read anything in the input, and
 //! nothing else: then "same input" means the same bytes, and a difference in the output is the
 //! backend's own. Backends are opened by techniques ([`Technique`]), which say what there is to
 //! measure. The reference is none: it judges from the parsed regions, never from the meshes.
@@ -51,7 +51,7 @@ pub use fixed_point::{
 pub use frame::{Counters, Frame, FrameTimes, MemoryUse};
 pub use geometry::{GeometryBytes, IndexLists, boundary_edges};
 pub use identity::{NoSuchRegion, RegionSet, ViewId};
-pub use input::{FrameInput, PreparedScene};
+pub use input::{FillInput, PreparedScene};
 pub use ladder::{Climb, LOD_PX, Rung};
 pub use matrix::matrix_row;
 pub use palette::{Colours, paint, region_colour};

@@ -7,8 +7,8 @@
 //! list.
 
 use crate::{
-    Api, DeviceError, FillBackend, FrameInput, GeometryBytes, Parameter, Rung, SwitchError,
-    Targets, Variant,
+    Api, DeviceError, FillBackend, FillInput, GeometryBytes, Parameter, Rung, SwitchError, Targets,
+    Variant,
 };
 use std::fmt::Debug;
 use terrafill_core::RegionMesh;
@@ -102,7 +102,7 @@ pub trait Technique: Sync + Debug {
     }
 
     /// Figures of its own about a frame, by name; an absent value where the frame has none.
-    fn figures(&self, _variant: &Variant, _input: &FrameInput) -> Vec<(&'static str, Option<f64>)> {
+    fn figures(&self, _variant: &Variant, _input: &FillInput) -> Vec<(&'static str, Option<f64>)> {
         Vec::new()
     }
 

@@ -8,7 +8,7 @@
 
 use crate::footprint::is_magnified;
 use crate::{
-    AddressMode, FrameInput, PlannedTexture, RouteChoice, SwitchError, TextureCoordinates,
+    AddressMode, FillInput, PlannedTexture, RouteChoice, SwitchError, TextureCoordinates,
     TexturePixel,
 };
 use bytemuck::{Pod, Zeroable};
@@ -186,7 +186,7 @@ impl TexturedPlan {
     /// # Errors
     /// [`SwitchError`] where the scene has no picture, or no route is finite for a region.
     pub fn new(
-        input: &FrameInput,
+        input: &FillInput,
         choice: RouteChoice,
         position: PositionRoute,
     ) -> Result<Self, SwitchError> {
@@ -297,7 +297,7 @@ impl TexturedPlan {
     #[must_use]
     pub fn coordinates(
         &self,
-        input: &FrameInput,
+        input: &FillInput,
         pixels: Vec<Option<TexturePixel>>,
     ) -> TextureCoordinates {
         let texels = input.scene.texture.as_ref().map(|t| t.image.size_px());
@@ -408,7 +408,7 @@ fn add_note(notes: &mut Vec<RouteNote>, note: RouteNote) {
 
 /// What a frame asks of a region: the part in sight, anchored where offsets are short for the eye.
 fn map_region(
-    input: &FrameInput,
+    input: &FillInput,
     texture: &PlannedTexture,
     sight: &Sight,
 ) -> Result<MapRegion, terrafill_texture::MapRegionError> {
@@ -426,7 +426,7 @@ fn map_region(
     MapRegion::seen_from(input.scene.body, whole, heights, eye_ecef, pixel_m)
 }
 
-fn view(input: &FrameInput, depth: DepthFormat) -> View {
+fn view(input: &FillInput, depth: DepthFormat) -> View {
     let camera = &input.camera;
     let ecef_from_view = camera.view_from_ecef.transpose();
     let focal_y = camera.tan_half_fov().recip();
@@ -452,7 +452,7 @@ struct Sight {
 }
 
 impl Sight {
-    fn new(input: &FrameInput, planned: &PlannedRegion) -> Self {
+    fn new(input: &FillInput, planned: &PlannedRegion) -> Self {
         let bounds = input.scene.bounds.get(planned.mesh);
         let (nearest_m, farthest_m) = bounds.map_or((0.0, f64::INFINITY), |bounds| {
             distances_m(&bounds.bounds, input.camera.eye_ecef)
@@ -517,7 +517,7 @@ fn distances_m(bounds: &OrientedBox, eye: DVec3) -> (f64, f64) {
     reason = "rounding to what the GPU reads is the purpose"
 )]
 fn fixed_part(
-    input: &FrameInput,
+    input: &FillInput,
     view: &View,
     map: &MapRegion,
     texture: &PlannedTexture,
@@ -565,7 +565,7 @@ fn fixed_part(
 
 impl TexturedRegion {
     /// Debug builds look at what was rounded: an infinite constant draws nothing and says nothing.
-    fn checked(self, input: &FrameInput) -> Self {
+    fn checked(self, input: &FillInput) -> Self {
         let vectors: &[f32] = bytemuck::cast_slice(std::slice::from_ref(&self));
         debug_assert!(
             vectors.iter().all(|value| value.is_finite()),

@@ -2,7 +2,7 @@
 //! What a device is handed for a textured fill, and what its probe hands back: the same on every API.
 
 use crate::{
-    Frame, FrameInput, NO_REGION, SwitchError, Switches, TexturePixel, TexturedCover, TexturedPlan,
+    FillInput, Frame, NO_REGION, SwitchError, Switches, TexturePixel, TexturedCover, TexturedPlan,
     TexturedRegion,
 };
 use terrafill_texture::{Filter, PositionRoute, TexelFormat};
@@ -87,7 +87,7 @@ impl TexturedPlan {
     /// # Errors
     /// As [`TexturedPlan::new`], and where a normal is to be normalised twice that no cover computes.
     pub fn of_switches(
-        input: &FrameInput,
+        input: &FillInput,
         switches: &Switches,
     ) -> Result<Option<Self>, SwitchError> {
         let position = switches.position.unwrap_or(PositionRoute::EyeRegion);
@@ -146,7 +146,7 @@ impl TexturedPlan {
 
     /// The plain frame with the ids and places that the probe found in place of its own.
     #[must_use]
-    pub fn frame(&self, input: &FrameInput, plain: Frame, probed: &[Option<Probed>]) -> Frame {
+    pub fn frame(&self, input: &FillInput, plain: Frame, probed: &[Option<Probed>]) -> Frame {
         let places: Vec<_> = probed.iter().map(|at| at.map(|at| at.place)).collect();
         let wrong = places.iter().flatten().filter(|place| !place.is_finite());
         Frame {

@@ -14,14 +14,14 @@ use crate::volume_pipeline::check_blendable;
 use crate::{API, Gpu, RenderTargets, SharedTargets, TimedPass, VolumePass};
 use std::sync::Arc;
 use terrafill_fill::{
-    Capabilities, Counters, CpuStopwatch, DeviceError, FillPass, FillProgram, FillStep, Frame,
-    FrameInput, FrameTimes, Picture, Switches, ViewId, VolumeDraw, VolumeState, WorkDone,
+    Capabilities, Counters, CpuStopwatch, DeviceError, FillInput, FillPass, FillProgram, FillStep,
+    Frame, FrameTimes, Picture, Switches, ViewId, VolumeDraw, VolumeState, WorkDone,
 };
 
 /// Volumes of a backend, as the passes of a fill draw them.
 pub trait Volumes {
     /// Makes the pipelines of `draw` unless they are there. `blends` is set for colours only.
-    fn ensure(&mut self, gpu: &Gpu, input: &FrameInput, draw: &VolumeDraw<'_>, blends: bool);
+    fn ensure(&mut self, gpu: &Gpu, input: &FillInput, draw: &VolumeDraw<'_>, blends: bool);
 
     /// Whether [`Volumes::make`] has something to do.
     fn are_made_per_frame(&self) -> bool {
@@ -34,7 +34,7 @@ pub trait Volumes {
     fn make(
         &mut self,
         _encoder: &mut wgpu::CommandEncoder,
-        _input: &FrameInput,
+        _input: &FillInput,
         _constants: &wgpu::BindGroup,
         _stamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
     ) {
@@ -153,12 +153,12 @@ impl VolumeFill {
 
     /// Whether the backend has uploaded the meshes of `input`.
     #[must_use]
-    pub fn holds_meshes(&self, input: &FrameInput) -> bool {
+    pub fn holds_meshes(&self, input: &FillInput) -> bool {
         self.meshes == Some(input.scene.meshes.revision())
     }
 
     /// The backend has uploaded the meshes of `input`.
-    pub fn hold_meshes(&mut self, input: &FrameInput) {
+    pub fn hold_meshes(&mut self, input: &FillInput) {
         self.meshes = Some(input.scene.meshes.revision());
     }
 
@@ -168,7 +168,7 @@ impl VolumeFill {
     /// [`DeviceError::NotPrepared`], [`DeviceError::ChangedRegions`].
     pub fn check_update<'a>(
         &self,
-        input: &'a FrameInput,
+        input: &'a FillInput,
         changed: &[usize],
     ) -> Result<&'a [usize], DeviceError> {
         input.check_update(self.capabilities.backend, self.meshes, changed)
@@ -183,7 +183,7 @@ impl VolumeFill {
     ///
     /// # Errors
     /// [`DeviceError::NotPrepared`].
-    pub fn check_prepared(&self, input: &FrameInput) -> Result<(), DeviceError> {
+    pub fn check_prepared(&self, input: &FillInput) -> Result<(), DeviceError> {
         let view_id = self.view.as_ref().map(|view| view.id);
         input.check_prepared(self.capabilities.backend, self.meshes, view_id)
     }
@@ -239,7 +239,7 @@ impl VolumeFill {
     /// [`DeviceError::Switch`] for a textured fill of a scene without a picture.
     pub fn upload_view(
         &mut self,
-        input: &FrameInput,
+        input: &FillInput,
         program: FillProgram,
         constants: Vec<u8>,
     ) -> Result<(), DeviceError> {
@@ -301,7 +301,7 @@ impl VolumeFill {
     pub fn ensure_pipelines(
         &mut self,
         volumes: &mut impl Volumes,
-        input: &FrameInput,
+        input: &FillInput,
         blends: bool,
     ) -> Result<(), DeviceError> {
         let gpu = self.gpu();
@@ -336,7 +336,7 @@ impl VolumeFill {
     pub fn draw_and_read(
         &mut self,
         volumes: &mut impl Volumes,
-        input: &FrameInput,
+        input: &FillInput,
         blends: bool,
     ) -> Result<(Picture, Counters), DeviceError> {
         self.check_prepared(input)?;
@@ -368,7 +368,7 @@ impl VolumeFill {
     ///
     /// # Errors
     /// [`DeviceError::OverCapacity`], [`DeviceError::DeviceLost`].
-    pub fn draw_surface(&self, input: &FrameInput) -> Result<Option<f64>, DeviceError> {
+    pub fn draw_surface(&self, input: &FillInput) -> Result<Option<f64>, DeviceError> {
         let mut targets = self.targets.borrow_mut();
         targets.prepare(input)?;
         targets.draw_surface()
@@ -382,7 +382,7 @@ impl VolumeFill {
     pub fn frame(
         &mut self,
         volumes: &mut impl Volumes,
-        input: &FrameInput,
+        input: &FillInput,
         picture: &Picture,
         counters: Counters,
     ) -> Result<Frame, DeviceError> {
@@ -422,7 +422,7 @@ impl VolumeFill {
     pub fn count_fragments(
         &mut self,
         volumes: &mut impl Volumes,
-        input: &FrameInput,
+        input: &FillInput,
     ) -> Result<Option<u64>, DeviceError> {
         let Some(view) = &self.view else {
             return Ok(None);
@@ -473,7 +473,7 @@ impl VolumeFill {
     pub fn time_frame(
         &self,
         volumes: &mut impl Volumes,
-        input: &FrameInput,
+        input: &FillInput,
     ) -> Result<FrameTimes, DeviceError> {
         self.check_prepared(input)?;
         let targets = self.targets.borrow();
@@ -526,7 +526,7 @@ impl VolumeFill {
         &self,
         targets: &RenderTargets,
         volumes: &mut impl Volumes,
-        input: &FrameInput,
+        input: &FillInput,
         recording: Recording<'_>,
     ) -> Result<Counters, DeviceError> {
         let mut counters = Counters::default();

@@ -13,7 +13,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_fill::{
-    DeviceError, FrameInput, Picture, SKY, ViewConstants, ViewId, check_target_size,
+    DeviceError, FillInput, Picture, SKY, ViewConstants, ViewId, check_target_size,
 };
 use terrafill_scene::ImageSize;
 use terrafill_surface::SurfaceRenderer as _;
@@ -150,7 +150,7 @@ impl RenderTargets {
     ///
     /// # Errors
     /// [`DeviceError::OverCapacity`] when the input's size is not the targets'.
-    pub fn prepare(&mut self, input: &FrameInput) -> Result<(), DeviceError> {
+    pub fn prepare(&mut self, input: &FillInput) -> Result<(), DeviceError> {
         input.check_size(self.size)?;
         if self.prepared == Some(input.view_id) {
             return Ok(());

@@ -14,7 +14,7 @@ use crate::{Gpu, RenderTargets};
 use std::collections::HashMap;
 use std::sync::Arc;
 use terrafill_fill::{
-    AddressMode, CoverOverrides, DeviceError, FrameInput, Probed, StencilTest, Switches,
+    AddressMode, CoverOverrides, DeviceError, FillInput, Probed, StencilTest, Switches,
     TexturedCover, TexturedPlan, ViewId,
 };
 use terrafill_scene::{ImageSize, MipChain, MipLevel, PlannedRegion, SceneTexture, TextureShare};
@@ -457,7 +457,7 @@ impl Textured {
     pub(crate) fn upload(
         &mut self,
         targets: &RenderTargets,
-        input: &FrameInput,
+        input: &FillInput,
     ) -> Result<(), DeviceError> {
         let is_same = |planned: &Planned| {
             planned.view_id == input.view_id && planned.regions == input.plan.regions
@@ -491,7 +491,7 @@ impl Textured {
         Ok(())
     }
 
-    fn holds_image(&self, input: &FrameInput) -> bool {
+    fn holds_image(&self, input: &FillInput) -> bool {
         let both = self.image.as_ref().zip(input.scene.texture.as_ref());
         both.is_some_and(|(held, wanted)| Arc::ptr_eq(held, wanted))
     }

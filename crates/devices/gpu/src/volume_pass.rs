@@ -2,7 +2,7 @@
 //! One pass of a fill while it is recorded: draws are counted, scissors set where they change.
 
 use std::ops::Range;
-use terrafill_fill::{Counters, FrameInput};
+use terrafill_fill::{Counters, FillInput};
 use terrafill_scene::PixelRect;
 
 /// A pass and what was drawn in it.
@@ -11,7 +11,7 @@ pub struct VolumePass<'a> {
     /// For bindings and pipelines; draws go through the others.
     pub raw: wgpu::RenderPass<'a>,
     /// What is drawn.
-    pub input: &'a FrameInput,
+    pub input: &'a FillInput,
     counters: &'a mut Counters,
     scissor: PixelRect,
 }
@@ -19,7 +19,7 @@ pub struct VolumePass<'a> {
 impl<'a> VolumePass<'a> {
     pub(crate) fn new(
         raw: wgpu::RenderPass<'a>,
-        input: &'a FrameInput,
+        input: &'a FillInput,
         counters: &'a mut Counters,
     ) -> Self {
         Self {

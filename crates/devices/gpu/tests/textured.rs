@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Geodetic, parse_regions};
 use terrafill_fill::{
-    AddressMode, DeviceError, FrameInput, PreparedScene, Probed, RegionSet, RouteChoice,
+    AddressMode, DeviceError, FillInput, PreparedScene, Probed, RegionSet, RouteChoice,
     StencilTest, Switches, TexturedPlan, TexturedRegion,
 };
 use terrafill_gpu::{
@@ -83,7 +83,7 @@ fn eye(longitude_deg: f64, latitude_deg: f64, height_m: f64, pitch_deg: f64) -> 
 
 /// A globe with one region that is never meshed: covers are drawn where the stencil is 0, which is
 /// everywhere.
-fn input(eye: Eye, bounds: Bounds, placement: TexturePlacement) -> FrameInput {
+fn input(eye: Eye, bounds: Bounds, placement: TexturePlacement) -> FillInput {
     let Bounds {
         west,
         south,
@@ -130,7 +130,7 @@ fn input(eye: Eye, bounds: Bounds, placement: TexturePlacement) -> FrameInput {
         },
         note: None,
     };
-    let mut input = FrameInput::new(&scene, &view, SIZE, PlanOptions::default()).expect("above");
+    let mut input = FillInput::new(&scene, &view, SIZE, PlanOptions::default()).expect("above");
     input.plan.regions.push(PlannedRegion {
         region: 0,
         mesh: 0,
@@ -144,7 +144,7 @@ fn input(eye: Eye, bounds: Bounds, placement: TexturePlacement) -> FrameInput {
     input
 }
 
-fn plan_of(input: &FrameInput, route: &str) -> TexturedPlan {
+fn plan_of(input: &FillInput, route: &str) -> TexturedPlan {
     let choice = RouteChoice::parse(route).expect("known");
     TexturedPlan::new(input, choice, PositionRoute::EyeRegion).expect("finite")
 }
@@ -217,7 +217,7 @@ fn frame_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
         })
 }
 
-fn draw(gpu: &Arc<Gpu>, input: &FrameInput, plan: &TexturedPlan) -> Result<Drawn, DeviceError> {
+fn draw(gpu: &Arc<Gpu>, input: &FillInput, plan: &TexturedPlan) -> Result<Drawn, DeviceError> {
     let mut targets = RenderTargets::new(gpu, SIZE).expect("small targets");
     targets.prepare(input).expect("fits");
     targets.draw_surface().expect("draws");
@@ -288,7 +288,7 @@ fn draw(gpu: &Arc<Gpu>, input: &FrameInput, plan: &TexturedPlan) -> Result<Drawn
 struct Sight {
     name: &'static str,
     bounds: Bounds,
-    input: FrameInput,
+    input: FillInput,
 }
 
 impl Sight {
@@ -844,7 +844,7 @@ fn edges_and_fades_leave_nothing_where_they_should() {
     assert!(error.to_string().contains("without a picture"), "{error}");
 }
 
-fn faded(sight: &Sight, fade_m: [f64; 2]) -> FrameInput {
+fn faded(sight: &Sight, fade_m: [f64; 2]) -> FillInput {
     let mut input = sight.input.clone();
     let texture = SceneTexture::clone(input.scene.texture.as_ref().expect("a picture"));
     input.scene.texture = Some(Arc::new(SceneTexture {

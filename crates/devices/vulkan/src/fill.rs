@@ -14,8 +14,8 @@ use crate::{
 };
 use std::sync::Arc;
 use terrafill_fill::{
-    Capabilities, Counters, CpuStopwatch, DeviceError, FillPass, FillProgram, FillStep, Frame,
-    FrameInput, FrameTimes, Picture, Switches, ViewId, VolumeDraw, WorkDone,
+    Capabilities, Counters, CpuStopwatch, DeviceError, FillInput, FillPass, FillProgram, FillStep,
+    Frame, FrameTimes, Picture, Switches, ViewId, VolumeDraw, WorkDone,
 };
 
 /// Volumes of a backend, as the passes of a fill draw them.
@@ -113,12 +113,12 @@ impl VolumeFill {
 
     /// Whether the backend has uploaded the meshes of `input`.
     #[must_use]
-    pub fn holds_meshes(&self, input: &FrameInput) -> bool {
+    pub fn holds_meshes(&self, input: &FillInput) -> bool {
         self.meshes == Some(input.scene.meshes.revision())
     }
 
     /// The backend has uploaded the meshes of `input`.
-    pub fn hold_meshes(&mut self, input: &FrameInput) {
+    pub fn hold_meshes(&mut self, input: &FillInput) {
         self.meshes = Some(input.scene.meshes.revision());
     }
 
@@ -128,7 +128,7 @@ impl VolumeFill {
     /// [`DeviceError::NotPrepared`], [`DeviceError::ChangedRegions`].
     pub fn check_update<'a>(
         &self,
-        input: &'a FrameInput,
+        input: &'a FillInput,
         changed: &[usize],
     ) -> Result<&'a [usize], DeviceError> {
         input.check_update(self.capabilities.backend, self.meshes, changed)
@@ -143,7 +143,7 @@ impl VolumeFill {
     ///
     /// # Errors
     /// [`DeviceError::NotPrepared`].
-    pub fn check_prepared(&self, input: &FrameInput) -> Result<(), DeviceError> {
+    pub fn check_prepared(&self, input: &FillInput) -> Result<(), DeviceError> {
         let view_id = self.view.as_ref().map(|view| view.id);
         input.check_prepared(self.capabilities.backend, self.meshes, view_id)
     }
@@ -202,7 +202,7 @@ impl VolumeFill {
     /// textured fill of a scene without a picture.
     pub fn upload_view(
         &mut self,
-        input: &FrameInput,
+        input: &FillInput,
         program: FillProgram,
         constants: Vec<u8>,
     ) -> Result<(), DeviceError> {
@@ -255,7 +255,7 @@ impl VolumeFill {
     pub fn ensure_pipelines(
         &mut self,
         volumes: &mut impl Volumes,
-        input: &FrameInput,
+        input: &FillInput,
     ) -> Result<(), DeviceError> {
         let gpu = self.gpu();
         let Some(view) = &self.view else {
@@ -278,7 +278,7 @@ impl VolumeFill {
     ///
     /// # Errors
     /// [`DeviceError::OverCapacity`], [`DeviceError::DeviceLost`].
-    pub fn draw_surface(&self, input: &FrameInput) -> Result<Option<f64>, DeviceError> {
+    pub fn draw_surface(&self, input: &FillInput) -> Result<Option<f64>, DeviceError> {
         let mut targets = self.targets.borrow_mut();
         targets.prepare(input)?;
         targets.draw_surface()
@@ -291,7 +291,7 @@ impl VolumeFill {
     pub fn draw_and_read(
         &mut self,
         volumes: &impl Volumes,
-        input: &FrameInput,
+        input: &FillInput,
     ) -> Result<(Picture, Counters), DeviceError> {
         self.check_prepared(input)?;
         let gpu = self.gpu();
@@ -319,7 +319,7 @@ impl VolumeFill {
     pub fn frame(
         &mut self,
         volumes: &impl Volumes,
-        input: &FrameInput,
+        input: &FillInput,
         picture: &Picture,
         counters: Counters,
     ) -> Result<Frame, DeviceError> {
@@ -352,7 +352,7 @@ impl VolumeFill {
     pub fn count_fragments(
         &mut self,
         volumes: &mut impl Volumes,
-        input: &FrameInput,
+        input: &FillInput,
     ) -> Result<Option<u64>, DeviceError> {
         let gpu = self.gpu();
         let Some(view) = &self.view else {
@@ -385,7 +385,7 @@ impl VolumeFill {
     pub fn time_frame(
         &self,
         volumes: &impl Volumes,
-        input: &FrameInput,
+        input: &FillInput,
     ) -> Result<FrameTimes, DeviceError> {
         self.check_prepared(input)?;
         // Another backend of the targets may have drawn another view since.
@@ -411,7 +411,7 @@ impl VolumeFill {
     pub fn measure(
         &self,
         volumes: &impl Volumes,
-        input: &FrameInput,
+        input: &FillInput,
         measured: Measured,
     ) -> Result<(FillReport, Counters), DeviceError> {
         self.fill(volumes, input, measured, None)
@@ -421,7 +421,7 @@ impl VolumeFill {
     fn fill(
         &self,
         volumes: &impl Volumes,
-        input: &FrameInput,
+        input: &FillInput,
         measured: Measured,
         probe: Option<&Probe>,
     ) -> Result<(FillReport, Counters), DeviceError> {
@@ -448,7 +448,7 @@ impl VolumeFill {
 struct Recording<'a> {
     fill: &'a VolumeFill,
     view: &'a View,
-    input: &'a FrameInput,
+    input: &'a FillInput,
     probe: Option<&'a Probe>,
 }
 

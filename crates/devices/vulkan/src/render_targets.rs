@@ -18,7 +18,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_fill::{
-    DeviceError, FillProgram, FrameInput, NUMBER_BYTES, Picture, SKY, ViewConstants, ViewId,
+    DeviceError, FillInput, FillProgram, NUMBER_BYTES, Picture, SKY, ViewConstants, ViewId,
     check_target_size,
 };
 use terrafill_scene::ImageSize;
@@ -184,7 +184,7 @@ impl RenderTargets {
     ///
     /// # Errors
     /// [`DeviceError::OverCapacity`] when the input's size is not the targets'.
-    pub fn prepare(&mut self, input: &FrameInput) -> Result<(), DeviceError> {
+    pub fn prepare(&mut self, input: &FillInput) -> Result<(), DeviceError> {
         input.check_size(self.size)?;
         if self.is_prepared(input) {
             return Ok(());
@@ -206,7 +206,7 @@ impl RenderTargets {
         Ok(())
     }
 
-    fn is_prepared(&self, input: &FrameInput) -> bool {
+    fn is_prepared(&self, input: &FillInput) -> bool {
         self.prepared
             .as_ref()
             .is_some_and(|prepared| prepared.id == input.view_id)
@@ -214,7 +214,7 @@ impl RenderTargets {
 
     /// Whether the targets hold the surface of this input.
     #[must_use]
-    pub fn holds(&self, input: &FrameInput) -> bool {
+    pub fn holds(&self, input: &FillInput) -> bool {
         self.is_drawn && self.is_prepared(input)
     }
 

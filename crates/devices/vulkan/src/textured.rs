@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 use terrafill_fill::{
-    AddressMode, DeviceError, FrameInput, Probed, StencilTest, Switches, TexturedCover,
+    AddressMode, DeviceError, FillInput, Probed, StencilTest, Switches, TexturedCover,
     TexturedPlan, ViewId,
 };
 use terrafill_scene::{MipChain, PlannedRegion, SceneTexture, TextureShare};
@@ -109,7 +109,7 @@ impl TexturedFill {
     pub(crate) fn upload(
         &mut self,
         targets: &RenderTargets,
-        input: &FrameInput,
+        input: &FillInput,
     ) -> Result<(), DeviceError> {
         let is_same = |view: &View| view.id == input.view_id && view.regions == input.plan.regions;
         if self.view.as_ref().is_some_and(is_same) && self.holds_image(input) {
@@ -163,7 +163,7 @@ impl TexturedFill {
         Ok(())
     }
 
-    fn holds_image(&self, input: &FrameInput) -> bool {
+    fn holds_image(&self, input: &FillInput) -> bool {
         let both = self.source.as_ref().zip(input.scene.texture.as_ref());
         both.is_some_and(|(held, wanted)| Arc::ptr_eq(held, wanted))
     }

@@ -3,13 +3,13 @@
 
 use crate::{BindGroup, CoverState, DrawState, Geometry, PassRecorder, Pipeline};
 use std::ops::Range;
-use terrafill_fill::{Counters, FrameInput};
+use terrafill_fill::{Counters, FillInput};
 
 /// A pass and what was drawn in it. Whatever is drawn with outlives `'a`, and thereby the fill.
 pub struct VolumePass<'a, 'r, 'f> {
     recorder: &'r mut PassRecorder<'a, 'f>,
     /// What is drawn.
-    pub input: &'a FrameInput,
+    pub input: &'a FillInput,
     /// View and regions.
     bindings: &'a BindGroup,
     counters: &'r mut Counters,
@@ -18,7 +18,7 @@ pub struct VolumePass<'a, 'r, 'f> {
 impl<'a, 'r, 'f> VolumePass<'a, 'r, 'f> {
     pub(crate) fn new(
         recorder: &'r mut PassRecorder<'a, 'f>,
-        input: &'a FrameInput,
+        input: &'a FillInput,
         bindings: &'a BindGroup,
         counters: &'r mut Counters,
     ) -> Self {

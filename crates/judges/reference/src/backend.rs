@@ -9,7 +9,7 @@ use crate::texture::Texturing;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-use terrafill_fill::{DeviceError, Frame, FrameInput, NO_REGION, TexturePixel, paint};
+use terrafill_fill::{DeviceError, FillInput, Frame, NO_REGION, TexturePixel, paint};
 
 /// Judges frames on the CPU, in f64.
 #[derive(Debug, Default)]
@@ -56,7 +56,7 @@ impl ReferenceBackend {
     ///
     /// # Errors
     /// [`DeviceError::Unsupported`] when a region leaves open what is inside it.
-    pub fn judge(&self, input: &FrameInput) -> Result<ReferenceFrame, DeviceError> {
+    pub fn judge(&self, input: &FillInput) -> Result<ReferenceFrame, DeviceError> {
         let texturing = if self.is_textured {
             Texturing::new(input)
         } else {
@@ -69,7 +69,7 @@ impl ReferenceBackend {
     ///
     /// # Errors
     /// As [`ReferenceBackend::judge`].
-    pub fn look_closely<'a>(&self, input: &'a FrameInput) -> Result<CloseLook<'a>, DeviceError> {
+    pub fn look_closely<'a>(&self, input: &'a FillInput) -> Result<CloseLook<'a>, DeviceError> {
         Ok(CloseLook {
             input,
             locator: self.locator(input)?,
@@ -77,7 +77,7 @@ impl ReferenceBackend {
         })
     }
 
-    fn locator(&self, input: &FrameInput) -> Result<Locator, DeviceError> {
+    fn locator(&self, input: &FillInput) -> Result<Locator, DeviceError> {
         Locator::new(&input.scene.regions, input.scene.edge_rule).map_err(|error| {
             DeviceError::Unsupported {
                 capability: format!("a reading of its regions: {error}"),
@@ -90,7 +90,7 @@ impl ReferenceBackend {
 /// What a view shows at any place of the image, not only where pixels have their centres.
 #[derive(Debug)]
 pub struct CloseLook<'a> {
-    input: &'a FrameInput,
+    input: &'a FillInput,
     locator: Locator,
     surface: SurfaceTriangles,
 }
@@ -173,7 +173,7 @@ impl Blend {
 
 /// [`ReferenceBackend::judge`] by a given locator.
 pub(crate) fn judge(
-    input: &FrameInput,
+    input: &FillInput,
     locator: &Locator,
     texturing: Option<&Texturing<'_>>,
 ) -> ReferenceFrame {
@@ -208,7 +208,7 @@ pub(crate) fn judge(
 }
 
 /// The pixels' paint over the surface and the sky, both in one colour.
-fn picture(input: &FrameInput, pixels: &[Pixel]) -> Vec<u8> {
+fn picture(input: &FillInput, pixels: &[Pixel]) -> Vec<u8> {
     let background = paint(&Frame {
         size: input.size,
         ids: vec![NO_REGION; pixels.len()],
@@ -225,7 +225,7 @@ fn picture(input: &FrameInput, pixels: &[Pixel]) -> Vec<u8> {
 }
 
 fn judge_pixel(
-    input: &FrameInput,
+    input: &FillInput,
     locator: &Locator,
     surface: &SurfaceTriangles,
     texturing: Option<&Texturing<'_>>,
@@ -237,7 +237,7 @@ fn judge_pixel(
 }
 
 fn judge_direction(
-    input: &FrameInput,
+    input: &FillInput,
     locator: &Locator,
     surface: &SurfaceTriangles,
     texturing: Option<&Texturing<'_>>,

@@ -14,7 +14,7 @@ use crate::sampling::{Rgba, Sampler, mix};
 use glam::DVec3;
 use std::f64::consts::TAU;
 use terrafill_core::Ellipsoid;
-use terrafill_fill::{AddressMode, FrameInput, TextureCoordinates, TexturePixel};
+use terrafill_fill::{AddressMode, FillInput, TextureCoordinates, TexturePixel};
 use terrafill_scene::{Camera, ImageSize, Outside, SceneTexture, TextureAnchor, TexturePlacement};
 
 /// Cosine between ray and normal below which a footprint grows no longer: at this one it is longer
@@ -106,7 +106,7 @@ pub(crate) struct Coordinates {
 
 impl<'a> Texturing<'a> {
     /// `None` where the scene has no texture.
-    pub(crate) fn new(input: &'a FrameInput) -> Option<Self> {
+    pub(crate) fn new(input: &'a FillInput) -> Option<Self> {
         let texture = input.scene.texture.as_deref()?;
         let rule = input.scene.edge_rule;
         let extents = input.scene.regions.iter();

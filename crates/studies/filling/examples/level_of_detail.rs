@@ -10,7 +10,7 @@
 use std::sync::Arc;
 use terrafill_conformance::compare;
 use terrafill_core::RegionMesh;
-use terrafill_fill::{FillBackend as _, FrameInput, PreparedScene};
+use terrafill_fill::{FillBackend as _, FillInput, PreparedScene};
 use terrafill_gpu::{Baseline, BaselineKind, Gpu, GpuOptions, RenderTargets};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::median;
@@ -64,7 +64,7 @@ fn measure(
 ) -> anyhow::Result<()> {
     let targets = RenderTargets::shared(gpu, SIZE)?;
     let mut bound = Baseline::new(BaselineKind::DepthPass, &targets)?;
-    let full = FrameInput::new(scene, view, SIZE, PlanOptions::default())?;
+    let full = FillInput::new(scene, view, SIZE, PlanOptions::default())?;
     let reference = ReferenceBackend::new().judge(&full)?.frame;
     let mut settings = Vec::new();
     for pixels in [None, Some(0.25), Some(0.5), Some(1.0)] {

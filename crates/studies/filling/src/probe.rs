@@ -4,7 +4,7 @@
 use crate::cases::FillCase;
 use terrafill_conformance::{ErrorFigures, TextureErrors};
 use terrafill_core::RegionMesh;
-use terrafill_fill::{Counters, DeviceError, Frame, FrameInput, MemoryUse};
+use terrafill_fill::{Counters, DeviceError, FillInput, Frame, MemoryUse};
 use terrafill_results::{Status, Verdict};
 
 /// Figures of a probe frame.
@@ -32,7 +32,7 @@ pub(crate) struct Probe {
 }
 
 impl Probe {
-    pub(crate) fn new(memory: MemoryUse, input: &FrameInput, frame: &Frame) -> Self {
+    pub(crate) fn new(memory: MemoryUse, input: &FillInput, frame: &Frame) -> Self {
         let meshes = &input.scene.meshes;
         Self {
             memory,
@@ -223,14 +223,14 @@ fn worse([u, v]: [f64; 2]) -> f64 {
 }
 
 /// From the bottom cap to the top cap of the region drawn where they are farthest apart.
-fn tallest_wall(input: &FrameInput) -> Option<f64> {
+fn tallest_wall(input: &FillInput) -> Option<f64> {
     let regions = input.plan.regions.iter();
     let walls = regions.map(|region| region.heights.top_m - region.heights.bottom_m);
     walls.reduce(f64::max)
 }
 
 /// Triangles of one cap of every region drawn.
-fn cap_triangles(input: &FrameInput) -> u64 {
+fn cap_triangles(input: &FillInput) -> u64 {
     let meshes = input.plan.regions.iter().map(|region| region.mesh);
     meshes
         .map(|mesh| input.scene.meshes[mesh].triangle_count() as u64)

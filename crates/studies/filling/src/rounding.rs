@@ -9,7 +9,7 @@
 //! position on is the same in every format, and judged with the default.
 
 use glam::DVec3;
-use terrafill_fill::{FixedPoint, FrameInput, PositionFormat, boundary_edges};
+use terrafill_fill::{FillInput, FixedPoint, PositionFormat, boundary_edges};
 use terrafill_texture::VertexFormat;
 
 /// Pixels that rounding may move a boundary by, so that the picture may be expected to be right: a
@@ -29,7 +29,7 @@ pub(crate) fn objection(format: PositionFormat, bound_px: f64) -> Option<String>
 }
 
 /// The largest movement of a boundary in sight, pixels; 0 where none is in sight.
-pub(crate) fn rounding_px(format: PositionFormat, input: &FrameInput) -> f64 {
+pub(crate) fn rounding_px(format: PositionFormat, input: &FillInput) -> f64 {
     let format = match format {
         PositionFormat::Fixed => VertexFormat::RegionFixedPoint,
         PositionFormat::LocalF32 => VertexFormat::RegionLocalF32,
@@ -63,7 +63,7 @@ pub(crate) fn rounding_px(format: PositionFormat, input: &FrameInput) -> f64 {
 
 /// √(1 + tan²) / z of the point of an edge that is in the image, on this side of the horizon, and has
 /// most; `None` where no point is.
-fn largest_in_sight(input: &FrameInput, from: DVec3, to: DVec3) -> Option<f64> {
+fn largest_in_sight(input: &FillInput, from: DVec3, to: DVec3) -> Option<f64> {
     let camera = &input.camera;
     let [start, end] = [from, to].map(|at| camera.view_from_ecef * (at - camera.eye_ecef));
     let tan_y = camera.tan_half_fov();
@@ -123,7 +123,7 @@ mod tests {
         height: 1024,
     };
 
-    fn inputs(name: &str) -> Vec<FrameInput> {
+    fn inputs(name: &str) -> Vec<FillInput> {
         let scene = open_scene(name, None).expect("ships with the project");
         let meshes =
             RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh);
@@ -131,7 +131,7 @@ mod tests {
         let prepared = PreparedScene::new(&scene, meshes.expect("meshes").into(), surface);
         let views = scene.views.iter();
         views
-            .map(|view| FrameInput::new(&prepared, view, SIZE, PlanOptions::default()))
+            .map(|view| FillInput::new(&prepared, view, SIZE, PlanOptions::default()))
             .map(|input| input.expect("a surface"))
             .collect()
     }
@@ -156,7 +156,7 @@ mod tests {
     }
 
     /// How far boundaries really move, pixels, at places along them that are in the image.
-    fn emulated_px(format: PositionFormat, input: &FrameInput) -> Option<f64> {
+    fn emulated_px(format: PositionFormat, input: &FillInput) -> Option<f64> {
         let camera = &input.camera;
         let eye = camera.eye_ecef;
         let mut worst = 0.0_f64;

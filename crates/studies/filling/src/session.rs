@@ -21,7 +21,7 @@ use terrafill_conformance::{
 };
 use terrafill_core::{MeshOptions, RegionMesh};
 use terrafill_fill::{
-    Api, ColourWay, DeviceError, FillBackend, Frame, FrameInput, FrameTimes, MemoryUse,
+    Api, ColourWay, DeviceError, FillBackend, FillInput, Frame, FrameTimes, MemoryUse,
     PositionFormat, PreparedScene, RouteChoice, Targets, paint,
 };
 use terrafill_gpu::{Baseline, CpuStopwatch, SharedTargets, shared_targets};
@@ -33,14 +33,14 @@ use terrafill_surface::open_surface;
 
 enum Drawer {
     Baseline(Baseline),
-    Volumes(Box<dyn FillBackend>, Rc<FrameInput>),
+    Volumes(Box<dyn FillBackend>, Rc<FillInput>),
 }
 
 /// Mesh options where they are not the scene's, how frames are planned, and which picture is shown.
 type InputKey = (Option<MeshOptions>, PlanOptions, ShownPicture);
 
 /// An input and the median CPU time of planning it.
-type PlannedInput = (Rc<FrameInput>, Option<f64>);
+type PlannedInput = (Rc<FillInput>, Option<f64>);
 
 type Compared = Result<ErrorFigures, String>;
 
@@ -70,7 +70,7 @@ pub(crate) struct ViewSession<'a> {
     /// Those of wgpu, which baselines draw on.
     wgpu: SharedTargets,
     /// What the scene's mesh options give; other inputs share its surface.
-    input: Rc<FrameInput>,
+    input: Rc<FillInput>,
     /// Drawn when the first picture is compared: a process that only measures again needs none.
     reference: OnceCell<Reference>,
     /// The reference with pictures.
@@ -96,7 +96,7 @@ impl<'a> ViewSession<'a> {
         let meshes = build_meshes(scene, &scene.mesh)?;
         let prepared = PreparedScene::new(scene, meshes, surface);
         let plan = PlanOptions::default();
-        let input = FrameInput::new(&prepared, &group.view, group.size, plan);
+        let input = FillInput::new(&prepared, &group.view, group.size, plan);
         let input = input.map_err(|error| bad(&error))?;
         let targets = Targets::new(context.devices, group.size);
         let wgpu =
@@ -195,7 +195,7 @@ impl<'a> ViewSession<'a> {
     fn draw(
         &mut self,
         case: &FillCase,
-        bound_px: impl Fn(PositionFormat, &FrameInput) -> f64,
+        bound_px: impl Fn(PositionFormat, &FillInput) -> f64,
     ) -> Result<Result<Drawn, Verdict>, StudyError> {
         let Subject::Fill(technique, variant) = &case.subject else {
             return Ok(Err(Verdict::failed("a full-screen pass fills nothing")));
@@ -568,7 +568,7 @@ struct Drawn {
     backend: Box<dyn FillBackend>,
     memory: MemoryUse,
     frame: Frame,
-    input: Rc<FrameInput>,
+    input: Rc<FillInput>,
     plan_cpu_ms: Option<f64>,
 }
 
@@ -617,7 +617,7 @@ fn one_at_a_time(subject: &Subject) -> bool {
 }
 
 /// Median over a few plans of the same frame.
-fn plan_cpu_ms(input: &FrameInput, options: PlanOptions) -> Option<f64> {
+fn plan_cpu_ms(input: &FillInput, options: PlanOptions) -> Option<f64> {
     let plans = (0..9).map(|_| {
         let watch = CpuStopwatch::start();
         std::hint::black_box(input.remeshed(&input.scene, options));

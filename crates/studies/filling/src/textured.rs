@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_conformance::{TextureErrors, Verdict, compare_texture, texture_verdict};
-use terrafill_fill::{Frame, FrameInput, NO_REGION, Picture, RouteChoice, Variant};
+use terrafill_fill::{FillInput, Frame, NO_REGION, Picture, RouteChoice, Variant};
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{ImageSize, Scene, SceneTexture, TextureShare, View, checker};
 use terrafill_study::StudyError;
@@ -63,7 +63,7 @@ impl ShownPicture {
     }
 
     /// The same view with the picture shown; `None` where the scene has none.
-    pub(crate) fn input(self, input: &FrameInput) -> Option<FrameInput> {
+    pub(crate) fn input(self, input: &FillInput) -> Option<FillInput> {
         let texture = input.scene.texture.as_deref()?;
         let shown = match self {
             Self::Scene => return Some(input.clone()),
@@ -148,7 +148,7 @@ pub(crate) struct TexturedReference {
 }
 
 impl TexturedReferences {
-    fn of(&self, input: &FrameInput) -> Drawn {
+    fn of(&self, input: &FillInput) -> Drawn {
         let Some(texture) = &input.scene.texture else {
             return Err("the scene has no picture to compare with".to_owned());
         };
@@ -169,7 +169,7 @@ impl TexturedReferences {
     /// Errors of the places that a textured frame's texels come from, and what speaks against them.
     pub(crate) fn compare(
         &self,
-        input: &FrameInput,
+        input: &FillInput,
         frame: &Frame,
     ) -> (Option<TextureErrors>, Vec<String>) {
         let compared = self.of(input).and_then(|reference| {
@@ -191,7 +191,7 @@ impl TexturedReferences {
     /// reference paints in one colour.
     pub(crate) fn pictures(
         &self,
-        input: &FrameInput,
+        input: &FillInput,
         frame: &Frame,
         picture: &Picture,
     ) -> Result<Pictures, String> {

@@ -18,8 +18,8 @@ use terrafill_compute::{
     placed_bytes,
 };
 use terrafill_fill::{
-    BottomCap, ColourWay, DepthRuleChoice, DeviceError, FacePasses, FillBackend as _, Frame,
-    FrameInput, StencilClear, Switches,
+    BottomCap, ColourWay, DepthRuleChoice, DeviceError, FacePasses, FillBackend as _, FillInput,
+    Frame, StencilClear, Switches,
 };
 use terrafill_scene::{LeftOutReason, Overlap, PlanOptions};
 
@@ -156,7 +156,7 @@ fn culling_on_the_device_changes_no_pixel_and_leaves_out_what_the_plan_would() {
     let (prepared, views) = shipped("planet-134").expect("ships with the project");
     for view in &views {
         let planned =
-            FrameInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
+            FillInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
         let everything = planned.remeshed(&prepared, NOTHING_LEFT_OUT);
         assert!(planned.plan.regions.len() < everything.plan.regions.len());
         let uncut = draw(&devices, &everything, compute(ComputeVariant::default()));
@@ -260,7 +260,7 @@ fn culling_by_wrong_boxes_is_noticed() {
 /// A frame drawn within `capacity`.
 fn draw_within(
     devices: &Devices,
-    input: &FrameInput,
+    input: &FillInput,
     variant: ComputeVariant,
     capacity: Capacity,
 ) -> Result<Frame, DeviceError> {

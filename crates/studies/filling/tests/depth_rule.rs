@@ -12,7 +12,7 @@ use drawing::{
 use terrafill_conformance::verdict;
 use terrafill_core::{Ellipsoid, Geodetic};
 use terrafill_fill::{
-    BottomCap, ColourWay, DepthRuleChoice, FillBackend, Frame, FrameInput, PreparedScene, Switches,
+    BottomCap, ColourWay, DepthRuleChoice, FillBackend, FillInput, Frame, PreparedScene, Switches,
 };
 use terrafill_scene::{ImageSize, Overlap};
 
@@ -66,7 +66,7 @@ impl Rules {
     }
 
     /// Frames by the automatic rule, behind the surface, and in front of it.
-    fn draw(&mut self, input: &FrameInput) -> [Frame; 3] {
+    fn draw(&mut self, input: &FillInput) -> [Frame; 3] {
         let backends = self.backends.iter_mut();
         let frames: Vec<Frame> = backends
             .map(|backend| draw_with(&mut **backend, input))
@@ -88,7 +88,7 @@ struct Tally {
 }
 
 impl Tally {
-    fn look(&mut self, rules: &mut Rules, input: &FrameInput, what: &str) {
+    fn look(&mut self, rules: &mut Rules, input: &FillInput, what: &str) {
         let reference = judge(input);
         let [automatic, behind, in_front] = rules.draw(input);
         assert_eq!(differing(&automatic, &behind), 0, "{what}");

@@ -15,7 +15,7 @@ use drawing::{
 use std::collections::BTreeMap;
 use terrafill_conformance::ErrorFigures;
 use terrafill_conformance::verdict;
-use terrafill_fill::{ColourWay, FrameInput, PositionFormat, Switches};
+use terrafill_fill::{ColourWay, FillInput, PositionFormat, Switches};
 use terrafill_filling::{FillingStudy, open_scene};
 use terrafill_native::{Extrusion as Native, NativeVariant};
 use terrafill_results::PlannedCase;
@@ -46,7 +46,7 @@ fn figures_of(name: &str) -> Option<BTreeMap<(String, &'static str), ErrorFigure
     let mut all = BTreeMap::new();
     for view in &views {
         let input =
-            FrameInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
+            FillInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
         let judged = judge(&input);
         for positions in PositionFormat::ALL {
             let draw = |layout| {
@@ -123,7 +123,7 @@ fn ten_metres_from_several_eyes() {
         moved.pose.eye.longitude_rad += (f64::from(i) * 4.7e-6).to_radians();
         moved.pose.eye.latitude_rad += (f64::from(i) * 2.1e-6).to_radians();
         let input =
-            FrameInput::new(&prepared, &moved, SIZE, PlanOptions::default()).expect("a surface");
+            FillInput::new(&prepared, &moved, SIZE, PlanOptions::default()).expect("a surface");
         let judged = judge(&input);
         let figures_of = |positions| {
             let technique = Technique::Vertex(variant(Layout::Doubled, positions));
@@ -193,7 +193,7 @@ fn walls_between_triangles_leave_no_trace_where_they_are_clipped() {
         view.pose.eye.latitude_rad += (f64::from(i) * 2.1e-6).to_radians();
         view.pose.pitch_rad += (f64::from(i) * 0.11).to_radians();
         let input =
-            FrameInput::new(&prepared, &view, SIZE, PlanOptions::default()).expect("a surface");
+            FillInput::new(&prepared, &view, SIZE, PlanOptions::default()).expect("a surface");
         let name = format!("{:?}", techniques[1]);
         let [mut whole, split] = techniques.map(|technique| targets.draw(&input, technique));
         assert!(whole.filled_px() > 10_000, "eye {i}");
@@ -229,7 +229,7 @@ fn bytes_by_formula_are_those_that_are_allocated() {
     };
     let (prepared, views) = shipped("square-200km").expect("ships with the project");
     let input =
-        FrameInput::new(&prepared, &views[0], SIZE, PlanOptions::default()).expect("a surface");
+        FillInput::new(&prepared, &views[0], SIZE, PlanOptions::default()).expect("a surface");
     let targets = AllTargets::new(&devices, SIZE);
     let mut known = BTreeMap::new();
     for layout in Layout::ALL {

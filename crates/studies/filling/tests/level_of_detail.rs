@@ -13,7 +13,7 @@ use terrafill_conformance::{
     BAND_RADIUS_PX, MOVED_STEP_PX, boundary_movement, compare_closely, verdict_of_moved,
     with_movement,
 };
-use terrafill_fill::{Frame, FrameInput, NO_REGION, PreparedScene, Switches};
+use terrafill_fill::{FillInput, Frame, NO_REGION, PreparedScene, Switches};
 use terrafill_native::{Extrusion as Native, Indices, NativeVariant};
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{
@@ -54,12 +54,12 @@ fn options(pixels: Option<f64>) -> PlanOptions {
     }
 }
 
-fn draw_plain(devices: &Devices, input: &FrameInput) -> Frame {
+fn draw_plain(devices: &Devices, input: &FillInput) -> Frame {
     draw(devices, input, vertex(Switches::default()))
 }
 
 /// What the comparison says, the reference being asked between the centres of its pixels too.
-fn figures(truth: &FrameInput, reference: &Frame, frame: &Frame) -> ErrorFigures {
+fn figures(truth: &FillInput, reference: &Frame, frame: &Frame) -> ErrorFigures {
     let look = ReferenceBackend::new().look_closely(truth).expect("judges");
     let shows = |pixel: usize, id: u32| look.ids_within(pixel, BAND_RADIUS_PX).contains(&id);
     let figures = compare_closely(reference, frame, shows).expect("same size");
@@ -68,7 +68,7 @@ fn figures(truth: &FrameInput, reference: &Frame, frame: &Frame) -> ErrorFigures
     with_movement(figures, movement)
 }
 
-fn boundary_vertices(input: &FrameInput) -> usize {
+fn boundary_vertices(input: &FillInput) -> usize {
     let planned = input.plan.regions.iter();
     planned
         .map(|planned| input.scene.meshes[planned.mesh].boundary_edge_count())
@@ -105,13 +105,13 @@ fn fine_reference(scene: &PreparedScene, view: &View) -> Frame {
         width: SIZE.width * 4,
         height: SIZE.height * 4,
     };
-    let input = FrameInput::new(scene, view, size, options(None)).expect("a surface");
+    let input = FillInput::new(scene, view, size, options(None)).expect("a surface");
     judge(&input)
 }
 
 /// Of one view: asserts what must hold up to half a pixel, and prints what it costs.
 fn check_view(devices: &Devices, scene: &PreparedScene, view: &View) -> (usize, usize) {
-    let full_input = FrameInput::new(scene, view, SIZE, options(None)).expect("a surface");
+    let full_input = FillInput::new(scene, view, SIZE, options(None)).expect("a surface");
     let reference = judge(&full_input);
     let full = draw_plain(devices, &full_input);
     let mut at_half = 0;
@@ -177,7 +177,7 @@ fn boundaries_moved_too_far_are_noticed() {
     let (scene, prepared) =
         leveled("planet-134", LevelChoice::Given(vec![6e4])).expect("ships with the project");
     let view = &scene.views[0];
-    let input = FrameInput::new(&prepared, view, SIZE, options(Some(32.0))).expect("a surface");
+    let input = FillInput::new(&prepared, view, SIZE, options(Some(32.0))).expect("a surface");
     let reference = judge(&input);
     let figures = figures(&input, &reference, &draw_plain(&devices, &input));
     assert!(figures.mismatched_px_outside_band > 0, "{figures:?}");
@@ -207,7 +207,7 @@ fn a_movement_understated_four_times_is_noticed() {
             continue;
         };
         let view = &scene.views[0];
-        let full = FrameInput::new(&prepared, view, SIZE, options(None)).expect("a surface");
+        let full = FillInput::new(&prepared, view, SIZE, options(None)).expect("a surface");
         let reference = judge(&full);
         let input = full.remeshed(&prepared, options(Some(drawn_px)));
         let found = figures(&full, &reference, &draw_plain(&devices, &input));
@@ -242,7 +242,7 @@ fn neighbours_at_different_levels_part_and_the_count_of_unowned_pixels_shows_it(
         return;
     };
     let view = &scene.views[0];
-    let full_input = FrameInput::new(&prepared, view, SIZE, options(None)).expect("a surface");
+    let full_input = FillInput::new(&prepared, view, SIZE, options(None)).expect("a surface");
     let full = draw_plain(&devices, &full_input);
     let fine = fine_reference(&prepared, view);
     assert_eq!(unowned_on_borders(&fine, FINE, &full), 0);
@@ -274,7 +274,7 @@ fn every_level_in_lists_and_strips_shows_what_doubled_vertices_show() {
         leveled("planet-134", LevelChoice::Automatic).expect("ships with the project");
     let mut coarser = 0;
     for view in &scene.views {
-        let full = FrameInput::new(&prepared, view, SIZE, options(None)).expect("a surface");
+        let full = FillInput::new(&prepared, view, SIZE, options(None)).expect("a surface");
         let input = full.remeshed(&prepared, options(Some(0.5)));
         let levels = input.plan.regions.iter();
         coarser += levels

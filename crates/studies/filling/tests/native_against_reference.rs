@@ -14,7 +14,7 @@ use drawing::{
 };
 use terrafill_fill::{
     BottomCap, ColourWay, Counters, DepthRuleChoice, DeviceError, FacePasses, FillBackend as _,
-    FrameInput, StencilClear, Switches,
+    FillInput, StencilClear, Switches,
 };
 use terrafill_native::{
     Extrusion as Native, Indices, NativeBackend, NativeVariant, depth_range, native_bytes,
@@ -164,7 +164,7 @@ fn volumes_of_single_triangles_leave_no_sliver_between_neighbours() {
             height: 512,
         };
         let input =
-            FrameInput::new(&prepared, view, size, PlanOptions::default()).expect("a surface");
+            FillInput::new(&prepared, view, size, PlanOptions::default()).expect("a surface");
         let switches = Switches::for_overlap(prepared.overlap);
         let by_vertex = draw(&devices, &input, vertex(switches));
         let frame = draw(&devices, &input, native(Native::GsPerTriangle, switches));
@@ -246,7 +246,7 @@ fn bytes_are_what_the_formula_says_and_in_strips_less_than_half_of_doubled_verti
             continue;
         };
         let input =
-            FrameInput::new(&prepared, &views[0], SIZE, PlanOptions::default()).expect("a surface");
+            FillInput::new(&prepared, &views[0], SIZE, PlanOptions::default()).expect("a surface");
         let doubled: u64 = prepared
             .meshes
             .iter()
@@ -440,7 +440,7 @@ fn what_the_device_lacks_is_refused_by_name() {
 }
 
 /// Whether every filled pixel's depth lies in the range of its region.
-fn ranges_hold(input: &FrameInput, ids: &[u32], depth: &[f32], tightened: f32) -> bool {
+fn ranges_hold(input: &FillInput, ids: &[u32], depth: &[f32], tightened: f32) -> bool {
     input.plan.regions.iter().all(|planned| {
         let range = depth_range(input, planned);
         let id = u32::try_from(planned.region).expect("few regions") + 1;

@@ -11,7 +11,7 @@ use drawing::{
 use terrafill_conformance::{filled_only, verdict};
 use terrafill_core::Ellipsoid;
 use terrafill_fill::{
-    ColourWay, DeviceError, FrameInput, NO_REGION, Picture, PreparedScene, region_colour,
+    ColourWay, DeviceError, FillInput, NO_REGION, Picture, PreparedScene, region_colour,
 };
 use terrafill_scene::{ImageSize, Overlap};
 use terrafill_vertex::VertexVariant;
@@ -34,7 +34,7 @@ fn nested(count: u32, overlap: Overlap) -> PreparedScene {
     scene(&collection(&squares), Ellipsoid::WGS84, 90, overlap)
 }
 
-fn from_above(scene: &PreparedScene) -> FrameInput {
+fn from_above(scene: &PreparedScene) -> FillInput {
     look(scene, (10.0, 10.0, 1.4e6, 0.0, -90.0), 1e3, SIZE)
 }
 
@@ -120,7 +120,7 @@ fn a_count_that_wraps_loses_the_multiples_of_256() {
 
 /// What the regions look like one over the other, from coverages that the reference finds for each
 /// region alone; rounded to 8 bits after each, as the target does.
-fn composite(input: &FrameInput, surface: &Picture, opacity: f64, order: &[usize]) -> Vec<[u8; 3]> {
+fn composite(input: &FillInput, surface: &Picture, opacity: f64, order: &[usize]) -> Vec<[u8; 3]> {
     let mut pixels: Vec<[u8; 3]> = surface
         .rgba
         .chunks_exact(4)
@@ -131,7 +131,7 @@ fn composite(input: &FrameInput, surface: &Picture, opacity: f64, order: &[usize
             regions: vec![input.scene.regions[region].clone()].into(),
             ..input.scene.clone()
         };
-        let alone = FrameInput {
+        let alone = FillInput {
             scene: alone,
             ..input.clone()
         };

@@ -11,7 +11,7 @@ use drawing::{
 };
 use terrafill_core::Ellipsoid;
 use terrafill_fill::{
-    ColourWay, Counters, FrameInput, GeometryBytes, PreparedScene, Switches, Technique as _,
+    ColourWay, Counters, FillInput, GeometryBytes, PreparedScene, Switches, Technique as _,
 };
 use terrafill_gpu::WorkDone;
 use terrafill_scene::{ImageSize, Overlap};
@@ -25,7 +25,7 @@ fn two_squares() -> PreparedScene {
     scene(&text, Ellipsoid::WGS84, 90, Overlap::Disjoint)
 }
 
-fn seen_from(scene: &PreparedScene, height_m: f64) -> FrameInput {
+fn seen_from(scene: &PreparedScene, height_m: f64) -> FillInput {
     look(scene, (4.0, 2.0, height_m, 0.0, -90.0), 100.0, SIZE)
 }
 
@@ -58,7 +58,7 @@ fn the_second_unchanged_frame_makes_and_uploads_nothing() {
             let technique = in_layout(layout, with_colour(colour));
             let name = format!("{technique:?}");
             let mut backend = targets.open(technique);
-            let mut frame = |input: &FrameInput| {
+            let mut frame = |input: &FillInput| {
                 backend.prepare(input).expect("fits");
                 made(counters(&backend.render(input).expect("draws")))
             };
@@ -170,7 +170,7 @@ fn every_fragment_of_the_stencil_work_is_counted() {
     }
     let input = seen_from(&two_squares(), 2e6);
     let targets = AllTargets::new(&devices, SIZE);
-    let count = |input: &FrameInput, switches: Switches, layout: Layout| {
+    let count = |input: &FillInput, switches: Switches, layout: Layout| {
         let frame = targets.draw(input, in_layout(layout, switches));
         let fragments = counters(&frame).stencil_fragments.expect("counted");
         (fragments, frame.filled_px())

@@ -13,7 +13,7 @@ use terrafill_conformance::{
 };
 use terrafill_core::{Ellipsoid, RegionMesh};
 use terrafill_fill::{
-    ColourWay, DeviceError, FillBackend, Frame, FrameInput, PreparedScene, RouteChoice, Switches,
+    ColourWay, DeviceError, FillBackend, FillInput, Frame, PreparedScene, RouteChoice, Switches,
 };
 use terrafill_gpu::{Gpu, GpuOptions, RenderTargets, SharedTargets, open_for_test};
 use terrafill_native::{Extrusion, Indices, NativeBackend, NativeVariant};
@@ -76,22 +76,22 @@ fn stored(
     Box::new(NativeBackend::new(targets, variant).expect("has the features"))
 }
 
-fn vulkan_stage(input: &FrameInput) -> terrafill_vulkan::SharedTargets {
+fn vulkan_stage(input: &FillInput) -> terrafill_vulkan::SharedTargets {
     let gpu = terrafill_vulkan::open_for_test(&Default::default()).expect("as through wgpu");
     terrafill_vulkan::RenderTargets::shared(&gpu, input.size).expect("small targets")
 }
 
-fn targets(gpu: &Arc<Gpu>, input: &FrameInput) -> SharedTargets {
+fn targets(gpu: &Arc<Gpu>, input: &FillInput) -> SharedTargets {
     RenderTargets::shared(gpu, input.size).expect("small targets")
 }
 
-fn judge(input: &FrameInput) -> ReferenceFrame {
+fn judge(input: &FillInput) -> ReferenceFrame {
     ReferenceBackend::textured()
         .judge(input)
         .expect("regions are readable")
 }
 
-fn draw(backend: &mut dyn FillBackend, input: &FrameInput) -> Frame {
+fn draw(backend: &mut dyn FillBackend, input: &FillInput) -> Frame {
     backend.prepare(input).expect("fits");
     backend.render(input).expect("draws")
 }
@@ -168,7 +168,7 @@ fn shipped_scenes_show_their_picture_where_the_reference_does() {
         let mut backends: Option<(SharedTargets, Box<dyn FillBackend>)> = None;
         for view in &scene.views {
             let input =
-                FrameInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
+                FillInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
             let reference = judge(&input);
             let (_, backend) = backends.get_or_insert_with(|| {
                 let targets = targets(&gpu, &input);
@@ -397,13 +397,13 @@ fn wrong_latitudes_routes_and_anchors_are_noticed() {
         let verdict = texture_verdict(&errors);
         assert!(matches!(verdict, Verdict::Fail(_)), "{what}: {errors:?}");
     };
-    let with = |route: &str, input: &FrameInput| {
+    let with = |route: &str, input: &FillInput| {
         let switches = switches(route, ColourWay::Xor);
         draw(&mut *vertex(&targets, Layout::Doubled, switches), input)
     };
     fails("geocentric", &with("odd-15+geocentric", &input));
     fails("a coarse route", &with("odd-3", &input));
-    let moved = |placement| FrameInput {
+    let moved = |placement| FillInput {
         scene: textured(&input.scene, placement),
         ..input.clone()
     };
@@ -421,7 +421,7 @@ fn wrong_latitudes_routes_and_anchors_are_noticed() {
             outside: Outside::Repeat,
         })
     };
-    let errors = |input: &FrameInput| {
+    let errors = |input: &FillInput| {
         let mut frame = with("chosen", input);
         // Only the first region lies where the extents' picture does.
         for (id, place) in frame

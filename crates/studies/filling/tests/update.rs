@@ -9,7 +9,7 @@ use drawing::{
 };
 use terrafill_compute::{ComputeVariant, Expansion};
 use terrafill_core::Ellipsoid;
-use terrafill_fill::{DeviceError, FrameInput, PreparedScene, Switches};
+use terrafill_fill::{DeviceError, FillInput, PreparedScene, Switches};
 use terrafill_native::{Extrusion, Indices, NativeVariant};
 use terrafill_scene::{Overlap, PlanOptions};
 use terrafill_vertex::{Layout, VertexVariant};
@@ -35,7 +35,7 @@ fn regions(rings: [&str; 3]) -> PreparedScene {
 }
 
 /// `before` with the region at `place` as it is in `after`.
-fn changed(before: &FrameInput, after: &PreparedScene, place: usize) -> FrameInput {
+fn changed(before: &FillInput, after: &PreparedScene, place: usize) -> FillInput {
     let mesh = after.meshes[place].clone();
     let meshes = before.scene.meshes.with_changed([(place, mesh)]);
     let scene = PreparedScene {
@@ -45,7 +45,7 @@ fn changed(before: &FrameInput, after: &PreparedScene, place: usize) -> FrameInp
     before.remeshed(&scene, PlanOptions::default())
 }
 
-fn seen(scene: &PreparedScene) -> FrameInput {
+fn seen(scene: &PreparedScene) -> FillInput {
     look(scene, (5.5, 2.0, 2e6, 0.0, -90.0), 100.0, SIZE)
 }
 

@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 use terrafill_conformance::verdict;
 use terrafill_core::Ellipsoid;
 use terrafill_fill::{
-    ColourWay, Counters, FrameInput, PositionFormat, Switches, Technique as _, Variant,
+    ColourWay, Counters, FillInput, PositionFormat, Switches, Technique as _, Variant,
 };
 use terrafill_scene::{Overlap, PlanOptions};
 use terrafill_vertex::{Layout, VertexBackend, VertexTechnique, VertexVariant};
@@ -93,7 +93,7 @@ fn culling_changes_no_pixel() {
     let (prepared, views) = shipped("planet-134").expect("ships with the project");
     for view in &views {
         let culled =
-            FrameInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
+            FillInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
         let everything = culled.remeshed(
             &prepared,
             PlanOptions {

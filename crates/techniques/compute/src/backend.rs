@@ -5,7 +5,7 @@ use crate::expansion::Capacity;
 use crate::volumes::ComputeVolumes;
 use crate::{ComputeBytes, ComputeVariant, GpuCulling};
 use terrafill_fill::{
-    Capabilities, Colours, DeviceError, FillBackend, FillProgram, Frame, FrameInput, FrameTimes,
+    Capabilities, Colours, DeviceError, FillBackend, FillInput, FillProgram, Frame, FrameTimes,
     MemoryUse, Picture, PositionFormat, RegionConstants, Uploaded,
 };
 use terrafill_gpu::{SharedTargets, VolumeFill};
@@ -83,7 +83,7 @@ impl ComputeBackend {
 
     /// Makes what the view needs, and brings program and constants up to date. Where that fails,
     /// what was made for the view before is gone too.
-    fn upload_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), DeviceError> {
+    fn upload_view(&mut self, input: &FillInput, colours: Colours) -> Result<(), DeviceError> {
         let made = self.make_view(input, colours);
         if made.is_err() {
             self.fill.forget_view();
@@ -91,7 +91,7 @@ impl ComputeBackend {
         made
     }
 
-    fn make_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), DeviceError> {
+    fn make_view(&mut self, input: &FillInput, colours: Colours) -> Result<(), DeviceError> {
         let program = FillProgram::new(&input.plan, &self.variant.switches, input.scene.overlap)?;
         let targets = self.fill.targets().borrow();
         self.volumes.upload_view(&targets, input)?;
@@ -107,7 +107,7 @@ impl ComputeBackend {
     }
 
     /// Uploads what is not there yet, and gives how many bytes that took.
-    fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, DeviceError> {
+    fn bring_up_to_date(&mut self, input: &FillInput) -> Result<u64, DeviceError> {
         let before = self.fill.gpu().work_done();
         if !self.fill.holds_meshes(input) {
             let targets = self.fill.targets().borrow();
@@ -135,7 +135,7 @@ impl FillBackend for ComputeBackend {
         self.fill.note()
     }
 
-    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, DeviceError> {
+    fn prepare(&mut self, input: &FillInput) -> Result<MemoryUse, DeviceError> {
         input.check_region_count()?;
         self.fill.targets().borrow_mut().prepare(input)?;
         let upload_bytes = self.bring_up_to_date(input)?;
@@ -154,7 +154,7 @@ impl FillBackend for ComputeBackend {
         })
     }
 
-    fn update(&mut self, input: &FrameInput, changed: &[usize]) -> Result<Uploaded, DeviceError> {
+    fn update(&mut self, input: &FillInput, changed: &[usize]) -> Result<Uploaded, DeviceError> {
         input.check_region_count()?;
         let changed = self.fill.check_update(input, changed)?;
         self.fill.targets().borrow_mut().prepare(input)?;
@@ -178,7 +178,7 @@ impl FillBackend for ComputeBackend {
         })
     }
 
-    fn render(&mut self, input: &FrameInput) -> Result<Frame, DeviceError> {
+    fn render(&mut self, input: &FillInput) -> Result<Frame, DeviceError> {
         let (picture, mut counters) = self.fill.draw_and_read(&mut self.volumes, input, false)?;
         counters.vertices += self.volumes.drawn_by_device(&self.fill.gpu())?;
         counters.stencil_fragments = self.fill.count_fragments(&mut self.volumes, input)?;
@@ -186,18 +186,18 @@ impl FillBackend for ComputeBackend {
             .frame(&mut self.volumes, input, &picture, counters)
     }
 
-    fn picture(&mut self, input: &FrameInput) -> Result<Picture, DeviceError> {
+    fn picture(&mut self, input: &FillInput) -> Result<Picture, DeviceError> {
         self.upload_view(input, OPAQUE)?;
         let drawn = self.fill.draw_and_read(&mut self.volumes, input, false);
         self.upload_view(input, Colours::Ids)?;
         drawn.map(|(picture, _)| picture)
     }
 
-    fn draw_surface(&mut self, input: &FrameInput) -> Result<Option<f64>, DeviceError> {
+    fn draw_surface(&mut self, input: &FillInput) -> Result<Option<f64>, DeviceError> {
         self.fill.draw_surface(input)
     }
 
-    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, DeviceError> {
+    fn time_frame(&mut self, input: &FillInput) -> Result<FrameTimes, DeviceError> {
         self.fill.time_frame(&mut self.volumes, input)
     }
 }
@@ -228,7 +228,7 @@ mod tests {
             width: 16,
             height: 16,
         };
-        let full = FrameInput::new(&prepared, &scene.views[0], size, PlanOptions::default())
+        let full = FillInput::new(&prepared, &scene.views[0], size, PlanOptions::default())
             .expect("a surface");
         let mut empty = full.clone();
         empty.plan.regions.clear();

@@ -7,7 +7,7 @@
 use crate::expansion::OutputSlice;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
-use terrafill_fill::FrameInput;
+use terrafill_fill::FillInput;
 use terrafill_scene::PlannedRegion;
 
 /// Twin of `CullRegion` in `compute/cull.wgsl`.
@@ -27,7 +27,7 @@ pub(crate) struct CullRegion {
 impl CullRegion {
     /// The box that holds a planned region's volume, and where its indices and corners begin.
     pub(crate) fn new(
-        input: &FrameInput,
+        input: &FillInput,
         planned: &PlannedRegion,
         output: OutputSlice,
         base_vertex: i32,
@@ -70,7 +70,7 @@ impl Horizon {
         clippy::cast_possible_truncation,
         reason = "rounding to what the GPU reads is the purpose"
     )]
-    pub(crate) fn new(input: &FrameInput) -> Self {
+    pub(crate) fn new(input: &FillInput) -> Self {
         let body = &input.scene.body;
         let flattening = body.equatorial_radius_m() / body.polar_radius_m();
         let shrink = (-input.terrain().lowest_m).max(0.0) * flattening;

@@ -4,11 +4,11 @@
 use crate::culling::DRAW_ARGUMENTS_BYTES;
 use crate::expansion::WORKGROUP_SIZE;
 use crate::volumes::ComputeVolumes;
-use terrafill_fill::{FrameInput, VolumeDraw};
+use terrafill_fill::{FillInput, VolumeDraw};
 use terrafill_gpu::{Gpu, VolumePass, Volumes};
 
 impl Volumes for ComputeVolumes {
-    fn ensure(&mut self, gpu: &Gpu, _input: &FrameInput, draw: &VolumeDraw<'_>, _blends: bool) {
+    fn ensure(&mut self, gpu: &Gpu, _input: &FillInput, draw: &VolumeDraw<'_>, _blends: bool) {
         self.pipelines.ensure(gpu, draw.state);
     }
 
@@ -21,7 +21,7 @@ impl Volumes for ComputeVolumes {
     fn make(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        input: &FrameInput,
+        input: &FillInput,
         constants: &wgpu::BindGroup,
         stamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
     ) {

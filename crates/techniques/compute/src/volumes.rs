@@ -6,7 +6,7 @@ use crate::expansion::{Capacity, ExpansionPlan, OutputSlice, PlacingPlan, WorkGr
 use crate::layout::{MeshSlice, SceneGeometry};
 use crate::pipeline::Pipelines;
 use crate::{ComputeBytes, ComputeVariant, Expansion, GpuCulling, Transform};
-use terrafill_fill::{DeviceError, FrameInput, RegionPlace};
+use terrafill_fill::{DeviceError, FillInput, RegionPlace};
 use terrafill_gpu::{Gpu, RenderTargets, VolumeFill, read_buffer};
 use terrafill_scene::PlannedRegion;
 
@@ -37,7 +37,7 @@ pub(crate) struct SceneBuffers {
 
 impl SceneBuffers {
     /// Writes the changed meshes, unless one of them does not fit.
-    fn rewrite(&mut self, gpu: &Gpu, input: &FrameInput, changed: &[usize]) -> bool {
+    fn rewrite(&mut self, gpu: &Gpu, input: &FillInput, changed: &[usize]) -> bool {
         let mut rewritten = Vec::with_capacity(changed.len());
         for &mesh in changed {
             let mesh_alone = std::slice::from_ref(&input.scene.meshes[mesh]);
@@ -245,7 +245,7 @@ impl ComputeVolumes {
     pub(crate) fn upload_scene(
         &mut self,
         targets: &RenderTargets,
-        input: &FrameInput,
+        input: &FillInput,
     ) -> Result<(), DeviceError> {
         let geometry = SceneGeometry::build(&input.scene.meshes);
         let bytes = geometry.bytes();
@@ -276,7 +276,7 @@ impl ComputeVolumes {
     pub(crate) fn rewrite(
         &mut self,
         targets: &RenderTargets,
-        input: &FrameInput,
+        input: &FillInput,
         changed: &[usize],
     ) -> Result<bool, DeviceError> {
         let Some(mut scene) = self.scene.take() else {
@@ -294,7 +294,7 @@ impl ComputeVolumes {
     fn expand_scene(
         &self,
         targets: &RenderTargets,
-        input: &FrameInput,
+        input: &FillInput,
         meshes: &[MeshSlice],
         bind_group: &wgpu::BindGroup,
     ) -> Result<Option<Expanded>, DeviceError> {
@@ -310,7 +310,7 @@ impl ComputeVolumes {
     pub(crate) fn upload_view(
         &mut self,
         targets: &RenderTargets,
-        input: &FrameInput,
+        input: &FillInput,
     ) -> Result<(), DeviceError> {
         self.view = ViewBuffers::default();
         let Some(scene) = &self.scene else {
@@ -363,7 +363,7 @@ impl ComputeVolumes {
     fn make_placed(
         &self,
         targets: &RenderTargets,
-        input: &FrameInput,
+        input: &FillInput,
     ) -> Result<Placed, DeviceError> {
         let planned = input.plan.regions.iter();
         let plan = PlacingPlan::new(planned.map(|planned| &input.scene.meshes[planned.mesh]))?;
@@ -423,7 +423,7 @@ impl ComputeVolumes {
     fn upload_culling(
         &self,
         targets: &RenderTargets,
-        input: &FrameInput,
+        input: &FillInput,
         regions: Vec<CullRegion>,
     ) -> Result<Culling, DeviceError> {
         let planned = &input.plan.regions;

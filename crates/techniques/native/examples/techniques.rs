@@ -7,7 +7,7 @@
 use std::error::Error;
 use std::time::Instant;
 use terrafill_core::RegionMesh;
-use terrafill_fill::{FillBackend as _, FrameInput, PreparedScene, Switches};
+use terrafill_fill::{FillBackend as _, FillInput, PreparedScene, Switches};
 use terrafill_native::{
     Extrusion, Indices, NativeBackend, NativeVariant, StripCounts, native_bytes, strip_counts,
 };
@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     println!("{}", strips_of(&prepared.meshes));
     for view in &scene.views {
-        let input = FrameInput::new(&prepared, view, size, PlanOptions::default())?;
+        let input = FillInput::new(&prepared, view, size, PlanOptions::default())?;
         let targets = RenderTargets::shared(&gpu, size)?;
         let mut backends = Vec::new();
         for &variant in &variants {
@@ -98,7 +98,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Inputs of the geometry shaders of the regions in view, as a test holds them to be; `None` for
 /// techniques without strips.
-fn inputs(variant: NativeVariant, input: &FrameInput) -> Option<usize> {
+fn inputs(variant: NativeVariant, input: &FillInput) -> Option<usize> {
     let of = |mesh: &RegionMesh| {
         let (triangles, edges) = (mesh.triangle_count(), mesh.boundary_edge_count());
         let in_strips = triangles + strip_counts(mesh).repeated;

@@ -5,7 +5,7 @@ use crate::NativeVariant;
 use crate::pass::NativeVolumes;
 use std::sync::Arc;
 use terrafill_fill::{
-    Capabilities, Colours, DeviceError, FillBackend, FillProgram, Frame, FrameInput, FrameTimes,
+    Capabilities, Colours, DeviceError, FillBackend, FillInput, FillProgram, Frame, FrameTimes,
     MemoryUse, Picture, PositionFormat, RegionConstants, Uploaded,
 };
 use terrafill_vulkan::{SharedTargets, VolumeFill};
@@ -46,7 +46,7 @@ impl NativeBackend {
     }
 
     /// Brings program and constants up to date; nothing is made or written where they are already.
-    fn upload_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), DeviceError> {
+    fn upload_view(&mut self, input: &FillInput, colours: Colours) -> Result<(), DeviceError> {
         let Some(place_of) = self.volumes.places() else {
             return self.fill.check_prepared(input);
         };
@@ -57,7 +57,7 @@ impl NativeBackend {
     }
 
     /// Brings geometry, constants and pipelines up to date, and gives the bytes handed over.
-    fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, DeviceError> {
+    fn bring_up_to_date(&mut self, input: &FillInput) -> Result<u64, DeviceError> {
         let gpu = self.fill.gpu();
         let before = gpu.work_done();
         if !self.fill.holds_meshes(input) {
@@ -83,7 +83,7 @@ impl FillBackend for NativeBackend {
         self.fill.note()
     }
 
-    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, DeviceError> {
+    fn prepare(&mut self, input: &FillInput) -> Result<MemoryUse, DeviceError> {
         input.check_region_count()?;
         self.fill.targets().borrow_mut().prepare(input)?;
         let upload_bytes = self.bring_up_to_date(input)?;
@@ -100,7 +100,7 @@ impl FillBackend for NativeBackend {
         })
     }
 
-    fn update(&mut self, input: &FrameInput, changed: &[usize]) -> Result<Uploaded, DeviceError> {
+    fn update(&mut self, input: &FillInput, changed: &[usize]) -> Result<Uploaded, DeviceError> {
         input.check_region_count()?;
         let changed = self.fill.check_update(input, changed)?;
         self.fill.targets().borrow_mut().prepare(input)?;
@@ -122,24 +122,24 @@ impl FillBackend for NativeBackend {
         })
     }
 
-    fn render(&mut self, input: &FrameInput) -> Result<Frame, DeviceError> {
+    fn render(&mut self, input: &FillInput) -> Result<Frame, DeviceError> {
         let (picture, mut counters) = self.fill.draw_and_read(&self.volumes, input)?;
         counters.stencil_fragments = self.fill.count_fragments(&mut self.volumes, input)?;
         self.fill.frame(&self.volumes, input, &picture, counters)
     }
 
-    fn picture(&mut self, input: &FrameInput) -> Result<Picture, DeviceError> {
+    fn picture(&mut self, input: &FillInput) -> Result<Picture, DeviceError> {
         self.upload_view(input, OPAQUE)?;
         let drawn = self.fill.draw_and_read(&self.volumes, input);
         self.upload_view(input, Colours::Ids)?;
         drawn.map(|(picture, _)| picture)
     }
 
-    fn draw_surface(&mut self, input: &FrameInput) -> Result<Option<f64>, DeviceError> {
+    fn draw_surface(&mut self, input: &FillInput) -> Result<Option<f64>, DeviceError> {
         self.fill.draw_surface(input)
     }
 
-    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, DeviceError> {
+    fn time_frame(&mut self, input: &FillInput) -> Result<FrameTimes, DeviceError> {
         self.fill.time_frame(&self.volumes, input)
     }
 }
@@ -156,7 +156,7 @@ mod tests {
     use terrafill_vulkan::Measured;
 
     /// California from the side: from above, walls turned against caps are hardly seen.
-    fn california() -> FrameInput {
+    fn california() -> FillInput {
         let scene = Scene::shipped("california", None).expect("it ships");
         let meshes =
             RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh);
@@ -168,7 +168,7 @@ mod tests {
             width: 256,
             height: 256,
         };
-        FrameInput::new(&prepared, view, size, PlanOptions::default()).expect("a surface")
+        FillInput::new(&prepared, view, size, PlanOptions::default()).expect("a surface")
     }
 
     /// Takes the strips of the only region apart and puts them together again, changed.

@@ -6,7 +6,7 @@
 //! stencil. The range is that of the corners of a box that holds the volume, along the viewing
 //! direction; with reversed depth the farthest corner gives the lower end.
 
-use terrafill_fill::FrameInput;
+use terrafill_fill::FillInput;
 use terrafill_scene::PlannedRegion;
 
 /// Reversed depth, `0 ≤ low ≤ high ≤ 1`.
@@ -31,7 +31,7 @@ const RELATIVE: f64 = 1.0 / (1 << 10) as f64;
     clippy::cast_possible_truncation,
     reason = "rounding to f32 is far less than what the range is widened by"
 )]
-pub fn depth_range(input: &FrameInput, planned: &PlannedRegion) -> DepthRange {
+pub fn depth_range(input: &FillInput, planned: &PlannedRegion) -> DepthRange {
     let camera = &input.camera;
     let region = &input.scene.bounds[planned.mesh];
     let top = planned.heights.top_m - region.heights.top_m;

@@ -8,9 +8,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 use terrafill_core::RegionMesh;
-use terrafill_fill::{
-    DeviceError, FrameInput, GeometryBytes, RegionPlace, VolumeDraw, VolumeState,
-};
+use terrafill_fill::{DeviceError, FillInput, GeometryBytes, RegionPlace, VolumeDraw, VolumeState};
 use terrafill_vulkan::{
     Buffer, BufferUse, Geometry, Gpu, IndexWidth, Pipeline, PipelineDescriptor, VolumePass, Volumes,
 };
@@ -154,11 +152,11 @@ impl NativeVolumes {
 }
 
 impl SceneBuffers {
-    fn slice(&self, input: &FrameInput, planned: usize) -> &RegionSlice {
+    fn slice(&self, input: &FillInput, planned: usize) -> &RegionSlice {
         &self.regions[input.plan.regions[planned].mesh]
     }
 
-    fn width(&self, input: &FrameInput, planned: usize) -> IndexWidth {
+    fn width(&self, input: &FillInput, planned: usize) -> IndexWidth {
         if self.slice(input, planned).short_indices {
             IndexWidth::Short
         } else {

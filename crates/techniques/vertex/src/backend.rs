@@ -4,7 +4,7 @@
 use crate::VertexVariant;
 use crate::pass::VertexVolumes;
 use terrafill_fill::{
-    Capabilities, Colours, DeviceError, FillBackend, FillProgram, Frame, FrameInput, FrameTimes,
+    Capabilities, Colours, DeviceError, FillBackend, FillInput, FillProgram, Frame, FrameTimes,
     MemoryUse, Picture, RegionConstants, Uploaded,
 };
 use terrafill_gpu::{SharedTargets, VolumeFill};
@@ -40,7 +40,7 @@ impl VertexBackend {
     }
 
     /// Brings program and constants up to date; nothing is made or written where they are already.
-    fn upload_view(&mut self, input: &FrameInput, colours: Colours) -> Result<(), DeviceError> {
+    fn upload_view(&mut self, input: &FillInput, colours: Colours) -> Result<(), DeviceError> {
         let Some(place_of) = self.volumes.places() else {
             return self.fill.check_prepared(input);
         };
@@ -51,7 +51,7 @@ impl VertexBackend {
     }
 
     /// Brings geometry, constants and pipelines up to date, and gives the bytes handed over.
-    fn bring_up_to_date(&mut self, input: &FrameInput) -> Result<u64, DeviceError> {
+    fn bring_up_to_date(&mut self, input: &FillInput) -> Result<u64, DeviceError> {
         let before = self.fill.gpu().work_done();
         if !self.fill.holds_meshes(input) {
             self.volumes.upload(&self.fill.targets().borrow(), input)?;
@@ -77,7 +77,7 @@ impl FillBackend for VertexBackend {
         self.fill.note()
     }
 
-    fn prepare(&mut self, input: &FrameInput) -> Result<MemoryUse, DeviceError> {
+    fn prepare(&mut self, input: &FillInput) -> Result<MemoryUse, DeviceError> {
         input.check_region_count()?;
         self.fill.targets().borrow_mut().prepare(input)?;
         let upload_bytes = self.bring_up_to_date(input)?;
@@ -94,7 +94,7 @@ impl FillBackend for VertexBackend {
         })
     }
 
-    fn update(&mut self, input: &FrameInput, changed: &[usize]) -> Result<Uploaded, DeviceError> {
+    fn update(&mut self, input: &FillInput, changed: &[usize]) -> Result<Uploaded, DeviceError> {
         input.check_region_count()?;
         let changed = self.fill.check_update(input, changed)?;
         self.fill.targets().borrow_mut().prepare(input)?;
@@ -117,14 +117,14 @@ impl FillBackend for VertexBackend {
         })
     }
 
-    fn render(&mut self, input: &FrameInput) -> Result<Frame, DeviceError> {
+    fn render(&mut self, input: &FillInput) -> Result<Frame, DeviceError> {
         let (picture, mut counters) = self.fill.draw_and_read(&mut self.volumes, input, false)?;
         counters.stencil_fragments = self.fill.count_fragments(&mut self.volumes, input)?;
         self.fill
             .frame(&mut self.volumes, input, &picture, counters)
     }
 
-    fn picture(&mut self, input: &FrameInput) -> Result<Picture, DeviceError> {
+    fn picture(&mut self, input: &FillInput) -> Result<Picture, DeviceError> {
         self.variant.check(input.scene.overlap)?;
         let blends = self.variant.opacity_percent < 100;
         let opacity = f32::from(self.variant.opacity_percent) / 100.0;
@@ -136,11 +136,11 @@ impl FillBackend for VertexBackend {
         drawn.map(|(picture, _)| picture)
     }
 
-    fn draw_surface(&mut self, input: &FrameInput) -> Result<Option<f64>, DeviceError> {
+    fn draw_surface(&mut self, input: &FillInput) -> Result<Option<f64>, DeviceError> {
         self.fill.draw_surface(input)
     }
 
-    fn time_frame(&mut self, input: &FrameInput) -> Result<FrameTimes, DeviceError> {
+    fn time_frame(&mut self, input: &FillInput) -> Result<FrameTimes, DeviceError> {
         self.fill.time_frame(&mut self.volumes, input)
     }
 }

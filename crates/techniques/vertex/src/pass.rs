@@ -5,7 +5,7 @@ use crate::layout::{RegionSlice, SceneGeometry};
 use crate::pipeline::{Part, PipelineKey, Pipelines, draws_first_walls_twice, parts};
 use crate::{Layout, VertexVariant};
 use std::ops::Range;
-use terrafill_fill::{DeviceError, FrameInput, GeometryBytes, IndexLists, RegionPlace, VolumeDraw};
+use terrafill_fill::{DeviceError, FillInput, GeometryBytes, IndexLists, RegionPlace, VolumeDraw};
 use terrafill_gpu::{Gpu, RenderTargets, VolumeFill, VolumePass, Volumes};
 
 /// Volumes of a scene, and the pipelines that draw them.
@@ -59,7 +59,7 @@ impl VertexVolumes {
     pub(crate) fn upload(
         &mut self,
         targets: &RenderTargets,
-        input: &FrameInput,
+        input: &FillInput,
     ) -> Result<(), DeviceError> {
         let layout = self.variant.layout;
         let geometry = SceneGeometry::build(&self.variant, &input.scene.meshes);
@@ -110,7 +110,7 @@ impl VertexVolumes {
 
     /// Writes the geometry of the changed meshes over what they were. False, with nothing written,
     /// where one of them does not fit into its old place.
-    pub(crate) fn rewrite(&mut self, gpu: &Gpu, input: &FrameInput, changed: &[usize]) -> bool {
+    pub(crate) fn rewrite(&mut self, gpu: &Gpu, input: &FillInput, changed: &[usize]) -> bool {
         let Some(scene) = &mut self.scene else {
             return false;
         };
@@ -151,14 +151,14 @@ impl SceneBuffers {
         }
     }
 
-    fn slice(&self, input: &FrameInput, planned: usize) -> &RegionSlice {
+    fn slice(&self, input: &FillInput, planned: usize) -> &RegionSlice {
         &self.regions[input.plan.regions[planned].mesh]
     }
 
     /// Those of `regions` whose indices have this width.
     fn of_width(
         &self,
-        input: &FrameInput,
+        input: &FillInput,
         regions: &[usize],
         short_indices: bool,
     ) -> impl Iterator<Item = usize> {
@@ -192,7 +192,7 @@ fn whole_words(list: &[u16], range: Range<usize>) -> (u64, Vec<[u16; 2]>) {
 }
 
 impl Volumes for VertexVolumes {
-    fn ensure(&mut self, gpu: &Gpu, input: &FrameInput, draw: &VolumeDraw<'_>, blends: bool) {
+    fn ensure(&mut self, gpu: &Gpu, input: &FillInput, draw: &VolumeDraw<'_>, blends: bool) {
         let Some(scene) = &self.scene else {
             return;
         };

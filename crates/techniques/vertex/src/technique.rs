@@ -7,7 +7,7 @@ use crate::{
 };
 use terrafill_core::RegionMesh;
 use terrafill_fill::{
-    Api, Climb, ColourWay, DeviceError, FillBackend, FrameInput, GeometryBytes, Parameter,
+    Api, Climb, ColourWay, DeviceError, FillBackend, FillInput, GeometryBytes, Parameter,
     PositionFormat, Role, Rung, SwitchError, Switches, Targets, Technique, Values, Variant,
     layouts,
 };
@@ -161,7 +161,7 @@ impl Technique for VertexTechnique {
 
     /// `cap_acmr`: transformed vertices per triangle of all caps drawn, through a cache of
     /// [`CACHE_SIZE`].
-    fn figures(&self, variant: &Variant, input: &FrameInput) -> Vec<(&'static str, Option<f64>)> {
+    fn figures(&self, variant: &Variant, input: &FillInput) -> Vec<(&'static str, Option<f64>)> {
         let order = VertexVariant::of(variant).map(|variant| variant.index_order);
         let ratio = order.ok().and_then(|order| cap_acmr(input, order));
         vec![("cap_acmr", ratio)]
@@ -181,7 +181,7 @@ impl Technique for VertexTechnique {
 }
 
 /// Over all triangles of the regions drawn.
-fn cap_acmr(input: &FrameInput, order: IndexOrder) -> Option<f64> {
+fn cap_acmr(input: &FillInput, order: IndexOrder) -> Option<f64> {
     let (mut misses, mut triangles) = (0.0, 0.0);
     for planned in &input.plan.regions {
         let mesh = &input.scene.meshes[planned.mesh];

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::rc::Rc;
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
 use terrafill_fill::{
-    DeviceError, Devices, Frame, FrameInput, MemoryUse, PreparedScene, SwitchError, Targets,
+    DeviceError, Devices, FillInput, Frame, MemoryUse, PreparedScene, SwitchError, Targets,
     Technique, Variant, paint,
 };
 use terrafill_filling::open_scene;
@@ -183,7 +183,7 @@ fn input(
     view: &View,
     wanted: &Wanted,
     arguments: &RenderArguments,
-) -> Result<FrameInput, Failure> {
+) -> Result<FillInput, Failure> {
     let refused = |errors: Vec<MeshError>| {
         let lines: Vec<String> = errors
             .iter()
@@ -204,13 +204,13 @@ fn input(
         width: arguments.size.0,
         height: arguments.size.1,
     };
-    FrameInput::new(&prepared, view, size, wanted.plan()).map_err(|error| {
+    FillInput::new(&prepared, view, size, wanted.plan()).map_err(|error| {
         let (scene, view) = (&arguments.scene, &view.name);
         Failure::bad_input(format!("{scene}: view {view}: {error}"))
     })
 }
 
-fn draw_reference(input: &FrameInput, is_textured: bool) -> Result<Drawn, Failure> {
+fn draw_reference(input: &FillInput, is_textured: bool) -> Result<Drawn, Failure> {
     let reference = if is_textured {
         ReferenceBackend::textured()
     } else {
@@ -229,7 +229,7 @@ fn draw_reference(input: &FrameInput, is_textured: bool) -> Result<Drawn, Failur
 }
 
 fn draw(
-    input: &FrameInput,
+    input: &FillInput,
     technique: &dyn Technique,
     variant: &Variant,
     arguments: &RenderArguments,
@@ -260,7 +260,7 @@ fn draw(
     })
 }
 
-fn statistics(arguments: &RenderArguments, input: &FrameInput, drawn: &Drawn) -> serde_json::Value {
+fn statistics(arguments: &RenderArguments, input: &FillInput, drawn: &Drawn) -> serde_json::Value {
     let left_out: Vec<_> = input
         .plan
         .left_out

@@ -14,7 +14,7 @@ use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, Region, parse_regions};
-use terrafill_fill::{DeviceError, FrameInput, PreparedScene, RegionSet, ViewId};
+use terrafill_fill::{DeviceError, FillInput, PreparedScene, RegionSet, ViewId};
 use terrafill_scene::{Camera, CameraPose, FramePlan, ImageSize, Overlap};
 use terrafill_surface::{EllipsoidKind, SurfaceFrame};
 
@@ -30,14 +30,14 @@ fn pose(lon: f64, lat: f64, height_m: f64, pitch_deg: f64) -> CameraPose {
     }
 }
 
-fn input(body: Ellipsoid, pose: &CameraPose, size: u32, rows: u32) -> FrameInput {
+fn input(body: Ellipsoid, pose: &CameraPose, size: u32, rows: u32) -> FillInput {
     let surface = EllipsoidKind::surface(&body, rows);
     let camera = Camera::new(&body, pose);
     let size = ImageSize {
         width: size,
         height: size,
     };
-    FrameInput {
+    FillInput {
         view_id: ViewId::unique(),
         surface: surface.frame(&camera, size).expect("above"),
         scene: PreparedScene {
@@ -68,13 +68,13 @@ fn hits(judged: &ReferenceFrame) -> f64 {
 }
 
 /// Area in pixels of a disc that is seen under `radius` (tangent of half its angle).
-fn disc_px(input: &FrameInput, radius: f64) -> f64 {
+fn disc_px(input: &FillInput, radius: f64) -> f64 {
     let pixels = radius / input.camera.tan_half_fov() * f64::from(input.size.height) / 2.0;
     PI * pixels * pixels
 }
 
 /// Tangent of half the angle under which the body is seen from its axis.
-fn outline(body: &Ellipsoid, input: &FrameInput) -> f64 {
+fn outline(body: &Ellipsoid, input: &FillInput) -> f64 {
     let (a, b) = (body.equatorial_radius_m(), body.polar_radius_m());
     let eye = input.camera.eye_ecef.z.abs();
     let touch_z = b * b / eye;
@@ -83,7 +83,7 @@ fn outline(body: &Ellipsoid, input: &FrameInput) -> f64 {
 }
 
 /// Tangent of half the angle under which a parallel is seen from the axis.
-fn parallel_seen(body: &Ellipsoid, input: &FrameInput, latitude_deg: f64) -> f64 {
+fn parallel_seen(body: &Ellipsoid, input: &FillInput, latitude_deg: f64) -> f64 {
     let rim = body.geodetic_to_ecef(Geodetic::from_degrees(0.0, latitude_deg, 0.0));
     rim.x / (input.camera.eye_ecef.z - rim.z)
 }
@@ -122,7 +122,7 @@ fn the_globe_is_as_large_as_its_tangent_cone() {
 }
 
 /// Relative error of the pixel count of the cap north of 60°, seen from above the pole.
-fn cap_error(input: &FrameInput, rings: &[TestRing], is_filled: &dyn Fn(u32) -> bool) -> f64 {
+fn cap_error(input: &FillInput, rings: &[TestRing], is_filled: &dyn Fn(u32) -> bool) -> f64 {
     let expected = disc_px(input, parallel_seen(&Ellipsoid::WGS84, input, 60.0));
     let judged = judge(input, &locator(rings, EdgeRule::Planar), None);
     assert_eq!(judged.disagreement_px(), 0);
@@ -211,7 +211,7 @@ fn the_tree_of_boxes_gives_what_brute_force_gives() {
 }
 
 /// Rays through corners, and through points of edges as near as doubles get, that meet nothing.
-fn leaks(input: &FrameInput) -> usize {
+fn leaks(input: &FillInput) -> usize {
     let surface = SurfaceTriangles::new(&input.surface);
     let corner = |i: u32| DVec3::from(input.surface.vertices_rte[i as usize].map(f64::from));
     let mut leaks = 0;

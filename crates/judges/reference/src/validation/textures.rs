@@ -15,7 +15,7 @@ use glam::DVec3;
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, Region, parse_regions};
 use terrafill_fill::{
-    AddressMode, FrameInput, PlannedTexture, PreparedScene, RegionSet, TexturePixel, ViewId,
+    AddressMode, FillInput, PlannedTexture, PreparedScene, RegionSet, TexturePixel, ViewId,
 };
 use terrafill_scene::{
     Camera, CameraPose, FramePlan, ImageSize, Outside, Overlap, Scene, SceneError, SceneTexture,
@@ -90,7 +90,7 @@ impl Shot {
         }
     }
 
-    fn input(&self) -> FrameInput {
+    fn input(&self) -> FillInput {
         let surface = EllipsoidKind::surface(&self.body, 90);
         let [longitude, latitude, height_m, pitch_deg] = self.eye;
         let pose = CameraPose {
@@ -105,7 +105,7 @@ impl Shot {
             width: self.size,
             height: self.size,
         };
-        FrameInput {
+        FillInput {
             view_id: ViewId::unique(),
             surface: surface.frame(&camera, size).expect("above"),
             scene: PreparedScene {
@@ -139,7 +139,7 @@ fn pixels(judged: &ReferenceFrame) -> &[Option<TexturePixel>] {
 
 const UP: [f64; 4] = [12.0, 41.5, 4e5, -90.0];
 
-fn uv_at(input: &FrameInput, [longitude, latitude, height]: [f64; 3]) -> [f64; 2] {
+fn uv_at(input: &FillInput, [longitude, latitude, height]: [f64; 3]) -> [f64; 2] {
     let texturing = Texturing::new(input).expect("a texture");
     let place = Geodetic::from_degrees(longitude, latitude, height);
     let ecef = input.scene.body.geodetic_to_ecef(place);
@@ -345,7 +345,7 @@ fn an_anchors_picture_spans_its_metres_and_turns_clockwise() {
 /// Texture coordinates where a ray meets the plane through `point` across `normal`.
 fn uv_on_plane(
     texturing: &Texturing<'_>,
-    input: &FrameInput,
+    input: &FillInput,
     point: DVec3,
     normal: DVec3,
     direction: DVec3,
@@ -416,7 +416,7 @@ fn footprints_are_the_derivatives_of_the_coordinates() {
 }
 
 /// Depth at which a ray meets a sphere a little inside the body.
-fn depth_of_sphere(input: &FrameInput, direction: DVec3) -> Option<f64> {
+fn depth_of_sphere(input: &FillInput, direction: DVec3) -> Option<f64> {
     let radius = input.scene.body.polar_radius_m() * 0.999;
     let eye = input.camera.eye_ecef;
     let (a, b) = (direction.length_squared(), eye.dot(direction));

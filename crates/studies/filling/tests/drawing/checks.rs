@@ -8,7 +8,7 @@ use super::{
     vertex, with_colour, with_switches,
 };
 use terrafill_conformance::{filled_only, verdict};
-use terrafill_fill::{ColourWay, DepthRuleChoice, FacePasses, Frame, FrameInput, Switches};
+use terrafill_fill::{ColourWay, DepthRuleChoice, FacePasses, FillInput, Frame, Switches};
 use terrafill_native::Extrusion as Native;
 use terrafill_scene::{Overlap, PlanOptions};
 use terrafill_vertex::Layout;
@@ -39,7 +39,7 @@ fn name_of(technique: &Technique) -> String {
 /// Pictures of the vertex backend, one for all that have the same switches.
 struct ByVertex<'a> {
     devices: &'a Devices,
-    input: &'a FrameInput,
+    input: &'a FillInput,
     drawn: Vec<(Switches, Frame)>,
 }
 
@@ -84,7 +84,7 @@ pub(crate) fn assert_all_right(sights: &[Sight], techniques: &[Technique]) {
 
 fn assert_right(
     what: &str,
-    input: &FrameInput,
+    input: &FillInput,
     technique: Technique,
     judged: &Frame,
     frame: &Frame,
@@ -122,7 +122,7 @@ fn assert_right(
 }
 
 /// Whether some mesh reaches behind the eye.
-fn is_clipped(input: &FrameInput) -> bool {
+fn is_clipped(input: &FillInput) -> bool {
     let is_behind = |&ecef| input.camera.project_px(input.size, ecef).is_none();
     let mut meshes = input.scene.meshes.iter();
     meshes.any(|mesh| mesh.vertices_ecef.iter().any(is_behind))
@@ -141,7 +141,7 @@ pub(crate) fn assert_shipped_scenes_right(techniques: impl Fn(Switches) -> Vec<T
         let switches = Switches::for_overlap(prepared.overlap);
         for view in &views {
             let input =
-                FrameInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
+                FillInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
             let judged = judge(&input);
             let by_vertex = draw(&devices, &input, vertex(switches));
             for technique in techniques(switches) {

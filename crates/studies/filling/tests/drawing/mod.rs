@@ -16,7 +16,7 @@ use terrafill_conformance::ErrorFigures;
 use terrafill_conformance::{compare, verdict};
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh, parse_regions};
 use terrafill_fill::{
-    ColourWay, Counters, FillBackend, Frame, FrameInput, PreparedScene, RegionSet, Switches,
+    ColourWay, Counters, FillBackend, FillInput, Frame, PreparedScene, RegionSet, Switches,
 };
 use terrafill_filling::{Techniques, open_scene};
 use terrafill_native::{NativeBackend, NativeTechnique, NativeVariant};
@@ -134,18 +134,18 @@ impl<'a> AllTargets<'a> {
     }
 
     /// The frame on targets that may hold the surface already.
-    pub(crate) fn draw(&self, input: &FrameInput, technique: Technique) -> Frame {
+    pub(crate) fn draw(&self, input: &FillInput, technique: Technique) -> Frame {
         draw_with(&mut *self.open(technique), input)
     }
 }
 
 /// The frame on targets of its own.
-pub(crate) fn draw(devices: &Devices, input: &FrameInput, technique: Technique) -> Frame {
+pub(crate) fn draw(devices: &Devices, input: &FillInput, technique: Technique) -> Frame {
     AllTargets::new(devices, input.size).draw(input, technique)
 }
 
 /// The frame by a backend that may have drawn others.
-pub(crate) fn draw_with(backend: &mut (impl FillBackend + ?Sized), input: &FrameInput) -> Frame {
+pub(crate) fn draw_with(backend: &mut (impl FillBackend + ?Sized), input: &FillInput) -> Frame {
     backend.prepare(input).expect("fits");
     backend.render(input).expect("draws")
 }
@@ -177,7 +177,7 @@ pub(crate) fn with_colour(colour: ColourWay) -> Switches {
 }
 
 /// What the reference finds.
-pub(crate) fn judge(input: &FrameInput) -> Frame {
+pub(crate) fn judge(input: &FillInput) -> Frame {
     ReferenceBackend::new().judge(input).expect("judges").frame
 }
 
@@ -206,7 +206,7 @@ pub(crate) fn counters(frame: &Frame) -> Counters {
 pub(crate) type Pose = (f64, f64, f64, f64, f64);
 
 /// A view of disjoint regions.
-pub(crate) fn input(geojson: &str, body: Ellipsoid, rows: u32, pose: Pose) -> FrameInput {
+pub(crate) fn input(geojson: &str, body: Ellipsoid, rows: u32, pose: Pose) -> FillInput {
     let scene = scene(geojson, body, rows, Overlap::Disjoint);
     look(&scene, pose, pose.2 * 1e-3, SIZE)
 }
@@ -247,7 +247,7 @@ pub(crate) fn scene_within(
 }
 
 /// A view of `scene`.
-pub(crate) fn look(scene: &PreparedScene, pose: Pose, near_m: f64, size: ImageSize) -> FrameInput {
+pub(crate) fn look(scene: &PreparedScene, pose: Pose, near_m: f64, size: ImageSize) -> FillInput {
     let (longitude, latitude, height_m, heading, pitch) = pose;
     let view = View {
         name: "test".to_owned(),
@@ -260,7 +260,7 @@ pub(crate) fn look(scene: &PreparedScene, pose: Pose, near_m: f64, size: ImageSi
         },
         note: None,
     };
-    FrameInput::new(scene, &view, size, PlanOptions::default()).expect("a surface")
+    FillInput::new(scene, &view, size, PlanOptions::default()).expect("a surface")
 }
 
 /// A shipped scene with its views; `None`, said aloud, where its data is not here.

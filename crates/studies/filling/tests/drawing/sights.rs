@@ -3,10 +3,10 @@
 
 use super::{Pose, collection, input, polygon};
 use terrafill_core::{Ellipsoid, RegionMesh};
-use terrafill_fill::FrameInput;
+use terrafill_fill::FillInput;
 
 /// A view, and what to call it where something is wrong.
-pub(crate) type Sight = (&'static str, FrameInput);
+pub(crate) type Sight = (&'static str, FillInput);
 
 /// Views of WGS 84 with a grid of 180 rows.
 fn sights(features: &[String], poses: &[(&'static str, Pose)]) -> Vec<Sight> {
@@ -93,7 +93,7 @@ pub(crate) fn square() -> String {
 }
 
 /// The square seen from `pose`.
-pub(crate) fn square_from(pose: Pose) -> FrameInput {
+pub(crate) fn square_from(pose: Pose) -> FillInput {
     input(&square(), Ellipsoid::WGS84, 180, pose)
 }
 
@@ -107,7 +107,7 @@ pub(crate) fn three_regions() -> String {
 }
 
 /// The three regions seen from `pose`.
-pub(crate) fn three_regions_from(pose: Pose) -> FrameInput {
+pub(crate) fn three_regions_from(pose: Pose) -> FillInput {
     input(&three_regions(), Ellipsoid::WGS84, 180, pose)
 }
 
