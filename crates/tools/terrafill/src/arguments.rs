@@ -170,11 +170,12 @@ pub(crate) struct RenderArguments {
     /// vertex, compute, native or reference
     #[arg(
         long,
+        alias = "backend",
         default_value = "vertex",
         value_parser = picture_backends(),
         hide_possible_values = true
     )]
-    pub(crate) backend: String,
+    pub(crate) technique: String,
     #[arg(long, value_name = "KEY=VALUE", help = VARIANT_HELP)]
     pub(crate) variant: Vec<String>,
     /// Picture to write, PNG

@@ -79,7 +79,7 @@ struct Wanted {
 }
 
 fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure> {
-    let technique = technique(&arguments.backend);
+    let technique = technique(&arguments.technique);
     let mut wanted = Wanted {
         subject: technique.map(|technique| (technique, technique.main(scene.overlap))),
         mesh: scene.mesh,
@@ -300,7 +300,7 @@ fn statistics(arguments: &RenderArguments, input: &FillInput, drawn: &Drawn) -> 
     let mut statistics = json!({
         "scene": input.scene.name,
         "view": input.view,
-        "backend": arguments.backend,
+        "backend": arguments.technique,
         "variant": drawn.variant,
         "width": input.size.width,
         "height": input.size.height,

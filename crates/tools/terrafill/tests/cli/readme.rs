@@ -88,7 +88,7 @@ fn every_command_of_the_readme_runs_as_written() {
     }
     for output in [
         "out/quick/index.html",
-        "out/full/index.html",
+        "out/run/index.html",
         "california.png",
     ] {
         assert!(desk.path(output).is_file(), "{output}");

@@ -144,7 +144,7 @@ fn a_wrong_value_gets_one_line_with_what_is_allowed() {
                 "--backend",
                 "x",
             ],
-            "--backend: found \"x\", allowed: vertex, compute, native, reference",
+            "--technique: found \"x\", allowed: vertex, compute, native, reference",
         ),
     ];
     for (arguments, line) in cases {
