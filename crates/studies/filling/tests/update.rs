@@ -95,7 +95,7 @@ fn check_updates(
     techniques: &[Technique],
     [west, middle, east]: [&str; 3],
     replaced: &str,
-    see: impl Fn(&PreparedScene) -> FrameInput,
+    see: impl Fn(&PreparedScene) -> FillInput,
     is_partial: bool,
 ) {
     let Some(devices) = Devices::open_for(techniques) else {
