@@ -6,6 +6,7 @@ use terrafill_compute::ComputeTechnique;
 use terrafill_fill::Technique;
 use terrafill_filling::FillingStudy;
 use terrafill_growth::GrowthStudy;
+use terrafill_instanced::InstancedTechnique;
 use terrafill_native::NativeTechnique;
 use terrafill_precision::PrecisionStudy;
 use terrafill_results::{Chapter, Metric};
@@ -18,8 +19,12 @@ pub(crate) const GROWTH_SAMPLE: &str = "growth-sample";
 
 /// Every technique, in the order in which they are measured. The first is the one whose pictures the
 /// others' are laid beside.
-pub(crate) static TECHNIQUES: &[&dyn Technique] =
-    &[&VertexTechnique, &ComputeTechnique, &NativeTechnique];
+pub(crate) static TECHNIQUES: &[&dyn Technique] = &[
+    &VertexTechnique,
+    &ComputeTechnique,
+    &InstancedTechnique,
+    &NativeTechnique,
+];
 
 /// Surfaces that scenes can name.
 pub(crate) static SURFACES: &[&dyn SurfaceKind] = &[&EllipsoidKind, &terrafill_grid::GridKind];

@@ -83,7 +83,7 @@ const TOTAL_KEYS: [&str; 9] = [
     "bytes",
     "shared_bytes",
 ];
-const LAYOUTS: [&str; 15] = [
+const LAYOUTS: [&str; 16] = [
     "vertex/doubled",
     "vertex/separate",
     "vertex/per-triangle",
@@ -91,6 +91,7 @@ const LAYOUTS: [&str; 15] = [
     "compute/input",
     "compute/total",
     "compute/total,transform=compute",
+    "instanced/instanced",
     "native/vs-control",
     "native/gs-degenerate",
     "native/gs-degenerate/list",

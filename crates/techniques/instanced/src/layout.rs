@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! How meshes lie in GPU buffers, and what that costs in bytes, by formula and as built.
+//!
+//! Indices are 16 bits where a region's vertices fit and 32 where they do not, region by region.
+
+use std::ops::Range;
+use terrafill_core::RegionMesh;
+use terrafill_fill::{FixedPoint, GeometryBytes, IndexLists, RegionPlace, boundary_edges};
+
+/// A position in its region's units.
+pub(crate) type Position = [i32; 3];
+
+/// Largest number of vertices that 16 bits tell apart: triangles are lists, which have no restart.
+const MAX_SHORT_VERTICES: usize = 0x1_0000;
+
+/// Bytes that `mesh` takes, by formula. With *v* vertices, *t* triangles, *e* boundary edges and *i*
+/// bytes an index: 12·v + 24·e for positions of vertices and of edges' ends, and i·3t for the one
+/// list that both caps are drawn from.
+#[must_use]
+pub fn instanced_bytes(mesh: &RegionMesh) -> GeometryBytes {
+    let vertices = mesh.vertices_ecef.len();
+    let index_size = if has_short_indices(mesh) { 2 } else { 4 };
+    GeometryBytes {
+        vertex_bytes: (12 * vertices + 24 * mesh.boundary_edge_count()) as u64,
+        index_bytes: (index_size * 3 * mesh.triangles.len()) as u64,
+    }
+}
+
+fn has_short_indices(mesh: &RegionMesh) -> bool {
+    mesh.vertices_ecef.len() <= MAX_SHORT_VERTICES
+}
+
+/// Where one region lies in the scene's buffers.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct RegionSlice {
+    pub(crate) place: RegionPlace,
+    /// Its walls, as instances.
+    pub(crate) walls: Range<u32>,
+}
+
+/// Contents of a scene's geometry buffers.
+#[derive(Debug, Default)]
+pub(crate) struct SceneGeometry {
+    pub(crate) vertices: Vec<Position>,
+    /// Triangles of the top caps.
+    pub(crate) indices: IndexLists,
+    /// Start and end of every boundary edge, inside on the left.
+    pub(crate) walls: Vec<[Position; 2]>,
+    pub(crate) regions: Vec<RegionSlice>,
+}
+
+impl SceneGeometry {
+    /// Lays out every mesh.
+    pub(crate) fn build(meshes: &[RegionMesh]) -> Self {
+        let mut geometry = Self::default();
+        for mesh in meshes {
+            geometry.push(mesh);
+        }
+        geometry
+    }
+
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "buffers are refused by the device long before 2^32 elements"
+    )]
+    fn push(&mut self, mesh: &RegionMesh) {
+        let fixed = FixedPoint::for_mesh(mesh);
+        let stored = |ecef| fixed.quantize(ecef).to_array();
+        let positions: Vec<Position> = mesh.vertices_ecef.iter().copied().map(stored).collect();
+        let is_short = has_short_indices(mesh);
+        let first_wall = self.walls.len() as u32;
+        let ends = |edge: [u32; 2]| edge.map(|vertex| positions[vertex as usize]);
+        self.walls.extend(boundary_edges(mesh).map(ends));
+        self.regions.push(RegionSlice {
+            place: RegionPlace {
+                fixed,
+                first_vertex: self.vertices.len() as u32,
+                first_triangle_index: self.indices.count(is_short),
+                first_loop_index: first_wall,
+                triangle_count: mesh.triangles.len() as u32,
+                has_short_indices: is_short,
+            },
+            walls: first_wall..self.walls.len() as u32,
+        });
+        self.vertices.extend(positions);
+        for &corner in mesh.triangles.as_flattened() {
+            self.indices.push(is_short, corner);
+        }
+    }
+
+    /// Bytes as built.
+    pub(crate) fn bytes(&self) -> GeometryBytes {
+        let vertices = size_of_val(self.vertices.as_slice());
+        let walls = size_of_val(self.walls.as_slice());
+        GeometryBytes {
+            vertex_bytes: (vertices + walls) as u64,
+            index_bytes: self.indices.bytes(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_fixtures::by_hand::{circle_deg, mesh};
+
+    /// A fan of `count` boundary vertices around one interior vertex.
+    fn disc(count: u32) -> RegionMesh {
+        let mut vertices_deg = circle_deg(count, 1.0);
+        vertices_deg.push([10.0, 50.0]);
+        let fan = (0..count).map(|i| [i, (i + 1) % count, count]).collect();
+        mesh(vertices_deg, fan, vec![(0..count).collect()])
+    }
+
+    #[test]
+    fn the_formula_and_the_buffers_agree() {
+        for count in [3, 100, 65_534, 65_535, 65_536] {
+            let meshes = [disc(count), disc(7)];
+            let geometry = SceneGeometry::build(&meshes);
+            let formula: GeometryBytes = meshes.iter().map(instanced_bytes).sum();
+            assert_eq!(geometry.bytes(), formula, "{count}");
+            // The middle is one vertex more.
+            let is_short = geometry.regions[0].place.has_short_indices;
+            assert_eq!(is_short, count <= 65_535, "{count}");
+        }
+        // Twin: a wall less is 24 bytes less.
+        let mut geometry = SceneGeometry::build(&[disc(7)]);
+        geometry.walls.pop();
+        let missing = instanced_bytes(&disc(7)).total() - geometry.bytes().total();
+        assert_eq!(missing, 24);
+    }
+
+    #[test]
+    fn walls_are_the_boundarys_edges_once_each_and_lie_by_region() {
+        let meshes = [disc(5), disc(9)];
+        let geometry = SceneGeometry::build(&meshes);
+        for (mesh, slice) in meshes.iter().zip(&geometry.regions) {
+            let first = slice.place.first_vertex as usize;
+            let walls = &geometry.walls[slice.walls.start as usize..slice.walls.end as usize];
+            assert_eq!(walls.len(), mesh.boundary_edge_count());
+            for ([start, end], found) in boundary_edges(mesh).zip(walls) {
+                let at = |vertex: u32| geometry.vertices[first + vertex as usize];
+                assert_eq!(*found, [at(start), at(end)]);
+                // Twin: the other way round it is another wall.
+                assert_ne!(*found, [at(end), at(start)]);
+            }
+        }
+    }
+}

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Volumes as the passes of a fill draw them: top caps, bottom caps, then walls.
+
+use crate::layout::{RegionSlice, SceneGeometry};
+use crate::pipeline::{Part, Pipelines, VERTICES, WALL_CORNERS, WALLS};
+use terrafill_fill::{DeviceError, FillInput, GeometryBytes, RegionPlace, VolumeDraw};
+use terrafill_gpu::{Gpu, RenderTargets, VolumeFill, VolumePass, Volumes};
+
+/// Volumes of a scene, and the pipelines that draw them.
+#[derive(Debug)]
+pub(crate) struct InstancedVolumes {
+    pipelines: Pipelines,
+    scene: Option<SceneBuffers>,
+}
+
+/// Geometry of every region of a scene, in view or not.
+#[derive(Debug)]
+struct SceneBuffers {
+    regions: Vec<RegionSlice>,
+    vertices: wgpu::Buffer,
+    short_indices: wgpu::Buffer,
+    long_indices: wgpu::Buffer,
+    walls: wgpu::Buffer,
+    bytes: GeometryBytes,
+}
+
+impl InstancedVolumes {
+    pub(crate) fn new(fill: &VolumeFill) -> Result<Self, DeviceError> {
+        Ok(Self {
+            pipelines: Pipelines::new(fill)?,
+            scene: None,
+        })
+    }
+
+    /// Bytes of the geometry, and how many buffers hold it.
+    pub(crate) fn memory(&self) -> (GeometryBytes, u64) {
+        // Vertices, indices of both widths, and walls.
+        let held = self.scene.as_ref().map(|scene| (scene.bytes, 4));
+        held.unwrap_or_default()
+    }
+
+    /// Where a mesh lies; `None` before anything is uploaded.
+    pub(crate) fn places(&self) -> Option<impl Fn(usize) -> RegionPlace> {
+        let scene = self.scene.as_ref()?;
+        Some(|mesh: usize| scene.regions[mesh].place)
+    }
+
+    pub(crate) fn upload(
+        &mut self,
+        targets: &RenderTargets,
+        geometry: SceneGeometry,
+    ) -> Result<(), DeviceError> {
+        let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
+        let upload = |label, bytes, usage| targets.upload(label, bytes, usage);
+        let vertices = bytemuck::cast_slice(&geometry.vertices);
+        let short = bytemuck::cast_slice(&geometry.indices.short);
+        let long = bytemuck::cast_slice(&geometry.indices.long);
+        let walls = bytemuck::cast_slice(&geometry.walls);
+        self.scene = Some(SceneBuffers {
+            vertices: upload("volume vertices", vertices, vertex)?,
+            short_indices: upload("16-bit indices", short, index)?,
+            long_indices: upload("32-bit indices", long, index)?,
+            walls: upload("walls", walls, vertex)?,
+            bytes: geometry.bytes(),
+            regions: geometry.regions,
+        });
+        Ok(())
+    }
+}
+
+impl SceneBuffers {
+    fn slice(&self, input: &FillInput, planned: usize) -> &RegionSlice {
+        &self.regions[input.plan.regions[planned].mesh]
+    }
+
+    fn bind_indices(&self, pass: &mut wgpu::RenderPass<'_>, is_short: bool) {
+        if is_short {
+            let indices = self.short_indices.slice(..);
+            pass.set_index_buffer(indices, wgpu::IndexFormat::Uint16);
+        } else {
+            let indices = self.long_indices.slice(..);
+            pass.set_index_buffer(indices, wgpu::IndexFormat::Uint32);
+        }
+    }
+
+    fn draw_caps(&self, pass: &mut VolumePass<'_>, draw: &VolumeDraw<'_>) {
+        let mut bound = None;
+        for &planned in draw.regions {
+            let place = &self.slice(pass.input, planned).place;
+            let is_short = place.has_short_indices;
+            if bound != Some(is_short) {
+                self.bind_indices(&mut pass.raw, is_short);
+                bound = Some(is_short);
+            }
+            let first = place.first_triangle_index;
+            let base_vertex = i32::try_from(place.first_vertex).unwrap_or(i32::MAX);
+            pass.cut(planned, draw.scissor);
+            pass.draw_indexed(
+                first..first + 3 * place.triangle_count,
+                base_vertex,
+                planned,
+            );
+        }
+    }
+
+    /// A whole body has no boundary, and so no walls to draw.
+    fn draw_walls(&self, pass: &mut VolumePass<'_>, draw: &VolumeDraw<'_>) {
+        for &planned in draw.regions {
+            let walls = self.slice(pass.input, planned).walls.clone();
+            if !walls.is_empty() {
+                pass.cut(planned, draw.scissor);
+                pass.draw_instances(WALL_CORNERS, walls, planned);
+            }
+        }
+    }
+}
+
+impl Volumes for InstancedVolumes {
+    fn ensure(&mut self, gpu: &Gpu, _input: &FillInput, draw: &VolumeDraw<'_>, _blends: bool) {
+        for part in Part::all(draw.without_bottom) {
+            self.pipelines.ensure(gpu, part, draw.state);
+        }
+    }
+
+    fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
+        if let Some(scene) = &self.scene {
+            pass.set_vertex_buffer(VERTICES, scene.vertices.slice(..));
+            pass.set_vertex_buffer(WALLS, scene.walls.slice(..));
+        }
+    }
+
+    /// A part of all regions, then the next one, so that pipelines change seldom.
+    fn draw(&mut self, pass: &mut VolumePass<'_>, draw: &VolumeDraw<'_>, _blends: bool) {
+        let Some(scene) = &self.scene else {
+            return;
+        };
+        for part in Part::all(draw.without_bottom) {
+            if let Some(pipeline) = self.pipelines.volume(part, draw.state) {
+                pass.raw.set_pipeline(pipeline);
+            }
+            match part {
+                Part::TopCap | Part::BottomCap => scene.draw_caps(pass, draw),
+                Part::Walls => scene.draw_walls(pass, draw),
+            }
+        }
+    }
+}
