@@ -9,6 +9,7 @@ use terrafill_growth::GrowthStudy;
 use terrafill_instanced::InstancedTechnique;
 use terrafill_native::NativeTechnique;
 use terrafill_precision::PrecisionStudy;
+use terrafill_readback::ReadbackStudy;
 use terrafill_results::{Chapter, Metric};
 use terrafill_study::Study;
 use terrafill_surface::{EllipsoidKind, SurfaceKind};
@@ -39,6 +40,7 @@ pub(crate) static STUDIES: &[&dyn Study] = &[
     &GrowthStudy {
         verb: Some(GROWTH_SAMPLE),
     },
+    &ReadbackStudy,
 ];
 
 /// Chapters of all studies.
