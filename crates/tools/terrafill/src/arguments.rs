@@ -167,7 +167,7 @@ pub(crate) struct RenderArguments {
     /// View of the scene
     #[arg(long)]
     pub(crate) view: String,
-    /// vertex, compute, native or reference
+    /// A technique, or reference
     #[arg(
         long,
         alias = "backend",

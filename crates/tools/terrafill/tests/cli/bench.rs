@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! `bench`, `report` and `merge`: what a run writes, what it is asked for, and how it ends.
 
-use crate::harness::{Desk, collection, has_device, polygon, rectangle};
+use crate::harness::{Desk, NAMED, collection, has_device, polygon, rectangle};
 use std::collections::{BTreeMap, BTreeSet};
 use terrafill_results::{Case, Outcome, Run};
 
@@ -50,7 +50,8 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
         return;
     }
     let desk = Desk::new();
-    let text = desk.run(&quick("run", &["--samples", "2"])).succeeded();
+    let options = [&["--samples", "2"][..], &NAMED].concat();
+    let text = desk.run(&quick("run", &options)).succeeded();
     // Nine full-screen passes and fills in each view, two textured ones, bytes of seven layouts.
     let all = 3 * 9 + 2 + 7 * REGION_COUNTS;
     let counts = format!("{all} right, 0 wrong, 0 failed, 0 skipped");
@@ -137,7 +138,8 @@ fn a_wrong_picture_ends_with_1() {
             "--data",
             "data",
         ];
-        let arguments = [&["bench", "overlap.toml", "--out", out][..], &options].concat();
+        let bench = ["bench", "overlap.toml", "--out", out];
+        let arguments = [&bench[..], &options, &NAMED].concat();
         desk.run(&arguments)
     };
     // Two full-screen passes, and the bytes of seven layouts.

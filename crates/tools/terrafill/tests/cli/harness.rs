@@ -7,6 +7,16 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
+/// Techniques that tests count cases of, named so that a new one changes no count.
+pub(crate) const NAMED: [&str; 6] = [
+    "--technique",
+    "vertex",
+    "--technique",
+    "compute",
+    "--technique",
+    "native",
+];
+
 /// What a run of the program came to.
 pub(crate) struct Ran {
     pub(crate) code: i32,

@@ -2,7 +2,7 @@
 //! A run of each study that is killed: the report names what is missing, and the run goes on where it
 //! was.
 
-use crate::harness::{Desk, Ran, has_device, ran};
+use crate::harness::{Desk, NAMED, Ran, has_device, ran};
 use std::collections::BTreeSet;
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -20,6 +20,11 @@ fn bench<'a>(study: &'a str, samples: &'a str, more: &[&'a str]) -> Vec<&'a str>
     let scene = ["california", "--size", "64"];
     let scene = if study == "filling" { &scene[..] } else { &[] };
     [&["bench", "--study", study][..], scene, &options, more].concat()
+}
+
+/// The same of `filling`, by the techniques that are counted.
+fn filling<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    bench("filling", SAMPLES, &[&NAMED[..], more].concat())
 }
 
 fn measured_rows(desk: &Desk) -> usize {
@@ -132,7 +137,7 @@ fn filling_that_is_killed_is_reported_and_resumed() {
         return;
     }
     let desk = Desk::new();
-    let run = |more: &[&'static str]| desk.command(&bench("filling", SAMPLES, more));
+    let run = |more: &[&'static str]| desk.command(&filling(more));
     // In the first view, before any case has all its samples.
     kill_after(&desk, &mut run(&[]), 400);
     let report = check_report(&desk);
@@ -161,12 +166,12 @@ fn filling_that_is_killed_is_reported_and_resumed() {
         (&["--shard", "1/2"], "shard=1/2"),
     ];
     for (more, phrase) in others {
-        let arguments = [&bench("filling", SAMPLES, &["--resume"]), more].concat();
+        let arguments = [&filling(&["--resume"]), more].concat();
         desk.run(&arguments)
             .refused(&[&["run holds a run already: cannot resume with", phrase]]);
         assert_eq!(whole_lines(&desk, "measurements.csv"), before, "{phrase}");
     }
-    let text = check_resumed(&desk, &bench("filling", SAMPLES, &["--resume"]));
+    let text = check_resumed(&desk, &filling(&["--resume"]));
     assert!(text.starts_with("113 right, 0 wrong"), "{text}");
     let report = desk.run(&["report", "run"]).succeeded();
     assert_eq!(report, "report: run/index.html\n");
