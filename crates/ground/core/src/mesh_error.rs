@@ -89,7 +89,7 @@ pub enum MeshError {
     /// A knob out of its range.
     #[error("{option} is {found}; allowed is {allowed}")]
     Option {
-        /// Its name in [`MeshOptions`].
+        /// Its name in [`crate::MeshOptions`].
         option: &'static str,
         /// Its value.
         found: f64,
