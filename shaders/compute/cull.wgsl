@@ -4,7 +4,7 @@
 // The tests are the frame plan's (`terrafill_scene::FramePlan`): all corners of a box around the
 // whole closed volume outside one plane of the frustum, or all in the shadow that the body casts
 // from the eye. They run in f32, so each keeps a distance of 1e-5 of the largest term, some 160
-// times its rounding; what is left out here, the plan would leave out as well.
+// times its rounding. What is left out here, the plan would leave out as well.
 #import shared/view.wgsl
 #import shared/draw.wgsl
 

@@ -1,7 +1,7 @@
 // Volumes of `instanced`: one invocation is a corner of a cap, read from its vertex, or one of the
 // four corners of a wall, made up from the ends of an edge that the wall's instance brings.
 //
-// caps:  the instance number is the region. Both caps are the same triangles; the pipeline of the
+// caps:  the instance number is the region. Both caps are the same triangles. The pipeline of the
 //        bottom sets IS_BOTTOM and turns their front into their back.
 // walls: a strip of four vertices an instance: top start, bottom start, top end, bottom end. The
 //        instance number is the edge, so the vertex number brings the region: its first vertex is

@@ -1,4 +1,4 @@
-// Surface pass: one vertex invocation places a vertex of the planet; one fragment shades it as if
+// Surface pass: one vertex invocation places a vertex of the planet. One fragment shades it as if
 // lit from the eye, and its facet's slope as if lit from the north-west. Alpha stays 0, so that a
 // pixel with alpha 1 was coloured by a fill.
 #import shared/view.wgsl

@@ -1,5 +1,5 @@
 // Textured colour pass: one triangle over the whole target, cut to a region's screen rectangle by the
-// scissor and to its pixels by the stencil test; one fragment reads the depth that the surface left,
+// scissor and to its pixels by the stencil test. One fragment reads the depth that the surface left,
 // finds its longitude and latitude from the region's anchor, from them its place in the picture, and
 // writes the picture's colour there. Level of detail comes from the map's own derivatives, never from
 // neighbouring pixels, so that neither ±180° nor an edge of depth shows in it.

@@ -1,5 +1,5 @@
 // Placement of a pattern whose texels per pixel stay constant: a texel spans 2^k metres, k real per
-// pixel; the pictures of the two whole k next to it are mixed, so that the pattern neither comes apart
+// pixel. The pictures of the two whole k next to it are mixed, so that the pattern neither comes apart
 // close up nor clumps far away. `u` and `v` hold the map for k = 0.
 
 fn place(angles: vec2<f32>, steps: vec4<f32>, distance_m: f32) -> Place {

@@ -1,5 +1,5 @@
 // Colour pass: one triangle over the whole target, cut to a region's screen rectangle by the
-// scissor and to its pixels by the stencil test; one fragment writes the region's colour. When the
+// scissor and to its pixels by the stencil test. One fragment writes the region's colour. When the
 // picture is checked, that colour is the region's id: the pipeline that is timed is the one checked.
 #import shared/view.wgsl
 #import shared/region.wgsl

@@ -47,7 +47,7 @@ const WITHIN: &[(&str, &[&str])] = &[
 ];
 
 /// Crates that may need less than their layer: the reference finds texture coordinates by itself and
-/// shares no meshing, projection or fill with what it verifies; `report` opens no device, so it sees
+/// shares no meshing, projection or fill with what it verifies. `report` opens no device, so it sees
 /// results and the kit that plots are drawn with.
 const LESS: &[(&str, &[&str])] = &[
     ("core", &[]),
@@ -59,7 +59,7 @@ const LESS: &[(&str, &[&str])] = &[
 ];
 
 /// What the tests of a layer may need beside: those of a study draw with every technique on every
-/// surface, while the study itself is handed lists and names none; those of a technique are verified by
+/// surface, while the study itself is handed lists and names none. Those of a technique are verified by
 /// the reference.
 const IN_TESTS: &[(&str, &[&str])] = &[
     ("studies", &["techniques", "surfaces"]),

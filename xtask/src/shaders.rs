@@ -3,7 +3,7 @@
 //! valid.
 //!
 //! A file that lies in `shaders/` and is not embedded is never validated, so the three lists are
-//! held against each other before naga is asked.
+//! held against each other before naga runs.
 
 use anyhow::{Context as _, Result, bail};
 use std::collections::BTreeSet;

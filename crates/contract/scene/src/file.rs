@@ -2,7 +2,7 @@
 //! Scene files: TOML in degrees and metres in, a checked [`Scene`] in radians out.
 //!
 //! Everything is checked here, once. A message names the file, the key, the value found and the
-//! values allowed; keys that mean nothing are refused, since a misspelt switch would otherwise
+//! values allowed. Keys that mean nothing are refused, since a misspelt switch would otherwise
 //! measure the default under another name.
 
 use crate::data::{Verified, read_verified};

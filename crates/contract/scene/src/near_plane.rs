@@ -6,8 +6,8 @@
 //! disjoint. What lies between eye and near plane is clipped, and matters to no count.
 //!
 //! Boxes come first: most regions are told apart by the axes of theirs. Where the box meets the near
-//! rectangle, the volume itself is asked: the rectangle, grown on all sides by what the GPU's
-//! rounding may move a face, is a box, too, in view space; a face meets it when something of the face
+//! rectangle, the volume itself is tested: the rectangle, grown on all sides by what the GPU's
+//! rounding may move a face, is a box, too, in view space. A face meets it when something of the face
 //! is left after clipping by the box's six planes (Sutherland and Hodgman, 1974). When no face
 //! does, the rectangle lies wholly inside or wholly outside, and one of its points decides for all.
 
@@ -167,7 +167,7 @@ impl<'a> ViewVolume<'a> {
     }
 
     /// How many faces a ray from `point` along z crosses. Along the ray, every edge is a pair of
-    /// points of the plane; both faces at an edge see the same sign of the same number there, so
+    /// points of the plane. Both faces at an edge see the same sign of the same number there, so
     /// that no ray slips through between them or meets both. `None` when a face is met edge-on.
     fn crossings(&self, point: DVec3) -> Option<usize> {
         let mut crossings = 0;

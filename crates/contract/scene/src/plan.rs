@@ -10,7 +10,7 @@
 //!   of tangents behind the plane of the horizon circle) is convex, so it holds the whole box. The
 //!   body here is the largest ellipsoid inside the surface *as drawn*, not the true one. Under
 //!   z-fail this is exact only for whole closed volumes (a ray through the planet may enter by one
-//!   piece and leave by another); whole volumes are all that is planned here.
+//!   piece and leave by another). Whole volumes are all that is planned here.
 //!
 //! Boundary levels of detail are no cull: they move boundaries, by no more than the stated pixels.
 

@@ -191,7 +191,7 @@ fn centres(count: u32, random: &mut SplitMix64) -> Vec<Centre> {
 ///
 /// Towards the equator a degree of longitude is longer than at the island's centre, which
 /// stretches the picture on the sphere by up to `sqrt(cos(nearest latitude) / cos(centre))`
-/// (haversine formula); the radius shrinks by that.
+/// (haversine formula). The radius shrinks by that.
 fn largest_radius_deg(index: usize, centres: &[Centre]) -> f64 {
     let centre = &centres[index];
     let nearest = centres

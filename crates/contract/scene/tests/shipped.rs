@@ -188,7 +188,7 @@ fn looks_at_its_place(view: &View, seen: &Picture) -> bool {
     seen.filled_deg.iter().any(|&place| is_at(place))
 }
 
-/// What is wrong with a view, judged by its name; empty when it shows what it promises.
+/// What is wrong with a view, by its name; empty when it shows what it promises.
 fn complaints(view: &View, seen: &Picture) -> Vec<&'static str> {
     let says_filled = view
         .note

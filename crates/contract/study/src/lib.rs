@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Studies, and the one runner that measures them all.
 //!
-//! A [`Study`] names its cases in groups; a [`Group`] opens a [`Session`], in which every case is
+//! A [`Study`] names its cases in groups. A [`Group`] opens a [`Session`], in which every case is
 //! verified before anything is timed; the [`run`] function measures the groups in shuffled blocks,
 //! writes each value as it is measured, goes on with broken-off runs and measures a few cases twice.
 //! No study repeats any of that, and the runner names no study.
 //!
 //! Nothing here opens a device, reads a clock or starts a thread or a process: `Devices` keeps what
-//! studies open, [`Progress`] is told what is being done, and who wants several processes starts
+//! studies open, [`Progress`] receives progress, and who wants several processes starts
 //! them with another [`RunOptions::process`] each.
 
 mod run;

@@ -38,7 +38,7 @@ pub struct RunOptions {
     pub shard: Option<Shard>,
 }
 
-/// Is told what is being done. The runner has no clock: who listens decides how often to say so.
+/// Receives progress. The runner has no clock: who listens decides how often to say so.
 pub trait Progress {
     /// - `done`, `all`: steps of this process: verified cases and measured blocks
     fn step(&mut self, done: usize, all: usize, what: &str);
@@ -115,7 +115,7 @@ impl Plan {
     }
 }
 
-/// Plans what the studies are asked for.
+/// Plans the requested studies.
 ///
 /// # Errors
 /// [`StudyError::BadInput`] from a study, or for a case that is planned twice.

@@ -19,7 +19,7 @@ pub enum Depth {
     Full,
 }
 
-/// What a run is asked for. Options that only one study knows are in `settings`.
+/// What a run is to measure. Options that only one study knows are in `settings`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Request {
     /// Names of shipped scenes or paths of scene files; empty for all shipped ones.

@@ -178,7 +178,7 @@ fn tables_are_read_by_texel_and_by_sampler() {
         let evaluator = Evaluator::new(&gpu, &kernel(linear), 0).expect("compiles");
         evaluator.evaluate(&[[0.0; 4]]).expect("runs").values[0]
     };
-    // The sampler is asked half way between the first two texels.
+    // The sampler is read half way between the first two texels.
     let linear = first(true);
     assert!(
         (linear[0] - 1.0).abs() < 1e-6 && (linear[1] - 2.0).abs() < 0.02,

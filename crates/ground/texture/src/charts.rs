@@ -61,7 +61,7 @@ pub enum Chart {
     ///
     /// For regions near or over a pole, where longitude and latitude are no smooth functions of
     /// anything local. What holds there: the colatitude is smooth and exact in the pole's
-    /// neighbourhood; the longitude is that of the offset from the axis, so its relative error is
+    /// neighbourhood. The longitude is that of the offset from the axis, so its relative error is
     /// that of the offset as long as the anchor is the pole ([`MapRegion::anchored`]), and at the
     /// pole itself, where there is none, it is 0. With another anchor, the distance of the anchor
     /// from the axis is added in `f32`, and closer to the pole than some millimetres per kilometre
@@ -523,7 +523,7 @@ mod tests {
                 let found = residual(Chart::parse(name).expect("a chart"), &region);
                 let ratio = found.approximation_max_rad * 6_378_137.0 / want;
                 // Close to the pole the fit for the smallest maximum is five times as good as least
-                // squares where five powers are to be had.
+                // squares where five powers are available.
                 let better = latitude > 80.0 && *name == "gnomonic-5";
                 let allowed = if better { 0.15..0.5 } else { 0.5..2.0 };
                 assert!(

@@ -32,9 +32,9 @@ const LOOKS: [(usize, f64); 3] = [(60, 4.0), (400, 1.5), (usize::MAX, 1.0)];
 /// What operations cost in units of one fused multiply-add.
 ///
 /// Orders, not measurements of one device: reciprocal and square root run at a quarter of the rate
-/// on all current GPUs, and a division is a reciprocal and a product; the native arctangent is a
+/// on all current GPUs, and a division is a reciprocal and a product. The native arctangent is a
 /// polynomial of degree 11 with octants and special cases (Mesa, `nir_builtin_builder.c`), two
-/// dozen operations and a division; a texture fetch has a latency of hundreds of cycles, and was
+/// dozen operations and a division. A texture fetch has a latency of hundreds of cycles, and was
 /// 1.6 to 4.4 times as slow as the native arctangent where it was measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CostTable {

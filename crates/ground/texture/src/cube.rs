@@ -18,7 +18,7 @@ use std::fmt::Write as _;
 /// Fractional bits of a bilinear weight.
 pub(crate) const WEIGHT_BITS: i32 = 8;
 
-/// A cube texture of longitude and latitude. Texels are computed when they are asked for.
+/// A cube texture of longitude and latitude. Texels are computed on demand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CubeTexture {
     size: u32,

@@ -2,7 +2,7 @@
 //! Depth: how a distance is stored in a depth buffer, and what of it comes back.
 //!
 //! Distances are along the viewing direction, metres, `f64`; stored depth in `[0, 1]`. Standard
-//! and reversed depth are what a projection matrix makes of 1 / distance; logarithmic depth is
+//! and reversed depth are what a projection matrix makes of 1 / distance. Logarithmic depth is
 //! written by the fragment shader as `log2(1 + distance) / log2(1 + far)` (Kemen 2009, "Logarithmic
 //! depth buffer", with C = 1). Reversed depth gains only with float storage, whose fine steps near
 //! 0 then meet the coarse ones of 1 / distance (Reed 2015, "Depth precision visualized").

@@ -89,7 +89,7 @@ pub enum FindingsError {
     /// Another first line.
     #[error("first line is “{found}”, must be “{HEADINGS}”")]
     Headings {
-        /// What stands there.
+        /// The text found.
         found: String,
     },
     /// A line that says nothing.
@@ -99,7 +99,7 @@ pub enum FindingsError {
         line: usize,
         /// Which column.
         what: &'static str,
-        /// What stands there.
+        /// The text found.
         found: String,
     },
 }

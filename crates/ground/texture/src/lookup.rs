@@ -4,7 +4,7 @@
 //! Texel i holds `atan(i / (N − 1)) / (π / 4)`: aligned to both ends, so that the octants meet, and
 //! scaled to [0, 1], so that normalized formats lose no range. A sampler's linear filter weighs in
 //! steps of 2⁻⁸ on common hardware (Vulkan `subTexelPrecisionBits`, whose least allowed value is 4,
-//! is 8 on every desktop driver and on software ones), which limits it whatever the format;
+//! is 8 on every desktop driver and on software ones), which limits it whatever the format.
 //! [`Filter::LinearExact`] loads two texels and interpolates in the shader instead.
 
 use crate::rounding::rounded;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! What a route is asked about: a body, an anchor, and an extent with a range of heights.
+//! What a route works on: a body, an anchor, and an extent with a range of heights.
 
 use crate::ExactGeodetic;
 use glam::DVec3;

@@ -319,7 +319,7 @@ fn recentred_constants(region: &MapRegion, latitude: LatitudeForm) -> Vec<f64> {
 /// With longitude 0 through the anchor, `Δλ = atan2(y, ρ₀ + dx)` has nothing to cancel, and
 /// `ρ − ρ₀ = dx + y² / (ρ + x)`. For a vector V of the meridian whose direction at the anchor is
 /// n₀, `Δφ = atan2(dV × n₀, |V₀| + dV · n₀)`: V₀ × n₀ = 0 is left out of the sum instead of
-/// cancelling in it. Geocentric and parametric latitudes have dV = (dρ, dz) and ((1 − e²) dρ, dz);
+/// cancelling in it. Geocentric and parametric latitudes have dV = (dρ, dz) and ((1 − e²) dρ, dz).
 /// Bowring's adds the change of the centre of curvature, `e′² b (sin³ β − sin³ β₀)`, factored into
 /// differences of β the same way.
 fn recentred_program(form: AngleForm, core: AngleCore, latitude: LatitudeForm) -> Program {

@@ -221,8 +221,8 @@ fn inputs_without_a_finite_answer_are_listed() {
             let got = program.emulate(&constants, offset, Arithmetic::Fused);
             let finite = got.iter().all(|x| x.is_finite());
             let case = format!("{} {axis} {value:e}: {got:?}", route.name());
-            // Whatever lies on or near a body has an answer; powers of what is 10¹⁸ m away may
-            // overflow; infinities and NaN have none but one: infinitely far along the axis an
+            // Whatever lies on or near a body has an answer. Powers of what is 10¹⁸ m away may
+            // overflow. Infinities and NaN have none but one: infinitely far along the axis an
             // azimuthal chart sees the pole.
             let towards_pole = route.name().starts_with("azimuthal") && axis == 2;
             if value.abs() <= 3e7 {

@@ -177,7 +177,7 @@ fn measure(route: CoordinateRoute, region: &MapRegion, count: u32, turn: [f64; 2
                 let found = f64::from(found[axis]) + turn[axis];
                 let error = short(found - sample.angles_rad[axis]);
                 let rounding = short(found - bounded[axis].value);
-                // The bound is to first order; where f32 falls on the other side of an octant or of a
+                // The bound is to first order. Where f32 falls on the other side of an octant or of a
                 // texel's edge, it differs by the jump there, which is twice the core's error.
                 let allowed = 1.001 * bounded[axis].bound + 2.0 * jump + 1e-30;
                 result.over_bound = result.over_bound.max(rounding / allowed);

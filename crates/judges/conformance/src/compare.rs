@@ -92,7 +92,7 @@ pub fn compare(reference: &Frame, frame: &Frame) -> Result<ErrorFigures, Compare
 }
 
 /// The same by a reference that can be asked between the centres of its pixels. What is smaller than a
-/// pixel leaves no trace in its picture, and the band lies around what does; in the frame rounding may
+/// pixel leaves no trace in its picture, and the band lies around what does. In the frame rounding may
 /// give such a piece a pixel all the same.
 ///
 /// - `shows`: whether it shows the id within [`crate::BAND_RADIUS_PX`] of the centre of the pixel of

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! How far boundaries that are drawn aside on purpose, such as by levels of detail, have really moved.
+//! How far boundaries that are moved on purpose, such as by levels of detail, have really moved.
 //!
 //! Pixels of the image; places count from its upper left corner, so that a pixel's centre is at half
 //! pixels. When no point of a curve moves by more than δ, a pixel's id changes only if some curve swept
@@ -18,14 +18,14 @@ use crate::tolerance::{MOVED_SEARCH_PX, MOVED_STEP_PX};
 use std::f64::consts::TAU;
 use terrafill_fill::Frame;
 
-/// Mismatched pixels that are asked about; what differs at more of them was not moved a little.
+/// Mismatched pixels that are searched for; what differs at more of them was not moved a little.
 ///
 /// A pixel at distance d asks the reference about 2π (d / step)² times: 400 times at half a pixel
-/// and 6,400 at the end of the search. At the limit that is as much as judging an image of 1024² pixels
+/// and 6,400 at the end of the search. At the limit that is as much as verifying an image of 1024² pixels
 /// six times where pixels are off by half of one.
 pub const MAX_MEASURED: usize = 16_384;
 
-/// What became of boundaries that were drawn aside.
+/// How far boundaries that were moved on purpose have moved.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Movement {
     /// The farthest that the centre of a mismatched pixel is from where the reference shows the frame's
@@ -183,7 +183,7 @@ mod tests {
             let found = figures(&truth, &drawn);
             assert!(!verdict_of_moved(&found, 0.5).is_pass(), "{found:?}");
             assert!(verdict_of_moved(&found, 1.0).is_pass(), "{found:?}");
-            // Nothing else would have told: it is all in the band, and no farther than two pixels.
+            // Nothing else would have shown it: it is all in the band, and no farther than two pixels.
             assert_eq!(found.mismatched_px_outside_band, 0);
             assert!(found.hausdorff_px.is_some_and(|px| px <= 2.0), "{found:?}");
         }
@@ -268,7 +268,7 @@ mod tests {
                 );
                 assert_eq!(verdict_of_moved(&found, 0.5).is_pass(), passes, "{found:?}");
             }
-            // One that is a pixel from the border is no luck.
+            // One that is a pixel from the border counts.
             let mut drawn = seen(truth);
             drawn.ids[16 * 40 + 7] = foreign;
             let found = figures(truth, &drawn);

@@ -58,7 +58,7 @@ pub fn silhouette_band(reference: &Frame) -> Result<Vec<bool>, CompareError> {
 /// Whether the distance jumps from `index` to the pixel a step on.
 ///
 /// The reciprocal of the depth is linear across a plane's image, so each of the two can be foretold
-/// from the pixels on its own side; where both come out wrong there is an edge between them. On a
+/// from the pixels on its own side. Where both come out wrong there is an edge between them. On a
 /// rim with one side only, that side decides.
 fn jumps(
     pixels: &[Option<TexturePixel>],

@@ -31,7 +31,7 @@ pub const MOVED_STEP_PX: f64 = 1.0 / 16.0;
 /// How far it looks, pixels: twice the band, in which all that moved on purpose stays.
 pub const MOVED_SEARCH_PX: f64 = 2.0;
 
-/// Pixels allowed on borders that were drawn aside that show neither side ([`crate::Movement`]).
+/// Pixels allowed on borders that were moved on purpose that show neither side ([`crate::Movement`]).
 pub const MAX_FOREIGN_PX: u64 = 4;
 
 /// Rasterisers snap corners to this part of a pixel (Vulkan 1.3, `subPixelPrecisionBits` of 8).

@@ -14,11 +14,11 @@ use terrafill_fill::{DeviceError, FillInput, Frame, NO_REGION, TexturePixel, pai
 /// Judges frames on the CPU, in f64.
 #[derive(Debug, Default)]
 pub struct ReferenceBackend {
-    /// Whether frames are judged with the scene's texture.
+    /// Whether frames are verified with the scene's texture.
     is_textured: bool,
 }
 
-/// A judged frame.
+/// A verified frame.
 #[derive(Debug, Clone)]
 pub struct ReferenceFrame {
     /// The picture, by the first inside test; where regions overlap, the last one.

@@ -2,12 +2,12 @@
 //! Inside tests for a ring whose edges are cut by planes through the body's centre.
 //!
 //! Unit vectors: geodetic surface normals. Geocentric and geodetic latitude differ by a constant
-//! factor of their tangents, which is a linear map of space; it takes planes through the centre to
+//! factor of their tangents, which is a linear map of space. It takes planes through the centre to
 //! planes through the centre, so in normals every such edge is the shorter arc of a great circle.
 //!
 //! A ring on a sphere has two sides. A ring that does not go round the axis has both poles outside;
 //! one that does holds the pole that whoever makes it says. An edge between opposite meridians
-//! passes through the nearer pole; a ring with a vertex there passes it on the side of the smaller
+//! passes through the nearer pole. A ring with a vertex there passes it on the side of the smaller
 //! angle between its neighbours, and on longitudes −180 … 180, the latter excluded, where both angles
 //! are 180°. So a pole is never on a ring, and its side is known. Two tests:
 //!
@@ -18,7 +18,7 @@
 //! - *Angles*: the signed solid angles of the triangles between the point's antipode and each
 //!   edge. Their sum is the ring's signed area, modulo 4π, and jumps by 4π wherever the point
 //!   crosses the ring; so it tells the point's side from that of a pole. Van Oosterom and Strackee
-//!   (1983): half the angle is `atan2(det(q, a, b), 1 + q·a + a·b + b·q)`; with `q = −p` the second
+//!   (1983): half the angle is `atan2(det(q, a, b), 1 + q·a + a·b + b·q)`. With `q = −p` the second
 //!   argument is `(a − p)·(b − p)`, free of cancellation for short edges.
 
 use crate::point::{Bounds, LocatorError, Point, RingSource, Verdicts, normal, on_longitude_grid};

@@ -10,7 +10,7 @@
 //! placement's own formula, footprints in closed form, trilinear filtering.
 //!
 //! Shares no meshing, projection or fill code with what it judges: of a scene it reads body,
-//! parsed rings, edge rule and camera, of a frame the surface's vertices; meshes and plan it never
+//! parsed rings, edge rule and camera, of a frame the surface's vertices. Meshes and plan it never
 //! looks at.
 
 mod backend;

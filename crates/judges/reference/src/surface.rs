@@ -94,7 +94,7 @@ impl SurfaceTriangles {
             };
             let mut entries =
                 halves.map(|half| ray.enters(&self.nodes[half]).map(|entry| (entry, half)));
-            // The nearer half is asked first, so it goes on the stack last.
+            // The nearer half is searched first, so it goes on the stack last.
             if let [Some(a), Some(b)] = entries
                 && a.0 < b.0
             {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Study `filling`: which technique fills regions with which error, time and memory.
 //!
-//! For each scene and view the reference is drawn once; every case draws a probe frame that is compared
-//! with it; then all cases and the two full-screen passes are timed in blocks, so that whatever else
+//! For each scene and view the reference is drawn once. Every case draws a probe frame that is compared
+//! with it. Then all cases and the two full-screen passes are timed in blocks, so that whatever else
 //! the machine does falls on all of them alike.
 //!
 //! Beside the main variants stand the *ladder*, from the un-optimised method to the full plan one

@@ -23,6 +23,8 @@ const MATRIX_SCENES: [&str; 3] = ["planet-134", "california", "countries-110m"];
 
 /// Timed frames of a case in a process.
 const FRAMES: u32 = 8;
+/// The same in a quick run, which may take 90 s over all shipped scenes on two cores.
+const QUICK_FRAMES: u32 = 5;
 /// The same in a full run, whose intervals are to be narrow.
 const FULL_FRAMES: u32 = 10;
 /// Timed frames of a rung in a process: few, since the first rungs take seconds where the last take
@@ -90,8 +92,11 @@ impl Wishes {
 
     /// Timed frames of a case in a process.
     pub(crate) fn frames(&self) -> u32 {
-        let default = if self.is_full() { FULL_FRAMES } else { FRAMES };
-        self.samples.unwrap_or(default)
+        self.samples.unwrap_or(match self.depth {
+            Depth::Quick => QUICK_FRAMES,
+            Depth::Main => FRAMES,
+            Depth::Full => FULL_FRAMES,
+        })
     }
 
     /// Timed frames of a rung, or of one of many variants of a textured fill.

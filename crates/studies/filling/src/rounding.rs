@@ -2,11 +2,11 @@
 //! How many pixels a way of storing positions may move a boundary by in one view, by formula.
 //!
 //! Metres, ECEF axes; pixels of the image. A stored corner, relative to the eye, is off by at most the
-//! roundings of its format along each axis ([`VertexFormat::residual_m`]); everything between two
+//! roundings of its format along each axis ([`VertexFormat::residual_m`]). Everything between two
 //! corners by no more than the worse of them, since it is a mixture of both. Off by e at a depth of z, a
 //! point moves by at most e·f·√(1 + tan²) / z pixels, where f is a pixel's reciprocal at distance 1
 //! and tan the point's distance from the middle of the image there. What the shader computes from the
-//! position on is the same in every format, and judged with the default.
+//! position on is the same in every format, and verified with the default.
 
 use glam::DVec3;
 use terrafill_fill::{FillInput, FixedPoint, PositionFormat, boundary_edges};
@@ -16,7 +16,7 @@ use terrafill_texture::VertexFormat;
 /// quarter, as for texels.
 pub(crate) const ALLOWED_PX: f64 = 0.25;
 
-/// Why a view is not asked of a format: its roundings may be seen there. `None` where they may not.
+/// Why a view is not drawn in a format: its roundings may be seen there. `None` where they may not.
 pub(crate) fn objection(format: PositionFormat, bound_px: f64) -> Option<String> {
     // Not `>`: a bound that is no number promises nothing.
     let is_right = bound_px <= ALLOWED_PX;

@@ -203,7 +203,7 @@ fn translucent_regions_blend_in_the_order_of_the_plan() {
             twin > 1_000,
             "{colour:?}: the other order differs in {twin} only"
         );
-        // The frame to be judged is opaque and in the same order.
+        // The frame to be verified is opaque and in the same order.
         let judged = judge(&input);
         let frame = backend.render(&input).expect("draws");
         assert!(is_right(&judged, &frame), "{colour:?}");

@@ -110,7 +110,7 @@ fn culling_changes_no_pixel() {
     }
 }
 
-/// Every key of a variant with all its values that may be judged; `zpass` has a test of its own.
+/// Every key of a variant with all its values that may be verified; `zpass` has a test of its own.
 const KEYS: [(&str, &[&str]); 11] = [
     ("layout", &["doubled", "separate", "per-triangle", "pulled"]),
     (

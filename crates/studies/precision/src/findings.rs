@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the suite's rows have against a route: the table that the chooser reads.
 //!
-//! A route is spoken against where its bound is finite, so that by its formula it has an answer, and where
-//! nonetheless an error was measured above the bound or an answer was not finite.
+//! There is a finding against a route where its bound is finite, so that its formula has an answer, and
+//! an error was measured above the bound nonetheless or an answer was not finite.
 
 use crate::row::{PrecisionPart, PrecisionRow};
 use terrafill_results::Status;
@@ -105,7 +105,7 @@ mod tests {
         let mut unknown = rows.clone();
         unknown[1].max_over_residual = Some(f64::NAN);
         assert!(suite_findings(&unknown)[0].worst_over_bound.is_nan());
-        // Twin: where the formula says itself that it is no map, nobody has to be told.
+        // Twin: where the formula says itself that it is no map, no finding is needed.
         let beyond = rows.map(|row| PrecisionRow {
             residual_max_m: Some(f64::INFINITY),
             ..row

@@ -76,10 +76,10 @@ impl Samplers {
     }
 }
 
-/// Entries of the table that a sampler is asked about: so few that a step of a weight is far above the
+/// Entries of the table that a sampler is read at: so few that a step of a weight is far above the
 /// last place of an answer.
 const PROBE_TEXELS: u16 = 16;
-/// Texture coordinates at which it is asked.
+/// Texture coordinates at which it is read.
 const PROBES: u16 = 4096;
 /// What an answer of 1 may be off by in `f32` after a handful of operations: below, a sampler has no error
 /// of its own.

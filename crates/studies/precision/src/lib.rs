@@ -3,7 +3,7 @@
 //! costs.
 //!
 //! Each formula is evaluated at many places of many regions, on the CPU by emulation and on the device
-//! by the text that a fill compiles, and compared with the exact map in `f64`; beside it stands the
+//! by the text that a fill compiles, and compared with the exact map in `f64`. Beside it stands the
 //! error that was computed for it. Times are of the formula alone, in blocks in which every formula
 //! and an empty one take a turn (see [`terrafill_gpu::Evaluator`]). Residuals and measurements use
 //! different places on purpose: the residual's are those of `MapRegion::samples`, the measured ones a

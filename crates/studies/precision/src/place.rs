@@ -127,7 +127,7 @@ impl Place {
         height * self.region.body().equatorial_radius_m() / VIEW_ROWS
     }
 
-    /// What the chooser is asked.
+    /// What the chooser gets.
     pub(crate) fn demand(&self) -> Demand {
         Demand {
             region: self.region,

@@ -3,7 +3,7 @@
 //!
 //! The lattice: latitudes that cut the ellipsoid into zones of equal area, longitudes turned by
 //! the golden angle from one to the next. Were the points random, a share `f` of `n` of them would
-//! scatter by σ = √(f (1 − f) / n); the lattice is far more even, and [`SIGMAS`] says how much of
+//! scatter by σ = √(f (1 − f) / n). The lattice is far more even, and [`SIGMAS`] says how much of
 //! that is relied on.
 
 use super::{Random, TestRing, locator, parallel, rectangle};

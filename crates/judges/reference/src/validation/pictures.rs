@@ -374,7 +374,7 @@ fn a_frame_is_judged_from_its_parsed_regions() {
     let hole_px = 64 * 64 - holed.frame.filled_px();
     assert!((361..=400).contains(&hole_px), "{hole_px}");
 
-    // What cannot be judged is refused, not guessed.
+    // What cannot be compared is refused, not guessed.
     input.scene.regions = parsed("[[0,0],[90,0],[-90,0],[270,10],[0,0]]");
     input.scene.edge_rule = EdgeRule::GreatEllipse;
     let refused = ReferenceBackend::new().judge(&input).map(|_| ());

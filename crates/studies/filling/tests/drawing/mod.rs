@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Regions written down in a test, views of them, and whatever draws them.
 //!
-//! A backend is asked for by its [`Technique`] and drawn with as a [`FillBackend`]: what every backend must do is then written once, in [`checks`], over the views
+//! A backend is opened by its [`Technique`] and drawn with as a [`FillBackend`]: what every backend must do is then written once, in [`checks`], over the views
 //! of [`sights`]. Another backend joins by an arm in [`AllTargets::open`] and a list of its variants.
 
 #![allow(dead_code, reason = "each test binary uses its own part of this")]
