@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 pub struct RunEnvironment {
     /// Version of these files' schema.
     pub schema: u32,
-    /// `git rev-parse HEAD`, with `+dirty` when the tree differed; empty outside a repository.
+    /// Commit that the program was built from, with `+dirty` when its sources differed; empty where it
+    /// was built outside a repository.
     pub commit: String,
     /// Seconds since 1970 at the start.
     pub started_unix_s: u64,

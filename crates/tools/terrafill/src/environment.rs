@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The fingerprint of the machine and build that a run was made with.
 
-use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
 use sysinfo::System;
 use terrafill_gpu::DeviceFacts;
@@ -29,7 +28,8 @@ pub(crate) fn environment(
     let text = |fact: fn(&DeviceFacts) -> &str| device.map_or("", fact).to_owned();
     RunEnvironment {
         schema: SCHEMA,
-        commit: commit(),
+        // Of the build, see build.rs: the working directory may be another repository.
+        commit: env!("TERRAFILL_COMMIT").to_owned(),
         started_unix_s: started.map(|time| time.as_secs()).unwrap_or(0),
         cpu: cpu.unwrap_or_default(),
         cores: u32::try_from(cpus.len()).unwrap_or(u32::MAX),
@@ -46,7 +46,13 @@ pub(crate) fn environment(
         driver: text(|device| &device.driver),
         driver_info: text(|device| &device.driver_info),
         mesa_version: mesa_version(device.map_or("", |device| &device.driver_info)),
-        api: "Vulkan through wgpu 30.0.1; technique native through ash 0.38.0".to_owned(),
+        api: concat!(
+            "Vulkan through wgpu ",
+            env!("TERRAFILL_wgpu"),
+            " and ash ",
+            env!("TERRAFILL_ash")
+        )
+        .to_owned(),
         gpu_timestamps: device.is_some_and(|device| device.features.timestamps),
         width: size[0],
         height: size[1],
@@ -76,22 +82,6 @@ fn mesa_version(driver_info: &str) -> String {
         .and_then(|_| words.next())
         .unwrap_or_default()
         .to_owned()
-}
-
-/// HEAD of the repository around the working directory; empty where there is none.
-fn commit() -> String {
-    let git = |arguments: &[&str]| {
-        let output = Command::new("git").args(arguments).output().ok()?;
-        let text = String::from_utf8(output.stdout).ok()?;
-        output.status.success().then(|| text.trim().to_owned())
-    };
-    let Some(head) = git(&["rev-parse", "HEAD"]) else {
-        return String::new();
-    };
-    match git(&["status", "--porcelain", "--untracked-files=no"]) {
-        Some(changes) if changes.is_empty() => head,
-        _ => head + "+dirty",
-    }
 }
 
 #[cfg(test)]
