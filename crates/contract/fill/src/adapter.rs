@@ -2,7 +2,7 @@
 //! Choosing an adapter and refusing what it cannot: the same on every API, so that both open the
 //! same one and say the same of it.
 
-use crate::{DeviceError, FillInput};
+use crate::DeviceError;
 use terrafill_scene::ImageSize;
 
 /// Kind of adapter, in order of preference.
@@ -129,23 +129,6 @@ pub fn check_target_size(size: ImageSize, limit: u32, adapter: &str) -> Result<(
         size.width, size.height
     );
     Err(DeviceError::unsupported(&what, adapter))
-}
-
-impl FillInput {
-    /// Whether targets of this size are the frame's.
-    ///
-    /// # Errors
-    /// [`DeviceError::OverCapacity`].
-    pub fn check_size(&self, targets: ImageSize) -> Result<(), DeviceError> {
-        if self.size == targets {
-            return Ok(());
-        }
-        Err(DeviceError::OverCapacity {
-            what: "image size differs from the targets', pixels".to_owned(),
-            found: self.size.pixel_count() as u64,
-            allowed: targets.pixel_count() as u64,
-        })
-    }
 }
 
 /// `count` as the 32 bits that draw calls take.

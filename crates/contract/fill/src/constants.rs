@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Rust twins of the constants in `shaders/shared/`; tests hold the layouts together.
 
-use crate::{Colours, FillInput, FixedPoint, PositionFormat, two_float};
+use crate::{Colours, FillInput, FixedPoint, PositionFormat, SurfaceView, two_float};
 use bytemuck::{Pod, Zeroable};
 use terrafill_scene::PlannedRegion;
 
@@ -26,19 +26,19 @@ pub struct ViewConstants {
 }
 
 impl ViewConstants {
-    /// Constants of a frame's camera and body.
+    /// Constants of a view's camera and body.
     #[must_use]
     #[allow(
         clippy::cast_possible_truncation,
         reason = "rounding to what the GPU reads is the purpose"
     )]
-    pub fn new(input: &FillInput) -> Self {
-        let camera = &input.camera;
+    pub fn new(view: &SurfaceView<'_>) -> Self {
+        let camera = view.camera;
         let column = |i: usize| {
             let c = camera.view_from_ecef.col(i).as_vec3();
             [c.x, c.y, c.z, 0.0]
         };
-        let body = &input.scene.body;
+        let body = view.body;
         let flattening_squared = (body.equatorial_radius_m() / body.polar_radius_m()).powi(2);
         let clip_scale_y = camera.tan_half_fov().recip();
         Self {
@@ -46,7 +46,7 @@ impl ViewConstants {
             eye_ecef: camera.eye_ecef.as_vec3().to_array(),
             near_m: camera.near_m as f32,
             normal_scale: [1.0, 1.0, flattening_squared as f32],
-            clip_scale_x: (clip_scale_y / input.size.aspect()) as f32,
+            clip_scale_x: (clip_scale_y / view.size.aspect()) as f32,
             clip_scale_y: clip_scale_y as f32,
             padding: [0.0; 3],
         }

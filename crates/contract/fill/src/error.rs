@@ -55,15 +55,18 @@ pub enum DeviceError {
         /// Regions that did.
         allowed: Vec<usize>,
     },
+    /// Something was to be drawn before what it needs was made.
+    #[error("there is no {0} yet")]
+    Missing(&'static str),
     /// [`crate::FillBackend::render`] was called before [`crate::FillBackend::prepare`], or with
     /// another input.
-    #[error("{backend} was not prepared for {scene}/{view}")]
+    #[error("backend {backend} is not prepared for view {view} of scene {scene}")]
     NotPrepared {
         /// Which backend.
         backend: &'static str,
-        /// Scene asked for.
+        /// Scene to be drawn.
         scene: String,
-        /// View asked for.
+        /// View to be drawn.
         view: String,
     },
 }
@@ -75,16 +78,6 @@ impl DeviceError {
         Self::Unsupported {
             capability: capability.to_owned(),
             adapter: adapter.to_owned(),
-        }
-    }
-
-    /// A surface was asked for before there is one.
-    #[must_use]
-    pub fn no_surface() -> Self {
-        Self::NotPrepared {
-            backend: "surface",
-            scene: String::new(),
-            view: String::new(),
         }
     }
 }

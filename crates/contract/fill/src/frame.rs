@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What comes out: the picture as region ids, what it cost in memory and work, and how long it took.
 
-use crate::{NO_REGION, Picture, TextureCoordinates, ids_of};
+use crate::{GeometryBytes, NO_REGION, Picture, TextureCoordinates, ids_of};
+use std::ops::Add;
 use terrafill_scene::ImageSize;
 
 /// A drawn frame.
@@ -100,6 +101,32 @@ pub struct MemoryUse {
     pub buffers: u64,
     /// Bytes handed to the device by `prepare`.
     pub upload_bytes: u64,
+}
+
+impl From<GeometryBytes> for MemoryUse {
+    fn from(bytes: GeometryBytes) -> Self {
+        Self {
+            vertex_bytes: bytes.vertex_bytes,
+            index_bytes: bytes.index_bytes,
+            ..Self::default()
+        }
+    }
+}
+
+impl Add for MemoryUse {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            vertex_bytes: self.vertex_bytes + other.vertex_bytes,
+            index_bytes: self.index_bytes + other.index_bytes,
+            constant_bytes: self.constant_bytes + other.constant_bytes,
+            target_bytes: self.target_bytes + other.target_bytes,
+            texture_bytes: self.texture_bytes + other.texture_bytes,
+            buffers: self.buffers + other.buffers,
+            upload_bytes: self.upload_bytes + other.upload_bytes,
+        }
+    }
 }
 
 impl MemoryUse {

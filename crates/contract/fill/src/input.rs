@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Extent, Region};
 use terrafill_scene::{
-    Camera, FramePlan, HeightRange, ImageSize, LevelTable, LeveledMeshes, Overlap, PixelRect,
-    PlanOptions, RegionBounds, Scene, SceneTexture, View,
+    Camera, FramePlan, HeightRange, ImageSize, LevelTable, LeveledMeshes, Overlap, PlanOptions,
+    RegionBounds, Scene, SceneTexture, View,
 };
 use terrafill_surface::{Surface, SurfaceError, SurfaceFrame};
 
@@ -161,18 +161,6 @@ impl FillInput {
     #[must_use]
     pub fn terrain(&self) -> HeightRange {
         self.surface.heights
-    }
-
-    /// Where a planned region may be drawn: its screen rectangle with `scissor`, else everywhere.
-    ///
-    /// - `planned`: index into the plan's regions
-    #[must_use]
-    pub fn rect(&self, planned: usize, scissor: bool) -> PixelRect {
-        if scissor {
-            self.plan.regions[planned].screen_rect
-        } else {
-            PixelRect::full(self.size)
-        }
     }
 
     /// Whether ids can tell the scene's regions apart.

@@ -11,8 +11,10 @@ mod backend;
 mod batches;
 mod clock;
 mod constants;
+mod depth_range;
 mod devices;
 mod error;
+mod executor;
 mod fixed_point;
 mod footprint;
 mod frame;
@@ -26,13 +28,17 @@ mod picture;
 mod program;
 mod route_choice;
 mod steps;
+mod surface_view;
 mod switches;
 mod targets;
 mod technique;
 mod texture;
 mod textured;
 mod textured_device;
+mod textured_work;
 mod variant;
+mod volume_backend;
+mod volumes;
 mod work;
 
 pub use adapter::{
@@ -40,11 +46,13 @@ pub use adapter::{
     device_for_test,
 };
 pub use backend::{Capabilities, FillBackend, Uploaded};
-pub use batches::{RegionClasses, XOR_NUMBERS, XorBatches, overlap_depth};
+pub use batches::{VolumeClasses, XOR_NUMBERS, XorBatches, overlap_depth};
 pub use clock::CpuStopwatch;
 pub use constants::{RegionConstants, RegionPlace, ViewConstants};
+pub use depth_range::DepthRange;
 pub use devices::Devices;
 pub use error::DeviceError;
+pub use executor::{ExecutorFacts, StencilExecutor, StencilWork};
 pub use fixed_point::{
     EyeInUnits, FixedPoint, PositionFormat, eye_relative_m, two_float, two_float_difference_m,
 };
@@ -62,6 +70,7 @@ pub use program::{
 };
 pub use route_choice::RouteChoice;
 pub use steps::{FillStep, NUMBER_BYTES, VolumeDraw, VolumeState};
+pub use surface_view::SurfaceView;
 pub use switches::{
     BottomCap, ColourWay, DepthRuleChoice, FacePasses, StencilClear, SwitchError, Switches, pick,
 };
@@ -71,4 +80,6 @@ pub use texture::{AddressMode, Pattern, PlannedTexture, TextureCoordinates, Text
 pub use textured::{CoverOverrides, RouteNote, TexturedCover, TexturedPlan, TexturedRegion};
 pub use textured_device::{Probed, RouteTexelFormat, RouteTexels};
 pub use variant::{Parameter, Values, Variant};
+pub use volume_backend::{RegionVolumes, VolumeBackend};
+pub use volumes::{Volume, VolumeList};
 pub use work::{WorkCounters, WorkDone};

@@ -5,12 +5,11 @@
 //! shader on wgpu and a geometry shader on ash, and two rows that differ in one switch differ in
 //! nothing else.
 
-use crate::batches::overlap_depth;
-use crate::batches::{RegionClasses, XorBatches};
+use crate::batches::{VolumeClasses, XorBatches, overlap_depth};
 use crate::{
-    BottomCap, ColourWay, DepthRuleChoice, DeviceError, FacePasses, StencilClear, Switches,
+    BottomCap, ColourWay, DepthRuleChoice, DeviceError, FacePasses, StencilClear, Switches, Volume,
 };
-use terrafill_scene::{FramePlan, Overlap, PlannedRegion};
+use terrafill_scene::Overlap;
 
 /// Which fragments of a volume touch the stencil.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -98,7 +97,7 @@ pub struct StencilTest {
 /// What brings the colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum CoverShape {
-    /// One triangle over the screen, cut to the region's rectangle.
+    /// One triangle over the screen, cut to the volume's rectangle.
     Rectangle,
     /// One triangle over the screen.
     Screen,
@@ -109,7 +108,7 @@ pub enum CoverShape {
     },
 }
 
-/// One step. Regions are indices into [`FramePlan::regions`].
+/// One step. Volumes are indices into a [`crate::VolumeList`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FillCommand {
     /// Marks the inside of volumes. Their order changes nothing, so a backend may sort them by
@@ -119,23 +118,23 @@ pub enum FillCommand {
         rule: StencilRule,
         /// Leaves out bottom caps.
         without_bottom: bool,
-        /// Cuts each volume to its region's rectangle.
+        /// Cuts each volume to its rectangle.
         scissor: bool,
         /// What is drawn.
-        regions: Vec<usize>,
+        volumes: Vec<usize>,
     },
-    /// Colours marked pixels, region by region in this order, each in its own colour;
-    /// [`CoverShape::Screen`] draws once, in the first region's.
+    /// Colours marked pixels, volume by volume in this order, each in its own colour;
+    /// [`CoverShape::Screen`] draws once, in the first volume's.
     Cover {
         /// State.
         test: StencilTest,
         /// What is drawn.
         shape: CoverShape,
         /// Whose colours.
-        regions: Vec<usize>,
+        volumes: Vec<usize>,
     },
     /// Adds to a 32-bit float target, cleared to 0 when the pass starts, each volume's number (its
-    /// place in the plan, plus 1) where a fragment counts: with [`DepthRule::Fail`] back faces add
+    /// place in the list, plus 1) where a fragment counts: with [`DepthRule::Fail`] back faces add
     /// and front faces take away, with [`DepthRule::Pass`] the other way round. What is left is the
     /// number of the volume that the surface lies in. Their order changes nothing.
     Accumulate {
@@ -145,12 +144,12 @@ pub enum FillCommand {
         faces: FaceSet,
         /// Leaves out bottom caps.
         without_bottom: bool,
-        /// Cuts each volume to its region's rectangle.
+        /// Cuts each volume to its rectangle.
         scissor: bool,
         /// What is drawn.
-        regions: Vec<usize>,
+        volumes: Vec<usize>,
     },
-    /// Colours every pixel whose accumulated number is not 0 with that region's colour, by one
+    /// Colours every pixel whose accumulated number is not 0 with that volume's colour, by one
     /// triangle over the screen.
     Resolve,
 }
@@ -178,41 +177,38 @@ impl FillPass {
 /// A fill.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FillProgram {
-    /// In order. None when nothing is planned.
+    /// In order. None for no volumes.
     pub passes: Vec<FillPass>,
 }
 
 impl FillProgram {
-    /// The steps that fill `plan` with these switches.
+    /// The steps that colour the inside of `volumes` with these switches.
     ///
     /// # Errors
     /// [`DeviceError::Switch`] when the switches do not go together or not with the scene;
-    /// [`DeviceError::OverCapacity`] when more than 255 regions may lie over one pixel and are
-    /// counted together: a multiple of 256 would count as none; or when more regions are planned
-    /// than numbers can be accumulated exactly.
+    /// [`DeviceError::OverCapacity`] when more than 255 volumes may lie over one pixel and are
+    /// counted together: a multiple of 256 would count as none; or when there are more volumes than
+    /// numbers can be accumulated exactly.
     pub fn new(
-        plan: &FramePlan,
+        volumes: &[Volume],
         switches: &Switches,
         overlap: Overlap,
     ) -> Result<Self, DeviceError> {
         switches.check(overlap)?;
-        let builder = Builder {
-            regions: &plan.regions,
-            switches,
-        };
+        let builder = Builder { volumes, switches };
         let passes = match switches.colour {
-            _ if plan.regions.is_empty() => Vec::new(),
+            _ if volumes.is_empty() => Vec::new(),
             ColourWay::Xor => builder.xor(),
             ColourWay::BitPlanes => builder.bit_planes(),
             ColourWay::Rectangle | ColourWay::Volume => builder.one_at_a_time(),
             ColourWay::OneColour | ColourWay::OneColourVolumes => {
                 if overlap == Overlap::Ordered {
-                    check_depth(&plan.regions)?;
+                    check_depth(volumes)?;
                 }
                 builder.one_colour()
             }
             ColourWay::IdAccumulation => {
-                check_numbers(plan.regions.len())?;
+                check_numbers(volumes.len())?;
                 builder.id_accumulation()
             }
         };
@@ -225,64 +221,64 @@ impl FillProgram {
     }
 }
 
-/// Regions that an 8-bit count can hold over one pixel.
+/// Volumes that an 8-bit count can hold over one pixel.
 const COUNTABLE: usize = 255;
 
-fn check_depth(regions: &[PlannedRegion]) -> Result<(), DeviceError> {
-    if regions.len() <= COUNTABLE {
+fn check_depth(volumes: &[Volume]) -> Result<(), DeviceError> {
+    if volumes.len() <= COUNTABLE {
         return Ok(());
     }
-    let found = overlap_depth(regions);
+    let found = overlap_depth(volumes);
     if found <= COUNTABLE {
         return Ok(());
     }
     Err(DeviceError::OverCapacity {
-        what: "regions over one pixel, counted together in 8 bits".to_owned(),
+        what: "volumes over one pixel, counted together in 8 bits".to_owned(),
         found: found as u64,
         allowed: COUNTABLE as u64,
     })
 }
 
-/// Regions whose numbers a 32-bit float can accumulate: it holds integers to 2²⁴, and the sum of
+/// Volumes whose numbers a 32-bit float can accumulate: it holds integers to 2²⁴, and the sum of
 /// 1 … 4,095 is half of that, so every order of adding is exact as long as no ray is inside more
-/// than two sheets of every region at once.
+/// than two sheets of every volume at once.
 const ACCUMULABLE: usize = 4_095;
 
-fn check_numbers(regions: usize) -> Result<(), DeviceError> {
-    if regions <= ACCUMULABLE {
+fn check_numbers(volumes: usize) -> Result<(), DeviceError> {
+    if volumes <= ACCUMULABLE {
         return Ok(());
     }
     Err(DeviceError::OverCapacity {
-        what: "regions in view whose numbers are accumulated in 32-bit floats".to_owned(),
-        found: regions as u64,
+        what: "volumes in view whose numbers are accumulated in 32-bit floats".to_owned(),
+        found: volumes as u64,
         allowed: ACCUMULABLE as u64,
     })
 }
 
 struct Builder<'a> {
-    regions: &'a [PlannedRegion],
+    volumes: &'a [Volume],
     switches: &'a Switches,
 }
 
 impl Builder<'_> {
     fn all(&self) -> Vec<usize> {
-        (0..self.regions.len()).collect()
+        (0..self.volumes.len()).collect()
     }
 
-    fn depth_rule(&self, planned: usize) -> DepthRule {
+    fn depth_rule(&self, volume: usize) -> DepthRule {
         match self.switches.depth_rule {
             DepthRuleChoice::Fail => DepthRule::Fail,
             DepthRuleChoice::Pass => DepthRule::Pass,
-            DepthRuleChoice::Automatic if self.regions[planned].near_plane_meets_volume => {
+            DepthRuleChoice::Automatic if self.volumes[volume].near_plane_meets_volume => {
                 DepthRule::Fail
             }
             DepthRuleChoice::Automatic => DepthRule::Pass,
         }
     }
 
-    /// Marks `regions`, split by depth rule and, with two passes, by face.
-    fn mark(&self, regions: &[usize], operation: StencilOperation) -> Vec<FillCommand> {
-        self.split(regions, |depth, faces, without_bottom, regions| {
+    /// Marks `volumes`, split by depth rule and, with two passes, by face.
+    fn mark(&self, volumes: &[usize], operation: StencilOperation) -> Vec<FillCommand> {
+        self.split(volumes, |depth, faces, without_bottom, volumes| {
             FillCommand::Volumes {
                 rule: StencilRule {
                     depth,
@@ -291,15 +287,15 @@ impl Builder<'_> {
                 },
                 without_bottom,
                 scissor: self.switches.scissor,
-                regions,
+                volumes,
             }
         })
     }
 
-    /// One command for each depth rule that a region has and each set of faces.
+    /// One command for each depth rule that a volume has and each set of faces.
     fn split(
         &self,
-        regions: &[usize],
+        volumes: &[usize],
         command: impl Fn(DepthRule, FaceSet, bool, Vec<usize>) -> FillCommand,
     ) -> Vec<FillCommand> {
         let faces: &[FaceSet] = match self.switches.faces {
@@ -308,10 +304,10 @@ impl Builder<'_> {
         };
         let mut commands = Vec::new();
         for depth in [DepthRule::Fail, DepthRule::Pass] {
-            let of_rule: Vec<usize> = regions
+            let of_rule: Vec<usize> = volumes
                 .iter()
                 .copied()
-                .filter(|&planned| self.depth_rule(planned) == depth)
+                .filter(|&volume| self.depth_rule(volume) == depth)
                 .collect();
             if of_rule.is_empty() {
                 continue;
@@ -326,10 +322,10 @@ impl Builder<'_> {
 
     /// Front faces suffice to cover a volume, except where the near plane cuts it; with an infinite
     /// far plane no back face is ever clipped.
-    fn cover_faces(&self, planned: usize) -> FaceSet {
+    fn cover_faces(&self, volume: usize) -> FaceSet {
         match (
             self.switches.cover_culls_faces,
-            self.regions[planned].near_plane_meets_volume,
+            self.volumes[volume].near_plane_meets_volume,
         ) {
             (false, _) => FaceSet::Both,
             (true, false) => FaceSet::Front,
@@ -339,14 +335,14 @@ impl Builder<'_> {
 
     fn xor(&self) -> Vec<FillPass> {
         let mut passes = Vec::new();
-        for classes in XorBatches::new(self.regions).passes {
+        for classes in XorBatches::new(self.volumes).passes {
             let numbered = || (1..=u8::MAX).zip(&classes);
             passes.push(FillPass {
                 clears_stencil: true,
                 has_colour: false,
                 commands: numbered()
-                    .flat_map(|(mask, regions)| {
-                        self.mark(regions, StencilOperation::Invert { mask })
+                    .flat_map(|(mask, volumes)| {
+                        self.mark(volumes, StencilOperation::Invert { mask })
                     })
                     .collect(),
             });
@@ -354,7 +350,7 @@ impl Builder<'_> {
                 clears_stencil: false,
                 has_colour: true,
                 commands: numbered()
-                    .map(|(reference, regions)| FillCommand::Cover {
+                    .map(|(reference, volumes)| FillCommand::Cover {
                         test: StencilTest {
                             is_equal: true,
                             reference,
@@ -362,7 +358,7 @@ impl Builder<'_> {
                             zeroes: false,
                         },
                         shape: CoverShape::Rectangle,
-                        regions: regions.clone(),
+                        volumes: volumes.clone(),
                     })
                     .collect(),
             });
@@ -372,7 +368,7 @@ impl Builder<'_> {
 
     fn bit_planes(&self) -> Vec<FillPass> {
         let mut passes = Vec::new();
-        for planes in RegionClasses::in_order(self.regions, 8) {
+        for planes in VolumeClasses::in_order(self.volumes, 8) {
             let bit = |plane: usize| 1_u8 << plane;
             passes.push(FillPass {
                 clears_stencil: true,
@@ -380,15 +376,15 @@ impl Builder<'_> {
                 commands: planes
                     .iter()
                     .enumerate()
-                    .flat_map(|(plane, regions)| {
-                        self.mark(regions, StencilOperation::Invert { mask: bit(plane) })
+                    .flat_map(|(plane, volumes)| {
+                        self.mark(volumes, StencilOperation::Invert { mask: bit(plane) })
                     })
                     .collect(),
             });
             let mut in_order: Vec<(usize, usize)> = planes
                 .iter()
                 .enumerate()
-                .flat_map(|(plane, regions)| regions.iter().map(move |&region| (region, plane)))
+                .flat_map(|(plane, volumes)| volumes.iter().map(move |&volume| (volume, plane)))
                 .collect();
             in_order.sort_unstable();
             passes.push(FillPass {
@@ -396,7 +392,7 @@ impl Builder<'_> {
                 has_colour: true,
                 commands: in_order
                     .iter()
-                    .map(|&(region, plane)| FillCommand::Cover {
+                    .map(|&(volume, plane)| FillCommand::Cover {
                         test: StencilTest {
                             is_equal: true,
                             reference: bit(plane),
@@ -404,7 +400,7 @@ impl Builder<'_> {
                             zeroes: false,
                         },
                         shape: CoverShape::Rectangle,
-                        regions: vec![region],
+                        volumes: vec![volume],
                     })
                     .collect(),
             });
@@ -414,17 +410,17 @@ impl Builder<'_> {
 
     fn one_at_a_time(&self) -> Vec<FillPass> {
         let mut commands = Vec::new();
-        for planned in self.all() {
-            commands.extend(self.mark(&[planned], StencilOperation::Count));
+        for volume in self.all() {
+            commands.extend(self.mark(&[volume], StencilOperation::Count));
             commands.push(FillCommand::Cover {
                 test: MARKED,
                 shape: match self.switches.colour {
                     ColourWay::Volume => CoverShape::Volume {
-                        faces: self.cover_faces(planned),
+                        faces: self.cover_faces(volume),
                     },
                     _ => CoverShape::Rectangle,
                 },
-                regions: vec![planned],
+                volumes: vec![volume],
             });
         }
         vec![FillPass {
@@ -439,13 +435,13 @@ impl Builder<'_> {
             FillPass {
                 clears_stencil: false,
                 has_colour: false,
-                commands: self.split(&self.all(), |depth, faces, without_bottom, regions| {
+                commands: self.split(&self.all(), |depth, faces, without_bottom, volumes| {
                     FillCommand::Accumulate {
                         depth,
                         faces,
                         without_bottom,
                         scissor: self.switches.scissor,
-                        regions,
+                        volumes,
                     }
                 }),
             },
@@ -464,22 +460,22 @@ impl Builder<'_> {
             ColourWay::OneColourVolumes => [FaceSet::Both, FaceSet::Front, FaceSet::Back]
                 .into_iter()
                 .filter_map(|faces| {
-                    let regions: Vec<usize> = self
+                    let volumes: Vec<usize> = self
                         .all()
                         .into_iter()
-                        .filter(|&planned| self.cover_faces(planned) == faces)
+                        .filter(|&volume| self.cover_faces(volume) == faces)
                         .collect();
-                    (!regions.is_empty()).then_some(FillCommand::Cover {
+                    (!volumes.is_empty()).then_some(FillCommand::Cover {
                         test,
                         shape: CoverShape::Volume { faces },
-                        regions,
+                        volumes,
                     })
                 })
                 .collect(),
             _ => vec![FillCommand::Cover {
                 test,
                 shape: CoverShape::Screen,
-                regions: vec![0],
+                volumes: vec![0],
             }],
         };
         vec![
@@ -497,7 +493,7 @@ impl Builder<'_> {
     }
 }
 
-/// Any count but 0, taken back to 0 for the next region.
+/// Any count but 0, taken back to 0 for the next volume.
 const MARKED: StencilTest = StencilTest {
     is_equal: false,
     reference: 0,
@@ -508,17 +504,13 @@ const MARKED: StencilTest = StencilTest {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use terrafill_core::VolumeHeights;
+    use crate::DepthRange;
     use terrafill_scene::PixelRect;
 
-    fn region(index: usize, left: u32, cut: bool) -> PlannedRegion {
-        PlannedRegion {
-            region: index,
-            mesh: index,
-            heights: VolumeHeights {
-                top_m: 1.0,
-                bottom_m: -1.0,
-            },
+    fn volume(index: usize, left: u32, cut: bool) -> Volume {
+        Volume {
+            geometry: index,
+            depth: DepthRange::ANY,
             screen_rect: PixelRect {
                 left,
                 top: 0,
@@ -529,46 +521,39 @@ mod tests {
         }
     }
 
-    fn plan(regions: Vec<PlannedRegion>) -> FramePlan {
-        FramePlan {
-            regions,
-            ..FramePlan::default()
-        }
+    /// Three volumes, the last two over each other, the middle one cut by the near plane.
+    fn three() -> [Volume; 3] {
+        [
+            volume(0, 0, false),
+            volume(1, 20, true),
+            volume(2, 25, false),
+        ]
     }
 
-    /// Three regions, the last two over each other, the middle one cut by the near plane.
-    fn three() -> FramePlan {
-        plan(vec![
-            region(0, 0, false),
-            region(1, 20, true),
-            region(2, 25, false),
-        ])
-    }
-
-    /// How often each region is marked by front and by back faces, and covered.
-    fn tally(program: &FillProgram, regions: usize) -> Vec<[usize; 3]> {
-        let mut tally = vec![[0; 3]; regions];
+    /// How often each volume is marked by front and by back faces, and covered.
+    fn tally(program: &FillProgram, volumes: usize) -> Vec<[usize; 3]> {
+        let mut tally = vec![[0; 3]; volumes];
         for command in program.commands() {
             match command {
                 FillCommand::Volumes {
                     rule: StencilRule { faces, .. },
-                    regions,
+                    volumes,
                     ..
                 }
-                | FillCommand::Accumulate { faces, regions, .. } => {
-                    for &region in regions {
-                        tally[region][0] += usize::from(*faces != FaceSet::Back);
-                        tally[region][1] += usize::from(*faces != FaceSet::Front);
+                | FillCommand::Accumulate { faces, volumes, .. } => {
+                    for &volume in volumes {
+                        tally[volume][0] += usize::from(*faces != FaceSet::Back);
+                        tally[volume][1] += usize::from(*faces != FaceSet::Front);
                     }
                 }
                 FillCommand::Resolve => {
-                    for region in &mut tally {
-                        region[2] += 1;
+                    for volume in &mut tally {
+                        volume[2] += 1;
                     }
                 }
-                FillCommand::Cover { regions, .. } => {
-                    for &region in regions {
-                        tally[region][2] += 1;
+                FillCommand::Cover { volumes, .. } => {
+                    for &volume in volumes {
+                        tally[volume][2] += 1;
                     }
                 }
             }
@@ -628,27 +613,27 @@ mod tests {
                 FillProgram::new(&three(), &switches, Overlap::Disjoint).expect("allowed");
             let mut counted = Vec::new();
             for command in program.commands() {
-                let (faces, without_bottom, scissor, regions) = match command {
+                let (faces, without_bottom, scissor, volumes) = match command {
                     FillCommand::Volumes {
                         rule,
                         without_bottom,
                         scissor,
-                        regions,
-                    } => (rule.faces, without_bottom, scissor, regions),
+                        volumes,
+                    } => (rule.faces, without_bottom, scissor, volumes),
                     FillCommand::Accumulate {
                         faces,
                         without_bottom,
                         scissor,
-                        regions,
+                        volumes,
                         ..
-                    } => (*faces, without_bottom, scissor, regions),
+                    } => (*faces, without_bottom, scissor, volumes),
                     FillCommand::Cover { .. } | FillCommand::Resolve => continue,
                 };
                 counted.push(crate::VolumeDraw {
                     state: crate::VolumeState::Count { faces },
                     without_bottom: *without_bottom,
                     scissor: *scissor,
-                    regions,
+                    volumes,
                 });
             }
             assert_eq!(program.counted().collect::<Vec<_>>(), counted);
@@ -714,13 +699,13 @@ mod tests {
                 if let FillCommand::Volumes {
                     rule,
                     without_bottom,
-                    regions,
+                    volumes,
                     ..
                 } = command
                 {
                     // A bottom cap may be missing only where fragments in front count.
                     assert_eq!(*without_bottom, rule.depth == DepthRule::Pass);
-                    rules.extend(regions.iter().map(|&region| (region, rule.depth)));
+                    rules.extend(volumes.iter().map(|&volume| (volume, rule.depth)));
                 }
             }
             rules.sort_unstable();
@@ -761,7 +746,7 @@ mod tests {
 
     #[test]
     fn later_regions_cover_earlier_ones_whatever_the_way() {
-        let many = plan((0..40).map(|i| region(i, 0, false)).collect());
+        let many: Vec<Volume> = (0..40).map(|i| volume(i, 0, false)).collect();
         for colour in [
             ColourWay::Rectangle,
             ColourWay::Volume,
@@ -775,7 +760,7 @@ mod tests {
             let covers: Vec<usize> = program
                 .commands()
                 .filter_map(|command| match command {
-                    FillCommand::Cover { regions, .. } => Some(regions.clone()),
+                    FillCommand::Cover { volumes, .. } => Some(volumes.clone()),
                     _ => None,
                 })
                 .flatten()
@@ -790,7 +775,7 @@ mod tests {
             colour: ColourWay::OneColour,
             ..Switches::default()
         };
-        let nested = |count| plan((0..count).map(|i| region(i, 0, false)).collect());
+        let nested = |count| -> Vec<Volume> { (0..count).map(|i| volume(i, 0, false)).collect() };
         let program = |count, overlap| FillProgram::new(&nested(count), &one_colour, overlap);
         assert!(program(255, Overlap::Ordered).is_ok());
         let error = program(256, Overlap::Ordered).expect_err("wraps");
@@ -799,11 +784,9 @@ mod tests {
             "{error}"
         );
         // Side by side, or promised to be disjoint, any number is countable.
-        let apart = plan(
-            (0..600)
-                .map(|i| region(i as usize, 20 * i, false))
-                .collect(),
-        );
+        let apart: Vec<Volume> = (0..600)
+            .map(|i| volume(i as usize, 20 * i, false))
+            .collect();
         assert!(FillProgram::new(&apart, &one_colour, Overlap::Ordered).is_ok());
         assert!(program(600, Overlap::Disjoint).is_ok());
     }
@@ -814,7 +797,7 @@ mod tests {
             colour: ColourWay::IdAccumulation,
             ..Switches::default()
         };
-        let apart = |count| plan((0..count).map(|i| region(i, 0, false)).collect());
+        let apart = |count| -> Vec<Volume> { (0..count).map(|i| volume(i, 0, false)).collect() };
         let program = |count| FillProgram::new(&apart(count), &accumulate, Overlap::Disjoint);
         assert!(program(ACCUMULABLE).is_ok());
         assert!(program(ACCUMULABLE + 1).is_err());
@@ -827,7 +810,7 @@ mod tests {
 
     #[test]
     fn nothing_planned_is_nothing_to_do() {
-        let program = FillProgram::new(&plan(Vec::new()), &Switches::default(), Overlap::Disjoint);
+        let program = FillProgram::new(&[], &Switches::default(), Overlap::Disjoint);
         assert_eq!(program.expect("allowed").passes, Vec::new());
     }
 }

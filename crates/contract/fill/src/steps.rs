@@ -63,10 +63,10 @@ pub struct VolumeDraw<'a> {
     pub state: VolumeState,
     /// Leaves out bottom caps.
     pub without_bottom: bool,
-    /// Cuts each volume to its region's rectangle.
+    /// Cuts each volume to its rectangle.
     pub scissor: bool,
-    /// Indices into the plan's regions.
-    pub regions: &'a [usize],
+    /// Indices into the list.
+    pub volumes: &'a [usize],
 }
 
 /// One step of a pass.
@@ -74,14 +74,14 @@ pub struct VolumeDraw<'a> {
 pub enum FillStep<'a> {
     /// Volumes.
     Volumes(VolumeDraw<'a>),
-    /// For each region, in this order, one triangle over the screen in its colour.
+    /// For each volume, in this order, one triangle over the screen in its colour.
     Cover {
         /// What the stencil must say.
         test: StencilTest,
-        /// Cuts each triangle to its region's rectangle.
+        /// Cuts each triangle to its volume's rectangle.
         scissor: bool,
-        /// Indices into the plan's regions.
-        regions: &'a [usize],
+        /// Indices into the list.
+        volumes: &'a [usize],
     },
     /// One triangle over the screen that looks up the colours of accumulated numbers.
     Resolve,
@@ -125,7 +125,7 @@ fn step_of(command: &FillCommand, has_colour: bool) -> FillStep<'_> {
             rule,
             without_bottom,
             scissor,
-            regions,
+            volumes,
         } => FillStep::Volumes(VolumeDraw {
             state: VolumeState::Mark {
                 rule: *rule,
@@ -133,14 +133,14 @@ fn step_of(command: &FillCommand, has_colour: bool) -> FillStep<'_> {
             },
             without_bottom: *without_bottom,
             scissor: *scissor,
-            regions,
+            volumes,
         }),
         FillCommand::Accumulate {
             depth,
             faces,
             without_bottom,
             scissor,
-            regions,
+            volumes,
         } => FillStep::Volumes(VolumeDraw {
             state: VolumeState::Accumulate {
                 depth: *depth,
@@ -148,12 +148,12 @@ fn step_of(command: &FillCommand, has_colour: bool) -> FillStep<'_> {
             },
             without_bottom: *without_bottom,
             scissor: *scissor,
-            regions,
+            volumes,
         }),
         FillCommand::Cover {
             test,
             shape: CoverShape::Volume { faces },
-            regions,
+            volumes,
         } => FillStep::Volumes(VolumeDraw {
             state: VolumeState::Colour {
                 test: *test,
@@ -161,16 +161,16 @@ fn step_of(command: &FillCommand, has_colour: bool) -> FillStep<'_> {
             },
             without_bottom: false,
             scissor: false,
-            regions,
+            volumes,
         }),
         FillCommand::Cover {
             test,
             shape,
-            regions,
+            volumes,
         } => FillStep::Cover {
             test: *test,
             scissor: *shape == CoverShape::Rectangle,
-            regions,
+            volumes,
         },
         FillCommand::Resolve => FillStep::Resolve,
     }

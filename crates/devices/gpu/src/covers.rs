@@ -22,7 +22,7 @@ pub(crate) struct Covers {
 }
 
 impl Covers {
-    /// - `frame_layout`: group 0, view and regions
+    /// - `frame_layout`: group 0, view and volumes' constants
     pub(crate) fn new(
         gpu: &Gpu,
         frame_layout: &wgpu::BindGroupLayout,
@@ -61,22 +61,22 @@ impl Covers {
         Ok(())
     }
 
-    /// Covers marked pixels in the colours of `regions`, in this order.
+    /// Covers marked pixels in the colours of `volumes`, in this order.
     pub(crate) fn draw_covers(
         &self,
         pass: &mut VolumePass<'_>,
         test: StencilTest,
         blends: bool,
         scissor: bool,
-        regions: &[usize],
+        volumes: &[usize],
     ) {
         if let Some(pipeline) = self.covers.get(&(test, blends)) {
             pass.raw.set_pipeline(pipeline);
         }
         pass.raw.set_stencil_reference(u32::from(test.reference));
-        for &planned in regions {
-            pass.cut(planned, scissor);
-            pass.draw(0..3, planned);
+        for &volume in volumes {
+            pass.cut(volume, scissor);
+            pass.draw(0..3, volume);
         }
     }
 

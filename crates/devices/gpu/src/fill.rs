@@ -1,27 +1,29 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Fills by volumes: what every wgpu backend does alike, whatever its volumes are made of.
+//! The stencil-program executor on wgpu: the same for everything that is drawn by closed volumes.
 //!
-//! The backend owns the meshes and draws volumes ([`Volumes`]); this owns the constants of the view,
-//! the fill program, covers and the accumulation target, records the passes, and measures. Depth
-//! stays as the surface left it: it is attached read-only throughout. Covers of a textured fill read it
-//! there, and stand in passes that leave the stencil alone as well.
+//! The volumes are drawn by whoever made them ([`Volumes`]); this owns the constants of a list, the
+//! program, covers and the accumulation target, records the passes, and measures. Depth stays as the
+//! surface left it: it is attached read-only throughout. Covers of a textured fill read it there, and
+//! stand in passes that leave the stencil alone as well.
 
 use crate::attachments::{attached, read_only_depth};
 use crate::covers::{Covers, Numbers};
 use crate::statistics::Statistics;
-use crate::textured::{BoundCover, CoverPurpose, Probe, Textured};
+use crate::textured::{BoundCover, CoverPurpose, Probe, TexturedFill};
 use crate::volume_pipeline::check_blendable;
 use crate::{API, Gpu, RenderTargets, SharedTargets, TimedPass, VolumePass};
 use std::sync::Arc;
 use terrafill_fill::{
-    Capabilities, Counters, CpuStopwatch, DeviceError, FillInput, FillPass, FillProgram, FillStep,
-    Frame, FrameTimes, Picture, Switches, ViewId, VolumeDraw, VolumeState, WorkDone,
+    Counters, CpuStopwatch, DeviceError, ExecutorFacts, FillPass, FillStep, FrameTimes, MemoryUse,
+    Picture, Probed, StencilExecutor, StencilWork, SurfaceView, Switches, TexturedPlan, ViewId,
+    VolumeDraw, VolumeList, VolumeState, WorkDone,
 };
+use terrafill_scene::MipChain;
 
-/// Volumes of a backend, as the passes of a fill draw them.
+/// Volumes as the passes of a stencil program draw them.
 pub trait Volumes {
     /// Makes the pipelines of `draw` unless they are there. `blends` is set for colours only.
-    fn ensure(&mut self, gpu: &Gpu, input: &FillInput, draw: &VolumeDraw<'_>, blends: bool);
+    fn ensure(&mut self, gpu: &Gpu, list: &VolumeList, draw: &VolumeDraw<'_>, blends: bool);
 
     /// Whether [`Volumes::make`] has something to do.
     fn are_made_per_frame(&self) -> bool {
@@ -30,75 +32,67 @@ pub trait Volumes {
 
     /// Makes the volumes of a frame, in a compute pass with these stamps.
     ///
-    /// - `constants`: group 0, view and regions
+    /// - `constants`: group 0, view and volumes' constants
     fn make(
         &mut self,
         _encoder: &mut wgpu::CommandEncoder,
-        _input: &FillInput,
+        _list: &VolumeList,
         _constants: &wgpu::BindGroup,
         _stamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
     ) {
     }
 
-    /// Binds what all draws of a pass share; group 0, view and regions, is bound.
+    /// Binds what all draws of a pass share; group 0, view and volumes' constants, is bound.
     fn bind(&self, pass: &mut wgpu::RenderPass<'_>);
 
     /// Draws volumes by the pipelines that [`Volumes::ensure`] made; the stencil reference is set.
     fn draw(&mut self, pass: &mut VolumePass<'_>, draw: &VolumeDraw<'_>, blends: bool);
 }
 
-/// A fill on the targets.
+/// Runs stencil programs on the targets.
 #[derive(Debug)]
 pub struct VolumeFill {
     targets: SharedTargets,
-    capabilities: Capabilities,
     frame_layout: wgpu::BindGroupLayout,
     covers: Covers,
-    /// Of a textured fill; its covers stand where the plain ones would.
-    textured: Option<Textured>,
-    /// Revision of the meshes that the backend has uploaded.
-    meshes: Option<u64>,
-    view: Option<View>,
-    /// Asked of the device for the frame that comes next.
-    work: WorkDone,
+    /// Covers of a textured fill, which stand where the plain ones would.
+    textured: Option<TexturedFill>,
+    loaded: Option<Loaded>,
 }
 
-/// Constants of the regions of a view, and the order to draw them in.
+/// A program, and what the device holds for it.
 #[derive(Debug)]
-struct View {
-    id: ViewId,
+struct Loaded {
+    work: StencilWork,
     constants: wgpu::Buffer,
-    /// What `constants` holds.
-    written: Vec<u8>,
     bind_group: wgpu::BindGroup,
-    program: FillProgram,
     /// Where the program accumulates numbers, if it does.
     numbers: Option<Numbers>,
 }
 
-/// How a fill is recorded.
+impl Loaded {
+    fn steps(&self) -> impl Iterator<Item = FillStep<'_>> {
+        self.work.program.passes.iter().flat_map(FillPass::steps)
+    }
+}
+
+/// How a program is recorded.
 #[derive(Debug, Clone, Copy, Default)]
 struct Recording<'a> {
     /// GPU stamps surround it.
     timed: bool,
     /// Queries surround its passes.
     statistics: Option<&'a Statistics>,
-    /// Covers are blended over what lies under them.
-    blends: bool,
     /// Textured covers write where their texels came from instead of colours.
     probe: Option<&'a Probe>,
 }
 
-impl VolumeFill {
-    /// A fill on `targets` by the backend of this name.
-    ///
-    /// # Errors
-    /// [`DeviceError::Unsupported`] for what wgpu has no way to ask for, [`DeviceError::Shader`].
-    pub fn new(
-        targets: &SharedTargets,
-        backend: &'static str,
-        switches: &Switches,
-    ) -> Result<Self, DeviceError> {
+const NO_PROGRAM: DeviceError = DeviceError::Missing("stencil program");
+
+impl<V: Volumes> StencilExecutor<V> for VolumeFill {
+    type Targets = SharedTargets;
+
+    fn new(targets: &SharedTargets, switches: &Switches) -> Result<Self, DeviceError> {
         // Whatever the device has; silence would look like a test that changes nothing.
         if switches.depth_bounds {
             return Err(DeviceError::unsupported("a depth-bounds test", API.name));
@@ -106,222 +100,117 @@ impl VolumeFill {
         let gpu = Arc::clone(targets.borrow().gpu());
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
         let frame_layout = gpu.buffer_layout(
-            "view and regions",
+            "view and volumes",
             wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE,
             &[wgpu::BufferBindingType::Uniform, storage],
         );
         Ok(Self {
             targets: SharedTargets::clone(targets),
-            capabilities: Capabilities {
-                backend,
-                adapter: gpu.facts.title(),
-                gpu_timestamps: gpu.facts.features.timestamps,
-                pipeline_statistics: gpu.facts.features.pipeline_statistics,
-            },
             covers: Covers::new(&gpu, &frame_layout)?,
-            textured: Textured::new(&gpu, &frame_layout, switches),
+            textured: None,
             frame_layout,
-            meshes: None,
-            view: None,
-            work: WorkDone::default(),
+            loaded: None,
         })
     }
 
-    /// What the device can do.
-    #[must_use]
-    pub fn capabilities(&self) -> &Capabilities {
-        &self.capabilities
+    fn facts(&self) -> ExecutorFacts {
+        let facts = &self.gpu().facts;
+        ExecutorFacts {
+            adapter: facts.title(),
+            gpu_timestamps: facts.features.timestamps,
+            pipeline_statistics: facts.features.pipeline_statistics,
+        }
     }
 
-    /// Where it draws.
-    #[must_use]
-    pub fn targets(&self) -> &SharedTargets {
-        &self.targets
+    fn work_done(&self) -> WorkDone {
+        self.gpu().work_done()
     }
 
-    /// The device.
-    #[must_use]
-    pub fn gpu(&self) -> Arc<Gpu> {
-        Arc::clone(self.targets.borrow().gpu())
+    fn set_view(&mut self, view: SurfaceView<'_>) -> Result<(), DeviceError> {
+        self.targets.borrow_mut().prepare(view)
     }
 
-    /// Layout of group 0: view and regions.
-    #[must_use]
-    pub fn frame_layout(&self) -> &wgpu::BindGroupLayout {
-        &self.frame_layout
+    fn draw_surface(&mut self) -> Result<Option<f64>, DeviceError> {
+        self.targets.borrow_mut().draw_surface()
     }
 
-    /// Whether the backend has uploaded the meshes of `input`.
-    #[must_use]
-    pub fn holds_meshes(&self, input: &FillInput) -> bool {
-        self.meshes == Some(input.scene.meshes.revision())
+    fn holds_surface(&self, view: ViewId) -> bool {
+        self.targets.borrow().holds(view)
     }
 
-    /// The backend has uploaded the meshes of `input`.
-    pub fn hold_meshes(&mut self, input: &FillInput) {
-        self.meshes = Some(input.scene.meshes.revision());
-    }
-
-    /// The meshes of `input` that differ from those uploaded, ascending, if `changed` names them.
-    ///
-    /// # Errors
-    /// [`DeviceError::NotPrepared`], [`DeviceError::ChangedRegions`].
-    pub fn check_update<'a>(
-        &self,
-        input: &'a FillInput,
-        changed: &[usize],
-    ) -> Result<&'a [usize], DeviceError> {
-        input.check_update(self.capabilities.backend, self.meshes, changed)
-    }
-
-    /// The backend is about to write over the meshes: until it holds others, nothing is prepared.
-    pub fn forget_meshes(&mut self) {
-        self.meshes = None;
-    }
-
-    /// Whether this is what was prepared.
-    ///
-    /// # Errors
-    /// [`DeviceError::NotPrepared`].
-    pub fn check_prepared(&self, input: &FillInput) -> Result<(), DeviceError> {
-        let view_id = self.view.as_ref().map(|view| view.id);
-        input.check_prepared(self.capabilities.backend, self.meshes, view_id)
-    }
-
-    /// What the device was asked for since `before` is for the frame that comes next; gives the
-    /// bytes handed over.
-    pub fn count_work_since(&mut self, before: WorkDone) -> u64 {
-        let done = self.gpu().work_done() - before;
-        self.work = self.work + done;
-        done.upload_bytes
-    }
-
-    /// Bytes of the accumulation target, if there is one.
-    #[must_use]
-    pub fn target_bytes(&self) -> u64 {
-        let numbers = self.view.as_ref().and_then(|view| view.numbers.as_ref());
-        numbers.map_or(0, Numbers::bytes)
-    }
-
-    /// Bytes of a textured fill's pictures and tables.
-    #[must_use]
-    pub fn texture_bytes(&self) -> u64 {
-        let textured = self.textured.as_ref();
-        textured.map_or(0, |textured| textured.covers.texture_bytes())
-    }
-
-    /// Bytes of a textured fill's constants.
-    #[must_use]
-    pub fn textured_bytes(&self) -> u64 {
-        let textured = self.textured.as_ref();
-        textured.map_or(0, |textured| textured.covers.constant_bytes())
-    }
-
-    /// Buffers that hold constants of the view.
-    #[must_use]
-    pub fn constant_buffers(&self) -> u64 {
-        1 + u64::from(self.textured.is_some())
-    }
-
-    /// What a row should say of the view that was uploaded last.
-    #[must_use]
-    pub fn note(&self) -> Option<String> {
-        let plan = self.textured.as_ref().and_then(Textured::plan);
-        plan.map(|plan| plan.note())
-    }
-
-    /// Brings program and constants up to date; nothing is made or written where they are already.
-    ///
-    /// - `constants`: of the regions in the plan, not empty
-    ///
-    /// # Errors
-    /// [`DeviceError::OverCapacity`] when the device has no buffers that large;
-    /// [`DeviceError::Switch`] for a textured fill of a scene without a picture.
-    pub fn upload_view(
-        &mut self,
-        input: &FillInput,
-        program: FillProgram,
-        constants: Vec<u8>,
-    ) -> Result<(), DeviceError> {
+    fn load(&mut self, work: StencilWork) -> Result<(), DeviceError> {
         let targets = self.targets.borrow();
         let gpu = targets.gpu();
-        if let Some(textured) = &mut self.textured {
-            textured.upload(&targets, input)?;
-        }
-        let before = self.view.take();
-        let (there, numbers) = match before {
-            Some(view) => (
-                Some((view.constants, view.written, view.bind_group)),
-                view.numbers,
-            ),
+        let (held, numbers) = match self.loaded.take() {
+            Some(loaded) => {
+                let written = loaded.work.constants;
+                let held = (loaded.constants, written, loaded.bind_group);
+                (Some(held), loaded.numbers)
+            }
             None => (None, None),
         };
-        let numbers = program.accumulates().then(|| {
+        let size = work.list.size;
+        let numbers = work.program.accumulates().then(|| {
             numbers
-                .filter(|numbers| numbers.size == input.size)
-                .unwrap_or_else(|| Numbers::new(gpu, &self.covers, input.size))
+                .filter(|numbers| numbers.size == size)
+                .unwrap_or_else(|| Numbers::new(gpu, &self.covers, size))
         });
-        let fits = there.filter(|(_, written, _)| written.len() == constants.len());
-        let (buffer, bind_group) = match fits {
+        let fits = held.filter(|(_, written, _)| written.len() == work.constants.len());
+        let (constants, bind_group) = match fits {
             Some((buffer, written, bind_group)) => {
-                if written != constants {
-                    gpu.write_buffer(&buffer, 0, &constants);
+                if written != work.constants {
+                    gpu.write_buffer(&buffer, 0, &work.constants);
                 }
                 (buffer, bind_group)
             }
             None => {
                 let usage = wgpu::BufferUsages::STORAGE;
-                let buffer = targets.upload("region constants", &constants, usage)?;
+                let buffer = gpu.upload("volume constants", &work.constants, usage)?;
                 let buffers = [targets.view_constants(), &buffer];
-                let label = "view and regions";
+                let label = "view and volumes";
                 let bind_group = gpu.bind_buffers(label, &self.frame_layout, &buffers);
                 (buffer, bind_group)
             }
         };
-        self.view = Some(View {
-            id: input.view_id,
-            constants: buffer,
-            written: constants,
+        self.loaded = Some(Loaded {
+            work,
+            constants,
             bind_group,
-            program,
             numbers,
         });
         Ok(())
     }
 
-    /// The backend no longer has what the view needs: nothing is prepared any more.
-    pub fn forget_view(&mut self) {
-        self.view = None;
+    fn set_picture(&mut self, picture: &MipChain, copies: usize) -> Result<(), DeviceError> {
+        let gpu = self.gpu();
+        let layout = &self.frame_layout;
+        let textured = self
+            .textured
+            .get_or_insert_with(|| TexturedFill::new(&gpu, layout));
+        textured.upload_image(&gpu, picture, copies)
     }
 
-    /// Makes the pipelines of the program unless they are there.
-    ///
-    /// # Errors
-    /// [`DeviceError::Unsupported`], [`DeviceError::Shader`].
-    pub fn ensure_pipelines(
-        &mut self,
-        volumes: &mut impl Volumes,
-        input: &FillInput,
-        blends: bool,
-    ) -> Result<(), DeviceError> {
+    fn set_covers(&mut self, plan: &TexturedPlan) -> Result<(), DeviceError> {
+        let textured = self.textured.as_mut();
+        let textured = textured.ok_or(DeviceError::Missing("picture"))?;
+        textured.set_view(&self.targets.borrow(), plan)
+    }
+
+    fn ensure(&mut self, volumes: &mut V) -> Result<(), DeviceError> {
         let gpu = self.gpu();
-        let Some(view) = &self.view else {
-            return self.check_prepared(input);
-        };
-        for step in view.program.passes.iter().flat_map(FillPass::steps) {
+        let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;
+        let StencilWork { list, blends, .. } = &loaded.work;
+        for step in loaded.steps() {
             match step {
                 FillStep::Volumes(draw) => {
                     if matches!(draw.state, VolumeState::Accumulate { .. }) {
                         check_blendable(&gpu)?;
                     }
-                    volumes.ensure(&gpu, input, &draw, blends && is_coloured(&draw));
+                    volumes.ensure(&gpu, list, &draw, *blends && is_coloured(&draw));
                 }
-                FillStep::Cover { test, regions, .. } => match &mut self.textured {
-                    Some(textured) => {
-                        let purpose = CoverPurpose::Colour;
-                        textured.covers.ensure(&gpu, test, purpose, regions);
-                    }
-                    None => self.covers.ensure_cover(&gpu, test, blends),
+                FillStep::Cover { test, volumes, .. } => match &mut self.textured {
+                    Some(textured) => textured.ensure(&gpu, test, CoverPurpose::Colour, volumes),
+                    None => self.covers.ensure_cover(&gpu, test, *blends),
                 },
                 FillStep::Resolve => self.covers.ensure_resolve(&gpu)?,
             }
@@ -329,105 +218,63 @@ impl VolumeFill {
         Ok(())
     }
 
-    /// Draws the surface and the fill, and reads the targets back.
-    ///
-    /// # Errors
-    /// [`DeviceError::NotPrepared`], [`DeviceError::DeviceLost`].
-    pub fn draw_and_read(
-        &mut self,
-        volumes: &mut impl Volumes,
-        input: &FillInput,
-        blends: bool,
-    ) -> Result<(Picture, Counters), DeviceError> {
-        self.check_prepared(input)?;
-        let mut targets = self.targets.borrow_mut();
-        targets.prepare(input)?;
-        targets.draw_surface()?;
-        let gpu = Arc::clone(targets.gpu());
-        let passes = self
-            .view
-            .as_ref()
-            .map_or(0, |view| view.program.passes.len());
-        let statistics = Statistics::new(&gpu, passes);
-        let before = gpu.work_done();
+    fn draw(&mut self, volumes: &mut V) -> Result<Counters, DeviceError> {
+        let targets = self.targets.borrow();
+        let gpu = targets.gpu();
+        let loaded = self.loaded.as_ref();
+        let passes = loaded.map_or(0, |loaded| loaded.work.program.passes.len());
+        let statistics = Statistics::new(gpu, passes);
         let recording = Recording {
             statistics: statistics.as_ref(),
-            blends,
             ..Recording::default()
         };
-        let mut counters = self.fill(&targets, volumes, input, recording)?;
-        let prepared = std::mem::take(&mut self.work);
-        WorkDone::write_into(&mut counters, prepared, gpu.work_done() - before);
+        let mut counters = self.run(&targets, volumes, recording)?;
         if let Some(statistics) = &statistics {
-            statistics.read_into(&gpu, &mut counters)?;
+            statistics.read_into(gpu, &mut counters)?;
         }
-        Ok((targets.read()?, counters))
+        Ok(counters)
     }
 
-    /// Draws the surface and gives its GPU time, where there is a clock.
-    ///
-    /// # Errors
-    /// [`DeviceError::OverCapacity`], [`DeviceError::DeviceLost`].
-    pub fn draw_surface(&self, input: &FillInput) -> Result<Option<f64>, DeviceError> {
-        let mut targets = self.targets.borrow_mut();
-        targets.prepare(input)?;
-        targets.draw_surface()
-    }
-
-    /// What came out: the ids that are in the picture; of a textured fill, ids and places in the
-    /// picture by drawing it once more with covers that write those, by the same functions.
-    ///
-    /// # Errors
-    /// [`DeviceError::DeviceLost`].
-    pub fn frame(
-        &mut self,
-        volumes: &mut impl Volumes,
-        input: &FillInput,
-        picture: &Picture,
-        counters: Counters,
-    ) -> Result<Frame, DeviceError> {
-        let plain = Frame::from_picture(picture, counters);
-        let (Some(textured), Some(view)) = (&mut self.textured, &self.view) else {
-            return Ok(plain);
+    fn time(&mut self, volumes: &mut V) -> Result<FrameTimes, DeviceError> {
+        let targets = self.targets.borrow();
+        let watch = CpuStopwatch::start();
+        let recording = Recording {
+            timed: true,
+            ..Recording::default()
         };
-        let gpu = Arc::clone(self.targets.borrow().gpu());
-        for step in view.program.passes.iter().flat_map(FillPass::steps) {
-            if let FillStep::Cover { test, regions, .. } = step {
-                let purpose = CoverPurpose::Probe;
-                textured.covers.ensure(&gpu, test, purpose, regions);
+        self.run(&targets, volumes, recording)?;
+        let mut times = FrameTimes {
+            fill_cpu_ms: watch.cpu_ms(),
+            fill_wall_ms: watch.wall_ms(),
+            ..FrameTimes::default()
+        };
+        self.read_stamps(&targets, volumes.are_made_per_frame(), &mut times)?;
+        Ok(times)
+    }
+
+    fn probe(&mut self, volumes: &mut V) -> Result<Vec<Option<Probed>>, DeviceError> {
+        let gpu = self.gpu();
+        let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;
+        let textured = self.textured.as_mut();
+        let textured = textured.ok_or(DeviceError::Missing("picture"))?;
+        for step in loaded.steps() {
+            if let FillStep::Cover { test, volumes, .. } = step {
+                textured.ensure(&gpu, test, CoverPurpose::Probe, volumes);
             }
         }
-        let probe = Probe::new(&gpu, input.size);
+        let probe = Probe::new(&gpu, loaded.work.list.size);
         let recording = Recording {
             probe: Some(&probe),
             ..Recording::default()
         };
-        self.fill(&self.targets.borrow(), volumes, input, recording)?;
-        let probed = probe.read(&gpu)?;
-        let plan = self.textured.as_ref().and_then(Textured::plan);
-        // What was drawn was planned.
-        Ok(match plan {
-            Some(plan) => plan.frame(input, plain, &probed),
-            None => plain,
-        })
+        self.run(&self.targets.borrow(), volumes, recording)?;
+        probe.read(&gpu)
     }
 
-    /// How many fragments the volumes of the stencil work have, by an extra pass that is never timed
-    /// and draws into nothing, so that the query counts every fragment of theirs and not only those
-    /// that the depth test lets through; `None` where the device cannot count them. Volumes that are
-    /// made per frame are those that the frame before has made.
-    ///
-    /// # Errors
-    /// [`DeviceError::DeviceLost`].
-    pub fn count_fragments(
-        &mut self,
-        volumes: &mut impl Volumes,
-        input: &FillInput,
-    ) -> Result<Option<u64>, DeviceError> {
-        let Some(view) = &self.view else {
-            return Ok(None);
-        };
-        if view.program.passes.is_empty() {
+    fn count_fragments(&mut self, volumes: &mut V) -> Result<Option<u64>, DeviceError> {
+        let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;
+        let StencilWork { list, program, .. } = &loaded.work;
+        if program.passes.is_empty() {
             return Ok(Some(0));
         }
         let targets = self.targets.borrow();
@@ -435,8 +282,8 @@ impl VolumeFill {
         let Some(statistics) = Statistics::new(gpu, 1) else {
             return Ok(None);
         };
-        for draw in view.program.counted() {
-            volumes.ensure(gpu, input, &draw, false);
+        for draw in program.counted() {
+            volumes.ensure(gpu, list, &draw, false);
         }
         let (colour, depth_stencil) = (targets.colour_view(), targets.depth_stencil_view());
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
@@ -450,11 +297,11 @@ impl VolumeFill {
             ..Default::default()
         });
         statistics.begin(&mut raw, 0);
-        raw.set_bind_group(0, &view.bind_group, &[]);
+        raw.set_bind_group(0, &loaded.bind_group, &[]);
         volumes.bind(&mut raw);
         let mut unused = Counters::default();
-        let mut pass = VolumePass::new(raw, input, &mut unused);
-        for draw in view.program.counted() {
+        let mut pass = VolumePass::new(raw, list, &mut unused);
+        for draw in program.counted() {
             volumes.draw(&mut pass, &draw, false);
         }
         pass.raw.end_pipeline_statistics_query();
@@ -466,30 +313,34 @@ impl VolumeFill {
         Ok(counted.fragment_shader_invocations)
     }
 
-    /// Fills on top of the surface that the targets hold already, and waits for it.
-    ///
-    /// # Errors
-    /// [`DeviceError::NotPrepared`], [`DeviceError::DeviceLost`].
-    pub fn time_frame(
-        &self,
-        volumes: &mut impl Volumes,
-        input: &FillInput,
-    ) -> Result<FrameTimes, DeviceError> {
-        self.check_prepared(input)?;
-        let targets = self.targets.borrow();
-        let watch = CpuStopwatch::start();
-        let recording = Recording {
-            timed: true,
-            ..Recording::default()
-        };
-        self.fill(&targets, volumes, input, recording)?;
-        let mut times = FrameTimes {
-            fill_cpu_ms: watch.cpu_ms(),
-            fill_wall_ms: watch.wall_ms(),
-            ..FrameTimes::default()
-        };
-        self.read_stamps(&targets, volumes.are_made_per_frame(), &mut times)?;
-        Ok(times)
+    fn read(&self) -> Result<Picture, DeviceError> {
+        self.targets.borrow().read()
+    }
+
+    fn memory(&self) -> MemoryUse {
+        let numbers = self.loaded.as_ref().and_then(|l| l.numbers.as_ref());
+        let textured = self.textured.as_ref();
+        MemoryUse {
+            constant_bytes: textured.map_or(0, TexturedFill::constant_bytes),
+            target_bytes: numbers.map_or(0, Numbers::bytes),
+            texture_bytes: textured.map_or(0, TexturedFill::texture_bytes),
+            buffers: 1 + u64::from(textured.is_some()),
+            ..MemoryUse::default()
+        }
+    }
+}
+
+impl VolumeFill {
+    /// The device.
+    #[must_use]
+    pub fn gpu(&self) -> Arc<Gpu> {
+        Arc::clone(self.targets.borrow().gpu())
+    }
+
+    /// Layout of group 0: the view, and the volumes' constants.
+    #[must_use]
+    pub fn frame_layout(&self) -> &wgpu::BindGroupLayout {
+        &self.frame_layout
     }
 
     fn read_stamps(
@@ -498,11 +349,11 @@ impl VolumeFill {
         makes_volumes: bool,
         times: &mut FrameTimes,
     ) -> Result<(), DeviceError> {
-        let (Some(timer), Some(view)) = (targets.timer(), &self.view) else {
+        let (Some(timer), Some(loaded)) = (targets.timer(), &self.loaded) else {
             return Ok(());
         };
         let gpu = targets.gpu();
-        match (view.program.passes.len(), makes_volumes) {
+        match (loaded.work.program.passes.len(), makes_volumes) {
             // Nothing in view: no pass was recorded.
             (0, _) => {}
             (1, false) => {
@@ -521,33 +372,30 @@ impl VolumeFill {
         Ok(())
     }
 
-    /// Records the frame, submits it and waits.
-    fn fill(
+    /// Records the program, submits it and waits.
+    fn run(
         &self,
         targets: &RenderTargets,
         volumes: &mut impl Volumes,
-        input: &FillInput,
         recording: Recording<'_>,
     ) -> Result<Counters, DeviceError> {
         let mut counters = Counters::default();
-        let Some(view) = &self.view else {
-            self.check_prepared(input)?;
-            return Ok(counters);
-        };
+        let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;
+        let list = &loaded.work.list;
         let gpu = targets.gpu();
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let passes = &view.program.passes;
+        let passes = &loaded.work.program.passes;
         let makes_volumes = volumes.are_made_per_frame();
         if makes_volumes && !passes.is_empty() {
             let stamps = compute_stamps(targets, recording, passes.len());
-            volumes.make(&mut encoder, input, &view.bind_group, stamps);
+            volumes.make(&mut encoder, list, &loaded.bind_group, stamps);
         }
         let (colour, depth_stencil) = (targets.colour_view(), targets.depth_stencil_view());
         let probe_views = recording.probe.map(Probe::views);
         let mut zero = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
         for (index, steps) in passes.iter().enumerate() {
             let is_textured = steps.has_colour && self.textured.is_some();
-            let attachments = match (&view.numbers, &probe_views) {
+            let attachments = match (&loaded.numbers, &probe_views) {
                 (Some(numbers), _) if steps.accumulates() => {
                     let zero = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
                     vec![Some(attached(&numbers.view, zero))]
@@ -585,9 +433,9 @@ impl VolumeFill {
             if let Some(statistics) = recording.statistics {
                 statistics.begin(&mut raw, index);
             }
-            raw.set_bind_group(0, &view.bind_group, &[]);
+            raw.set_bind_group(0, &loaded.bind_group, &[]);
             volumes.bind(&mut raw);
-            let mut pass = VolumePass::new(raw, input, &mut counters);
+            let mut pass = VolumePass::new(raw, list, &mut counters);
             let mut bound = BoundCover::default();
             for step in steps.steps() {
                 match (&step, &self.textured) {
@@ -598,7 +446,7 @@ impl VolumeFill {
                         };
                         draw_textured(&mut pass, textured, &step, purpose, &mut bound);
                     }
-                    _ => self.step(&mut pass, volumes, view, &step, recording.blends),
+                    _ => self.step(&mut pass, volumes, loaded, &step),
                 }
             }
             if recording.statistics.is_some() {
@@ -614,10 +462,10 @@ impl VolumeFill {
         &self,
         pass: &mut VolumePass<'_>,
         volumes: &mut impl Volumes,
-        view: &View,
+        loaded: &Loaded,
         step: &FillStep<'_>,
-        blends: bool,
     ) {
+        let blends = loaded.work.blends;
         match step {
             FillStep::Volumes(draw) => {
                 if let VolumeState::Colour { test, .. } = draw.state {
@@ -628,12 +476,12 @@ impl VolumeFill {
             FillStep::Cover {
                 test,
                 scissor,
-                regions,
+                volumes,
             } => self
                 .covers
-                .draw_covers(pass, *test, blends, *scissor, regions),
+                .draw_covers(pass, *test, blends, *scissor, volumes),
             FillStep::Resolve => {
-                if let Some(numbers) = &view.numbers {
+                if let Some(numbers) = &loaded.numbers {
                     self.covers.draw_resolve(pass, numbers);
                 }
             }
@@ -643,7 +491,7 @@ impl VolumeFill {
 
 fn draw_textured(
     pass: &mut VolumePass<'_>,
-    textured: &Textured,
+    textured: &TexturedFill,
     step: &FillStep<'_>,
     purpose: CoverPurpose,
     bound: &mut BoundCover,
@@ -651,19 +499,16 @@ fn draw_textured(
     let FillStep::Cover {
         test,
         scissor,
-        regions,
+        volumes,
     } = *step
     else {
         return;
     };
     pass.raw.set_stencil_reference(u32::from(test.reference));
-    for &planned in regions {
-        if textured
-            .covers
-            .bind(&mut pass.raw, test, purpose, planned, bound)
-        {
-            pass.cut(planned, scissor);
-            pass.draw(0..3, planned);
+    for &volume in volumes {
+        if textured.bind(&mut pass.raw, test, purpose, volume, bound) {
+            pass.cut(volume, scissor);
+            pass.draw(0..3, volume);
         }
     }
 }

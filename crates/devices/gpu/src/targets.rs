@@ -13,12 +13,12 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_fill::{
-    DeviceError, FillInput, Picture, SKY, ViewConstants, ViewId, check_target_size,
+    DeviceError, Picture, SKY, SurfaceView, ViewConstants, ViewId, check_target_size,
 };
 use terrafill_scene::ImageSize;
 use terrafill_surface::SurfaceRenderer as _;
 
-/// A targets shared by the backends of one run.
+/// Targets shared by the backends of one run.
 pub type SharedTargets = Rc<RefCell<RenderTargets>>;
 
 /// Targets, surface and timer on one device.
@@ -34,10 +34,12 @@ pub struct RenderTargets {
     surface: TriangleRenderer,
     /// The view whose surface is uploaded.
     prepared: Option<ViewId>,
+    /// That surface is in the targets.
+    is_drawn: bool,
 }
 
 impl RenderTargets {
-    /// A targets of the given size.
+    /// Targets of the given size.
     ///
     /// # Errors
     /// [`DeviceError::Unsupported`] when the device has no textures that large.
@@ -89,6 +91,7 @@ impl RenderTargets {
             bind_group,
             surface: TriangleRenderer::new(gpu, &layout)?,
             prepared: None,
+            is_drawn: false,
         })
     }
 
@@ -149,41 +152,36 @@ impl RenderTargets {
     /// Uploads the view and its surface, unless they are there already.
     ///
     /// # Errors
-    /// [`DeviceError::OverCapacity`] when the input's size is not the targets'.
-    pub fn prepare(&mut self, input: &FillInput) -> Result<(), DeviceError> {
-        input.check_size(self.size)?;
-        if self.prepared == Some(input.view_id) {
+    /// [`DeviceError::OverCapacity`] when the view's size is not the targets'.
+    pub fn prepare<'a>(&mut self, view: impl Into<SurfaceView<'a>>) -> Result<(), DeviceError> {
+        let view = view.into();
+        view.check_size(self.size)?;
+        if self.prepared == Some(view.id) {
             return Ok(());
         }
+        self.is_drawn = false;
         self.prepared = None;
-        let constants = ViewConstants::new(input);
+        let constants = ViewConstants::new(&view);
         self.gpu
             .write_buffer(&self.view_constants, 0, bytemuck::bytes_of(&constants));
-        self.surface.prepare(&input.surface)?;
-        self.prepared = Some(input.view_id);
+        self.surface.prepare(view.surface)?;
+        self.prepared = Some(view.id);
         Ok(())
     }
 
-    /// Creates a buffer with these contents, padded with zeros to a multiple of 4 bytes.
-    ///
-    /// # Errors
-    /// [`DeviceError::OverCapacity`] when the device has no buffers that large.
-    pub fn upload(
-        &self,
-        label: &str,
-        bytes: &[u8],
-        usage: wgpu::BufferUsages,
-    ) -> Result<wgpu::Buffer, DeviceError> {
-        self.gpu.upload(label, bytes, usage)
+    /// Whether the targets hold the surface of this view.
+    #[must_use]
+    pub fn holds(&self, view: ViewId) -> bool {
+        self.is_drawn && self.prepared == Some(view)
     }
 
     /// Clears the targets, draws the surface, waits, and gives the pass's GPU time.
     ///
     /// # Errors
-    /// [`DeviceError::NotPrepared`], [`DeviceError::DeviceLost`].
+    /// [`DeviceError::Missing`] before a view is prepared, [`DeviceError::DeviceLost`].
     pub fn draw_surface(&mut self) -> Result<Option<f64>, DeviceError> {
         if self.prepared.is_none() {
-            return Err(DeviceError::no_surface());
+            return Err(DeviceError::Missing("view of a surface"));
         }
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let (colour, depth_stencil) = (self.colour_view(), self.depth_stencil_view());
@@ -211,6 +209,7 @@ impl RenderTargets {
         drop(pass);
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait()?;
+        self.is_drawn = true;
         match &self.timer {
             Some(timer) => {
                 let stamps = timer.read(&self.gpu, TimedPass::Surface, TimedPass::Surface)?;

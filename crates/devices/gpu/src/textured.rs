@@ -12,12 +12,10 @@ use crate::route_table::RouteTable;
 use crate::volume_pipeline::{colour_state, colour_target};
 use crate::{Gpu, RenderTargets};
 use std::collections::HashMap;
-use std::sync::Arc;
 use terrafill_fill::{
-    AddressMode, CoverOverrides, DeviceError, FillInput, Probed, StencilTest, Switches,
-    TexturedCover, TexturedPlan, ViewId,
+    AddressMode, CoverOverrides, DeviceError, Probed, StencilTest, TexturedCover, TexturedPlan,
 };
-use terrafill_scene::{ImageSize, MipChain, MipLevel, PlannedRegion, SceneTexture, TextureShare};
+use terrafill_scene::{ImageSize, MipChain, MipLevel};
 use terrafill_shaders::{RouteText, TEXTURED_COVER, TexturedParts, TexturedPlacement};
 
 /// Format of the probe's targets: what the shader computes, unrounded.
@@ -185,7 +183,7 @@ impl TexturedFill {
             _ => {
                 let bytes = bytemuck::cast_slice(&written);
                 let usage = wgpu::BufferUsages::UNIFORM;
-                let constants = targets.upload("textured regions", bytes, usage)?;
+                let constants = gpu.upload("textured covers", bytes, usage)?;
                 let bind_group = self.bind_constants(targets, &constants, stride);
                 (constants, bind_group)
             }
@@ -413,87 +411,6 @@ impl TexturedFill {
             multiview_mask: None,
             cache: None,
         })
-    }
-}
-
-/// The textured side of a backend's fill: what was planned last, and what the device holds of it.
-#[derive(Debug)]
-pub(crate) struct Textured {
-    switches: Switches,
-    pub(crate) covers: TexturedFill,
-    image: Option<Arc<SceneTexture>>,
-    planned: Option<Planned>,
-}
-
-/// A plan, and what it was made from.
-#[derive(Debug)]
-struct Planned {
-    view_id: ViewId,
-    regions: Vec<PlannedRegion>,
-    plan: TexturedPlan,
-}
-
-impl Textured {
-    /// `None` for a plain fill.
-    pub(crate) fn new(
-        gpu: &Gpu,
-        frame_layout: &wgpu::BindGroupLayout,
-        switches: &Switches,
-    ) -> Option<Self> {
-        switches.texture.map(|_| Self {
-            switches: *switches,
-            covers: TexturedFill::new(gpu, frame_layout),
-            image: None,
-            planned: None,
-        })
-    }
-
-    /// The plan of the view that was uploaded last.
-    pub(crate) fn plan(&self) -> Option<&TexturedPlan> {
-        self.planned.as_ref().map(|planned| &planned.plan)
-    }
-
-    /// Plans and uploads the view of `input`; the same view again costs nothing.
-    pub(crate) fn upload(
-        &mut self,
-        targets: &RenderTargets,
-        input: &FillInput,
-    ) -> Result<(), DeviceError> {
-        let is_same = |planned: &Planned| {
-            planned.view_id == input.view_id && planned.regions == input.plan.regions
-        };
-        if self.planned.as_ref().is_some_and(is_same) && self.holds_image(input) {
-            return Ok(());
-        }
-        let Some(plan) = TexturedPlan::of_switches(input, &self.switches)? else {
-            return Ok(());
-        };
-        if let Some(texture) = input
-            .scene
-            .texture
-            .as_ref()
-            .filter(|_| !self.holds_image(input))
-        {
-            let copies = match texture.share {
-                TextureShare::One => 1,
-                TextureShare::Each => input.scene.regions.len(),
-            };
-            self.covers
-                .upload_image(targets.gpu(), &texture.image, copies)?;
-            self.image = Some(Arc::clone(texture));
-        }
-        self.covers.set_view(targets, &plan)?;
-        self.planned = Some(Planned {
-            view_id: input.view_id,
-            regions: input.plan.regions.clone(),
-            plan,
-        });
-        Ok(())
-    }
-
-    fn holds_image(&self, input: &FillInput) -> bool {
-        let both = self.image.as_ref().zip(input.scene.texture.as_ref());
-        both.is_some_and(|(held, wanted)| Arc::ptr_eq(held, wanted))
     }
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! One pass of a fill while it is recorded: draws are counted, scissors set where they change.
+//! One pass of a stencil program while it is recorded: draws are counted, scissors set where they change.
 
 use std::ops::Range;
-use terrafill_fill::{Counters, FillInput};
+use terrafill_fill::{Counters, VolumeList};
 use terrafill_scene::PixelRect;
 
 /// A pass and what was drawn in it.
@@ -11,7 +11,7 @@ pub struct VolumePass<'a> {
     /// For bindings and pipelines; draws go through the others.
     pub raw: wgpu::RenderPass<'a>,
     /// What is drawn.
-    pub input: &'a FillInput,
+    pub list: &'a VolumeList,
     counters: &'a mut Counters,
     scissor: PixelRect,
 }
@@ -19,21 +19,20 @@ pub struct VolumePass<'a> {
 impl<'a> VolumePass<'a> {
     pub(crate) fn new(
         raw: wgpu::RenderPass<'a>,
-        input: &'a FillInput,
+        list: &'a VolumeList,
         counters: &'a mut Counters,
     ) -> Self {
         Self {
             raw,
-            input,
+            list,
             counters,
-            scissor: PixelRect::full(input.size),
+            scissor: PixelRect::full(list.size),
         }
     }
 
-    /// Cuts the following draws to the rectangle of a planned region, or with `scissor` off to the
-    /// image.
-    pub fn cut(&mut self, planned: usize, scissor: bool) {
-        let rect = self.input.rect(planned, scissor);
+    /// Cuts the following draws to the rectangle of a volume, or with `scissor` off to the image.
+    pub fn cut(&mut self, volume: usize, scissor: bool) {
+        let rect = self.list.rect(volume, scissor);
         if rect != self.scissor {
             let (width, height) = (rect.width(), rect.height());
             self.raw
@@ -42,27 +41,27 @@ impl<'a> VolumePass<'a> {
         }
     }
 
-    /// Draws vertices that the shader makes up, of a planned region.
-    pub fn draw(&mut self, vertices: Range<u32>, planned: usize) {
+    /// Draws vertices that the shader makes up, of a volume.
+    pub fn draw(&mut self, vertices: Range<u32>, volume: usize) {
         self.count(&vertices, 1);
-        self.raw.draw(vertices, instance(planned));
+        self.raw.draw(vertices, instance(volume));
     }
 
-    /// Draws `corners` vertices that the shader makes up for each of `instances`, of a planned region.
-    /// Instance numbers say which instance it is, so vertex numbers say which region: the first one
+    /// Draws `corners` vertices that the shader makes up for each of `instances`, of a volume.
+    /// Instance numbers say which instance it is, so vertex numbers say which volume: the first one
     /// is `corners` times its index.
-    pub fn draw_instances(&mut self, corners: u32, instances: Range<u32>, planned: usize) {
-        let first = corners * instance(planned).start;
+    pub fn draw_instances(&mut self, corners: u32, instances: Range<u32>, volume: usize) {
+        let first = corners * instance(volume).start;
         let vertices = first..first + corners;
         self.count(&vertices, instances.len());
         self.raw.draw(vertices, instances);
     }
 
-    /// Draws indices, each plus `base_vertex`, of a planned region.
-    pub fn draw_indexed(&mut self, indices: Range<u32>, base_vertex: i32, planned: usize) {
+    /// Draws indices, each plus `base_vertex`, of a volume.
+    pub fn draw_indexed(&mut self, indices: Range<u32>, base_vertex: i32, volume: usize) {
         self.count(&indices, 1);
         self.raw
-            .draw_indexed(indices, base_vertex, instance(planned));
+            .draw_indexed(indices, base_vertex, instance(volume));
     }
 
     /// Draws what the arguments at `offset` say; how many vertices that is, only the device knows.
@@ -77,8 +76,8 @@ impl<'a> VolumePass<'a> {
     }
 }
 
-/// The instance number is the index of the region's constants.
-fn instance(planned: usize) -> Range<u32> {
-    let first = u32::try_from(planned).unwrap_or(u32::MAX - 1);
+/// The instance number is the index of the volume's constants.
+fn instance(volume: usize) -> Range<u32> {
+    let first = u32::try_from(volume).unwrap_or(u32::MAX - 1);
     first..first + 1
 }

@@ -17,7 +17,7 @@ pub struct VolumeShader<'a> {
     /// Vertex and fragment shaders. Of the latter: `no_colour`, `region_colour`, `counted`,
     /// `number_behind`, `number_before`.
     pub module: &'a wgpu::ShaderModule,
-    /// Bindings; group 0 holds view and regions.
+    /// Bindings; group 0 holds the view and the volumes' constants.
     pub layout: &'a wgpu::PipelineLayout,
     /// Entry point of the vertex stage.
     pub vertex_entry: &'a str,
@@ -36,9 +36,9 @@ pub struct VolumeShader<'a> {
 pub enum HandedOn {
     /// The position only.
     Nothing,
-    /// The region's colour.
+    /// The volume's colour.
     Colour,
-    /// The region's number.
+    /// The volume's number.
     Number,
 }
 

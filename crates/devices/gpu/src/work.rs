@@ -22,7 +22,10 @@ impl Gpu {
     }
 
     /// A new buffer with these bytes, padded with zeros to a multiple of 4.
-    pub(crate) fn upload(
+    ///
+    /// # Errors
+    /// [`DeviceError::OverCapacity`] when the device has no buffers that large.
+    pub fn upload(
         &self,
         label: &str,
         bytes: &[u8],

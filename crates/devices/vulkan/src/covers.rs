@@ -44,20 +44,20 @@ impl Covers {
         Ok(())
     }
 
-    /// Covers marked pixels in the colours of `regions`, in this order.
+    /// Covers marked pixels in the colours of `volumes`, in this order.
     pub(crate) fn draw_covers<'a>(
         &'a self,
         pass: &mut VolumePass<'a, '_, '_>,
         test: StencilTest,
         scissor: bool,
-        regions: &[usize],
+        volumes: &[usize],
     ) {
         let Some(pipeline) = self.made.get(&cover(test)) else {
             return;
         };
-        for &planned in regions {
-            pass.cut(planned, scissor);
-            pass.draw(pipeline, 3, planned);
+        for &volume in volumes {
+            pass.cut(volume, scissor);
+            pass.draw(pipeline, 3, volume);
         }
     }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Fills by volumes: what every Vulkan backend does alike, whatever its volumes are made of.
+//! The stencil-program executor on Vulkan: the same for everything that is drawn by closed volumes.
 //!
-//! The backend owns the meshes and draws volumes ([`Volumes`]); this owns the constants of the view,
-//! the fill program and covers, records the passes, and measures. Depth stays as the surface left
-//! it: it is attached read-only throughout. Covers of a textured fill read it there, and stand in
-//! passes that leave the stencil alone as well.
+//! The volumes are drawn by whoever made them ([`Volumes`]); this owns the constants of a list, the
+//! program and covers, records the passes, and measures. Depth stays as the surface left it: it is
+//! attached read-only throughout. Covers of a textured fill read it there, and stand in passes that
+//! leave the stencil alone as well.
 
 use crate::covers::Covers;
 use crate::textured::{Purpose, TexturedFill, probed};
@@ -14,11 +14,13 @@ use crate::{
 };
 use std::sync::Arc;
 use terrafill_fill::{
-    Capabilities, Counters, CpuStopwatch, DeviceError, FillInput, FillPass, FillProgram, FillStep,
-    Frame, FrameTimes, Picture, Switches, ViewId, VolumeDraw, WorkDone,
+    Counters, CpuStopwatch, DeviceError, ExecutorFacts, FillPass, FillStep, FrameTimes, MemoryUse,
+    NUMBER_BYTES, Picture, Probed, StencilExecutor, StencilWork, SurfaceView, Switches,
+    TexturedPlan, ViewId, VolumeDraw, WorkDone,
 };
+use terrafill_scene::MipChain;
 
-/// Volumes of a backend, as the passes of a fill draw them.
+/// Volumes as the passes of a stencil program draw them.
 pub trait Volumes {
     /// Makes the pipelines of `draw` unless they are there.
     ///
@@ -30,242 +32,142 @@ pub trait Volumes {
     fn draw<'a>(&'a self, pass: &mut VolumePass<'a, '_, '_>, draw: &VolumeDraw<'_>);
 }
 
-/// A fill on the targets.
+/// Runs stencil programs on the targets.
 #[derive(Debug)]
 pub struct VolumeFill {
     targets: SharedTargets,
-    capabilities: Capabilities,
     covers: Covers,
-    /// Of a textured fill; its covers stand where the plain ones would.
+    /// Covers of a textured fill, which stand where the plain ones would.
     textured: Option<TexturedFill>,
-    /// Revision of the meshes that the backend holds.
-    meshes: Option<u64>,
-    view: Option<View>,
-    /// Asked of the device for the frame that comes next.
-    work: WorkDone,
+    loaded: Option<Loaded>,
 }
 
-/// Constants of the regions of a view, and the order to draw them in.
+/// A program, and what the device holds for it.
 #[derive(Debug)]
-struct View {
-    id: ViewId,
+struct Loaded {
+    work: StencilWork,
     view_constants: Arc<Buffer>,
     constants: Arc<Buffer>,
-    /// What `constants` holds.
-    written: Vec<u8>,
     bindings: BindGroup,
-    program: FillProgram,
 }
 
-impl VolumeFill {
-    /// A fill on `targets` by the backend of this name.
-    ///
-    /// # Errors
-    /// [`DeviceError::Unsupported`] when the device lacks `depthBounds` or depth that shaders can
-    /// read, and the switches need it.
-    pub fn new(
-        targets: &SharedTargets,
-        backend: &'static str,
-        switches: &Switches,
-    ) -> Result<Self, DeviceError> {
+impl Loaded {
+    fn steps(&self) -> impl Iterator<Item = FillStep<'_>> {
+        self.work.program.passes.iter().flat_map(FillPass::steps)
+    }
+}
+
+const NO_PROGRAM: DeviceError = DeviceError::Missing("stencil program");
+
+impl<V: Volumes> StencilExecutor<V> for VolumeFill {
+    type Targets = SharedTargets;
+
+    fn new(targets: &SharedTargets, switches: &Switches) -> Result<Self, DeviceError> {
         let gpu = Arc::clone(targets.borrow().gpu());
-        let features = gpu.facts.features;
-        let lacks = |capability: &str| DeviceError::unsupported(capability, &gpu.facts.name);
-        if switches.texture.is_some() && !features.samples_depth {
+        let facts = &gpu.facts;
+        let lacks = |capability: &str| DeviceError::unsupported(capability, &facts.name);
+        if switches.texture.is_some() && !facts.features.samples_depth {
             return Err(lacks("reading depth in shaders"));
         }
-        if switches.depth_bounds && !features.depth_bounds {
+        if switches.depth_bounds && !facts.features.depth_bounds {
             return Err(lacks("depthBounds"));
         }
         Ok(Self {
             targets: SharedTargets::clone(targets),
-            capabilities: Capabilities {
-                backend,
-                adapter: gpu.facts.title(),
-                gpu_timestamps: features.timestamps,
-                pipeline_statistics: features.pipeline_statistics,
-            },
             covers: Covers::default(),
-            textured: TexturedFill::new(switches),
-            meshes: None,
-            view: None,
-            work: WorkDone::default(),
+            textured: None,
+            loaded: None,
         })
     }
 
-    /// What the device can do.
-    #[must_use]
-    pub fn capabilities(&self) -> &Capabilities {
-        &self.capabilities
+    fn facts(&self) -> ExecutorFacts {
+        let facts = &self.gpu().facts;
+        ExecutorFacts {
+            adapter: facts.title(),
+            gpu_timestamps: facts.features.timestamps,
+            pipeline_statistics: facts.features.pipeline_statistics,
+        }
     }
 
-    /// Where it draws.
-    #[must_use]
-    pub fn targets(&self) -> &SharedTargets {
-        &self.targets
+    fn work_done(&self) -> WorkDone {
+        self.gpu().work_done()
     }
 
-    /// The device.
-    #[must_use]
-    pub fn gpu(&self) -> Arc<Gpu> {
-        Arc::clone(self.targets.borrow().gpu())
+    fn set_view(&mut self, view: SurfaceView<'_>) -> Result<(), DeviceError> {
+        self.targets.borrow_mut().prepare(view)
     }
 
-    /// Whether the backend has uploaded the meshes of `input`.
-    #[must_use]
-    pub fn holds_meshes(&self, input: &FillInput) -> bool {
-        self.meshes == Some(input.scene.meshes.revision())
+    fn draw_surface(&mut self) -> Result<Option<f64>, DeviceError> {
+        self.targets.borrow_mut().draw_surface()
     }
 
-    /// The backend has uploaded the meshes of `input`.
-    pub fn hold_meshes(&mut self, input: &FillInput) {
-        self.meshes = Some(input.scene.meshes.revision());
+    fn holds_surface(&self, view: ViewId) -> bool {
+        self.targets.borrow().holds(view)
     }
 
-    /// The meshes of `input` that differ from those uploaded, ascending, if `changed` names them.
-    ///
-    /// # Errors
-    /// [`DeviceError::NotPrepared`], [`DeviceError::ChangedRegions`].
-    pub fn check_update<'a>(
-        &self,
-        input: &'a FillInput,
-        changed: &[usize],
-    ) -> Result<&'a [usize], DeviceError> {
-        input.check_update(self.capabilities.backend, self.meshes, changed)
-    }
-
-    /// The backend is about to write over the meshes: until it holds others, nothing is prepared.
-    pub fn forget_meshes(&mut self) {
-        self.meshes = None;
-    }
-
-    /// Whether this is what was prepared.
-    ///
-    /// # Errors
-    /// [`DeviceError::NotPrepared`].
-    pub fn check_prepared(&self, input: &FillInput) -> Result<(), DeviceError> {
-        let view_id = self.view.as_ref().map(|view| view.id);
-        input.check_prepared(self.capabilities.backend, self.meshes, view_id)
-    }
-
-    /// What the device was asked for since `before` is for the frame that comes next; gives the
-    /// bytes handed over.
-    pub fn count_work_since(&mut self, before: WorkDone) -> u64 {
-        let done = self.gpu().work_done() - before;
-        self.work = self.work + done;
-        done.upload_bytes
-    }
-
-    /// Bytes of the accumulation target, if the program draws into it.
-    #[must_use]
-    pub fn target_bytes(&self) -> u64 {
-        let targets = self.targets.borrow();
-        let view = self.view.as_ref();
-        view.map_or(0, |view| targets.number_bytes(&view.program))
-    }
-
-    /// Bytes of a textured fill's pictures and tables.
-    #[must_use]
-    pub fn texture_bytes(&self) -> u64 {
-        self.textured
-            .as_ref()
-            .map_or(0, TexturedFill::texture_bytes)
-    }
-
-    /// Bytes of a textured fill's constants.
-    #[must_use]
-    pub fn textured_bytes(&self) -> u64 {
-        self.textured
-            .as_ref()
-            .map_or(0, TexturedFill::constant_bytes)
-    }
-
-    /// Buffers that hold constants of the view.
-    #[must_use]
-    pub fn constant_buffers(&self) -> u64 {
-        1 + u64::from(self.textured.is_some())
-    }
-
-    /// What a row should say of the view that was uploaded last.
-    #[must_use]
-    pub fn note(&self) -> Option<String> {
-        let plan = self.textured.as_ref().and_then(TexturedFill::plan);
-        plan.map(|plan| plan.note())
-    }
-
-    /// Brings program and constants up to date; nothing is made or written where they are already.
-    ///
-    /// - `constants`: of the regions in the plan, not empty
-    ///
-    /// # Errors
-    /// [`DeviceError::OverCapacity`], [`DeviceError::OutOfMemory`]; [`DeviceError::Switch`] for a
-    /// textured fill of a scene without a picture.
-    pub fn upload_view(
-        &mut self,
-        input: &FillInput,
-        program: FillProgram,
-        constants: Vec<u8>,
-    ) -> Result<(), DeviceError> {
-        if program.accumulates() {
+    fn load(&mut self, work: StencilWork) -> Result<(), DeviceError> {
+        let before = self.loaded.take();
+        if work.blends {
+            let what = "blending colours of stencil programs";
+            return Err(DeviceError::unsupported(what, crate::API.name));
+        }
+        if work.program.accumulates() {
             self.targets.borrow_mut().ensure_numbers()?;
         }
         let targets = self.targets.borrow();
         let gpu = targets.gpu();
-        if let Some(textured) = &mut self.textured {
-            textured.upload(&targets, input)?;
-        }
-        let Some(view_constants) = targets.view_constants() else {
-            return self.check_prepared(input);
-        };
-        let buffer = match &self.view {
-            Some(view) if view.written.len() == constants.len() => {
-                if view.written != constants {
-                    view.constants.rewrite(&constants)?;
+        let view_constants = targets.view_constants();
+        let view_constants = view_constants.ok_or(DeviceError::Missing("view of a surface"))?;
+        let constants = match &before {
+            Some(held) if held.work.constants.len() == work.constants.len() => {
+                if held.work.constants != work.constants {
+                    held.constants.rewrite(&work.constants)?;
                 }
-                Arc::clone(&view.constants)
+                Arc::clone(&held.constants)
             }
             _ => {
-                let label = "region constants";
-                Arc::new(Buffer::upload(gpu, label, &constants, BufferUse::Storage)?)
+                let label = "volume constants";
+                let bytes = &work.constants;
+                Arc::new(Buffer::upload(gpu, label, bytes, BufferUse::Storage)?)
             }
         };
-        let is_bound = |view: &View| {
-            Arc::ptr_eq(&view.constants, &buffer)
-                && Arc::ptr_eq(&view.view_constants, view_constants)
+        let is_bound = |held: &Loaded| {
+            Arc::ptr_eq(&held.constants, &constants)
+                && Arc::ptr_eq(&held.view_constants, view_constants)
         };
-        let bindings = match self.view.take() {
-            Some(view) if is_bound(&view) => view.bindings,
-            _ => BindGroup::new(gpu, view_constants, Some(&buffer))?,
+        let bindings = match before {
+            Some(held) if is_bound(&held) => held.bindings,
+            _ => BindGroup::new(gpu, view_constants, Some(&constants))?,
         };
-        self.view = Some(View {
-            id: input.view_id,
+        self.loaded = Some(Loaded {
+            work,
             view_constants: Arc::clone(view_constants),
-            constants: buffer,
-            written: constants,
+            constants,
             bindings,
-            program,
         });
         Ok(())
     }
 
-    /// Makes the pipelines of the program unless they are there.
-    ///
-    /// # Errors
-    /// [`DeviceError::Unsupported`], [`DeviceError::Shader`].
-    pub fn ensure_pipelines(
-        &mut self,
-        volumes: &mut impl Volumes,
-        input: &FillInput,
-    ) -> Result<(), DeviceError> {
+    fn set_picture(&mut self, picture: &MipChain, copies: usize) -> Result<(), DeviceError> {
         let gpu = self.gpu();
-        let Some(view) = &self.view else {
-            return self.check_prepared(input);
-        };
-        for step in view.program.passes.iter().flat_map(FillPass::steps) {
+        let textured = self.textured.get_or_insert_default();
+        textured.upload_image(&gpu, picture, copies)
+    }
+
+    fn set_covers(&mut self, plan: &TexturedPlan) -> Result<(), DeviceError> {
+        let textured = self.textured.as_mut();
+        let textured = textured.ok_or(DeviceError::Missing("picture"))?;
+        textured.set_view(&self.targets.borrow(), plan)
+    }
+
+    fn ensure(&mut self, volumes: &mut V) -> Result<(), DeviceError> {
+        let gpu = self.gpu();
+        let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;
+        for step in loaded.steps() {
             match step {
                 FillStep::Volumes(draw) => volumes.ensure(&gpu, &draw)?,
-                FillStep::Cover { test, regions, .. } => match &mut self.textured {
-                    Some(textured) => textured.ensure(&gpu, test, Purpose::Colour, regions)?,
+                FillStep::Cover { test, volumes, .. } => match &mut self.textured {
+                    Some(textured) => textured.ensure(&gpu, test, Purpose::Colour, volumes)?,
                     None => self.covers.ensure_cover(&gpu, test)?,
                 },
                 FillStep::Resolve => self.covers.ensure_resolve(&gpu)?,
@@ -274,32 +176,8 @@ impl VolumeFill {
         Ok(())
     }
 
-    /// Draws the surface and gives its GPU time, where there is a clock.
-    ///
-    /// # Errors
-    /// [`DeviceError::OverCapacity`], [`DeviceError::DeviceLost`].
-    pub fn draw_surface(&self, input: &FillInput) -> Result<Option<f64>, DeviceError> {
-        let mut targets = self.targets.borrow_mut();
-        targets.prepare(input)?;
-        targets.draw_surface()
-    }
-
-    /// Draws the surface and the fill, and reads the targets back.
-    ///
-    /// # Errors
-    /// [`DeviceError::NotPrepared`], [`DeviceError::DeviceLost`].
-    pub fn draw_and_read(
-        &mut self,
-        volumes: &impl Volumes,
-        input: &FillInput,
-    ) -> Result<(Picture, Counters), DeviceError> {
-        self.check_prepared(input)?;
-        let gpu = self.gpu();
-        self.draw_surface(input)?;
-        let before = gpu.work_done();
-        let (report, mut counters) = self.measure(volumes, input, Measured::Statistics)?;
-        let prepared = std::mem::take(&mut self.work);
-        WorkDone::write_into(&mut counters, prepared, gpu.work_done() - before);
+    fn draw(&mut self, volumes: &mut V) -> Result<Counters, DeviceError> {
+        let (report, mut counters) = self.measure(volumes, Measured::Statistics)?;
         if let Some(statistics) = report.statistics {
             counters.vertex_shader_invocations = Some(statistics.vertex_shader_invocations);
             counters.geometry_shader_primitives = statistics.geometry_shader_primitives;
@@ -307,93 +185,12 @@ impl VolumeFill {
             counters.clipper_primitives_out = Some(statistics.clipper_primitives_out);
             counters.fragment_shader_invocations = Some(statistics.fragment_shader_invocations);
         }
-        let picture = self.targets.borrow().read()?;
-        Ok((picture, counters))
+        Ok(counters)
     }
 
-    /// What came out: the ids that are in the picture; of a textured fill, ids and places in the
-    /// picture by drawing it once more with covers that write those, by the same functions.
-    ///
-    /// # Errors
-    /// [`DeviceError::DeviceLost`].
-    pub fn frame(
-        &mut self,
-        volumes: &impl Volumes,
-        input: &FillInput,
-        picture: &Picture,
-        counters: Counters,
-    ) -> Result<Frame, DeviceError> {
-        let plain = Frame::from_picture(picture, counters);
-        let gpu = self.gpu();
-        let (Some(textured), Some(view)) = (&mut self.textured, &self.view) else {
-            return Ok(plain);
-        };
-        for step in view.program.passes.iter().flat_map(FillPass::steps) {
-            if let FillStep::Cover { test, regions, .. } = step {
-                textured.ensure(&gpu, test, Purpose::Probe, regions)?;
-            }
-        }
-        let probe = self.targets.borrow().probe()?;
-        self.fill(volumes, input, Measured::Nothing, Some(&probe))?;
-        let found = probed(&probe, input.size.pixel_count())?;
-        let plan = self.textured.as_ref().and_then(TexturedFill::plan);
-        // What was drawn was planned.
-        Ok(match plan {
-            Some(plan) => plan.frame(input, plain, &found),
-            None => plain,
-        })
-    }
-
-    /// How many fragments the volumes of the stencil work have, by an extra pass that is never timed
-    /// and draws without any test; `None` where the device cannot count them.
-    ///
-    /// # Errors
-    /// [`DeviceError::DeviceLost`].
-    pub fn count_fragments(
-        &mut self,
-        volumes: &mut impl Volumes,
-        input: &FillInput,
-    ) -> Result<Option<u64>, DeviceError> {
-        let gpu = self.gpu();
-        let Some(view) = &self.view else {
-            return Ok(None);
-        };
-        if view.program.counted().next().is_none() {
-            return Ok(Some(0));
-        }
-        for draw in view.program.counted() {
-            volumes.ensure(&gpu, &draw)?;
-        }
-        let volumes = &*volumes;
-        let targets = self.targets.borrow();
-        let mut unused = Counters::default();
-        let report = targets.fill(1, Measured::Samples, |recorder| {
-            recorder.pass(false, false, |recorder| {
-                let mut pass = VolumePass::new(recorder, input, &view.bindings, &mut unused);
-                for draw in view.program.counted() {
-                    volumes.draw(&mut pass, &draw);
-                }
-            });
-        })?;
-        Ok(report.samples)
-    }
-
-    /// Fills on top of the surface that the targets hold already, and waits for it.
-    ///
-    /// # Errors
-    /// [`DeviceError::NotPrepared`], [`DeviceError::DeviceLost`].
-    pub fn time_frame(
-        &self,
-        volumes: &impl Volumes,
-        input: &FillInput,
-    ) -> Result<FrameTimes, DeviceError> {
-        self.check_prepared(input)?;
-        // Another backend of the targets may have drawn another view since.
-        if !self.targets.borrow().holds(input) {
-            return Err(input.not_prepared(self.capabilities.backend));
-        }
+    fn time(&mut self, volumes: &mut V) -> Result<FrameTimes, DeviceError> {
         let watch = CpuStopwatch::start();
-        let (report, _) = self.measure(volumes, input, Measured::Times)?;
+        let (report, _) = self.measure(volumes, Measured::Times)?;
         Ok(FrameTimes {
             surface_gpu_ms: None,
             stencil_gpu_ms: report.times.stencil_ms,
@@ -404,51 +201,112 @@ impl VolumeFill {
         })
     }
 
-    /// Fills on top of the surface that the targets hold already, and waits for it.
+    fn probe(&mut self, volumes: &mut V) -> Result<Vec<Option<Probed>>, DeviceError> {
+        let gpu = self.gpu();
+        let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;
+        let textured = self.textured.as_mut();
+        let textured = textured.ok_or(DeviceError::Missing("picture"))?;
+        for step in loaded.steps() {
+            if let FillStep::Cover { test, volumes, .. } = step {
+                textured.ensure(&gpu, test, Purpose::Probe, volumes)?;
+            }
+        }
+        let pixels = loaded.work.list.size.pixel_count();
+        let probe = self.targets.borrow().probe()?;
+        self.run(volumes, Measured::Nothing, Some(&probe))?;
+        probed(&probe, pixels)
+    }
+
+    fn count_fragments(&mut self, volumes: &mut V) -> Result<Option<u64>, DeviceError> {
+        let gpu = self.gpu();
+        let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;
+        let StencilWork { list, program, .. } = &loaded.work;
+        if program.passes.is_empty() {
+            return Ok(Some(0));
+        }
+        for draw in program.counted() {
+            volumes.ensure(&gpu, &draw)?;
+        }
+        let volumes = &*volumes;
+        let targets = self.targets.borrow();
+        let mut unused = Counters::default();
+        let report = targets.fill(1, Measured::Samples, |recorder| {
+            recorder.pass(false, false, |recorder| {
+                let mut pass = VolumePass::new(recorder, list, &loaded.bindings, &mut unused);
+                for draw in program.counted() {
+                    volumes.draw(&mut pass, &draw);
+                }
+            });
+        })?;
+        Ok(report.samples)
+    }
+
+    fn read(&self) -> Result<Picture, DeviceError> {
+        self.targets.borrow().read()
+    }
+
+    fn memory(&self) -> MemoryUse {
+        let accumulates = |loaded: &&Loaded| loaded.work.program.accumulates();
+        let numbers = self.loaded.as_ref().filter(accumulates);
+        let pixels = numbers.map_or(0, |loaded| loaded.work.list.size.pixel_count());
+        let textured = self.textured.as_ref();
+        MemoryUse {
+            constant_bytes: textured.map_or(0, TexturedFill::constant_bytes),
+            target_bytes: pixels as u64 * NUMBER_BYTES,
+            texture_bytes: textured.map_or(0, TexturedFill::texture_bytes),
+            buffers: 1 + u64::from(textured.is_some()),
+            ..MemoryUse::default()
+        }
+    }
+}
+
+impl VolumeFill {
+    /// The device.
+    #[must_use]
+    pub fn gpu(&self) -> Arc<Gpu> {
+        Arc::clone(self.targets.borrow().gpu())
+    }
+
+    /// Runs the program once on top of the surface, and waits for it.
     ///
     /// # Errors
-    /// [`DeviceError::NotPrepared`] when the targets hold no surface, [`DeviceError::DeviceLost`].
+    /// [`DeviceError::Missing`] when there is no program or no surface,
+    /// [`DeviceError::DeviceLost`].
     pub fn measure(
         &self,
         volumes: &impl Volumes,
-        input: &FillInput,
         measured: Measured,
     ) -> Result<(FillReport, Counters), DeviceError> {
-        self.fill(volumes, input, measured, None)
+        self.run(volumes, measured, None)
     }
 
     /// - `probe`: textured covers write where their texels came from into this instead of colours
-    fn fill(
+    fn run(
         &self,
         volumes: &impl Volumes,
-        input: &FillInput,
         measured: Measured,
         probe: Option<&Probe>,
     ) -> Result<(FillReport, Counters), DeviceError> {
         let mut counters = Counters::default();
-        let Some(view) = &self.view else {
-            self.check_prepared(input)?;
-            return Ok((FillReport::default(), counters));
-        };
+        let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;
         let targets = self.targets.borrow();
         let recording = Recording {
             fill: self,
-            view,
-            input,
+            loaded,
             probe,
         };
-        let report = targets.fill(view.program.passes.len(), measured, |recorder| {
+        let passes = loaded.work.program.passes.len();
+        let report = targets.fill(passes, measured, |recorder| {
             recording.record(recorder, volumes, &mut counters);
         })?;
         Ok((report, counters))
     }
 }
 
-/// What one fill is recorded from.
+/// What one run is recorded from.
 struct Recording<'a> {
     fill: &'a VolumeFill,
-    view: &'a View,
-    input: &'a FillInput,
+    loaded: &'a Loaded,
     probe: Option<&'a Probe>,
 }
 
@@ -460,10 +318,10 @@ impl<'a> Recording<'a> {
         volumes: &'a V,
         counters: &mut Counters,
     ) {
-        for pass in &self.view.program.passes {
+        let Loaded { work, bindings, .. } = self.loaded;
+        for pass in &work.program.passes {
             let steps = |recorder: &mut PassRecorder<'a, '_>| {
-                let bindings = &self.view.bindings;
-                let mut volume_pass = VolumePass::new(recorder, self.input, bindings, counters);
+                let mut volume_pass = VolumePass::new(recorder, &work.list, bindings, counters);
                 for step in pass.steps() {
                     self.step(&mut volume_pass, volumes, &step);
                 }
@@ -494,7 +352,7 @@ impl<'a> Recording<'a> {
                 FillStep::Cover {
                     test,
                     scissor,
-                    regions,
+                    volumes,
                 },
                 Some(textured),
             ) => {
@@ -502,16 +360,16 @@ impl<'a> Recording<'a> {
                     Some(_) => Purpose::Probe,
                     None => Purpose::Colour,
                 };
-                textured.draw_covers(pass, *test, purpose, *scissor, regions);
+                textured.draw_covers(pass, *test, purpose, *scissor, volumes);
             }
             (
                 FillStep::Cover {
                     test,
                     scissor,
-                    regions,
+                    volumes,
                 },
                 None,
-            ) => self.fill.covers.draw_covers(pass, *test, *scissor, regions),
+            ) => self.fill.covers.draw_covers(pass, *test, *scissor, volumes),
             (FillStep::Resolve, _) => self.fill.covers.draw_resolve(pass),
         }
     }

@@ -162,7 +162,8 @@ unsafe fn change_layout(
                 .level_count(1)
                 .layer_count(1),
         );
-    // SAFETY: as promised; everything waits for everything, since read-back is never timed.
+    // SAFETY: the caller's promise. Everything waits for everything: fills are over by then, and the
+    // copy itself, which the study `readback` times, has nothing to run beside.
     unsafe {
         device.cmd_pipeline_barrier(
             commands,

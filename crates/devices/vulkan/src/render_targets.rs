@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The targets that every Vulkan backend plays on: one pair of targets and the surface drawn into
+//! The targets that all backends on Vulkan share: one pair of targets and the surface drawn into
 //! them, by the same shader and in the same formats as the wgpu targets'.
 //!
 //! A fill reads depth and never writes it, so one surface pass serves any number of fills of the
@@ -18,13 +18,12 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_fill::{
-    DeviceError, FillInput, FillProgram, NUMBER_BYTES, Picture, SKY, ViewConstants, ViewId,
-    check_target_size,
+    DeviceError, Picture, SKY, SurfaceView, ViewConstants, ViewId, check_target_size,
 };
 use terrafill_scene::ImageSize;
 use terrafill_surface::SurfaceRenderer as _;
 
-/// A targets shared by the backends of one run.
+/// Targets shared by the backends of one run.
 pub type SharedTargets = Rc<RefCell<RenderTargets>>;
 
 /// What is measured of a fill.
@@ -78,7 +77,7 @@ const STAMPS: u32 = 5;
 const SURFACE_STAMPS: u32 = 3;
 
 impl RenderTargets {
-    /// A targets of the given size.
+    /// Targets of the given size.
     ///
     /// # Errors
     /// [`DeviceError::Unsupported`] when the device has no targets that large.
@@ -146,17 +145,7 @@ impl RenderTargets {
         Ok(())
     }
 
-    /// Bytes of the target of accumulated numbers, if `program` draws into it.
-    #[must_use]
-    pub fn number_bytes(&self, program: &FillProgram) -> u64 {
-        if program.accumulates() {
-            self.size.pixel_count() as u64 * NUMBER_BYTES
-        } else {
-            0
-        }
-    }
-
-    /// The depth that the surface leaves and regions' constants, for textured covers on this targets.
+    /// The depth that the surface leaves and regions' constants, for textured covers on these targets.
     ///
     /// - `regions`: constants of one region after the other, `stride` bytes each,
     ///   a multiple of [`DepthBindings::alignment`]
@@ -183,10 +172,11 @@ impl RenderTargets {
     /// Uploads the view and its surface, unless they are there already.
     ///
     /// # Errors
-    /// [`DeviceError::OverCapacity`] when the input's size is not the targets'.
-    pub fn prepare(&mut self, input: &FillInput) -> Result<(), DeviceError> {
-        input.check_size(self.size)?;
-        if self.is_prepared(input) {
+    /// [`DeviceError::OverCapacity`] when the view's size is not the targets'.
+    pub fn prepare<'a>(&mut self, view: impl Into<SurfaceView<'a>>) -> Result<(), DeviceError> {
+        let view = view.into();
+        view.check_size(self.size)?;
+        if self.is_prepared(view.id) {
             return Ok(());
         }
         self.is_drawn = false;
@@ -194,37 +184,37 @@ impl RenderTargets {
         let constants = Arc::new(Buffer::upload(
             &self.gpu,
             "view constants",
-            bytemuck::bytes_of(&ViewConstants::new(input)),
+            bytemuck::bytes_of(&ViewConstants::new(&view)),
             BufferUse::Uniform,
         )?);
-        self.surface.prepare(&input.surface)?;
+        self.surface.prepare(view.surface)?;
         self.prepared = Some(PreparedView {
-            id: input.view_id,
+            id: view.id,
             bindings: BindGroup::new(&self.gpu, &constants, None)?,
             constants,
         });
         Ok(())
     }
 
-    fn is_prepared(&self, input: &FillInput) -> bool {
+    fn is_prepared(&self, view: ViewId) -> bool {
         self.prepared
             .as_ref()
-            .is_some_and(|prepared| prepared.id == input.view_id)
+            .is_some_and(|prepared| prepared.id == view)
     }
 
-    /// Whether the targets hold the surface of this input.
+    /// Whether the targets hold the surface of this view.
     #[must_use]
-    pub fn holds(&self, input: &FillInput) -> bool {
-        self.is_drawn && self.is_prepared(input)
+    pub fn holds(&self, view: ViewId) -> bool {
+        self.is_drawn && self.is_prepared(view)
     }
 
     /// Clears the targets, draws the surface, waits, and gives the pass's GPU time.
     ///
     /// # Errors
-    /// [`DeviceError::NotPrepared`], [`DeviceError::DeviceLost`].
+    /// [`DeviceError::Missing`] before a view is prepared, [`DeviceError::DeviceLost`].
     pub fn draw_surface(&mut self) -> Result<Option<f64>, DeviceError> {
         let Some(prepared) = &self.prepared else {
-            return Err(DeviceError::no_surface());
+            return Err(DeviceError::Missing("view of a surface"));
         };
         let clears = [
             vk::ClearValue {
@@ -283,7 +273,7 @@ impl RenderTargets {
     /// `record` must not upload, draw a surface or fill: the queue is taken while it runs.
     ///
     /// # Errors
-    /// [`DeviceError::NotPrepared`] when there is no surface in the targets; the first draw's error
+    /// [`DeviceError::Missing`] when there is no surface in the targets; the first draw's error
     /// that could not be recorded; [`DeviceError::DeviceLost`].
     pub fn fill<'a>(
         &'a self,
@@ -292,7 +282,7 @@ impl RenderTargets {
         record: impl FnOnce(&mut FillRecorder<'a>),
     ) -> Result<FillReport, DeviceError> {
         if !self.is_drawn {
-            return Err(DeviceError::no_surface());
+            return Err(DeviceError::Missing("surface in the render targets"));
         }
         let count = u32::try_from(passes).unwrap_or(u32::MAX);
         let queries = match measured {
@@ -343,10 +333,10 @@ impl RenderTargets {
     /// Reads the targets back.
     ///
     /// # Errors
-    /// [`DeviceError::NotPrepared`] when nothing was drawn yet, [`DeviceError::DeviceLost`].
+    /// [`DeviceError::Missing`] when nothing was drawn yet, [`DeviceError::DeviceLost`].
     pub fn read(&self) -> Result<Picture, DeviceError> {
         if !self.is_drawn {
-            return Err(DeviceError::no_surface());
+            return Err(DeviceError::Missing("surface in the render targets"));
         }
         let (rgba, depth) = read_targets(&self.gpu, &self.targets)?;
         let (depths, _) = depth.as_chunks::<4>();

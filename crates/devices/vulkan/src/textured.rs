@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The textured side of a fill on Vulkan: what was planned last, and what the device holds of it.
+//! Textured covers on Vulkan: what the device holds of them.
 //!
-//! Textured covers stand where plain ones would. Plan, constants and WGSL are those of the wgpu
-//! backends; a plain fill has nothing of this, neither buffers nor pipelines nor a picture.
+//! They stand where plain ones would. Plan, constants and WGSL are those of the wgpu backends; a plain
+//! fill has nothing of this, neither buffers nor pipelines nor a picture.
 
 use crate::{
     BindGroup, Buffer, BufferUse, CoverPurpose, CoverState, DepthBindings, Gpu, ImageBindings,
@@ -12,11 +12,8 @@ use crate::{
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
-use terrafill_fill::{
-    AddressMode, DeviceError, FillInput, Probed, StencilTest, Switches, TexturedCover,
-    TexturedPlan, ViewId,
-};
-use terrafill_scene::{MipChain, PlannedRegion, SceneTexture, TextureShare};
+use terrafill_fill::{AddressMode, DeviceError, Probed, StencilTest, TexturedCover, TexturedPlan};
+use terrafill_scene::MipChain;
 
 /// A copy of the picture, and what is seen beyond it.
 type ImageKey = (usize, [AddressMode; 2]);
@@ -25,15 +22,13 @@ type ImageKey = (usize, [AddressMode; 2]);
 type PipelineKey = (usize, StencilTest, CoverPurpose);
 
 /// Textured covers of one scene and view.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct TexturedFill {
-    switches: Switches,
     shaders: Vec<Shader>,
     pipelines: HashMap<PipelineKey, TexturedPipeline>,
-    source: Option<Arc<SceneTexture>>,
     images: Vec<Arc<SampledImage>>,
-    /// Whether the pictures hide what lies under them.
-    images_are_opaque: bool,
+    /// Whether something shows of what lies under the pictures.
+    images_are_translucent: bool,
     image_bindings: HashMap<ImageKey, ImageBindings>,
     view: Option<View>,
 }
@@ -51,14 +46,11 @@ struct Table {
     bindings: ImageBindings,
 }
 
-/// A plan, what it was made from, and its constants.
+/// The covers of a view, and their constants.
 #[derive(Debug)]
 struct View {
-    id: ViewId,
-    regions: Vec<PlannedRegion>,
-    plan: TexturedPlan,
-    /// By planned region, the place of its shader.
-    shaders: Vec<usize>,
+    /// By volume, with the place of its shader in `TexturedFill::shaders`.
+    covers: Vec<(TexturedCover, usize)>,
     constants: Arc<Buffer>,
     written: Vec<[f32; 4]>,
     stride: usize,
@@ -73,25 +65,6 @@ pub(crate) enum Purpose {
 }
 
 impl TexturedFill {
-    /// `None` for a plain fill.
-    pub(crate) fn new(switches: &Switches) -> Option<Self> {
-        switches.texture.map(|_| Self {
-            switches: *switches,
-            shaders: Vec::new(),
-            pipelines: HashMap::new(),
-            source: None,
-            images: Vec::new(),
-            images_are_opaque: true,
-            image_bindings: HashMap::new(),
-            view: None,
-        })
-    }
-
-    /// The plan of the view that was uploaded last.
-    pub(crate) fn plan(&self) -> Option<&TexturedPlan> {
-        self.view.as_ref().map(|view| &view.plan)
-    }
-
     /// Bytes of the pictures on the device, and of the routes' tables.
     pub(crate) fn texture_bytes(&self) -> u64 {
         let tables = self.shaders.iter().filter_map(|made| made.table.as_ref());
@@ -99,39 +72,23 @@ impl TexturedFill {
         self.images.iter().chain(tables).map(|i| i.bytes()).sum()
     }
 
-    /// Bytes of the regions' constants.
+    /// Bytes of the covers' constants.
     pub(crate) fn constant_bytes(&self) -> u64 {
         let written = self.view.as_ref().map(|view| size_of_val(&*view.written));
         written.unwrap_or(0) as u64
     }
 
-    /// Plans and uploads the view of `input`; the same view again costs nothing.
-    pub(crate) fn upload(
+    /// Takes over a view: constants are written where they changed, tables and bindings made where
+    /// they are missing.
+    pub(crate) fn set_view(
         &mut self,
         targets: &RenderTargets,
-        input: &FillInput,
+        plan: &TexturedPlan,
     ) -> Result<(), DeviceError> {
-        let is_same = |view: &View| view.id == input.view_id && view.regions == input.plan.regions;
-        if self.view.as_ref().is_some_and(is_same) && self.holds_image(input) {
-            return Ok(());
-        }
-        let Some(plan) = TexturedPlan::of_switches(input, &self.switches)? else {
-            return Ok(());
-        };
         let gpu = targets.gpu();
-        if let Some(texture) = &input.scene.texture
-            && !self.holds_image(input)
-        {
-            let copies = match texture.share {
-                TextureShare::One => 1,
-                TextureShare::Each => input.scene.regions.len(),
-            };
-            self.upload_image(gpu, &texture.image, copies)?;
-            self.source = Some(Arc::clone(texture));
-        }
-        let mut shaders = Vec::with_capacity(plan.covers.len());
+        let mut covers = Vec::with_capacity(plan.covers.len());
         for cover in &plan.covers {
-            shaders.push(self.shader(gpu, &plan, cover)?);
+            covers.push((cover.clone(), self.shader(gpu, plan, cover)?));
             self.ensure_image_bindings((cover.texture.image, cover.texture.address))?;
         }
         let (written, stride) = plan.aligned_constants(DepthBindings::alignment(gpu));
@@ -144,17 +101,14 @@ impl TexturedFill {
                 (view.constants, view.bindings)
             }
             _ => {
-                let label = "textured regions";
+                let label = "textured covers";
                 let constants = Arc::new(Buffer::upload(gpu, label, bytes, BufferUse::Constants)?);
                 let bindings = targets.bind_depth(&constants, stride)?;
                 (constants, bindings)
             }
         };
         self.view = Some(View {
-            id: input.view_id,
-            regions: input.plan.regions.clone(),
-            plan,
-            shaders,
+            covers,
             constants,
             written,
             stride,
@@ -163,19 +117,15 @@ impl TexturedFill {
         Ok(())
     }
 
-    fn holds_image(&self, input: &FillInput) -> bool {
-        let both = self.source.as_ref().zip(input.scene.texture.as_ref());
-        both.is_some_and(|(held, wanted)| Arc::ptr_eq(held, wanted))
-    }
-
-    fn upload_image(
+    /// Uploads `copies` of a picture with all its levels in place of those there were.
+    pub(crate) fn upload_image(
         &mut self,
         gpu: &Arc<Gpu>,
         image: &MipChain,
         copies: usize,
     ) -> Result<(), DeviceError> {
         let mut texels = image.levels()[0].rgba.chunks_exact(4);
-        self.images_are_opaque = texels.all(|texel| texel[3] == u8::MAX);
+        self.images_are_translucent = texels.any(|texel| texel[3] != u8::MAX);
         self.image_bindings.clear();
         self.images = (0..copies)
             .map(|_| SampledImage::picture(gpu, image).map(Arc::new))
@@ -216,16 +166,16 @@ impl TexturedFill {
         Ok(())
     }
 
-    /// Makes the pipelines of the covers of `regions` where they are missing.
+    /// Makes the pipelines of the covers of `volumes` where they are missing.
     pub(crate) fn ensure(
         &mut self,
         gpu: &Arc<Gpu>,
         test: StencilTest,
         purpose: Purpose,
-        regions: &[usize],
+        volumes: &[usize],
     ) -> Result<(), DeviceError> {
-        for &planned in regions {
-            let Some((key, _)) = self.key(test, purpose, planned) else {
+        for &volume in volumes {
+            let Some((key, _)) = self.key(test, purpose, volume) else {
                 continue;
             };
             let Shader { parts, table } = &self.shaders[key.0];
@@ -242,19 +192,19 @@ impl TexturedFill {
         Ok(())
     }
 
-    /// Covers marked pixels with the pictures of `regions`, in this order.
+    /// Covers marked pixels with the pictures of `volumes`, in this order.
     pub(crate) fn draw_covers<'a>(
         &'a self,
         pass: &mut VolumePass<'a, '_, '_>,
         test: StencilTest,
         purpose: Purpose,
         scissor: bool,
-        regions: &[usize],
+        volumes: &[usize],
     ) {
-        for &planned in regions {
-            if let Some(state) = self.cover(pass.bindings(), test, purpose, planned) {
-                pass.cut(planned, scissor);
-                pass.cover(&state, planned);
+        for &volume in volumes {
+            if let Some(state) = self.cover(pass.bindings(), test, purpose, volume) {
+                pass.cut(volume, scissor);
+                pass.cover(&state, volume);
             }
         }
     }
@@ -263,18 +213,14 @@ impl TexturedFill {
         &self,
         test: StencilTest,
         purpose: Purpose,
-        planned: usize,
+        volume: usize,
     ) -> Option<(PipelineKey, &TexturedCover)> {
         let view = self.view.as_ref()?;
-        let (cover, shader) = view
-            .plan
-            .covers
-            .get(planned)
-            .zip(view.shaders.get(planned))?;
+        let (cover, shader) = view.covers.get(volume)?;
         let purpose = match purpose {
             Purpose::Colour => CoverPurpose::Colour {
                 overrides: cover.overrides(),
-                blends: cover.is_translucent() || !self.images_are_opaque,
+                blends: cover.is_translucent() || self.images_are_translucent,
             },
             Purpose::Probe => CoverPurpose::Probe {
                 overrides: cover.overrides().of_probe(),
@@ -283,15 +229,15 @@ impl TexturedFill {
         Some(((*shader, test, purpose), cover))
     }
 
-    /// What covers one planned region; `None` where [`TexturedFill::ensure`] was not called for it.
+    /// What covers one volume; `None` where [`TexturedFill::ensure`] was not called for it.
     fn cover<'a>(
         &'a self,
         bindings: &'a BindGroup,
         test: StencilTest,
         purpose: Purpose,
-        planned: usize,
+        volume: usize,
     ) -> Option<CoverState<'a>> {
-        let (key, cover) = self.key(test, purpose, planned)?;
+        let (key, cover) = self.key(test, purpose, volume)?;
         let image = (cover.texture.image, cover.texture.address);
         let table = self.shaders[key.0].table.as_ref();
         Some(CoverState {

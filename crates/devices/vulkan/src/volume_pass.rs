@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! One pass of a fill while it is recorded: draws are counted, and cut to their region's rectangle.
+//! One pass of a stencil program while it is recorded: draws are counted, and cut to their volume's
+//! rectangle.
 
 use crate::{BindGroup, CoverState, DrawState, Geometry, PassRecorder, Pipeline};
 use std::ops::Range;
-use terrafill_fill::{Counters, FillInput};
+use terrafill_fill::{Counters, VolumeList};
 
 /// A pass and what was drawn in it. Whatever is drawn with outlives `'a`, and thereby the fill.
 pub struct VolumePass<'a, 'r, 'f> {
     recorder: &'r mut PassRecorder<'a, 'f>,
     /// What is drawn.
-    pub input: &'a FillInput,
-    /// View and regions.
+    pub list: &'a VolumeList,
+    /// View and volumes' constants.
     bindings: &'a BindGroup,
     counters: &'r mut Counters,
 }
@@ -18,22 +19,21 @@ pub struct VolumePass<'a, 'r, 'f> {
 impl<'a, 'r, 'f> VolumePass<'a, 'r, 'f> {
     pub(crate) fn new(
         recorder: &'r mut PassRecorder<'a, 'f>,
-        input: &'a FillInput,
+        list: &'a VolumeList,
         bindings: &'a BindGroup,
         counters: &'r mut Counters,
     ) -> Self {
         Self {
             recorder,
-            input,
+            list,
             bindings,
             counters,
         }
     }
 
-    /// Cuts the following draws to the rectangle of a planned region, or with `scissor` off to the
-    /// image.
-    pub fn cut(&mut self, planned: usize, scissor: bool) {
-        self.recorder.scissor(self.input.rect(planned, scissor));
+    /// Cuts the following draws to the rectangle of a volume, or with `scissor` off to the image.
+    pub fn cut(&mut self, volume: usize, scissor: bool) {
+        self.recorder.scissor(self.list.rect(volume, scissor));
     }
 
     /// Drops fragments of the following draws where the surface's depth is outside `low..=high`;
@@ -42,34 +42,34 @@ impl<'a, 'r, 'f> VolumePass<'a, 'r, 'f> {
         self.recorder.depth_bounds(low, high);
     }
 
-    /// Draws vertices that the shader makes up, of a planned region.
-    pub fn draw(&mut self, pipeline: &'a Pipeline, vertices: u32, planned: usize) {
+    /// Draws vertices that the shader makes up, of a volume.
+    pub fn draw(&mut self, pipeline: &'a Pipeline, vertices: u32, volume: usize) {
         self.count(vertices);
         let state = self.state(pipeline, None);
-        self.recorder.draw(&state, vertices, instance(planned));
+        self.recorder.draw(&state, vertices, instance(volume));
     }
 
-    /// Draws indices, each plus `base_vertex`, of a planned region.
+    /// Draws indices, each plus `base_vertex`, of a volume.
     pub fn draw_indexed(
         &mut self,
         pipeline: &'a Pipeline,
         geometry: Geometry<'a>,
         indices: Range<u32>,
         base_vertex: i32,
-        planned: usize,
+        volume: usize,
     ) {
         let count = indices.end - indices.start;
         self.count(count);
         let state = self.state(pipeline, Some(geometry));
-        let (first, instance) = (indices.start, instance(planned));
+        let (first, instance) = (indices.start, instance(volume));
         self.recorder
             .draw_indexed(&state, first, count, base_vertex, instance);
     }
 
-    /// Covers a planned region with a picture.
-    pub(crate) fn cover(&mut self, state: &CoverState<'a>, planned: usize) {
+    /// Covers a volume with a picture.
+    pub(crate) fn cover(&mut self, state: &CoverState<'a>, volume: usize) {
         self.count(3);
-        self.recorder.cover(state, planned);
+        self.recorder.cover(state, volume);
     }
 
     pub(crate) fn bindings(&self) -> &'a BindGroup {
@@ -90,7 +90,7 @@ impl<'a, 'r, 'f> VolumePass<'a, 'r, 'f> {
     }
 }
 
-/// The instance number is the index of the region's constants.
-fn instance(planned: usize) -> u32 {
-    u32::try_from(planned).unwrap_or(u32::MAX)
+/// The instance number is the index of the volume's constants.
+fn instance(volume: usize) -> u32 {
+    u32::try_from(volume).unwrap_or(u32::MAX)
 }

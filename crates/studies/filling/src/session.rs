@@ -511,7 +511,7 @@ impl Session for ViewSession<'_> {
     fn begin_block(&mut self) -> Result<(), StudyError> {
         let drawn = {
             let mut targets = self.wgpu.borrow_mut();
-            let prepared = targets.prepare(&self.input);
+            let prepared = targets.prepare(&*self.input);
             prepared.and_then(|()| targets.draw_surface())
         };
         let gpu_ms = drawn.map_err(|error| self.broken(&error))?;

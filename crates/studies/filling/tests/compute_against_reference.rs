@@ -180,7 +180,8 @@ fn culling_on_the_device_changes_no_pixel_and_leaves_out_what_the_plan_would() {
                 counters(&frame).vertices < counters(&uncut).vertices,
                 "{what}"
             );
-            let left = backend.regions_left_out().expect("reads back");
+            let left = backend.volumes().left_out(backend.executor());
+            let left = left.expect("reads back");
             let unplanned = |mesh: &usize| {
                 let mut of_plan = planned.plan.left_out.iter();
                 of_plan.any(|region| region.mesh == *mesh && exact(region.reason))
@@ -265,7 +266,8 @@ fn draw_within(
     capacity: Capacity,
 ) -> Result<Frame, DeviceError> {
     let targets = AllTargets::new(devices, input.size);
-    let mut backend = ComputeBackend::with_capacity(targets.wgpu(), variant, capacity)?;
+    let mut backend = ComputeBackend::new(targets.wgpu(), variant)?;
+    backend.volumes_mut().set_capacity(capacity);
     backend.prepare(input)?;
     backend.render(input)
 }
@@ -353,7 +355,7 @@ fn bytes_are_those_of_the_formula() {
         }
         let mut backend = backend(&devices, variant);
         let memory = backend.prepare(&input).expect("fits");
-        assert_eq!(backend.bytes(), formula, "{variant:?}");
+        assert_eq!(backend.volumes().bytes(), formula, "{variant:?}");
         assert_eq!(memory.geometry_bytes(), formula.total());
         assert!(memory.upload_bytes < formula.total(), "only input goes up");
         assert!(memory.upload_bytes > formula.input());
@@ -387,7 +389,10 @@ fn a_frame_needs_preparing_and_an_unchanged_one_makes_and_uploads_nothing() {
     for variant in all_variants() {
         let mut backend = backend(&devices, variant);
         let error = backend.render(&first).expect_err("not prepared");
-        assert_eq!(error.to_string(), "compute was not prepared for test/test");
+        assert_eq!(
+            error.to_string(),
+            "backend compute is not prepared for view test of scene test"
+        );
         assert!(backend.time_frame(&first).is_err());
         backend.prepare(&first).expect("fits");
         let frame = backend.render(&first).expect("draws");

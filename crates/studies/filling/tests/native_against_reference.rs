@@ -14,10 +14,10 @@ use drawing::{
 };
 use terrafill_fill::{
     BottomCap, ColourWay, Counters, DepthRuleChoice, DeviceError, FacePasses, FillBackend as _,
-    FillInput, StencilClear, Switches,
+    FillInput, StencilClear, Switches, VolumeList,
 };
 use terrafill_native::{
-    Extrusion as Native, Indices, NativeBackend, NativeVariant, depth_range, native_bytes,
+    Extrusion as Native, Indices, NativeBackend, NativeVariant, native_bytes,
     walls_with_other_diagonal,
 };
 use terrafill_scene::{ImageSize, PlanOptions};
@@ -296,7 +296,10 @@ fn a_frame_needs_preparing_and_a_second_unchanged_one_makes_nothing() {
         let targets = AllTargets::new(&devices, SIZE);
         let mut backend = backend_of(&targets, technique, indices);
         let error = backend.render(&first).expect_err("not prepared");
-        assert_eq!(error.to_string(), "native was not prepared for test/test");
+        assert_eq!(
+            error.to_string(),
+            "backend native is not prepared for view test of scene test"
+        );
         assert!(backend.time_frame(&first).is_err());
         backend.prepare(&first).expect("fits");
         let frame = backend.render(&first).expect("draws");
@@ -441,8 +444,10 @@ fn what_the_device_lacks_is_refused_by_name() {
 
 /// Whether every filled pixel's depth lies in the range of its region.
 fn ranges_hold(input: &FillInput, ids: &[u32], depth: &[f32], tightened: f32) -> bool {
-    input.plan.regions.iter().all(|planned| {
-        let range = depth_range(input, planned);
+    let volumes = VolumeList::from(input).volumes;
+    let mut planned = input.plan.regions.iter().zip(volumes);
+    planned.all(|(planned, volume)| {
+        let range = volume.depth;
         let id = u32::try_from(planned.region).expect("few regions") + 1;
         let of_region = ids.iter().zip(depth).filter(|(found, _)| **found == id);
         of_region

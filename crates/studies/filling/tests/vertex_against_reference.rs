@@ -268,7 +268,10 @@ fn a_frame_needs_preparing_and_an_unchanged_one_uploads_no_geometry() {
     let targets = AllTargets::new(&devices, SIZE);
     let mut backend = targets.open(vertex(Switches::default()));
     let error = backend.render(&first).expect_err("not prepared");
-    assert_eq!(error.to_string(), "vertex was not prepared for test/test");
+    assert_eq!(
+        error.to_string(),
+        "backend vertex is not prepared for view test of scene test"
+    );
     assert!(backend.time_frame(&first).is_err());
     let memory = backend.prepare(&first).expect("fits");
     assert_eq!(

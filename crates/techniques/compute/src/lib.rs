@@ -8,7 +8,6 @@
 //! that list. It is made every frame or once, and may leave out, on the device, regions and
 //! pieces that no pixel can show.
 
-mod backend;
 mod culling;
 mod expansion;
 mod layout;
@@ -18,8 +17,8 @@ mod technique;
 mod variant;
 mod volumes;
 
-pub use backend::ComputeBackend;
 pub use expansion::Capacity;
 pub use layout::{ComputeBytes, compute_bytes, placed_bytes};
 pub use technique::ComputeTechnique;
 pub use variant::{ComputeVariant, Expansion, GpuCulling, Transform};
+pub use volumes::ComputeBackend;

@@ -4,11 +4,11 @@
 use crate::culling::DRAW_ARGUMENTS_BYTES;
 use crate::expansion::WORKGROUP_SIZE;
 use crate::volumes::ComputeVolumes;
-use terrafill_fill::{FillInput, VolumeDraw};
+use terrafill_fill::{VolumeDraw, VolumeList};
 use terrafill_gpu::{Gpu, VolumePass, Volumes};
 
 impl Volumes for ComputeVolumes {
-    fn ensure(&mut self, gpu: &Gpu, _input: &FillInput, draw: &VolumeDraw<'_>, _blends: bool) {
+    fn ensure(&mut self, gpu: &Gpu, _list: &VolumeList, draw: &VolumeDraw<'_>, _blends: bool) {
         self.pipelines.ensure(gpu, draw.state);
     }
 
@@ -21,7 +21,7 @@ impl Volumes for ComputeVolumes {
     fn make(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
-        input: &FillInput,
+        list: &VolumeList,
         constants: &wgpu::BindGroup,
         stamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
     ) {
@@ -47,8 +47,8 @@ impl Volumes for ComputeVolumes {
         if let (Some(culling), Some(pipeline)) = (&view.culling, &pipelines.cull) {
             pass.set_pipeline(pipeline);
             pass.set_bind_group(3, &culling.bind_group, &[]);
-            let regions = input.plan.regions.len().div_ceil(WORKGROUP_SIZE);
-            pass.dispatch_workgroups(u32::try_from(regions).unwrap_or(u32::MAX), 1, 1);
+            let groups = list.volumes.len().div_ceil(WORKGROUP_SIZE);
+            pass.dispatch_workgroups(u32::try_from(groups).unwrap_or(u32::MAX), 1, 1);
         }
         if let Some(expanded) = &view.expanded {
             pass.set_pipeline(&pipelines.expand);
@@ -73,9 +73,9 @@ impl Volumes for ComputeVolumes {
         if let Some(pipeline) = self.pipelines.volume(draw.state) {
             pass.raw.set_pipeline(pipeline);
         }
-        for &planned in draw.regions {
-            pass.cut(planned, draw.scissor);
-            self.draw_volume(pass, planned, draw.without_bottom);
+        for &volume in draw.volumes {
+            pass.cut(volume, draw.scissor);
+            self.draw_volume(pass, volume, draw.without_bottom);
         }
     }
 }
@@ -83,15 +83,15 @@ impl Volumes for ComputeVolumes {
 impl ComputeVolumes {
     /// One draw a volume: its triangles lie in one piece. Where the device decided what is drawn,
     /// it is asked how much that is.
-    fn draw_volume(&mut self, pass: &mut VolumePass<'_>, planned: usize, without_bottom: bool) {
+    fn draw_volume(&mut self, pass: &mut VolumePass<'_>, volume: usize, without_bottom: bool) {
         if let Some(culling) = &self.view.culling {
-            let draw = 2 * planned + usize::from(without_bottom);
+            let draw = 2 * volume + usize::from(without_bottom);
             pass.draw_as_decided(&culling.draws, draw as u64 * DRAW_ARGUMENTS_BYTES);
             self.decided_draws.push(draw);
             return;
         }
-        let mesh = pass.input.plan.regions[planned].mesh;
-        let Some(output) = self.output(planned, mesh) else {
+        let mesh = pass.list.volumes[volume].geometry;
+        let Some(output) = self.output(volume, mesh) else {
             return;
         };
         let end = output.first_index + output.bottom_count + output.upper_count;
@@ -100,6 +100,6 @@ impl ComputeVolumes {
         } else {
             output.first_index
         };
-        pass.draw_indexed(first..end, self.base_vertex(planned), planned);
+        pass.draw_indexed(first..end, self.base_vertex(volume), volume);
     }
 }

@@ -6,13 +6,19 @@ use crate::expansion::{Capacity, ExpansionPlan, OutputSlice, PlacingPlan, WorkGr
 use crate::layout::{MeshSlice, SceneGeometry};
 use crate::pipeline::Pipelines;
 use crate::{ComputeBytes, ComputeVariant, Expansion, GpuCulling, Transform};
-use terrafill_fill::{DeviceError, FillInput, RegionPlace};
-use terrafill_gpu::{Gpu, RenderTargets, VolumeFill, read_buffer};
+use terrafill_fill::{
+    DeviceError, FillInput, MemoryUse, RegionConstants, RegionPlace, RegionVolumes, Switches,
+    VolumeBackend,
+};
+use terrafill_gpu::{Gpu, VolumeFill, read_buffer};
 use terrafill_scene::PlannedRegion;
+
+/// Shadow volumes made by a compute pass.
+pub type ComputeBackend = VolumeBackend<ComputeVolumes>;
 
 /// Volumes of a scene, and what makes and draws them.
 #[derive(Debug)]
-pub(crate) struct ComputeVolumes {
+pub struct ComputeVolumes {
     variant: ComputeVariant,
     capacity: Capacity,
     pub(crate) pipelines: Pipelines,
@@ -137,29 +143,157 @@ fn storage_bytes<T: bytemuck::Pod>(elements: &[T]) -> Vec<u8> {
     }
 }
 
-/// What a backend holds, for [`terrafill_fill::MemoryUse`].
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Held {
-    /// What the compute pass reads besides meshes and constants.
-    pub(crate) work_bytes: u64,
-    /// Buffers of all.
-    pub(crate) buffers: u64,
-}
+impl RegionVolumes for ComputeVolumes {
+    const TECHNIQUE: &'static str = "compute";
+    type Executor = VolumeFill;
+    type Variant = ComputeVariant;
 
-impl ComputeVolumes {
-    pub(crate) fn new(
-        fill: &VolumeFill,
-        variant: ComputeVariant,
-        capacity: Capacity,
-    ) -> Result<Self, DeviceError> {
+    fn switches(variant: ComputeVariant) -> Result<Switches, DeviceError> {
+        variant.check()?;
+        Ok(variant.switches)
+    }
+
+    fn new(fill: &VolumeFill, variant: ComputeVariant) -> Result<Self, DeviceError> {
+        let gpu = fill.gpu();
+        // A draw finds its region by the instance number, which indirect draws may not have
+        // otherwise.
+        let first_instance = wgpu::Features::INDIRECT_FIRST_INSTANCE;
+        if variant.culling != GpuCulling::Off && !gpu.device.features().contains(first_instance) {
+            return Err(DeviceError::unsupported(
+                "a first instance in indirect draws",
+                &gpu.facts.name,
+            ));
+        }
         Ok(Self {
             variant,
-            capacity,
+            capacity: Capacity::of(&gpu.device.limits()),
             pipelines: Pipelines::new(fill, variant)?,
             scene: None,
             view: ViewBuffers::default(),
             decided_draws: Vec::new(),
         })
+    }
+
+    fn places(&self) -> Option<impl Fn(usize) -> RegionPlace> {
+        let scene = self.scene.as_ref()?;
+        Some(|mesh: usize| scene.meshes[mesh].place)
+    }
+
+    fn memory(&self) -> MemoryUse {
+        let bytes = self.bytes();
+        let lists = self.expanded().map(|expanded| &expanded.indices);
+        let corners = self.view.placed.as_ref().map(|placed| &placed.corners);
+        let filled = || lists.into_iter().chain(corners);
+        let scene = self.scene.as_ref();
+        let read = scene.map_or(0, |s| [&s.positions, &s.indices].len());
+        // Draws, boxes, horizon, states.
+        let culling = self.view.culling.as_ref().map_or((0, 0), |c| (4, c.bytes));
+        MemoryUse {
+            vertex_bytes: bytes.input_vertex_bytes + bytes.output_vertex_bytes,
+            index_bytes: bytes.input_index_bytes + bytes.output_index_bytes,
+            // What the compute pass reads besides meshes and the constants of regions.
+            constant_bytes: filled().map(|filled| filled.work_bytes).sum::<u64>() + culling.1,
+            buffers: (read + filled().map(Filled::buffers).sum::<usize>() + culling.0) as u64,
+            ..MemoryUse::default()
+        }
+    }
+
+    fn vertices_by_device(&self, fill: &VolumeFill) -> Result<u64, DeviceError> {
+        let Some(culling) = &self.view.culling else {
+            return Ok(0);
+        };
+        let arguments: Vec<DrawArguments> = read_vec(&fill.gpu(), &culling.draws)?;
+        let vertices = |&draw: &usize| u64::from(arguments[draw].index_count);
+        Ok(self.decided_draws.iter().map(vertices).sum())
+    }
+
+    fn upload(&mut self, fill: &VolumeFill, input: &FillInput) -> Result<(), DeviceError> {
+        let gpu = fill.gpu();
+        let geometry = SceneGeometry::build(&input.scene.meshes);
+        let bytes = geometry.bytes();
+        let capacity = self.capacity;
+        capacity.check_bytes("positions", bytes.input_vertex_bytes)?;
+        capacity.check_bytes("mesh indices", bytes.input_index_bytes)?;
+        let storage = wgpu::BufferUsages::STORAGE;
+        let positions: &[u8] = bytemuck::cast_slice(&geometry.positions);
+        let positions = gpu.upload("positions", positions, storage)?;
+        let indices: &[u8] = bytemuck::cast_slice(&geometry.indices);
+        let indices = gpu.upload("mesh indices", indices, storage)?;
+        let layout = &self.pipelines.bindings.geometry;
+        let bind_group = gpu.bind_buffers("meshes", layout, &[&positions, &indices]);
+        let expanded = self.expand_scene(&gpu, input, &geometry.meshes, &bind_group)?;
+        self.scene = Some(SceneBuffers {
+            meshes: geometry.meshes,
+            positions,
+            indices,
+            bind_group,
+            bytes,
+            expanded,
+        });
+        Ok(())
+    }
+
+    /// Volumes that are kept are all made anew.
+    fn rewrite(
+        &mut self,
+        fill: &VolumeFill,
+        input: &FillInput,
+        changed: &[usize],
+    ) -> Result<bool, DeviceError> {
+        let Some(mut scene) = self.scene.take() else {
+            return Ok(false);
+        };
+        let gpu = fill.gpu();
+        let is_rewritten = scene.rewrite(&gpu, input, changed);
+        if is_rewritten {
+            scene.expanded = self.expand_scene(&gpu, input, &scene.meshes, &scene.bind_group)?;
+        }
+        self.scene = Some(scene);
+        Ok(is_rewritten)
+    }
+
+    fn upload_view(&mut self, fill: &VolumeFill, input: &FillInput) -> Result<(), DeviceError> {
+        self.view = ViewBuffers::default();
+        let Some(scene) = &self.scene else {
+            return Ok(());
+        };
+        let gpu = &fill.gpu();
+        let planned = &input.plan.regions;
+        let expanded = match self.variant.expansion {
+            Expansion::Cached => None,
+            Expansion::PerFrame => {
+                let mesh = |region: &PlannedRegion| {
+                    (&input.scene.meshes[region.mesh], &scene.meshes[region.mesh])
+                };
+                let plan = ExpansionPlan::new(planned.iter().map(mesh))?;
+                Some(self.make_room(gpu, plan)?)
+            }
+        };
+        let placed = match self.variant.transform {
+            Transform::VertexStage => None,
+            Transform::ComputeStage => Some(self.make_placed(gpu, input)?),
+        };
+        self.view.expanded = expanded;
+        self.view.placed = placed;
+        if self.variant.culling != GpuCulling::Off {
+            let region = |(index, planned): (usize, &PlannedRegion)| {
+                let output = self.output(index, planned.mesh)?;
+                let base_vertex = self.base_vertex(index);
+                Some(CullRegion::new(input, planned, output, base_vertex))
+            };
+            let regions = planned.iter().enumerate().filter_map(region).collect();
+            self.view.culling = Some(self.upload_culling(gpu, input, regions)?);
+        }
+        let constant_bytes = RegionConstants::byte_count(input);
+        self.capacity
+            .check_bytes("region constants", constant_bytes)
+    }
+}
+
+impl ComputeVolumes {
+    /// Holds itself to `capacity`, which may be less than the device's.
+    pub fn set_capacity(&mut self, capacity: Capacity) {
+        self.capacity = capacity;
     }
 
     /// The list of volumes, whoever made it.
@@ -183,14 +317,10 @@ impl ComputeVolumes {
         placed.map_or(0, |placed| placed.base_vertex(planned))
     }
 
-    /// Where a mesh lies; `None` before anything is uploaded.
-    pub(crate) fn places(&self) -> Option<impl Fn(usize) -> RegionPlace> {
-        let scene = self.scene.as_ref()?;
-        Some(|mesh: usize| scene.meshes[mesh].place)
-    }
-
-    /// Bytes as allocated.
-    pub(crate) fn bytes(&self) -> ComputeBytes {
+    /// Bytes as allocated for the input that was prepared last: of the whole scene what is read,
+    /// and of what is written the whole scene when cached, otherwise the regions in the plan.
+    #[must_use]
+    pub fn bytes(&self) -> ComputeBytes {
         let (scene, placed) = (self.scene.as_ref(), self.view.placed.as_ref());
         ComputeBytes {
             output_index_bytes: self.expanded().map_or(0, |e| e.indices.output_bytes),
@@ -199,42 +329,16 @@ impl ComputeVolumes {
         }
     }
 
-    /// What is held besides the constants of the regions.
-    pub(crate) fn held(&self) -> Held {
-        let lists = self.expanded().map(|expanded| &expanded.indices);
-        let corners = self.view.placed.as_ref().map(|placed| &placed.corners);
-        let filled = || lists.into_iter().chain(corners);
-        let scene = self.scene.as_ref();
-        let read = scene.map_or(0, |s| [&s.positions, &s.indices].len());
-        // Draws, boxes, horizon, states.
-        let culling = self.view.culling.as_ref().map_or((0, 0), |c| (4, c.bytes));
-        Held {
-            work_bytes: filled().map(|filled| filled.work_bytes).sum::<u64>() + culling.1,
-            buffers: (read + filled().map(Filled::buffers).sum::<usize>() + culling.0) as u64,
-        }
-    }
-
-    /// Refuses constants that the device cannot hold.
-    pub(crate) fn check_constants(&self, bytes: u64) -> Result<(), DeviceError> {
-        self.capacity.check_bytes("region constants", bytes)
-    }
-
-    /// Vertices of this frame's draws whose size only the device knows.
-    pub(crate) fn drawn_by_device(&self, gpu: &Gpu) -> Result<u64, DeviceError> {
-        let Some(culling) = &self.view.culling else {
-            return Ok(0);
-        };
-        let arguments: Vec<DrawArguments> = read_vec(gpu, &culling.draws)?;
-        let vertices = |&draw: &usize| u64::from(arguments[draw].index_count);
-        Ok(self.decided_draws.iter().map(vertices).sum())
-    }
-
-    /// Meshes that the device left out of the last frame.
-    pub(crate) fn left_out(&self, gpu: &Gpu) -> Result<Vec<usize>, DeviceError> {
+    /// Regions of the plan that the device left out of the last frame, as indices into the scene's
+    /// meshes. None without culling on the device.
+    ///
+    /// # Errors
+    /// [`DeviceError::DeviceLost`].
+    pub fn left_out(&self, fill: &VolumeFill) -> Result<Vec<usize>, DeviceError> {
         let Some(culling) = &self.view.culling else {
             return Ok(Vec::new());
         };
-        let states: Vec<u32> = read_vec(gpu, &culling.states)?;
+        let states: Vec<u32> = read_vec(&fill.gpu(), &culling.states)?;
         let planned = culling.meshes.iter().zip(states);
         Ok(planned
             .filter(|&(_, state)| state == LEFT_OUT)
@@ -242,58 +346,10 @@ impl ComputeVolumes {
             .collect())
     }
 
-    pub(crate) fn upload_scene(
-        &mut self,
-        targets: &RenderTargets,
-        input: &FillInput,
-    ) -> Result<(), DeviceError> {
-        let geometry = SceneGeometry::build(&input.scene.meshes);
-        let bytes = geometry.bytes();
-        let capacity = self.capacity;
-        capacity.check_bytes("positions", bytes.input_vertex_bytes)?;
-        capacity.check_bytes("mesh indices", bytes.input_index_bytes)?;
-        let storage = wgpu::BufferUsages::STORAGE;
-        let positions: &[u8] = bytemuck::cast_slice(&geometry.positions);
-        let positions = targets.upload("positions", positions, storage)?;
-        let indices: &[u8] = bytemuck::cast_slice(&geometry.indices);
-        let indices = targets.upload("mesh indices", indices, storage)?;
-        let (gpu, layout) = (targets.gpu(), &self.pipelines.bindings.geometry);
-        let bind_group = gpu.bind_buffers("meshes", layout, &[&positions, &indices]);
-        let expanded = self.expand_scene(targets, input, &geometry.meshes, &bind_group)?;
-        self.scene = Some(SceneBuffers {
-            meshes: geometry.meshes,
-            positions,
-            indices,
-            bind_group,
-            bytes,
-            expanded,
-        });
-        Ok(())
-    }
-
-    /// Writes the geometry of the changed meshes over what they were; volumes that are kept are all
-    /// made anew. False, with nothing written, where a mesh does not fit into its old place.
-    pub(crate) fn rewrite(
-        &mut self,
-        targets: &RenderTargets,
-        input: &FillInput,
-        changed: &[usize],
-    ) -> Result<bool, DeviceError> {
-        let Some(mut scene) = self.scene.take() else {
-            return Ok(false);
-        };
-        let is_rewritten = scene.rewrite(targets.gpu(), input, changed);
-        if is_rewritten {
-            scene.expanded = self.expand_scene(targets, input, &scene.meshes, &scene.bind_group)?;
-        }
-        self.scene = Some(scene);
-        Ok(is_rewritten)
-    }
-
     /// The volumes of the whole scene, where they are kept.
     fn expand_scene(
         &self,
-        targets: &RenderTargets,
+        gpu: &Gpu,
         input: &FillInput,
         meshes: &[MeshSlice],
         bind_group: &wgpu::BindGroup,
@@ -302,75 +358,29 @@ impl ComputeVolumes {
             return Ok(None);
         }
         let meshes = input.scene.meshes.iter().zip(meshes);
-        let expanded = self.make_room(targets, ExpansionPlan::new(meshes)?)?;
-        self.expand_once(targets.gpu(), bind_group, &expanded);
+        let expanded = self.make_room(gpu, ExpansionPlan::new(meshes)?)?;
+        self.expand_once(gpu, bind_group, &expanded);
         Ok(Some(expanded))
     }
 
-    pub(crate) fn upload_view(
-        &mut self,
-        targets: &RenderTargets,
-        input: &FillInput,
-    ) -> Result<(), DeviceError> {
-        self.view = ViewBuffers::default();
-        let Some(scene) = &self.scene else {
-            return Ok(());
-        };
-        let planned = &input.plan.regions;
-        let expanded = match self.variant.expansion {
-            Expansion::Cached => None,
-            Expansion::PerFrame => {
-                let mesh = |region: &PlannedRegion| {
-                    (&input.scene.meshes[region.mesh], &scene.meshes[region.mesh])
-                };
-                let plan = ExpansionPlan::new(planned.iter().map(mesh))?;
-                Some(self.make_room(targets, plan)?)
-            }
-        };
-        let placed = match self.variant.transform {
-            Transform::VertexStage => None,
-            Transform::ComputeStage => Some(self.make_placed(targets, input)?),
-        };
-        self.view.expanded = expanded;
-        self.view.placed = placed;
-        if self.variant.culling != GpuCulling::Off {
-            let region = |(index, planned): (usize, &PlannedRegion)| {
-                let output = self.output(index, planned.mesh)?;
-                let base_vertex = self.base_vertex(index);
-                Some(CullRegion::new(input, planned, output, base_vertex))
-            };
-            let regions = planned.iter().enumerate().filter_map(region).collect();
-            self.view.culling = Some(self.upload_culling(targets, input, regions)?);
-        }
-        Ok(())
-    }
-
     /// A list of exactly the size that `plan` fills, not filled yet.
-    fn make_room(
-        &self,
-        targets: &RenderTargets,
-        plan: ExpansionPlan,
-    ) -> Result<Expanded, DeviceError> {
+    fn make_room(&self, gpu: &Gpu, plan: ExpansionPlan) -> Result<Expanded, DeviceError> {
         let labels = ["expanded volumes", "expansion work"];
         let (bytes, usage) = (plan.output_bytes(), wgpu::BufferUsages::INDEX);
         Ok(Expanded {
-            indices: self.make_filled(targets, labels, &plan.work, bytes, usage)?,
+            indices: self.make_filled(gpu, labels, &plan.work, bytes, usage)?,
             outputs: plan.outputs,
         })
     }
 
     /// Room for the corners of the regions in the plan.
-    fn make_placed(
-        &self,
-        targets: &RenderTargets,
-        input: &FillInput,
-    ) -> Result<Placed, DeviceError> {
+    fn make_placed(&self, gpu: &Gpu, input: &FillInput) -> Result<Placed, DeviceError> {
         let planned = input.plan.regions.iter();
         let plan = PlacingPlan::new(planned.map(|planned| &input.scene.meshes[planned.mesh]))?;
         let labels = ["corners in clip space", "placing work"];
         let (bytes, usage) = (plan.output_bytes(), wgpu::BufferUsages::VERTEX);
         Ok(Placed {
-            corners: self.make_filled(targets, labels, &plan.work, bytes, usage)?,
+            corners: self.make_filled(gpu, labels, &plan.work, bytes, usage)?,
             first_corners: plan.first_corners,
         })
     }
@@ -378,7 +388,7 @@ impl ComputeVolumes {
     /// - `labels`: of the buffer and of the work that fills it
     fn make_filled(
         &self,
-        targets: &RenderTargets,
+        gpu: &Gpu,
         [label, work_label]: [&str; 2],
         work: &[WorkGroup],
         output_bytes: u64,
@@ -388,7 +398,6 @@ impl ComputeVolumes {
         self.capacity.check_bytes(label, output_bytes)?;
         self.capacity.check_bytes(work_label, work_bytes)?;
         let dispatch_size = self.capacity.dispatch_size(work.len())?;
-        let gpu = targets.gpu();
         let buffer = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             // A binding of 0 bytes is not allowed; an empty plan draws nothing. 16 are one corner.
@@ -397,7 +406,7 @@ impl ComputeVolumes {
             mapped_at_creation: false,
         });
         let storage = wgpu::BufferUsages::STORAGE;
-        let work = targets.upload(work_label, &storage_bytes(work), storage)?;
+        let work = gpu.upload(work_label, &storage_bytes(work), storage)?;
         let layout = &self.pipelines.bindings.expansion;
         Ok(Filled {
             bind_group: gpu.bind_buffers(label, layout, &[&work, &buffer]),
@@ -422,7 +431,7 @@ impl ComputeVolumes {
 
     fn upload_culling(
         &self,
-        targets: &RenderTargets,
+        gpu: &Gpu,
         input: &FillInput,
         regions: Vec<CullRegion>,
     ) -> Result<Culling, DeviceError> {
@@ -434,10 +443,9 @@ impl ComputeVolumes {
         let horizon = Horizon::new(input);
         let horizon_bytes = size_of_val(&horizon) as u64;
         let uniform = wgpu::BufferUsages::UNIFORM;
-        let horizon = targets.upload("horizon", bytemuck::bytes_of(&horizon), uniform)?;
+        let horizon = gpu.upload("horizon", bytemuck::bytes_of(&horizon), uniform)?;
         let regions = storage_bytes(&regions);
-        let regions = targets.upload("region boxes", &regions, wgpu::BufferUsages::STORAGE)?;
-        let gpu = targets.gpu();
+        let regions = gpu.upload("region boxes", &regions, wgpu::BufferUsages::STORAGE)?;
         let draws = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some("draw arguments"),
             size: draw_bytes,
@@ -462,5 +470,58 @@ impl ComputeVolumes {
             meshes: planned.iter().map(|planned| planned.mesh).collect(),
             bytes: draw_bytes + region_bytes + horizon_bytes + state_bytes,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compute_bytes;
+    use terrafill_core::RegionMesh;
+    use terrafill_fill::{FillBackend as _, PreparedScene, RegionSet};
+    use terrafill_gpu::{GpuOptions, RenderTargets, open_for_test};
+    use terrafill_scene::{ImageSize, PlanOptions, Scene};
+    use terrafill_surface::{EllipsoidKind, open_surface};
+
+    #[test]
+    fn a_view_that_does_not_fit_leaves_none_prepared() {
+        let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+            return;
+        };
+        let scene = Scene::shipped("california", None).expect("it ships");
+        let (body, rule) = (&scene.body, scene.edge_rule);
+        let meshes = RegionMesh::build_all(&scene.regions, body, rule, &scene.mesh);
+        let meshes: RegionSet = meshes.expect("it meshes").into();
+        let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
+        let prepared = PreparedScene::new(&scene, meshes.clone(), surface);
+        let size = ImageSize {
+            width: 16,
+            height: 16,
+        };
+        let full = FillInput::new(&prepared, &scene.views[0], size, PlanOptions::default())
+            .expect("a surface");
+        let mut empty = full.clone();
+        empty.plan.regions.clear();
+        // The meshes fit, and their volumes do not.
+        let bytes = compute_bytes(&meshes[0]);
+        let limits = gpu.device.limits();
+        let capacity = Capacity {
+            storage_bytes: bytes.input_vertex_bytes.max(bytes.input_index_bytes),
+            ..Capacity::of(&limits)
+        };
+        assert!(bytes.output_index_bytes > capacity.storage_bytes);
+        let targets = RenderTargets::shared(&gpu, size).expect("a size every device has");
+        let variant = ComputeVariant::default();
+        let mut backend = ComputeBackend::new(&targets, variant).expect("valid shaders");
+        backend.volumes_mut().set_capacity(capacity);
+        backend.prepare(&empty).expect("nothing to expand");
+        backend.render(&empty).expect("prepared");
+        let error = backend.prepare(&full).expect_err("too large");
+        assert!(error.to_string().contains("expanded volumes"), "{error}");
+        let error = backend.render(&empty).expect_err("no longer prepared");
+        assert!(matches!(error, DeviceError::NotPrepared { .. }), "{error}");
+        // Twin: what fits can be prepared again.
+        backend.prepare(&empty).expect("as before");
+        backend.render(&empty).expect("prepared");
     }
 }

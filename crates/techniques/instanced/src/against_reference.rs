@@ -233,9 +233,8 @@ fn broken_volumes_are_noticed() {
         backend.prepare(&input).expect("fits");
         let mut geometry = SceneGeometry::build(&input.scene.meshes);
         breaks(&mut geometry);
-        let targets = backend.fill.targets().borrow();
-        backend.volumes.upload(&targets, geometry).expect("fits");
-        drop(targets);
+        let uploaded = backend.volumes_mut().upload_geometry(&gpu, geometry);
+        uploaded.expect("fits");
         let frame = backend.render(&input).expect("draws");
         let found = is_right(&reference, &frame, switches);
         assert_eq!(found, right, "{what}, {colour:?}");
@@ -260,9 +259,8 @@ fn a_wall_that_is_missing_is_noticed() {
         let mut geometry = SceneGeometry::build(&input.scene.meshes);
         // A wall without length.
         geometry.walls[missing][1] = geometry.walls[missing][0];
-        let targets = backend.fill.targets().borrow();
-        backend.volumes.upload(&targets, geometry).expect("fits");
-        drop(targets);
+        let uploaded = backend.volumes_mut().upload_geometry(&gpu, geometry);
+        uploaded.expect("fits");
         let frame = backend.render(&input).expect("draws");
         assert!(!is_right(&reference, &frame, switches), "wall {missing}");
     }

@@ -10,12 +10,11 @@
 
 #[cfg(test)]
 mod against_reference;
-mod backend;
 mod layout;
 mod pipeline;
 mod technique;
 mod volumes;
 
-pub use backend::InstancedBackend;
 pub use layout::instanced_bytes;
 pub use technique::InstancedTechnique;
+pub use volumes::InstancedBackend;

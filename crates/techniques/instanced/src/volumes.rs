@@ -3,12 +3,18 @@
 
 use crate::layout::{RegionSlice, SceneGeometry};
 use crate::pipeline::{Part, Pipelines, VERTICES, WALL_CORNERS, WALLS};
-use terrafill_fill::{DeviceError, FillInput, GeometryBytes, RegionPlace, VolumeDraw};
-use terrafill_gpu::{Gpu, RenderTargets, VolumeFill, VolumePass, Volumes};
+use terrafill_fill::{
+    DeviceError, FillInput, GeometryBytes, MemoryUse, RegionPlace, RegionVolumes, Switches,
+    VolumeBackend, VolumeDraw, VolumeList,
+};
+use terrafill_gpu::{Gpu, VolumeFill, VolumePass, Volumes};
+
+/// Shadow volumes whose walls are instances.
+pub type InstancedBackend = VolumeBackend<InstancedVolumes>;
 
 /// Volumes of a scene, and the pipelines that draw them.
 #[derive(Debug)]
-pub(crate) struct InstancedVolumes {
+pub struct InstancedVolumes {
     pipelines: Pipelines,
     scene: Option<SceneBuffers>,
 }
@@ -24,34 +30,51 @@ struct SceneBuffers {
     bytes: GeometryBytes,
 }
 
-impl InstancedVolumes {
-    pub(crate) fn new(fill: &VolumeFill) -> Result<Self, DeviceError> {
+/// An update re-uploads every region: walls and caps of one region lie in four buffers, and none of
+/// them is rewritten in part yet.
+impl RegionVolumes for InstancedVolumes {
+    const TECHNIQUE: &'static str = "instanced";
+    type Executor = VolumeFill;
+    type Variant = Switches;
+
+    fn switches(variant: Switches) -> Result<Switches, DeviceError> {
+        Ok(variant)
+    }
+
+    fn new(fill: &VolumeFill, _variant: Switches) -> Result<Self, DeviceError> {
         Ok(Self {
             pipelines: Pipelines::new(fill)?,
             scene: None,
         })
     }
 
-    /// Bytes of the geometry, and how many buffers hold it.
-    pub(crate) fn memory(&self) -> (GeometryBytes, u64) {
-        // Vertices, indices of both widths, and walls.
-        let held = self.scene.as_ref().map(|scene| (scene.bytes, 4));
-        held.unwrap_or_default()
-    }
-
-    /// Where a mesh lies; `None` before anything is uploaded.
-    pub(crate) fn places(&self) -> Option<impl Fn(usize) -> RegionPlace> {
+    fn places(&self) -> Option<impl Fn(usize) -> RegionPlace> {
         let scene = self.scene.as_ref()?;
         Some(|mesh: usize| scene.regions[mesh].place)
     }
 
-    pub(crate) fn upload(
+    fn memory(&self) -> MemoryUse {
+        let held = self.scene.as_ref().map(|scene| MemoryUse {
+            // Vertices, indices of both widths, and walls.
+            buffers: 4,
+            ..scene.bytes.into()
+        });
+        held.unwrap_or_default()
+    }
+
+    fn upload(&mut self, fill: &VolumeFill, input: &FillInput) -> Result<(), DeviceError> {
+        self.upload_geometry(&fill.gpu(), SceneGeometry::build(&input.scene.meshes))
+    }
+}
+
+impl InstancedVolumes {
+    pub(crate) fn upload_geometry(
         &mut self,
-        targets: &RenderTargets,
+        gpu: &Gpu,
         geometry: SceneGeometry,
     ) -> Result<(), DeviceError> {
         let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
-        let upload = |label, bytes, usage| targets.upload(label, bytes, usage);
+        let upload = |label, bytes, usage| gpu.upload(label, bytes, usage);
         let vertices = bytemuck::cast_slice(&geometry.vertices);
         let short = bytemuck::cast_slice(&geometry.indices.short);
         let long = bytemuck::cast_slice(&geometry.indices.long);
@@ -69,8 +92,8 @@ impl InstancedVolumes {
 }
 
 impl SceneBuffers {
-    fn slice(&self, input: &FillInput, planned: usize) -> &RegionSlice {
-        &self.regions[input.plan.regions[planned].mesh]
+    fn slice(&self, list: &VolumeList, volume: usize) -> &RegionSlice {
+        &self.regions[list.volumes[volume].geometry]
     }
 
     fn bind_indices(&self, pass: &mut wgpu::RenderPass<'_>, is_short: bool) {
@@ -85,8 +108,8 @@ impl SceneBuffers {
 
     fn draw_caps(&self, pass: &mut VolumePass<'_>, draw: &VolumeDraw<'_>) {
         let mut bound = None;
-        for &planned in draw.regions {
-            let place = &self.slice(pass.input, planned).place;
+        for &volume in draw.volumes {
+            let place = &self.slice(pass.list, volume).place;
             let is_short = place.has_short_indices;
             if bound != Some(is_short) {
                 self.bind_indices(&mut pass.raw, is_short);
@@ -94,29 +117,25 @@ impl SceneBuffers {
             }
             let first = place.first_triangle_index;
             let base_vertex = i32::try_from(place.first_vertex).unwrap_or(i32::MAX);
-            pass.cut(planned, draw.scissor);
-            pass.draw_indexed(
-                first..first + 3 * place.triangle_count,
-                base_vertex,
-                planned,
-            );
+            pass.cut(volume, draw.scissor);
+            pass.draw_indexed(first..first + 3 * place.triangle_count, base_vertex, volume);
         }
     }
 
     /// A whole body has no boundary, and so no walls to draw.
     fn draw_walls(&self, pass: &mut VolumePass<'_>, draw: &VolumeDraw<'_>) {
-        for &planned in draw.regions {
-            let walls = self.slice(pass.input, planned).walls.clone();
+        for &volume in draw.volumes {
+            let walls = self.slice(pass.list, volume).walls.clone();
             if !walls.is_empty() {
-                pass.cut(planned, draw.scissor);
-                pass.draw_instances(WALL_CORNERS, walls, planned);
+                pass.cut(volume, draw.scissor);
+                pass.draw_instances(WALL_CORNERS, walls, volume);
             }
         }
     }
 }
 
 impl Volumes for InstancedVolumes {
-    fn ensure(&mut self, gpu: &Gpu, _input: &FillInput, draw: &VolumeDraw<'_>, _blends: bool) {
+    fn ensure(&mut self, gpu: &Gpu, _list: &VolumeList, draw: &VolumeDraw<'_>, _blends: bool) {
         for part in Part::all(draw.without_bottom) {
             self.pipelines.ensure(gpu, part, draw.state);
         }
@@ -129,7 +148,7 @@ impl Volumes for InstancedVolumes {
         }
     }
 
-    /// A part of all regions, then the next one, so that pipelines change seldom.
+    /// A part of all volumes, then the next one, so that pipelines change seldom.
     fn draw(&mut self, pass: &mut VolumePass<'_>, draw: &VolumeDraw<'_>, _blends: bool) {
         let Some(scene) = &self.scene else {
             return;

@@ -7,8 +7,6 @@
 //! against vertex shader" is read on one API, and "Vulkan against wgpu" on one algorithm. The
 //! comparison is Cozzi's (2007), whose geometry shaders ran on the first hardware that had any.
 
-mod backend;
-mod depth_bounds;
 mod extrusion;
 mod layout;
 mod neighbours;
@@ -18,10 +16,9 @@ mod strips;
 mod technique;
 mod variant;
 
-pub use backend::NativeBackend;
-pub use depth_bounds::{DepthRange, depth_range};
 pub use extrusion::{Extrusion, Indices};
 pub use layout::{native_bytes, native_layouts};
+pub use pass::NativeBackend;
 pub use ring_order::walls_with_other_diagonal;
 pub use strips::{StripCounts, strip_counts};
 pub use technique::NativeTechnique;

@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Volumes as the passes of a fill draw them: buffers of a scene, and the pipelines that read them.
 
+use crate::NativeVariant;
 use crate::extrusion::{Extrusion, Part};
 use crate::layout::{RegionSlice, SceneGeometry, words_per_vertex};
-use crate::{NativeVariant, depth_range};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
-use terrafill_core::RegionMesh;
-use terrafill_fill::{DeviceError, FillInput, GeometryBytes, RegionPlace, VolumeDraw, VolumeState};
-use terrafill_vulkan::{
-    Buffer, BufferUse, Geometry, Gpu, IndexWidth, Pipeline, PipelineDescriptor, VolumePass, Volumes,
+use terrafill_fill::{
+    DeviceError, FillInput, GeometryBytes, MemoryUse, RegionPlace, RegionVolumes, Switches,
+    VolumeBackend, VolumeDraw, VolumeList, VolumeState,
 };
+use terrafill_vulkan::{
+    Buffer, BufferUse, Geometry, Gpu, IndexWidth, Pipeline, PipelineDescriptor, VolumeFill,
+    VolumePass, Volumes,
+};
+
+/// Shadow volumes extruded in geometry shaders, or by `vs-control` in the vertex shader.
+pub type NativeBackend = VolumeBackend<NativeVolumes>;
 
 /// Widths of indices, short ones first.
 const WIDTHS: [IndexWidth; 2] = [IndexWidth::Short, IndexWidth::Long];
@@ -21,7 +27,7 @@ const MAX_VERTICES: usize = 1 << 24;
 
 /// Volumes of a scene, and the pipelines that draw them, made when first asked for.
 #[derive(Debug)]
-pub(crate) struct NativeVolumes {
+pub struct NativeVolumes {
     variant: NativeVariant,
     pipelines: HashMap<PipelineDescriptor, Pipeline>,
     scene: Option<SceneBuffers>,
@@ -37,42 +43,51 @@ struct SceneBuffers {
     bytes: GeometryBytes,
 }
 
-impl NativeVolumes {
-    pub(crate) fn new(variant: NativeVariant) -> Self {
-        Self {
+impl RegionVolumes for NativeVolumes {
+    const TECHNIQUE: &'static str = "native";
+    type Executor = VolumeFill;
+    type Variant = NativeVariant;
+
+    fn switches(variant: NativeVariant) -> Result<Switches, DeviceError> {
+        Ok(variant.switches)
+    }
+
+    fn new(fill: &VolumeFill, variant: NativeVariant) -> Result<Self, DeviceError> {
+        let facts = &fill.gpu().facts;
+        if variant.technique.needs_geometry_shader() && !facts.features.geometry_shader {
+            return Err(DeviceError::unsupported("geometryShader", &facts.name));
+        }
+        Ok(Self {
             variant,
             pipelines: HashMap::new(),
             scene: None,
-        }
+        })
     }
 
-    /// Bytes of the geometry, and how many buffers hold it.
-    pub(crate) fn memory(&self) -> (GeometryBytes, u64) {
-        // Vertices, and indices of both widths.
-        let scene = self.scene.as_ref();
-        scene.map_or_else(Default::default, |scene| (scene.bytes, 3))
-    }
-
-    /// Where a mesh lies; `None` before anything is uploaded.
-    pub(crate) fn places(&self) -> Option<impl Fn(usize) -> RegionPlace> {
+    fn places(&self) -> Option<impl Fn(usize) -> RegionPlace> {
         let scene = self.scene.as_ref()?;
         Some(|mesh: usize| scene.regions[mesh].place())
     }
 
-    pub(crate) fn upload(
-        &mut self,
-        gpu: &Arc<Gpu>,
-        meshes: &[RegionMesh],
-    ) -> Result<(), DeviceError> {
-        let (technique, indices) = (self.variant.technique, self.variant.indices());
-        self.upload_geometry(gpu, SceneGeometry::build(technique, indices, meshes))
+    fn memory(&self) -> MemoryUse {
+        let held = self.scene.as_ref().map(|scene| MemoryUse {
+            // Vertices, and indices of both widths.
+            buffers: 3,
+            ..scene.bytes.into()
+        });
+        held.unwrap_or_default()
     }
 
-    /// Writes the geometry of the changed meshes over what they were. False, with nothing written,
-    /// where one of them does not fit into its old place.
-    pub(crate) fn rewrite(
+    fn upload(&mut self, fill: &VolumeFill, input: &FillInput) -> Result<(), DeviceError> {
+        let (technique, indices) = (self.variant.technique, self.variant.indices());
+        let geometry = SceneGeometry::build(technique, indices, &input.scene.meshes);
+        self.upload_geometry(&fill.gpu(), geometry)
+    }
+
+    fn rewrite(
         &mut self,
-        meshes: &[RegionMesh],
+        _fill: &VolumeFill,
+        input: &FillInput,
         changed: &[usize],
     ) -> Result<bool, DeviceError> {
         let (technique, indices) = (self.variant.technique, self.variant.indices());
@@ -81,7 +96,7 @@ impl NativeVolumes {
         };
         let mut rewritten = Vec::with_capacity(changed.len());
         for &mesh in changed {
-            let mesh_alone = std::slice::from_ref(&meshes[mesh]);
+            let mesh_alone = std::slice::from_ref(&input.scene.meshes[mesh]);
             let geometry = SceneGeometry::build(technique, indices, mesh_alone);
             let Some(slice) = scene.regions[mesh].replaced_by(&geometry.regions[0]) else {
                 return Ok(false);
@@ -102,7 +117,9 @@ impl NativeVolumes {
         }
         Ok(true)
     }
+}
 
+impl NativeVolumes {
     pub(crate) fn upload_geometry(
         &mut self,
         gpu: &Arc<Gpu>,
@@ -152,12 +169,12 @@ impl NativeVolumes {
 }
 
 impl SceneBuffers {
-    fn slice(&self, input: &FillInput, planned: usize) -> &RegionSlice {
-        &self.regions[input.plan.regions[planned].mesh]
+    fn slice(&self, list: &VolumeList, volume: usize) -> &RegionSlice {
+        &self.regions[list.volumes[volume].geometry]
     }
 
-    fn width(&self, input: &FillInput, planned: usize) -> IndexWidth {
-        if self.slice(input, planned).short_indices {
+    fn width(&self, list: &VolumeList, volume: usize) -> IndexWidth {
+        if self.slice(list, volume).short_indices {
             IndexWidth::Short
         } else {
             IndexWidth::Long
@@ -190,20 +207,20 @@ impl Volumes for NativeVolumes {
         let Some(scene) = &self.scene else {
             return;
         };
-        let input = pass.input;
+        let list = pass.list;
         for width in WIDTHS {
             for (part, key) in self.pipelines_of(draw.state, draw.without_bottom) {
                 let Some(pipeline) = self.pipelines.get(&key) else {
                     continue;
                 };
-                let drawn = draw.regions.iter().copied();
-                for planned in drawn.filter(|&planned| scene.width(input, planned) == width) {
-                    pass.cut(planned, draw.scissor);
+                let drawn = draw.volumes.iter().copied();
+                for volume in drawn.filter(|&volume| scene.width(list, volume) == width) {
+                    pass.cut(volume, draw.scissor);
                     if key.depth_bounds {
-                        let range = depth_range(input, &input.plan.regions[planned]);
+                        let range = list.volumes[volume].depth;
                         pass.depth_bounds(range.low, range.high);
                     }
-                    let slice = scene.slice(input, planned);
+                    let slice = scene.slice(list, volume);
                     let (first, count) = match part {
                         Part::Walls => (slice.first_wall_index, slice.wall_index_count),
                         // The bottom's triangles are the second half; geometry shaders leave
@@ -221,7 +238,7 @@ impl Volumes for NativeVolumes {
                     let base_vertex = i32::try_from(slice.first_vertex).unwrap_or(i32::MAX);
                     let geometry = scene.geometry(width);
                     let indices = first..first + count;
-                    pass.draw_indexed(pipeline, geometry, indices, base_vertex, planned);
+                    pass.draw_indexed(pipeline, geometry, indices, base_vertex, volume);
                 }
             }
         }
@@ -243,6 +260,12 @@ fn check_numbers(technique: Extrusion, vertices: usize) -> Result<(), DeviceErro
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Indices, strip_counts};
+    use terrafill_core::RegionMesh;
+    use terrafill_fill::{ColourWay, FillBackend as _, PreparedScene};
+    use terrafill_scene::{ImageSize, PlanOptions, Scene};
+    use terrafill_surface::{EllipsoidKind, open_surface};
+    use terrafill_vulkan::Measured;
 
     #[test]
     fn vertices_whose_numbers_a_float_would_round_are_refused() {
@@ -256,5 +279,136 @@ mod tests {
         // The largest number is one less than the count, and the next float up from it is the next.
         let largest = (MAX_VERTICES - 1) as f32;
         assert_eq!(largest.next_up(), MAX_VERTICES as f32);
+    }
+    /// California from the side: from above, walls turned against caps are hardly seen.
+    fn california() -> FillInput {
+        let scene = Scene::shipped("california", None).expect("it ships");
+        let meshes =
+            RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh);
+        let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
+        let prepared = PreparedScene::new(&scene, meshes.expect("meshes").into(), surface);
+        let mut views = scene.views.iter();
+        let view = views.find(|view| view.name == "horizon").expect("a view");
+        let size = ImageSize {
+            width: 256,
+            height: 256,
+        };
+        FillInput::new(&prepared, view, size, PlanOptions::default()).expect("a surface")
+    }
+
+    /// Takes the strips of the only region apart and puts them together again, changed.
+    fn change_strips(geometry: &mut SceneGeometry, change: impl FnOnce(&mut Vec<Vec<u16>>)) {
+        let indices = std::mem::take(&mut geometry.indices.short);
+        let strips = indices.split(|&index| index == u16::MAX);
+        let mut strips: Vec<Vec<u16>> = strips.map(<[u16]>::to_vec).collect();
+        change(&mut strips);
+        geometry.indices.short = strips.join(&u16::MAX);
+        let region = geometry.regions.first_mut().expect("one region");
+        region.index_count = geometry.indices.count(true);
+    }
+
+    /// Of whole strips a device makes what it makes of lists, and of broken ones it does not.
+    #[test]
+    fn broken_strips_are_seen() {
+        let Some(gpu) = terrafill_vulkan::open_for_test(&Default::default()) else {
+            return;
+        };
+        // Regions that are counted: to bits that flip, all faces are alike.
+        let switches = Switches {
+            colour: ColourWay::Rectangle,
+            ..Switches::default()
+        };
+        let input = california();
+        let targets =
+            terrafill_vulkan::RenderTargets::shared(&gpu, input.size).expect("small targets");
+        // How many indices stand for a corner.
+        for (technique, step) in [(Extrusion::GsDegenerate, 1), (Extrusion::GsAdjacency, 2)] {
+            let drawn = |indices, change: &dyn Fn(&mut SceneGeometry)| {
+                let variant = NativeVariant {
+                    technique,
+                    indices: Some(indices),
+                    switches,
+                };
+                let mut backend = NativeBackend::new(&targets, variant).expect("has the features");
+                backend.prepare(&input).expect("fits");
+                let mut geometry = SceneGeometry::build(technique, indices, &input.scene.meshes);
+                change(&mut geometry);
+                let uploaded = backend.volumes_mut().upload_geometry(&gpu, geometry);
+                uploaded.expect("fits");
+                backend.render(&input).expect("draws").ids
+            };
+            let list = drawn(Indices::List, &|_| {});
+            let filled = list.iter().filter(|id| **id > 0).count();
+            assert!(filled > 1000, "{filled}");
+            let differing = |change: &dyn Fn(&mut Vec<Vec<u16>>)| {
+                let ids = drawn(Indices::Strip, &|geometry| change_strips(geometry, change));
+                let both = ids.iter().zip(&list);
+                both.filter(|(found, expected)| found != expected).count()
+            };
+            let name = technique.name();
+            assert_eq!(differing(&|_| {}), 0, "{name}");
+            let turned_over = differing(&|strips| {
+                for strip in strips.iter_mut().filter(|strip| !strip.is_empty()) {
+                    strip.splice(0..0, strip[..step].to_vec());
+                }
+            });
+            assert!(turned_over > 100, "{name}, parity: {turned_over}");
+            let joined = differing(&|strips| *strips = vec![strips.concat()]);
+            assert!(joined > 100, "{name}, restarts missing: {joined}");
+            if technique == Extrusion::GsAdjacency {
+                let swapped = differing(&|strips| {
+                    for strip in strips.iter_mut().filter(|strip| !strip.is_empty()) {
+                        strip.swap(1, 3);
+                    }
+                });
+                assert!(swapped > 100, "neighbours swapped: {swapped}");
+            }
+        }
+    }
+
+    /// A device that took a restart for a vertex, or turned a strip otherwise, would be given more.
+    #[test]
+    fn geometry_shaders_are_given_what_the_strips_hold() {
+        let Some(gpu) = terrafill_vulkan::open_for_test(&Default::default()) else {
+            return;
+        };
+        if !gpu.facts.features.pipeline_statistics {
+            eprintln!("skipped: no pipeline statistics");
+            return;
+        }
+        let input = california();
+        let mesh = &input.scene.meshes[0];
+        let (triangles, edges) = (mesh.triangle_count(), mesh.boundary_edge_count());
+        let in_strips = triangles + strip_counts(mesh).repeated;
+        let between = edges - mesh.boundary_loops.len();
+        let targets =
+            terrafill_vulkan::RenderTargets::shared(&gpu, input.size).expect("small targets");
+        let (list, strip) = (Indices::List, Indices::Strip);
+        for (technique, indices, expected) in [
+            (Extrusion::GsDegenerate, list, triangles + edges),
+            (Extrusion::GsDegenerate, strip, in_strips + edges + between),
+            (Extrusion::GsAdjacency, list, triangles),
+            (Extrusion::GsAdjacency, strip, in_strips),
+        ] {
+            let variant = NativeVariant {
+                technique,
+                indices: Some(indices),
+                ..NativeVariant::default()
+            };
+            let mut backend = NativeBackend::new(&targets, variant).expect("has the features");
+            backend.prepare(&input).expect("fits");
+            backend.render(&input).expect("draws");
+            let statistics = Measured::Statistics;
+            let measured = backend.executor().measure(backend.volumes(), statistics);
+            let (report, _) = measured.expect("draws");
+            let given = report.statistics.expect("has the feature");
+            let what = (technique.name(), indices.name());
+            let found = given.geometry_shader_invocations;
+            assert_eq!(found, Some(expected as u64), "{what:?}");
+            let made = 2 * (triangles + edges) as u64;
+            assert_eq!(given.geometry_shader_primitives, Some(made), "{what:?}");
+        }
+        // Twin: some corners are said again, and some edges are not the first of their loop.
+        assert!(in_strips > triangles && between > 0);
     }
 }

@@ -7,7 +7,6 @@
 //! Heidmann (1991) and Carmack's depth-fail variant (2000); this backend is its vertex-shader form,
 //! in the layouts that the document compared and one that duplicates no vertex.
 
-mod backend;
 mod cache_order;
 mod layout;
 mod pass;
@@ -17,11 +16,11 @@ mod variant;
 #[cfg(test)]
 mod volume_invariants;
 
-pub use backend::VertexBackend;
 pub use cache_order::{CACHE_SIZE, acmr, cache_ordered};
 pub use layout::{
     FLAG_BYTES, layout_bytes, per_triangle_volume_bytes, shared_flag_bytes, shared_mesh_bytes,
     variant_bytes,
 };
+pub use pass::VertexBackend;
 pub use technique::VertexTechnique;
 pub use variant::{IndexOrder, Layout, VertexSize, VertexVariant, Walls};

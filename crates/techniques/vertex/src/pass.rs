@@ -5,12 +5,19 @@ use crate::layout::{RegionSlice, SceneGeometry};
 use crate::pipeline::{Part, PipelineKey, Pipelines, draws_first_walls_twice, parts};
 use crate::{Layout, VertexVariant};
 use std::ops::Range;
-use terrafill_fill::{DeviceError, FillInput, GeometryBytes, IndexLists, RegionPlace, VolumeDraw};
-use terrafill_gpu::{Gpu, RenderTargets, VolumeFill, VolumePass, Volumes};
+use terrafill_fill::{
+    DeviceError, FillInput, GeometryBytes, IndexLists, MemoryUse, PositionFormat, RegionPlace,
+    RegionVolumes, Switches, VolumeBackend, VolumeDraw, VolumeList,
+};
+use terrafill_gpu::{Gpu, VolumeFill, VolumePass, Volumes};
+use terrafill_scene::Overlap;
+
+/// Shadow volumes extruded in the vertex shader.
+pub type VertexBackend = VolumeBackend<VertexVolumes>;
 
 /// Volumes of a scene, and the pipelines that draw them.
 #[derive(Debug)]
-pub(crate) struct VertexVolumes {
+pub struct VertexVolumes {
     variant: VertexVariant,
     pipelines: Pipelines,
     scene: Option<SceneBuffers>,
@@ -32,8 +39,17 @@ struct SceneBuffers {
     bytes: GeometryBytes,
 }
 
-impl VertexVolumes {
-    pub(crate) fn new(fill: &VolumeFill, variant: VertexVariant) -> Result<Self, DeviceError> {
+impl RegionVolumes for VertexVolumes {
+    const TECHNIQUE: &'static str = "vertex";
+    type Executor = VolumeFill;
+    type Variant = VertexVariant;
+
+    fn switches(variant: VertexVariant) -> Result<Switches, DeviceError> {
+        variant.check_layout()?;
+        Ok(variant.switches)
+    }
+
+    fn new(fill: &VolumeFill, variant: VertexVariant) -> Result<Self, DeviceError> {
         Ok(Self {
             variant,
             pipelines: Pipelines::new(fill, variant)?,
@@ -41,26 +57,31 @@ impl VertexVolumes {
         })
     }
 
-    /// Bytes of the geometry, and how many buffers hold it.
-    pub(crate) fn memory(&self) -> (GeometryBytes, u64) {
-        let Some(scene) = &self.scene else {
-            return Default::default();
-        };
-        // Vertices, and indices of both widths.
-        (scene.bytes, 3 + u64::from(scene.flags.is_some()))
-    }
-
-    /// Where a mesh lies; `None` before anything is uploaded.
-    pub(crate) fn places(&self) -> Option<impl Fn(usize) -> RegionPlace> {
+    fn places(&self) -> Option<impl Fn(usize) -> RegionPlace> {
         let scene = self.scene.as_ref()?;
         Some(|mesh: usize| scene.regions[mesh].place)
     }
 
-    pub(crate) fn upload(
-        &mut self,
-        targets: &RenderTargets,
-        input: &FillInput,
-    ) -> Result<(), DeviceError> {
+    fn positions(&self) -> PositionFormat {
+        self.variant.positions
+    }
+
+    fn opacity(&self, overlap: Overlap) -> Result<f32, DeviceError> {
+        self.variant.check(overlap)?;
+        Ok(f32::from(self.variant.opacity_percent) / 100.0)
+    }
+
+    fn memory(&self) -> MemoryUse {
+        let held = self.scene.as_ref().map(|scene| MemoryUse {
+            // Vertices, and indices of both widths.
+            buffers: 3 + u64::from(scene.flags.is_some()),
+            ..scene.bytes.into()
+        });
+        held.unwrap_or_default()
+    }
+
+    fn upload(&mut self, fill: &VolumeFill, input: &FillInput) -> Result<(), DeviceError> {
+        let gpu = fill.gpu();
         let layout = self.variant.layout;
         let geometry = SceneGeometry::build(&self.variant, &input.scene.meshes);
         let bytes = geometry.bytes();
@@ -68,7 +89,7 @@ impl VertexVolumes {
             Layout::Pulled => (wgpu::BufferUsages::STORAGE, wgpu::BufferUsages::STORAGE),
             _ => (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX),
         };
-        let upload = |label, bytes, usage| targets.upload(label, bytes, usage);
+        let upload = |label, bytes, usage| gpu.upload(label, bytes, usage);
         let vertices = upload(
             "volume vertices",
             bytemuck::cast_slice(&geometry.vertices),
@@ -88,10 +109,7 @@ impl VertexVolumes {
         let long_indices = upload("32-bit indices", long, index_usage)?;
         let bind = |indices: &wgpu::Buffer| {
             let layout = &self.pipelines.geometry_layout;
-            let buffers = [&vertices, indices];
-            targets
-                .gpu()
-                .bind_buffers("pulled geometry", layout, &buffers)
+            gpu.bind_buffers("pulled geometry", layout, &[&vertices, indices])
         };
         let pulled =
             (layout == Layout::Pulled).then(|| [bind(&short_indices), bind(&long_indices)]);
@@ -108,18 +126,22 @@ impl VertexVolumes {
         Ok(())
     }
 
-    /// Writes the geometry of the changed meshes over what they were. False, with nothing written,
-    /// where one of them does not fit into its old place.
-    pub(crate) fn rewrite(&mut self, gpu: &Gpu, input: &FillInput, changed: &[usize]) -> bool {
+    fn rewrite(
+        &mut self,
+        fill: &VolumeFill,
+        input: &FillInput,
+        changed: &[usize],
+    ) -> Result<bool, DeviceError> {
         let Some(scene) = &mut self.scene else {
-            return false;
+            return Ok(false);
         };
+        let gpu = fill.gpu();
         let mut rewritten = Vec::with_capacity(changed.len());
         for &mesh in changed {
             let mesh_alone = std::slice::from_ref(&input.scene.meshes[mesh]);
             let geometry = SceneGeometry::build(&self.variant, mesh_alone);
             let Some(slice) = scene.regions[mesh].replaced_by(&geometry.regions[0]) else {
-                return false;
+                return Ok(false);
             };
             rewritten.push((mesh, slice, geometry));
         }
@@ -128,10 +150,10 @@ impl VertexVolumes {
             let first_byte = u64::from(slice.place.first_vertex) * vertex_bytes;
             let vertices = bytemuck::cast_slice(&geometry.vertices);
             gpu.write_buffer(&scene.vertices, first_byte, vertices);
-            scene.write_indices(gpu, slice.indices(), &geometry.indices);
+            scene.write_indices(&gpu, slice.indices(), &geometry.indices);
             scene.regions[mesh] = slice;
         }
-        true
+        Ok(true)
     }
 }
 
@@ -151,21 +173,21 @@ impl SceneBuffers {
         }
     }
 
-    fn slice(&self, input: &FillInput, planned: usize) -> &RegionSlice {
-        &self.regions[input.plan.regions[planned].mesh]
+    fn slice(&self, list: &VolumeList, volume: usize) -> &RegionSlice {
+        &self.regions[list.volumes[volume].geometry]
     }
 
-    /// Those of `regions` whose indices have this width.
+    /// Those of `volumes` whose indices have this width.
     fn of_width(
         &self,
-        input: &FillInput,
-        regions: &[usize],
+        list: &VolumeList,
+        volumes: &[usize],
         short_indices: bool,
     ) -> impl Iterator<Item = usize> {
-        let is_of_width = move |planned: &usize| {
-            self.slice(input, *planned).place.has_short_indices == short_indices
+        let is_of_width = move |volume: &usize| {
+            self.slice(list, *volume).place.has_short_indices == short_indices
         };
-        regions.iter().copied().filter(is_of_width)
+        volumes.iter().copied().filter(is_of_width)
     }
 
     fn bind_indices(&self, pass: &mut wgpu::RenderPass<'_>, short_indices: bool) {
@@ -192,12 +214,12 @@ fn whole_words(list: &[u16], range: Range<usize>) -> (u64, Vec<[u16; 2]>) {
 }
 
 impl Volumes for VertexVolumes {
-    fn ensure(&mut self, gpu: &Gpu, input: &FillInput, draw: &VolumeDraw<'_>, blends: bool) {
+    fn ensure(&mut self, gpu: &Gpu, list: &VolumeList, draw: &VolumeDraw<'_>, blends: bool) {
         let Some(scene) = &self.scene else {
             return;
         };
         for short_indices in [true, false] {
-            let mut drawn = scene.of_width(input, draw.regions, short_indices);
+            let mut drawn = scene.of_width(list, draw.volumes, short_indices);
             if drawn.next().is_none() {
                 continue;
             }
@@ -224,7 +246,7 @@ impl Volumes for VertexVolumes {
         }
     }
 
-    /// Caps of all regions, then walls of all, so that pipelines change seldom.
+    /// Caps of all volumes, then walls of all, so that pipelines change seldom.
     fn draw(&mut self, pass: &mut VolumePass<'_>, draw: &VolumeDraw<'_>, blends: bool) {
         let Some(scene) = &self.scene else {
             return;
@@ -232,7 +254,7 @@ impl Volumes for VertexVolumes {
         for short_indices in [true, false] {
             for part in parts(self.variant.layout, draw.state, short_indices) {
                 let mut is_bound = false;
-                for planned in scene.of_width(pass.input, draw.regions, short_indices) {
+                for volume in scene.of_width(pass.list, draw.volumes, short_indices) {
                     if !is_bound {
                         let key = PipelineKey {
                             part,
@@ -245,8 +267,8 @@ impl Volumes for VertexVolumes {
                         scene.bind_indices(&mut pass.raw, short_indices);
                         is_bound = true;
                     }
-                    pass.cut(planned, draw.scissor);
-                    self.draw_part(scene, pass, part, planned, draw);
+                    pass.cut(volume, draw.scissor);
+                    self.draw_part(scene, pass, part, volume, draw);
                 }
             }
         }
@@ -259,10 +281,10 @@ impl VertexVolumes {
         scene: &SceneBuffers,
         pass: &mut VolumePass<'_>,
         part: Part,
-        planned: usize,
+        volume: usize,
         draw: &VolumeDraw<'_>,
     ) {
-        let slice = scene.slice(pass.input, planned);
+        let slice = scene.slice(pass.list, volume);
         let caps = if draw.without_bottom { 3 } else { 6 } * slice.place.triangle_count;
         if scene.pulled.is_some() {
             let count = match part {
@@ -272,7 +294,7 @@ impl VertexVolumes {
                     6 * slice.loop_index_count.saturating_sub(1)
                 }
             };
-            pass.draw(0..count, planned);
+            pass.draw(0..count, volume);
             return;
         }
         let (walls, turned) = (slice.loop_index_count, slice.turned_index_count);
@@ -295,7 +317,7 @@ impl VertexVolumes {
         } else {
             i32::try_from(slice.place.first_vertex).unwrap_or(i32::MAX)
         };
-        pass.draw_indexed(first..first + count, base_vertex, planned);
+        pass.draw_indexed(first..first + count, base_vertex, volume);
     }
 }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The range of the surface's depth in which a region can lie at all.
+//! The range of the surface's depth in which a volume can lie at all.
 //!
-//! Where the surface is nearer than the region's volume or farther, every ray crosses the volume an
+//! Where the surface is nearer than the volume or farther, every ray crosses the volume an
 //! even number of times on either side of it, so its fragments may be dropped before they touch the
 //! stencil. The range is that of the corners of a box that holds the volume, along the viewing
 //! direction; with reversed depth the farthest corner gives the lower end.
 
-use terrafill_fill::FillInput;
+use crate::FillInput;
 use terrafill_scene::PlannedRegion;
 
 /// Reversed depth, `0 ≤ low ≤ high ≤ 1`.
@@ -18,6 +18,14 @@ pub struct DepthRange {
     pub high: f32,
 }
 
+impl DepthRange {
+    /// Every depth there is.
+    pub const ANY: Self = Self {
+        low: 0.0,
+        high: 1.0,
+    };
+}
+
 /// Depth of a large facet is interpolated between its corners: each of them is rounded to 2⁻²⁴ of
 /// itself, and the nearest may have depth 1. Four such steps hold it.
 const INTERPOLATION: f64 = 1.0 / (1 << 22) as f64;
@@ -26,12 +34,11 @@ const INTERPOLATION: f64 = 1.0 / (1 << 22) as f64;
 const RELATIVE: f64 = 1.0 / (1 << 10) as f64;
 
 /// Depth of the surface wherever `planned` may be seen.
-#[must_use]
 #[allow(
     clippy::cast_possible_truncation,
     reason = "rounding to f32 is far less than what the range is widened by"
 )]
-pub fn depth_range(input: &FillInput, planned: &PlannedRegion) -> DepthRange {
+pub(crate) fn depth_range(input: &FillInput, planned: &PlannedRegion) -> DepthRange {
     let camera = &input.camera;
     let region = &input.scene.bounds[planned.mesh];
     let top = planned.heights.top_m - region.heights.top_m;

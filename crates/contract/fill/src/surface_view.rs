@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! An eye over a surface: all that render targets need to know before anything is filled.
+
+use crate::{DeviceError, FillInput, ViewId};
+use terrafill_core::Ellipsoid;
+use terrafill_scene::{Camera, ImageSize};
+use terrafill_surface::SurfaceFrame;
+
+/// A view of a surface.
+#[derive(Debug, Clone, Copy)]
+pub struct SurfaceView<'a> {
+    /// Identity of everything below.
+    pub id: ViewId,
+    /// What the surface lies on.
+    pub body: &'a Ellipsoid,
+    /// The eye.
+    pub camera: &'a Camera,
+    /// The image.
+    pub size: ImageSize,
+    /// The surface as drawn in this view.
+    pub surface: &'a SurfaceFrame,
+}
+
+impl<'a> From<&'a FillInput> for SurfaceView<'a> {
+    fn from(input: &'a FillInput) -> Self {
+        Self {
+            id: input.view_id,
+            body: &input.scene.body,
+            camera: &input.camera,
+            size: input.size,
+            surface: &input.surface,
+        }
+    }
+}
+
+impl SurfaceView<'_> {
+    /// Whether targets of this size are the view's.
+    ///
+    /// # Errors
+    /// [`DeviceError::OverCapacity`].
+    pub fn check_size(&self, targets: ImageSize) -> Result<(), DeviceError> {
+        if self.size == targets {
+            return Ok(());
+        }
+        Err(DeviceError::OverCapacity {
+            what: "image size differs from the targets', pixels".to_owned(),
+            found: self.size.pixel_count() as u64,
+            allowed: targets.pixel_count() as u64,
+        })
+    }
+}

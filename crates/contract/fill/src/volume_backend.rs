@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The backend of every technique that fills regions by volumes, on whatever interface.
+//!
+//! A technique says how meshes become volumes ([`RegionVolumes`]) and a device crate runs stencil
+//! programs ([`StencilExecutor`]); this keeps both up to date with the input, and counts and measures
+//! alike for all.
+
+use crate::textured_work::TexturedWork;
+use crate::{
+    Capabilities, Colours, Counters, DeviceError, FillBackend, FillInput, FillProgram, Frame,
+    FrameTimes, MemoryUse, Picture, PositionFormat, RegionConstants, RegionPlace, StencilExecutor,
+    StencilWork, Switches, Uploaded, ViewId, VolumeList, WorkDone,
+};
+use terrafill_scene::Overlap;
+
+/// Volumes of the regions of a scene, made and drawn by one technique.
+pub trait RegionVolumes: Sized {
+    /// Name of the technique in rows.
+    const TECHNIQUE: &'static str;
+    /// What draws them.
+    type Executor: StencilExecutor<Self>;
+    /// The technique's parameters and switches.
+    type Variant: Copy;
+
+    /// The switches of a variant.
+    ///
+    /// # Errors
+    /// [`DeviceError::Switch`] when its parameters do not go together.
+    fn switches(variant: Self::Variant) -> Result<Switches, DeviceError>;
+
+    /// Volumes of no scene yet.
+    ///
+    /// # Errors
+    /// [`DeviceError::Unsupported`] when the device lacks what the variant needs;
+    /// [`DeviceError::Shader`].
+    fn new(executor: &Self::Executor, variant: Self::Variant) -> Result<Self, DeviceError>;
+
+    /// Uploads every mesh of the scene.
+    ///
+    /// # Errors
+    /// [`DeviceError::OverCapacity`], [`DeviceError::OutOfMemory`]. The scene before stays.
+    fn upload(&mut self, executor: &Self::Executor, input: &FillInput) -> Result<(), DeviceError>;
+
+    /// Writes the changed meshes over what they were. False, with nothing written, where one of
+    /// them does not fit into its old place.
+    ///
+    /// # Errors
+    /// As [`RegionVolumes::upload`].
+    fn rewrite(
+        &mut self,
+        _executor: &Self::Executor,
+        _input: &FillInput,
+        _changed: &[usize],
+    ) -> Result<bool, DeviceError> {
+        Ok(false)
+    }
+
+    /// Makes what only this view needs.
+    ///
+    /// # Errors
+    /// As [`RegionVolumes::upload`].
+    fn upload_view(
+        &mut self,
+        _executor: &Self::Executor,
+        _input: &FillInput,
+    ) -> Result<(), DeviceError> {
+        Ok(())
+    }
+
+    /// Where a mesh lies; `None` before anything is uploaded.
+    fn places(&self) -> Option<impl Fn(usize) -> RegionPlace>;
+
+    /// How positions are stored.
+    fn positions(&self) -> PositionFormat {
+        PositionFormat::Fixed
+    }
+
+    /// Opacity of regions in pictures for people.
+    ///
+    /// # Errors
+    /// [`DeviceError::Switch`] when the variant cannot draw such a picture.
+    fn opacity(&self, _overlap: Overlap) -> Result<f32, DeviceError> {
+        Ok(1.0)
+    }
+
+    /// What they hold, besides the constants of the regions.
+    fn memory(&self) -> MemoryUse;
+
+    /// Vertices of the last frame's draws whose size only the device knows.
+    ///
+    /// # Errors
+    /// [`DeviceError::DeviceLost`].
+    fn vertices_by_device(&self, _executor: &Self::Executor) -> Result<u64, DeviceError> {
+        Ok(0)
+    }
+}
+
+/// Fills regions by volumes.
+#[derive(Debug)]
+pub struct VolumeBackend<V: RegionVolumes> {
+    capabilities: Capabilities,
+    switches: Switches,
+    variant: V::Variant,
+    executor: V::Executor,
+    volumes: V,
+    textured: TexturedWork,
+    /// Revision of the meshes that the volumes hold.
+    meshes: Option<u64>,
+    /// View of the program that the executor holds.
+    view: Option<ViewId>,
+    /// What the device did since the last frame, for the next one's counters.
+    work: WorkDone,
+}
+
+impl<V: RegionVolumes> VolumeBackend<V> {
+    /// A backend that draws `variant` into `targets`.
+    ///
+    /// # Errors
+    /// [`DeviceError::Switch`] when the variant's parameters do not go together;
+    /// [`DeviceError::Unsupported`] for what device or interface lack; [`DeviceError::Shader`].
+    pub fn new(
+        targets: &<V::Executor as StencilExecutor<V>>::Targets,
+        variant: V::Variant,
+    ) -> Result<Self, DeviceError> {
+        let switches = V::switches(variant)?;
+        let executor = V::Executor::new(targets, &switches)?;
+        let facts = executor.facts();
+        Ok(Self {
+            capabilities: Capabilities {
+                backend: V::TECHNIQUE,
+                adapter: facts.adapter,
+                gpu_timestamps: facts.gpu_timestamps,
+                pipeline_statistics: facts.pipeline_statistics,
+            },
+            switches,
+            variant,
+            volumes: V::new(&executor, variant)?,
+            executor,
+            textured: TexturedWork::default(),
+            meshes: None,
+            view: None,
+            work: WorkDone::default(),
+        })
+    }
+
+    /// Parameters and switches.
+    #[must_use]
+    pub fn variant(&self) -> V::Variant {
+        self.variant
+    }
+
+    /// What it draws with.
+    #[must_use]
+    pub fn executor(&self) -> &V::Executor {
+        &self.executor
+    }
+
+    /// What it draws.
+    #[must_use]
+    pub fn volumes(&self) -> &V {
+        &self.volumes
+    }
+
+    /// What it draws, to be changed.
+    #[must_use]
+    pub fn volumes_mut(&mut self) -> &mut V {
+        &mut self.volumes
+    }
+
+    fn check_prepared(&self, input: &FillInput) -> Result<(), DeviceError> {
+        input.check_prepared(V::TECHNIQUE, self.meshes, self.view)
+    }
+
+    /// Brings program and constants up to date. Where that fails after something was changed,
+    /// nothing is prepared any more.
+    fn load(
+        &mut self,
+        input: &FillInput,
+        colours: Colours,
+        blends: bool,
+    ) -> Result<(), DeviceError> {
+        let list = VolumeList::from(input);
+        let program = FillProgram::new(&list.volumes, &self.switches, input.scene.overlap)?;
+        self.view = None;
+        self.volumes.upload_view(&self.executor, input)?;
+        let places = self.volumes.places();
+        let place_of = places.ok_or_else(|| input.not_prepared(V::TECHNIQUE))?;
+        let positions = self.volumes.positions();
+        let constants = RegionConstants::bytes_of_all(input, positions, colours, place_of);
+        let textured = &mut self.textured;
+        textured.upload(&mut self.executor, input, &self.switches)?;
+        self.executor.load(StencilWork {
+            list,
+            program,
+            constants,
+            blends,
+        })?;
+        self.view = Some(input.view_id);
+        Ok(())
+    }
+
+    /// Uploads what is not there yet, and gives the bytes handed over since `before`.
+    fn bring_up_to_date(
+        &mut self,
+        input: &FillInput,
+        before: WorkDone,
+    ) -> Result<u64, DeviceError> {
+        let revision = Some(input.scene.meshes.revision());
+        if self.meshes != revision {
+            self.volumes.upload(&self.executor, input)?;
+            self.meshes = revision;
+        }
+        self.load(input, Colours::Ids, false)?;
+        self.executor.ensure(&mut self.volumes)?;
+        let done = self.executor.work_done() - before;
+        self.work = self.work + done;
+        Ok(done.upload_bytes)
+    }
+
+    fn draw_and_read(&mut self, input: &FillInput) -> Result<(Picture, Counters), DeviceError> {
+        self.draw_surface(input)?;
+        let before = self.executor.work_done();
+        let mut counters = self.executor.draw(&mut self.volumes)?;
+        let prepared = std::mem::take(&mut self.work);
+        WorkDone::write_into(&mut counters, prepared, self.executor.work_done() - before);
+        Ok((self.executor.read()?, counters))
+    }
+}
+
+impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
+    fn capabilities(&self) -> &Capabilities {
+        &self.capabilities
+    }
+
+    fn tells_regions_apart(&self) -> bool {
+        self.switches.colour.tells_regions_apart()
+    }
+
+    fn note(&self) -> Option<String> {
+        self.textured.plan().map(|plan| plan.note())
+    }
+
+    fn prepare(&mut self, input: &FillInput) -> Result<MemoryUse, DeviceError> {
+        input.check_region_count()?;
+        self.executor.set_view(input.into())?;
+        let upload_bytes = self.bring_up_to_date(input, self.executor.work_done())?;
+        let of_regions = MemoryUse {
+            constant_bytes: RegionConstants::byte_count(input),
+            upload_bytes,
+            ..MemoryUse::default()
+        };
+        Ok(of_regions + self.volumes.memory() + self.executor.memory())
+    }
+
+    fn update(&mut self, input: &FillInput, changed: &[usize]) -> Result<Uploaded, DeviceError> {
+        input.check_region_count()?;
+        let changed = input.check_update(V::TECHNIQUE, self.meshes, changed)?;
+        self.executor.set_view(input.into())?;
+        let before = self.executor.work_done();
+        self.meshes = None;
+        let is_rewritten = self.volumes.rewrite(&self.executor, input, changed)?;
+        let regions = if is_rewritten {
+            self.meshes = Some(input.scene.meshes.revision());
+            changed.to_vec()
+        } else {
+            (0..input.scene.meshes.len()).collect()
+        };
+        Ok(Uploaded {
+            bytes: self.bring_up_to_date(input, before)?,
+            regions,
+        })
+    }
+
+    fn render(&mut self, input: &FillInput) -> Result<Frame, DeviceError> {
+        self.check_prepared(input)?;
+        let (picture, mut counters) = self.draw_and_read(input)?;
+        counters.vertices += self.volumes.vertices_by_device(&self.executor)?;
+        counters.stencil_fragments = self.executor.count_fragments(&mut self.volumes)?;
+        let plain = Frame::from_picture(&picture, counters);
+        let Some(plan) = self.textured.plan() else {
+            return Ok(plain);
+        };
+        // Once more with covers that write ids and places, by the same functions.
+        let probed = self.executor.probe(&mut self.volumes)?;
+        Ok(plan.frame(input, plain, &probed))
+    }
+
+    fn picture(&mut self, input: &FillInput) -> Result<Picture, DeviceError> {
+        self.check_prepared(input)?;
+        let opacity = self.volumes.opacity(input.scene.overlap)?;
+        self.executor.set_view(input.into())?;
+        self.load(input, Colours::Palette { opacity }, opacity < 1.0)?;
+        let made = self.executor.ensure(&mut self.volumes);
+        let drawn = made.and_then(|()| self.draw_and_read(input));
+        self.load(input, Colours::Ids, false)?;
+        drawn.map(|(picture, _)| picture)
+    }
+
+    fn draw_surface(&mut self, input: &FillInput) -> Result<Option<f64>, DeviceError> {
+        self.executor.set_view(input.into())?;
+        self.executor.draw_surface()
+    }
+
+    fn time_frame(&mut self, input: &FillInput) -> Result<FrameTimes, DeviceError> {
+        self.check_prepared(input)?;
+        // Another backend of the targets may have drawn another view since.
+        if !self.executor.holds_surface(input.view_id) {
+            return Err(input.not_prepared(V::TECHNIQUE));
+        }
+        self.executor.time(&mut self.volumes)
+    }
+}
