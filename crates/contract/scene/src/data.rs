@@ -9,7 +9,7 @@
 use sha2::{Digest, Sha256};
 use std::io;
 use std::path::{Path, PathBuf};
-use terrafill_core::{Region, RegionFileError, parse_regions};
+use terrafill_core::{RegionFile, RegionFileError, read_region_file};
 
 /// Environment variable with the data folder.
 pub const DATA_DIR_VARIABLE: &str = "TERRAFILL_DATA";
@@ -55,9 +55,9 @@ pub enum RegionLoadError {
 ///
 /// # Errors
 /// [`RegionLoadError`], with the path as given.
-pub fn load_regions(path: &Path) -> Result<Vec<Region>, RegionLoadError> {
+pub fn load_regions(path: &Path) -> Result<RegionFile, RegionLoadError> {
     let bytes = read(path)?;
-    Ok(parse_regions(&bytes, &path.display().to_string())?)
+    Ok(read_region_file(&bytes, &path.display().to_string())?)
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, RegionLoadError> {
@@ -167,7 +167,7 @@ mod tests {
         assert!(error.to_string().contains("r.geojson"), "{error}");
         let square = r#"{"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1],[0,1],[0,0]]]}"#;
         std::fs::write(&path, square).expect("writable");
-        let regions = load_regions(&path).expect("a square");
+        let regions = load_regions(&path).expect("a square").regions;
         assert_eq!((regions.len(), regions[0].vertex_count()), (1, 4));
     }
 

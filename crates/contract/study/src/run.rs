@@ -458,8 +458,7 @@ impl Running<'_> {
     }
 
     fn fail(&self, case: usize, message: &str) -> Result<(), StudyError> {
-        let planned = &self.group.cases[case];
-        Ok(self.folder.append_case(planned, Status::Failed, message)?)
+        Ok(self.folder.fail_case(&self.group.cases[case], message)?)
     }
 
     fn measurement(&self, key: &str, metric: &str, sample: u32, value: f64) -> Measurement {

@@ -29,6 +29,8 @@ struct Script {
     blocks: Cell<usize>,
     /// Breaks off, as a killed process does, once so many samples were taken.
     broken_after: Cell<Option<usize>>,
+    /// The case that can no longer be drawn once it has been verified.
+    failing: Cell<Option<usize>>,
     /// What a recheck answers.
     recheck_status: Cell<Status>,
 }
@@ -193,6 +195,9 @@ impl Session for MadeUpSession {
             std::panic::panic_any("killed");
         }
         script.sampled.borrow_mut().push(case);
+        if script.failing.get() == Some(case) {
+            return Err("the device is lost".to_owned());
+        }
         Ok(vec![("cost_ms", 1.0 + case as f64)])
     }
 }
@@ -317,6 +322,31 @@ fn a_killed_run_names_what_is_missing_and_goes_on_where_it_was() {
     script.verified.borrow_mut().clear();
     measure(&plan, &folder, &options());
     assert!(script.sampled.borrow().is_empty() && script.verified.borrow().is_empty());
+}
+
+#[test]
+fn a_case_that_fails_while_it_is_timed_has_one_row() {
+    let script = fresh_script();
+    script.failing.set(Some(2));
+    let place = tempfile::tempdir().expect("a folder");
+    let plan = planned(1, &options());
+    let folder = create(place.path(), &plan);
+    measure(&plan, &folder, &options());
+    let run = Run::load(place.path()).expect("one row a case");
+    let failed: Vec<&str> = run
+        .cases
+        .iter()
+        .filter(|case| case.outcome == Outcome::Failed)
+        .map(|case| case.condition("case"))
+        .collect();
+    assert!(
+        !failed.is_empty() && failed.iter().all(|case| *case == "2"),
+        "{failed:?}"
+    );
+    let table = std::fs::read_to_string(place.path().join("cases.csv")).expect("a table");
+    assert_eq!(table.lines().count(), 1 + plan.run_plan().cases.len());
+    // Twin: the others are right.
+    assert_eq!(RunOutcome::of(place.path()).expect("read").ok, 4);
 }
 
 #[test]

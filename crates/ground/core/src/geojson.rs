@@ -2,191 +2,31 @@
 //! GeoJSON (RFC 7946) → [`Region`]s: areal geometries only, every problem of a file listed at once.
 //!
 //! Degrees as they stand in the file. A syntax error ends the reading, since nothing after it can
-//! be trusted; everything else is collected, so that a file is mended in one round. The tree that
-//! serde builds holds only what is needed: positions as two numbers, properties as a name.
+//! be trusted; everything else is collected, so that a file is mended in one round.
+
+mod problem;
+mod raw;
+
+pub(crate) use problem::feature_label;
+pub use problem::{RegionFileError, RegionProblem, RegionProblemKind, printable, wide_encoding};
 
 use crate::{Polygon, Region, Ring};
-use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
-use std::fmt;
+use problem::json_problem;
+use raw::{RawCoordinates, RawObject};
+use serde::de::IgnoredAny;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Longitudes beyond this are refused: one turn past the antimeridian is how uncut rings are
 /// written; more is a mistake, most often another unit.
 pub(crate) const LARGEST_LONGITUDE_DEG: f64 = 540.0;
-
-/// Everything that is wrong with a file of regions.
+/// Regions of a file, and what is remarkable about the file as a whole.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RegionFileError {
-    /// As the caller named it.
-    pub file: String,
-    /// At least one.
-    pub problems: Vec<RegionProblem>,
-    /// Features without problems: what else is wrong with them can be told in the same round.
-    pub readable: Vec<Region>,
-}
-
-impl fmt::Display for RegionFileError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, problem) in self.problems.iter().enumerate() {
-            let separator = if i == 0 { "" } else { "\n" };
-            write!(f, "{separator}{}: {problem}", self.file)?;
-        }
-        Ok(())
-    }
-}
-
-impl std::error::Error for RegionFileError {}
-
-/// One thing wrong with a file, and where. Indices count from 0, in file order.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RegionProblem {
-    /// Feature, unless the file as a whole is meant.
-    pub feature: Option<usize>,
-    /// Its name, where it was read.
-    pub name: Option<String>,
-    /// Areal part of the feature.
-    pub polygon: Option<usize>,
-    /// Ring of the polygon; 0 is the shell.
-    pub ring: Option<usize>,
-    /// Position in the ring.
-    pub vertex: Option<usize>,
-    /// What is wrong.
-    pub kind: RegionProblemKind,
-}
-
-/// Number and name of a feature, the name left out where there is none.
-pub(crate) fn feature_label(feature: usize, name: &str) -> String {
-    let number = unnamed(feature);
-    if name.is_empty() || name == number {
-        number
-    } else {
-        format!("{number} ({name})")
-    }
-}
-
-fn unnamed(feature: usize) -> String {
-    format!("feature {feature}")
-}
-
-impl fmt::Display for RegionProblem {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(feature) = self.feature {
-            let name = self.name.as_deref().unwrap_or_default();
-            f.write_str(&feature_label(feature, name))?;
-            let parts = [
-                ("polygon", self.polygon),
-                ("ring", self.ring),
-                ("vertex", self.vertex),
-            ];
-            for (word, index) in parts {
-                if let Some(index) = index {
-                    write!(f, ", {word} {index}")?;
-                }
-            }
-            f.write_str(": ")?;
-        }
-        write!(f, "{}", self.kind)
-    }
-}
-
-/// What can be wrong with a file of regions: the value found and the value allowed.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum RegionProblemKind {
-    /// No bytes, or only white space.
-    #[error("the file is empty; expected GeoJSON")]
-    EmptyFile,
-    /// Not JSON from here on, or JSON of a shape that GeoJSON does not have.
-    #[error("line {line}, column {column}: {message}{}", Self::quoted(found.as_ref()))]
-    Json {
-        /// From 1.
-        line: usize,
-        /// From 1, in bytes.
-        column: usize,
-        /// The parser's words.
-        message: String,
-        /// The text there, where there is a word or number.
-        found: Option<String>,
-    },
-    /// A list where an object should be.
-    #[error(
-        "the file is a bare list, such as rings in pixel coordinates; expected a GeoJSON object \
-         with a \"type\""
-    )]
-    BareList,
-    /// `type` is missing.
-    #[error("no \"type\"; expected {allowed}")]
-    MissingType {
-        /// What may stand here.
-        allowed: &'static str,
-    },
-    /// `type` says something else.
-    #[error("type \"{found}\"; expected {allowed}")]
-    UnknownType {
-        /// As in the file.
-        found: String,
-        /// What may stand here.
-        allowed: &'static str,
-    },
-    /// A member that the type calls for is missing or null.
-    #[error("no \"{member}\" in a {of}")]
-    MissingMember {
-        /// Its name.
-        member: &'static str,
-        /// Type of the object.
-        of: String,
-    },
-    /// A collection of nothing.
-    #[error("no features; expected at least one")]
-    NoFeatures,
-    /// Only points or lines.
-    #[error("no area: geometry is {found}; expected Polygon or MultiPolygon")]
-    NotAreal {
-        /// Types found, as in the file.
-        found: String,
-    },
-    /// `[]` where positions should be.
-    #[error("empty coordinates; expected at least 3 distinct positions")]
-    EmptyCoordinates,
-    /// Coordinates nested too deep, too flat, or not numbers.
-    #[error("{found} in the coordinates; expected {allowed}")]
-    WrongNesting {
-        /// What stands there.
-        found: String,
-        /// What may.
-        allowed: &'static str,
-    },
-    /// Beyond a pole.
-    #[error("latitude {found} is outside -90 … 90")]
-    Latitude {
-        /// Degrees.
-        found: f64,
-    },
-    /// Far round.
-    #[error("longitude {found} is outside -540 … 540")]
-    Longitude {
-        /// Degrees.
-        found: f64,
-    },
-    /// No area.
-    #[error("{found} distinct positions in the ring; needs at least {required}")]
-    TooFewVertices {
-        /// Distinct positions.
-        found: usize,
-        /// Three.
-        required: usize,
-    },
-    /// Goes round more than once.
-    #[error("the ring goes round the axis {found} times; at most 1 is allowed")]
-    ManyTurns {
-        /// Turns, without their sign.
-        found: usize,
-    },
-}
-
-impl RegionProblemKind {
-    fn quoted(found: Option<&String>) -> String {
-        found.map_or_else(String::new, |text| format!(", found \"{text}\""))
-    }
+pub struct RegionFile {
+    /// One per feature with an area, in file order; none in a collection without features.
+    pub regions: Vec<Region>,
+    /// Features that were left out since they have no area, counted by their types, and a coordinate
+    /// reference system that is not WGS 84.
+    pub warnings: Vec<String>,
 }
 
 /// Reads the regions of a GeoJSON file: one per feature; a bare geometry is one region.
@@ -194,22 +34,45 @@ impl RegionProblemKind {
 /// - `file`: what error messages call it
 /// - accepts Polygon, MultiPolygon, and GeometryCollection whose other members are left out with a
 ///   warning; heights are ignored; a byte order mark, either line ending and either winding are fine
+/// - leaves features of points, lines or no geometry out, with a warning of the file
 /// - normalises, with a warning in [`Region::warnings`]: open rings, repeated positions
 ///
 /// # Errors
-/// [`RegionFileError`] with every problem of the file.
-pub fn parse_regions(bytes: &[u8], file: &str) -> Result<Vec<Region>, RegionFileError> {
+/// [`RegionFileError`] with every problem of the file. [`RegionProblemKind::NotAreal`] is one only
+/// where no feature has an area.
+pub fn read_region_file(bytes: &[u8], file: &str) -> Result<RegionFile, RegionFileError> {
     let mut reader = Reader::default();
     let regions = reader.read_file(bytes);
+    let warnings = reader.warnings();
     if reader.problems.is_empty() {
-        Ok(regions)
+        Ok(RegionFile { regions, warnings })
     } else {
         Err(RegionFileError {
             file: file.to_owned(),
             problems: reader.problems,
             readable: regions,
+            warnings,
         })
     }
+}
+
+/// The regions of [`read_region_file`], at least one.
+///
+/// # Errors
+/// As there, and [`RegionProblemKind::NoFeatures`].
+pub fn parse_regions(bytes: &[u8], file: &str) -> Result<Vec<Region>, RegionFileError> {
+    let read = read_region_file(bytes, file)?;
+    if read.regions.is_empty() {
+        let mut reader = Reader::default();
+        reader.problem(None, RegionProblemKind::NoFeatures);
+        return Err(RegionFileError {
+            file: file.to_owned(),
+            problems: reader.problems,
+            readable: Vec::new(),
+            warnings: read.warnings,
+        });
+    }
+    Ok(read.regions)
 }
 
 const GEOMETRY_TYPES: &str = "Polygon, MultiPolygon or GeometryCollection";
@@ -271,9 +134,49 @@ struct Reader {
     place: Place,
     problems: Vec<RegionProblem>,
     normalised: Normalised,
+    /// Features without area, by type.
+    left_out: BTreeMap<String, usize>,
+    /// Coordinate reference systems that are not WGS 84.
+    foreign_crs: BTreeSet<String>,
+    has_no_features: bool,
 }
 
 impl Reader {
+    fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if self.has_no_features {
+            warnings.push("the file has no features".to_owned());
+        }
+        let left_out: usize = self.left_out.values().sum();
+        if left_out > 0 {
+            let (noun, verb) = if left_out == 1 {
+                ("feature", "was")
+            } else {
+                ("features", "were")
+            };
+            let types = self.left_out_types();
+            warnings.push(format!(
+                "{left_out} {noun} without area {verb} left out: {types}"
+            ));
+        }
+        for name in &self.foreign_crs {
+            warnings.push(format!(
+                "crs is {name:?}; coordinates are read as longitude and latitude in degrees (RFC \
+                 7946: WGS 84)"
+            ));
+        }
+        warnings
+    }
+
+    /// `2 Point, 1 null`.
+    fn left_out_types(&self) -> String {
+        let types = self.left_out.iter();
+        let types: Vec<String> = types
+            .map(|(kind, count)| format!("{count} {kind}"))
+            .collect();
+        types.join(", ")
+    }
+
     fn problem(&mut self, vertex: Option<usize>, kind: RegionProblemKind) {
         self.problems.push(RegionProblem {
             feature: self.place.feature,
@@ -286,6 +189,10 @@ impl Reader {
     }
 
     fn read_file(&mut self, bytes: &[u8]) -> Vec<Region> {
+        if let Some(found) = wide_encoding(bytes) {
+            self.problem(None, RegionProblemKind::Encoding { found });
+            return Vec::new();
+        }
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         match text.iter().find(|byte| !byte.is_ascii_whitespace()) {
             None => {
@@ -312,6 +219,7 @@ impl Reader {
     }
 
     fn read_root(&mut self, root: RawObject) -> Vec<Region> {
+        self.foreign_crs.extend(root.foreign_crs());
         match root.kind.as_deref() {
             None => {
                 let allowed = ROOT_TYPES;
@@ -323,19 +231,25 @@ impl Reader {
                     self.missing("features", "FeatureCollection");
                     return Vec::new();
                 };
-                if features.is_empty() {
-                    self.problem(None, RegionProblemKind::NoFeatures);
-                }
-                features
+                self.has_no_features = features.is_empty();
+                let regions: Vec<Region> = features
                     .into_iter()
                     .enumerate()
                     .filter_map(|(index, feature)| self.read_feature(index, feature))
-                    .collect()
+                    .collect();
+                self.check_areas(&regions, None);
+                regions
             }
-            Some("Feature") => self.read_feature(0, root).into_iter().collect(),
+            Some("Feature") => {
+                let regions: Vec<Region> = self.read_feature(0, root).into_iter().collect();
+                self.check_areas(&regions, Some(0));
+                regions
+            }
             Some(kind) if geometry_kind(kind).is_some() => {
                 let name = root.label(0);
-                self.read_region(0, name, root).into_iter().collect()
+                let regions: Vec<Region> = self.read_region(0, name, root).into_iter().collect();
+                self.check_areas(&regions, Some(0));
+                regions
             }
             Some(found) => {
                 let found = found.to_owned();
@@ -343,6 +257,19 @@ impl Reader {
                 self.problem(None, RegionProblemKind::UnknownType { found, allowed });
                 Vec::new()
             }
+        }
+    }
+
+    /// Refuses a file in which nothing has an area.
+    ///
+    /// - `feature`: the only one, if the file is no collection
+    fn check_areas(&mut self, regions: &[Region], feature: Option<usize>) {
+        if regions.is_empty() && self.problems.is_empty() && !self.left_out.is_empty() {
+            if feature.is_none() {
+                self.place = Place::default();
+            }
+            let found = self.left_out_types();
+            self.problem(None, RegionProblemKind::NotAreal { found });
         }
     }
 
@@ -372,11 +299,24 @@ impl Reader {
                 return None;
             }
         }
-        let Some(geometry) = feature.geometry else {
-            self.missing("geometry", "Feature");
-            return None;
-        };
-        self.read_region(index, name, *geometry)
+        match feature.geometry {
+            None => {
+                self.missing("geometry", "Feature");
+                None
+            }
+            Some(None) => {
+                self.leave_out("null".to_owned());
+                None
+            }
+            Some(Some(geometry)) => {
+                self.foreign_crs.extend(geometry.foreign_crs());
+                self.read_region(index, name, *geometry)
+            }
+        }
+    }
+
+    fn leave_out(&mut self, kind: String) {
+        *self.left_out.entry(kind).or_default() += 1;
     }
 
     fn read_region(&mut self, index: usize, name: String, geometry: RawObject) -> Option<Region> {
@@ -386,23 +326,24 @@ impl Reader {
             ..Place::default()
         };
         self.normalised = Normalised::default();
+        let is_collection = geometry.geometries.is_some();
         let problems_before = self.problems.len();
         let mut polygons = Vec::new();
-        let mut without_area = Vec::new();
+        let mut without_area = BTreeSet::new();
         self.read_geometry(geometry, &mut polygons, &mut without_area);
         if self.problems.len() > problems_before {
             return None;
         }
         if polygons.is_empty() {
-            let found = if without_area.is_empty() {
-                "an empty collection".to_owned()
-            } else {
-                without_area.join(", ")
-            };
-            self.problem(None, RegionProblemKind::NotAreal { found });
+            let types: Vec<String> = without_area.into_iter().collect();
+            let types = types.join(", ");
+            self.leave_out(match (is_collection, types.as_str()) {
+                (_, "") => "empty collection".to_owned(),
+                (true, _) => format!("GeometryCollection of {types}"),
+                (false, _) => types,
+            });
             return None;
         }
-        self.normalised.members_without_area = without_area.len();
         Some(Region {
             index,
             name,
@@ -416,7 +357,7 @@ impl Reader {
         &mut self,
         geometry: RawObject,
         polygons: &mut Vec<Polygon>,
-        without_area: &mut Vec<String>,
+        without_area: &mut BTreeSet<String>,
     ) {
         let Some(found) = geometry.kind else {
             let allowed = GEOMETRY_TYPES;
@@ -428,7 +369,10 @@ impl Reader {
                 let allowed = GEOMETRY_TYPES;
                 self.problem(None, RegionProblemKind::UnknownType { found, allowed });
             }
-            Some(GeometryKind::WithoutArea) => without_area.push(found),
+            Some(GeometryKind::WithoutArea) => {
+                self.normalised.members_without_area += 1;
+                without_area.insert(found);
+            }
             Some(GeometryKind::Collection) => match geometry.geometries {
                 None => self.missing("geometries", &found),
                 Some(members) => {
@@ -512,6 +456,10 @@ impl Reader {
                     self.check_position(i, *position);
                     // Adding zero turns −0 into 0, so that equal places have equal bits.
                     positions.push(position.map(|value| value + 0.0));
+                }
+                RawCoordinates::NotANumber { element, found } => {
+                    let (element, found) = (*element, found.to_string());
+                    self.problem(Some(i), RegionProblemKind::NotANumber { element, found });
                 }
                 other => {
                     let allowed = "a position of two or more numbers";
@@ -720,38 +668,6 @@ fn distinct_up_to_three(positions: &[[f64; 2]]) -> usize {
     }
     seen.len()
 }
-
-/// serde_json's error, with the word or number that stands at its place.
-fn json_problem(text: &[u8], error: &serde_json::Error) -> RegionProblemKind {
-    let (line, column) = (error.line(), error.column());
-    let full = error.to_string();
-    let suffix = format!(" at line {line} column {column}");
-    RegionProblemKind::Json {
-        line,
-        column,
-        message: full.strip_suffix(&suffix).unwrap_or(&full).to_owned(),
-        found: word_at(text, line, column),
-    }
-}
-
-/// Letters, digits and signs around a place: `NaN`, `-Infinity`, `1e999`.
-fn word_at(text: &[u8], line: usize, column: usize) -> Option<String> {
-    let is_word = |byte: &u8| byte.is_ascii_alphanumeric() || b"+-.".contains(byte);
-    let line = text
-        .split(|byte| *byte == b'\n')
-        .nth(line.checked_sub(1)?)?;
-    let at = column.saturating_sub(1).min(line.len());
-    let before = line[..at]
-        .iter()
-        .rev()
-        .take_while(|byte| is_word(byte))
-        .count();
-    let after = line[at..].iter().take_while(|byte| is_word(byte)).count();
-    let word = &line[at - before..at + after];
-    // A longer run is a broken file, not a word worth quoting.
-    (!word.is_empty() && word.len() <= 40).then(|| String::from_utf8_lossy(word).into_owned())
-}
-
 enum GeometryKind {
     Polygon,
     MultiPolygon,
@@ -768,213 +684,5 @@ fn geometry_kind(name: &str) -> Option<GeometryKind> {
             Some(GeometryKind::WithoutArea)
         }
         _ => None,
-    }
-}
-
-/// Any GeoJSON object: members may come in any order, so the type is known only at its end.
-#[derive(serde::Deserialize)]
-#[serde(expecting = "a GeoJSON object")]
-struct RawObject {
-    #[serde(rename = "type")]
-    kind: Option<String>,
-    coordinates: Option<RawCoordinates>,
-    geometries: Option<Vec<RawObject>>,
-    geometry: Option<Box<RawObject>>,
-    features: Option<Vec<RawObject>>,
-    properties: Option<RawProperties>,
-    id: Option<RawLabel>,
-}
-
-impl RawObject {
-    fn label(&self, index: usize) -> String {
-        let from_properties = self.properties.as_ref().and_then(|p| p.label.clone());
-        let from_id = self.id.as_ref().and_then(|id| id.0.clone());
-        from_properties
-            .or(from_id)
-            .unwrap_or_else(|| unnamed(index))
-    }
-}
-
-/// Properties that name a feature, best first.
-const NAME_PROPERTIES: [&str; 8] = [
-    "NAME",
-    "name",
-    "Name",
-    "ADMIN",
-    "admin",
-    "NAME_LONG",
-    "id",
-    "ID",
-];
-
-/// Only the name of all the properties.
-struct RawProperties {
-    label: Option<String>,
-}
-
-impl<'de> Deserialize<'de> for RawProperties {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct PropertiesVisitor;
-        impl<'de> Visitor<'de> for PropertiesVisitor {
-            type Value = RawProperties;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("an object of properties")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-                let mut best = NAME_PROPERTIES.len();
-                let mut label = None;
-                while let Some(RawKey(rank)) = map.next_key()? {
-                    match rank {
-                        Some(rank) => {
-                            let RawLabel(found) = map.next_value()?;
-                            if rank < best && found.is_some() {
-                                (best, label) = (rank, found);
-                            }
-                        }
-                        None => {
-                            map.next_value::<IgnoredAny>()?;
-                        }
-                    }
-                }
-                Ok(RawProperties { label })
-            }
-        }
-        deserializer.deserialize_map(PropertiesVisitor)
-    }
-}
-
-/// Rank of a property among [`NAME_PROPERTIES`], compared without copying the key.
-struct RawKey(Option<usize>);
-
-impl<'de> Deserialize<'de> for RawKey {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct KeyVisitor;
-        impl Visitor<'_> for KeyVisitor {
-            type Value = RawKey;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a key")
-            }
-
-            fn visit_str<E>(self, key: &str) -> Result<RawKey, E> {
-                Ok(RawKey(NAME_PROPERTIES.iter().position(|name| *name == key)))
-            }
-        }
-        deserializer.deserialize_str(KeyVisitor)
-    }
-}
-
-/// A name or number; nothing for any other kind of value and for an empty string.
-struct RawLabel(Option<String>);
-
-impl<'de> Deserialize<'de> for RawLabel {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let label = match serde_json::Value::deserialize(deserializer)? {
-            serde_json::Value::String(text) if !text.trim().is_empty() => Some(text),
-            serde_json::Value::Number(number) => Some(number.to_string()),
-            _ => None,
-        };
-        Ok(Self(label))
-    }
-}
-
-/// Coordinates of any depth. Third and further numbers of a position are dropped while reading.
-enum RawCoordinates {
-    Position([f64; 2]),
-    List(Vec<RawCoordinates>),
-    Number(f64),
-    Other(Box<str>),
-}
-
-impl RawCoordinates {
-    fn describe(&self) -> String {
-        match self {
-            Self::Position(_) => "a position".to_owned(),
-            Self::List(list) if list.is_empty() => "an empty list".to_owned(),
-            Self::List(_) => "a list of lists".to_owned(),
-            Self::Number(value) => format!("the number {value}"),
-            Self::Other(text) => text.to_string(),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for RawCoordinates {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(CoordinatesVisitor)
-    }
-}
-
-struct CoordinatesVisitor;
-
-impl<'de> Visitor<'de> for CoordinatesVisitor {
-    type Value = RawCoordinates;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("coordinates")
-    }
-
-    fn visit_f64<E>(self, value: f64) -> Result<RawCoordinates, E> {
-        Ok(RawCoordinates::Number(value))
-    }
-
-    fn visit_i64<E>(self, value: i64) -> Result<RawCoordinates, E> {
-        Ok(RawCoordinates::Number(value as f64))
-    }
-
-    fn visit_u64<E>(self, value: u64) -> Result<RawCoordinates, E> {
-        Ok(RawCoordinates::Number(value as f64))
-    }
-
-    fn visit_str<E>(self, text: &str) -> Result<RawCoordinates, E> {
-        Ok(RawCoordinates::Other(format!("the text \"{text}\"").into()))
-    }
-
-    fn visit_bool<E>(self, value: bool) -> Result<RawCoordinates, E> {
-        Ok(RawCoordinates::Other(value.to_string().into()))
-    }
-
-    fn visit_unit<E>(self) -> Result<RawCoordinates, E> {
-        Ok(RawCoordinates::Other("null".into()))
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<RawCoordinates, A::Error> {
-        while map.next_entry::<IgnoredAny, IgnoredAny>()?.is_some() {}
-        Ok(RawCoordinates::Other("an object".into()))
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<RawCoordinates, A::Error> {
-        let longitude = match seq.next_element()? {
-            None => return Ok(RawCoordinates::List(Vec::new())),
-            Some(RawCoordinates::Number(longitude)) => longitude,
-            Some(RawCoordinates::Other(text)) => {
-                while seq.next_element::<IgnoredAny>()?.is_some() {}
-                return Ok(RawCoordinates::Other(format!("{text} in a list").into()));
-            }
-            Some(first) => {
-                let mut list = vec![first];
-                while let Some(item) = seq.next_element()? {
-                    list.push(item);
-                }
-                return Ok(RawCoordinates::List(list));
-            }
-        };
-        let mut numbers = 1;
-        let mut latitude = 0.0;
-        let mut intruder = None;
-        while let Some(item) = seq.next_element::<RawCoordinates>()? {
-            match item {
-                RawCoordinates::Number(value) if numbers == 1 => latitude = value,
-                RawCoordinates::Number(_) => {}
-                other => intruder = Some(other.describe()),
-            }
-            numbers += 1;
-        }
-        Ok(match intruder {
-            Some(text) => RawCoordinates::Other(format!("{text} in a position").into()),
-            None if numbers == 1 => RawCoordinates::Other("a position of 1 number".into()),
-            None => RawCoordinates::Position([longitude, latitude]),
-        })
     }
 }

@@ -30,7 +30,10 @@ mod triangulate;
 
 pub use analytic::{AnalyticError, AnalyticRegion, GeodesicSector, SensorCone, SurfaceEllipse};
 pub use body::{Ellipsoid, Geodetic};
-pub use geojson::{RegionFileError, RegionProblem, RegionProblemKind, parse_regions};
+pub use geojson::{
+    RegionFile, RegionFileError, RegionProblem, RegionProblemKind, parse_regions, printable,
+    read_region_file, wide_encoding,
+};
 pub use invariants::InvariantViolation;
 pub use level_of_detail::{SharedBoundaries, Simplification, SimplifiedRegions, SimplifyError};
 pub use mesh::{Extent, MeshOptions, OrientedBox, RegionMesh, VolumeHeights};

@@ -352,6 +352,7 @@ fn a_reader_that_lies_is_found_out() {
                 file: "fuzz.geojson".to_owned(),
                 problems: vec![problem],
                 readable,
+                warnings: Vec::new(),
             }),
         )
     };

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What `parse_regions` accepts, puts right and refuses, with its exact words.
 
-use terrafill_core::{Region, parse_regions};
+use terrafill_core::{Region, RegionFile, parse_regions, read_region_file};
 
 fn regions(text: &str) -> Vec<Region> {
     parse_regions(text.as_bytes(), "t.json").expect("valid")
+}
+
+fn file(text: &str) -> RegionFile {
+    read_region_file(text.as_bytes(), "t.json").expect("valid")
 }
 
 /// The message for a file that must be refused.
@@ -95,6 +99,143 @@ fn what_is_put_right_is_said() {
     );
     // Twin: nothing to put right, nothing said.
     assert!(regions(&polygon(TRIANGLE))[0].warnings.is_empty());
+}
+
+#[test]
+fn features_without_area_are_left_out_and_counted() {
+    let text = collection(&[
+        r#"{"type":"Point","coordinates":[1,2]}"#,
+        &polygon(TRIANGLE),
+        r#"{"type":"LineString","coordinates":[[0,0],[1,1]]}"#,
+        "null",
+        r#"{"type":"Point","coordinates":[1,2]}"#,
+        r#"{"type":"GeometryCollection","geometries":[{"type":"Point","coordinates":[1,2]}]}"#,
+        r#"{"type":"GeometryCollection","geometries":[]}"#,
+        &format!(
+            r#"{{"type":"GeometryCollection","geometries":[{}]}}"#,
+            polygon(TRIANGLE)
+        ),
+    ]);
+    let read = file(&text);
+    let indices: Vec<usize> = read.regions.iter().map(|region| region.index).collect();
+    assert_eq!(indices, [1, 7], "places in the file");
+    assert_eq!(
+        read.warnings,
+        [
+            "6 features without area were left out: 1 GeometryCollection of Point, 1 LineString, \
+          2 Point, 1 empty collection, 1 null"
+        ]
+    );
+    assert_eq!(regions(&text), read.regions);
+    // Twins: nothing is left out of a file of areas; a file of nothing else is refused.
+    assert!(file(&collection(&[&polygon(TRIANGLE)])).warnings.is_empty());
+    let lines = r#"{"type":"MultiLineString","coordinates":[]}"#;
+    assert_eq!(
+        refusal(collection(&["null", lines, "null"]).as_bytes()),
+        "t.json: no area: found 1 MultiLineString, 2 null; expected Polygon or MultiPolygon"
+    );
+    // A problem elsewhere in the file takes the warning along.
+    let wrong = collection(&["null", &polygon("[[0,0],[1,1]]")]);
+    let error = read_region_file(wrong.as_bytes(), "t.json").expect_err("two positions");
+    assert_eq!(
+        error.warnings,
+        ["1 feature without area was left out: 1 null"]
+    );
+    assert_eq!(error.problems.len(), 1);
+}
+
+#[test]
+fn a_collection_of_no_features_is_read_where_no_region_is_needed() {
+    let read = file(r#"{"type":"FeatureCollection","features":[]}"#);
+    assert_eq!(read.regions, []);
+    assert_eq!(read.warnings, ["the file has no features"]);
+    // Twin: scenes need one, see files_of_the_wrong_kind_are_refused.
+}
+
+#[test]
+fn a_reference_system_that_is_not_wgs_84_is_named() {
+    let with_crs = |crs: &str| {
+        let text = polygon(TRIANGLE);
+        let members = format!(r#""crs":{crs},"type""#);
+        file(&text.replacen(r#""type""#, &members, 1)).warnings
+    };
+    let named = |name: &str| {
+        with_crs(&format!(
+            r#"{{"type":"name","properties":{{"name":"{name}"}}}}"#
+        ))
+    };
+    for name in [
+        "urn:ogc:def:crs:OGC:1.3:CRS84",
+        "urn:ogc:def:crs:OGC::CRS84h",
+        "urn:ogc:def:crs:EPSG::4326",
+        "EPSG:4326",
+        "http://www.opengis.net/def/crs/EPSG/0/4326",
+        "CRS84",
+    ] {
+        assert_eq!(named(name), [""; 0], "{name}");
+    }
+    assert_eq!(with_crs("null"), [""; 0]);
+    for name in ["urn:ogc:def:crs:EPSG::3857", "EPSG:25832", "EPSG:14326"] {
+        let warning = format!(
+            "crs is \"{name}\"; coordinates are read as longitude and latitude in degrees (RFC \
+             7946: WGS 84)"
+        );
+        assert_eq!(named(name), [warning]);
+    }
+    let link = with_crs(r#"{"type":"link","properties":{"href":"http://a/3857"}}"#);
+    assert!(link[0].starts_with("crs is \"http://a/3857\";"), "{link:?}");
+    assert_eq!(with_crs("7").len(), 1);
+    // Of a feature's geometry as well, once for all of them.
+    let crs = r#"{"type":"Polygon","crs":{"properties":{"name":"EPSG:3857"}},"coordinates":["#;
+    let text = collection(&[&polygon(TRIANGLE), &polygon(TRIANGLE)]);
+    let text = text.replace(r#"{"type":"Polygon","coordinates":["#, crs);
+    assert_eq!(file(&text).warnings.len(), 1);
+}
+
+#[test]
+fn encodings_other_than_utf8_are_named() {
+    let text = polygon(TRIANGLE);
+    let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let message = "t.json: the file is UTF-16; expected UTF-8";
+    assert_eq!(refusal(&wide), message);
+    assert_eq!(refusal(&[&b"\xff\xfe"[..], &wide].concat()), message);
+}
+
+#[test]
+fn coordinates_in_metres_are_called_projected() {
+    let metres = polygon("[[0,0],[500000,4649776],[0,1]]");
+    let expected = "it looks projected, expected degrees (WGS 84)";
+    let found = refusal(metres.as_bytes());
+    assert_eq!(
+        found
+            .lines()
+            .filter(|line| line.ends_with(expected))
+            .count(),
+        2,
+        "{found}"
+    );
+    // Twin: the two numbers of a position in the wrong order.
+    let swapped = refusal(polygon("[[0,0],[48,120],[0,1]]").as_bytes());
+    assert!(
+        swapped.ends_with("in GeoJSON longitude comes first"),
+        "{swapped}"
+    );
+}
+
+#[test]
+fn names_in_messages_hold_no_control_characters() {
+    let text = polygon("[[0,0],[1,91],[0,1]]");
+    let text = format!(
+        r#"{{"type":"Feature","properties":{{"name":"a\u001b[2J\nb"}},"geometry":{text}}}"#
+    );
+    let message = refusal(text.as_bytes());
+    assert!(
+        message.contains(r"feature 0 (a\u{1b}[2J\nb), polygon 0"),
+        "{message}"
+    );
+    assert!(!message.contains(char::is_control));
+    let message = refusal(br#"{"type":"a\u001b[2J"}"#);
+    assert!(message.contains(r#"type "a\u{1b}[2J""#), "{message}");
 }
 
 #[test]
@@ -189,8 +330,7 @@ fn files_of_the_wrong_kind_are_refused() {
     );
     assert_eq!(
         refusal(br#"{"type":"LineString","coordinates":[[0,0],[1,1]]}"#),
-        "t.json: feature 0: no area: geometry is LineString; expected Polygon or \
-         MultiPolygon"
+        "t.json: feature 0: no area: found 1 LineString; expected Polygon or MultiPolygon"
     );
 }
 
@@ -208,11 +348,17 @@ fn every_problem_of_a_file_is_listed_with_its_place() {
         r#"{"type":"Polygon"}"#,
         r#"{"type":"Circle","coordinates":[0,0]}"#,
         &polygon("[[0,1],[120,1],[240,2],[360,1],[480,3],[-240,3],[-120,1],[0,1],[360,1],[0,1]]"),
+        r#"{"type":"Point","coordinates":[0,0]}"#,
     ]);
+    // Null is a geometry that is not known; without the member the feature is none.
+    let text = text.replace(r#","geometry":null"#, "");
     let expected = [
-        "t.json: feature 1 (A), polygon 0, ring 0, vertex 1: latitude 91 is outside -90 … 90",
-        "t.json: feature 1 (A), polygon 0, ring 0, vertex 2: longitude 541 is outside -540 … 540",
-        "t.json: feature 1 (A), polygon 0, ring 0, vertex 2: latitude -90.5 is outside -90 … 90",
+        "t.json: feature 1 (A), polygon 0, ring 0, vertex 1: latitude 91 is outside -90 … 90; in \
+         GeoJSON longitude comes first",
+        "t.json: feature 1 (A), polygon 0, ring 0, vertex 2: longitude 541 is outside -540 … 540; \
+         it looks projected, expected degrees (WGS 84)",
+        "t.json: feature 1 (A), polygon 0, ring 0, vertex 2: latitude -90.5 is outside -90 … 90; in \
+         GeoJSON longitude comes first",
         "t.json: feature 2 (A): no \"geometry\" in a Feature",
         "t.json: feature 3 (A), polygon 1, ring 1: 2 distinct positions in the ring; needs at least 3",
         "t.json: feature 4 (A), polygon 0: empty coordinates; expected at least 3 distinct positions",
@@ -224,12 +370,12 @@ fn every_problem_of_a_file_is_listed_with_its_place() {
          positions",
         "t.json: feature 6 (A), polygon 0, ring 2: a position in the coordinates; expected a list of \
          positions",
-        "t.json: feature 7 (A), polygon 0, ring 0, vertex 1: the text \"1\" in a list in the \
-         coordinates; expected a position of two or more numbers",
+        "t.json: feature 7 (A), polygon 0, ring 0, vertex 1: element 0 of the position is the text \
+         \"1\"; expected a number",
         "t.json: feature 7 (A), polygon 0, ring 0, vertex 2: a position of 1 number in the \
          coordinates; expected a position of two or more numbers",
-        "t.json: feature 7 (A), polygon 0, ring 0, vertex 3: null in a position in the coordinates; \
-         expected a position of two or more numbers",
+        "t.json: feature 7 (A), polygon 0, ring 0, vertex 3: element 1 of the position is null; \
+         expected a number",
         "t.json: feature 8 (A): no \"coordinates\" in a Polygon",
         "t.json: feature 9 (A): type \"Circle\"; expected Polygon, MultiPolygon or \
          GeometryCollection",

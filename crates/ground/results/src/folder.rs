@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A run's folder while it is written: every row is appended as it is measured, so that killing a
-//! run loses at most the sample in hand.
+//! run loses at most the sample in hand. Only a case that fails after it was verified gets another row
+//! in place of its own.
 
 use crate::{Measurement, Metric, MetricRow, Note, PlannedCase, RunEnvironment, RunPlan, Status};
 use serde::{Serialize, de::DeserializeOwned};
@@ -243,7 +244,7 @@ impl RunFolder {
         fixed.chain(self.conditions.iter().cloned()).collect()
     }
 
-    /// Appends a verified case.
+    /// Appends a verified case, once.
     ///
     /// # Errors
     /// [`RunError::Io`].
@@ -253,21 +254,51 @@ impl RunFolder {
         status: Status,
         reason: &str,
     ) -> Result<(), RunError> {
-        let timed = case.samples > 0 && status != Status::Skipped && status != Status::Failed;
-        let key = case.id.key();
-        let timed = timed.to_string();
-        let mut record = vec![
-            key.as_str(),
-            &case.id.study,
-            status.name(),
-            reason,
-            &timed,
-            &self.environment.commit,
-        ];
-        record.extend(self.conditions.iter().map(|key| case.id.condition(key)));
+        let record = self.case_record(case, status, reason);
         let path = self.path.join(CASES);
         let text = encode(&path, |writer| writer.write_record(&record))?;
         append_bytes(&path, &text)
+    }
+
+    /// Puts a failure in the place of a verified case's row, so that the table keeps one row a case.
+    ///
+    /// The table is written anew and renamed: a kill leaves the old one or the new one whole.
+    ///
+    /// # Errors
+    /// [`RunError::Io`]; as [`crate::Run::load`] where the table is not this run's.
+    pub fn fail_case(&self, case: &PlannedCase, reason: &str) -> Result<(), RunError> {
+        let path = self.path.join(CASES);
+        let columns = self.case_columns();
+        let rows = read_table(&path, &columns)?;
+        let failed = self.case_record(case, Status::Failed, reason);
+        let others = rows
+            .iter()
+            .filter(|row| row.get(0) != failed.first().map(String::as_str));
+        let text = encode(&path, |writer| {
+            writer.write_record(&columns)?;
+            others
+                .into_iter()
+                .try_for_each(|row| writer.write_record(row))?;
+            writer.write_record(&failed)
+        })?;
+        write_whole(&path, &text)
+    }
+
+    fn case_record(&self, case: &PlannedCase, status: Status, reason: &str) -> Vec<String> {
+        let timed = case.samples > 0 && status != Status::Skipped && status != Status::Failed;
+        let fixed = [
+            case.id.key(),
+            case.id.study.clone(),
+            status.name().to_owned(),
+            reason.to_owned(),
+            timed.to_string(),
+            self.environment.commit.clone(),
+        ];
+        let conditions = self
+            .conditions
+            .iter()
+            .map(|key| case.id.condition(key).to_owned());
+        fixed.into_iter().chain(conditions).collect()
     }
 
     /// Appends measured values.

@@ -359,7 +359,10 @@ fn read_cases(
         }
         let status = Status::from_name(of(2))
             .ok_or_else(|| cell(path, row, "status", of(2), "ok, wrong, skipped or failed"))?;
-        rows.insert(of(0).to_owned(), (status, of(3).to_owned()));
+        let earlier = rows.insert(of(0).to_owned(), (status, of(3).to_owned()));
+        if earlier.is_some() {
+            return Err(cell(path, row, "case", of(0), "one row a case"));
+        }
     }
     Ok(rows)
 }

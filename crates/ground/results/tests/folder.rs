@@ -112,6 +112,50 @@ fn what_is_written_is_read() {
     );
 }
 
+/// Keys and statuses of `cases.csv`, in its order.
+fn case_rows(folder: &Path) -> Vec<[String; 2]> {
+    let mut reader = csv::Reader::from_path(folder.join("cases.csv")).expect("a table");
+    let rows = reader.records().map(|row| row.expect("a row"));
+    rows.map(|row| [0, 2].map(|column| row[column].to_owned()))
+        .collect()
+}
+
+#[test]
+fn a_case_that_fails_after_it_was_verified_keeps_one_row() {
+    let place = tempfile::tempdir().expect("a folder");
+    let folder = written(place.path());
+    folder.fail_case(&plan().cases[0], "lost").expect("written");
+    let rows = [["filling/b", "wrong"], ["filling/a", "failed"]];
+    assert_eq!(case_rows(place.path()), rows);
+    let run = Run::load(place.path()).expect("a run");
+    assert_eq!(run.cases[0].outcome, Outcome::Failed);
+    assert_eq!(run.cases[0].reason, "lost");
+    assert_eq!(run.cases[1].reason, "two lines\nof \"reasons\"");
+    // What a kill between writing and renaming leaves disturbs nothing.
+    std::fs::write(place.path().join("cases.csv.new"), "case,stu").expect("written");
+    let folder = RunFolder::resume(place.path(), &environment(), &plan()).expect("there");
+    assert_eq!(case_rows(place.path()), rows);
+    folder.fail_case(&plan().cases[1], "lost").expect("written");
+    folder
+        .append_case(&plan().cases[2], Status::Ok, "")
+        .expect("written");
+    assert_eq!(
+        case_rows(place.path()),
+        [
+            ["filling/a", "failed"],
+            ["filling/b", "failed"],
+            ["filling/c", "ok"]
+        ]
+    );
+    // Twin: a second row of a case is refused.
+    folder
+        .append_case(&plan().cases[2], Status::Ok, "")
+        .expect("written");
+    let message = Run::load(place.path()).expect_err("two rows").to_string();
+    let expected = "row 5, column case: found \"filling/c\", expected one row a case";
+    assert!(message.contains(expected), "{message}");
+}
+
 #[test]
 fn a_torn_last_row_is_let_pass_and_cut_when_the_run_goes_on() {
     let place = tempfile::tempdir().expect("a folder");

@@ -114,6 +114,11 @@ impl Locator {
     ///
     /// Longitude may be any number of turns out. A position that is not finite or lies beyond a
     /// pole is in no region: whoever reads positions from a file refuses those first.
+    ///
+    /// Longitudes of the point and of the regions are rounded to multiples of 2⁻⁴³ degrees (13 nm at
+    /// the equator), so that turns can be added without an error; for great-ellipse edges places are
+    /// rounded to unit normals in `f64` as well (1 nm). On which side of an edge the rounded place lies
+    /// is decided exactly.
     #[must_use]
     pub fn locate(&self, longitude_deg: f64, latitude_deg: f64) -> Location {
         let mut location = Location::default();

@@ -13,6 +13,13 @@ Exit codes: 0 done · 1 a picture is wrong · 2 bad input or usage · 3 inconclu
             4 nothing measured · 5 no usable device
 Example: terrafill bench california --quick --out out/first";
 
+const LOCATE_AFTER_HELP: &str = "\
+Prints the table of points with a column regions behind the others: indices of
+features from 0, joined by ;. Longitudes are rounded to multiples of 2^-43 degrees
+(13 nm at the equator) and, for great-ellipse edges, places to unit vectors in f64
+(1 nm); on which side of an edge the rounded place lies is decided exactly.
+Example: terrafill locate countries.geojson --points points.csv --names";
+
 /// Draws things on planets by competing GPU techniques and measures their error and their cost.
 #[derive(Debug, Parser)]
 #[command(version, after_help = EXIT_CODES, max_term_width = 100)]
@@ -41,8 +48,8 @@ pub(crate) enum Verb {
     /// Mesh regions and print what came of it
     #[command(after_help = "Example: terrafill mesh countries.geojson --json | jq .totals")]
     Mesh(MeshArguments),
-    /// Say which regions hold which points, by the reference's exact tests
-    #[command(after_help = "Example: terrafill locate countries.geojson --points points.csv")]
+    /// Say which regions hold which points, by the reference's tests
+    #[command(after_help = LOCATE_AFTER_HELP)]
     Locate(LocateArguments),
     /// List the shipped scenes and whether they can run
     #[command(after_help = "Example: terrafill scenes --data natural-earth")]
@@ -50,9 +57,12 @@ pub(crate) enum Verb {
     /// List the studies, what each asks and what it measures
     #[command(after_help = "Example: terrafill studies --json")]
     Studies(StudiesArguments),
+    /// List the techniques with their switches, values and defaults
+    #[command(after_help = "Example: terrafill techniques --json | jq .techniques[].name")]
+    Techniques(TechniquesArguments),
     /// List the devices of this machine, what runs on them, and what the rest lack
-    #[command(after_help = "Example: terrafill devices")]
-    Devices,
+    #[command(after_help = "Example: terrafill devices --json")]
+    Devices(DevicesArguments),
     /// Mesh one region and print its vertices and CPU milliseconds: what `bench` starts for each
     #[command(hide = true, name = registry::GROWTH_SAMPLE)]
     GrowthSample(GrowthSampleArguments),
@@ -155,18 +165,30 @@ pub(crate) struct ReportArguments {
     pub(crate) run: PathBuf,
 }
 
-const VARIANT_HELP: &str = "\
-Switch of the backend or of the plan; may be repeated:
+const SET_HELP: &str = "\
+Switch of the technique or of the plan; may be repeated:
 layout=pulled, technique=gs-line, expansion=cached,
-colour=rectangle … A wrong one is answered with all";
+colour=rectangle … --list-switches lists all";
+
+const FIT_HELP: &str = "\
+SCENE is a GeoJSON file: on WGS 84, by planar edges, seen
+from above so that all is in view; crossings are filled by
+the even-odd rule";
+
+const POINTS_HELP: &str = "\
+CSV file with columns lon and lat, degrees, or - for
+standard input; every column comes out again";
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArguments {
     /// Shipped scene by name, or path of a scene file
-    pub(crate) scene: String,
+    #[arg(required_unless_present = "list_switches")]
+    pub(crate) scene: Option<String>,
     /// View of the scene
-    #[arg(long)]
-    pub(crate) view: String,
+    #[arg(long, required_unless_present_any = ["fit", "list_switches"], conflicts_with = "fit")]
+    pub(crate) view: Option<String>,
+    #[arg(long, help = FIT_HELP)]
+    pub(crate) fit: bool,
     /// A technique, or reference
     #[arg(
         long,
@@ -176,11 +198,14 @@ pub(crate) struct RenderArguments {
         hide_possible_values = true
     )]
     pub(crate) technique: String,
-    #[arg(long, value_name = "KEY=VALUE", help = VARIANT_HELP)]
-    pub(crate) variant: Vec<String>,
-    /// Picture to write, PNG
-    #[arg(long)]
-    pub(crate) out: PathBuf,
+    #[arg(long, alias = "variant", value_name = "KEY=VALUE", help = SET_HELP)]
+    pub(crate) set: Vec<String>,
+    /// Print every switch with its values and its default, and draw nothing
+    #[arg(long, exclusive = true)]
+    pub(crate) list_switches: bool,
+    /// Picture to write, .png
+    #[arg(long, required_unless_present = "list_switches")]
+    pub(crate) out: Option<PathBuf>,
     /// Region ids to write, 16-bit grey PNG: feature index + 1, 0 for none
     #[arg(long)]
     pub(crate) ids: Option<PathBuf>,
@@ -244,7 +269,7 @@ separates from the outside; without it they are refused";
 
 #[derive(Debug, Args)]
 pub(crate) struct MeshArguments {
-    /// GeoJSON file
+    /// GeoJSON file, or - for standard input
     pub(crate) regions: PathBuf,
     #[arg(long, default_value = "planar", hide_possible_values = true, help = EDGES_HELP)]
     pub(crate) edges: Edges,
@@ -268,11 +293,13 @@ pub(crate) struct MeshArguments {
 
 #[derive(Debug, Args)]
 pub(crate) struct LocateArguments {
-    /// GeoJSON file
+    /// GeoJSON file, or - for standard input
     pub(crate) regions: PathBuf,
-    /// CSV file with columns lon and lat, degrees
-    #[arg(long)]
+    #[arg(long, help = POINTS_HELP)]
     pub(crate) points: PathBuf,
+    /// Add a column names behind regions
+    #[arg(long)]
+    pub(crate) names: bool,
     #[arg(long, default_value = "planar", hide_possible_values = true, help = EDGES_HELP)]
     pub(crate) edges: Edges,
     #[arg(long, hide_possible_values = true, help = REPAIR_HELP)]
@@ -283,7 +310,24 @@ pub(crate) struct LocateArguments {
 }
 
 #[derive(Debug, Args)]
+pub(crate) struct TechniquesArguments {
+    /// Print one JSON object instead of a list
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct DevicesArguments {
+    /// Print one JSON object instead of a list
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
 pub(crate) struct ScenesArguments {
+    /// Print one JSON object instead of a list
+    #[arg(long)]
+    pub(crate) json: bool,
     /// Folder with real data [default: $TERRAFILL_DATA]
     #[arg(long)]
     pub(crate) data: Option<PathBuf>,

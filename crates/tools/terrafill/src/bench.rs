@@ -3,7 +3,7 @@
 
 use crate::arguments::{BenchArguments, GrowthSampleArguments, MergeArguments, ReportArguments};
 use crate::environment::environment;
-use crate::outcome::{Failure, Outcome, print};
+use crate::outcome::{Failure, Outcome, complain, print};
 use crate::progress::Said;
 use crate::registry::{STUDIES, chapters, metrics};
 use std::path::Path;
@@ -43,11 +43,11 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     let plan = terrafill_study::plan(&studies, &request, &options).map_err(failure)?;
     if options.process == 0 {
         for skipped in &plan.run_plan().skipped {
-            eprintln!("skipped: {}: {}", skipped.what, skipped.reason);
+            complain(format!("skipped: {}: {}", skipped.what, skipped.reason));
         }
     }
     if plan.run_plan().cases.is_empty() {
-        eprintln!("nothing was measured");
+        complain("nothing was measured");
         return Ok(Outcome::NothingMeasured);
     }
     if options.process > 0 {
@@ -67,11 +67,11 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         run_process(process)?;
     }
     let outcome = RunOutcome::of(&arguments.out).map_err(Failure::bad_input)?;
-    print(&format!(
+    let counts = format!(
         "{} right, {} wrong, {} failed, {} skipped; in sweeps {} wrong on purpose\n",
         outcome.ok, outcome.wrong, outcome.failed, outcome.skipped, outcome.wrong_on_purpose
-    ));
-    print_report(&arguments.out)
+    );
+    print_report(&arguments.out, &counts)
 }
 
 /// Studies by name, or those that belong to a run of this depth.
@@ -223,29 +223,33 @@ fn failure(error: StudyError) -> Failure {
 
 pub(crate) fn growth_sample(arguments: &GrowthSampleArguments) -> Result<Outcome, Failure> {
     let sample = terrafill_growth::growth_sample(&arguments.file);
-    print(&sample.map_err(Failure::bad_input)?);
+    print(sample.map_err(Failure::bad_input)?)?;
     Ok(Outcome::Done)
 }
 
 pub(crate) fn report(arguments: &ReportArguments) -> Result<Outcome, Failure> {
-    print_report(&arguments.run)
+    print_report(&arguments.run, "")
 }
 
 pub(crate) fn merge(arguments: &MergeArguments) -> Result<Outcome, Failure> {
     terrafill_results::merge(&arguments.runs, &arguments.out, metrics())
         .map_err(Failure::bad_input)?;
-    print_report(&arguments.out)
+    print_report(&arguments.out, "")
 }
 
-/// Writes the report, names what is missing, and gives the run's verdict.
-fn print_report(run: &Path) -> Result<Outcome, Failure> {
+/// Writes the report, prints `heading` and where it is, names what is missing, and gives the run's
+/// verdict.
+fn print_report(run: &Path, heading: &str) -> Result<Outcome, Failure> {
     let report = terrafill_report::write(run, &chapters()).map_err(Failure::bad_input)?;
     if !report.missing.is_empty() {
-        eprintln!("{} planned cases are missing:", report.missing.len());
+        complain(format!(
+            "{} planned cases are missing:",
+            report.missing.len()
+        ));
         for case in &report.missing {
-            eprintln!("  {case}");
+            complain(format!("  {case}"));
         }
     }
-    print(&format!("report: {}\n", report.path.display()));
+    print(format!("{heading}report: {}\n", report.path.display()))?;
     Ok(Outcome::from_code(report.verdict.exit_code()))
 }

@@ -1,17 +1,31 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! `locate`: `lon,lat` in, `lon,lat,regions` out.
+//! `locate`: a table with `lon` and `lat` in, the same table with the regions that hold each point out.
 
 use crate::arguments::LocateArguments;
-use crate::outcome::{Failure, Outcome, print};
-use crate::regions::{Leniency, Meshed, read_and_mesh, report_skipped};
+use crate::input::{is_standard_input, read_standard_input, shown};
+use crate::outcome::{Failure, Outcome, complain, print};
+use crate::regions::{
+    Leniency, Meshed, read_and_mesh, report_repairs, report_skipped, report_warnings,
+};
+use std::io::IsTerminal as _;
 use std::path::Path;
-use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh};
+use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, printable, wide_encoding};
 use terrafill_reference::Locator;
 
 /// As for regions: one turn past the antimeridian is written on purpose, more is another unit.
 const LARGEST_LONGITUDE_DEG: f64 = 540.0;
 
+/// Column of the regions' indices.
+const REGIONS: &str = "regions";
+/// Column of their names.
+const NAMES: &str = "names";
+
 pub(crate) fn run(arguments: &LocateArguments) -> Result<Outcome, Failure> {
+    if is_standard_input(&arguments.regions) && is_standard_input(&arguments.points) {
+        return Err(Failure::bad_input(
+            "--points: found - for both inputs, allowed: standard input for one of them",
+        ));
+    }
     let edges: EdgeRule = arguments.edges.into();
     // The meshes judge nothing here; making them finds the crossings that `mesh` refuses too. On
     // what body does not matter: edges follow geodetic coordinates.
@@ -28,68 +42,95 @@ pub(crate) fn run(arguments: &LocateArguments) -> Result<Outcome, Failure> {
         regions,
         meshes,
         skipped,
+        warnings,
     } = read_and_mesh(path, leniency, body, edges, &options)?;
     let locator = Locator::new(&regions, edges)
-        .map_err(|error| Failure::bad_input(format!("{}: {error}", path.display())))?;
-    let points = read_points(&arguments.points)?;
+        .map_err(|error| Failure::bad_input(format!("{}: {error}", shown(path))))?;
+    let added = if arguments.names {
+        &[REGIONS, NAMES][..]
+    } else {
+        &[REGIONS]
+    };
+    let points = read_points(&arguments.points, added)?;
+    report_warnings(path, &warnings);
     report_skipped(&skipped);
     report_repairs(&meshes);
-    let mut text = "lon,lat,regions\n".to_owned();
     let mut undecided = 0;
-    for point in points {
+    let mut rows = vec![points.header];
+    rows[0].extend(added.iter().map(ToString::to_string));
+    for point in points.rows {
         let location = locator.locate(point.longitude_deg, point.latitude_deg);
         undecided += usize::from(!location.disagree.is_empty());
-        let found: Vec<String> = location
-            .regions
-            .iter()
-            .map(|&position| regions[position].index.to_string())
-            .collect();
-        text += &format!("{},{}\n", point.as_written, found.join(";"));
+        let found = || location.regions.iter().map(|&position| &regions[position]);
+        let mut row = point.cells;
+        row.push(joined(found().map(|region| region.index.to_string())));
+        if arguments.names {
+            row.push(joined(found().map(|region| region.name.clone())));
+        }
+        rows.push(row);
     }
     if undecided > 0 {
-        eprintln!("{undecided} points lie so near a boundary that the two tests differ");
+        complain(format!(
+            "{undecided} points lie so near a boundary that the two tests differ"
+        ));
     }
-    print(&text);
+    print(table(&rows, std::io::stdout().is_terminal())?)?;
     Ok(Outcome::Done)
 }
 
-/// Says on standard error what a repair filled, a line each; standard output is a table.
-fn report_repairs(meshes: &[RegionMesh]) {
-    for mesh in meshes {
-        let number = format!("feature {}", mesh.region_index);
-        let label = if mesh.name.is_empty() || mesh.name == number {
-            number
-        } else {
-            format!("{number} ({})", mesh.name)
-        };
-        let is_repair = |text: &&String| text.ends_with("filled by the even-odd rule");
-        for repair in mesh.warnings.iter().filter(is_repair) {
-            eprintln!("repaired: {label}: {repair}");
-        }
-    }
+fn joined(texts: impl Iterator<Item = String>) -> String {
+    texts.collect::<Vec<String>>().join(";")
 }
 
-struct NamedPoint {
-    /// The two cells of the file, so that a script finds its own numbers again.
-    as_written: String,
+/// Rows as CSV.
+///
+/// - `is_terminal`: control characters are written out, which a file keeps as they are
+fn table(rows: &[Vec<String>], is_terminal: bool) -> Result<Vec<u8>, Failure> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        let written = if is_terminal {
+            writer.write_record(row.iter().map(|cell| printable(cell).into_owned()))
+        } else {
+            writer.write_record(row)
+        };
+        written.map_err(Failure::bad_input)?;
+    }
+    writer.into_inner().map_err(Failure::bad_input)
+}
+
+/// A table of points as its file has it.
+struct Points {
+    header: Vec<String>,
+    rows: Vec<Point>,
+}
+
+struct Point {
+    /// Every cell as it stands in the file, so that a script finds its own columns again.
+    cells: Vec<String>,
     longitude_deg: f64,
     latitude_deg: f64,
 }
 
 /// The points of a file, or every problem of it, a line each.
-fn read_points(path: &Path) -> Result<Vec<NamedPoint>, Failure> {
-    let shown = path.display();
+///
+/// - `added`: columns that the file may not have, since they are going to be added
+fn read_points(path: &Path, added: &[&str]) -> Result<Points, Failure> {
+    let shown = shown(path);
     let fail = |what: String| Failure::bad_input(format!("{shown}: {what}"));
     if path.is_dir() {
         return Err(fail(
             "is a directory, allowed: a CSV file with columns lon and lat".to_owned(),
         ));
     }
-    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => fail("no such file".to_owned()),
-        _ => fail(format!("cannot be read: {error}")),
-    })?;
-    parse_points(&bytes).map_err(|problems| {
+    let bytes = if is_standard_input(path) {
+        read_standard_input()?
+    } else {
+        std::fs::read(path).map_err(|error| match error.kind() {
+            std::io::ErrorKind::NotFound => fail("no such file".to_owned()),
+            _ => fail(format!("cannot be read: {error}")),
+        })?
+    };
+    parse_points(&bytes, added).map_err(|problems| {
         let lines: Vec<String> = problems
             .iter()
             .map(|what| format!("{shown}: {what}"))
@@ -98,7 +139,10 @@ fn read_points(path: &Path) -> Result<Vec<NamedPoint>, Failure> {
     })
 }
 
-fn parse_points(bytes: &[u8]) -> Result<Vec<NamedPoint>, Vec<String>> {
+fn parse_points(bytes: &[u8], added: &[&str]) -> Result<Points, Vec<String>> {
+    if let Some(found) = wide_encoding(bytes) {
+        return Err(vec![format!("the file is {found}; expected UTF-8")]);
+    }
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let before = &bytes[..error.valid_up_to()];
@@ -111,7 +155,7 @@ fn parse_points(bytes: &[u8]) -> Result<Vec<NamedPoint>, Vec<String>> {
         ]);
     }
     let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
+        .trim(csv::Trim::Headers)
         // A short row is reported by its missing cell, like any other wrong cell.
         .flexible(true)
         .from_reader(text.as_bytes());
@@ -126,27 +170,32 @@ fn parse_points(bytes: &[u8]) -> Result<Vec<NamedPoint>, Vec<String>> {
             format!("line 1: no column {name}; found: {}", found.join(", "))
         })
     };
+    let taken = added
+        .iter()
+        .filter(|name| header.iter().any(|found| found == **name));
+    let mut problems: Vec<String> = taken
+        .map(|name| format!("line 1: found a column {name}, allowed: any other name"))
+        .collect();
     let columns = match (column("lon"), column("lat")) {
-        (Ok(longitude), Ok(latitude)) => [longitude, latitude],
+        (Ok(longitude), Ok(latitude)) if problems.is_empty() => [longitude, latitude],
         (longitude, latitude) => {
-            return Err([longitude, latitude]
-                .into_iter()
-                .filter_map(Result::err)
-                .collect());
+            problems.extend([longitude, latitude].into_iter().filter_map(Result::err));
+            return Err(problems);
         }
     };
-    let (mut points, mut problems) = (Vec::new(), Vec::new());
+    let mut rows = Vec::new();
     for row in reader.records() {
         match row {
-            Ok(row) => match parse_point(&row, line_of(&row, text), columns) {
-                Ok(point) => points.push(point),
+            Ok(row) => match parse_point(&row, line_of(&row, text), columns, header.len()) {
+                Ok(point) => rows.push(point),
                 Err(wrong) => problems.extend(wrong),
             },
             Err(error) => problems.push(error.to_string()),
         }
     }
     if problems.is_empty() {
-        Ok(points)
+        let header = header.iter().map(str::to_owned).collect();
+        Ok(Points { header, rows })
     } else {
         Err(problems)
     }
@@ -164,33 +213,60 @@ fn line_of(row: &csv::StringRecord, text: &str) -> u64 {
     position.line() + skipped.filter(|byte| *byte == b'\n').count() as u64
 }
 
-/// One row, or what is wrong with its cells.
+/// One row, or what is wrong with its cells. Columns that it lacks at its end are empty.
 fn parse_point(
     row: &csv::StringRecord,
     line: u64,
     columns: [usize; 2],
-) -> Result<NamedPoint, Vec<String>> {
+    width: usize,
+) -> Result<Point, Vec<String>> {
+    if row.len() > width {
+        let found = row.len();
+        return Err(vec![format!(
+            "line {line}: found {found} cells, allowed: {width} as in line 1"
+        )]);
+    }
     let cell = |column: usize, name: &str, limit: f64| {
         let allowed = format!("allowed: a number from -{limit} to {limit}");
-        let Some(text) = row.get(column) else {
+        let Some(text) = row.get(column).map(str::trim) else {
             return Err(format!("line {line}, {name}: found no cell, {allowed}"));
         };
         match text.parse::<f64>() {
-            Ok(number) if number.abs() <= limit => Ok((text, number)),
+            Ok(number) if number.abs() <= limit => Ok(number),
             _ => Err(format!("line {line}, {name}: found {text:?}, {allowed}")),
         }
     };
     let longitude = cell(columns[0], "lon", LARGEST_LONGITUDE_DEG);
     let latitude = cell(columns[1], "lat", 90.0);
     match (longitude, latitude) {
-        (Ok((longitude, longitude_deg)), Ok((latitude, latitude_deg))) => Ok(NamedPoint {
-            as_written: format!("{longitude},{latitude}"),
-            longitude_deg,
-            latitude_deg,
-        }),
+        (Ok(longitude_deg), Ok(latitude_deg)) => {
+            let mut cells: Vec<String> = row.iter().map(str::to_owned).collect();
+            cells.resize(width, String::new());
+            Ok(Point {
+                cells,
+                longitude_deg,
+                latitude_deg,
+            })
+        }
         (longitude, latitude) => {
             let problems = [longitude.err(), latitude.err()];
             Err(problems.into_iter().flatten().collect())
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn control_characters_are_written_out_on_a_terminal_only() {
+        let rows = vec![vec!["a\u{1b}[2J".to_owned(), "b, c".to_owned()]];
+        let table = |is_terminal| {
+            let bytes = table(&rows, is_terminal).unwrap_or_default();
+            String::from_utf8(bytes).expect("UTF-8")
+        };
+        assert_eq!(table(true), "a\\u{1b}[2J,\"b, c\"\n");
+        assert_eq!(table(false), "a\u{1b}[2J,\"b, c\"\n");
     }
 }

@@ -8,7 +8,10 @@
 
 mod arguments;
 mod bench;
+mod devices;
 mod environment;
+mod fit;
+mod input;
 mod inspect;
 mod locate;
 mod mesh;
@@ -18,34 +21,40 @@ mod progress;
 mod regions;
 mod registry;
 mod render;
+mod techniques;
 mod usage;
 
 use arguments::{Arguments, Verb};
 use clap::Parser as _;
+use outcome::{Failure, Outcome, complain};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
-        Ok(arguments) => arguments,
-        Err(error) => return usage::answer(&error),
-    };
-    let result = match arguments.verb {
-        Verb::Bench(arguments) => bench::run(&arguments),
-        Verb::Report(arguments) => bench::report(&arguments),
-        Verb::Merge(arguments) => bench::merge(&arguments),
-        Verb::Render(arguments) => render::run(&arguments),
-        Verb::Mesh(arguments) => mesh::run(&arguments),
-        Verb::Locate(arguments) => locate::run(&arguments),
-        Verb::Scenes(arguments) => inspect::scenes(&arguments),
-        Verb::Studies(arguments) => inspect::studies(&arguments),
-        Verb::Devices => inspect::devices(),
-        Verb::GrowthSample(arguments) => bench::growth_sample(&arguments),
+    let result = match Arguments::try_parse() {
+        Ok(arguments) => run(&arguments.verb),
+        Err(error) => usage::answer(&error),
     };
     let outcome = result.unwrap_or_else(|failure| {
         for problem in failure.message.lines() {
-            eprintln!("error: {problem}");
+            complain(format!("error: {problem}"));
         }
         failure.outcome
     });
     ExitCode::from(outcome as u8)
+}
+
+fn run(verb: &Verb) -> Result<Outcome, Failure> {
+    match verb {
+        Verb::Bench(arguments) => bench::run(arguments),
+        Verb::Report(arguments) => bench::report(arguments),
+        Verb::Merge(arguments) => bench::merge(arguments),
+        Verb::Render(arguments) => render::run(arguments),
+        Verb::Mesh(arguments) => mesh::run(arguments),
+        Verb::Locate(arguments) => locate::run(arguments),
+        Verb::Scenes(arguments) => inspect::scenes(arguments),
+        Verb::Studies(arguments) => inspect::studies(arguments),
+        Verb::Techniques(arguments) => techniques::run(arguments),
+        Verb::Devices(arguments) => devices::run(arguments),
+        Verb::GrowthSample(arguments) => bench::growth_sample(arguments),
+    }
 }

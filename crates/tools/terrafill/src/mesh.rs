@@ -2,14 +2,14 @@
 //! `mesh`: what becomes of a file's regions.
 
 use crate::arguments::MeshArguments;
-use crate::outcome::{Failure, Outcome, print};
+use crate::outcome::{Failure, Outcome, print, print_json};
 use crate::regions::{FeatureProblem, Leniency, Meshed, read_and_mesh, report_skipped};
 use crate::registry::TECHNIQUES;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;
-use terrafill_core::{EdgeRule, MeshOptions, Region, RegionMesh};
+use terrafill_core::{EdgeRule, MeshOptions, Region, RegionMesh, printable};
 use terrafill_fill::layouts;
 use terrafill_scene::Overlap;
 
@@ -21,6 +21,8 @@ struct MeshOutput {
     regions: Vec<MeshedRegion>,
     /// Features left out by `--skip-invalid`.
     errors: Vec<FeatureProblem>,
+    /// About the file as a whole.
+    warnings: Vec<String>,
     totals: Totals,
     elapsed_ms: f64,
 }
@@ -73,6 +75,7 @@ pub(crate) fn run(arguments: &MeshArguments) -> Result<Outcome, Failure> {
         regions,
         meshes,
         skipped,
+        warnings,
     } = read_and_mesh(path, leniency, body, edges, &options)?;
     report_skipped(&skipped);
     let meshed: Vec<MeshedRegion> = meshes.par_iter().map(describe).collect();
@@ -83,13 +86,13 @@ pub(crate) fn run(arguments: &MeshArguments) -> Result<Outcome, Failure> {
         totals: totals(&regions, &meshes, &meshed),
         regions: meshed,
         errors: skipped,
+        warnings,
         elapsed_ms: start.elapsed().as_secs_f64() * 1e3,
     };
     if arguments.json {
-        let text = serde_json::to_string_pretty(&output).map_err(Failure::bad_input)?;
-        print(&(text + "\n"));
+        print_json(&output)?;
     } else {
-        print(&table(&output));
+        print(table(&output))?;
     }
     Ok(Outcome::Done)
 }
@@ -167,11 +170,17 @@ fn table(output: &MeshOutput) -> String {
     let totals = &output.totals;
     let largest = output.regions.iter().map(|region| region.area_m2);
     let unit = AreaUnit::fitting(largest.fold(0.0, f64::max));
+    let warnings: String = output
+        .warnings
+        .iter()
+        .map(|text| warning_line(0, text))
+        .collect();
     let mut text = format!(
-        "{} · {} edges · {}\n\n{:>5}  {:<NAME_WIDTH$} {:>9} {:>9} {:>9} {:>6} {:>16}\n",
+        "{} · {} edges · {}\n{}\n{:>5}  {:<NAME_WIDTH$} {:>9} {:>9} {:>9} {:>6} {:>16}\n",
         output.file,
         output.edges,
         output.body,
+        warnings,
         "index",
         "name",
         "vertices",
@@ -192,7 +201,7 @@ fn table(output: &MeshOutput) -> String {
             unit.show(region.area_m2)
         );
         for warning in &region.warnings {
-            text += &format!("       {warning}\n");
+            text += &warning_line(7, warning);
         }
     }
     text += &format!(
@@ -218,9 +227,14 @@ fn table(output: &MeshOutput) -> String {
     text
 }
 
+fn warning_line(indent: usize, warning: &str) -> String {
+    format!("{:indent$}{}\n", "", printable(warning))
+}
+
 fn shortened(name: &str) -> String {
+    let name = printable(name);
     if name.chars().count() <= NAME_WIDTH {
-        return name.to_owned();
+        return name.into_owned();
     }
     name.chars().take(NAME_WIDTH - 1).chain(['…']).collect()
 }
@@ -267,5 +281,6 @@ mod tests {
         let long = "São Tomé and Príncipe and many others";
         assert_eq!(shortened(long), "São Tomé and Príncipe and man…");
         assert_eq!(shortened("Perú"), "Perú");
+        assert_eq!(shortened("\u{1b}[2J"), "\\u{1b}[2J");
     }
 }

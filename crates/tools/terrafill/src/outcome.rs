@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! How a command ended, and what it prints.
 
+use std::io::{self, Write as _};
+
 /// How a command ended; the numbers are the exit codes of `terrafill --help`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Outcome {
@@ -51,9 +53,63 @@ impl Failure {
     }
 }
 
-/// Writes to standard output; a reader that closed the pipe has seen enough, which is no error.
-pub(crate) fn print(text: &str) {
-    use std::io::Write as _;
+/// Writes to standard output and flushes it.
+///
+/// # Errors
+/// [`Outcome::BadInput`] when not everything was written, such as to a full disk. A reader that closed
+/// the pipe has seen enough, which is no error.
+pub(crate) fn print(text: impl AsRef<[u8]>) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    written(out.write_all(text.as_ref()).and_then(|()| out.flush()))
+}
+
+/// Prints a JSON value in lines, its control characters written out: serde leaves DEL and what
+/// follows it as they are, and some terminals obey those.
+pub(crate) fn print_json(value: &impl serde::Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(value).map_err(Failure::bad_input)?;
+    let mut shown = String::with_capacity(text.len() + 1);
+    for character in text.chars() {
+        if character.is_control() && character != '\n' {
+            shown += &format!("\\u{:04x}", u32::from(character));
+        } else {
+            shown.push(character);
+        }
+    }
+    shown.push('\n');
+    print(shown)
+}
+
+/// What became of a write to standard output.
+pub(crate) fn written(result: io::Result<()>) -> Result<(), Failure> {
+    match result {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::bad_input(
+            format!("standard output: cannot be written: {error}"),
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Writes a line to standard error. Where that cannot be written there is no place left to say so:
+/// the exit code still does.
+pub(crate) fn complain(line: impl std::fmt::Display) {
+    drop(writeln!(io::stderr(), "{line}"));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_closed_pipe_is_a_write_that_may_fail() {
+        let failed = |kind: io::ErrorKind| written(Err(kind.into()));
+        assert!(failed(io::ErrorKind::BrokenPipe).is_ok());
+        assert!(written(Ok(())).is_ok());
+        let failure = failed(io::ErrorKind::StorageFull).expect_err("a full disk");
+        assert_eq!(failure.outcome, Outcome::BadInput);
+        assert!(
+            failure
+                .message
+                .starts_with("standard output: cannot be written: ")
+        );
+    }
 }

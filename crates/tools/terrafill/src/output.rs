@@ -27,6 +27,26 @@ pub(crate) fn check_paths<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Resu
     Ok(())
 }
 
+/// Refuses names of pictures that promise another format than PNG. Pipes and devices have none.
+pub(crate) fn check_pictures<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
+    for path in paths {
+        let extension = path.extension().unwrap_or_default();
+        let is_png = extension.eq_ignore_ascii_case("png");
+        if !(is_png || (path.exists() && !path.is_file())) {
+            let found = if extension.is_empty() {
+                "no extension".to_owned()
+            } else {
+                format!(".{}", extension.display())
+            };
+            let path = path.display();
+            return Err(Failure::bad_input(format!(
+                "{path}: found {found}, allowed: .png"
+            )));
+        }
+    }
+    Ok(())
+}
+
 /// Writes every file beside its place and then renames them all: a disk that fills up, or a killed
 /// process, leaves no half of a file under a name that was asked for.
 pub(crate) fn write_all(files: &[(&Path, Vec<u8>)]) -> Result<(), Failure> {
@@ -35,7 +55,11 @@ pub(crate) fn write_all(files: &[(&Path, Vec<u8>)]) -> Result<(), Failure> {
         .iter()
         .zip(&unfinished)
         .try_for_each(|((path, bytes), beside)| {
-            std::fs::write(beside, bytes).map_err(|error| unwritable(path, &error))
+            match std::fs::write(beside, bytes) {
+                // A pipe by its name, such as /dev/stdout, whose reader has seen enough.
+                Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+                written => written.map_err(|error| unwritable(path, &error)),
+            }
         })
         .and_then(|()| {
             let mut renames = files.iter().zip(&unfinished);
@@ -102,6 +126,25 @@ mod tests {
         assert!(failure.message.contains("none/bad"), "{}", failure.message);
         let names = std::fs::read_dir(folder.path()).expect("a folder").count();
         assert_eq!(names, 0, "no part of the output stays");
+    }
+
+    #[test]
+    fn pictures_are_png() {
+        for right in ["a.png", "b/A.PNG", "a.b.png", "/dev/null"] {
+            assert!(check_pictures([Path::new(right)]).is_ok(), "{right}");
+        }
+        for (wrong, found) in [
+            ("a.jpg", ".jpg"),
+            ("png", "no extension"),
+            ("a.png.tiff", ".tiff"),
+        ] {
+            let paths = [Path::new("right.png"), Path::new(wrong)];
+            let failure = check_pictures(paths).expect_err(wrong);
+            assert_eq!(
+                failure.message,
+                format!("{wrong}: found {found}, allowed: .png")
+            );
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a run is doing: a bar on a terminal, elsewhere a line at least every half minute.
 
+use crate::outcome::complain;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal as _;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -53,7 +54,7 @@ fn write_lines(prefix: &str, said: &Receiver<String>) {
                 Err(RecvTimeoutError::Disconnected) => return,
             }
         }
-        eprintln!("{prefix}, {newest}");
+        complain(format!("{prefix}, {newest}"));
     }
 }
 

@@ -2,11 +2,15 @@
 //! Files of regions, read and meshed: every problem of a file at once.
 
 use crate::arguments::Repair;
-use crate::outcome::Failure;
+use crate::input::{is_standard_input, read_standard_input, shown};
+use crate::outcome::{Failure, complain};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::Path;
-use terrafill_core::{EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh};
+use terrafill_core::{
+    EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionFile, RegionFileError, RegionMesh,
+    printable, read_region_file,
+};
 use terrafill_scene::{RegionLoadError, load_regions};
 
 /// What to do about features that are wrong.
@@ -34,9 +38,11 @@ pub(crate) struct Meshed {
     pub(crate) meshes: Vec<RegionMesh>,
     /// Features that were left out, by `--skip-invalid` only.
     pub(crate) skipped: Vec<FeatureProblem>,
+    /// About the file as a whole, such as how many features have no area.
+    pub(crate) warnings: Vec<String>,
 }
 
-/// Reads and meshes a file, its crossings repaired if asked for.
+/// Reads and meshes a file, or standard input for `-`, its crossings repaired if asked for.
 ///
 /// A file in which anything is wrong gives nothing but the list of what is, so that no one takes
 /// the rest of a map for the map; unless that was asked for.
@@ -48,7 +54,11 @@ pub(crate) fn read_and_mesh(
     options: &MeshOptions,
 ) -> Result<Meshed, Failure> {
     options.check().map_err(wrong_option)?;
-    let (mut regions, mut problems) = read(path)?;
+    let (read, mut problems) = read(path)?;
+    let RegionFile {
+        mut regions,
+        warnings,
+    } = read;
     let mesh = |regions: &[Region]| match leniency.repair {
         None => RegionMesh::build_all(regions, body, rule, options),
         Some(Repair::EvenOdd) => {
@@ -74,6 +84,7 @@ pub(crate) fn read_and_mesh(
                 regions,
                 meshes,
                 skipped: problems,
+                warnings,
             })
         }
         _ => {
@@ -84,17 +95,29 @@ pub(crate) fn read_and_mesh(
 }
 
 /// The features that can be read, and what is wrong with the others.
-fn read(path: &Path) -> Result<(Vec<Region>, Vec<FeatureProblem>), Failure> {
-    match load_regions(path) {
-        Ok(regions) => Ok((regions, Vec::new())),
+fn read(path: &Path) -> Result<(RegionFile, Vec<FeatureProblem>), Failure> {
+    let read = if is_standard_input(path) {
+        let bytes = read_standard_input()?;
+        read_region_file(&bytes, &shown(path)).map_err(RegionLoadError::Invalid)
+    } else {
+        load_regions(path)
+    };
+    match read {
+        Ok(read) => Ok((read, Vec::new())),
         Err(RegionLoadError::Invalid(error)) => {
             let problems = error.problems.iter().map(|problem| FeatureProblem {
                 feature: problem.feature,
                 ring: problem.ring,
                 vertex: problem.vertex,
-                message: format!("{}: {problem}", path.display()),
+                message: format!("{}: {problem}", shown(path)),
             });
-            Ok((error.readable.clone(), problems.collect()))
+            let problems = problems.collect();
+            let RegionFileError {
+                readable: regions,
+                warnings,
+                ..
+            } = error;
+            Ok((RegionFile { regions, warnings }, problems))
         }
         Err(error) => Err(Failure::bad_input(error)),
     }
@@ -112,14 +135,37 @@ fn describe(path: &Path, repair: Option<Repair>, error: &MeshError) -> FeaturePr
         feature: error.feature(),
         ring: place.map(|place| place.ring),
         vertex: place.map(|place| place.vertex),
-        message: format!("{}: {error}{remedy}", path.display()),
+        message: format!("{}: {error}{remedy}", shown(path)),
     }
 }
 
 /// Says on standard error what was left out, a line each.
 pub(crate) fn report_skipped(skipped: &[FeatureProblem]) {
     for problem in skipped {
-        eprintln!("skipped: {}", problem.message);
+        complain(format!("skipped: {}", problem.message));
+    }
+}
+
+/// Says on standard error what is remarkable about the file as a whole.
+pub(crate) fn report_warnings(path: &Path, warnings: &[String]) {
+    for warning in warnings {
+        complain(format!("warning: {}: {}", shown(path), printable(warning)));
+    }
+}
+
+/// Says on standard error what a repair filled, a line each; standard output is a table.
+pub(crate) fn report_repairs(meshes: &[RegionMesh]) {
+    for mesh in meshes {
+        let number = format!("feature {}", mesh.region_index);
+        let label = if mesh.name.is_empty() || mesh.name == number {
+            number
+        } else {
+            format!("{number} ({})", printable(&mesh.name))
+        };
+        let is_repair = |text: &&String| text.ends_with("filled by the even-odd rule");
+        for repair in mesh.warnings.iter().filter(is_repair) {
+            complain(format!("repaired: {label}: {repair}"));
+        }
     }
 }
 

@@ -2,14 +2,16 @@
 //! `render`: one picture.
 
 use crate::arguments::RenderArguments;
-use crate::outcome::{Failure, Outcome};
-use crate::output::{check_paths, write_all};
+use crate::fit;
+use crate::outcome::{Failure, Outcome, print};
+use crate::output::{check_paths, check_pictures, write_all};
 use crate::registry::{SURFACES, TECHNIQUES, technique};
+use crate::techniques;
 use image::{ExtendedColorType, ImageFormat};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::io::Cursor;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
 use terrafill_fill::{
@@ -34,12 +36,24 @@ struct Drawn {
 }
 
 pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
-    let out = arguments.out.as_path();
+    let (Some(name), Some(out)) = (&arguments.scene, &arguments.out) else {
+        // Only `--list-switches` goes without: the parser asks for both.
+        print(techniques::text())?;
+        return Ok(Outcome::Done);
+    };
     let others = [&arguments.ids, &arguments.stats];
-    check_paths(std::iter::once(out).chain(others.into_iter().flatten().map(PathBuf::as_path)))?;
-    let data = arguments.data.clone().or_else(data_dir_from_env);
-    let scene = open_scene(&arguments.scene, data.as_deref()).map_err(Failure::bad_input)?;
-    let view = find_view(&scene, &arguments.view)?;
+    check_paths(
+        std::iter::once(out)
+            .chain(others.into_iter().flatten())
+            .map(PathBuf::as_path),
+    )?;
+    check_pictures(
+        std::iter::once(out)
+            .chain(&arguments.ids)
+            .map(PathBuf::as_path),
+    )?;
+    let scene = scene(name, arguments)?;
+    let view = find_view(&scene, arguments.view.as_deref().unwrap_or(fit::VIEW))?;
     let wanted = wanted(&scene, arguments)?;
     let input = input(&scene, view, &wanted, arguments)?;
     let drawn = match &wanted.subject {
@@ -47,7 +61,7 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
         Some((technique, variant)) => draw(&input, *technique, variant, arguments)?,
     };
     let colour = ExtendedColorType::Rgb8;
-    let mut files = vec![(out, png(&drawn.rgb, input.size, colour)?)];
+    let mut files = vec![(out.as_path(), png(&drawn.rgb, input.size, colour)?)];
     if let Some(path) = &arguments.ids {
         files.push((path, ids_png(&drawn.frame)?));
     }
@@ -60,6 +74,22 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
+/// The scene called `name`, or that of the regions in the file `name`.
+fn scene(name: &str, arguments: &RenderArguments) -> Result<Scene, Failure> {
+    if arguments.fit {
+        return fit::scene_of(Path::new(name), size(arguments));
+    }
+    let data = arguments.data.clone().or_else(data_dir_from_env);
+    open_scene(name, data.as_deref()).map_err(Failure::bad_input)
+}
+
+fn size(arguments: &RenderArguments) -> ImageSize {
+    ImageSize {
+        width: arguments.size.0,
+        height: arguments.size.1,
+    }
+}
+
 fn find_view<'a>(scene: &'a Scene, name: &str) -> Result<&'a View, Failure> {
     let found = scene.views.iter().find(|view| view.name == name);
     found.ok_or_else(|| {
@@ -69,7 +99,7 @@ fn find_view<'a>(scene: &'a Scene, name: &str) -> Result<&'a View, Failure> {
     })
 }
 
-/// What `--backend` and `--variant` ask for.
+/// What `--technique` and `--set` ask for.
 struct Wanted {
     /// `None`: the reference.
     subject: Option<(&'static dyn Technique, Variant)>,
@@ -85,9 +115,9 @@ fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure>
         mesh: scene.mesh,
         is_textured: false,
     };
-    for switch in &arguments.variant {
+    for switch in &arguments.set {
         let refuse = |allowed: &str| {
-            let message = format!("--variant: found {switch:?}, allowed: {allowed}");
+            let message = format!("--set: found {switch:?}, allowed: {allowed}");
             Failure::bad_input(message)
         };
         let (key, value) = switch.split_once('=').unwrap_or((switch, ""));
@@ -112,7 +142,7 @@ fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure>
     if let Some((technique, variant)) = &wanted.subject {
         let checked = check_interface(*technique, variant)
             .and_then(|()| technique.check(variant, scene.overlap));
-        checked.map_err(|error| Failure::bad_input(format!("--variant: {error}")))?;
+        checked.map_err(|error| Failure::bad_input(format!("--set: {error}")))?;
     }
     Ok(wanted)
 }
@@ -128,11 +158,14 @@ fn check_interface(technique: &dyn Technique, variant: &Variant) -> Result<(), S
         .iter()
         .filter(|other| other.api().has_depth_bounds_test);
     let able: Vec<String> = able
-        .map(|other| format!("--backend {}", other.name()))
+        .map(|other| format!("--technique {}", other.name()))
         .collect();
     Err(SwitchError {
         switch: "depth-bounds",
-        found: format!("on with a backend on {}, which has no such test", api.name),
+        found: format!(
+            "on with a technique on {}, which has no such test",
+            api.name
+        ),
         allowed: format!("off, or {}", able.join(" or ")),
     })
 }
@@ -144,11 +177,11 @@ impl Wanted {
         self.is_textured = match (key, value) {
             ("texture", "on") if has_texture => true,
             ("texture", "off") => false,
-            _ if has_texture => return Err("texture=on|off with --backend reference".to_owned()),
+            _ if has_texture => return Err("texture=on|off with --technique reference".to_owned()),
             _ => {
                 let scene = &scene.name;
                 return Err(format!(
-                    "none with --backend reference and scene {scene}, which has no texture"
+                    "none with --technique reference and scene {scene}, which has no texture"
                 ));
             }
         };
@@ -158,7 +191,7 @@ impl Wanted {
     /// Sets an option of the meshes that go into every backend; `Ok(false)` when there is no such
     /// option, and what is allowed when the value is none of the option's.
     fn set_mesh(&mut self, key: &str, value: &str) -> Result<bool, &'static str> {
-        if key != "boundary-tolerance-m" {
+        if key != BOUNDARY_TOLERANCE {
             return Ok(false);
         }
         let above_zero = value.parse().ok().filter(|&v| v > 0.0 && f64::is_finite(v));
@@ -173,9 +206,18 @@ impl Wanted {
     }
 }
 
+/// Switches of the meshes that go into every technique: key, values in words, and the default.
+pub(crate) const MESH_SWITCHES: [(&str, &str, fn() -> String); 1] =
+    [(BOUNDARY_TOLERANCE, "METRES", || {
+        MeshOptions::default().boundary_tolerance_m.to_string()
+    })];
+
+const BOUNDARY_TOLERANCE: &str = "boundary-tolerance-m";
+
 /// Switches of `render`, for a message.
 fn allowed_switches(variant: &Variant) -> String {
-    format!("{}, boundary-tolerance-m=METRES", variant.keys())
+    let mesh = MESH_SWITCHES.map(|(key, values, _)| format!(", {key}={values}"));
+    variant.keys() + &mesh.concat()
 }
 
 fn input(
@@ -187,7 +229,7 @@ fn input(
     let refused = |errors: Vec<MeshError>| {
         let lines: Vec<String> = errors
             .iter()
-            .map(|error| format!("{}: {error}", arguments.scene))
+            .map(|error| format!("{}: {error}", scene.name))
             .collect();
         Failure::bad_input(lines.join("\n"))
     };
@@ -200,12 +242,8 @@ fn input(
         let meshes = RegionMesh::build_all(&scene.regions, body, rule, &wanted.mesh);
         PreparedScene::new(scene, meshes.map_err(refused)?.into(), surface)
     };
-    let size = ImageSize {
-        width: arguments.size.0,
-        height: arguments.size.1,
-    };
-    FillInput::new(&prepared, view, size, wanted.plan()).map_err(|error| {
-        let (scene, view) = (&arguments.scene, &view.name);
+    FillInput::new(&prepared, view, size(arguments), wanted.plan()).map_err(|error| {
+        let (scene, view) = (&scene.name, &view.name);
         Failure::bad_input(format!("{scene}: view {view}: {error}"))
     })
 }

@@ -4,23 +4,23 @@
 //! A wrong value gets the one line that wrong input gets everywhere, with what was found and what is
 //! allowed; for the rest clap's own text says best what the verb looks like.
 
-use crate::outcome::Outcome;
+use crate::outcome::{Failure, Outcome, complain, written};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use std::error::Error as _;
-use std::process::ExitCode;
+use std::io::Write as _;
 
 /// Prints help to standard output, problems to standard error.
-pub(crate) fn answer(error: &clap::Error) -> ExitCode {
-    match wrong_value(error) {
-        Some(line) => eprintln!("error: {line}"),
-        // A reader that closed the pipe has seen enough.
-        None => drop(error.print()),
+pub(crate) fn answer(error: &clap::Error) -> Result<Outcome, Failure> {
+    if let Some(line) = wrong_value(error) {
+        complain(format!("error: {line}"));
+        return Ok(Outcome::BadInput);
     }
+    let printed = error.print();
     if error.use_stderr() {
-        ExitCode::from(Outcome::BadInput as u8)
-    } else {
-        ExitCode::SUCCESS
+        return Ok(Outcome::BadInput);
     }
+    written(printed.and_then(|()| std::io::stdout().flush()))?;
+    Ok(Outcome::Done)
 }
 
 /// `--edges: found "x", allowed: planar, great-ellipse`; nothing for other errors.

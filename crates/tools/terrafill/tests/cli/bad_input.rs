@@ -66,8 +66,27 @@ fn wrong_regions() -> Vec<Wrong> {
         ),
         wrong(
             "no-features",
-            r#"{"type":"FeatureCollection","features":[]}"#,
-            &["no features", "at least one"],
+            r#"{"type":"FeatureCollection"}"#,
+            &["no \"features\"", "FeatureCollection"],
+        ),
+        wrong(
+            "text-in-a-position",
+            &square.replace("[1,1]", "[1,1,\"x\"]"),
+            &[
+                "vertex 2",
+                "element 2 of the position is the text \"x\"",
+                "expected a number",
+            ],
+        ),
+        wrong(
+            "utf-16",
+            &square.chars().flat_map(|c| [c, '\0']).collect::<String>(),
+            &["the file is UTF-16; expected UTF-8"],
+        ),
+        wrong(
+            "projected",
+            &square.replace("[1,1]", "[4e6,1]"),
+            &["longitude 4000000", "looks projected", "degrees"],
         ),
         wrong(
             "bare-list",
@@ -305,12 +324,15 @@ fn wrong_scenes_are_refused_and_leave_no_folder_behind() {
         ("./none.toml", &[&["none.toml: cannot be read"]]),
     ];
     for (scene, problems) in cases {
-        let data = ["--data", "data", "--out", "result"];
-        let bench = [&["bench", scene][..], &data].concat();
+        let data = ["--data", "data", "--out"];
+        let bench = [&["bench", scene][..], &data, &["result"]].concat();
         desk.run(&bench).refused(problems);
-        let render = [&["render", scene, "--view", "above"][..], &data].concat();
+        let render = ["render", scene, "--view", "above"];
+        let render = [&render[..], &data, &["result.png"]].concat();
         desk.run(&render).refused(problems);
-        assert!(!desk.path("result").exists(), "{scene}");
+        for result in ["result", "result.png"] {
+            assert!(!desk.path(result).exists(), "{scene}");
+        }
     }
     desk.run(&["bench", "right.toml", "right.toml", "--data", "data"])
         .refused(&[&["scene \"right\" is given twice"]]);
@@ -335,7 +357,7 @@ fn pictures_that_cannot_be_written_are_refused_before_anything_is_drawn() {
     ];
     for (outputs, phrases) in cases {
         for backend in ["reference", "vertex"] {
-            let arguments = [&render[..], outputs, &["--backend", backend]].concat();
+            let arguments = [&render[..], outputs, &["--technique", backend]].concat();
             desk.run(&arguments).refused(&[phrases]);
         }
     }

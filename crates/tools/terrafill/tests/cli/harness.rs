@@ -83,6 +83,13 @@ impl Desk {
         ran(&mut self.command(arguments))
     }
 
+    /// As [`Desk::run`], with `input` on standard input.
+    pub(crate) fn run_with_input<S: AsRef<OsStr>>(&self, arguments: &[S], input: &str) -> Ran {
+        self.write(".input", input);
+        let file = std::fs::File::open(self.path(".input")).expect("readable");
+        ran(self.command(arguments).stdin(file))
+    }
+
     /// As [`Desk::run`], on a machine whose Vulkan loader finds no driver.
     pub(crate) fn run_without_device<S: AsRef<OsStr>>(&self, arguments: &[S]) -> Ran {
         let nowhere = self.path("no-driver.json");
@@ -197,6 +204,19 @@ impl Ran {
         }
         Ok(())
     }
+}
+
+/// Names of every technique of the program.
+pub(crate) fn techniques() -> Vec<String> {
+    let json = Desk::new().run(&["techniques", "--json"]).succeeded();
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let listed = json["techniques"].as_array().expect("a list");
+    let names = listed
+        .iter()
+        .filter_map(|technique| technique["name"].as_str());
+    let names: Vec<String> = names.map(str::to_owned).collect();
+    assert!(names.len() >= 4, "{names:?}");
+    names
 }
 
 /// Whether a device can run the vertex backend; says why not, and fails where one is required.

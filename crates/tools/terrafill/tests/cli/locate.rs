@@ -58,12 +58,82 @@ fn indices_are_joined_by_semicolons_and_nowhere_is_empty() {
 }
 
 #[test]
-fn the_points_file_may_hold_more_and_in_another_order() {
+fn every_column_of_the_points_comes_out_again() {
     let desk = Desk::new();
     write_regions(&desk);
-    let points = "\u{feff}id,lat,name,lon\r\n7,41,\"a, b\", 1\r\n8,45.50,c,9.0\r\n";
+    let points = "\u{feff}id,lat,name,lon\r\n7,41,\"a, \"\"b\"\"\", 1\r\n8,45.50,c,9.0\r\n";
     let text = locate(&desk, &["r.geojson"], points);
-    assert_eq!(text, "lon,lat,regions\n1,41,0\n9.0,45.50,0;1\n");
+    assert_eq!(
+        text,
+        "id,lat,name,lon,regions\n7,41,\"a, \"\"b\"\"\", 1,0\n8,45.50,c,9.0,0;1\n"
+    );
+    // Cells that a row lacks at its end are empty ones.
+    let text = locate(&desk, &["r.geojson"], "lon,lat,a,b\n1,41,x\n9,45.5\n");
+    assert_eq!(text, "lon,lat,a,b,regions\n1,41,x,,0\n9,45.5,,,0;1\n");
+    // Twins: a cell without a column, and columns that would stand twice.
+    desk.write("points.csv", "lon,lat\n1,41\n1,41,x\n");
+    let arguments = ["locate", "r.geojson", "--points", "points.csv"];
+    desk.run(&arguments)
+        .refused(&[&["points.csv: line 3: found 3 cells, allowed: 2 as in line 1"]]);
+    desk.write("points.csv", "lon,lat,regions,names\n1,41,,\n");
+    desk.run(&arguments)
+        .refused(&[&["line 1: found a column regions, allowed: any other name"]]);
+    desk.run(&[&arguments[..], &["--names"]].concat())
+        .refused(&[
+            &["line 1: found a column regions"],
+            &["line 1: found a column names"],
+        ]);
+}
+
+#[test]
+fn names_stand_behind_indices() {
+    let desk = Desk::new();
+    write_regions(&desk);
+    let points = "id,lon,lat\na,1,41\nb,9,45.5\nc,30,30\n";
+    let text = locate(&desk, &["r.geojson", "--names"], points);
+    assert_eq!(
+        text,
+        "id,lon,lat,regions,names\na,1,41,0,holed\nb,9,45.5,0;1,holed;overlapping\nc,30,30,,\n"
+    );
+}
+
+#[test]
+fn either_input_is_read_from_standard_input() {
+    let desk = Desk::new();
+    write_regions(&desk);
+    let points = "lon,lat\n1,41\n";
+    let expected = locate(&desk, &["r.geojson"], points);
+    let from_points = ["locate", "r.geojson", "--points", "-"];
+    let text = desk.run_with_input(&from_points, points).succeeded();
+    assert_eq!(text, expected);
+    let regions = desk.read_text("r.geojson");
+    let from_regions = ["locate", "-", "--points", "points.csv"];
+    let text = desk.run_with_input(&from_regions, &regions).succeeded();
+    assert_eq!(text, expected);
+    desk.run_with_input(&from_points, "lon,lat\n1,x\n")
+        .refused(&[&["standard input: line 2, lat: found \"x\""]]);
+    desk.run_with_input(&from_regions, "")
+        .refused(&[&["standard input: the file is empty"]]);
+    // Twin: there is one standard input.
+    desk.run_with_input(&["locate", "-", "--points", "-"], points)
+        .refused(&[&["found - for both inputs, allowed: standard input for one of them"]]);
+}
+
+#[test]
+fn longitudes_are_rounded_as_the_help_says() {
+    let desk = Desk::new();
+    let step = 2.0_f64.powi(-43);
+    let help = desk.run(&["locate", "--help"]).succeeded();
+    assert!(help.contains("multiples of 2^-43 degrees"), "{help}");
+    // The western edge lies on a multiple; a point a quarter of a step to the west of it is rounded
+    // onto the edge, which is inside, three quarters are not.
+    desk.write("r.geojson", polygon(&rectangle(1.0, 0.0, 2.0, 1.0)));
+    for (steps, found_in) in [(0.0, "0"), (0.25, "0"), (0.75, ""), (1.0, "")] {
+        let longitude = 1.0 - steps * step;
+        let points = format!("lon,lat\n{longitude},0.5\n");
+        let text = locate(&desk, &["r.geojson"], &points);
+        assert_eq!(found(&text), [found_in], "{steps} steps to the west");
+    }
 }
 
 #[test]

@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod bench;
+mod failed_writes;
 mod folders;
 mod harness;
 mod killed;

@@ -50,12 +50,13 @@ fn keys(value: &Value) -> BTreeSet<&str> {
 }
 
 /// Keys that scripts rely on.
-const TOP_KEYS: [&str; 7] = [
+const TOP_KEYS: [&str; 8] = [
     "file",
     "edges",
     "body",
     "regions",
     "errors",
+    "warnings",
     "totals",
     "elapsed_ms",
 ];
@@ -138,6 +139,7 @@ fn the_json_has_the_promised_keys_and_no_others() {
         (&"r.geojson".into(), &"planar".into(), &"wgs84".into())
     );
     assert_eq!(json["errors"], Value::Array(Vec::new()));
+    assert_eq!(json["warnings"], Value::Array(Vec::new()));
     assert!(json["elapsed_ms"].as_f64() > Some(0.0));
     let regions = json["regions"].as_array().expect("a list");
     assert_eq!(regions.len(), 2);
@@ -604,4 +606,139 @@ fn bytes_follow_from_vertices_triangles_and_boundary() {
         serde_json::json!({ "vertex/separate": 8 * largest.expect("regions") })
     );
     assert!(count(&regions[0], "vertices") < count(&regions[1], "vertices"));
+}
+
+/// Points, lines and nothing among two squares, as GIS programs write them.
+fn mixed() -> String {
+    collection(&[
+        (
+            "spring",
+            r#"{"type":"Point","coordinates":[1,2]}"#.to_owned(),
+        ),
+        ("one", polygon(&rectangle(0.0, 0.0, 1.0, 1.0))),
+        (
+            "way",
+            r#"{"type":"LineString","coordinates":[[0,0],[1,1]]}"#.to_owned(),
+        ),
+        ("unknown", "null".to_owned()),
+        (
+            "gathered",
+            format!(
+                r#"{{"type":"GeometryCollection","geometries":[{},{{"type":"Point","coordinates":[5,5]}}]}}"#,
+                polygon(&rectangle(5.0, 5.0, 7.0, 6.0))
+            ),
+        ),
+    ])
+}
+
+const LEFT_OUT: &str = "3 features without area were left out: 1 LineString, 1 Point, 1 null";
+
+#[test]
+fn what_has_no_area_is_left_out_of_a_mixed_file_and_counted() {
+    let desk = Desk::new();
+    desk.write("r.geojson", mixed());
+    let json = mesh(&desk, &["r.geojson"]);
+    assert_eq!(json["warnings"], serde_json::json!([LEFT_OUT]));
+    let regions = json["regions"].as_array().expect("a list");
+    let found = regions
+        .iter()
+        .map(|region| (&region["index"], &region["name"]));
+    let expected = [(1, "one"), (4, "gathered")].map(|(index, name)| (index.into(), name.into()));
+    let expected: [(Value, Value); 2] = expected;
+    assert!(
+        found.eq(expected.iter().map(|(index, name)| (index, name))),
+        "{json}"
+    );
+    assert_eq!(
+        regions[1]["warnings"],
+        serde_json::json!(["1 geometry without area was left out"])
+    );
+    let table = desk.run(&["mesh", "r.geojson"]).succeeded();
+    assert!(table.contains(&format!("\n{LEFT_OUT}\n")), "{table}");
+    desk.write("p.csv", "lon,lat\n0.5,0.5\n6,5.5\n1,2\n");
+    let ran = desk.run(&["locate", "r.geojson", "--points", "p.csv"]);
+    let warning = format!("warning: r.geojson: {LEFT_OUT}\n");
+    assert_eq!((ran.code, ran.stderr), (0, warning));
+    assert_eq!(ran.stdout, "lon,lat,regions\n0.5,0.5,1\n6,5.5,4\n1,2,\n");
+    // Another reference system is no reason to refuse, and is said.
+    desk.write("crs.geojson", mixed().replacen(
+        r#""features""#,
+        r#""crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::3857"}},"features""#,
+        1,
+    ));
+    let json = mesh(&desk, &["crs.geojson"]);
+    let warnings = json["warnings"].as_array().expect("a list");
+    let said = warnings[1].as_str().expect("a text");
+    assert!(said.starts_with("crs is \"urn:ogc:def:crs:EPSG::3857\"; coordinates are read as"));
+    // Twin: a file in which nothing has an area is refused.
+    let points = mixed().replace("Polygon", "LineString");
+    desk.write("points.geojson", points);
+    desk.run(&["mesh", "points.geojson"]).refused(&[&[
+        "points.geojson: no area: found 1 GeometryCollection of LineString, Point, 2 LineString, \
+         1 Point, 1 null",
+    ]]);
+}
+
+#[test]
+fn a_collection_of_nothing_is_no_error() {
+    let desk = Desk::new();
+    desk.write("r.geojson", r#"{"type":"FeatureCollection","features":[]}"#);
+    let json = mesh(&desk, &["r.geojson"]);
+    assert_eq!(json["regions"], serde_json::json!([]));
+    assert_eq!(
+        json["warnings"],
+        serde_json::json!(["the file has no features"])
+    );
+    assert_eq!(json["totals"]["regions"], 0);
+    let table = desk.run(&["mesh", "r.geojson"]).succeeded();
+    assert!(table.contains("0 regions") && table.contains("the file has no features"));
+    desk.write("p.csv", "lon,lat\n0,0\n");
+    let ran = desk.run(&["locate", "r.geojson", "--points", "p.csv"]);
+    assert_eq!(
+        (ran.code, ran.stdout.as_str()),
+        (0, "lon,lat,regions\n0,0,\n")
+    );
+    // Twin: a list that is missing is not one of nothing.
+    desk.write("r.geojson", r#"{"type":"FeatureCollection"}"#);
+    desk.run(&["mesh", "r.geojson"])
+        .refused(&[&["no \"features\" in a FeatureCollection"]]);
+}
+
+#[test]
+fn a_name_commands_no_terminal() {
+    let desk = Desk::new();
+    // ESC [2J clears a terminal's screen, as does the one character U+009B with 2J.
+    let text = collection(&[
+        (r"a\u001b[2J", polygon(&rectangle(0.0, 0.0, 1.0, 1.0))),
+        ("b\u{9b}2J\u{7f}", polygon(&rectangle(2.0, 0.0, 3.0, 1.0))),
+    ]);
+    desk.write("r.geojson", &text);
+    // Each run is checked for control characters by itself.
+    let table = desk.run(&["mesh", "r.geojson"]).succeeded();
+    assert!(table.contains(r"a\u{1b}[2J"), "{table}");
+    assert!(table.contains(r"b\u{9b}2J\u{7f}"), "{table}");
+    let json = mesh(&desk, &["r.geojson"]);
+    assert_eq!(json["regions"][0]["name"], "a\u{1b}[2J");
+    assert_eq!(json["regions"][1]["name"], "b\u{9b}2J\u{7f}");
+    desk.write("wrong.geojson", text.replace("[1,1]", "[1,91]"));
+    desk.run(&["mesh", "wrong.geojson"])
+        .refused(&[&[r"feature 0 (a\u{1b}[2J)"]]);
+}
+
+#[test]
+fn regions_are_read_from_standard_input() {
+    let desk = Desk::new();
+    let text = polygon(&rectangle(0.0, 0.0, 1.0, 1.0));
+    desk.write("r.geojson", &text);
+    let ran = desk.run_with_input(&["mesh", "-", "--json"], &text);
+    let mut piped: Value = serde_json::from_str(&ran.succeeded()).expect("JSON");
+    assert_eq!(piped["file"], "-");
+    let mut read = mesh(&desk, &["r.geojson"]);
+    for json in [&mut piped, &mut read] {
+        json["elapsed_ms"] = Value::Null;
+        json["file"] = Value::Null;
+    }
+    assert_eq!(piped, read);
+    desk.run_with_input(&["mesh", "-"], "")
+        .refused(&[&["standard input: the file is empty"]]);
 }

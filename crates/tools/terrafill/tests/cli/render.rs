@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! `render`: whose pixel is whose, what the statistics hold, and every switch.
 
-use crate::harness::{Desk, a_device, collection, has_device, polygon, rectangle};
+use crate::harness::{Desk, a_device, collection, has_device, polygon, rectangle, techniques};
 use image::DynamicImage;
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -57,12 +57,12 @@ fn the_reference_fills_with_a_texture_where_the_scene_has_one() {
     let desk = Desk::new();
     let draw = |out: &str, more: &[&str]| {
         let scene = ["render", "california", "--view", "top-down", "--size", "48"];
-        let rest = ["--backend", "reference", "--out", out];
+        let rest = ["--technique", "reference", "--out", out];
         desk.run(&[&scene[..], &rest, more].concat())
     };
     draw("plain.png", &[]).succeeded();
-    draw("off.png", &["--variant", "texture=off"]).succeeded();
-    draw("on.png", &["--variant", "texture=on"]).succeeded();
+    draw("off.png", &["--set", "texture=off"]).succeeded();
+    draw("on.png", &["--set", "texture=on"]).succeeded();
     assert_eq!(desk.read("plain.png"), desk.read("off.png"));
     let colours = |path: &str| {
         let picture = image::open(desk.path(path)).expect("a picture").into_rgb8();
@@ -75,12 +75,12 @@ fn the_reference_fills_with_a_texture_where_the_scene_has_one() {
     // One colour of land and one of sea, against a checker whose every cell has its own.
     assert_eq!(distinct("plain.png"), 2);
     assert!(distinct("on.png") > 20, "{}", distinct("on.png"));
-    let ran = draw("no.png", &["--variant", "texture=maybe"]);
+    let ran = draw("no.png", &["--set", "texture=maybe"]);
     assert_eq!(ran.code, 2);
-    let message = "found \"texture=maybe\", allowed: texture=on|off with --backend reference";
+    let message = "found \"texture=maybe\", allowed: texture=on|off with --technique reference";
     assert!(ran.stderr.contains(message), "{}", ran.stderr);
     write_squares(&desk);
-    let no_texture = ["--backend", "reference", "--variant", "texture=on"];
+    let no_texture = ["--technique", "reference", "--set", "texture=on"];
     let ran = desk.run(&[&SCENE[..], &no_texture].concat());
     assert_eq!(ran.code, 2);
     assert!(
@@ -126,7 +126,10 @@ fn the_reference_gives_each_pixel_its_regions_index_plus_one() {
     let desk = Desk::new();
     write_squares(&desk);
     let outputs = ["--ids", "ids.png", "--stats", "s.json"];
-    render(&desk, &[&["--backend", "reference"][..], &outputs].concat());
+    render(
+        &desk,
+        &[&["--technique", "reference"][..], &outputs].concat(),
+    );
     let ids = ids(&desk);
     assert_eq!(probes(&ids), [1, 2, 0, 0, 0]);
     assert_eq!(
@@ -162,9 +165,9 @@ fn the_reference_gives_each_pixel_its_regions_index_plus_one() {
 fn the_reference_takes_no_switches() {
     let desk = Desk::new();
     write_squares(&desk);
-    let more = ["--backend", "reference", "--variant", "layout=pulled"];
+    let more = ["--technique", "reference", "--set", "layout=pulled"];
     desk.run(&[&SCENE[..], &more].concat()).refused(&[&[
-        "--variant",
+        "--set",
         "\"layout=pulled\"",
         "allowed: none with",
     ]]);
@@ -179,7 +182,10 @@ fn every_switch_of_the_vertex_backend_draws_what_the_reference_does() {
     let desk = Desk::new();
     write_squares(&desk);
     let outputs = ["--ids", "ids.png", "--stats", "s.json"];
-    render(&desk, &[&["--backend", "reference"][..], &outputs].concat());
+    render(
+        &desk,
+        &[&["--technique", "reference"][..], &outputs].concat(),
+    );
     let expected = ids(&desk);
     let switches: [(&[&str], &str); 20] = [
         (&[], "doubled"),
@@ -216,8 +222,8 @@ fn every_switch_of_the_vertex_backend_draws_what_the_reference_does() {
         (&["boundary-lod-px=0.5"], "doubled"),
     ];
     for (values, name) in switches {
-        let mut more = vec!["--backend", "vertex"];
-        more.extend(values.iter().flat_map(|value| ["--variant", value]));
+        let mut more = vec!["--technique", "vertex"];
+        more.extend(values.iter().flat_map(|value| ["--set", value]));
         more.extend(outputs);
         render(&desk, &more);
         let statistics = statistics(&desk);
@@ -322,9 +328,9 @@ fn wrong_switches_are_refused_and_nothing_is_written() {
         ("speed=fast", keys),
         ("", keys),
     ] {
-        let more = ["--ids", "ids.png", "--variant", wrong];
+        let more = ["--ids", "ids.png", "--set", wrong];
         desk.run(&[&SCENE[..], &more].concat())
-            .refused(&[&[&format!("--variant: found {wrong:?}, allowed: {allowed}")]]);
+            .refused(&[&[&format!("--set: found {wrong:?}, allowed: {allowed}")]]);
     }
     // What is right alone and wrong together is refused with what it does not go with.
     for (together, message) in [
@@ -338,14 +344,14 @@ fn wrong_switches_are_refused_and_nothing_is_written() {
             "opacity: found 50 with colour=xor",
         ),
     ] {
-        let more = ["--variant", together[0], "--variant", together[1]];
+        let more = ["--set", together[0], "--set", together[1]];
         desk.run(&[&SCENE[..], &more].concat())
-            .refused(&[&["--variant", message]]);
+            .refused(&[&["--set", message]]);
     }
     for wrong in ["0", "-1", "wide", "NaN", "inf", ""] {
         let wrong = format!("boundary-tolerance-m={wrong}");
-        desk.run(&[&SCENE[..], &["--variant", &wrong]].concat())
-            .refused(&[&["--variant", &wrong, "allowed: boundary-tolerance-m=METRES"]]);
+        desk.run(&[&SCENE[..], &["--set", &wrong]].concat())
+            .refused(&[&["--set", &wrong, "allowed: boundary-tolerance-m=METRES"]]);
     }
     assert_eq!(desk.names(), before);
 }
@@ -419,11 +425,14 @@ fn every_backend_writes_the_same_ids() {
     let desk = Desk::new();
     write_squares(&desk);
     let outputs = ["--ids", "ids.png", "--stats", "s.json"];
-    render(&desk, &[&["--backend", "reference"][..], &outputs].concat());
+    render(
+        &desk,
+        &[&["--technique", "reference"][..], &outputs].concat(),
+    );
     let expected = desk.read("ids.png");
     for (backend, switches, name) in VARIANTS {
-        let mut more = vec!["--backend", backend];
-        more.extend(switches.iter().flat_map(|switch| ["--variant", switch]));
+        let mut more = vec!["--technique", backend];
+        more.extend(switches.iter().flat_map(|switch| ["--set", switch]));
         more.extend(outputs);
         render(&desk, &more);
         let case = format!("{backend} {switches:?}");
@@ -437,6 +446,10 @@ fn every_backend_writes_the_same_ids() {
         let has_shader = name.starts_with("gs-");
         assert_eq!(made.as_u64() > Some(0), has_shader, "{case}: {made}");
     }
+    for technique in techniques() {
+        render(&desk, &["--technique", &technique, "--ids", "ids.png"]);
+        assert!(desk.read("ids.png") == expected, "{technique}");
+    }
     // Twin: an edge moved by two pixels is another file.
     desk.write_scene(
         "squares",
@@ -446,9 +459,9 @@ fn every_backend_writes_the_same_ids() {
             ("far", polygon(&rectangle(170.0, -8.0, 190.0, 8.0))),
         ]),
     );
-    for backend in ["reference", "vertex", "compute", "native"] {
-        render(&desk, &["--backend", backend, "--ids", "ids.png"]);
-        assert!(desk.read("ids.png") != expected, "{backend}");
+    for technique in techniques().into_iter().chain(["reference".to_owned()]) {
+        render(&desk, &["--technique", &technique, "--ids", "ids.png"]);
+        assert!(desk.read("ids.png") != expected, "{technique}");
     }
 }
 
@@ -467,7 +480,7 @@ fn a_coarser_boundary_spares_every_backend_vertices() {
     desk.write_scene("squares", &collection(&[("disc", polygon(&ring))]));
     let drawn = |backend: &str, switches: &[&str]| {
         let outputs = [
-            "--backend",
+            "--technique",
             backend,
             "--ids",
             "ids.png",
@@ -478,16 +491,16 @@ fn a_coarser_boundary_spares_every_backend_vertices() {
         let vertices = statistics(&desk)["counters"]["vertices"].as_u64();
         (vertices.expect("a count"), ids(&desk))
     };
-    for backend in ["vertex", "compute", "native"] {
+    for backend in &techniques() {
         let (full, expected) = drawn(backend, &[]);
-        let (coarse, found) = drawn(backend, &["--variant", "boundary-lod-px=0.5"]);
+        let (coarse, found) = drawn(backend, &["--set", "boundary-lod-px=0.5"]);
         assert!(2 * coarse < full, "{backend}: {coarse} of {full}");
         let filled = expected.iter().filter(|id| **id > 0).count();
         let mismatches = found.iter().zip(&expected).filter(|(a, b)| a != b).count();
         // A disc of 10 pixels' radius has a rim of 65, which has moved by half of one at most.
         assert!(filled > 300 && mismatches <= 33, "{mismatches} of {filled}");
         // Twin: where a thousandth of a pixel counts nothing is spared.
-        let (fine, found) = drawn(backend, &["--variant", "boundary-lod-px=0.001"]);
+        let (fine, found) = drawn(backend, &["--set", "boundary-lod-px=0.001"]);
         assert_eq!((fine, found), (full, expected), "{backend}");
     }
 }
@@ -523,13 +536,13 @@ fn switches_of_another_backend_are_refused_with_the_backends_own() {
         ("vertex", "technique=gs-line", "layout=doubled|separate"),
         ("vertex", "expansion=cached", "layout=doubled|separate"),
     ] {
-        let more = ["--backend", backend, "--variant", wrong];
+        let more = ["--technique", backend, "--set", wrong];
         desk.run(&[&SCENE[..], &more].concat())
-            .refused(&[&[&format!("--variant: found {wrong:?}, allowed: {allowed}")]]);
+            .refused(&[&[&format!("--set: found {wrong:?}, allowed: {allowed}")]]);
     }
     // Every list ends with the switches of fill and plan.
-    for backend in ["vertex", "compute", "native"] {
-        let more = ["--backend", backend, "--variant", "speed=fast"];
+    for backend in &techniques() {
+        let more = ["--technique", backend, "--set", "speed=fast"];
         let ends = "faces=two-sided|two-pass, normalize=needed|superfluous, \
             position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
             stencil-clear=at-start|by-colour, texture=plain|chosen|floor|a route such as gnomonic-3, \
@@ -538,25 +551,25 @@ fn switches_of_another_backend_are_refused_with_the_backends_own() {
         desk.run(&[&SCENE[..], &more].concat()).refused(&[&[ends]]);
     }
     let more = [
-        "--backend",
+        "--technique",
         "compute",
-        "--variant",
+        "--set",
         "expansion=cached",
-        "--variant",
+        "--set",
         "gpu-culling=triangles",
     ];
     desk.run(&[&SCENE[..], &more].concat())
-        .refused(&[&["--variant: gpu-culling: found triangles"]]);
+        .refused(&[&["--set: gpu-culling: found triangles"]]);
     let more = [
-        "--backend",
+        "--technique",
         "native",
-        "--variant",
+        "--set",
         "technique=gs-line",
-        "--variant",
+        "--set",
         "indices=strip",
     ];
     desk.run(&[&SCENE[..], &more].concat())
-        .refused(&[&["--variant: indices: found strip with technique=gs-line"]]);
+        .refused(&[&["--set: indices: found strip with technique=gs-line"]]);
     assert_eq!(desk.names(), before);
 }
 
@@ -565,12 +578,12 @@ fn a_depth_bounds_test_is_drawn_or_refused_with_what_lacks_it() {
     let desk = Desk::new();
     write_squares(&desk);
     let bounds = |backend| {
-        let more = ["--backend", backend, "--variant", "depth-bounds=on"];
+        let more = ["--technique", backend, "--set", "depth-bounds=on"];
         desk.run(&[&SCENE[..], &more].concat())
     };
     for backend in ["vertex", "compute"] {
-        let words = "--variant: depth-bounds: found on with a backend on wgpu";
-        bounds(backend).refused(&[&[words, "allowed: off, or --backend native"]]);
+        let words = "--set: depth-bounds: found on with a technique on wgpu";
+        bounds(backend).refused(&[&[words, "allowed: off, or --technique native"]]);
     }
     if !a_device("native     runs, with geometry shaders") {
         return;
@@ -594,7 +607,196 @@ fn an_older_picture_is_replaced_whole_and_kept_when_drawing_fails() {
     let ran = desk.run_without_device(&SCENE);
     assert_eq!(ran.code, 5, "{}", ran.stderr);
     assert_eq!(desk.read("a.png").len(), 100_000);
-    render(&desk, &["--backend", "reference"]);
+    render(&desk, &["--technique", "reference"]);
     assert!(image::open(desk.path("a.png")).is_ok());
     assert_eq!(desk.names(), ["a.png", "data", "squares.toml"]);
+}
+
+#[test]
+fn the_old_names_of_options_mean_the_same() {
+    let desk = Desk::new();
+    let draw = |out: &str, technique: &str, set: &str| {
+        let scene = ["render", "california", "--view", "top-down", "--size", "32"];
+        let more = [technique, "reference", set, "texture=on", "--out", out];
+        desk.run(&[&scene[..], &more].concat()).succeeded();
+    };
+    draw("new.png", "--technique", "--set");
+    draw("old.png", "--backend", "--variant");
+    assert_eq!(desk.read("new.png"), desk.read("old.png"));
+}
+
+#[test]
+fn pictures_are_png_or_refused() {
+    let desk = Desk::new();
+    write_squares(&desk);
+    let scene = [
+        "render",
+        "squares.toml",
+        "--view",
+        "above",
+        "--data",
+        "data",
+    ];
+    let draw = |more: &[&str]| {
+        let fixed = ["--technique", "reference", "--size", "16"];
+        desk.run(&[&scene[..], &fixed, more].concat())
+    };
+    for (more, line) in [
+        (&["--out", "a.jpg"][..], "a.jpg: found .jpg, allowed: .png"),
+        (&["--out", "a"], "a: found no extension, allowed: .png"),
+        (
+            &["--out", "a.png", "--ids", "ids.tiff"],
+            "ids.tiff: found .tiff, allowed: .png",
+        ),
+    ] {
+        draw(more).refused(&[&[line]]);
+    }
+    assert_eq!(desk.names(), ["data", "squares.toml"]);
+    // Twin.
+    draw(&["--out", "A.PNG"]).succeeded();
+    assert!(desk.read("A.PNG").starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn every_switch_is_listed_with_its_values_and_needs_no_scene() {
+    let desk = Desk::new();
+    let text = desk.run(&["render", "--list-switches"]).succeeded();
+    assert_eq!(desk.run(&["techniques"]).succeeded(), text);
+    let json = desk.run(&["techniques", "--json"]).succeeded();
+    let json: Value = serde_json::from_str(&json).expect("JSON");
+    for technique in json["techniques"].as_array().expect("a list") {
+        let name = technique["name"].as_str().expect("a name");
+        let api = technique["api"].as_str().expect("a name");
+        assert!(text.contains(&format!("{name} ({api})\n")), "{text}");
+        // Each switch in the list is one that `render` knows, and each of its values is allowed.
+        let more = ["--technique", name, "--set", "speed=fast"];
+        let refusal = desk.run(&[&SCENE[..], &more].concat()).stderr;
+        for switch in technique["switches"].as_array().expect("a list") {
+            let key = switch["key"].as_str().expect("a key");
+            let values = switch["values"].as_array().expect("a list");
+            let values: Vec<&str> = values.iter().filter_map(Value::as_str).collect();
+            let usage = format!("{key}={}", values.join("|"));
+            assert!(refusal.contains(&usage), "{usage}: {refusal}");
+            assert!(text.contains(&format!("    {key} ")), "{key}: {text}");
+        }
+    }
+    let ran = desk.run(&["render", "--list-switches", "california"]);
+    assert_eq!(ran.code, 2, "{}", ran.stdout);
+    let ran = desk.run(&["render", "california", "--view", "globe"]);
+    assert!(ran.stderr.contains("--out"), "{}", ran.stderr);
+}
+
+/// Colour and ids of a fitted picture, 96 × 64.
+fn fitted(desk: &Desk, file: &str) -> Vec<u16> {
+    let fit = [
+        "render",
+        file,
+        "--fit",
+        "--technique",
+        "reference",
+        "--size",
+    ];
+    let outputs = ["96x64", "--out", "a.png", "--ids", "ids.png"];
+    let text = desk.run(&[&fit[..], &outputs].concat()).succeeded();
+    assert_eq!(text, "");
+    ids(desk)
+}
+
+/// Columns and rows between which pixels of a region lie.
+fn bounds(ids: &[u16]) -> [usize; 4] {
+    let filled = || (0..ids.len()).filter(|&i| ids[i] > 0);
+    let columns = || filled().map(|i| i % 96);
+    let rows = || filled().map(|i| i / 96);
+    let bounds = [columns().min(), columns().max(), rows().min(), rows().max()];
+    bounds.map(|bound| bound.expect("something to see"))
+}
+
+#[test]
+fn a_file_of_regions_is_drawn_as_large_as_fits() {
+    let desk = Desk::new();
+    let square = |name: &str, half: f64, longitude: f64, latitude: f64| {
+        let [west, east] = [longitude - half, longitude + half];
+        let ring = rectangle(west, latitude - half, east, latitude + half);
+        desk.write(name, polygon(&ring));
+    };
+    square("town.geojson", 0.01, 13.4, 52.5);
+    square("country.geojson", 3.0, -100.0, 40.0);
+    square("beyond.geojson", 4.0, 180.0, -10.0);
+    desk.write(
+        "cap.geojson",
+        polygon(&rectangle(-180.0, 70.0, 180.0, 90.0)),
+    );
+    for file in [
+        "town.geojson",
+        "country.geojson",
+        "beyond.geojson",
+        "cap.geojson",
+    ] {
+        let [west, east, north, south] = bounds(&fitted(&desk, file));
+        // Nothing touches the edge, and the larger of the two ways takes nine tenths of it.
+        assert!(west > 0 && east < 95 && north > 0 && south < 63, "{file}");
+        let filled = (south - north + 1).max((east - west + 1) * 64 / 96);
+        assert!((50..=62).contains(&filled), "{file}: {filled} of 64");
+    }
+    // What is wider than a hemisphere is drawn from as far as one sees.
+    desk.write(
+        "wide.geojson",
+        polygon(&rectangle(-170.0, -10.0, 170.0, 10.0)),
+    );
+    fitted(&desk, "wide.geojson");
+    desk.write("tie.geojson", polygon(&crate::harness::BOW_TIE));
+    let fit = ["render", "tie.geojson", "--fit", "--technique", "reference"];
+    let ran = desk.run(&[&fit[..], &["--size", "16", "--out", "a.png"]].concat());
+    assert_eq!(
+        (ran.code, ran.stderr.lines().count()),
+        (0, 1),
+        "{}",
+        ran.stderr
+    );
+    assert!(ran.stderr.starts_with("repaired: feature 0: 1 crossing"));
+    // Twins: what is no region cannot be fitted, and a view is none of a file's.
+    desk.write(
+        "none.geojson",
+        r#"{"type":"FeatureCollection","features":[]}"#,
+    );
+    let ran = desk.run(&["render", "none.geojson", "--fit", "--out", "b.png"]);
+    assert_eq!(ran.code, 2);
+    assert!(ran.stderr.contains("found no regions"), "{}", ran.stderr);
+    desk.run(&["render", "no-file.geojson", "--fit", "--out", "b.png"])
+        .refused(&[&["no-file.geojson: no such file"]]);
+    let ran = desk.run(&[
+        "render",
+        "tie.geojson",
+        "--fit",
+        "--view",
+        "a",
+        "--out",
+        "b.png",
+    ]);
+    assert_eq!(ran.code, 2, "{}", ran.stderr);
+    assert!(!desk.path("b.png").exists());
+}
+
+#[test]
+fn every_technique_draws_a_fitted_file_as_the_reference_does() {
+    if !has_device() || !a_device("native     runs, with geometry shaders") {
+        return;
+    }
+    let desk = Desk::new();
+    desk.write(
+        "r.geojson",
+        collection(&[
+            ("below", polygon(&rectangle(0.0, 40.0, 10.0, 50.0))),
+            ("above", polygon(&rectangle(5.0, 45.0, 20.0, 46.0))),
+        ]),
+    );
+    let expected = fitted(&desk, "r.geojson");
+    for technique in techniques() {
+        let fit = ["render", "r.geojson", "--fit", "--technique", &technique];
+        let outputs = ["--size", "96x64", "--out", "a.png", "--ids", "ids.png"];
+        desk.run(&[&fit[..], &outputs].concat()).succeeded();
+        let pairs = ids(&desk).into_iter().zip(expected.iter().copied());
+        let mismatches = pairs.filter(|(found, expected)| found != expected).count();
+        assert!(mismatches <= 20, "{technique}: {mismatches} pixels");
+    }
 }

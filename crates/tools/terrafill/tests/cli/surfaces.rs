@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Fills over every kind of surface, by every backend, held against the reference over the same one.
 
-use crate::harness::{Desk, a_device, collection, has_device, polygon, rectangle};
+use crate::harness::{Desk, a_device, collection, has_device, polygon, rectangle, techniques};
 use image::DynamicImage;
 use std::collections::BTreeMap;
 use terrafill_conformance::{compare, verdict};
@@ -12,8 +12,6 @@ const SIZE: ImageSize = ImageSize {
     width: 256,
     height: 256,
 };
-
-const BACKENDS: [&str; 3] = ["vertex", "compute", "native"];
 
 /// `[surface]` of scenes over terrain, as in `hills`.
 const TERRAIN: &str = "kind = \"grid\"\nrows = 240\nseed = 2007\namplitude_m = 9_000\n";
@@ -68,7 +66,7 @@ fn drawn(desk: &Desk, scene: &str, view: &str, backend: &str, more: &[&str]) -> 
         scene,
         "--view",
         view,
-        "--backend",
+        "--technique",
         backend,
         "--data",
         "data",
@@ -125,9 +123,10 @@ fn every_backend_fills_rightly_over_terrain_and_over_the_bare_body() {
     let desk = Desk::new();
     write_scenes(&desk);
     let references = references(&desk, &["terrain.toml", "bare.toml"]);
+    let techniques = techniques();
     let mut over_the_other = 0;
     for ((scene, view), reference) in &references {
-        for backend in BACKENDS {
+        for backend in &techniques {
             let frame = drawn(&desk, scene, view, backend, &[]);
             is_right(reference, &frame)
                 .unwrap_or_else(|why| panic!("{scene}/{view}, {backend}: {why}"));
@@ -139,7 +138,7 @@ fn every_backend_fills_rightly_over_terrain_and_over_the_bare_body() {
         }
     }
     // From straight above, terrain moves what it carries by less than a pixel.
-    assert!(over_the_other >= 4 * BACKENDS.len(), "{over_the_other}");
+    assert!(over_the_other >= 4 * techniques.len(), "{over_the_other}");
 }
 
 #[test]
@@ -152,7 +151,7 @@ fn every_backend_fills_the_shipped_hills_rightly() {
         let reference = drawn(&desk, "hills", view, "reference", &[]);
         let filled = reference.filled_px();
         assert!(filled > 1000 && filled < reference.ids.len() as u64 - 1000);
-        for backend in BACKENDS {
+        for backend in &techniques() {
             let frame = drawn(&desk, "hills", view, backend, &[]);
             is_right(&reference, &frame).unwrap_or_else(|why| panic!("{view}, {backend}: {why}"));
         }
@@ -167,11 +166,11 @@ fn culling_changes_no_pixel_over_terrain() {
     let desk = Desk::new();
     write_scenes(&desk);
     let everything = [
-        "--variant",
+        "--set",
         "horizon-culling=off",
-        "--variant",
+        "--set",
         "frustum-culling=off",
-        "--variant",
+        "--set",
         "too-small-culling=off",
     ];
     let shipped = ["globe", "top-down", "horizon"].map(|view| ("hills", view));

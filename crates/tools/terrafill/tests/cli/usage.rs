@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Help, version, exit codes, wrong arguments, and what there is.
 
-use crate::harness::{Desk, collection, has_device, polygon, rectangle};
+use crate::harness::{Desk, collection, has_device, polygon, rectangle, techniques};
 
 fn verbs(help: &str) -> Vec<String> {
     help.lines()
@@ -35,7 +35,16 @@ fn help_of_every_verb_fits_a_screen_and_shows_an_example() {
     assert_eq!(check_help(&help, "terrafill "), Ok(()));
     let verbs = verbs(&help);
     for verb in [
-        "bench", "report", "merge", "render", "mesh", "locate", "scenes", "studies", "devices",
+        "bench",
+        "report",
+        "merge",
+        "render",
+        "mesh",
+        "locate",
+        "scenes",
+        "studies",
+        "techniques",
+        "devices",
     ] {
         assert!(verbs.iter().any(|found| found == verb), "{verb}: {verbs:?}");
     }
@@ -141,7 +150,7 @@ fn a_wrong_value_gets_one_line_with_what_is_allowed() {
                 "v",
                 "--out",
                 "o",
-                "--backend",
+                "--technique",
                 "x",
             ],
             "--technique: found \"x\", allowed: vertex, compute,",
@@ -190,6 +199,32 @@ fn scenes_says_what_there_is_and_what_the_rest_needs() {
     desk.write("data/readme", "");
     let text = desk.run(&["scenes", "--data", "data"]).succeeded();
     assert!(text.contains("is not there"), "{text}");
+    let json = desk.run(&["scenes", "--json"]).succeeded();
+    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let scenes = json["scenes"].as_array().expect("a list");
+    let named = |name: &str| {
+        let found = scenes.iter().find(|scene| scene["name"] == name);
+        found.unwrap_or_else(|| panic!("no {name} in {json}"))
+    };
+    let planet = named("planet-134");
+    assert_eq!(
+        (&planet["available"], &planet["regions"]),
+        (&true.into(), &134.into())
+    );
+    let views = serde_json::json!(["globe", "top-down", "horizon"]);
+    assert_eq!(
+        (&planet["views"], &planet["edges"]),
+        (&views, &"planar".into())
+    );
+    let countries = named("countries-110m");
+    assert_eq!(countries["available"], false);
+    let needs = "vectors/ne_110m_admin_0_countries.geojson";
+    assert_eq!(countries["needs"], needs);
+    assert!(
+        countries["reason"]
+            .as_str()
+            .is_some_and(|reason| !reason.is_empty())
+    );
     assert!(!text.contains("TERRAFILL_DATA is not set"), "{text}");
 }
 
@@ -229,7 +264,12 @@ fn devices_says_what_runs_and_ends_with_5_where_no_device_does() {
     let ran = desk.run_without_device(&["devices"]);
     assert_eq!(ran.code, 5, "{}", ran.stdout);
     assert!(ran.stdout.contains("reference  runs"), "{}", ran.stdout);
-    for backend in ["vertex", "compute", "native"] {
+    let json = desk.run_without_device(&["devices", "--json"]);
+    assert_eq!(
+        (json.code, json.stdout.as_str()),
+        (5, "{\n  \"devices\": []\n}\n")
+    );
+    for backend in &techniques() {
         let runs = format!("{backend:<10} runs");
         assert!(!ran.stdout.contains(&runs), "{}", ran.stdout);
         let needs = ran.stderr.contains("no Vulkan device") && ran.stderr.contains(backend);
@@ -241,6 +281,24 @@ fn devices_says_what_runs_and_ends_with_5_where_no_device_does() {
         assert!(text.contains("vertex     runs"), "{text}");
         assert!(text.contains("compute    runs"), "{text}");
         assert!(text.contains("driver     "), "{text}");
+        let json = desk.run(&["devices", "--json"]).succeeded();
+        let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+        let device = &json["devices"][0];
+        let name = device["name"].as_str().expect("a name");
+        assert!(text.contains(&format!(
+            "{name} ({})",
+            device["type"].as_str().expect("a type")
+        )));
+        let listed = device["techniques"].as_array().expect("a list");
+        let names: Vec<&str> = listed
+            .iter()
+            .filter_map(|one| one["name"].as_str())
+            .collect();
+        assert_eq!(names, techniques());
+        assert!(
+            listed.iter().any(|technique| technique["runs"] == true),
+            "{json}"
+        );
         // Of every feature that only some devices have it says that it is there or that it lacks.
         let native = text.split_once("native     ").expect("native").1;
         for feature in [
@@ -258,7 +316,7 @@ fn devices_says_what_runs_and_ends_with_5_where_no_device_does() {
 fn without_a_device_what_needs_one_ends_with_5_and_writes_nothing() {
     let desk = Desk::new();
     let render = ["render", "california", "--view", "globe", "--out", "a.png"];
-    let by = |backend| [&render[..], &["--backend", backend]].concat();
+    let by = |backend| [&render[..], &["--technique", backend]].concat();
     let bench = ["bench", "california", "--quick", "--out", "run"];
     for arguments in [&bench[..], &render, &by("compute"), &by("native")] {
         let ran = desk.run_without_device(arguments);

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A file of regions as a scene: WGS 84, the bare ellipsoid, one view from straight above that shows
+//! all of them.
+
+use crate::arguments::Repair;
+use crate::outcome::Failure;
+use crate::regions::{Leniency, Meshed, read_and_mesh, report_repairs, report_warnings};
+use glam::DVec3;
+use std::f64::consts::FRAC_PI_2;
+use std::path::Path;
+use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh};
+use terrafill_scene::{
+    Camera, CameraPose, ImageSize, LevelChoice, Overlap, Scene, SurfaceChoice, View,
+};
+
+/// Name of the fitted view.
+pub(crate) const VIEW: &str = "fit";
+
+/// Vertical field of view: that of scenes that name none.
+const FOV_RAD: f64 = 60.0 * std::f64::consts::PI / 180.0;
+
+/// Distance of the near plane, share of the eye's height, as in scenes that name none.
+const NEAR_SHARE: f64 = 1e-3;
+
+/// Share of the picture, from its middle to its edge, within which all regions lie.
+const FILLED_SHARE: f64 = 0.9;
+
+/// Lowest eye, metres: a region of a few metres still has ground around it.
+const MIN_HEIGHT_M: f64 = 10.0;
+
+/// Highest eye, as a multiple of the equatorial radius: from there the whole disc is seen, of which
+/// no picture shows more than half a body.
+const MAX_HEIGHT_RADII: f64 = 4.0;
+
+/// Halvings of the range of heights: beyond these the picture moves by less than a pixel.
+const BISECTIONS: u32 = 40;
+
+/// The scene of a file's regions; whatever lies on the far side of the body is not shown.
+///
+/// # Errors
+/// As `mesh`, by whose rules the file is read, and where nothing is there to be fitted.
+pub(crate) fn scene_of(path: &Path, size: ImageSize) -> Result<Scene, Failure> {
+    let body = Ellipsoid::WGS84;
+    let (edge_rule, mesh) = (EdgeRule::Planar, MeshOptions::default());
+    let leniency = Leniency {
+        repair: Some(Repair::EvenOdd),
+        skip_invalid: false,
+    };
+    let Meshed {
+        mut regions,
+        meshes,
+        warnings,
+        ..
+    } = read_and_mesh(path, leniency, &body, edge_rule, &mesh)?;
+    report_warnings(path, &warnings);
+    report_repairs(&meshes);
+    let Some(pose) = fitted(&body, &meshes, size) else {
+        let shown = crate::input::shown(path);
+        return Err(Failure::bad_input(format!(
+            "{shown}: found no regions, allowed: at least one"
+        )));
+    };
+    for region in &mut regions {
+        region.split_at_crossings(edge_rule);
+    }
+    Ok(Scene {
+        name: path.display().to_string(),
+        description: "regions of a file".to_owned(),
+        body,
+        edge_rule,
+        regions: regions.into(),
+        // Whether a file's regions overlap is not known; this draws both right.
+        overlap: Overlap::Ordered,
+        mesh,
+        levels: LevelChoice::default(),
+        surface: SurfaceChoice {
+            file: path.display().to_string(),
+            kind: "ellipsoid".to_owned(),
+            parameters: std::default::Default::default(),
+        },
+        views: vec![View {
+            name: VIEW.to_owned(),
+            pose,
+            note: None,
+        }],
+        sweep_boundary_tolerance_m: Vec::new(),
+        texture: None,
+        sweep_cap_step_deg: Vec::new(),
+        sweep_positions: false,
+    })
+}
+
+/// The lowest eye above the middle of all regions that sees each of their vertices within the
+/// picture; the highest allowed one where none does.
+fn fitted(body: &Ellipsoid, meshes: &[RegionMesh], size: ImageSize) -> Option<CameraPose> {
+    let vertices = || {
+        meshes
+            .iter()
+            .flat_map(|mesh| mesh.vertices_ecef.iter().copied())
+    };
+    let mut bounds: Option<[DVec3; 2]> = None;
+    for vertex in vertices() {
+        let [low, high] = bounds.unwrap_or([vertex; 2]);
+        bounds = Some([low.min(vertex), high.max(vertex)]);
+    }
+    let [low, high] = bounds?;
+    // Regions all round the body have no middle: then any place is as good.
+    let direction = (low + high).try_normalize().unwrap_or(DVec3::X);
+    let radius_m = body.equatorial_radius_m();
+    let ground = body.ecef_to_geodetic(radius_m * direction);
+    let pose = |height_m: f64| CameraPose {
+        eye: Geodetic { height_m, ..ground },
+        heading_rad: 0.0,
+        pitch_rad: -FRAC_PI_2,
+        fov_y_rad: FOV_RAD,
+        near_m: NEAR_SHARE * height_m,
+    };
+    let fits = |height_m: f64| {
+        let camera = Camera::new(body, &pose(height_m));
+        vertices().all(|vertex| is_in_picture(&camera, size, vertex))
+    };
+    let (mut below, mut above) = (MIN_HEIGHT_M.ln(), (MAX_HEIGHT_RADII * radius_m).ln());
+    if fits(below.exp()) {
+        return Some(pose(below.exp()));
+    }
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (below + above);
+        if fits(middle.exp()) {
+            above = middle;
+        } else {
+            below = middle;
+        }
+    }
+    Some(pose(above.exp()))
+}
+
+/// Whether a place lies on the near side and well within the picture.
+fn is_in_picture(camera: &Camera, size: ImageSize, vertex: DVec3) -> bool {
+    let Some([x, y]) = camera.project_px(size, vertex) else {
+        return false;
+    };
+    let half = [size.width, size.height].map(|pixels| 0.5 * f64::from(pixels));
+    let is_near = (camera.eye_ecef - vertex).dot(vertex) > 0.0;
+    let within = |at: f64, half: f64| (at - half).abs() <= FILLED_SHARE * half;
+    is_near && within(x, half[0]) && within(y, half[1])
+}

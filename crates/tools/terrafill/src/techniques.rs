@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! `techniques`: what can fill regions here, with every switch, its values and its default.
+
+use crate::arguments::TechniquesArguments;
+use crate::outcome::{Failure, Outcome, print, print_json};
+use crate::registry::TECHNIQUES;
+use crate::render::MESH_SWITCHES;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use terrafill_fill::Technique;
+use terrafill_scene::Overlap;
+
+/// A switch of `render --set`.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+struct Switch {
+    key: String,
+    /// Its values, or words for them.
+    values: Vec<String>,
+    /// On scenes whose regions do not overlap.
+    default: String,
+    /// Whether other techniques lack it.
+    own: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct ListedTechnique {
+    name: &'static str,
+    api: &'static str,
+    switches: Vec<Switch>,
+}
+
+impl ListedTechnique {
+    fn new(technique: &dyn Technique) -> Self {
+        let main = technique.main(Overlap::Disjoint);
+        let settings = main.settings().into_iter();
+        let mesh = MESH_SWITCHES.map(|(key, _, default)| (key.to_owned(), default()));
+        let defaults: BTreeMap<String, String> = settings.chain(mesh).collect();
+        let keys = main.keys();
+        let mesh = MESH_SWITCHES.map(|(key, values, _)| format!("{key}={values}"));
+        let all = keys.split(", ").map(str::to_owned).chain(mesh);
+        let switches = all.filter_map(|usage| {
+            let (key, values) = usage.split_once('=')?;
+            let parameters = technique.parameters().iter();
+            Some(Switch {
+                key: key.to_owned(),
+                values: values.split('|').map(str::to_owned).collect(),
+                default: defaults.get(key).cloned().unwrap_or_default(),
+                own: parameters.into_iter().any(|own| own.key == key),
+            })
+        });
+        Self {
+            name: technique.name(),
+            api: technique.api().name,
+            switches: switches.collect(),
+        }
+    }
+
+    fn lines(&self, own: bool) -> String {
+        let switches = self.switches.iter().filter(|switch| switch.own == own);
+        let lines: Vec<String> = switches.map(Switch::line).collect();
+        lines.concat()
+    }
+}
+
+impl Switch {
+    /// Its values in lines of a screen's width, the default first.
+    fn line(&self) -> String {
+        /// Narrower than the 100 columns of help, as values stand behind the key.
+        const WIDTH: usize = 70;
+        let mut lines = vec![format!(
+            "{}; default {}",
+            self.values.join("|"),
+            self.default
+        )];
+        while let Some(last) = lines.last().filter(|last| last.chars().count() > WIDTH) {
+            let cut = last
+                .char_indices()
+                .take(WIDTH)
+                .filter(|(_, c)| matches!(c, '|' | ' '));
+            let Some((at, _)) = cut.last() else { break };
+            let (kept, rest) = last.split_at(at + 1);
+            let (kept, rest) = (kept.to_owned(), rest.to_owned());
+            lines.pop();
+            lines.extend([kept, rest]);
+        }
+        let values = lines.join(&format!("\n{:27}", ""));
+        format!("    {:<22} {}\n", self.key, values)
+    }
+}
+
+fn listed() -> Vec<ListedTechnique> {
+    let all = TECHNIQUES.iter();
+    all.map(|technique| ListedTechnique::new(*technique))
+        .collect()
+}
+
+/// Each technique with the switches that it alone has, and those that all have.
+pub(crate) fn text() -> String {
+    let listed = listed();
+    let mut text = String::new();
+    for technique in &listed {
+        text += &format!(
+            "{} ({})\n{}",
+            technique.name,
+            technique.api,
+            technique.lines(true)
+        );
+    }
+    if let Some(first) = listed.first() {
+        text += &format!("every technique\n{}", first.lines(false));
+    }
+    text += "reference (CPU)\n    texture                on|off, of scenes with a texture; default off\n";
+    text
+}
+
+pub(crate) fn run(arguments: &TechniquesArguments) -> Result<Outcome, Failure> {
+    if arguments.json {
+        print_json(&serde_json::json!({ "techniques": listed() }))?;
+    } else {
+        print(text())?;
+    }
+    Ok(Outcome::Done)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_switch_is_listed_and_its_default_is_a_value_that_is_read() {
+        for (technique, listed) in TECHNIQUES.iter().zip(listed()) {
+            let main = technique.main(Overlap::Disjoint);
+            let keys: Vec<&str> = listed.switches.iter().map(|s| s.key.as_str()).collect();
+            for (key, value) in main.settings() {
+                assert!(keys.contains(&key.as_str()), "{key}");
+                assert_eq!(main.clone().set(&key, &value), Ok(true), "{key}={value}");
+            }
+            assert_eq!(keys.len(), main.settings().len() + MESH_SWITCHES.len());
+            for switch in &listed.switches {
+                assert!(!switch.values.is_empty() && !switch.default.is_empty());
+                let is_own = technique
+                    .parameters()
+                    .iter()
+                    .any(|own| own.key == switch.key);
+                assert_eq!(switch.own, is_own);
+            }
+        }
+        // Twin: a key that nothing has.
+        assert!(!text().contains("    speed "));
+    }
+
+    #[test]
+    fn lines_fit_a_screen() {
+        for line in text().lines() {
+            assert!(line.chars().count() <= 100, "{line}");
+        }
+    }
+}
