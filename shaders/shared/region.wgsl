@@ -1,4 +1,4 @@
-// Per-region constants of one view, and a stored position made relative to the eye.
+// Constants of each volume in one view, most often that of a region, and a stored position made relative to the eye.
 //
 // Positions are three i32 in units of `unit_m` (a power of two) from an origin that the CPU holds in
 // f64. The eye is subtracted in integers, where nothing is lost:
@@ -6,7 +6,7 @@
 // with one shift per region and frame so that the eye fits: 0 close up, where every bit counts. The
 // difference of neighbouring vertices is therefore exact up to one rounding to f32 of the result.
 
-struct RegionConstants {
+struct VolumeConstants {
     eye: vec3<i32>,
     shift: u32,
     eye_remainder_m: vec3<f32>,
@@ -26,7 +26,7 @@ struct RegionConstants {
     colour: vec4<f32>,
 };
 
-@group(0) @binding(1) var<storage, read> regions: array<RegionConstants>;
+@group(0) @binding(1) var<storage, read> regions: array<VolumeConstants>;
 
 // How positions are stored: three i32 in units. The others are for comparison only: three f32 metres
 // from the region's origin; three f32 metres from the body's centre; those and three more f32 for

@@ -3,6 +3,8 @@
 
 use crate::{Colours, FillInput, FixedPoint, PositionFormat, SurfaceView, two_float};
 use bytemuck::{Pod, Zeroable};
+use glam::DVec3;
+use terrafill_core::VolumeHeights;
 use terrafill_scene::PlannedRegion;
 
 /// Twin of `ViewConstants` in `shared/view.wgsl`.
@@ -53,20 +55,20 @@ impl ViewConstants {
     }
 }
 
-/// Twin of `RegionConstants` in `shared/region.wgsl`.
+/// Twin of `VolumeConstants` in `shared/region.wgsl`.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-pub struct RegionConstants {
-    /// Eye from the region's origin, in units of `scale_m`.
+pub struct VolumeConstants {
+    /// Eye from the volume's origin, in units of `scale_m`.
     pub eye: [i32; 3],
     /// Bits dropped from stored positions.
     pub shift: u32,
     /// What is left of the eye below one unit of `scale_m`, metres; for local f32 the whole eye from
-    /// the region's origin, for f32 ECEF and two floats what the view's eye rounded away.
+    /// the volume's origin, for f32 ECEF and two floats what the view's eye rounded away.
     pub eye_remainder_m: [f32; 3],
     /// `unit_m · 2^shift`.
     pub scale_m: f32,
-    /// The region's origin, ECEF metres, rounded; only normals are made from it.
+    /// The volume's origin, ECEF metres, rounded; only normals are made from it.
     pub origin_ecef_m: [f32; 3],
     /// Length of one step of a stored position, metres.
     pub unit_m: f32,
@@ -74,7 +76,7 @@ pub struct RegionConstants {
     pub top_m: f32,
     /// Height of the bottom cap above the ellipsoid, metres.
     pub bottom_m: f32,
-    /// First vertex of the region, in vertices.
+    /// First vertex of the volume, in vertices.
     pub first_vertex: u32,
     /// First index of its triangles, in indices.
     pub first_triangle_index: u32,
@@ -90,9 +92,9 @@ pub struct RegionConstants {
     pub colour: [f32; 4],
 }
 
-/// Where a mesh lies in a scene's buffers, as far as shaders are told.
+/// Where a mesh lies in a scene's buffers, as far as shaders need to know.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RegionPlace {
+pub struct VolumePlace {
     /// What its positions count from, and in.
     pub fixed: FixedPoint,
     /// In stored vertices.
@@ -107,29 +109,29 @@ pub struct RegionPlace {
     pub has_short_indices: bool,
 }
 
-impl RegionConstants {
-    /// Constants of one planned region.
+impl VolumeConstants {
+    /// Constants of one volume.
+    ///
+    /// - `heights`: of its caps
     #[must_use]
     #[allow(
         clippy::cast_possible_truncation,
         reason = "rounding to what the GPU reads is the purpose"
     )]
     pub fn new(
-        input: &FillInput,
-        planned: &PlannedRegion,
-        place: &RegionPlace,
+        eye_ecef: DVec3,
+        place: &VolumePlace,
+        heights: VolumeHeights,
         positions: PositionFormat,
-        colours: Colours,
+        colour: [f32; 4],
     ) -> Self {
         let fixed = place.fixed;
-        let eye = fixed.eye(input.camera.eye_ecef);
+        let eye = fixed.eye(eye_ecef);
         let remainder_m = match positions {
             PositionFormat::Fixed => eye.remainder_m,
-            PositionFormat::LocalF32 => input.camera.eye_ecef - fixed.origin_ecef,
+            PositionFormat::LocalF32 => eye_ecef - fixed.origin_ecef,
             // The view has the eye in f32; this is what that rounded away.
-            PositionFormat::EcefF32 | PositionFormat::TwoFloat => {
-                two_float(input.camera.eye_ecef)[1].as_dvec3()
-            }
+            PositionFormat::EcefF32 | PositionFormat::TwoFloat => two_float(eye_ecef)[1].as_dvec3(),
         };
         Self {
             eye: eye.eye.to_array(),
@@ -138,15 +140,15 @@ impl RegionConstants {
             scale_m: (fixed.unit_m * f64::from(eye.shift).exp2()) as f32,
             origin_ecef_m: fixed.origin_ecef.as_vec3().to_array(),
             unit_m: fixed.unit_m as f32,
-            top_m: planned.heights.top_m as f32,
-            bottom_m: planned.heights.bottom_m as f32,
+            top_m: heights.top_m as f32,
+            bottom_m: heights.bottom_m as f32,
             first_vertex: place.first_vertex,
             first_triangle_index: place.first_triangle_index,
             first_loop_index: place.first_loop_index,
             triangle_count: place.triangle_count,
             index_bits: if place.has_short_indices { 16 } else { 32 },
             padding: 0,
-            colour: colours.of(planned.region),
+            colour,
         }
     }
 
@@ -157,12 +159,14 @@ impl RegionConstants {
         input: &FillInput,
         positions: PositionFormat,
         colours: Colours,
-        place_of: impl Fn(usize) -> RegionPlace,
+        place_of: impl Fn(usize) -> VolumePlace,
     ) -> Vec<u8> {
-        let planned = input.plan.regions.iter();
-        let constants: Vec<Self> = planned
-            .map(|planned| Self::new(input, planned, &place_of(planned.mesh), positions, colours))
-            .collect();
+        let eye = input.camera.eye_ecef;
+        let of_region = |planned: &PlannedRegion| {
+            let (place, colour) = (place_of(planned.mesh), colours.of(planned.region));
+            Self::new(eye, &place, planned.heights, positions, colour)
+        };
+        let constants: Vec<Self> = input.plan.regions.iter().map(of_region).collect();
         if constants.is_empty() {
             return vec![0; size_of::<Self>()];
         }

@@ -19,7 +19,7 @@ pub struct StencilWork {
     /// How.
     pub program: FillProgram,
     /// What shaders read of each volume, one after the other; not empty, even for an empty list.
-    /// Covers and volumes in colour read [`crate::RegionConstants::colour`].
+    /// Covers and volumes in colour read [`crate::VolumeConstants::colour`].
     pub constants: Vec<u8>,
     /// Colours are blended over what lies under them.
     pub blends: bool,

@@ -8,8 +8,8 @@
 use crate::textured_work::TexturedWork;
 use crate::{
     Capabilities, Colours, Counters, DeviceError, FillBackend, FillInput, FillProgram, Frame,
-    FrameTimes, MemoryUse, Picture, PositionFormat, RegionConstants, RegionPlace, StencilExecutor,
-    StencilWork, Switches, Uploaded, ViewId, VolumeList, WorkDone,
+    FrameTimes, MemoryUse, Picture, PositionFormat, StencilExecutor, StencilWork, Switches,
+    Uploaded, ViewId, VolumeConstants, VolumeList, VolumePlace, WorkDone,
 };
 use terrafill_scene::Overlap;
 
@@ -68,7 +68,7 @@ pub trait RegionVolumes: Sized {
     }
 
     /// Where a mesh lies; `None` before anything is uploaded.
-    fn places(&self) -> Option<impl Fn(usize) -> RegionPlace>;
+    fn places(&self) -> Option<impl Fn(usize) -> VolumePlace>;
 
     /// How positions are stored.
     fn positions(&self) -> PositionFormat {
@@ -186,7 +186,7 @@ impl<V: RegionVolumes> VolumeBackend<V> {
         let places = self.volumes.places();
         let place_of = places.ok_or_else(|| input.not_prepared(V::TECHNIQUE))?;
         let positions = self.volumes.positions();
-        let constants = RegionConstants::bytes_of_all(input, positions, colours, place_of);
+        let constants = VolumeConstants::bytes_of_all(input, positions, colours, place_of);
         let textured = &mut self.textured;
         textured.upload(&mut self.executor, input, &self.switches)?;
         self.executor.load(StencilWork {
@@ -245,7 +245,7 @@ impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
         self.executor.set_view(input.into())?;
         let upload_bytes = self.bring_up_to_date(input, self.executor.work_done())?;
         let of_regions = MemoryUse {
-            constant_bytes: RegionConstants::byte_count(input),
+            constant_bytes: VolumeConstants::byte_count(input),
             upload_bytes,
             ..MemoryUse::default()
         };

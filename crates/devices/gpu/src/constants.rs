@@ -4,7 +4,7 @@
 #[cfg(test)]
 mod tests {
     use std::mem::{offset_of, size_of};
-    use terrafill_fill::{RegionConstants, TexturedRegion, ViewConstants};
+    use terrafill_fill::{TexturedRegion, ViewConstants, VolumeConstants};
     use terrafill_shaders::{RouteText, TexturedParts, TexturedPlacement, struct_layout};
 
     /// Offsets by name of the Rust struct, to be found again in the shader's.
@@ -42,7 +42,7 @@ mod tests {
 
     #[test]
     fn region_constants_lie_as_the_shader_reads_them() {
-        let rust = offsets!(RegionConstants: eye, shift, eye_remainder_m, scale_m, origin_ecef_m,
+        let rust = offsets!(VolumeConstants: eye, shift, eye_remainder_m, scale_m, origin_ecef_m,
             unit_m, top_m, bottom_m, first_vertex, first_triangle_index, first_loop_index,
             triangle_count, index_bits, padding, colour);
         for path in [
@@ -50,9 +50,9 @@ mod tests {
             "vertex/pulled.wgsl",
             "vertex/cover.wgsl",
         ] {
-            let (shader, stride) = shader_offsets(path, "RegionConstants");
+            let (shader, stride) = shader_offsets(path, "VolumeConstants");
             assert_eq!(rust, shader);
-            assert_eq!(size_of::<RegionConstants>(), stride);
+            assert_eq!(size_of::<VolumeConstants>(), stride);
         }
     }
 
@@ -92,11 +92,11 @@ mod tests {
 
     #[test]
     fn a_moved_field_is_noticed() {
-        let (shader, _) = shader_offsets("vertex/doubled.wgsl", "RegionConstants");
+        let (shader, _) = shader_offsets("vertex/doubled.wgsl", "VolumeConstants");
         let mut swapped = shader.clone();
         swapped.swap(8, 9);
         assert_ne!(swapped, shader);
-        let rust = offsets!(RegionConstants: bottom_m, top_m);
+        let rust = offsets!(VolumeConstants: bottom_m, top_m);
         assert_ne!(rust[0].1, shader[8].1);
     }
 }

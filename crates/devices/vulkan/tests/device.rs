@@ -4,8 +4,8 @@
 
 use std::sync::Arc;
 use terrafill_fill::{
-    AddressMode, CoverOverrides, DepthRule, DeviceError, FaceSet, RegionConstants,
-    RouteTexelFormat, RouteTexels, StencilOperation, StencilRule, StencilTest, TexturedRegion,
+    AddressMode, CoverOverrides, DepthRule, DeviceError, FaceSet, RouteTexelFormat, RouteTexels,
+    StencilOperation, StencilRule, StencilTest, TexturedRegion, VolumeConstants,
 };
 use terrafill_fixtures::globe::{SIZE, assert_depth_of_the_ellipsoid, globe_from};
 use terrafill_scene::{ImageSize, MipChain, PixelRect};
@@ -164,7 +164,7 @@ fn cover_descriptor(test: StencilTest) -> PipelineDescriptor {
 }
 
 fn cover(gpu: &Arc<Gpu>, targets: &RenderTargets) -> Cover {
-    let mut constants: RegionConstants = bytemuck::Zeroable::zeroed();
+    let mut constants: VolumeConstants = bytemuck::Zeroable::zeroed();
     constants.colour = [1.0, 0.0, 0.0, 1.0];
     let bytes = bytemuck::bytes_of(&constants);
     let regions = Buffer::upload(gpu, "regions", bytes, BufferUse::Storage).expect("fits");

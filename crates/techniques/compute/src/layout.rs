@@ -5,7 +5,7 @@
 //! region by region; those that are written are 32 bits.
 
 use terrafill_core::RegionMesh;
-use terrafill_fill::{FixedPoint, RegionPlace};
+use terrafill_fill::{FixedPoint, VolumePlace};
 
 /// Bytes of one or more regions, what is stored and what is made from it apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -79,7 +79,7 @@ pub fn placed_bytes(mesh: &RegionMesh) -> u64 {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct MeshSlice {
     /// Loops lie one after the other, each closed.
-    pub(crate) place: RegionPlace,
+    pub(crate) place: VolumePlace,
     pub(crate) vertex_count: u32,
     /// Words of the list of indices.
     pub(crate) index_words: u32,
@@ -100,7 +100,7 @@ impl MeshSlice {
             ];
             (counts, slice.place.has_short_indices)
         };
-        let place = RegionPlace {
+        let place = VolumePlace {
             fixed: other.place.fixed,
             ..self.place
         };
@@ -166,7 +166,7 @@ impl SceneGeometry {
             first_word
         };
         self.meshes.push(MeshSlice {
-            place: RegionPlace {
+            place: VolumePlace {
                 fixed,
                 first_vertex,
                 first_triangle_index,

@@ -7,8 +7,8 @@ use crate::layout::{MeshSlice, SceneGeometry};
 use crate::pipeline::Pipelines;
 use crate::{ComputeBytes, ComputeVariant, Expansion, GpuCulling, Transform};
 use terrafill_fill::{
-    DeviceError, FillInput, MemoryUse, RegionConstants, RegionPlace, RegionVolumes, Switches,
-    VolumeBackend,
+    DeviceError, FillInput, MemoryUse, RegionVolumes, Switches, VolumeBackend, VolumeConstants,
+    VolumePlace,
 };
 use terrafill_gpu::{Gpu, VolumeFill, read_buffer};
 use terrafill_scene::PlannedRegion;
@@ -174,7 +174,7 @@ impl RegionVolumes for ComputeVolumes {
         })
     }
 
-    fn places(&self) -> Option<impl Fn(usize) -> RegionPlace> {
+    fn places(&self) -> Option<impl Fn(usize) -> VolumePlace> {
         let scene = self.scene.as_ref()?;
         Some(|mesh: usize| scene.meshes[mesh].place)
     }
@@ -284,7 +284,7 @@ impl RegionVolumes for ComputeVolumes {
             let regions = planned.iter().enumerate().filter_map(region).collect();
             self.view.culling = Some(self.upload_culling(gpu, input, regions)?);
         }
-        let constant_bytes = RegionConstants::byte_count(input);
+        let constant_bytes = VolumeConstants::byte_count(input);
         self.capacity
             .check_bytes("region constants", constant_bytes)
     }

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 use terrafill_core::RegionMesh;
-use terrafill_fill::{FixedPoint, GeometryBytes, IndexLists, RegionPlace, boundary_edges};
+use terrafill_fill::{FixedPoint, GeometryBytes, IndexLists, VolumePlace, boundary_edges};
 
 /// A position in its region's units.
 pub(crate) type Position = [i32; 3];
@@ -33,7 +33,7 @@ fn has_short_indices(mesh: &RegionMesh) -> bool {
 /// Where one region lies in the scene's buffers.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct RegionSlice {
-    pub(crate) place: RegionPlace,
+    pub(crate) place: VolumePlace,
     /// Its walls, as instances.
     pub(crate) walls: Range<u32>,
 }
@@ -72,7 +72,7 @@ impl SceneGeometry {
         let ends = |edge: [u32; 2]| edge.map(|vertex| positions[vertex as usize]);
         self.walls.extend(boundary_edges(mesh).map(ends));
         self.regions.push(RegionSlice {
-            place: RegionPlace {
+            place: VolumePlace {
                 fixed,
                 first_vertex: self.vertices.len() as u32,
                 first_triangle_index: self.indices.count(is_short),

@@ -4,8 +4,8 @@
 use crate::layout::{RegionSlice, SceneGeometry};
 use crate::pipeline::{Part, Pipelines, VERTICES, WALL_CORNERS, WALLS};
 use terrafill_fill::{
-    DeviceError, FillInput, GeometryBytes, MemoryUse, RegionPlace, RegionVolumes, Switches,
-    VolumeBackend, VolumeDraw, VolumeList,
+    DeviceError, FillInput, GeometryBytes, MemoryUse, RegionVolumes, Switches, VolumeBackend,
+    VolumeDraw, VolumeList, VolumePlace,
 };
 use terrafill_gpu::{Gpu, VolumeFill, VolumePass, Volumes};
 
@@ -48,7 +48,7 @@ impl RegionVolumes for InstancedVolumes {
         })
     }
 
-    fn places(&self) -> Option<impl Fn(usize) -> RegionPlace> {
+    fn places(&self) -> Option<impl Fn(usize) -> VolumePlace> {
         let scene = self.scene.as_ref()?;
         Some(|mesh: usize| scene.regions[mesh].place)
     }

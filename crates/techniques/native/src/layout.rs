@@ -8,7 +8,7 @@ use crate::ring_order::RingOrder;
 use crate::strips::{StripCorner, Strips};
 use crate::{Extrusion, Indices, StripCounts, strip_counts};
 use terrafill_core::RegionMesh;
-use terrafill_fill::{FixedPoint, GeometryBytes, IndexLists, RegionPlace, boundary_edges};
+use terrafill_fill::{FixedPoint, GeometryBytes, IndexLists, VolumePlace, boundary_edges};
 
 /// Whether a region's indices fit 16 bits. Strips end with 0xffff, so that it is no vertex.
 fn has_short_indices(technique: Extrusion, indices: Indices, vertices: usize) -> bool {
@@ -129,8 +129,8 @@ impl RegionSlice {
     }
 
     /// As shaders are told; none here counts triangles.
-    pub(crate) fn place(&self) -> RegionPlace {
-        RegionPlace {
+    pub(crate) fn place(&self) -> VolumePlace {
+        VolumePlace {
             fixed: self.fixed,
             first_vertex: self.first_vertex,
             first_triangle_index: self.first_index,

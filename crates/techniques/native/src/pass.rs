@@ -8,8 +8,8 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 use terrafill_fill::{
-    DeviceError, FillInput, GeometryBytes, MemoryUse, RegionPlace, RegionVolumes, Switches,
-    VolumeBackend, VolumeDraw, VolumeList, VolumeState,
+    DeviceError, FillInput, GeometryBytes, MemoryUse, RegionVolumes, Switches, VolumeBackend,
+    VolumeDraw, VolumeList, VolumePlace, VolumeState,
 };
 use terrafill_vulkan::{
     Buffer, BufferUse, Geometry, Gpu, IndexWidth, Pipeline, PipelineDescriptor, VolumeFill,
@@ -64,7 +64,7 @@ impl RegionVolumes for NativeVolumes {
         })
     }
 
-    fn places(&self) -> Option<impl Fn(usize) -> RegionPlace> {
+    fn places(&self) -> Option<impl Fn(usize) -> VolumePlace> {
         let scene = self.scene.as_ref()?;
         Some(|mesh: usize| scene.regions[mesh].place())
     }

@@ -10,7 +10,7 @@ use std::collections::HashSet;
 use std::ops::Range;
 use terrafill_core::RegionMesh;
 use terrafill_fill::{
-    FixedPoint, GeometryBytes, IndexLists, PositionFormat, RegionPlace, boundary_edges, two_float,
+    FixedPoint, GeometryBytes, IndexLists, PositionFormat, VolumePlace, boundary_edges, two_float,
 };
 
 /// Largest number of distinct indices in 16 bits: 0xffff restarts strips and separates loops.
@@ -104,7 +104,7 @@ pub fn per_triangle_volume_bytes(
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct RegionSlice {
     /// Vertices are counted as stored: two per mesh vertex when doubled.
-    pub(crate) place: RegionPlace,
+    pub(crate) place: VolumePlace,
     pub(crate) vertex_count: u32,
     /// Indices of the strips, or entries of the loop list.
     pub(crate) loop_index_count: u32,
@@ -116,13 +116,13 @@ impl RegionSlice {
     /// Where `other` lies when it takes this one's place; `None` where it has more or fewer vertices
     /// or indices.
     pub(crate) fn replaced_by(&self, other: &Self) -> Option<Self> {
-        let place = RegionPlace {
+        let place = VolumePlace {
             fixed: other.place.fixed,
             ..self.place
         };
         let moved = Self { place, ..*self };
         let unmoved = |slice: &Self| Self {
-            place: RegionPlace {
+            place: VolumePlace {
                 fixed: other.place.fixed,
                 first_vertex: 0,
                 first_triangle_index: 0,
@@ -196,7 +196,7 @@ impl SceneGeometry {
             _ => self.push_wall_list(short_indices, mesh),
         }
         self.regions.push(RegionSlice {
-            place: RegionPlace {
+            place: VolumePlace {
                 fixed,
                 first_vertex,
                 first_triangle_index,

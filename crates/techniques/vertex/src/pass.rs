@@ -6,8 +6,8 @@ use crate::pipeline::{Part, PipelineKey, Pipelines, draws_first_walls_twice, par
 use crate::{Layout, VertexVariant};
 use std::ops::Range;
 use terrafill_fill::{
-    DeviceError, FillInput, GeometryBytes, IndexLists, MemoryUse, PositionFormat, RegionPlace,
-    RegionVolumes, Switches, VolumeBackend, VolumeDraw, VolumeList,
+    DeviceError, FillInput, GeometryBytes, IndexLists, MemoryUse, PositionFormat, RegionVolumes,
+    Switches, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
 };
 use terrafill_gpu::{Gpu, VolumeFill, VolumePass, Volumes};
 use terrafill_scene::Overlap;
@@ -57,7 +57,7 @@ impl RegionVolumes for VertexVolumes {
         })
     }
 
-    fn places(&self) -> Option<impl Fn(usize) -> RegionPlace> {
+    fn places(&self) -> Option<impl Fn(usize) -> VolumePlace> {
         let scene = self.scene.as_ref()?;
         Some(|mesh: usize| scene.regions[mesh].place)
     }

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The executor of stencil programs on a volume that is no region's. Without a Vulkan device these
+//! tests are skipped with the reason printed, unless `TERRAFILL_REQUIRE_DEVICE` is set, as
+//! `ci/test.sh` does.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::sync::Arc;
+use terrafill_fill::{
+    ColourWay, DepthRule, DeviceError, FacePasses, Picture, StencilExecutor, Switches, VolumeDraw,
+    VolumeState,
+};
+use terrafill_fixtures::BoxOverGround;
+use terrafill_fixtures::globe::SIZE;
+use terrafill_scene::PixelRect;
+use terrafill_vulkan::{
+    Buffer, BufferUse, Fragments, Geometry, Gpu, IndexWidth, Pipeline, PipelineDescriptor,
+    RenderTargets, Topology, VertexFormat, VertexStage, VolumeFill, VolumePass, Volumes,
+    open_for_test,
+};
+
+/// A box, closed or not.
+struct Boxes {
+    vertices: Buffer,
+    indices: Buffer,
+    index_count: u32,
+    pipelines: HashMap<VolumeState, Pipeline>,
+}
+
+impl Boxes {
+    fn new(gpu: &Arc<Gpu>, scene: &BoxOverGround, faces: usize) -> Result<Self, DeviceError> {
+        let (vertices, indices) = (scene.vertices(), BoxOverGround::indices(faces));
+        let upload = |label, bytes, use_for| Buffer::upload(gpu, label, bytes, use_for);
+        Ok(Self {
+            vertices: upload(
+                "corners",
+                bytemuck::cast_slice(&vertices),
+                BufferUse::Vertex,
+            )?,
+            indices: upload("faces", bytemuck::cast_slice(&indices), BufferUse::Index)?,
+            index_count: 6 * u32::try_from(faces).expect("six at most"),
+            pipelines: HashMap::new(),
+        })
+    }
+}
+
+const PATH: &str = "vertex/doubled.wgsl";
+
+fn descriptor(state: VolumeState) -> PipelineDescriptor {
+    let fragments = |entry_point| Fragments::Shader {
+        path: PATH,
+        entry_point,
+    };
+    let (entry_point, fragments) = match state {
+        VolumeState::Colour { .. } => ("coloured_main", fragments("region_colour")),
+        VolumeState::Accumulate { depth, .. } => (
+            "numbered_main",
+            fragments(match depth {
+                DepthRule::Fail => "number_behind",
+                DepthRule::Pass => "number_before",
+            }),
+        ),
+        VolumeState::Mark {
+            has_colour: true, ..
+        } => ("vertex_main", fragments("no_colour")),
+        _ => ("vertex_main", Fragments::None),
+    };
+    PipelineDescriptor {
+        vertex: VertexStage {
+            path: PATH,
+            entry_point,
+        },
+        geometry: None,
+        fragments,
+        format: VertexFormat::FixedAndFlag,
+        topology: Topology::Triangles,
+        state: state.into(),
+        depth_bounds: false,
+    }
+}
+
+impl Volumes for Boxes {
+    fn ensure(&mut self, gpu: &Arc<Gpu>, draw: &VolumeDraw<'_>) -> Result<(), DeviceError> {
+        if let Entry::Vacant(place) = self.pipelines.entry(draw.state) {
+            place.insert(Pipeline::new(gpu, descriptor(draw.state))?);
+        }
+        Ok(())
+    }
+
+    fn draw<'a>(&'a self, pass: &mut VolumePass<'a, '_, '_>, draw: &VolumeDraw<'_>) {
+        let geometry = Geometry {
+            vertices: &self.vertices,
+            indices: &self.indices,
+            width: IndexWidth::Short,
+        };
+        let pipeline = &self.pipelines[&draw.state];
+        for &volume in draw.volumes {
+            pass.cut(volume, draw.scissor);
+            pass.draw_indexed(pipeline, geometry, 0..self.index_count, 0, volume);
+        }
+    }
+}
+
+fn drawn(
+    gpu: &Arc<Gpu>,
+    scene: &BoxOverGround,
+    faces: usize,
+    switches: &Switches,
+    rect: PixelRect,
+) -> Picture {
+    let targets = RenderTargets::shared(gpu, SIZE).expect("small targets");
+    let made: Result<VolumeFill, _> = StencilExecutor::<Boxes>::new(&targets, switches);
+    let mut fill = made.expect("has the features");
+    let mut boxes = Boxes::new(gpu, scene, faces).expect("fits");
+    let early = fill.draw(&mut boxes).expect_err("nothing is loaded");
+    assert_eq!(early.to_string(), "there is no stencil program yet");
+    scene.draw(&mut fill, &mut boxes, switches, rect)
+}
+
+#[test]
+fn a_box_marks_the_ground_inside_it_whatever_the_switches() {
+    let Some(gpu) = open_for_test(&Default::default()) else {
+        return;
+    };
+    let scene = BoxOverGround::default();
+    let rect = scene.screen_rect();
+    for colour in ColourWay::ALL {
+        for faces in [FacePasses::TwoSided, FacePasses::TwoPass] {
+            let switches = Switches {
+                colour,
+                faces,
+                ..Switches::default()
+            };
+            let picture = drawn(&gpu, &scene, 6, &switches, rect);
+            assert_eq!(scene.mismatches(&picture), 0, "{switches:?}");
+            // Twin: a box that is not closed.
+            let open = drawn(&gpu, &scene, 5, &switches, rect);
+            assert!(scene.mismatches(&open) > 20, "{switches:?}");
+        }
+    }
+}
+
+#[test]
+fn a_rectangle_that_is_too_small_is_noticed() {
+    let Some(gpu) = open_for_test(&Default::default()) else {
+        return;
+    };
+    let scene = BoxOverGround::default();
+    let rect = scene.screen_rect();
+    let half = PixelRect {
+        right: rect.left + rect.width() / 2,
+        ..rect
+    };
+    let switches = Switches::default();
+    let wrong = scene.mismatches(&drawn(&gpu, &scene, 6, &switches, half));
+    assert!(wrong > 20, "{wrong}");
+}
