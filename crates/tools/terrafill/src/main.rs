@@ -9,6 +9,7 @@
 mod arguments;
 mod bench;
 mod environment;
+mod gate;
 mod inspect;
 mod locate;
 mod mesh;
@@ -33,6 +34,9 @@ fn main() -> ExitCode {
         Verb::Bench(arguments) => bench::run(&arguments),
         Verb::Report(arguments) => bench::report(&arguments),
         Verb::Merge(arguments) => bench::merge(&arguments),
+        Verb::Gate(arguments) => gate::run(&arguments),
+        Verb::Bless(arguments) => gate::bless(&arguments),
+        Verb::Compare(arguments) => gate::compare(&arguments),
         Verb::Render(arguments) => render::run(&arguments),
         Verb::Mesh(arguments) => mesh::run(&arguments),
         Verb::Locate(arguments) => locate::run(&arguments),
