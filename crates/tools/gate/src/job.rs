@@ -139,6 +139,10 @@ impl<'a> Job<'a> {
         let lines: Vec<&str> = said.lines().filter(|line| !line.is_empty()).collect();
         // The last lines say why; a progress line or two stand before them.
         let last = lines[lines.len().saturating_sub(4)..].join("; ");
+        if said.contains("--frames-per-sample") {
+            let message = "built before the gate: it cannot be timed by it; --no-time compares the rest";
+            return self.failed(side, message.to_owned());
+        }
         let message = format!("{}: {last}", output.status);
         match output.status.code() {
             Some(4) => GateError::NothingMeasured(format!("{}: {message}", side.name())),

@@ -5,6 +5,7 @@
 mod bad_input;
 mod bench;
 mod folders;
+mod gate;
 mod harness;
 mod killed;
 mod locate;
