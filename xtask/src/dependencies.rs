@@ -43,18 +43,19 @@ const WITHIN: &[(&str, &[&str])] = &[
     ("surface", &["scene"]),
     ("fill", &["scene", "surface"]),
     ("study", &["fill"]),
-    ("terrafill", &["report"]),
+    ("terrafill", &["gate", "report"]),
 ];
 
 /// Crates that may need less than their layer: the reference finds texture coordinates by itself and
 /// shares no meshing, projection or fill with what it verifies. `report` opens no device, so it sees
-/// results and the kit that plots are drawn with.
+/// results and the kit that plots are drawn with. `gate` starts programs that do, and sees results alone.
 const LESS: &[(&str, &[&str])] = &[
     ("core", &[]),
     ("results", &[]),
     ("scene", &["core", "texture"]),
     ("reference", &["core", "scene", "surface", "fill"]),
     ("report", &["results", "plot"]),
+    ("gate", &["results"]),
     ("xtask", &["shaders"]),
 ];
 

@@ -14,6 +14,6 @@ mod run;
 mod schedule;
 mod study;
 
-pub use run::{Plan, Progress, RunOptions, RunOutcome, Silent, plan, run};
+pub use run::{FramesPerSample, Plan, Progress, RunOptions, RunOutcome, Silent, plan, run};
 pub use schedule::SplitMix64;
 pub use study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};

@@ -38,6 +38,24 @@ pub struct RunOptions {
     pub shard: Option<Shard>,
 }
 
+/// Frames behind one timed sample: a gate averages several, and its self-test adds known work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FramesPerSample {
+    /// Frames that a sample is the mean of.
+    pub frames: u32,
+    /// Frames drawn beside these, whose cost is added to the sum: real work of a known share.
+    pub extra: u32,
+}
+
+impl Default for FramesPerSample {
+    fn default() -> Self {
+        Self {
+            frames: 1,
+            extra: 0,
+        }
+    }
+}
+
 /// Receives progress. The runner has no clock: who listens decides how often to say so.
 pub trait Progress {
     /// - `done`, `all`: steps of this process: verified cases and measured blocks
@@ -105,6 +123,9 @@ struct PlannedGroup {
 pub struct Plan {
     groups: Vec<PlannedGroup>,
     plan: RunPlan,
+    frames: FramesPerSample,
+    /// Keys of the cases that this process times; `None`: all.
+    only: Option<BTreeSet<String>>,
 }
 
 impl Plan {
@@ -112,6 +133,28 @@ impl Plan {
     #[must_use]
     pub fn run_plan(&self) -> &RunPlan {
         &self.plan
+    }
+
+    /// The same plan with so many frames behind each sample.
+    #[must_use]
+    pub fn with_frames(mut self, frames: FramesPerSample) -> Self {
+        self.frames = frames;
+        self
+    }
+
+    /// The same plan, of which this process times these cases alone.
+    ///
+    /// # Errors
+    /// [`StudyError::BadInput`] for a key that is not planned.
+    pub fn timing_only(mut self, keys: BTreeSet<String>) -> Result<Self, StudyError> {
+        if let Some(unknown) = keys.iter().find(|key| self.plan.case(key).is_none()) {
+            return Err(StudyError::BadInput(format!(
+                "case {unknown:?}: not one of the {} planned",
+                self.plan.cases.len()
+            )));
+        }
+        self.only = Some(keys);
+        Ok(self)
     }
 }
 
@@ -158,7 +201,12 @@ pub fn plan(
         shard: options.shard,
     };
     match repeated_cases(&plan).as_slice() {
-        [] => Ok(Plan { groups, plan }),
+        [] => Ok(Plan {
+            groups,
+            plan,
+            frames: FramesPerSample::default(),
+            only: None,
+        }),
         [twice, ..] => Err(StudyError::BadInput(format!(
             "case {twice:?} is planned twice, allowed: once"
         ))),
@@ -213,7 +261,11 @@ pub fn run(
         .collect();
     let mut steps = Steps::new(plan, options, progress);
     for group in &plan.groups {
-        let todo = Todo::new(group, &known, options);
+        let mut todo = Todo::new(group, &known, options);
+        if let Some(only) = &plan.only {
+            todo.time
+                .retain(|(case, _)| only.contains(&group.cases[*case].id.key()));
+        }
         if todo.is_empty() {
             steps.skip(group);
             continue;
@@ -228,6 +280,7 @@ pub fn run(
             group,
             folder,
             options,
+            frames: plan.frames,
             known: &known,
             session: &mut *session,
         };
@@ -362,6 +415,7 @@ struct Running<'a> {
     group: &'a PlannedGroup,
     folder: &'a RunFolder,
     options: &'a RunOptions,
+    frames: FramesPerSample,
     known: &'a BTreeMap<String, Known>,
     session: &'a mut dyn Session,
 }
@@ -471,6 +525,30 @@ impl Running<'_> {
         }
     }
 
+    /// One sample of a case: the mean over its frames.
+    fn sample(
+        &mut self,
+        case: usize,
+        FramesPerSample { frames, extra }: FramesPerSample,
+    ) -> Result<Vec<(&'static str, f64)>, String> {
+        let work = self.group.work[case];
+        let mut sum = self.session.sample(work)?;
+        for _ in 1..frames + extra {
+            let values = self.session.sample(work)?;
+            // A value that one frame lacks has no mean.
+            sum.retain(|(metric, _)| values.iter().any(|(other, _)| other == metric));
+            for (metric, total) in &mut sum {
+                let found = values.iter().find(|(other, _)| other == metric);
+                *total += found.map_or(0.0, |(_, value)| *value);
+            }
+        }
+        let frames = f64::from(frames.max(1));
+        Ok(sum
+            .into_iter()
+            .map(|(metric, total)| (metric, total / frames))
+            .collect())
+    }
+
     /// Measures every case once in each block, in an order that changes from block to block.
     fn measure(
         &mut self,
@@ -506,7 +584,12 @@ impl Running<'_> {
                 if next_sample >= self.group.cases[case].samples {
                     continue;
                 }
-                match self.session.sample(self.group.work[case]) {
+                let frames = if is_warm_up {
+                    FramesPerSample::default()
+                } else {
+                    self.frames
+                };
+                match self.sample(case, frames) {
                     Err(message) => {
                         self.fail(case, &message)?;
                         broken.insert(place);

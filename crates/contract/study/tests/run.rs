@@ -11,8 +11,8 @@ use terrafill_results::{
     RunEnvironment, RunError, RunFolder, SCHEMA, Shard, Status, Verdict,
 };
 use terrafill_study::{
-    Context, Group, Plan, Planned, Request, RunOptions, RunOutcome, Session, Silent, Study,
-    StudyError, plan, run,
+    Context, FramesPerSample, Group, Plan, Planned, Request, RunOptions, RunOutcome, Session,
+    Silent, Study, StudyError, plan, run,
 };
 
 const METRICS: [Metric; 2] = [
@@ -442,4 +442,52 @@ fn resuming_refuses_another_plan_and_another_commit() {
     };
     assert!(refused(&newer, &plan).contains("commit \"def\""));
     assert!(RunFolder::resume(place.path(), &environment(), plan.run_plan()).is_ok());
+}
+
+#[test]
+fn a_sample_is_the_mean_of_its_frames_and_extra_ones_add_their_cost() {
+    for (frames, extra, factor) in [(1, 0, 1.0), (10, 0, 1.0), (10, 1, 1.1), (20, 1, 1.05)] {
+        let script = fresh_script();
+        let place = tempfile::tempdir().expect("a folder");
+        let plan = planned(1, &options()).with_frames(FramesPerSample { frames, extra });
+        let folder = create(place.path(), &plan);
+        measure(&plan, &folder, &options());
+        let run = Run::load(place.path()).expect("a run");
+        let cost = run.cases[1].value("cost_ms").expect("timed");
+        assert!(
+            (cost - 2.0 * factor).abs() < 1e-12,
+            "{frames}+{extra}: {cost}"
+        );
+        // One frame in the warm-up, then three samples.
+        let drawn = script.sampled.borrow().iter().filter(|&&c| c == 3).count();
+        assert_eq!(drawn % (1 + 3 * (frames + extra) as usize), 0);
+        assert_eq!(run.cases[1].timed_samples(0).len(), 3);
+    }
+}
+
+#[test]
+fn a_process_may_time_a_few_cases_and_rechecks_no_other() {
+    let script = fresh_script();
+    let place = tempfile::tempdir().expect("a folder");
+    let all = planned(1, &options());
+    let folder = create(place.path(), &all);
+    measure(&all, &folder, &options());
+    let key = all.run_plan().cases[1].id.key();
+    let few = || planned(1, &options()).timing_only(BTreeSet::from([key.clone()]));
+    let second = RunOptions {
+        process: 1,
+        ..options()
+    };
+    measure(&few().expect("planned"), &folder, &second);
+    assert_eq!(*script.rechecked.borrow(), [1]);
+    let run = Run::load(place.path()).expect("a run");
+    for case in &run.cases {
+        let is_timed = case.id().key() == key;
+        assert_eq!(!case.timed_samples(1).is_empty(), is_timed, "{}", case.id());
+        assert_ne!(case.outcome, Outcome::Missing);
+    }
+    // Twin: what is not planned is no case that was left out.
+    let unknown = planned(1, &options()).timing_only(BTreeSet::from(["x/y".to_owned()]));
+    let error = unknown.map(|_| ()).expect_err("unknown").to_string();
+    assert!(error.contains("\"x/y\""), "{error}");
 }

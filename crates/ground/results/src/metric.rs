@@ -10,14 +10,43 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// Exact and repeatable: draws, vertices, pixels. Compared without statistics.
+    /// Exact and repeatable on every driver: draws, vertices, triangles. Compared without statistics.
     Counter,
+    /// Exact and repeatable within one driver: pipeline statistics, pixels.
+    #[serde(rename = "driver-counter")]
+    DriverCounter,
     /// Exact as well, and added up over buffers.
     Bytes,
     /// Noisy: compared over processes, with an interval.
     Time,
-    /// Difference from the reference.
+    /// Difference from the reference; repeatable within one driver.
     Error,
+}
+
+impl Kind {
+    /// Whether two runs of the same work agree in every bit.
+    #[must_use]
+    pub fn is_exact(self) -> bool {
+        self != Self::Time
+    }
+
+    /// Whether two drivers may differ in it for the same work.
+    #[must_use]
+    pub fn depends_on_driver(self) -> bool {
+        matches!(self, Self::DriverCounter | Self::Error)
+    }
+
+    /// As in `metrics.csv`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Counter => "counter",
+            Self::DriverCounter => "driver-counter",
+            Self::Bytes => "bytes",
+            Self::Time => "time",
+            Self::Error => "error",
+        }
+    }
 }
 
 /// Which way a figure should go.

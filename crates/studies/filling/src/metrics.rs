@@ -4,7 +4,7 @@
 use terrafill_results::{Kind, Metric};
 
 /// Times first, then bytes, counters, errors, textured fills and bytes of layouts.
-pub(crate) const METRICS: [Metric; 60] = [
+pub(crate) const METRICS: [Metric; 63] = [
     Metric::less(
         "fill_cpu_ms",
         "ms",
@@ -117,37 +117,37 @@ pub(crate) const METRICS: [Metric; 60] = [
     Metric::less(
         "vertex_shader_invocations",
         "",
-        Kind::Counter,
+        Kind::DriverCounter,
         "Pipeline statistic of the stencil pass. Exact within one driver only, as are the next three.",
     ),
     Metric::less(
         "geometry_shader_primitives",
         "",
-        Kind::Counter,
+        Kind::DriverCounter,
         "Primitives that geometry shaders gave out in the stencil pass.",
     ),
     Metric::less(
         "clipper_invocations",
         "",
-        Kind::Counter,
+        Kind::DriverCounter,
         "Primitives that reached clipping in the stencil pass.",
     ),
     Metric::less(
         "clipper_primitives_out",
         "",
-        Kind::Counter,
+        Kind::DriverCounter,
         "Primitives that left clipping in the stencil pass.",
     ),
     Metric::less(
         "fragment_shader_invocations",
         "",
-        Kind::Counter,
+        Kind::DriverCounter,
         "Fragments shaded in the colour pass.",
     ),
     Metric::less(
         "stencil_fragments",
         "",
-        Kind::Counter,
+        Kind::DriverCounter,
         "Fragments of volumes in the stencil work, whether or not the depth test lets them touch the stencil; counted in an extra frame that is not timed.",
     ),
     Metric::less(
@@ -161,6 +161,24 @@ pub(crate) const METRICS: [Metric; 60] = [
         "",
         Kind::Counter,
         "Pipelines made for the probe frame's fill, by `prepare` or later.",
+    ),
+    Metric::less(
+        "steady_buffer_creations",
+        "",
+        Kind::Counter,
+        "Buffers made for the same frame drawn once more: 0 in a steady state.",
+    ),
+    Metric::less(
+        "steady_pipeline_creations",
+        "",
+        Kind::Counter,
+        "Pipelines made for the same frame drawn once more: 0 in a steady state.",
+    ),
+    Metric::less(
+        "steady_uploads",
+        "",
+        Kind::Counter,
+        "Writes of the CPU into buffers for the same frame drawn once more: 0 in a steady state.",
     ),
     Metric::less(
         "cap_triangles",
@@ -177,7 +195,7 @@ pub(crate) const METRICS: [Metric; 60] = [
     Metric::neither(
         "filled_px",
         "px",
-        Kind::Counter,
+        Kind::DriverCounter,
         "Pixels that the technique gave to a region.",
     ),
     Metric::less(
@@ -219,7 +237,7 @@ pub(crate) const METRICS: [Metric; 60] = [
     Metric::neither(
         "tiny_regions",
         "",
-        Kind::Counter,
+        Kind::DriverCounter,
         "Pieces of fewer than 4 pixels in the reference, or in the frame where the reference shows them between the centres of its pixels; left out of `hausdorff_px`.",
     ),
     Metric::less(
@@ -279,7 +297,7 @@ pub(crate) const METRICS: [Metric; 60] = [
     Metric::neither(
         "texel_compared_px",
         "px",
-        Kind::Counter,
+        Kind::DriverCounter,
         "Pixels whose texture coordinates were compared.",
     ),
     Metric::less(

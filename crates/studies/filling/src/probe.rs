@@ -14,6 +14,8 @@ pub(crate) struct Probe {
     pub(crate) reason: String,
     memory: MemoryUse,
     counters: Option<Counters>,
+    /// Of the same frame drawn once more; `None` of a case that is not timed.
+    pub(crate) steady: Option<Counters>,
     pub(crate) figures: Option<ErrorFigures>,
     regions: [u64; 2],
     left_out: String,
@@ -147,6 +149,16 @@ impl Probe {
                 ("stencil_fragments", counters.stencil_fragments),
                 ("buffer_creations", Some(counters.buffer_creations)),
                 ("pipeline_creations", Some(counters.pipeline_creations)),
+            ]);
+        }
+        if let Some(counters) = &self.steady {
+            counts.extend([
+                ("steady_buffer_creations", Some(counters.buffer_creations)),
+                (
+                    "steady_pipeline_creations",
+                    Some(counters.pipeline_creations),
+                ),
+                ("steady_uploads", Some(counters.uploads)),
             ]);
         }
         if let Some(figures) = &self.figures {

@@ -250,6 +250,13 @@ impl<'a> ViewSession<'a> {
         self.reference()?;
         let mut probe = Probe::new(drawn.memory, &drawn.input, &drawn.frame);
         probe.plan_cpu_ms = drawn.plan_cpu_ms;
+        // What is timed is a frame like the one before it.
+        if case.frames > 0 {
+            match drawn.backend.render(&drawn.input) {
+                Ok(again) => probe.steady = again.counters,
+                Err(error) => return Ok(failed(&error)),
+            }
+        }
         let (mask_hash, ids_hash) = hashes(&*drawn.backend, &drawn.frame);
         let texture_route = drawn.backend.note().unwrap_or_default();
         let moved_px = case.subject.plan().boundary_lod_px.unwrap_or(0.0);

@@ -40,6 +40,17 @@ pub(crate) enum Verb {
     /// Join the shards of a run into one folder
     #[command(after_help = "Example: terrafill merge out/shard-1 out/shard-2 --out out/all")]
     Merge(MergeArguments),
+    /// Decide whether a version does more work, errs more or takes longer than another
+    #[command(after_help = GATE_EXAMPLE)]
+    Gate(GateArguments),
+    /// Accept a difference that the gate found, in a file that is reviewed
+    #[command(
+        after_help = "Example: terrafill bless filling/hills/globe/vertex/doubled --reason \"two caps\""
+    )]
+    Bless(BlessArguments),
+    /// List the differences of two runs in counters, bytes and errors
+    #[command(after_help = "Example: terrafill compare out/before out/after")]
+    Compare(CompareArguments),
     /// Draw one picture
     #[command(
         after_help = "Example: terrafill render california --view globe --out california.png"
@@ -105,6 +116,15 @@ pub(crate) struct BenchArguments {
     /// Which of the processes this is: `bench` starts the others with it
     #[arg(long, hide = true, default_value = "0")]
     pub(crate) process: u32,
+    /// File of case keys, one a line, that this process times alone: `gate` starts replicates with it
+    #[arg(long, hide = true, value_name = "FILE")]
+    pub(crate) time_only: Option<PathBuf>,
+    /// Frames that a timed sample is the mean of
+    #[arg(long, hide = true, default_value = "1", value_parser = parse_samples)]
+    pub(crate) frames_per_sample: u32,
+    /// Frames whose cost is added to each sample: the gate's self-test
+    #[arg(long, hide = true, default_value = "0")]
+    pub(crate) extra_frames: u32,
     /// Folder for the run
     #[arg(long, default_value = "out/run")]
     pub(crate) out: PathBuf,
@@ -147,6 +167,124 @@ pub(crate) struct MergeArguments {
     /// New folder for the whole run
     #[arg(long)]
     pub(crate) out: PathBuf,
+}
+
+const GATE_EXAMPLE: &str = "\
+Exit codes: 0 pass · 1 differs for the worse, or for the better and not blessed · 2 bad input ·
+            3 inconclusive · 4 nothing measured · 5 no usable device
+Example: terrafill gate california --base origin/main --out out/gate";
+
+#[derive(Debug, Args)]
+pub(crate) struct GateArguments {
+    /// Shipped scenes by name, or paths of scene files [default: all shipped scenes]
+    pub(crate) scenes: Vec<String>,
+    /// Program or git revision to compare with; both run by turns in this job
+    #[arg(long)]
+    pub(crate) base: Option<String>,
+    /// Program or git revision to decide about [default: this program]
+    #[arg(long)]
+    pub(crate) new: Option<String>,
+    /// Run folder to compare with, without times
+    #[arg(long, value_name = "DIR")]
+    pub(crate) base_run: Option<PathBuf>,
+    /// Run folder to decide about, without times
+    #[arg(long, value_name = "DIR", conflicts_with = "new")]
+    pub(crate) new_run: Option<PathBuf>,
+    /// Saved baseline to compare with, without times
+    #[arg(long, value_name = "NAME")]
+    pub(crate) baseline: Option<String>,
+    /// Save the new run's counters, bytes and errors under this name
+    #[arg(long, value_name = "NAME")]
+    pub(crate) save_baseline: Option<String>,
+    /// Folder of baselines
+    #[arg(long, value_name = "DIR", default_value = "gate/baselines")]
+    pub(crate) baselines: PathBuf,
+    /// File of accepted differences
+    #[arg(long, value_name = "FILE", default_value = "gate/blessed.csv")]
+    pub(crate) blessed: PathBuf,
+    /// File of further limits: case,metric,min,max,reason
+    #[arg(long, value_name = "FILE")]
+    pub(crate) limits: Option<PathBuf>,
+    #[arg(long, help = STUDY_HELP)]
+    pub(crate) study: Vec<String>,
+    /// Technique to run; may be repeated [default: all]
+    #[arg(long)]
+    pub(crate) technique: Vec<String>,
+    /// All main variants, not the quick ones alone
+    #[arg(long)]
+    pub(crate) main: bool,
+    /// Image size, WIDTHxHEIGHT or one number for both
+    #[arg(long, default_value = "512", value_parser = parse_size)]
+    pub(crate) size: (u32, u32),
+    /// Compare counters, bytes and errors alone
+    #[arg(long)]
+    pub(crate) no_time: bool,
+    /// Smallest change of a time that fails
+    #[arg(long, value_name = "PERCENT", default_value_t = terrafill_gate::threshold::FLOOR_PERCENT,
+        value_parser = parse_floor)]
+    pub(crate) floor_percent: f64,
+    /// Time for measuring, builds not counted
+    #[arg(long, value_name = "SECONDS", default_value = "600")]
+    pub(crate) time_budget_s: u64,
+    /// Measure how often the time gate is right: with the same work (aa) or with more (inject)
+    #[arg(long, value_name = "aa|inject")]
+    pub(crate) self_test: Option<SelfTestKind>,
+    /// Work that the self-test adds
+    #[arg(long, default_value = "10")]
+    pub(crate) percent: u32,
+    /// Gates of a self-test
+    #[arg(long, default_value = "4", value_parser = parse_processes)]
+    pub(crate) runs: u32,
+    /// Folder for runs and report, new or empty
+    #[arg(long, default_value = "out/gate")]
+    pub(crate) out: PathBuf,
+    /// Folder that keeps built revisions
+    #[arg(long, value_name = "DIR", default_value = "target/gate")]
+    pub(crate) cache: PathBuf,
+    /// Folder with real data [default: $TERRAFILL_DATA]
+    #[arg(long)]
+    pub(crate) data: Option<PathBuf>,
+    /// Part of the adapter's name
+    #[arg(long)]
+    pub(crate) adapter: Option<String>,
+}
+
+/// What a self-test proves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SelfTestKind {
+    // No false alarm.
+    Aa,
+    // Added work is caught.
+    Inject,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BlessArguments {
+    /// Case, as the gate names it
+    pub(crate) case: String,
+    /// Why the difference is accepted
+    #[arg(long)]
+    pub(crate) reason: String,
+    /// Metric to accept; may be repeated [default: all that differ]
+    #[arg(long)]
+    pub(crate) metric: Vec<String>,
+    /// Folder of the gate that found it
+    #[arg(long, value_name = "DIR", default_value = "out/gate")]
+    pub(crate) gate: PathBuf,
+    /// File of accepted differences
+    #[arg(long, value_name = "FILE", default_value = "gate/blessed.csv")]
+    pub(crate) blessed: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CompareArguments {
+    /// Run folder to compare with
+    pub(crate) base: PathBuf,
+    /// Run folder that is compared
+    pub(crate) new: PathBuf,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 const LADDER_HELP: &str = "\
@@ -356,6 +494,14 @@ fn parse_processes(text: &str) -> Result<u32, &'static str> {
     match text.parse() {
         Ok(processes @ 1..=1_000) => Ok(processes),
         _ => Err("1 … 1000"),
+    }
+}
+
+/// A floor of 0 would fail on noise alone.
+fn parse_floor(text: &str) -> Result<f64, &'static str> {
+    match text.parse() {
+        Ok(percent) if (0.5..=100.0).contains(&percent) => Ok(percent),
+        _ => Err("0.5 … 100"),
     }
 }
 

@@ -13,7 +13,7 @@ use terrafill_fill::Devices;
 use terrafill_gpu::shared_gpu;
 use terrafill_results::RunFolder;
 use terrafill_scene::data_dir_from_env;
-use terrafill_study::{Depth, Request, RunOptions, RunOutcome, Study, StudyError};
+use terrafill_study::{Depth, FramesPerSample, Request, RunOptions, RunOutcome, Study, StudyError};
 
 /// Processes of a run: fewer than three show no spread.
 const PROCESSES: u32 = 3;
@@ -40,7 +40,19 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         seed: arguments.seed,
         shard: arguments.shard,
     };
+    let frames = FramesPerSample {
+        frames: arguments.frames_per_sample,
+        extra: arguments.extra_frames,
+    };
     let plan = terrafill_study::plan(&studies, &request, &options).map_err(failure)?;
+    let mut plan = plan.with_frames(frames);
+    if let Some(file) = &arguments.time_only {
+        let keys = std::fs::read_to_string(file).map_err(|error| {
+            Failure::bad_input(format!("--time-only: {}: {error}", file.display()))
+        })?;
+        let keys = keys.lines().map(str::to_owned).collect();
+        plan = plan.timing_only(keys).map_err(failure)?;
+    }
     if options.process == 0 {
         for skipped in &plan.run_plan().skipped {
             complain(format!("skipped: {}: {}", skipped.what, skipped.reason));
@@ -172,7 +184,11 @@ fn open_folder(
         Err(_) => None,
     };
     let facts = gpu.as_ref().map(|gpu| &gpu.facts);
-    let described = describe(studies, request, options);
+    let mut described = describe(studies, request, options);
+    if (arguments.frames_per_sample, arguments.extra_frames) != (1, 0) {
+        let (frames, extra) = (arguments.frames_per_sample, arguments.extra_frames);
+        described.push(format!("frames={frames}+{extra}"));
+    }
     let environment = environment(facts, request.size, described);
     let (path, run_plan) = (&arguments.out, plan.run_plan());
     if options.process > 0 || arguments.resume {

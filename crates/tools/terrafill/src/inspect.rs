@@ -165,7 +165,7 @@ fn metrics_as_markdown() -> String {
             study.question()
         );
         for metric in study.metrics() {
-            let kind = format!("{:?}", metric.kind).to_lowercase();
+            let kind = metric.kind.name();
             let better = format!("{:?}", metric.better).to_lowercase();
             text += &format!(
                 "| `{}` | {} | {kind} | {better} | {} |\n",

@@ -11,6 +11,7 @@ mod bench;
 mod devices;
 mod environment;
 mod fit;
+mod gate;
 mod input;
 mod inspect;
 mod locate;
@@ -48,6 +49,9 @@ fn run(verb: &Verb) -> Result<Outcome, Failure> {
         Verb::Bench(arguments) => bench::run(arguments),
         Verb::Report(arguments) => bench::report(arguments),
         Verb::Merge(arguments) => bench::merge(arguments),
+        Verb::Gate(arguments) => gate::run(arguments),
+        Verb::Bless(arguments) => gate::bless(arguments),
+        Verb::Compare(arguments) => gate::compare(arguments),
         Verb::Render(arguments) => render::run(arguments),
         Verb::Mesh(arguments) => mesh::run(arguments),
         Verb::Locate(arguments) => locate::run(arguments),

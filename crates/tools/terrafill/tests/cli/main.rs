@@ -6,6 +6,7 @@ mod bad_input;
 mod bench;
 mod failed_writes;
 mod folders;
+mod gate;
 mod harness;
 mod killed;
 mod locate;

@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT OR Apache-2.0
+#
+# Whether this tree does more work, errs more or takes longer than another revision: sets the machine up,
+# builds both, runs both by turns on this machine, and exits by the verdict: 0 pass, 1 differs, 2 bad input,
+# 3 inconclusive, 4 nothing measured, 5 no device. Further arguments go to `terrafill gate`.
+#
+# usage: ci/gate.sh [--base REVISION] [SCENE...] [--technique T...] [--no-time] [--out DIR]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+ci/setup.sh --for bench
+
+cargo build --release --locked --package terrafill
+program=${CARGO_TARGET_DIR:-target}/release/terrafill
+
+has() {
+    local wanted=$1 argument
+    shift
+    for argument in "$@"; do
+        case "$argument" in "$wanted" | "$wanted"=*) return 0 ;; esac
+    done
+    return 1
+}
+
+arguments=("$@")
+has --base "$@" || has --base-run "$@" || has --baseline "$@" || has --self-test "$@" ||
+    arguments+=(--base "$(git merge-base HEAD "${GATE_TARGET:-origin/main}")")
+has --out "$@" || arguments+=(--out "out/gate-$(date -u +%Y%m%d-%H%M%S)")
+
+# exec: nothing stands between the verdict and who asked, so that no exit code becomes another.
+exec "$program" gate "${arguments[@]}"

@@ -1,0 +1,389 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The gates without statistics: how cases ended, counters, bytes and errors of two runs, compared bit
+//! by bit and in both directions, and committed limits.
+//!
+//! A case of the base that is gone, a figure that is gone, a figure that is no number and a figure
+//! that got better all fail until they are blessed. What two drivers may count differently is compared
+//! only where both runs used one driver.
+
+use crate::{Finding, Gate, GateError, Limit, Severity};
+use std::collections::{BTreeMap, BTreeSet};
+use terrafill_results::{Case, Direction, Kind, MetricRow, Outcome, Run, RunEnvironment};
+
+/// What the exact gates found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Exact {
+    /// Differences.
+    pub findings: Vec<Finding>,
+    /// Cases of which at least one figure was compared.
+    pub compared: BTreeSet<String>,
+    /// Figures compared over all cases.
+    pub figures: usize,
+    /// Cases that neither run could run, with the reason.
+    pub skipped: Vec<(String, String)>,
+}
+
+/// Compares two runs. A/A twins are left out: they repeat the work of other cases.
+///
+/// # Errors
+/// [`GateError::BadInput`] for runs of other options, sizes or builds, for a folder compared with itself
+/// and for a copy of a run.
+pub fn compare_exactly(base: &Run, new: &Run, limits: &[Limit]) -> Result<Exact, GateError> {
+    refuse_what_cannot_be_compared(base, new)?;
+    let mut comparison = Comparison {
+        is_same_driver: same_driver(&base.environment, &new.environment),
+        kinds: kinds(base, new),
+        limits,
+        exact: Exact::default(),
+    };
+    let cases = by_key(base);
+    let others = by_key(new);
+    let keys: BTreeSet<&String> = cases.keys().chain(others.keys()).collect();
+    for key in keys {
+        comparison.compare(cases.get(key).copied(), others.get(key).copied());
+    }
+    if !comparison.is_same_driver && !comparison.exact.compared.is_empty() {
+        let driver = |of: &RunEnvironment| format!("{}, {}", of.gpu, of.driver_info);
+        comparison.exact.findings.push(Finding {
+            case: "(all cases)".to_owned(),
+            conditions: BTreeMap::new(),
+            metric: "driver".to_owned(),
+            gate: Gate::Status,
+            severity: Severity::Unknown,
+            from: driver(&base.environment),
+            to: driver(&new.environment),
+            words: "pixels, pipeline statistics and errors were not compared".to_owned(),
+            percent: None,
+            blessed: None,
+        });
+    }
+    Ok(comparison.exact)
+}
+
+/// Whether two runs used one device and driver, so that what a driver counts may be compared.
+#[must_use]
+pub fn same_driver(a: &RunEnvironment, b: &RunEnvironment) -> bool {
+    driver_fingerprint(a) == driver_fingerprint(b)
+}
+
+/// Device and driver as a folder's name: no host, no clock rate.
+#[must_use]
+pub fn driver_fingerprint(of: &RunEnvironment) -> String {
+    let text = format!(
+        "{} {:04x} {:04x} {} {}",
+        of.gpu, of.vendor_id, of.device_id, of.driver, of.driver_info
+    );
+    let words = text.split(|c: char| !c.is_ascii_alphanumeric());
+    let words: Vec<String> = words
+        .filter(|word| !word.is_empty())
+        .map(str::to_ascii_lowercase)
+        .collect();
+    words.join("-")
+}
+
+/// Options that change how often things are measured, and no figure.
+const FREE_OPTIONS: [&str; 4] = ["processes=", "samples=", "seed=", "frames="];
+
+fn refuse_what_cannot_be_compared(base: &Run, new: &Run) -> Result<(), GateError> {
+    let places = [&base.path, &new.path];
+    let [a, b] = places.map(|path| path.canonicalize().unwrap_or_else(|_| path.clone()));
+    if a == b {
+        let message = format!("base and new are one folder: {}", a.display());
+        return Err(GateError::BadInput(message));
+    }
+    if is_copy(base, new) {
+        let message = format!(
+            "{} and {} hold the same times to the last bit: one is a copy of the other",
+            a.display(),
+            b.display()
+        );
+        return Err(GateError::BadInput(message));
+    }
+    let options = |run: &Run| -> Vec<String> {
+        let is_free = |option: &&String| !FREE_OPTIONS.iter().any(|key| option.starts_with(key));
+        let options = run.environment.options.iter().filter(is_free);
+        options.cloned().collect()
+    };
+    let of = |run: &Run| {
+        let environment = &run.environment;
+        [
+            ("options", options(run).join(" ")),
+            (
+                "image size",
+                format!("{}x{}", environment.width, environment.height),
+            ),
+            ("build", environment.profile.clone()),
+        ]
+    };
+    for ((what, base), (_, new)) in of(base).into_iter().zip(of(new)) {
+        if base != new {
+            return Err(GateError::BadInput(format!(
+                "{what}: found {new:?} in the new run, expected {base:?} as in the base"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Whether two runs hold times, and the very same ones.
+fn is_copy(base: &Run, new: &Run) -> bool {
+    let times = |run: &Run| -> Vec<u64> {
+        let is_time = |metric: &str| run.metric(metric).is_some_and(|m| m.kind == Kind::Time);
+        let figures = run.cases.iter().flat_map(Case::figures);
+        let of_time = figures.filter(|(metric, _)| is_time(metric));
+        let values = of_time.flat_map(|(_, samples)| samples.values().flat_map(BTreeMap::values));
+        values.map(|value| value.to_bits()).collect()
+    };
+    let times_of_base = times(base);
+    !times_of_base.is_empty() && times_of_base == times(new)
+}
+
+fn by_key(run: &Run) -> BTreeMap<String, &Case> {
+    let cases = run.cases.iter().filter(|case| !case.is_twin());
+    cases.map(|case| (case.id().key(), case)).collect()
+}
+
+/// Declarations by name; the new run's where both declare.
+fn kinds(base: &Run, new: &Run) -> BTreeMap<String, MetricRow> {
+    let all = base.metrics.iter().chain(&new.metrics);
+    all.map(|row| (row.name.clone(), row.clone())).collect()
+}
+
+struct Comparison<'a> {
+    is_same_driver: bool,
+    kinds: BTreeMap<String, MetricRow>,
+    limits: &'a [Limit],
+    exact: Exact,
+}
+
+impl Comparison<'_> {
+    fn compare(&mut self, base: Option<&Case>, new: Option<&Case>) {
+        let (Some(case), both) = (new.or(base), base.zip(new)) else {
+            return;
+        };
+        let Some((base, new)) = both else {
+            if new.is_none() {
+                self.status(
+                    case,
+                    Severity::Worse,
+                    state(base),
+                    "absent",
+                    "not planned any more",
+                );
+            } else if case.outcome == Outcome::Skipped {
+                self.exact
+                    .skipped
+                    .push((case.id().key(), case.reason.clone()));
+            } else {
+                self.new_case(case);
+            }
+            return;
+        };
+        let (from, to) = (state(Some(base)), state(Some(new)));
+        let is_result = |case: &Case| {
+            case.outcome == Outcome::Ok
+                || case.outcome == Outcome::Wrong && case.planned.may_be_wrong
+        };
+        match (base.outcome, new.outcome) {
+            (Outcome::Skipped, Outcome::Skipped) => {
+                self.exact
+                    .skipped
+                    .push((new.id().key(), new.reason.clone()));
+            }
+            (_, Outcome::Missing) | (Outcome::Missing, _) => {
+                let late = if new.outcome == Outcome::Missing {
+                    new
+                } else {
+                    base
+                };
+                self.status(new, Severity::Unknown, from, to, &late.reason);
+            }
+            _ if !is_result(new) => self.status(new, Severity::Worse, from, to, &new.reason),
+            _ if !is_result(base) => {
+                self.status(new, Severity::Note, from, to, "nothing to compare with");
+                self.limits(new);
+            }
+            (then, now) => {
+                if then != now {
+                    let words = "its error is the question, and the answer changed";
+                    self.status(new, Severity::Worse, from, to, words);
+                }
+                self.figures(base, new);
+                self.limits(new);
+            }
+        }
+    }
+
+    fn new_case(&mut self, case: &Case) {
+        match case.outcome {
+            Outcome::Ok => {
+                self.status(
+                    case,
+                    Severity::Note,
+                    "",
+                    "new case",
+                    "nothing to compare with",
+                );
+            }
+            Outcome::Missing => {
+                self.status(case, Severity::Unknown, "", "missing", &case.reason);
+            }
+            _ if case.planned.may_be_wrong && case.outcome == Outcome::Wrong => {}
+            _ => self.status(case, Severity::Worse, "", state(Some(case)), &case.reason),
+        }
+        self.limits(case);
+    }
+
+    fn figures(&mut self, base: &Case, new: &Case) {
+        let names: BTreeSet<&String> = base.figures().keys().chain(new.figures().keys()).collect();
+        for name in names {
+            let Some(metric) = self.kinds.get(name).cloned() else {
+                continue;
+            };
+            let can_differ = !self.is_same_driver && metric.kind.depends_on_driver();
+            if !metric.kind.is_exact() || can_differ {
+                continue;
+            }
+            let (from, to) = (values(base, name), values(new, name));
+            let is_number = from.iter().chain(&to).all(|value| value.is_finite());
+            self.exact.figures += 1;
+            self.exact.compared.insert(new.id().key());
+            let bits =
+                |values: &[f64]| -> Vec<u64> { values.iter().map(|v| v.to_bits()).collect() };
+            if bits(&from) == bits(&to) && is_number && from.len() <= 1 {
+                continue;
+            }
+            let (severity, words) = difference(&metric, &from, &to);
+            let gate = if metric.kind == Kind::Error {
+                Gate::Errors
+            } else {
+                Gate::Counters
+            };
+            let [from, to] = [&from, &to].map(|values| text(values));
+            self.push(new, name, gate, severity, [&from, &to], &words);
+        }
+    }
+
+    fn limits(&mut self, case: &Case) {
+        if case.outcome != Outcome::Ok {
+            return;
+        }
+        let key = case.id().key();
+        for limit in self.limits {
+            for name in case.figures().keys().filter(|n| limit.covers(&key, n)) {
+                for value in values(case, name) {
+                    if let Some(words) = limit.objection(value) {
+                        let value = value.to_string();
+                        self.push(
+                            case,
+                            name,
+                            Gate::Limits,
+                            Severity::Worse,
+                            ["", &value],
+                            &words,
+                        );
+                    }
+                }
+            }
+        }
+        let is_something = |value: &f64| value.is_finite() && *value != 0.0;
+        let mut all = case.figures().keys();
+        // A full-screen pass has times only, and a study of formulas no times.
+        if !all.any(|name| all_values(case, name).iter().any(is_something)) {
+            let words = "right, and every figure is 0 or absent: it measured nothing";
+            self.push(
+                case,
+                "liveness",
+                Gate::Limits,
+                Severity::Worse,
+                ["", "0"],
+                words,
+            );
+        }
+    }
+
+    fn status(&mut self, case: &Case, severity: Severity, from: &str, to: &str, words: &str) {
+        self.push(case, "status", Gate::Status, severity, [from, to], words);
+    }
+
+    fn push(
+        &mut self,
+        case: &Case,
+        metric: &str,
+        gate: Gate,
+        severity: Severity,
+        [from, to]: [&str; 2],
+        words: &str,
+    ) {
+        self.exact.findings.push(Finding {
+            case: case.id().key(),
+            conditions: case.id().conditions.clone(),
+            metric: metric.to_owned(),
+            gate,
+            severity,
+            from: from.to_owned(),
+            to: to.to_owned(),
+            words: words.to_owned(),
+            percent: None,
+            blessed: None,
+        });
+    }
+}
+
+fn state(case: Option<&Case>) -> &'static str {
+    case.map_or("", |case| case.outcome.name())
+}
+
+/// Every distinct value of a metric, in order. A figure of the probe has one.
+fn values(case: &Case, metric: &str) -> Vec<f64> {
+    let mut all = all_values(case, metric);
+    all.sort_by(f64::total_cmp);
+    all.dedup_by(|a, b| a.to_bits() == b.to_bits());
+    all
+}
+
+fn all_values(case: &Case, metric: &str) -> Vec<f64> {
+    let samples = case.samples(metric).into_iter().flat_map(BTreeMap::values);
+    samples.flat_map(|of| of.values().copied()).collect()
+}
+
+fn text(values: &[f64]) -> String {
+    if values.is_empty() {
+        return "absent".to_owned();
+    }
+    let values: Vec<String> = values.iter().map(ToString::to_string).collect();
+    values.join(" or ")
+}
+
+/// How two sets of values of an exact figure differ, which they do.
+fn difference(metric: &MetricRow, from: &[f64], to: &[f64]) -> (Severity, String) {
+    match (from, to) {
+        ([], _) => (Severity::Note, "not counted before".to_owned()),
+        (_, []) => (Severity::Worse, "not counted any more".to_owned()),
+        ([from], [to]) if from.is_finite() && to.is_finite() => {
+            let change = if *from == 0.0 {
+                format!("by {}", to - from)
+            } else {
+                format!("{:+.4} %", 100.0 * (to / from - 1.0))
+            };
+            let is_better = match metric.better {
+                Direction::Less => to < from,
+                Direction::More => to > from,
+                Direction::Neither => false,
+            };
+            if is_better {
+                (Severity::Better, change)
+            } else {
+                (Severity::Worse, change)
+            }
+        }
+        ([_], [_]) => (Severity::Worse, "not a number".to_owned()),
+        _ => {
+            let words = "differs within one run: such a figure is no counter";
+            (Severity::Worse, words.to_owned())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Both programs at work: each has a run folder, which one process after another appends to.
+//!
+//! The first process of a side verifies every picture against the reference. Each further one draws the
+//! pictures of its cases once more, makes sure by their hashes that they are the verified ones, and times
+//! them. So correctness costs a program one process, and no time is ever taken of a wrong picture.
+
+use crate::{GateError, Program, Side, Sides, Times};
+use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+use terrafill_results::{Case, Clock, Outcome, Run, process_medians};
+
+/// The metric that a study's cases are compared by; `None` for a study that times nothing.
+pub type PrimaryMetric<'a> = &'a dyn Fn(&str, Clock) -> Option<&'static str>;
+
+/// What both programs measure, and how often.
+#[derive(Debug, Clone, Default)]
+pub struct Workload {
+    /// Arguments of `bench`: scenes, studies, techniques, size …
+    pub arguments: Vec<OsString>,
+    /// Timed samples of a case in each process; 1 where no time is compared.
+    pub samples: u32,
+    /// Frames that a sample is the mean of.
+    pub frames: u32,
+    /// Frames whose cost is added to each sample of a side: base, new. For the self-test.
+    pub extra: [u32; 2],
+}
+
+/// Two programs and their run folders.
+pub struct Job<'a> {
+    programs: [Program; 2],
+    workload: Workload,
+    out: PathBuf,
+    primary: PrimaryMetric<'a>,
+    say: &'a mut dyn FnMut(&str),
+    started: Instant,
+}
+
+impl<'a> Job<'a> {
+    /// - `out`: folder of both run folders, which must not hold any yet
+    /// - `say`: is told what comes next
+    ///
+    /// # Errors
+    /// [`GateError::BadInput`] where the folder holds something; [`GateError::Io`].
+    pub fn new(
+        programs: [Program; 2],
+        workload: Workload,
+        out: &Path,
+        primary: PrimaryMetric<'a>,
+        say: &'a mut dyn FnMut(&str),
+    ) -> Result<Self, GateError> {
+        if std::fs::read_dir(out).is_ok_and(|mut entries| entries.next().is_some()) {
+            return Err(GateError::BadInput(format!(
+                "{} holds something already: give another --out",
+                out.display()
+            )));
+        }
+        std::fs::create_dir_all(out).map_err(GateError::io(out))?;
+        Ok(Self {
+            programs,
+            workload,
+            out: out.to_owned(),
+            primary,
+            say,
+            started: Instant::now(),
+        })
+    }
+
+    /// Folder of a side's run.
+    #[must_use]
+    pub fn folder(&self, side: Side) -> PathBuf {
+        self.out.join(side.name())
+    }
+
+    /// A side's run as it is now.
+    ///
+    /// # Errors
+    /// [`GateError::Run`].
+    pub fn load(&self, side: Side) -> Result<Run, GateError> {
+        Ok(Run::load(&self.folder(side))?)
+    }
+
+    fn program(&self, side: Side) -> &Program {
+        &self.programs[usize::from(side == Side::New)]
+    }
+
+    fn command(&self, side: Side, uses_frames: bool) -> Command {
+        let mut command = Command::new(&self.program(side).path);
+        command.arg("bench").args(&self.workload.arguments);
+        command.args(["--processes", "1", "--samples"]);
+        command.arg(self.workload.samples.to_string());
+        if uses_frames {
+            let extra = self.workload.extra[usize::from(side == Side::New)];
+            command.arg("--frames-per-sample");
+            command.arg(self.workload.frames.to_string());
+            command.arg("--extra-frames").arg(extra.to_string());
+        }
+        command.arg("--out").arg(self.folder(side));
+        command
+    }
+
+    /// Verifies every picture of a side, and counts its work.
+    ///
+    /// # Errors
+    /// [`GateError::BadInput`] for arguments that the program refuses, [`GateError::NoDevice`],
+    /// [`GateError::NothingMeasured`]. A wrong picture is no error: the run says so.
+    pub fn verify(&mut self, side: Side) -> Result<Run, GateError> {
+        (self.say)(&format!(
+            "{}: every picture against the reference",
+            side.name()
+        ));
+        let uses_frames = self.workload.frames > 1;
+        let mut command = self.command(side, uses_frames);
+        let output = command
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .output()
+            .map_err(|error| self.failed(side, error.to_string()))?;
+        match output.status.code() {
+            // A wrong picture or a missing case: the tables have it.
+            Some(0 | 1 | 3) => self.load(side),
+            _ => Err(self.refused(side, &output)),
+        }
+    }
+
+    fn failed(&self, side: Side, message: String) -> GateError {
+        GateError::Program {
+            what: format!("{} program {}", side.name(), self.program(side).label()),
+            message,
+        }
+    }
+
+    fn refused(&self, side: Side, output: &Output) -> GateError {
+        let said = String::from_utf8_lossy(&output.stderr);
+        let lines: Vec<&str> = said.lines().filter(|line| !line.is_empty()).collect();
+        // The last lines say why; a progress line or two stand before them.
+        let last = lines[lines.len().saturating_sub(4)..].join("; ");
+        if said.contains("--frames-per-sample") {
+            let message = "built before the gate: it cannot be timed by it; --no-time compares the rest";
+            return self.failed(side, message.to_owned());
+        }
+        let message = format!("{}: {last}", output.status);
+        match output.status.code() {
+            Some(4) => GateError::NothingMeasured(format!("{}: {message}", side.name())),
+            Some(5) => GateError::NoDevice(format!("{}: {message}", side.name())),
+            _ => self.failed(side, message),
+        }
+    }
+}
+
+impl Sides for Job<'_> {
+    fn run(&mut self, side: Side, process: u32, cases: &BTreeSet<String>) -> Result<(), GateError> {
+        let list = self.out.join("cases.txt");
+        let text: Vec<&str> = cases.iter().map(String::as_str).collect();
+        std::fs::write(&list, text.join("\n")).map_err(GateError::io(&list))?;
+        let mut command = self.command(side, true);
+        command.arg(format!("--process={process}"));
+        command.arg("--time-only").arg(&list);
+        let start = |error: std::io::Error| error.to_string();
+        let child = command
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn();
+        let mut child = child.map_err(|error| self.failed(side, start(error)))?;
+        // Held until the process has ended: it ends itself when the pipe is closed, as by a kill.
+        let pipe = child.stdin.take();
+        let output = child.wait_with_output();
+        drop(pipe);
+        let output = output.map_err(|error| self.failed(side, start(error)))?;
+        if output.status.success() {
+            Ok(())
+        } else {
+            Err(self.refused(side, &output))
+        }
+    }
+
+    fn times(&self, side: Side) -> Result<Times, GateError> {
+        let run = self.load(side)?;
+        let clock = run.clock();
+        let timed = run.cases.iter().filter(|case| !case.is_twin());
+        let times = timed.filter_map(|case| {
+            // A case that failed since it was verified has no time that counts.
+            let metric = (self.primary)(&case.id().study, clock)?;
+            let medians = process_medians(case, metric);
+            let counts = matches!(case.outcome, Outcome::Ok | Outcome::Wrong);
+            counts.then(|| (case.id().key(), medians))
+        });
+        Ok(times.collect())
+    }
+
+    fn elapsed(&self) -> Duration {
+        self.started.elapsed()
+    }
+
+    fn say(&mut self, what: &str) {
+        (self.say)(what);
+    }
+}
+
+/// Cases that are to be timed: right on both sides, planned with samples, and of a study that times
+/// them. One that has no time all the same is among them, so that it is missed.
+#[must_use]
+pub fn timed_cases(base: &Run, new: &Run, primary: PrimaryMetric<'_>) -> BTreeSet<String> {
+    let clock = new.clock();
+    let is_right = |case: &&Case| !case.is_twin() && case.outcome == Outcome::Ok;
+    let of = |run: &Run, is_so: &dyn Fn(&Case) -> bool| -> BTreeSet<String> {
+        let cases = run.cases.iter().filter(is_right).filter(|case| is_so(case));
+        cases.map(|case| case.id().key()).collect()
+    };
+    let is_timed =
+        |case: &Case| case.planned.samples > 0 && primary(&case.id().study, clock).is_some();
+    let right: BTreeSet<String> = &of(base, &|_| true) & &of(new, &|_| true);
+    &right & &(&of(base, &is_timed) | &of(new, &is_timed))
+}
+
+/// Conditions of every case, by key.
+pub(crate) fn conditions(run: &Run) -> BTreeMap<String, BTreeMap<String, String>> {
+    let cases = run.cases.iter();
+    cases
+        .map(|case| (case.id().key(), case.id().conditions.clone()))
+        .collect()
+}

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Decides whether one version of the program does more work, errs more or takes longer than another.
+//!
+//! Three gates. *Exact*: how cases ended, counters, bytes and errors, compared bit by bit and both ways,
+//! and committed limits. *Time*: two programs run by turns in one job on one device, one process being one
+//! number, never against a stored time. *Blessings* and *baselines* are files that are reviewed. Nothing
+//! here names a study or opens a device: it reads run folders and starts programs.
+//!
+//! Nothing that was not measured passes: an absent case, an absent figure, a figure that is no number and
+//! a budget that ended early each have a verdict of their own.
+
+mod baseline;
+mod bless;
+mod error;
+mod exact;
+mod finding;
+mod job;
+mod limits;
+mod output;
+mod program;
+mod report;
+mod self_test;
+pub mod threshold;
+mod time;
+
+pub use baseline::{load_baseline, save_baseline};
+pub use bless::{Blessing, add_blessings, apply, read_blessings};
+pub use error::GateError;
+pub use exact::{Exact, compare_exactly, driver_fingerprint, same_driver};
+pub use finding::{Finding, Gate, Severity, Verdict, verdict};
+pub use job::{Job, PrimaryMetric, Workload, timed_cases};
+pub use limits::{Limit, read_limits, shipped_limits};
+pub use output::{annotations, junit, markdown, read_json, text, write_files};
+pub use program::{Program, refuse_equal_programs};
+pub use report::{GATE_SCHEMA, GateOptions, GateReport, Rules, gate};
+pub use self_test::{Injection, Rates, SelfTest, self_test};
+pub use time::{Block, CaseTime, Pace, Side, Sides, TimeGate, TimeOptions, Times, compare_times};

@@ -1,0 +1,429 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The report of a gate for people (one screen of text, a page of Markdown) and for machines (JSON,
+//! JUnit, GitHub annotations).
+
+use crate::threshold::{MAX_ANNOTATIONS, MAX_SUMMARY_BYTES};
+use crate::{Finding, GATE_SCHEMA, GateError, GateReport, Severity, Verdict};
+use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Findings of a severity on the first screen.
+const MAX_LINES: usize = 6;
+
+/// Rows of a table in a step summary.
+const MAX_ROWS: usize = 100;
+
+const SEVERITIES: [Severity; 4] = [
+    Severity::Worse,
+    Severity::Better,
+    Severity::Unknown,
+    Severity::Note,
+];
+
+/// What the gate says on a terminal.
+#[must_use]
+pub fn text(report: &GateReport) -> String {
+    let mut text = format!(
+        "{} (exit {}): {}\n  base {} · new {}\n  {} · {} · {:.0} s\n",
+        report.verdict.title(),
+        report.exit_code,
+        headline(report),
+        report.base,
+        report.new,
+        report.device,
+        report.clock,
+        report.elapsed_s,
+    );
+    for line in scope(report) {
+        let _ = writeln!(text, "  {line}");
+    }
+    for severity in SEVERITIES {
+        let findings: Vec<&Finding> = report.of(severity).collect();
+        if findings.is_empty() {
+            continue;
+        }
+        let _ = writeln!(text, "\n{} ({}):", severity.heading(), findings.len());
+        for finding in findings.iter().take(MAX_LINES) {
+            let _ = writeln!(text, "  {}\n    {}", finding.case, finding.sentence());
+        }
+        if let Some(more) = findings
+            .len()
+            .checked_sub(MAX_LINES)
+            .filter(|more| *more > 0)
+        {
+            let _ = writeln!(text, "  … and {more} more in gate.json");
+        }
+    }
+    let blessed = report
+        .findings
+        .iter()
+        .filter(|f| f.blessed.is_some())
+        .count();
+    if blessed > 0 {
+        let _ = writeln!(
+            text,
+            "\nblessed: {blessed}, with their reasons in gate.json"
+        );
+    }
+    for idle in report.idle_blessings.iter().take(MAX_LINES) {
+        let _ = writeln!(text, "blessing {idle}");
+    }
+    if report.verdict != Verdict::Pass {
+        for command in commands(report) {
+            let _ = writeln!(text, "see: {command}");
+        }
+    }
+    text
+}
+
+fn headline(report: &GateReport) -> String {
+    let count = |severity| report.of(severity).count();
+    let (worse, better) = (count(Severity::Worse), count(Severity::Better));
+    match report.verdict {
+        Verdict::Pass => "nothing differs that counts".to_owned(),
+        Verdict::Regression => match (worse, better) {
+            (worse, 0) => format!("{worse} differences for the worse"),
+            (0, better) => format!("{better} differences for the better, none of them blessed"),
+            (worse, better) => {
+                format!("{worse} differences for the worse, {better} for the better")
+            }
+        },
+        Verdict::Inconclusive => format!("{} cannot be told", count(Severity::Unknown)),
+        Verdict::NothingMeasured => "no case was compared".to_owned(),
+    }
+}
+
+/// What was compared, and how sure it is.
+fn scope(report: &GateReport) -> Vec<String> {
+    let mut lines = vec![format!(
+        "{} figures of {} cases compared exactly; {} cases ran on neither side",
+        report.figures,
+        report.compared.len(),
+        report.skipped.len()
+    )];
+    match &report.time {
+        None => lines.push("times were not compared".to_owned()),
+        Some(time) => {
+            let mut line = format!(
+                "{} cases timed in {} blocks",
+                time.cases.len(),
+                time.screen.len()
+            );
+            if !time.confirm.is_empty() {
+                let again = time
+                    .cases
+                    .iter()
+                    .filter(|c| c.interval_percent.is_some())
+                    .count();
+                let _ = write!(
+                    line,
+                    ", {again} of them again in {} fresh ones",
+                    time.confirm.len()
+                );
+            }
+            if let Some(null) = report.null_percent() {
+                let _ = write!(line, "; base against base differed by up to {null:.1} %");
+            }
+            lines.push(line);
+        }
+    }
+    lines
+}
+
+/// How to see the first finding, and everything.
+fn commands(report: &GateReport) -> Vec<String> {
+    let counted = report.findings.iter().find(|finding| finding.counts());
+    let first = counted.and_then(Finding::command);
+    let see = Some(report.see.clone()).filter(|see| !see.is_empty());
+    first.into_iter().chain(see).collect()
+}
+
+/// A page for a step summary, within GitHub's limit.
+#[must_use]
+pub fn markdown(report: &GateReport) -> String {
+    let mut page = format!(
+        "## Gate: {}\n\n{}: `{}` against `{}`, on {}, by {}.\n\n",
+        report.verdict.title(),
+        headline(report),
+        report.new,
+        report.base,
+        report.device,
+        report.clock
+    );
+    for line in scope(report) {
+        let _ = writeln!(page, "- {line}");
+    }
+    for severity in SEVERITIES {
+        let findings: Vec<&Finding> = report.of(severity).collect();
+        if findings.is_empty() {
+            continue;
+        }
+        let _ = writeln!(page, "\n### {} ({})\n", severity.heading(), findings.len());
+        page.push_str("| case | finding |\n|---|---|\n");
+        for finding in findings.iter().take(MAX_ROWS) {
+            let sentence = finding.sentence().replace('|', "\\|").replace('\n', " ");
+            let _ = writeln!(page, "| `{}` | {sentence} |", finding.case);
+        }
+        if findings.len() > MAX_ROWS {
+            let _ = writeln!(page, "\n{} more in `gate.json`.", findings.len() - MAX_ROWS);
+        }
+    }
+    for idle in &report.idle_blessings {
+        let _ = writeln!(page, "- blessing {idle}");
+    }
+    if report.verdict != Verdict::Pass {
+        for command in commands(report) {
+            let _ = writeln!(page, "\n```sh\n{command}\n```");
+        }
+    }
+    if page.len() > MAX_SUMMARY_BYTES {
+        let end = (0..=MAX_SUMMARY_BYTES)
+            .rev()
+            .find(|&at| page.is_char_boundary(at));
+        page.truncate(end.unwrap_or(0));
+    }
+    page
+}
+
+/// Lines that GitHub shows beside a step: the worst findings, as many as it shows.
+#[must_use]
+pub fn annotations(report: &GateReport) -> Vec<String> {
+    let counted: Vec<&Finding> = report.findings.iter().filter(|f| f.counts()).collect();
+    let shown = if counted.len() > MAX_ANNOTATIONS {
+        MAX_ANNOTATIONS - 1
+    } else {
+        counted.len()
+    };
+    let escape = |text: &str| {
+        text.replace('%', "%25")
+            .replace('\n', "%0A")
+            .replace('\r', "%0D")
+    };
+    let property = |text: &str| escape(text).replace(':', "%3A").replace(',', "%2C");
+    let mut lines: Vec<String> = counted[..shown]
+        .iter()
+        .map(|finding| {
+            let level = match finding.severity {
+                Severity::Worse | Severity::Better => "error",
+                Severity::Unknown | Severity::Note => "warning",
+            };
+            let (case, sentence) = (property(&finding.case), escape(&finding.sentence()));
+            format!("::{level} title={case}::{sentence}")
+        })
+        .collect();
+    if shown < counted.len() {
+        let more = counted.len() - shown;
+        lines.push(format!(
+            "::error title=gate::{more} more findings in the summary"
+        ));
+    }
+    lines
+}
+
+/// A JUnit file: a case is a test; one that cannot be told is skipped, with its reason.
+///
+/// # Errors
+/// [`GateError::BadInput`] where the text cannot be written.
+pub fn junit(report: &GateReport) -> Result<String, GateError> {
+    let mut by_case: BTreeMap<&str, Vec<&Finding>> = BTreeMap::new();
+    for case in &report.compared {
+        by_case.entry(case).or_default();
+    }
+    for finding in report.findings.iter().filter(|finding| finding.counts()) {
+        by_case.entry(&finding.case).or_default().push(finding);
+    }
+    let mut suite = TestSuite::new("gate");
+    for (case, findings) in by_case {
+        let status = match findings.first() {
+            None => TestCaseStatus::success(),
+            Some(worst) => {
+                let words: Vec<String> = findings.iter().map(|f| f.sentence()).collect();
+                let mut status = if worst.severity == Severity::Unknown {
+                    TestCaseStatus::skipped()
+                } else {
+                    TestCaseStatus::non_success(NonSuccessKind::Failure)
+                };
+                status.set_message(words.join("; "));
+                status
+            }
+        };
+        let mut test = TestCase::new(case, status);
+        test.set_classname(case.split('/').next().unwrap_or_default());
+        suite.add_test_case(test);
+    }
+    for (case, reason) in &report.skipped {
+        let mut status = TestCaseStatus::skipped();
+        status.set_message(reason.clone());
+        suite.add_test_case(TestCase::new(case.clone(), status));
+    }
+    let mut junit = Report::new("terrafill gate");
+    junit.add_test_suite(suite);
+    junit
+        .to_string()
+        .map_err(|error| GateError::BadInput(format!("gate.junit.xml: {error}")))
+}
+
+/// Writes `gate.md`, `gate.junit.xml` and, last, `gate.json`: a folder with it is whole.
+///
+/// # Errors
+/// [`GateError::Io`].
+pub fn write_files(report: &GateReport, out: &Path) -> Result<(), GateError> {
+    std::fs::create_dir_all(out).map_err(GateError::io(out))?;
+    let json = serde_json::to_string_pretty(report)
+        .map_err(|error| GateError::BadInput(format!("gate.json: {error}")))?;
+    for (name, text) in [
+        ("gate.md", markdown(report)),
+        ("gate.junit.xml", junit(report)?),
+        ("gate.json", json + "\n"),
+    ] {
+        let path = out.join(name);
+        std::fs::write(&path, text).map_err(GateError::io(&path))?;
+    }
+    Ok(())
+}
+
+/// Reads `gate.json`.
+///
+/// # Errors
+/// [`GateError::Io`]; [`GateError::BadInput`] for another version or what is no report.
+pub fn read_json(path: &Path) -> Result<GateReport, GateError> {
+    let text = std::fs::read_to_string(path).map_err(GateError::io(path))?;
+    let wrong = |message: String| GateError::BadInput(format!("{}: {message}", path.display()));
+    let report: GateReport = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+    if report.schema != GATE_SCHEMA {
+        let message = format!("schema: found {}, expected {GATE_SCHEMA}", report.schema);
+        return Err(wrong(message));
+    }
+    Ok(report)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Gate, verdict};
+
+    fn finding(case: &str, severity: Severity, gate: Gate) -> Finding {
+        Finding {
+            case: case.to_owned(),
+            conditions: [("scene", "california"), ("technique", "vertex")]
+                .map(|(key, value)| (key.to_owned(), value.to_owned()))
+                .into(),
+            metric: "draws".to_owned(),
+            gate,
+            severity,
+            from: "3".to_owned(),
+            to: "6".to_owned(),
+            words: "+100 %, a | b".to_owned(),
+            percent: None,
+            blessed: None,
+        }
+    }
+
+    fn report(findings: Vec<Finding>) -> GateReport {
+        let verdict = verdict(&findings, 2);
+        GateReport {
+            schema: GATE_SCHEMA,
+            verdict,
+            exit_code: verdict.exit_code(),
+            base: "main (4e23c86)".to_owned(),
+            new: "topic (abcdef0)".to_owned(),
+            device: "llvmpipe, Mesa 25".to_owned(),
+            clock: "process CPU time".to_owned(),
+            compared: vec!["filling/a".to_owned(), "filling/b".to_owned()],
+            figures: 60,
+            skipped: vec![("filling/c".to_owned(), "no data".to_owned())],
+            findings,
+            time: None,
+            idle_blessings: vec!["unused: filling/z, draws 1 → 2".to_owned()],
+            elapsed_s: 12.0,
+            see: "terrafill compare out/gate/base out/gate/new".to_owned(),
+        }
+    }
+
+    #[test]
+    fn a_screen_says_what_how_much_and_where_to_look() {
+        let worse = report(vec![finding("filling/a", Severity::Worse, Gate::Counters)]);
+        let page = text(&worse);
+        for words in [
+            "REGRESSION (exit 1): 1 differences for the worse",
+            "filling/a\n    draws 3 → 6: +100 %",
+            "see: terrafill bench california --study filling --technique vertex",
+            "blessing unused: filling/z",
+        ] {
+            assert!(page.contains(words), "{words:?} is not in:\n{page}");
+        }
+        let pass = text(&report(Vec::new()));
+        assert!(
+            pass.starts_with("PASS (exit 0)") && !pass.contains("see:"),
+            "{pass}"
+        );
+        let many = (0..50).map(|_| finding("filling/a", Severity::Worse, Gate::Counters));
+        let page = text(&report(many.collect()));
+        assert!(page.lines().count() <= 24, "{page}");
+        assert!(page.contains("… and 44 more"), "{page}");
+    }
+
+    #[test]
+    fn annotations_stay_within_what_is_shown_and_escape() {
+        let of = |count: usize| {
+            let findings = (0..count).map(|_| finding("filling/a:b", Severity::Worse, Gate::Time));
+            annotations(&report(findings.collect()))
+        };
+        assert_eq!(
+            of(1),
+            ["::error title=filling/a%3Ab::draws 3 → 6: +100 %25, a | b"]
+        );
+        assert_eq!((of(10).len(), of(11).len(), of(500).len()), (10, 10, 10));
+        assert!(of(11)[9].contains("2 more findings"), "{:?}", of(11));
+        let mut blessed = finding("filling/a", Severity::Worse, Gate::Counters);
+        blessed.blessed = Some("meant".to_owned());
+        assert!(annotations(&report(vec![blessed])).is_empty());
+    }
+
+    #[test]
+    fn junit_fails_skips_and_passes_case_by_case() {
+        let xml = junit(&report(vec![
+            finding("filling/a", Severity::Worse, Gate::Counters),
+            finding("filling/d", Severity::Unknown, Gate::Time),
+        ]));
+        let xml = xml.expect("written");
+        assert!(
+            xml.contains("tests=\"4\"") && xml.contains("failures=\"1\""),
+            "{xml}"
+        );
+        assert!(xml.contains("<skipped") && xml.contains("no data"), "{xml}");
+        let xml = junit(&report(Vec::new())).expect("written");
+        assert!(xml.contains("failures=\"0\""), "{xml}");
+    }
+
+    #[test]
+    fn a_table_in_markdown_keeps_its_cells_and_the_page_its_limit() {
+        let one = markdown(&report(vec![finding(
+            "filling/a",
+            Severity::Better,
+            Gate::Errors,
+        )]));
+        assert!(
+            one.contains("| `filling/a` | draws 3 → 6: +100 %, a \\| b |"),
+            "{one}"
+        );
+        let mut long = finding("filling/a", Severity::Worse, Gate::Counters);
+        long.words = "ä".repeat(700_000);
+        assert!(markdown(&report(vec![long])).len() <= MAX_SUMMARY_BYTES);
+    }
+
+    #[test]
+    fn the_files_come_back_as_they_were() {
+        let place = tempfile::tempdir().expect("a folder");
+        let written = report(vec![finding("filling/a", Severity::Worse, Gate::Counters)]);
+        write_files(&written, place.path()).expect("written");
+        let path = place.path().join("gate.json");
+        assert_eq!(read_json(&path).expect("read"), written);
+        let text = std::fs::read_to_string(&path).expect("read");
+        std::fs::write(&path, text.replace("\"schema\": 1", "\"schema\": 9")).expect("written");
+        let error = read_json(&path).expect_err("another version").to_string();
+        assert!(error.contains("found 9, expected 1"), "{error}");
+    }
+}

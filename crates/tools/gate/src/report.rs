@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Everything that a gate found, and the gate itself: counters, errors and limits first, times after.
+
+use crate::job::conditions;
+use crate::{
+    Blessing, CaseTime, Exact, Finding, Gate, GateError, Job, Limit, PrimaryMetric, Severity, Side,
+    Sides as _, TimeGate, TimeOptions, Verdict, apply, compare_exactly, compare_times, same_driver,
+    timed_cases, verdict,
+};
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
+use terrafill_results::{Run, RunEnvironment};
+
+/// Version of `gate.json`.
+pub const GATE_SCHEMA: u32 = 1;
+
+/// What a gate found: `gate.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GateReport {
+    /// Version of this file.
+    pub schema: u32,
+    /// What it comes to.
+    pub verdict: Verdict,
+    /// The exit code that goes with it.
+    pub exit_code: u8,
+    /// What was compared with.
+    pub base: String,
+    /// What was decided about.
+    pub new: String,
+    /// Device and driver of the new run.
+    pub device: String,
+    /// The clock of the times.
+    pub clock: String,
+    /// Cases of which counters, bytes or errors were compared.
+    pub compared: Vec<String>,
+    /// Figures compared over all of them.
+    pub figures: usize,
+    /// Cases that neither side could run, with the reason.
+    pub skipped: Vec<(String, String)>,
+    /// Everything that differs, the worst first.
+    pub findings: Vec<Finding>,
+    /// Times; `None` where none were to be compared.
+    pub time: Option<TimeGate>,
+    /// Blessings that covered nothing.
+    pub idle_blessings: Vec<String>,
+    /// Seconds that it took, builds not counted.
+    pub elapsed_s: f64,
+    /// How to see more.
+    pub see: String,
+}
+
+/// What the gate compares by.
+pub struct Rules<'a> {
+    /// Committed limits.
+    pub limits: &'a [Limit],
+    /// Accepted differences.
+    pub blessings: &'a [Blessing],
+}
+
+impl GateReport {
+    /// Counters, errors and limits of two run folders. No time is compared: they are of two jobs.
+    ///
+    /// # Errors
+    /// As [`compare_exactly`].
+    pub fn of_runs(
+        names: [String; 2],
+        base: &Run,
+        new: &Run,
+        rules: &Rules<'_>,
+    ) -> Result<Self, GateError> {
+        let exact = compare_exactly(base, new, rules.limits)?;
+        Ok(Self::build(names, new, exact, None, Vec::new(), rules))
+    }
+
+    fn build(
+        [base, new]: [String; 2],
+        run: &Run,
+        exact: Exact,
+        time: Option<TimeGate>,
+        of_time: Vec<Finding>,
+        rules: &Rules<'_>,
+    ) -> Self {
+        let RunEnvironment {
+            gpu, driver_info, ..
+        } = &run.environment;
+        let mut findings = exact.findings;
+        findings.extend(of_time);
+        let idle_blessings = apply(rules.blessings, &mut findings);
+        let mut compared = exact.compared;
+        if let Some(time) = &time {
+            compared.extend(time.cases.iter().map(|case| case.case.clone()));
+        }
+        sort(&mut findings);
+        let verdict = verdict(&findings, compared.len());
+        Self {
+            schema: GATE_SCHEMA,
+            verdict,
+            exit_code: verdict.exit_code(),
+            base,
+            new,
+            device: format!("{gpu}, {driver_info}"),
+            clock: run.clock().name().to_owned(),
+            compared: compared.into_iter().collect(),
+            figures: exact.figures,
+            skipped: exact.skipped,
+            findings,
+            time,
+            idle_blessings,
+            elapsed_s: 0.0,
+            see: String::new(),
+        }
+    }
+
+    /// Findings of one severity that no blessing covers.
+    pub fn of(&self, severity: Severity) -> impl Iterator<Item = &Finding> {
+        let findings = self.findings.iter();
+        findings.filter(move |finding| finding.severity == severity && finding.blessed.is_none())
+    }
+
+    /// Largest difference of base against base in percent, over the cases that were decided.
+    #[must_use]
+    pub fn null_percent(&self) -> Option<f64> {
+        let cases = self.time.iter().flat_map(|time| &time.cases);
+        let nulls = cases.filter_map(|case| Some(case.null_percent?.abs()));
+        nulls.reduce(f64::max)
+    }
+}
+
+/// The worst first; of times the largest change first.
+fn sort(findings: &mut [Finding]) {
+    findings.sort_by(|a, b| {
+        let order = (a.severity, a.gate).cmp(&(b.severity, b.gate));
+        let size = |of: &Finding| of.percent.map_or(0.0, f64::abs);
+        order
+            .then(size(b).total_cmp(&size(a)))
+            .then_with(|| (&a.case, &a.metric).cmp(&(&b.case, &b.metric)))
+    });
+}
+
+/// What is asked of a gate over two programs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GateOptions {
+    /// Whether times are compared.
+    pub times: bool,
+    /// Smallest change of a time that fails, percent.
+    pub floor_percent: f64,
+    /// Time for verifying and measuring.
+    pub budget: Duration,
+}
+
+/// Verifies both programs, compares what they count, and then their times.
+///
+/// # Errors
+/// [`GateError`], which is never a pass.
+pub fn gate(
+    job: &mut Job<'_>,
+    names: [String; 2],
+    options: &GateOptions,
+    rules: &Rules<'_>,
+    primary: PrimaryMetric<'_>,
+) -> Result<GateReport, GateError> {
+    let (base, new) = (job.verify(Side::Base)?, job.verify(Side::New)?);
+    refuse_two_devices(&base, &new)?;
+    let exact = compare_exactly(&base, &new, rules.limits)?;
+    let cases = timed_cases(&base, &new, primary);
+    let mut time = None;
+    let mut of_time = Vec::new();
+    if options.times && cases.is_empty() {
+        of_time.push(untimed());
+    } else if options.times {
+        let by = TimeOptions {
+            floor_percent: options.floor_percent,
+            ..TimeOptions::new(new.clock(), options.budget)
+        };
+        let measured = compare_times(job, &cases, &by)?;
+        of_time = time_findings(&measured, &new, primary);
+        of_time.extend(broken_since(
+            &[job.load(Side::Base)?, job.load(Side::New)?],
+            &cases,
+        ));
+        time = Some(measured);
+    }
+    let mut report = GateReport::build(names, &new, exact, time, of_time, rules);
+    report.elapsed_s = job.elapsed().as_secs_f64();
+    let [base, new] = [Side::Base, Side::New].map(|side| job.folder(side).display().to_string());
+    report.see = format!("terrafill compare {base} {new}");
+    Ok(report)
+}
+
+fn refuse_two_devices(base: &Run, new: &Run) -> Result<(), GateError> {
+    let [a, b] = [&base.environment, &new.environment];
+    if same_driver(a, b) && base.clock() == new.clock() {
+        return Ok(());
+    }
+    Err(GateError::BadInput(format!(
+        "base ran on {}, {} and new on {}, {}: give --adapter",
+        a.gpu, a.driver_info, b.gpu, b.driver_info
+    )))
+}
+
+/// Times were to be compared, and there are none.
+fn untimed() -> Finding {
+    Finding {
+        case: "(all cases)".to_owned(),
+        conditions: BTreeMap::new(),
+        metric: "time".to_owned(),
+        gate: Gate::Time,
+        severity: Severity::Unknown,
+        from: String::new(),
+        to: String::new(),
+        words: "no case is right and timed on both sides; --no-time compares the rest".to_owned(),
+        percent: None,
+        blessed: None,
+    }
+}
+
+fn time_findings(time: &TimeGate, run: &Run, primary: PrimaryMetric<'_>) -> Vec<Finding> {
+    let conditions = conditions(run);
+    let of = |case: &CaseTime| {
+        let study = case.case.split('/').next().unwrap_or_default();
+        let metric = primary(study, run.clock()).unwrap_or("time");
+        let none = BTreeMap::new();
+        case.finding(metric, conditions.get(&case.case).unwrap_or(&none))
+    };
+    time.cases.iter().filter_map(of).collect()
+}
+
+/// Cases whose picture changed, or that broke off, in a later process.
+fn broken_since(runs: &[Run; 2], cases: &BTreeSet<String>) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for (side, run) in [Side::Base, Side::New].into_iter().zip(runs) {
+        let broken = run.cases.iter().filter(|case| {
+            cases.contains(&case.id().key()) && case.status() != Some(terrafill_results::Status::Ok)
+        });
+        findings.extend(broken.map(|case| Finding {
+            case: case.id().key(),
+            conditions: case.id().conditions.clone(),
+            metric: "status".to_owned(),
+            gate: Gate::Status,
+            severity: Severity::Worse,
+            from: "ok".to_owned(),
+            to: case.outcome.name().to_owned(),
+            words: format!("in a later process of {}: {}", side.name(), case.reason),
+            percent: None,
+            blessed: None,
+        }));
+    }
+    findings
+}

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Proof of the time gate on the machine at hand: how often it raises a false alarm, and how often it
+//! catches work that was really added. The added work is frames: of every sample of so many frames, the
+//! changed side draws a few more and adds their cost.
+
+use crate::{
+    GateError, Job, Pace, PrimaryMetric, Program, Side, TimeOptions, Workload, compare_times,
+    timed_cases,
+};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use std::time::Duration;
+use terrafill_results::rate_bounds;
+
+/// Coverage of the bounds of a rate.
+const RATE_COVERAGE: f64 = 0.95;
+
+/// Work added to one side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Injection {
+    /// Frames of a sample.
+    pub frames: u32,
+    /// Frames added to it.
+    pub extra: u32,
+}
+
+impl Injection {
+    /// The smallest sample of at least 10 frames of which a whole number is this share; `None` for less
+    /// than 1 or more than 100 percent.
+    #[must_use]
+    pub fn percent(percent: u32) -> Option<Self> {
+        let frames = (10..=100).find(|frames| frames * percent % 100 == 0)?;
+        (1..=100).contains(&percent).then_some(Self {
+            frames,
+            extra: frames * percent / 100,
+        })
+    }
+}
+
+/// What is to be proved, and how often.
+#[derive(Debug, Clone)]
+pub struct SelfTest {
+    /// `None`: both sides do the same.
+    pub injection: Option<Injection>,
+    /// Gates to run.
+    pub runs: u32,
+    /// Time for each of them.
+    pub budget: Duration,
+    /// Smallest change that fails, percent.
+    pub floor_percent: f64,
+}
+
+/// How the cases of all gates ended, one case of one gate being one case-run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Rates {
+    /// Gates that were run.
+    pub gates: u32,
+    /// Case-runs.
+    pub case_runs: u32,
+    /// Called slower where the new side had more work, or the same.
+    pub slower: u32,
+    /// Called faster there.
+    pub faster: u32,
+    /// Not told.
+    pub unknown: u32,
+    /// Case-runs in which the base had the more work.
+    pub swapped_case_runs: u32,
+    /// Of these, called faster, as they should.
+    pub swapped_faster: u32,
+    /// Of these, called slower.
+    pub swapped_slower: u32,
+    /// Of these, not told.
+    pub swapped_unknown: u32,
+}
+
+impl Rates {
+    /// Counts a gate's cases.
+    pub fn count(&mut self, paces: &[Pace], is_swapped: bool) {
+        let of = |wanted: &[Pace]| {
+            let found = paces.iter().filter(|pace| wanted.contains(pace)).count();
+            u32::try_from(found).unwrap_or(u32::MAX)
+        };
+        let all = u32::try_from(paces.len()).unwrap_or(u32::MAX);
+        let (slower, unknown) = (of(&[Pace::Slower]), of(&[Pace::Unknown]));
+        let faster = of(&[Pace::Faster, Pace::Collapsed]);
+        self.gates += 1;
+        if is_swapped {
+            self.swapped_case_runs += all;
+            self.swapped_slower += slower;
+            self.swapped_faster += faster;
+            self.swapped_unknown += unknown;
+        } else {
+            self.case_runs += all;
+            self.slower += slower;
+            self.faster += faster;
+            self.unknown += unknown;
+        }
+    }
+
+    /// The rates with their 95 % bounds, a line each.
+    ///
+    /// - `injection`: what was added; `None` where both sides did the same
+    #[must_use]
+    pub fn sentences(&self, injection: Option<Injection>) -> Vec<String> {
+        let rate = |hits: u32, of: u32, what: &str| {
+            let [low, high] = rate_bounds(hits, of, RATE_COVERAGE).map(|bound| 100.0 * bound);
+            let share = 100.0 * f64::from(hits) / f64::from(of.max(1));
+            format!("{what}: {hits} of {of} case-runs, {share:.1} % [{low:.1} … {high:.1}]")
+        };
+        let Some(Injection { frames, extra }) = injection else {
+            return vec![
+                format!("same work on both sides, {} gates", self.gates),
+                rate(self.slower, self.case_runs, "called slower"),
+                rate(self.faster, self.case_runs, "called faster"),
+                rate(self.unknown, self.case_runs, "not told"),
+            ];
+        };
+        let percent = 100.0 * f64::from(extra) / f64::from(frames);
+        vec![
+            format!(
+                "{percent} % more work on one side ({extra} more frames of {frames}), {} gates",
+                self.gates
+            ),
+            rate(
+                self.slower,
+                self.case_runs,
+                "more on the new side, called slower",
+            ),
+            rate(
+                self.faster,
+                self.case_runs,
+                "more on the new side, called faster",
+            ),
+            rate(
+                self.unknown,
+                self.case_runs,
+                "more on the new side, not told",
+            ),
+            rate(
+                self.swapped_faster,
+                self.swapped_case_runs,
+                "more on the base's side, called faster",
+            ),
+            rate(
+                self.swapped_slower,
+                self.swapped_case_runs,
+                "more on the base's side, called slower",
+            ),
+            rate(
+                self.swapped_unknown,
+                self.swapped_case_runs,
+                "more on the base's side, not told",
+            ),
+        ]
+    }
+}
+
+/// Runs the time gate again and again over two programs of the same work; with an injection, every second
+/// gate has it on the base's side.
+///
+/// - `out`: a folder for the run folders, one for each gate
+/// - `done`: is told the rates after each gate
+///
+/// # Errors
+/// [`GateError`] of a gate; [`GateError::NothingMeasured`] where no case is timed.
+pub fn self_test(
+    test: &SelfTest,
+    programs: &[Program; 2],
+    workload: &Workload,
+    out: &Path,
+    primary: PrimaryMetric<'_>,
+    say: &mut dyn FnMut(&str),
+    done: &mut dyn FnMut(&Rates),
+) -> Result<Rates, GateError> {
+    let mut rates = Rates::default();
+    for number in 0..test.runs {
+        let is_swapped = test.injection.is_some() && number % 2 == 1;
+        let mut workload = workload.clone();
+        if let Some(Injection { frames, extra }) = test.injection {
+            workload.frames = frames;
+            workload.extra = if is_swapped { [extra, 0] } else { [0, extra] };
+        }
+        let folder = out.join(format!("gate-{number:03}"));
+        let mut say = |what: &str| say(&format!("gate {} of {}, {what}", number + 1, test.runs));
+        let mut job = Job::new(programs.clone(), workload, &folder, primary, &mut say)?;
+        let (base, new) = (job.verify(Side::Base)?, job.verify(Side::New)?);
+        let cases = timed_cases(&base, &new, primary);
+        if cases.is_empty() {
+            let message = "no case is right and timed on both sides".to_owned();
+            return Err(GateError::NothingMeasured(message));
+        }
+        let options = TimeOptions {
+            floor_percent: test.floor_percent,
+            ..TimeOptions::new(new.clock(), test.budget)
+        };
+        let gate = compare_times(&mut job, &cases, &options)?;
+        let paces: Vec<Pace> = gate.cases.iter().map(|case| case.pace).collect();
+        rates.count(&paces, is_swapped);
+        done(&rates);
+    }
+    Ok(rates)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_of_work_is_a_whole_number_of_frames() {
+        let of = |percent| Injection::percent(percent).map(|i| (i.frames, i.extra));
+        assert_eq!(of(10), Some((10, 1)));
+        assert_eq!(of(5), Some((20, 1)));
+        assert_eq!(of(3), Some((100, 3)));
+        assert_eq!(of(100), Some((10, 10)));
+        assert_eq!((of(0), of(101)), (None, None));
+    }
+
+    #[test]
+    fn rates_count_each_direction_by_itself() {
+        use Pace::{Collapsed, Faster, Same, Slower, Unknown};
+        let mut rates = Rates::default();
+        rates.count(&[Slower, Slower, Unknown, Same], false);
+        rates.count(&[Faster, Collapsed, Slower, Unknown], true);
+        let found = [rates.slower, rates.faster, rates.unknown, rates.case_runs];
+        assert_eq!(found, [2, 0, 1, 4]);
+        let swapped = [
+            rates.swapped_faster,
+            rates.swapped_slower,
+            rates.swapped_unknown,
+            rates.swapped_case_runs,
+        ];
+        assert_eq!(swapped, [2, 1, 1, 4]);
+        let lines = rates.sentences(Injection::percent(5));
+        assert!(lines[0].starts_with("5 % more work"), "{lines:?}");
+        assert!(lines[1].contains("2 of 4 case-runs, 50.0 %"), "{lines:?}");
+        let none = Rates::default().sentences(None);
+        assert!(
+            none[1].contains("0 of 0 case-runs, 0.0 % [0.0 … 100.0]"),
+            "{none:?}"
+        );
+    }
+}

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Every threshold of the gate, each with its reason.
+
+use terrafill_results::Clock;
+
+/// Blocks of the first look at every case. Five give a median that one or two slow processes cannot
+/// move.
+pub const SCREEN_BLOCKS: u32 = 5;
+
+/// Cases whose median moved by this much in the first look are measured again. Below the floor, so
+/// that a change of the floor's size is hardly ever passed over.
+pub const SCREEN_RATIO: f64 = 1.02;
+
+/// Fresh blocks that decide. With 2 % spread between processes their 99 % interval is ±1.3 % wide.
+pub const CONFIRM_BLOCKS: u32 = 20;
+
+/// Fewest blocks that decide where the time budget ends early: 12 give the base-against-base
+/// comparison its 6 differences, the fewest with a 95 % interval.
+pub const MIN_CONFIRM_BLOCKS: u32 = 12;
+
+/// Coverage of the interval that decides.
+pub const COVERAGE: f64 = 0.99;
+
+/// Coverage of the base-against-base interval: lower, since it has half the differences.
+pub const NULL_COVERAGE: f64 = 0.95;
+
+/// Share of the blocks that must agree on the direction of a change.
+pub const MIN_AGREEMENT: f64 = 0.8;
+
+/// Smallest change that fails, in percent: 0.6 of 5 %, which must be caught. Changes of the floor's
+/// own size are caught half of the time.
+pub const FLOOR_PERCENT: f64 = 3.0;
+
+/// A case that takes less than this share of its former time is not taken for an improvement: it may
+/// have stopped doing its work.
+pub const MIN_PLAUSIBLE_RATIO: f64 = 0.5;
+
+/// Smallest difference that fails, milliseconds: below it a relative change is about the clock and not
+/// about the work.
+#[must_use]
+pub fn floor_ms(clock: Clock) -> f64 {
+    match clock {
+        // Steps of device clocks are up to 1 µs.
+        Clock::Gpu => 0.005,
+        // Submitting and waiting alone take about 20 µs of CPU time on a software device.
+        Clock::ProcessCpu => 0.02,
+    }
+}
+
+/// Annotations that GitHub shows of one step.
+pub const MAX_ANNOTATIONS: usize = 10;
+
+/// Bytes of a step summary: GitHub refuses more than 1 MiB.
+pub const MAX_SUMMARY_BYTES: usize = 1_000_000;

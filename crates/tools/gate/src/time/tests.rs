@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The time gate on made-up programs whose noise is that of a busy two-core machine: processes spread by
+//! 2 %, one in ten is held up by 8 % on average, and all drift by 0.4 % a process.
+
+use super::*;
+
+/// The generator of Steele, Lea and Flood (2014).
+struct Random(u64);
+
+impl Random {
+    /// Uniform in 0 … 1, neither end.
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^= z >> 31;
+        ((z >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        let (radius, turn) = ((-2.0 * self.uniform().ln()).sqrt(), self.uniform());
+        radius * (std::f64::consts::TAU * turn).cos()
+    }
+}
+
+/// Two programs of which the new one takes `factor` times as long.
+struct MadeUp {
+    random: Random,
+    factor: f64,
+    base_ms: f64,
+    spread: f64,
+    /// Time of a process that is to be lost: absent, or this value.
+    broken: Option<(u32, Option<f64>)>,
+    seconds_per_process: u64,
+    ran: Vec<(Side, u32)>,
+    times: [Times; 2],
+}
+
+impl MadeUp {
+    fn new(seed: u64, factor: f64) -> Self {
+        Self {
+            random: Random(seed),
+            factor,
+            base_ms: 10.0,
+            spread: 0.02,
+            broken: None,
+            seconds_per_process: 1,
+            ran: Vec::new(),
+            times: [Times::new(), Times::new()],
+        }
+    }
+}
+
+impl Sides for MadeUp {
+    fn run(&mut self, side: Side, process: u32, cases: &BTreeSet<String>) -> Result<(), GateError> {
+        self.ran.push((side, process));
+        for case in cases {
+            let mut log = self.spread * self.random.normal() + 0.004 * f64::from(process);
+            if self.random.uniform() < 0.1 {
+                log += -0.08 * self.random.uniform().ln();
+            }
+            if side == Side::New {
+                log += self.factor.ln();
+            }
+            let mut ms = Some(self.base_ms * log.exp());
+            if let Some((_, value)) = self.broken.filter(|(broken, _)| *broken == process) {
+                ms = value;
+            }
+            if let Some(ms) = ms {
+                let of = &mut self.times[usize::from(side == Side::New)];
+                of.entry(case.clone()).or_default().insert(process, ms);
+            }
+        }
+        Ok(())
+    }
+
+    fn times(&self, side: Side) -> Result<Times, GateError> {
+        Ok(self.times[usize::from(side == Side::New)].clone())
+    }
+
+    fn elapsed(&self) -> Duration {
+        Duration::from_secs(self.seconds_per_process * self.ran.len() as u64)
+    }
+
+    fn say(&mut self, _what: &str) {}
+}
+
+fn options() -> TimeOptions {
+    TimeOptions::new(Clock::ProcessCpu, Duration::from_secs(600))
+}
+
+fn cases(count: usize) -> BTreeSet<String> {
+    (0..count)
+        .map(|index| format!("filling/{index:03}"))
+        .collect()
+}
+
+fn paces(seed: u64, factor: f64, count: usize) -> Vec<Pace> {
+    let mut sides = MadeUp::new(seed, factor);
+    let gate = compare_times(&mut sides, &cases(count), &options()).expect("measured");
+    gate.cases.iter().map(|case| case.pace).collect()
+}
+
+fn share(paces: &[Pace], of: Pace) -> f64 {
+    paces.iter().filter(|pace| **pace == of).count() as f64 / paces.len() as f64
+}
+
+#[test]
+fn identical_programs_raise_no_alarm_and_five_percent_is_caught_either_way() {
+    let same = paces(1, 1.0, 2000);
+    assert!(share(&same, Pace::Slower) + share(&same, Pace::Faster) < 0.0005);
+    assert!(
+        share(&same, Pace::Same) > 0.98,
+        "{}",
+        share(&same, Pace::Same)
+    );
+    for seed in [2, 3] {
+        let (slower, faster) = (paces(seed, 1.05, 500), paces(seed, 1.0 / 1.05, 500));
+        let found = [share(&slower, Pace::Slower), share(&faster, Pace::Faster)];
+        assert!(found.iter().all(|share| *share > 0.93), "{found:?}");
+        assert!((found[0] - found[1]).abs() < 0.05, "{found:?}");
+        assert!(share(&slower, Pace::Faster) + share(&faster, Pace::Slower) < 0.001);
+    }
+    assert!(share(&paces(4, 1.10, 300), Pace::Slower) > 0.99);
+}
+
+#[test]
+fn reversed_operands_reverse_the_answer() {
+    let mut sides = MadeUp::new(5, 1.08);
+    let gate = compare_times(&mut sides, &cases(1), &options()).expect("measured");
+    let times = both(&sides).expect("times");
+    let turned: Vec<Block> = gate
+        .confirm
+        .iter()
+        .map(|block| Block {
+            base: block.new,
+            new: block.base,
+        })
+        .collect();
+    let [base, new] = times.clone();
+    let case = "filling/000";
+    let there = decide(case, &gate.confirm, &times, &options());
+    let back = decide(case, &turned, &[new, base], &options());
+    assert_eq!((there.pace, back.pace), (Pace::Slower, Pace::Faster));
+    let product =
+        (1.0 + 0.01 * there.percent.expect("n")) * (1.0 + 0.01 * back.percent.expect("n"));
+    assert!((product - 1.0).abs() < 1e-12, "{product}");
+}
+
+#[test]
+fn blocks_go_there_and_back_and_cases_are_decided_by_fresh_ones() {
+    let mut sides = MadeUp::new(6, 1.2);
+    let gate = compare_times(&mut sides, &cases(2), &options()).expect("measured");
+    assert_eq!((gate.screen.len(), gate.confirm.len()), (5, 20));
+    use Side::{Base, New};
+    let order: Vec<Side> = sides.ran.iter().take(8).map(|(side, _)| *side).collect();
+    assert_eq!(order, [Base, New, New, Base, New, Base, Base, New]);
+    let all: Vec<&Block> = gate.screen.iter().chain(&gate.confirm).collect();
+    let processes: BTreeSet<u32> = all.iter().flat_map(|b| [b.base, b.new]).flatten().collect();
+    assert_eq!(processes.len(), 100, "no process counts twice");
+    // An even drift of 0.4 % a process falls out.
+    let change = gate.cases[0].percent.expect("measured");
+    assert!((change - 20.0).abs() < 2.0, "{change}");
+}
+
+#[test]
+fn a_collapse_is_no_improvement() {
+    let found = paces(7, 0.1, 3);
+    assert!(
+        found.iter().all(|pace| *pace == Pace::Collapsed),
+        "{found:?}"
+    );
+    let sides = &mut MadeUp::new(7, 0.1);
+    let gate = compare_times(sides, &cases(1), &options()).expect("measured");
+    let finding = gate.cases[0]
+        .finding("fill_cpu_ms", &BTreeMap::new())
+        .expect("a finding");
+    assert_eq!(finding.severity, Severity::Unknown);
+    assert!(
+        finding.words.contains("stopped doing its work"),
+        "{}",
+        finding.words
+    );
+    // Twin: a third less is one.
+    assert!(paces(7, 0.67, 3).iter().all(|pace| *pace == Pace::Faster));
+}
+
+#[test]
+fn a_time_that_is_absent_zero_or_no_number_is_never_a_pass() {
+    for value in [
+        None,
+        Some(0.0),
+        Some(f64::NAN),
+        Some(-1.0),
+        Some(f64::INFINITY),
+    ] {
+        for (process, factor) in [(3, 1.0), (40, 1.2)] {
+            let mut sides = MadeUp::new(8, factor);
+            sides.broken = Some((process, value));
+            let gate = compare_times(&mut sides, &cases(1), &options()).expect("measured");
+            let case = &gate.cases[0];
+            assert_eq!(case.pace, Pace::Unknown, "{value:?} in {process}");
+            assert!(case.words.contains("no usable time"), "{}", case.words);
+        }
+    }
+}
+
+#[test]
+fn noise_that_could_hide_a_change_is_no_pass() {
+    let mut sides = MadeUp::new(9, 1.0);
+    sides.spread = 0.3;
+    let gate = compare_times(&mut sides, &cases(40), &options()).expect("measured");
+    let paces: Vec<Pace> = gate.cases.iter().map(|case| case.pace).collect();
+    assert!(share(&paces, Pace::Unknown) > 0.8, "{paces:?}");
+    assert!(share(&paces, Pace::Slower) < 0.05);
+}
+
+#[test]
+fn where_base_against_base_moves_the_answer_is_unknown() {
+    // Outer base processes of two blocks slower than inner ones by turns: what the null looks at.
+    let mut sides = MadeUp::new(10, 1.2);
+    sides.spread = 0.001;
+    let steady = compare_times(&mut sides, &cases(1), &options()).expect("measured");
+    assert_eq!(steady.cases[0].pace, Pace::Slower);
+    let [mut base, new] = both(&sides).expect("times");
+    let case = "filling/000".to_owned();
+    for (index, blocks) in steady.confirm.chunks(2).enumerate() {
+        let outer = [blocks[0].base[0], blocks[1].base[1]];
+        let inner = [blocks[0].base[1], blocks[1].base[0]];
+        for process in if index % 2 == 0 { outer } else { inner } {
+            let of = base.get_mut(&case).expect("the case");
+            *of.get_mut(&process).expect("the process") *= 1.08;
+        }
+    }
+    let found = decide(&case, &steady.confirm, &[base, new], &options());
+    assert_eq!(found.pace, Pace::Unknown);
+    assert!(found.words.contains("base against base"), "{}", found.words);
+}
+
+#[test]
+fn a_budget_that_ends_early_is_no_pass() {
+    let mut sides = MadeUp::new(11, 1.2);
+    let short = TimeOptions {
+        budget: Duration::from_secs(12),
+        ..options()
+    };
+    let error = compare_times(&mut sides, &cases(1), &short).expect_err("too short");
+    assert_eq!(error.exit_code(), 4);
+    assert!(error.to_string().contains("3 of 5 blocks"), "{error}");
+
+    let mut sides = MadeUp::new(11, 1.2);
+    let short = TimeOptions {
+        budget: Duration::from_secs(40),
+        ..options()
+    };
+    let gate = compare_times(&mut sides, &cases(1), &short).expect("screened");
+    assert_eq!(gate.confirm.len(), 5);
+    assert_eq!(gate.cases[0].pace, Pace::Unknown);
+    assert!(
+        gate.cases[0].words.contains("allowed 5 blocks"),
+        "{}",
+        gate.cases[0].words
+    );
+}
+
+#[test]
+fn differences_below_the_clock_do_not_count() {
+    let mut sides = MadeUp::new(12, 1.2);
+    sides.base_ms = 0.05;
+    let gate = compare_times(&mut sides, &cases(1), &options()).expect("measured");
+    assert_eq!(gate.cases[0].pace, Pace::Same);
+    assert!(
+        gate.cases[0].words.contains("below 0.02 ms"),
+        "{}",
+        gate.cases[0].words
+    );
+}

@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! `gate`, `bless` and `compare`.
+
+use crate::arguments::{BlessArguments, CompareArguments, GateArguments, SelfTestKind};
+use crate::outcome::{Failure, Outcome, print};
+use crate::registry::chapters;
+use std::ffi::OsString;
+use std::io::Write as _;
+use std::path::Path;
+use std::time::{Duration, Instant};
+use terrafill_gate::{
+    Blessing, Finding, GateError, GateOptions, GateReport, Injection, Job, Program, Rates, Rules,
+    SelfTest, Side, Workload, add_blessings, annotations, load_baseline, markdown, read_blessings,
+    read_json, read_limits, refuse_equal_programs, save_baseline, self_test, shipped_limits, text,
+    write_files,
+};
+use terrafill_results::{Clock, Run};
+
+/// Timed samples of a case in each process. The median of three drops one that was held up.
+const SAMPLES: u32 = 3;
+
+/// Frames of a sample: three samples are the 30 frames that a process needs to be one number.
+const FRAMES: u32 = 10;
+
+/// Longest silence where nobody watches: what watches a job takes longer ones for a hang.
+const LONGEST_SILENCE: Duration = Duration::from_secs(25);
+
+impl From<GateError> for Failure {
+    fn from(error: GateError) -> Self {
+        Self {
+            outcome: Outcome::from_code(error.exit_code()),
+            message: error.to_string(),
+        }
+    }
+}
+
+fn primary(study: &str, clock: Clock) -> Option<&'static str> {
+    let chapters = chapters();
+    let chapter = chapters.iter().find(|chapter| chapter.study() == study)?;
+    chapter.primary_metric(clock)
+}
+
+/// Says what is being done, now and then.
+struct Talk(Option<Instant>);
+
+impl Talk {
+    fn say(&mut self, what: &str) {
+        if self.0.is_none_or(|last| last.elapsed() >= LONGEST_SILENCE) {
+            eprintln!("gate: {what}");
+            self.0 = Some(Instant::now());
+        }
+    }
+}
+
+pub(crate) fn run(arguments: &GateArguments) -> Result<Outcome, Failure> {
+    let mut limits = shipped_limits()?;
+    if let Some(path) = &arguments.limits {
+        limits.extend(read_limits(path)?);
+    }
+    let blessings = read_blessings(&arguments.blessed)?;
+    let rules = Rules {
+        limits: &limits,
+        blessings: &blessings,
+    };
+    if let Some(kind) = arguments.self_test {
+        return prove(arguments, kind);
+    }
+    // An answer of an earlier gate must not be taken for this one's.
+    drop(std::fs::remove_file(arguments.out.join("gate.json")));
+    let report = match (&arguments.base, &arguments.base_run, &arguments.baseline) {
+        (Some(base), None, None) => Some(two_programs(arguments, base, &rules)?),
+        (None, Some(base), None) => {
+            let base = load(base)?;
+            Some(against(arguments, &base, &rules)?)
+        }
+        (None, None, Some(name)) => {
+            let new = new_run(arguments)?;
+            let base = load_baseline(&new, &arguments.baselines, name)?;
+            let names = [format!("baseline {name}"), new.path.display().to_string()];
+            Some(GateReport::of_runs(names, &base, &new, &rules)?)
+        }
+        (None, None, None) => None,
+        _ => {
+            let message = "give one of --base, --base-run and --baseline";
+            return Err(Failure::bad_input(message));
+        }
+    };
+    let outcome = match &report {
+        Some(report) => finish(report, &arguments.out)?,
+        None if arguments.save_baseline.is_some() => Outcome::Done,
+        None => {
+            let message = "nothing to compare with: give --base, --base-run or --baseline";
+            return Err(Failure::bad_input(message));
+        }
+    };
+    if let Some(name) = &arguments.save_baseline {
+        let new = match &report {
+            Some(_) => load(&last_run(arguments))?,
+            None => new_run(arguments)?,
+        };
+        let place = save_baseline(&new, &arguments.baselines, name)?;
+        print(&format!("saved: {}\n", place.display()))?;
+    }
+    Ok(outcome)
+}
+
+fn load(path: &Path) -> Result<Run, Failure> {
+    Run::load(path).map_err(Failure::bad_input)
+}
+
+/// Where the new side's run is once a gate has ended.
+fn last_run(arguments: &GateArguments) -> std::path::PathBuf {
+    let own = || arguments.out.join(Side::New.name());
+    arguments.new_run.clone().unwrap_or_else(own)
+}
+
+fn against(
+    arguments: &GateArguments,
+    base: &Run,
+    rules: &Rules<'_>,
+) -> Result<GateReport, Failure> {
+    let Some(new) = &arguments.new_run else {
+        let message = "--base-run needs --new-run: times of two jobs are not compared";
+        return Err(Failure::bad_input(message));
+    };
+    let new = load(new)?;
+    let names = [&base.path, &new.path].map(|path| path.display().to_string());
+    Ok(GateReport::of_runs(names, base, &new, rules)?)
+}
+
+/// The new side's run folder: as given, or measured now.
+fn new_run(arguments: &GateArguments) -> Result<Run, Failure> {
+    if let Some(path) = &arguments.new_run {
+        return load(path);
+    }
+    let new = new_program(arguments)?;
+    let mut talk = Talk(None);
+    let mut say = |what: &str| talk.say(what);
+    let workload = workload(arguments, false);
+    let programs = [new.clone(), new];
+    let mut job = Job::new(programs, workload, &arguments.out, &primary, &mut say)?;
+    Ok(job.verify(Side::New)?)
+}
+
+fn new_program(arguments: &GateArguments) -> Result<Program, Failure> {
+    let new = match &arguments.new {
+        Some(new) => new.clone(),
+        None => {
+            let this = std::env::current_exe().map_err(Failure::bad_input)?;
+            this.display().to_string()
+        }
+    };
+    Ok(Program::find(&new, &arguments.cache)?)
+}
+
+fn two_programs(
+    arguments: &GateArguments,
+    base: &str,
+    rules: &Rules<'_>,
+) -> Result<GateReport, Failure> {
+    if arguments.new_run.is_some() {
+        let message = "--base needs --new, not --new-run: times are compared within one job alone";
+        return Err(Failure::bad_input(message));
+    }
+    let base = Program::find(base, &arguments.cache)?;
+    let new = new_program(arguments)?;
+    refuse_equal_programs(&base, &new)?;
+    let names = [base.label(), new.label()];
+    let mut talk = Talk(None);
+    let mut say = |what: &str| talk.say(what);
+    let mut job = Job::new(
+        [base, new],
+        workload(arguments, !arguments.no_time),
+        &arguments.out,
+        &primary,
+        &mut say,
+    )?;
+    let options = GateOptions {
+        times: !arguments.no_time,
+        floor_percent: arguments.floor_percent,
+        budget: Duration::from_secs(arguments.time_budget_s),
+    };
+    Ok(terrafill_gate::gate(
+        &mut job, names, &options, rules, &primary,
+    )?)
+}
+
+/// What both sides measure.
+fn workload(arguments: &GateArguments, is_timed: bool) -> Workload {
+    let mut of_bench: Vec<OsString> = arguments.scenes.iter().map(OsString::from).collect();
+    let mut option = |name: &str, value: &dyn AsRef<std::ffi::OsStr>| {
+        of_bench.push(name.into());
+        of_bench.push(value.as_ref().to_owned());
+    };
+    for study in &arguments.study {
+        option("--study", study);
+    }
+    for technique in &arguments.technique {
+        option("--technique", technique);
+    }
+    let (width, height) = arguments.size;
+    option("--size", &format!("{width}x{height}"));
+    if let Some(data) = &arguments.data {
+        option("--data", data);
+    }
+    if let Some(adapter) = &arguments.adapter {
+        option("--adapter", adapter);
+    }
+    if !arguments.main {
+        of_bench.push("--quick".into());
+    }
+    Workload {
+        arguments: of_bench,
+        samples: if is_timed { SAMPLES } else { 1 },
+        frames: if is_timed { FRAMES } else { 1 },
+        extra: [0, 0],
+    }
+}
+
+/// Prints the report, writes its files, and tells GitHub where it runs there.
+fn finish(report: &GateReport, out: &Path) -> Result<Outcome, Failure> {
+    write_files(report, out)?;
+    print(&text(report))?;
+    print(&format!("report: {}\n", out.join("gate.md").display()))?;
+    if let Some(path) = std::env::var_os("GITHUB_STEP_SUMMARY") {
+        let summary = std::fs::OpenOptions::new()
+            .append(true)
+            .create(true)
+            .open(&path)
+            .and_then(|mut file| file.write_all(markdown(report).as_bytes()));
+        summary.map_err(|error| Failure::bad_input(format!("GITHUB_STEP_SUMMARY: {error}")))?;
+    }
+    if std::env::var_os("GITHUB_ACTIONS").is_some() {
+        for line in annotations(report) {
+            print(&format!("{line}\n"))?;
+        }
+    }
+    Ok(Outcome::from_code(report.exit_code))
+}
+
+/// Measures how often the time gate is right on this machine.
+fn prove(arguments: &GateArguments, kind: SelfTestKind) -> Result<Outcome, Failure> {
+    let injection = match kind {
+        SelfTestKind::Aa => None,
+        SelfTestKind::Inject => {
+            let percent = arguments.percent;
+            let injection = Injection::percent(percent);
+            Some(injection.ok_or_else(|| {
+                Failure::bad_input(format!("--percent: found {percent}, allowed: 1 … 100"))
+            })?)
+        }
+    };
+    let new = new_program(arguments)?;
+    let base = match &arguments.base {
+        Some(base) => Program::find(base, &arguments.cache)?,
+        None => new.clone(),
+    };
+    let test = SelfTest {
+        injection,
+        runs: arguments.runs,
+        budget: Duration::from_secs(arguments.time_budget_s),
+        floor_percent: arguments.floor_percent,
+    };
+    let mut talk = Talk(None);
+    let rates = self_test(
+        &test,
+        &[base, new],
+        &workload(arguments, true),
+        &arguments.out,
+        &primary,
+        &mut |what| talk.say(what),
+        &mut |rates: &Rates| eprintln!("gate: {}", rates.sentences(injection).join("; ")),
+    )?;
+    print(&(rates.sentences(injection).join("\n") + "\n"))?;
+    Ok(Outcome::Done)
+}
+
+pub(crate) fn bless(arguments: &BlessArguments) -> Result<Outcome, Failure> {
+    if arguments.reason.trim().is_empty() {
+        return Err(Failure::bad_input("--reason: found none, needs a sentence"));
+    }
+    let report = read_json(&arguments.gate.join("gate.json"))?;
+    let is_asked = |finding: &&Finding| {
+        let mut metrics = arguments.metric.iter();
+        finding.counts()
+            && finding.case == arguments.case
+            && (arguments.metric.is_empty() || metrics.any(|metric| *metric == finding.metric))
+    };
+    let findings: Vec<&Finding> = report.findings.iter().filter(is_asked).collect();
+    if findings.is_empty() {
+        let cases: std::collections::BTreeSet<&str> = report
+            .findings
+            .iter()
+            .filter(|finding| finding.counts())
+            .map(|finding| finding.case.as_str())
+            .collect();
+        return Err(Failure::bad_input(format!(
+            "{}: found no difference of {:?} to bless, there are: {}",
+            arguments.gate.display(),
+            arguments.case,
+            cases.into_iter().collect::<Vec<_>>().join(", ")
+        )));
+    }
+    let blessings: Vec<Blessing> = findings
+        .iter()
+        .map(|finding| Blessing::of(finding, &arguments.reason))
+        .collect();
+    add_blessings(&arguments.blessed, &blessings)?;
+    for finding in findings {
+        print(&format!(
+            "blessed: {}, {}\n",
+            finding.case,
+            finding.sentence()
+        ))?;
+    }
+    Ok(Outcome::Done)
+}
+
+pub(crate) fn compare(arguments: &CompareArguments) -> Result<Outcome, Failure> {
+    let (base, new) = (load(&arguments.base)?, load(&arguments.new)?);
+    let limits = shipped_limits()?;
+    let rules = Rules {
+        limits: &limits,
+        blessings: &[],
+    };
+    let names = [&base.path, &new.path].map(|path| path.display().to_string());
+    let report = GateReport::of_runs(names, &base, &new, &rules)?;
+    if arguments.json {
+        let json = serde_json::to_string_pretty(&report).map_err(Failure::bad_input)?;
+        print(&(json + "\n"))?;
+    } else {
+        print(&markdown(&report))?;
+    }
+    Ok(Outcome::from_code(report.exit_code))
+}
