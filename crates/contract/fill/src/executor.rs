@@ -6,8 +6,8 @@
 //! crate's own trait of volumes. Regions stay with [`crate::VolumeBackend`].
 
 use crate::{
-    Counters, DeviceError, FillProgram, FrameTimes, MemoryUse, Picture, Probed, SurfaceView,
-    Switches, TexturedPlan, ViewId, VolumeList, WorkDone,
+    Capabilities, Counters, DeviceError, FillProgram, FrameTimes, MemoryUse, Picture, Probed,
+    SurfaceView, Switches, TexturedPlan, ViewId, VolumeList, WorkDone,
 };
 use terrafill_scene::MipChain;
 
@@ -25,17 +25,6 @@ pub struct StencilWork {
     pub blends: bool,
 }
 
-/// What the adapter of an executor is and can do.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ExecutorFacts {
-    /// Adapter and driver.
-    pub adapter: String,
-    /// It can measure GPU times.
-    pub gpu_timestamps: bool,
-    /// It can count the invocations of shaders.
-    pub pipeline_statistics: bool,
-}
-
 /// Runs stencil programs over volumes of type `V`.
 ///
 /// The order is `set_view`, `load`, `ensure`, `draw_surface`, then any number of frames.
@@ -50,8 +39,8 @@ pub trait StencilExecutor<V>: Sized {
     /// [`DeviceError::Shader`].
     fn new(targets: &Self::Targets, switches: &Switches) -> Result<Self, DeviceError>;
 
-    /// What it runs on.
-    fn facts(&self) -> ExecutorFacts;
+    /// What it runs on, for a backend of this name.
+    fn capabilities(&self, backend: &'static str) -> Capabilities;
 
     /// What the device has made and written so far.
     fn work_done(&self) -> WorkDone;

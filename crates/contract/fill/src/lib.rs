@@ -52,7 +52,7 @@ pub use constants::{ViewConstants, VolumeConstants, VolumePlace};
 pub use depth_range::DepthRange;
 pub use devices::Devices;
 pub use error::DeviceError;
-pub use executor::{ExecutorFacts, StencilExecutor, StencilWork};
+pub use executor::{StencilExecutor, StencilWork};
 pub use fixed_point::{
     EyeInUnits, FixedPoint, PositionFormat, eye_relative_m, two_float, two_float_difference_m,
 };

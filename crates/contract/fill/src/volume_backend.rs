@@ -124,14 +124,8 @@ impl<V: RegionVolumes> VolumeBackend<V> {
     ) -> Result<Self, DeviceError> {
         let switches = V::switches(variant)?;
         let executor = V::Executor::new(targets, &switches)?;
-        let facts = executor.facts();
         Ok(Self {
-            capabilities: Capabilities {
-                backend: V::TECHNIQUE,
-                adapter: facts.adapter,
-                gpu_timestamps: facts.gpu_timestamps,
-                pipeline_statistics: facts.pipeline_statistics,
-            },
+            capabilities: executor.capabilities(V::TECHNIQUE),
             switches,
             variant,
             volumes: V::new(&executor, variant)?,

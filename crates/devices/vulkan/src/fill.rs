@@ -14,7 +14,7 @@ use crate::{
 };
 use std::sync::Arc;
 use terrafill_fill::{
-    Counters, CpuStopwatch, DeviceError, ExecutorFacts, FillPass, FillStep, FrameTimes, MemoryUse,
+    Capabilities, Counters, CpuStopwatch, DeviceError, FillPass, FillStep, FrameTimes, MemoryUse,
     NUMBER_BYTES, Picture, Probed, StencilExecutor, StencilWork, SurfaceView, Switches,
     TexturedPlan, ViewId, VolumeDraw, WorkDone,
 };
@@ -80,9 +80,10 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         })
     }
 
-    fn facts(&self) -> ExecutorFacts {
+    fn capabilities(&self, backend: &'static str) -> Capabilities {
         let facts = &self.gpu().facts;
-        ExecutorFacts {
+        Capabilities {
+            backend,
             adapter: facts.title(),
             gpu_timestamps: facts.features.timestamps,
             pipeline_statistics: facts.features.pipeline_statistics,
