@@ -457,8 +457,8 @@ impl Reader {
                     // Adding zero turns −0 into 0, so that equal places have equal bits.
                     positions.push(position.map(|value| value + 0.0));
                 }
-                RawCoordinates::NotANumber { element, found } => {
-                    let (element, found) = (*element, found.to_string());
+                RawCoordinates::NotANumber(not) => {
+                    let (element, found) = (not.element, not.found.clone());
                     self.problem(Some(i), RegionProblemKind::NotANumber { element, found });
                 }
                 other => {

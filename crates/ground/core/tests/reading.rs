@@ -204,7 +204,7 @@ fn encodings_other_than_utf8_are_named() {
 #[test]
 fn coordinates_in_metres_are_called_projected() {
     let metres = polygon("[[0,0],[500000,4649776],[0,1]]");
-    let expected = "it looks projected, expected degrees (WGS 84)";
+    let expected = "it looks projected, expected degrees";
     let found = refusal(metres.as_bytes());
     assert_eq!(
         found
@@ -356,7 +356,7 @@ fn every_problem_of_a_file_is_listed_with_its_place() {
         "t.json: feature 1 (A), polygon 0, ring 0, vertex 1: latitude 91 is outside -90 … 90; in \
          GeoJSON longitude comes first",
         "t.json: feature 1 (A), polygon 0, ring 0, vertex 2: longitude 541 is outside -540 … 540; \
-         it looks projected, expected degrees (WGS 84)",
+         it looks projected, expected degrees",
         "t.json: feature 1 (A), polygon 0, ring 0, vertex 2: latitude -90.5 is outside -90 … 90; in \
          GeoJSON longitude comes first",
         "t.json: feature 2 (A): no \"geometry\" in a Feature",

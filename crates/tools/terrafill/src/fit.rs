@@ -6,7 +6,7 @@ use crate::arguments::Repair;
 use crate::outcome::Failure;
 use crate::regions::{Leniency, Meshed, read_and_mesh, report_repairs, report_warnings};
 use glam::DVec3;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh};
 use terrafill_scene::{
@@ -17,7 +17,7 @@ use terrafill_scene::{
 pub(crate) const VIEW: &str = "fit";
 
 /// Vertical field of view: that of scenes that name none.
-const FOV_RAD: f64 = 60.0 * std::f64::consts::PI / 180.0;
+const FOV_RAD: f64 = 60.0 * PI / 180.0;
 
 /// Distance of the near plane, share of the eye's height, as in scenes that name none.
 const NEAR_SHARE: f64 = 1e-3;
@@ -31,6 +31,16 @@ const MIN_HEIGHT_M: f64 = 10.0;
 /// Highest eye, as a multiple of the equatorial radius: from there the whole disc is seen, of which
 /// no picture shows more than half a body.
 const MAX_HEIGHT_RADII: f64 = 4.0;
+
+/// Share of the eye's height by which facets may lie below the body: what is drawn on them looks
+/// smaller by as much.
+const MAX_SAG_SHARE: f64 = 0.01;
+
+/// Rows of scenes that name none.
+const MIN_ROWS: f64 = 180.0;
+
+/// Four million triangles, and facets 16 m below the body: more take seconds on a software device.
+const MAX_ROWS: f64 = 1024.0;
 
 /// Halvings of the range of heights: beyond these the picture moves by less than a pixel.
 const BISECTIONS: u32 = 40;
@@ -60,6 +70,7 @@ pub(crate) fn scene_of(path: &Path, size: ImageSize) -> Result<Scene, Failure> {
             "{shown}: found no regions, allowed: at least one"
         )));
     };
+    let rows = surface_rows(&body, pose.eye.height_m);
     for region in &mut regions {
         region.split_at_crossings(edge_rule);
     }
@@ -76,7 +87,7 @@ pub(crate) fn scene_of(path: &Path, size: ImageSize) -> Result<Scene, Failure> {
         surface: SurfaceChoice {
             file: path.display().to_string(),
             kind: "ellipsoid".to_owned(),
-            parameters: std::default::Default::default(),
+            parameters: toml::Table::from_iter([("rows".to_owned(), rows.into())]),
         },
         views: vec![View {
             name: VIEW.to_owned(),
@@ -134,6 +145,18 @@ fn fitted(body: &Ellipsoid, meshes: &[RegionMesh], size: ImageSize) -> Option<Ca
     Some(pose(above.exp()))
 }
 
+/// Rows of the drawn ellipsoid: as few as keep its facets from hanging too far below the eye.
+fn surface_rows(body: &Ellipsoid, eye_height_m: f64) -> i64 {
+    let sag_m = MAX_SAG_SHARE * eye_height_m;
+    // A cell of 2 φ sags by R φ² / 2 along a row, and as much again along its diagonal.
+    let half_cell_rad = (sag_m / body.equatorial_radius_m()).sqrt();
+    let enough = (0.5 * PI / half_cell_rad).ceil();
+    // The bounds are far within i64, and NaN is no height that a fit gives.
+    #[allow(clippy::cast_possible_truncation, reason = "clamped to a few thousand")]
+    let rows = enough.clamp(MIN_ROWS, MAX_ROWS) as i64;
+    rows
+}
+
 /// Whether a place lies on the near side and well within the picture.
 fn is_in_picture(camera: &Camera, size: ImageSize, vertex: DVec3) -> bool {
     let Some([x, y]) = camera.project_px(size, vertex) else {
@@ -143,4 +166,23 @@ fn is_in_picture(camera: &Camera, size: ImageSize, vertex: DVec3) -> bool {
     let is_near = (camera.eye_ecef - vertex).dot(vertex) > 0.0;
     let within = |at: f64, half: f64| (at - half).abs() <= FILLED_SHARE * half;
     is_near && within(x, half[0]) && within(y, half[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn facets_hang_no_farther_below_a_low_eye_than_allowed() {
+        let body = Ellipsoid::WGS84;
+        for height_m in [2e3, 1e4, 1e5] {
+            let rows = surface_rows(&body, height_m);
+            let half_cell_rad = 0.5 * PI / rows as f64;
+            let sag_m = body.equatorial_radius_m() * half_cell_rad.powi(2);
+            assert!(sag_m <= MAX_SAG_SHARE * height_m, "{height_m} m: {rows}");
+        }
+        // Twins: neither more rows than needed from far nor more than can be drawn from near.
+        assert_eq!(surface_rows(&body, 1e7), 180);
+        assert_eq!(surface_rows(&body, 10.0), 1024);
+    }
 }

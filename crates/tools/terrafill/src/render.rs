@@ -6,7 +6,7 @@ use crate::fit;
 use crate::outcome::{Failure, Outcome, print};
 use crate::output::{check_paths, check_pictures, write_all};
 use crate::registry::{SURFACES, TECHNIQUES, technique};
-use crate::techniques;
+use crate::techniques::{self, BOUNDARY_TOLERANCE, allowed_switches};
 use image::{ExtendedColorType, ImageFormat};
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -81,6 +81,11 @@ fn scene(name: &str, arguments: &RenderArguments) -> Result<Scene, Failure> {
     }
     let data = arguments.data.clone().or_else(data_dir_from_env);
     open_scene(name, data.as_deref()).map_err(Failure::bad_input)
+}
+
+/// The scene as it was named, for messages.
+fn scene_argument(arguments: &RenderArguments) -> &str {
+    arguments.scene.as_deref().unwrap_or_default()
 }
 
 fn size(arguments: &RenderArguments) -> ImageSize {
@@ -206,20 +211,6 @@ impl Wanted {
     }
 }
 
-/// Switches of the meshes that go into every technique: key, values in words, and the default.
-pub(crate) const MESH_SWITCHES: [(&str, &str, fn() -> String); 1] =
-    [(BOUNDARY_TOLERANCE, "METRES", || {
-        MeshOptions::default().boundary_tolerance_m.to_string()
-    })];
-
-const BOUNDARY_TOLERANCE: &str = "boundary-tolerance-m";
-
-/// Switches of `render`, for a message.
-fn allowed_switches(variant: &Variant) -> String {
-    let mesh = MESH_SWITCHES.map(|(key, values, _)| format!(", {key}={values}"));
-    variant.keys() + &mesh.concat()
-}
-
 fn input(
     scene: &Scene,
     view: &View,
@@ -229,7 +220,7 @@ fn input(
     let refused = |errors: Vec<MeshError>| {
         let lines: Vec<String> = errors
             .iter()
-            .map(|error| format!("{}: {error}", scene.name))
+            .map(|error| format!("{}: {error}", scene_argument(arguments)))
             .collect();
         Failure::bad_input(lines.join("\n"))
     };
@@ -243,7 +234,7 @@ fn input(
         PreparedScene::new(scene, meshes.map_err(refused)?.into(), surface)
     };
     FillInput::new(&prepared, view, size(arguments), wanted.plan()).map_err(|error| {
-        let (scene, view) = (&scene.name, &view.name);
+        let (scene, view) = (scene_argument(arguments), &view.name);
         Failure::bad_input(format!("{scene}: view {view}: {error}"))
     })
 }

@@ -4,11 +4,21 @@
 use crate::arguments::TechniquesArguments;
 use crate::outcome::{Failure, Outcome, print, print_json};
 use crate::registry::TECHNIQUES;
-use crate::render::MESH_SWITCHES;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use terrafill_fill::Technique;
+use terrafill_core::MeshOptions;
+use terrafill_fill::{Technique, Variant};
 use terrafill_scene::Overlap;
+
+/// Switch of the meshes that go into every technique.
+pub(crate) const BOUNDARY_TOLERANCE: &str = "boundary-tolerance-m";
+/// The same with its values.
+const BOUNDARY_TOLERANCE_USAGE: &str = "boundary-tolerance-m=METRES";
+
+/// Every switch of `render` that goes with `variant`'s technique: `key=value|value, …`.
+pub(crate) fn allowed_switches(variant: &Variant) -> String {
+    format!("{}, {BOUNDARY_TOLERANCE_USAGE}", variant.keys())
+}
 
 /// A switch of `render --set`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -32,13 +42,11 @@ struct ListedTechnique {
 impl ListedTechnique {
     fn new(technique: &dyn Technique) -> Self {
         let main = technique.main(Overlap::Disjoint);
-        let settings = main.settings().into_iter();
-        let mesh = MESH_SWITCHES.map(|(key, _, default)| (key.to_owned(), default()));
-        let defaults: BTreeMap<String, String> = settings.chain(mesh).collect();
-        let keys = main.keys();
-        let mesh = MESH_SWITCHES.map(|(key, values, _)| format!("{key}={values}"));
-        let all = keys.split(", ").map(str::to_owned).chain(mesh);
-        let switches = all.filter_map(|usage| {
+        let mut defaults: BTreeMap<String, String> = main.settings().into_iter().collect();
+        let tolerance_m = MeshOptions::default().boundary_tolerance_m;
+        defaults.insert(BOUNDARY_TOLERANCE.to_owned(), tolerance_m.to_string());
+        let all = allowed_switches(&main);
+        let switches = all.split(", ").filter_map(|usage| {
             let (key, values) = usage.split_once('=')?;
             let parameters = technique.parameters().iter();
             Some(Switch {
@@ -135,7 +143,7 @@ mod tests {
                 assert!(keys.contains(&key.as_str()), "{key}");
                 assert_eq!(main.clone().set(&key, &value), Ok(true), "{key}={value}");
             }
-            assert_eq!(keys.len(), main.settings().len() + MESH_SWITCHES.len());
+            assert_eq!(keys.len(), main.settings().len() + 1);
             for switch in &listed.switches {
                 assert!(!switch.values.is_empty() && !switch.default.is_empty());
                 let is_own = technique

@@ -214,7 +214,7 @@ pub enum RegionProblemKind {
 }
 
 /// What a number is that no angle can be.
-const PROJECTED: &str = "; it looks projected, expected degrees (WGS 84)";
+const PROJECTED: &str = "; it looks projected, expected degrees";
 
 impl RegionProblemKind {
     /// What most often puts such a number into the second place.

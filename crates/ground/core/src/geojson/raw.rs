@@ -155,11 +155,17 @@ pub(super) enum RawCoordinates {
     List(Vec<RawCoordinates>),
     Number(f64),
     Other(Box<str>),
-    /// A list that starts as a position does and has something else at this place.
-    NotANumber {
-        element: usize,
-        found: Box<str>,
-    },
+    /// A list that starts as a position does and has something else in it. Boxed, so that the many
+    /// positions of a file take no more memory for it.
+    NotANumber(Box<NotANumber>),
+}
+
+/// Something that is no number, in a position.
+pub(super) struct NotANumber {
+    /// Place in the position, from 0.
+    pub(super) element: usize,
+    /// In words.
+    pub(super) found: String,
 }
 
 impl RawCoordinates {
@@ -170,7 +176,7 @@ impl RawCoordinates {
             Self::List(_) => "a list of lists".to_owned(),
             Self::Number(value) => format!("the number {value}"),
             Self::Other(text) => text.to_string(),
-            Self::NotANumber { found, .. } => format!("{found} in a list"),
+            Self::NotANumber(not) => format!("{} in a list", not.found),
         }
     }
 }
@@ -225,7 +231,9 @@ impl<'de> Visitor<'de> for CoordinatesVisitor {
             Some(RawCoordinates::Number(longitude)) => longitude,
             Some(RawCoordinates::Other(found)) => {
                 while seq.next_element::<IgnoredAny>()?.is_some() {}
-                return Ok(RawCoordinates::NotANumber { element: 0, found });
+                let found = found.into_string();
+                let not = NotANumber { element: 0, found };
+                return Ok(RawCoordinates::NotANumber(Box::new(not)));
             }
             Some(first) => {
                 let mut list = vec![first];
@@ -249,10 +257,9 @@ impl<'de> Visitor<'de> for CoordinatesVisitor {
             numbers += 1;
         }
         Ok(match intruder {
-            Some((element, found)) => RawCoordinates::NotANumber {
-                element,
-                found: found.into(),
-            },
+            Some((element, found)) => {
+                RawCoordinates::NotANumber(Box::new(NotANumber { element, found }))
+            }
             None if numbers == 1 => RawCoordinates::Other("a position of 1 number".into()),
             None => RawCoordinates::Position([longitude, latitude]),
         })

@@ -660,6 +660,7 @@ fn pictures_are_png_or_refused() {
 #[test]
 fn every_switch_is_listed_with_its_values_and_needs_no_scene() {
     let desk = Desk::new();
+    write_squares(&desk);
     let text = desk.run(&["render", "--list-switches"]).succeeded();
     assert_eq!(desk.run(&["techniques"]).succeeded(), text);
     let json = desk.run(&["techniques", "--json"]).succeeded();

@@ -214,7 +214,7 @@ fn what_is_wrong_with_a_surface_is_bad_input() {
         let render = ["render", "wrong.toml", "--view", "ridge", "--data", "data"];
         let bench = ["bench", "wrong.toml", "--quick", "--data", "data"];
         for arguments in [&render[..], &bench[..]] {
-            let ran = desk.run(&[arguments, &["--out", "out"]].concat());
+            let ran = desk.run(&[arguments, &["--out", "out.png"]].concat());
             assert_eq!(ran.code, 2, "{}", ran.stderr);
             assert!(ran.stderr.contains("wrong.toml"), "{}", ran.stderr);
             assert!(ran.stderr.contains(phrases), "{}", ran.stderr);
