@@ -35,8 +35,8 @@ fn help_of_every_verb_fits_a_screen_and_shows_an_example() {
     assert_eq!(check_help(&help, "terrafill "), Ok(()));
     let verbs = verbs(&help);
     for verb in [
-        "bench", "report", "merge", "gate", "bless", "compare", "render", "mesh", "locate", "scenes",
-        "studies", "devices",
+        "bench", "report", "merge", "gate", "bless", "compare", "render", "mesh", "locate",
+        "scenes", "studies", "devices",
     ] {
         assert!(verbs.iter().any(|found| found == verb), "{verb}: {verbs:?}");
     }
