@@ -13,7 +13,7 @@ section "set-up"
 ci/setup.sh --for test
 
 section "scripts"
-scripts=(ci/*.sh .ci/run)
+scripts=(ci/*.sh ci/examples/*.sh .ci/run)
 for script in "${scripts[@]}"; do
     bash -n "$script"
     [ -x "$script" ] || {

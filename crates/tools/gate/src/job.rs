@@ -87,12 +87,12 @@ impl<'a> Job<'a> {
         &self.programs[usize::from(side == Side::New)]
     }
 
-    fn command(&self, side: Side, uses_frames: bool) -> Command {
+    fn command(&self, side: Side) -> Command {
         let mut command = Command::new(&self.program(side).path);
         command.arg("bench").args(&self.workload.arguments);
         command.args(["--processes", "1", "--samples"]);
         command.arg(self.workload.samples.to_string());
-        if uses_frames {
+        if self.workload.frames > 1 {
             let extra = self.workload.extra[usize::from(side == Side::New)];
             command.arg("--frames-per-sample");
             command.arg(self.workload.frames.to_string());
@@ -112,8 +112,7 @@ impl<'a> Job<'a> {
             "{}: every picture against the reference",
             side.name()
         ));
-        let uses_frames = self.workload.frames > 1;
-        let mut command = self.command(side, uses_frames);
+        let mut command = self.command(side);
         let output = command
             .stdin(Stdio::null())
             .stdout(Stdio::null())
@@ -139,8 +138,9 @@ impl<'a> Job<'a> {
         let lines: Vec<&str> = said.lines().filter(|line| !line.is_empty()).collect();
         // The last lines say why; a progress line or two stand before them.
         let last = lines[lines.len().saturating_sub(4)..].join("; ");
-        if said.contains("--frames-per-sample") {
-            let message = "built before the gate: it cannot be timed by it; --no-time compares the rest";
+        if said.contains("--time-only") {
+            let message =
+                "built before the gate: it cannot be timed by it; --no-time compares the rest";
             return self.failed(side, message.to_owned());
         }
         let message = format!("{}: {last}", output.status);
@@ -157,7 +157,7 @@ impl Sides for Job<'_> {
         let list = self.out.join("cases.txt");
         let text: Vec<&str> = cases.iter().map(String::as_str).collect();
         std::fs::write(&list, text.join("\n")).map_err(GateError::io(&list))?;
-        let mut command = self.command(side, true);
+        let mut command = self.command(side);
         command.arg(format!("--process={process}"));
         command.arg("--time-only").arg(&list);
         let start = |error: std::io::Error| error.to_string();

@@ -15,6 +15,9 @@ use terrafill_results::rate_bounds;
 /// Coverage of the bounds of a rate.
 const RATE_COVERAGE: f64 = 0.95;
 
+/// Samples of a case in each process where they are means of many frames.
+const INJECTED_SAMPLES: u32 = 9;
+
 /// Work added to one side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Injection {
@@ -29,8 +32,12 @@ impl Injection {
     /// than 1 or more than 100 percent.
     #[must_use]
     pub fn percent(percent: u32) -> Option<Self> {
-        let frames = (10..=100).find(|frames| frames * percent % 100 == 0)?;
-        (1..=100).contains(&percent).then_some(Self {
+        if !(1..=100).contains(&percent) {
+            return None;
+        }
+        let is_whole = |frames: &u32| (frames * percent).is_multiple_of(100);
+        let frames = (10..=100).find(is_whole)?;
+        Some(Self {
             frames,
             extra: frames * percent / 100,
         })
@@ -178,6 +185,7 @@ pub fn self_test(
         let mut workload = workload.clone();
         if let Some(Injection { frames, extra }) = test.injection {
             workload.frames = frames;
+            workload.samples = INJECTED_SAMPLES;
             workload.extra = if is_swapped { [extra, 0] } else { [0, extra] };
         }
         let folder = out.join(format!("gate-{number:03}"));
@@ -212,7 +220,7 @@ mod tests {
         assert_eq!(of(5), Some((20, 1)));
         assert_eq!(of(3), Some((100, 3)));
         assert_eq!(of(100), Some((10, 10)));
-        assert_eq!((of(0), of(101)), (None, None));
+        assert_eq!((of(0), of(101), of(u32::MAX)), (None, None, None));
     }
 
     #[test]

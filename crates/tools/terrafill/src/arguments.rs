@@ -178,7 +178,7 @@ Example: terrafill gate california --base origin/main --out out/gate";
 pub(crate) struct GateArguments {
     /// Shipped scenes by name, or paths of scene files [default: all shipped scenes]
     pub(crate) scenes: Vec<String>,
-    /// Program or git revision to compare with; both run by turns in this job
+    /// Program or git revision to compare with: both run by turns
     #[arg(long)]
     pub(crate) base: Option<String>,
     /// Program or git revision to decide about [default: this program]
@@ -205,7 +205,8 @@ pub(crate) struct GateArguments {
     /// File of further limits: case,metric,min,max,reason
     #[arg(long, value_name = "FILE")]
     pub(crate) limits: Option<PathBuf>,
-    #[arg(long, help = STUDY_HELP)]
+    /// Study to measure; may be repeated [default: filling]
+    #[arg(long)]
     pub(crate) study: Vec<String>,
     /// Technique to run; may be repeated [default: all]
     #[arg(long)]
@@ -226,8 +227,8 @@ pub(crate) struct GateArguments {
     /// Time for measuring, builds not counted
     #[arg(long, value_name = "SECONDS", default_value = "600")]
     pub(crate) time_budget_s: u64,
-    /// Measure how often the time gate is right: with the same work (aa) or with more (inject)
-    #[arg(long, value_name = "aa|inject")]
+    /// How often is the time gate right: with equal work, or with more
+    #[arg(long, value_name = "aa|inject", hide_possible_values = true)]
     pub(crate) self_test: Option<SelfTestKind>,
     /// Work that the self-test adds
     #[arg(long, default_value = "10")]

@@ -53,7 +53,11 @@ fn equal_work_passes_and_a_counter_that_changed_fails_until_it_is_blessed() {
     measure(&desk, "b");
     let passed = of_runs(&desk);
     assert_eq!(passed.code, 0, "{}{}", passed.stdout, passed.stderr);
-    assert!(passed.stdout.starts_with("PASS (exit 0)"), "{}", passed.stdout);
+    assert!(
+        passed.stdout.starts_with("PASS (exit 0)"),
+        "{}",
+        passed.stdout
+    );
     for file in ["gate.md", "gate.json", "gate.junit.xml"] {
         assert!(desk.path("out/gate").join(file).is_file(), "{file}");
     }
@@ -61,17 +65,25 @@ fn equal_work_passes_and_a_counter_that_changed_fails_until_it_is_blessed() {
     tamper(&desk, "b", "draws", "999");
     let failed = of_runs(&desk);
     assert_eq!(failed.code, 1, "{}", failed.stdout);
-    for words in [CASE, "→ 999", "draws ", "see: terrafill bench california --study filling"] {
+    for words in [
+        CASE,
+        "→ 999",
+        "draws ",
+        "see: terrafill bench california --study filling",
+    ] {
         assert!(failed.stdout.contains(words), "{words}: {}", failed.stdout);
     }
     let compared = desk.run(&["compare", "a", "b"]);
     assert_eq!(compared.code, 1);
     assert!(compared.stdout.contains("→ 999"), "{}", compared.stdout);
 
-    desk.run(&["bless", CASE, "--reason", ""]).refused(&[&["--reason"]]);
+    desk.run(&["bless", CASE, "--reason", ""])
+        .refused(&[&["--reason"]]);
     desk.run(&["bless", "filling/none", "--reason", "x"])
         .refused(&[&["filling/none", CASE]]);
-    let blessed = desk.run(&["bless", CASE, "--reason", "a second cap"]).succeeded();
+    let blessed = desk
+        .run(&["bless", CASE, "--reason", "a second cap"])
+        .succeeded();
     assert!(blessed.contains("→ 999"), "{blessed}");
     assert!(desk.read_text("gate/blessed.csv").contains("a second cap"));
     assert_eq!(of_runs(&desk).code, 0);
@@ -111,13 +123,20 @@ fn nothing_that_was_not_measured_passes() {
     desk.write("b/cases.csv", without);
     let missing = of_runs(&desk);
     assert_eq!(missing.code, 3, "{}", missing.stdout);
-    assert!(missing.stdout.contains("INCONCLUSIVE"), "{}", missing.stdout);
+    assert!(
+        missing.stdout.contains("INCONCLUSIVE"),
+        "{}",
+        missing.stdout
+    );
 
     desk.write("b/cases.csv", cases.replace("status", "state"));
     of_runs(&desk).refused(&[&["b/cases.csv, column 3", "\"state\"", "\"status\""]]);
     std::fs::remove_file(desk.path("b/cases.csv")).expect("removed");
     of_runs(&desk).refused(&[&["b/cases.csv"]]);
-    assert!(!desk.path("out/gate/gate.json").exists(), "no answer of an earlier gate");
+    assert!(
+        !desk.path("out/gate/gate.json").exists(),
+        "no answer of an earlier gate"
+    );
 }
 
 #[test]
@@ -129,7 +148,11 @@ fn a_baseline_is_saved_compared_with_and_missed() {
     measure(&desk, "a");
     let missing = gate(&desk, &["--new-run", "a", "--baseline", "main"]);
     assert_eq!(missing.code, 4, "{}", missing.stderr);
-    assert!(missing.stderr.contains("--save-baseline main"), "{}", missing.stderr);
+    assert!(
+        missing.stderr.contains("--save-baseline main"),
+        "{}",
+        missing.stderr
+    );
     gate(&desk, &["--new-run", "a", "--save-baseline", "main"]).succeeded();
     measure(&desk, "b");
     let compare = ["--new-run", "b", "--baseline", "main"];
@@ -151,14 +174,25 @@ fn two_programs_are_compared_and_one_program_or_none_is_not() {
     let equal = gate(&desk, &with(&["--base", "equal"]));
     assert_eq!(equal.code, 4, "{}", equal.stderr);
 
-    let gate_it = [&["gate"][..], &with(&["--base", "twin", "--out", "nowhere"])].concat();
+    let gate_it = [
+        &["gate"][..],
+        &with(&["--base", "twin", "--out", "nowhere"]),
+    ]
+    .concat();
     assert_eq!(desk.run_without_device(&gate_it).code, 5);
     if !has_device() {
         return;
     }
-    let ran = gate(&desk, &with(&["--base", "twin", "--no-time", "--out", "exact"]));
+    let ran = gate(
+        &desk,
+        &with(&["--base", "twin", "--no-time", "--out", "exact"]),
+    );
     assert_eq!(ran.code, 0, "{}{}", ran.stdout, ran.stderr);
-    assert!(ran.stdout.contains("times were not compared"), "{}", ran.stdout);
+    assert!(
+        ran.stdout.contains("times were not compared"),
+        "{}",
+        ran.stdout
+    );
     gate(&desk, &with(&["--base", "twin", "--out", "exact"])).refused(&[&["holds something"]]);
     // Times were asked for, and there was no time for them.
     let ran = gate(

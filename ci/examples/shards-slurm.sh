@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT OR Apache-2.0
+#
+# One run over the nodes of a Slurm cluster, a shard to each task of an array, joined by a last job.
+# Each task takes a whole node: another job on it would be in the times.
+#
+# usage: ci/examples/shards-slurm.sh SHARDS FOLDER [bench option...]
+set -euo pipefail
+
+[ $# -ge 2 ] || {
+    echo "usage: $0 SHARDS FOLDER [bench option...]" >&2
+    exit 2
+}
+shards=$1 folder=$(realpath -m "$2")
+shift 2
+cd "$(dirname "$0")/../.."
+program=$(realpath target/release/terrafill)
+mkdir -p "$folder"
+
+options=$(printf ' %q' "$@")
+[ $# -gt 0 ] || options=
+# One after another in a list: `merge` refuses what is missing, so a shard that broke off is noticed.
+parts=$(printf " %q/shard-%d" $(for shard in $(seq "$shards"); do echo "$folder" "$shard"; done))
+
+array=$(sbatch --parsable --exclusive --array="1-$shards" --output="$folder/shard-%a.log" \
+    --wrap="$program bench --shard \$SLURM_ARRAY_TASK_ID/$shards --out $folder/shard-\$SLURM_ARRAY_TASK_ID$options")
+sbatch --dependency="afterany:$array" --output="$folder/merge.log" \
+    --wrap="$program merge$parts --out $folder/all"
