@@ -9,7 +9,7 @@
 use sha2::{Digest, Sha256};
 use std::io;
 use std::path::{Path, PathBuf};
-use terrafill_core::{Region, RegionFileError, parse_regions};
+use terrafill_core::{Reading, Region, RegionFileError, parse_regions_as};
 
 /// Environment variable with the data folder.
 pub const DATA_DIR_VARIABLE: &str = "TERRAFILL_DATA";
@@ -55,9 +55,13 @@ pub enum RegionLoadError {
 ///
 /// # Errors
 /// [`RegionLoadError`], with the path as given.
-pub fn load_regions(path: &Path) -> Result<Vec<Region>, RegionLoadError> {
+pub fn load_regions(path: &Path, reading: Reading) -> Result<Vec<Region>, RegionLoadError> {
     let bytes = read(path)?;
-    Ok(parse_regions(&bytes, &path.display().to_string())?)
+    Ok(parse_regions_as(
+        &bytes,
+        &path.display().to_string(),
+        reading,
+    )?)
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, RegionLoadError> {

@@ -81,10 +81,7 @@ fn what_is_put_right_is_said() {
         [[0.0, 0.0], [2.0, 0.0], [1.0, 1.0]]
     );
     let long = &regions(&polygon("[[179,0],[-179,0],[-179,1],[179,1],[179,0]]"))[0];
-    assert_eq!(
-        long.warnings,
-        ["2 edges span more than 180° of longitude: planar edges go the long way (RFC 7946)"]
-    );
+    assert_eq!((long.warnings.len(), long.long_edge_count()), (0, 2));
     let mixed = format!(
         r#"{{"type":"GeometryCollection","geometries":[{},{{"type":"Point","coordinates":[1,2]}}]}}"#,
         polygon(TRIANGLE)
@@ -200,7 +197,7 @@ fn every_problem_of_a_file_is_listed_with_its_place() {
         &polygon(TRIANGLE),
         &polygon("[[0,0],[2,91],[541,-90.5],[0,0]]"),
         "null",
-        r#"{"type":"MultiPolygon","coordinates":[[[[0,0],[1,0],[0,1]]],[[[0,0],[1,0],[0,1]],[[0,0],[1,1],[0,0]]]]}"#,
+        r#"{"type":"MultiPolygon","coordinates":[[[[0,0],[1,0],[0,1]]],[[[0,0],[1,1],[0,0]]]]}"#,
         r#"{"type":"Polygon","coordinates":[]}"#,
         r#"{"type":"Polygon","coordinates":[[]]}"#,
         r#"{"type":"Polygon","coordinates":[[0,0],[1,0],[0,1]]}"#,
@@ -214,7 +211,7 @@ fn every_problem_of_a_file_is_listed_with_its_place() {
         "t.json: feature 1 (A), polygon 0, ring 0, vertex 2: longitude 541 is outside -540 … 540",
         "t.json: feature 1 (A), polygon 0, ring 0, vertex 2: latitude -90.5 is outside -90 … 90",
         "t.json: feature 2 (A): no \"geometry\" in a Feature",
-        "t.json: feature 3 (A), polygon 1, ring 1: 2 distinct positions in the ring; needs at least 3",
+        "t.json: feature 3 (A), polygon 1, ring 0: 2 distinct positions in the ring; needs at least 3",
         "t.json: feature 4 (A), polygon 0: empty coordinates; expected at least 3 distinct positions",
         "t.json: feature 5 (A), polygon 0, ring 0: empty coordinates; expected at least 3 distinct \
          positions",

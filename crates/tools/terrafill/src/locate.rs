@@ -5,7 +5,7 @@ use crate::arguments::LocateArguments;
 use crate::outcome::{Failure, Outcome, print};
 use crate::regions::{Leniency, Meshed, read_and_mesh, report_skipped};
 use std::path::Path;
-use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh};
+use terrafill_core::{EdgeRule, MeshOptions, RegionMesh};
 use terrafill_reference::Locator;
 
 /// As for regions: one turn past the antimeridian is written on purpose, more is another unit.
@@ -13,13 +13,10 @@ const LARGEST_LONGITUDE_DEG: f64 = 540.0;
 
 pub(crate) fn run(arguments: &LocateArguments) -> Result<Outcome, Failure> {
     let edges: EdgeRule = arguments.edges.into();
-    // The meshes judge nothing here; making them finds the crossings that `mesh` refuses too. On
-    // what body does not matter: edges follow geodetic coordinates.
-    let (path, body, options) = (
-        &arguments.regions,
-        &Ellipsoid::WGS84,
-        MeshOptions::default(),
-    );
+    // The meshes decide nothing here; making them finds the crossings that `mesh` refuses too. Edges
+    // follow geodetic coordinates on every body; the areas on it say which side of a ring round a
+    // pole is the smaller one.
+    let (path, body, options) = (&arguments.regions, &arguments.body, MeshOptions::default());
     let leniency = Leniency {
         repair: arguments.repair,
         skip_invalid: arguments.skip_invalid,
@@ -28,8 +25,15 @@ pub(crate) fn run(arguments: &LocateArguments) -> Result<Outcome, Failure> {
         regions,
         meshes,
         skipped,
-    } = read_and_mesh(path, leniency, body, edges, &options)?;
-    let locator = Locator::new(&regions, edges)
+    } = read_and_mesh(
+        path,
+        arguments.reading.into(),
+        leniency,
+        body,
+        edges,
+        &options,
+    )?;
+    let locator = Locator::new(&regions, edges, body)
         .map_err(|error| Failure::bad_input(format!("{}: {error}", path.display())))?;
     let points = read_points(&arguments.points)?;
     report_skipped(&skipped);
@@ -53,7 +57,8 @@ pub(crate) fn run(arguments: &LocateArguments) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
-/// Says on standard error what a repair filled, a line each; standard output is a table.
+/// Says on standard error what a repair filled and which sides of rings round a pole were taken, a
+/// line each; standard output is a table.
 fn report_repairs(meshes: &[RegionMesh]) {
     for mesh in meshes {
         let number = format!("feature {}", mesh.region_index);
@@ -65,6 +70,11 @@ fn report_repairs(meshes: &[RegionMesh]) {
         let is_repair = |text: &&String| text.ends_with("filled by the even-odd rule");
         for repair in mesh.warnings.iter().filter(is_repair) {
             eprintln!("repaired: {label}: {repair}");
+        }
+        // It names its feature and ring itself.
+        let is_side = |text: &&String| text.contains("goes round a pole");
+        for side in mesh.warnings.iter().filter(is_side) {
+            eprintln!("warning: {side}");
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::outcome::Failure;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::Path;
-use terrafill_core::{EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionMesh};
+use terrafill_core::{EdgeRule, Ellipsoid, MeshError, MeshOptions, Reading, Region, RegionMesh};
 use terrafill_scene::{RegionLoadError, load_regions};
 
 /// What to do about features that are wrong.
@@ -42,13 +42,14 @@ pub(crate) struct Meshed {
 /// the rest of a map for the map; unless that was asked for.
 pub(crate) fn read_and_mesh(
     path: &Path,
+    reading: Reading,
     leniency: Leniency,
     body: &Ellipsoid,
     rule: EdgeRule,
     options: &MeshOptions,
 ) -> Result<Meshed, Failure> {
     options.check().map_err(wrong_option)?;
-    let (mut regions, mut problems) = read(path)?;
+    let (mut regions, mut problems) = read(path, reading)?;
     let mesh = |regions: &[Region]| match leniency.repair {
         None => RegionMesh::build_all(regions, body, rule, options),
         Some(Repair::EvenOdd) => {
@@ -84,8 +85,8 @@ pub(crate) fn read_and_mesh(
 }
 
 /// The features that can be read, and what is wrong with the others.
-fn read(path: &Path) -> Result<(Vec<Region>, Vec<FeatureProblem>), Failure> {
-    match load_regions(path) {
+fn read(path: &Path, reading: Reading) -> Result<(Vec<Region>, Vec<FeatureProblem>), Failure> {
+    match load_regions(path, reading) {
         Ok(regions) => Ok((regions, Vec::new())),
         Err(RegionLoadError::Invalid(error)) => {
             let problems = error.problems.iter().map(|problem| FeatureProblem {
@@ -104,6 +105,9 @@ fn describe(path: &Path, repair: Option<Repair>, error: &MeshError) -> FeaturePr
     let remedy = match (error, repair) {
         (MeshError::SelfCrossing { .. } | MeshError::Overlap { .. }, None) => {
             "; --repair even-odd fills by that rule"
+        }
+        (MeshError::NoArea { long_edges, .. }, _) if *long_edges > 0 => {
+            "; --unwrap shortest or --edges great-ellipse takes the shorter way"
         }
         _ => "",
     };
