@@ -12,7 +12,7 @@
 
 use crate::PreparedScene;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use terrafill_core::{EdgeRule, Ellipsoid, Pole, Polygon, Region, Ring};
+use terrafill_core::{EdgeRule, Ellipsoid, Polygon, Region, Ring};
 use terrafill_scene::{Outside, SceneTexture, TextureAnchor, TexturePlacement, TextureShare};
 
 /// Widths from here on are the whole way round: what a sum of longitudes in degrees loses.
@@ -69,7 +69,7 @@ impl PlannedTexture {
         edge_rule: EdgeRule,
         body: &Ellipsoid,
     ) -> Self {
-        let extent_rad = region_extent_rad(region, edge_rule);
+        let extent_rad = region_extent_rad(region, edge_rule, body);
         let [west, south, east, north] = extent_rad;
         let middle = [(west + east) / 2.0, (south + north) / 2.0];
         let uv_from_angles = match texture.placement {
@@ -186,35 +186,44 @@ fn within_half_turn(angle: f64) -> f64 {
 
 /// West, south, east and north of `region` as its edges run, radians: `−π ≤ west < π` and `west <
 /// east ≤ west + 2π`, the widest gap in longitude left out. A region all round has west −π.
-fn region_extent_rad(region: &Region, rule: EdgeRule) -> [f64; 4] {
+fn region_extent_rad(region: &Region, rule: EdgeRule, body: &Ellipsoid) -> [f64; 4] {
     let mut spans = Vec::with_capacity(region.polygons.len());
     let (mut south, mut north) = (f64::INFINITY, f64::NEG_INFINITY);
     for polygon in &region.polygons {
         let shell = RingExtent::new(&polygon.shell, rule);
+        let sides = polygon.sides(rule, body, region.inside);
+        let holds_poles = sides[0].holds_poles;
         let mut latitudes = shell.latitudes;
-        if shell.turns {
-            close_over_pole(&mut latitudes, polygon, rule);
-        }
+        close_over_poles(&mut latitudes, holds_poles, polygon, rule);
         south = south.min(latitudes[0]);
         north = north.max(latitudes[1]);
         let [west, east] = shell.longitudes;
-        let width = if shell.turns { TAU } else { east - west };
+        let is_round = holds_poles != [false; 2];
+        let width = if is_round { TAU } else { east - west };
         spans.push((within_half_turn(west), width));
     }
     let [west, east] = without_widest_gap(spans);
     [west, south, east, north]
 }
 
-/// Extends a shell that goes round the axis to its pole, or to a hole that goes round as well.
-fn close_over_pole(latitudes: &mut [f64; 2], polygon: &Polygon, rule: EdgeRule) {
+/// Extends a shell to the poles that it holds; one that parts the poles only to a hole that does as
+/// well.
+fn close_over_poles(
+    latitudes: &mut [f64; 2],
+    holds_poles: [bool; 2],
+    polygon: &Polygon,
+    rule: EdgeRule,
+) {
     let holes = polygon.holes.iter().map(|hole| RingExtent::new(hole, rule));
     let round_hole = holes.filter(|hole| hole.turns).map(|hole| hole.latitudes);
-    match polygon.pole_held(0, true) {
-        Pole::North => {
+    match holds_poles {
+        [false, false] => {}
+        [true, true] => *latitudes = [-FRAC_PI_2, FRAC_PI_2],
+        [false, true] => {
             let rim = round_hole.map(|[_, north]| north).reduce(f64::min);
             latitudes[1] = latitudes[1].max(rim.unwrap_or(FRAC_PI_2));
         }
-        Pole::South => {
+        [true, false] => {
             let rim = round_hole.map(|[south, _]| south).reduce(f64::max);
             latitudes[0] = latitudes[0].min(rim.unwrap_or(-FRAC_PI_2));
         }
@@ -368,7 +377,7 @@ mod tests {
     }
 
     fn extent_deg(coordinates: &str, rule: EdgeRule) -> [f64; 4] {
-        region_extent_rad(&region(coordinates), rule)
+        region_extent_rad(&region(coordinates), rule, &Ellipsoid::WGS84)
             .map(|radians| (radians.to_degrees() * 1e9).round() / 1e9)
     }
 

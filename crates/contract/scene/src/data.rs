@@ -9,7 +9,7 @@
 use sha2::{Digest, Sha256};
 use std::io;
 use std::path::{Path, PathBuf};
-use terrafill_core::{RegionFile, RegionFileError, read_region_file};
+use terrafill_core::{Reading, RegionFile, RegionFileError, read_region_file};
 
 /// Environment variable with the data folder.
 pub const DATA_DIR_VARIABLE: &str = "TERRAFILL_DATA";
@@ -55,9 +55,10 @@ pub enum RegionLoadError {
 ///
 /// # Errors
 /// [`RegionLoadError`], with the path as given.
-pub fn load_regions(path: &Path) -> Result<RegionFile, RegionLoadError> {
+pub fn load_regions(path: &Path, reading: Reading) -> Result<RegionFile, RegionLoadError> {
     let bytes = read(path)?;
-    Ok(read_region_file(&bytes, &path.display().to_string())?)
+    let file = path.display().to_string();
+    Ok(read_region_file(&bytes, &file, reading)?)
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, RegionLoadError> {
@@ -143,11 +144,11 @@ mod tests {
         let folder = tempfile::tempdir().expect("temporary folder");
         let missing = folder.path().join("none.geojson");
         assert_eq!(
-            load_regions(&missing).expect_err("missing").to_string(),
+            load_regions(&missing, Reading::default()).expect_err("missing").to_string(),
             format!("{}: no such file", missing.display())
         );
         assert_eq!(
-            load_regions(folder.path())
+            load_regions(folder.path(), Reading::default())
                 .expect_err("directory")
                 .to_string(),
             format!(
@@ -162,12 +163,12 @@ mod tests {
         let folder = tempfile::tempdir().expect("temporary folder");
         let path = folder.path().join("r.geojson");
         std::fs::write(&path, "").expect("writable");
-        let error = load_regions(&path).expect_err("empty");
+        let error = load_regions(&path, Reading::default()).expect_err("empty");
         assert!(matches!(error, RegionLoadError::Invalid(_)), "{error:?}");
         assert!(error.to_string().contains("r.geojson"), "{error}");
         let square = r#"{"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1],[0,1],[0,0]]]}"#;
         std::fs::write(&path, square).expect("writable");
-        let regions = load_regions(&path).expect("a square").regions;
+        let regions = load_regions(&path, Reading::default()).expect("a square").regions;
         assert_eq!((regions.len(), regions[0].vertex_count()), (1, 4));
     }
 

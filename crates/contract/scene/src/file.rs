@@ -17,7 +17,9 @@ use serde::Deserialize;
 use std::ops::RangeInclusive;
 use std::path::{Component, Path};
 use std::sync::Arc;
-use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, Region, parse_regions};
+use terrafill_core::{
+    EdgeRule, Ellipsoid, Geodetic, Inside, MeshOptions, Reading, Region, Unwrap, parse_regions_as,
+};
 
 /// Vertical field of view where a view names none, degrees.
 const DEFAULT_FOV_DEG: f64 = 60.0;
@@ -79,6 +81,20 @@ impl Scene {
             Overlap::name,
         )?;
         let repair = check.repair(raw.regions.repair.as_deref())?;
+        let reading = Reading {
+            unwrap: check.choice(
+                "regions.unwrap",
+                raw.regions.unwrap.as_deref(),
+                [Unwrap::Literal, Unwrap::Shortest],
+                Unwrap::name,
+            )?,
+            inside: check.choice(
+                "regions.inside",
+                raw.regions.inside.as_deref(),
+                [Inside::Smaller, Inside::Left],
+                Inside::name,
+            )?,
+        };
         let source = check.region_source(raw.regions)?;
         let mesh = check.mesh(&raw.mesh)?;
         let levels = check.levels(raw.levels)?;
@@ -99,7 +115,7 @@ impl Scene {
         }
         let texture = raw.texture.map(|raw| check.texture(raw)).transpose()?;
         // Last, so that a wrong scene is reported as wrong even where its data is missing.
-        let mut regions = source.regions(&name, data_dir)?;
+        let mut regions = source.regions(&name, data_dir, reading)?;
         if repair {
             for region in &mut regions {
                 region.split_at_crossings(edge_rule);
@@ -174,6 +190,8 @@ struct RawRegions {
     embedded: Option<String>,
     procedural: Option<RawProcedural>,
     repair: Option<String>,
+    unwrap: Option<String>,
+    inside: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -334,9 +352,14 @@ enum RegionSource {
 }
 
 impl RegionSource {
-    fn regions(self, scene: &str, data_dir: Option<&Path>) -> Result<Vec<Region>, SceneError> {
+    fn regions(
+        self,
+        scene: &str,
+        data_dir: Option<&Path>,
+        reading: Reading,
+    ) -> Result<Vec<Region>, SceneError> {
         let parse = |bytes: &[u8], file: &str| {
-            parse_regions(bytes, file)
+            parse_regions_as(bytes, file, reading)
                 .map_err(|error| SceneError::Regions(RegionLoadError::Invalid(error)))
         };
         match self {

@@ -15,7 +15,7 @@ mod boundary;
 mod cone;
 mod geodesic;
 
-use crate::{EdgeRule, Ellipsoid, Geodetic, Region};
+use crate::{EdgeRule, Ellipsoid, Geodetic, Inside, Region};
 use boundary::{Band, Boundary, Curve, Leg, pieces_of_turn};
 pub use cone::SensorCone;
 use cone::Sight;
@@ -390,6 +390,7 @@ fn finish(
             polygons: vec![traced.polygon],
             warnings: Vec::new(),
             repaired: false,
+            inside: Inside::default(),
         },
         deviation_m: traced.deviation_m,
     })

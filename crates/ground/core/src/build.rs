@@ -5,7 +5,9 @@
 //! with its places; what crosses only where parts of edges were rounded is snapped and meshed again.
 
 use crate::crossings::CrossingPlaces;
-use crate::edge::{Degrees, EdgeSplitter, ROUNDING, ZoneArea, surface_point};
+use crate::edge::{Degrees, EdgeSplitter, ROUNDING, ZoneArea, compensated_sum, surface_point};
+use crate::geojson::feature_label;
+use crate::inside::{SideChoice, side_note};
 use crate::lens::{WithinRounding, follow_arcs};
 use crate::mesh::sagitta_m;
 use crate::mesh_error::MeshError;
@@ -15,13 +17,15 @@ use crate::pieces::OutlineEdge;
 use crate::snap::snap_rounded;
 use crate::stitch::Stitcher;
 use crate::triangulate::{Arcs, GroupMesh, TriangulateError, triangulate};
-use crate::{EdgeRule, Ellipsoid, Extent, MeshOptions, Region, RegionMesh};
+use crate::{EdgePlace, EdgeRule, Ellipsoid, Extent, MeshOptions, Region, RegionMesh};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Crossings listed of one region; the rest are counted.
 const MAX_LISTED_CROSSINGS: usize = 100;
+/// Crossings of arcs after which the search ends: a message says how many more there are.
+const MAX_COUNTED_CROSSINGS: usize = 10_000;
 /// Edges of a region from which its groups are triangulated several at a time: below that, handing
 /// them out costs more than it saves.
 const PARALLEL_FROM_EDGES: usize = 2_000;
@@ -57,8 +61,8 @@ impl RegionMesh {
     /// Inside is what an odd number of the region's ring edges separates from the outside, so holes
     /// and islands in holes need no nesting order. Longitudes within 10⁻¹¹ degrees of ±180 are on the
     /// antimeridian, and latitudes within 2⁻³⁶ degrees (1.6 µm on the Earth) of ±90 at the pole. Which
-    /// pole a ring round the axis holds is said at
-    /// [`Polygon::pole_held`](crate::Polygon::pole_held).
+    /// side of a ring round a pole is inside is said at [`Inside`](crate::Inside); where its two
+    /// readings differ, [`RegionMesh::warnings`] says so.
     ///
     /// # Errors
     /// [`MeshError`]; the first one found.
@@ -80,10 +84,12 @@ impl RegionMesh {
         options: &MeshOptions,
     ) -> Result<Self, Vec<MeshError>> {
         options.check().map_err(|error| vec![error])?;
+        let without_collapsed = region.without_collapsed_holes(rule);
+        let region = without_collapsed.as_ref().unwrap_or(region);
         let build = |crossings| Self::build_once(region, body, rule, options, crossings);
         build(Crossings::Refused).or_else(|errors| {
             if !only_parts_cross(region, rule, &errors) {
-                return Err(errors);
+                return Err(with_all_arc_crossings(region, rule, errors));
             }
             build(Crossings::SnappedAway)
         })
@@ -96,10 +102,15 @@ impl RegionMesh {
         options: &MeshOptions,
         crossings: Crossings,
     ) -> Result<Self, Vec<MeshError>> {
+        let long_edges = match rule {
+            EdgeRule::Planar => region.long_edge_count(),
+            EdgeRule::GreatEllipse => 0,
+        };
         let no_area = || {
             vec![MeshError::NoArea {
                 feature: region.index,
                 name: region.name.clone(),
+                long_edges,
             }]
         };
         let mesh = |bent: &Bent| Meshed::new(region, body, rule, options, crossings, bent);
@@ -163,7 +174,13 @@ impl RegionMesh {
             extent,
             boundary_deviation_m,
             cap_sagitta_m,
-            warnings: [region.warnings.as_slice(), &notes].concat(),
+            warnings: region
+                .warnings
+                .iter()
+                .cloned()
+                .chain(long_edges_note(long_edges))
+                .chain(notes)
+                .collect(),
         };
         // Rare enough to be looked at again: what was a rounding wide has been moved by as much.
         if !bent.is_empty() || matches!(crossings, Crossings::SnappedAway) {
@@ -289,17 +306,21 @@ impl Meshed {
         // Chords within the tolerance of arcs may lie apart where these cross. No arc does unless a
         // vertex lies between another and its chord, which has them followed.
         if !region.repaired && groups.iter().any(|group| group.mesh.arcs_followed) {
-            let places = region.arc_crossings(MAX_LISTED_CROSSINGS + 1);
+            let places = region.arc_crossings(MAX_COUNTED_CROSSINGS);
             if !places.is_empty() {
-                let counted_all = places.len() <= MAX_LISTED_CROSSINGS;
+                let counted_all = places.len() < MAX_COUNTED_CROSSINGS;
                 return Err(self_crossings(region, places, counted_all));
             }
         }
-        let notes = if groups.iter().any(|group| group.in_doubt || group.is_joined) {
-            notes_on_parts(region, body, rule, options, &groups)?
-        } else {
-            Vec::new()
-        };
+        let mut notes = side_notes(region, &outline.choices);
+        notes.extend(finest_note(options, splitter.deviation_m));
+        notes.extend(
+            if groups.iter().any(|group| group.in_doubt || group.is_joined) {
+                notes_on_parts(region, body, rule, options, &groups)?
+            } else {
+                Vec::new()
+            },
+        );
         let mut extent = outline.extent;
         for (group, followed) in groups.iter().zip(followed) {
             // Feet may lie nearer to the arc's highest latitude than the places it was split at, and
@@ -318,6 +339,38 @@ impl Meshed {
             notes,
         })
     }
+}
+
+/// What is to be said of rings round a pole.
+fn side_notes(region: &Region, choices: &[(EdgePlace, SideChoice)]) -> Vec<String> {
+    let note = |(place, choice): &(EdgePlace, SideChoice)| {
+        let EdgePlace { polygon, ring, .. } = region.in_file(*place);
+        format!(
+            "{}, polygon {polygon}, ring {ring}: {}",
+            feature_label(region.index, &region.name),
+            side_note(ring > 0, region.inside, choice)
+        )
+    };
+    choices.iter().map(note).collect()
+}
+
+fn long_edges_note(count: usize) -> Option<String> {
+    let edges = match count {
+        0 => return None,
+        1 => "1 edge spans".to_owned(),
+        _ => format!("{count} edges span"),
+    };
+    Some(format!(
+        "{edges} more than 180° of longitude: planar edges go the long way (RFC 7946)"
+    ))
+}
+
+/// What was reached where edges are not split as finely as was asked for.
+fn finest_note(options: &MeshOptions, deviation_m: f64) -> Option<String> {
+    let asked_m = options.boundary_tolerance_m;
+    (deviation_m > asked_m).then(|| {
+        format!("boundary tolerance {asked_m:e} m is too fine: {deviation_m:.3e} m was reached")
+    })
 }
 
 /// Moves the nearer end of either interval to a vertex that is a little outside. ±180 is one
@@ -395,8 +448,8 @@ fn notes_on_parts(
     let error = |overlap: OverlapPlace| MeshError::Overlap {
         feature: region.index,
         name: region.name.clone(),
-        first: overlap.rings[0],
-        second: overlap.rings[1],
+        first: region.in_file(overlap.rings[0]),
+        second: region.in_file(overlap.rings[1]),
         longitude_deg: overlap.at[0],
         latitude_deg: overlap.at[1],
     };
@@ -420,13 +473,32 @@ struct TriangulatedGroup {
 /// Where an edge is split or cut at the antimeridian is rounded, which bends it over a vertex that
 /// touches it or over another edge a rounding away.
 fn only_parts_cross(region: &Region, rule: EdgeRule, errors: &[MeshError]) -> bool {
-    let crossings = |error: &MeshError| {
-        matches!(
-            error,
-            MeshError::SelfCrossing { .. } | MeshError::MoreCrossings { .. }
-        )
-    };
-    errors.iter().all(crossings) && (region.repaired || !region.has_crossings(rule))
+    errors.iter().all(is_crossing) && (region.repaired || !region.has_crossings(rule))
+}
+
+/// Errors with every crossing of arcs in place of those that are crossings of chords: parts of edges
+/// that were split meet at the places that split them, and do not cross there.
+fn with_all_arc_crossings(
+    region: &Region,
+    rule: EdgeRule,
+    errors: Vec<MeshError>,
+) -> Vec<MeshError> {
+    if rule == EdgeRule::Planar || region.repaired || !errors.iter().all(is_crossing) {
+        return errors;
+    }
+    let places = region.arc_crossings(MAX_COUNTED_CROSSINGS);
+    if places.is_empty() {
+        return errors;
+    }
+    let counted_all = places.len() < MAX_COUNTED_CROSSINGS;
+    self_crossings(region, places, counted_all)
+}
+
+fn is_crossing(error: &MeshError) -> bool {
+    matches!(
+        error,
+        MeshError::SelfCrossing { .. } | MeshError::MoreCrossings { .. }
+    )
 }
 
 /// Indices of the groups that are turned over.
@@ -551,22 +623,6 @@ fn enclosed_area_m2(body: &Ellipsoid, rule: EdgeRule, group: &GroupMesh) -> f64 
     -compensated_sum(under)
 }
 
-/// What lies under the two sides of a sliver is a million times the sliver, and a plain sum rounds
-/// at the size of the former (Neumaier 1974).
-fn compensated_sum(terms: impl Iterator<Item = f64>) -> f64 {
-    let (mut sum, mut lost) = (0.0_f64, 0.0_f64);
-    for term in terms {
-        let next = sum + term;
-        lost += if sum.abs() >= term.abs() {
-            (sum - next) + term
-        } else {
-            (term - next) + sum
-        };
-        sum = next;
-    }
-    sum + lost
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -665,13 +721,5 @@ mod tests {
             assert_eq!(at([-180.0, 0.0]), as_it_was);
             assert_eq!(at([0.0, 90.0]), [west, -10.0, east, 90.0]);
         }
-    }
-
-    #[test]
-    fn a_compensated_sum_keeps_what_a_plain_one_loses() {
-        let terms = [1e16, 3.0, -1e16, 1.0, 1e-3];
-        assert!((compensated_sum(terms.into_iter()) - 4.001).abs() < 1e-15);
-        // Twin: the plain sum does lose it.
-        assert!((terms.iter().sum::<f64>() - 4.001).abs() > 0.5);
     }
 }

@@ -42,9 +42,13 @@ const WIDEST_MEASURED_RAD: f64 = 1.0;
 const STRAIGHT_ARC_RAD: f64 = 1e-9;
 /// A straight line in degrees is off an arc by a quarter of the product of the two.
 const STRAIGHT_WIDTH_RAD: f64 = 1e-7;
-/// Halvings of one edge after which splitting stops: a millionth of the edge is below the rounding
-/// of its coordinates' use in metres.
-const MAX_HALVINGS: u32 = 20;
+/// Finest tolerance that edges are split for, as a share of the equatorial radius: 0.3 mm on the
+/// Earth, as fine as positions are drawn of a region 340 km wide. Parts get more with the root of
+/// what a finer one divides by, and all of an edge must be held and triangulated.
+pub(crate) const FINEST_TOLERANCE: f64 = 5e-11;
+/// Halvings of one edge after which splitting stops: a whole parallel is 65,536 parts of 600 m then,
+/// at most 7 mm off on the Earth.
+const MAX_HALVINGS: u32 = 16;
 
 /// Halvings of an arc after which its area is taken as it is. An arc that passes a pole by 4e-8°
 /// turns from one meridian to the other within about as much longitude: some 30 halvings.
@@ -65,10 +69,16 @@ impl<'a> EdgeSplitter<'a> {
         Self {
             body,
             rule,
-            tolerance_m: options.boundary_tolerance_m,
+            tolerance_m: options
+                .boundary_tolerance_m
+                .max(FINEST_TOLERANCE * body.equatorial_radius_m()),
             step_rad: options.cap_step_deg.to_radians(),
             deviation_m: 0.0,
         }
+    }
+
+    pub(crate) fn body(&self) -> &'a Ellipsoid {
+        self.body
     }
 
     /// Calls `emit` with each point that splits the edge, in order from `start` to `end`.
@@ -95,7 +105,12 @@ impl<'a> EdgeSplitter<'a> {
         halvings_left: u32,
         emit: &mut impl FnMut(Degrees),
     ) {
-        if halvings_left == 0 || is_at_pole(start, end) || !self.should_split(start, end) {
+        if is_at_pole(start, end) || !self.should_split(start, end) {
+            return;
+        }
+        if halvings_left == 0 {
+            let measured = measure(self.body, self.rule, start, end);
+            self.deviation_m = self.deviation_m.max(measured.deviation_m);
             return;
         }
         let middle = point_on_edge(self.rule, start, end, 0.5);
@@ -365,9 +380,13 @@ fn largest_of([first, middle, last]: [f64; 3]) -> f64 {
 /// `Z(φ) − Z(φ₀)`, where Z is [`Ellipsoid::zone_area_per_radian`], without cancellation: both terms
 /// as differences, by `x/(1−e²x²) − y/(1−e²y²)` over a common denominator and
 /// `artanh u − artanh v = artanh((u − v)/(1 − uv))`.
+///
+/// Latitudes come in degrees and are subtracted before they are converted: two that differ by their
+/// last bits differ by other bits in radians.
 pub(crate) struct ZoneArea {
     half_b2: f64,
     e2: f64,
+    reference_deg: f64,
     reference_rad: f64,
     sin_reference: f64,
     /// Bound on `dZ/dφ / cos φ = M N`, square metres per steradian: as at a pole.
@@ -380,6 +399,7 @@ impl ZoneArea {
         Self {
             half_b2: 0.5 * b * b,
             e2: body.eccentricity_squared(),
+            reference_deg,
             reference_rad: reference_deg.to_radians(),
             sin_reference: reference_deg.to_radians().sin(),
             largest_slope: (body.equatorial_radius_m().powi(2) / b).powi(2),
@@ -387,13 +407,22 @@ impl ZoneArea {
     }
 
     /// At a latitude, square metres per radian of longitude.
-    pub(crate) fn at(&self, latitude_rad: f64) -> f64 {
+    pub(crate) fn at(&self, latitude_deg: f64) -> f64 {
+        self.above_reference(self.height_rad(latitude_deg))
+    }
+
+    /// How far a latitude is north of φ₀.
+    fn height_rad(&self, latitude_deg: f64) -> f64 {
+        (latitude_deg - self.reference_deg).to_radians()
+    }
+
+    /// As [`ZoneArea::at`], by the height above φ₀.
+    fn above_reference(&self, height_rad: f64) -> f64 {
         let (e2, t) = (self.e2, self.sin_reference);
-        let s = latitude_rad.sin();
+        let s = (self.reference_rad + height_rad).sin();
         // sin φ − sin φ₀ without cancellation.
-        let difference = 2.0
-            * (0.5 * (latitude_rad + self.reference_rad)).cos()
-            * (0.5 * (latitude_rad - self.reference_rad)).sin();
+        let difference =
+            2.0 * (self.reference_rad + 0.5 * height_rad).cos() * (0.5 * height_rad).sin();
         let rational = difference * (1.0 + e2 * s * t) / ((1.0 - e2 * s * s) * (1.0 - e2 * t * t));
         let argument = difference / (1.0 - e2 * s * t);
         let e = e2.sqrt();
@@ -421,9 +450,9 @@ impl ZoneArea {
 
     fn under_line(&self, start: Degrees, end: Degrees) -> f64 {
         let width = (end[0] - start[0]).to_radians();
-        let (from, to) = (start[1].to_radians(), end[1].to_radians());
+        let (from, to) = (self.height_rad(start[1]), self.height_rad(end[1]));
         if start[1] == end[1] {
-            return width * self.at(from);
+            return width * self.above_reference(from);
         }
         // Error of n-point Gauss–Legendre falls with span²ⁿ; these keep it under 1e-14 relative.
         let span = (to - from).abs();
@@ -440,7 +469,7 @@ impl ZoneArea {
         while piece < pieces {
             let center = from + (to - from) * (piece + 0.5) / pieces;
             let half = 0.5 * (to - from) / pieces;
-            sum += gauss(rule, |x| self.at(center + half * x));
+            sum += gauss(rule, |x| self.above_reference(center + half * x));
             piece += 1.0;
         }
         width * 0.5 * sum / pieces
@@ -457,7 +486,7 @@ impl ZoneArea {
         // The latitudes carry rounding of 1e-16 rad, which is little of Z near a pole, but for what
         // the sum with φ₀ carries of it. The longitudes carry theirs, by which a steep arc rises:
         // halving one that spans a few of their last bits would never end.
-        let from_reference = [start, end].map(|[_, y]| (y.to_radians() - self.reference_rad).abs());
+        let from_reference = [start, end].map(|[_, y]| self.height_rad(y).abs());
         let slope = self.largest_slope
             * (largest_cosine(start[1], end[1]) + from_reference[0].max(from_reference[1]));
         let last_bits_rad = 4e-16 * start[0].abs().max(end[0].abs()).to_radians();
@@ -481,7 +510,7 @@ impl ZoneArea {
             return 0.0;
         }
         let sum = gauss(&GAUSS_5, |x| {
-            self.at(great_circle_latitude(start, end, center + half * x).to_radians())
+            self.at(great_circle_latitude(start, end, center + half * x))
         });
         half.to_radians() * sum
     }
@@ -524,9 +553,33 @@ fn gauss(rule: &[(f64, f64)], f: impl Fn(f64) -> f64) -> f64 {
         .sum()
 }
 
+/// What lies under the two sides of a sliver is a million times the sliver, and a plain sum rounds
+/// at the size of the former (Neumaier 1974).
+pub(crate) fn compensated_sum(terms: impl Iterator<Item = f64>) -> f64 {
+    let (mut sum, mut lost) = (0.0_f64, 0.0_f64);
+    for term in terms {
+        let next = sum + term;
+        lost += if sum.abs() >= term.abs() {
+            (sum - next) + term
+        } else {
+            (term - next) + sum
+        };
+        sum = next;
+    }
+    sum + lost
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_compensated_sum_keeps_what_a_plain_one_loses() {
+        let terms = [1e16, 3.0, -1e16, 1.0, 1e-3];
+        assert!((compensated_sum(terms.into_iter()) - 4.001).abs() < 1e-15);
+        // Twin: the plain sum does lose it.
+        assert!((terms.iter().sum::<f64>() - 4.001).abs() > 0.5);
+    }
 
     #[test]
     fn quadrature_rules_integrate_the_polynomials_they_promise() {
@@ -551,7 +604,7 @@ mod tests {
                 for latitude_deg in [-90.0_f64, -10.0, 0.0, 45.0, 46.0, 90.0] {
                     let exact = body.zone_area_per_radian(latitude_deg.to_radians())
                         - body.zone_area_per_radian(reference_deg.to_radians());
-                    let found = zone.at(latitude_deg.to_radians());
+                    let found = zone.at(latitude_deg);
                     let scale = body.equatorial_radius_m().powi(2);
                     assert!((found - exact).abs() < 1e-15 * scale * 4.0);
                 }

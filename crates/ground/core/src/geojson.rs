@@ -10,7 +10,7 @@ mod raw;
 pub(crate) use problem::feature_label;
 pub use problem::{RegionFileError, RegionProblem, RegionProblemKind, printable, wide_encoding};
 
-use crate::{Polygon, Region, Ring};
+use crate::{Inside, Polygon, Region, Ring, Unwrap};
 use problem::json_problem;
 use raw::{RawCoordinates, RawObject};
 use serde::de::IgnoredAny;
@@ -40,8 +40,15 @@ pub struct RegionFile {
 /// # Errors
 /// [`RegionFileError`] with every problem of the file. [`RegionProblemKind::NotAreal`] is one only
 /// where no feature has an area.
-pub fn read_region_file(bytes: &[u8], file: &str) -> Result<RegionFile, RegionFileError> {
-    let mut reader = Reader::default();
+pub fn read_region_file(
+    bytes: &[u8],
+    file: &str,
+    reading: Reading,
+) -> Result<RegionFile, RegionFileError> {
+    let mut reader = Reader {
+        reading,
+        ..Reader::default()
+    };
     let regions = reader.read_file(bytes);
     let warnings = reader.warnings();
     if reader.problems.is_empty() {
@@ -56,12 +63,33 @@ pub fn read_region_file(bytes: &[u8], file: &str) -> Result<RegionFile, RegionFi
     }
 }
 
+/// What a file leaves open.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Reading {
+    /// Which way edges over more than 180° of longitude go.
+    pub unwrap: Unwrap,
+    /// Which side of a ring round a pole is inside: [`Region::inside`].
+    pub inside: Inside,
+}
+
+/// As [`parse_regions_as`], what the file leaves open by default.
+///
+/// # Errors
+/// As there.
+pub fn parse_regions(bytes: &[u8], file: &str) -> Result<Vec<Region>, RegionFileError> {
+    parse_regions_as(bytes, file, Reading::default())
+}
+
 /// The regions of [`read_region_file`], at least one.
 ///
 /// # Errors
 /// As there, and [`RegionProblemKind::NoFeatures`].
-pub fn parse_regions(bytes: &[u8], file: &str) -> Result<Vec<Region>, RegionFileError> {
-    let read = read_region_file(bytes, file)?;
+pub fn parse_regions_as(
+    bytes: &[u8],
+    file: &str,
+    reading: Reading,
+) -> Result<Vec<Region>, RegionFileError> {
+    let read = read_region_file(bytes, file, reading)?;
     if read.regions.is_empty() {
         let mut reader = Reader::default();
         reader.problem(None, RegionProblemKind::NoFeatures);
@@ -92,7 +120,7 @@ struct Place {
 struct Normalised {
     open_rings: usize,
     repeated_positions: usize,
-    long_edges: usize,
+    collapsed_holes: usize,
     members_without_area: usize,
 }
 
@@ -113,9 +141,9 @@ impl Normalised {
                 "repeated positions were dropped",
             ),
             count(
-                self.long_edges,
-                "edge spans more than 180° of longitude: planar edges go the long way (RFC 7946)",
-                "edges span more than 180° of longitude: planar edges go the long way (RFC 7946)",
+                self.collapsed_holes,
+                "hole without area was left out",
+                "holes without area were left out",
             ),
             count(
                 self.members_without_area,
@@ -131,6 +159,7 @@ impl Normalised {
 
 #[derive(Default)]
 struct Reader {
+    reading: Reading,
     place: Place,
     problems: Vec<RegionProblem>,
     normalised: Normalised,
@@ -350,6 +379,7 @@ impl Reader {
             polygons,
             warnings: self.normalised.warnings(),
             repaired: false,
+            inside: self.reading.inside,
         })
     }
 
@@ -423,7 +453,9 @@ impl Reader {
                 let mut read = Vec::with_capacity(rings.len());
                 for (i, ring) in rings.into_iter().enumerate() {
                     self.place.ring = Some(i);
-                    read.extend(self.read_ring(ring));
+                    let ring = self.read_ring(ring);
+                    let dropped = i - read.len();
+                    read.extend(ring.map(|ring| ring.after_dropped(dropped)));
                 }
                 self.place.ring = None;
                 let mut read = read.into_iter();
@@ -501,7 +533,22 @@ impl Reader {
         file_vertices.truncate(positions.len());
         self.normalised.repeated_positions += length - positions.len();
 
-        let turns = net_jumps(&positions);
+        let (turns, is_unrolled, turn): (isize, bool, fn([f64; 2], [f64; 2]) -> isize) =
+            match self.reading.unwrap {
+                Unwrap::Literal => {
+                    let turns = net_jumps(&positions);
+                    (turns, turns != 0, jump)
+                }
+                Unwrap::Shortest => {
+                    let next = positions.iter().cycle().skip(1);
+                    let edges = positions.iter().zip(next);
+                    let each = edges.map(|(start, end)| shorter_turn(*start, *end));
+                    let (net, any) = each.fold((0, false), |(net, any), turn| {
+                        (net + turn, any || turn != 0)
+                    });
+                    (net, any, shorter_turn)
+                }
+            };
         if turns.unsigned_abs() > 1 {
             let found = turns.unsigned_abs();
             self.problem(None, RegionProblemKind::ManyTurns { found });
@@ -512,17 +559,21 @@ impl Reader {
         if !(closed || ends_one_turn_on) {
             self.normalised.open_rings += 1;
         }
-        let (winding_deg, written) = if turns == 0 {
-            (0.0, Vec::new())
-        } else {
-            let (winding_deg, written, repeated) = unroll(&mut positions, &mut file_vertices);
+        let (winding_deg, written) = if is_unrolled {
+            let (winding_deg, written, repeated) = unroll(&mut positions, &mut file_vertices, turn);
             self.normalised.repeated_positions += repeated;
             (winding_deg, written)
+        } else {
+            (0.0, Vec::new())
         };
         let mut found = distinct_up_to_three(&positions);
         if winding_deg != 0.0 && found < 3 {
             // Its end, one turn on, is a position of its own in the file.
             found += 1;
+        }
+        if found < 3 && self.place.ring > Some(0) {
+            self.normalised.collapsed_holes += 1;
+            return None;
         }
         if found < 3 {
             let required = 3;
@@ -532,13 +583,6 @@ impl Reader {
         let ring = Ring::from_checked(positions, winding_deg)
             .with_file_vertices(file_vertices)
             .with_written_longitudes(written);
-        self.normalised.long_edges += ring
-            .edges_deg()
-            .filter(|(start, end)| {
-                let along_pole = start[1].abs() == 90.0 && start[1] == end[1];
-                (end[0] - start[0]).abs() > 180.0 && !along_pole
-            })
-            .count();
         Some(ring)
     }
 }
@@ -563,6 +607,22 @@ fn jump(start: [f64; 2], end: [f64; 2]) -> isize {
         1
     } else {
         -1
+    }
+}
+
+/// Whole turns that the edge between two places is longer than the shorter way; 0 along a pole, which
+/// is one place, and where both ways are half a turn.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "longitudes within ±540 are three turns apart at most"
+)]
+fn shorter_turn(start: [f64; 2], end: [f64; 2]) -> isize {
+    let step = end[0] - start[0];
+    let along_pole = start[1].abs() == 90.0 && start[1] == end[1];
+    if step.abs() <= 180.0 || along_pole {
+        0
+    } else {
+        (step / 360.0).round() as isize
     }
 }
 
@@ -596,11 +656,15 @@ fn net_jumps(positions: &[[f64; 2]]) -> isize {
     }
 }
 
-/// Shifts what follows each jump by one turn, drops the position that this repeats, and returns how
-/// far from the start the ring ends, the longitudes before they were shifted, and how many positions
-/// became one with their neighbour since 360° more cost them their last bits. The same positions are
-/// dropped from `file_vertices`.
-fn unroll(positions: &mut Vec<[f64; 2]>, file_vertices: &mut Vec<usize>) -> (f64, Vec<f64>, usize) {
+/// Shifts what follows each edge that turns by that many turns, drops the position that a jump
+/// repeats, and returns how far from the start the ring ends, the longitudes before they were shifted,
+/// and how many positions became one with their neighbour since 360° more cost them their last bits.
+/// The same positions are dropped from `file_vertices`.
+fn unroll(
+    positions: &mut Vec<[f64; 2]>,
+    file_vertices: &mut Vec<usize>,
+    turn: fn([f64; 2], [f64; 2]) -> isize,
+) -> (f64, Vec<f64>, usize) {
     let mut offset = 0.0;
     let mut repeated = 0;
     let mut written: Vec<f64> = Vec::with_capacity(positions.len());
@@ -624,8 +688,8 @@ fn unroll(positions: &mut Vec<[f64; 2]>, file_vertices: &mut Vec<usize>) -> (f64
             written.push(start[0]);
         }
         kept.push(file_vertex);
-        let turns = jump(*start, *end);
-        after_jump = turns != 0;
+        let turns = turn(*start, *end);
+        after_jump = turns != 0 && jump(*start, *end) != 0;
         offset -= 360.0 * turns as f64;
     }
     let ends_at_start = |unrolled: &[[f64; 2]]| match unrolled {
@@ -642,6 +706,16 @@ fn unroll(positions: &mut Vec<[f64; 2]>, file_vertices: &mut Vec<usize>) -> (f64
             && let Some(first) = written.first_mut()
         {
             *first = nearer_spelling(*first, last);
+        }
+    }
+    if unrolled
+        .iter()
+        .any(|place| place[0].abs() > LARGEST_LONGITUDE_DEG + 360.0)
+    {
+        // Edges each taken the shorter way may lead further round than a file may be written.
+        let back = 360.0 * (unrolled[0][0] / 360.0).round();
+        for place in &mut unrolled {
+            place[0] -= back;
         }
     }
     *positions = unrolled;

@@ -98,8 +98,11 @@ impl SimplifiedRegions {
 pub struct SharedBoundaries<'a> {
     regions: &'a [Region],
     rule: EdgeRule,
+    body: Ellipsoid,
     judge: Judge,
     arcs: Arcs<'a>,
+    /// Of each ring, which poles it holds.
+    holds_poles: Vec<[bool; 2]>,
 }
 
 impl<'a> SharedBoundaries<'a> {
@@ -111,8 +114,10 @@ impl<'a> SharedBoundaries<'a> {
         Self {
             regions,
             rule,
+            body: *body,
             judge: Judge::new(body, rule),
             arcs: Arcs::new(regions, body, rule),
+            holds_poles: holds_poles(regions, rule, body),
         }
     }
 
@@ -206,21 +211,22 @@ impl<'a> SharedBoundaries<'a> {
                     .collect(),
                 warnings: region.warnings.clone(),
                 repaired: region.repaired,
+                inside: region.inside,
             })
             .collect()
     }
 
-    /// Vertices that must come back: one of each edge that crosses another, and all of a ring whose
-    /// mean latitude would change sides, since that tells which pole a ring round the axis holds.
+    /// Vertices that must come back: one of each edge that crosses another, and all of a ring that
+    /// would hold other poles.
     fn to_restore(&self, regions: &[Region], kept: &[bool]) -> Vec<u32> {
         let mut restore = Vec::new();
         let mut edges: Vec<[Degrees; 2]> = Vec::new();
         // Ring, and which of its kept vertices the edge starts at.
         let mut places: Vec<(usize, usize)> = Vec::new();
         let simplified = regions.iter().flat_map(Region::rings);
+        let held = holds_poles(regions, self.rule, &self.body);
         for (index, (ring, original)) in simplified.zip(&self.arcs.rings).enumerate() {
-            let is_southern = |ring: &Ring| ring.mean_latitude_deg() < 0.0;
-            if is_southern(ring) != is_southern(original.ring) && goes_round(self.rule, ring) {
+            if held[index] != self.holds_poles[index] {
                 let lost = original.vertices.iter().copied();
                 restore.extend(lost.filter(|&vertex| !kept[vertex as usize]));
             }
@@ -307,20 +313,14 @@ fn check_growing(tolerances_m: &[f64]) -> Result<(), SimplifyError> {
     Ok(())
 }
 
-/// Whether a ring goes round the axis.
-fn goes_round(rule: EdgeRule, ring: &Ring) -> bool {
-    let turn_deg: f64 = match rule {
-        EdgeRule::Planar => ring.winding_deg(),
-        // Every edge the shorter way.
-        EdgeRule::GreatEllipse => ring
-            .edges_deg()
-            .map(|(start, end)| {
-                let step = end[0] - start[0];
-                step - 360.0 * (step / 360.0).round()
-            })
-            .sum(),
-    };
-    turn_deg.abs() > 180.0
+/// Of each ring, which poles it holds.
+fn holds_poles(regions: &[Region], rule: EdgeRule, body: &Ellipsoid) -> Vec<[bool; 2]> {
+    let of_polygon = |region: &Region, polygon: &Polygon| polygon.sides(rule, body, region.inside);
+    let sides = regions.iter().flat_map(|region| {
+        let polygons = region.polygons.iter();
+        polygons.flat_map(move |polygon| of_polygon(region, polygon))
+    });
+    sides.map(|side| side.holds_poles).collect()
 }
 
 /// The ring with the kept vertices only.
@@ -332,7 +332,9 @@ fn thinned(ring: &RingVertices<'_>, kept: &[bool]) -> Ring {
         .filter(|((vertex, _), _)| kept[**vertex as usize])
         .map(|((_, position), written)| (*position, written))
         .unzip();
-    Ring::from_checked(vertices, ring.ring.winding_deg()).with_written_longitudes(written)
+    Ring::from_checked(vertices, ring.ring.winding_deg())
+        .with_written_longitudes(written)
+        .after_dropped(ring.ring.file_ring(0))
 }
 
 /// Of the original vertices that edge `edge` of the simplified ring stands for, the one farthest
@@ -710,14 +712,16 @@ mod tests {
 
     #[test]
     fn a_ring_round_the_axis_never_changes_its_pole() {
-        // Its mean latitude is north by one vertex.
+        // Its northern side is the smaller one by one vertex.
         let original = regions(&["[-180,-1],[-90,-1],[0,-1],[45,9],[90,-1],[180,-1]"]);
         let rule = EdgeRule::Planar;
         let shared = SharedBoundaries::new(&original, &Ellipsoid::WGS84, rule);
-        let ring = &original[0].polygons[0].shell;
-        assert!(goes_round(rule, ring) && ring.mean_latitude_deg() > 0.0);
+        assert_eq!(shared.holds_poles, [[false, true]]);
         let level = shared.level(1e7, kept_without(&shared, &[[45.0, 9.0]]));
         assert_eq!(level.restored_vertices, 1);
+        let without = shared.rebuild(&kept_without(&shared, &[[45.0, 9.0]]));
+        let held = holds_poles(&without, rule, &Ellipsoid::WGS84);
+        assert_eq!(held, [[true, false]]);
         // Twin: one that does not go round may.
         let other = regions(&["[0,-1],[45,9],[90,-1],[60,-2],[0,-1]"]);
         let shared = SharedBoundaries::new(&other, &Ellipsoid::WGS84, rule);

@@ -9,9 +9,11 @@ mod antimeridian;
 mod body;
 mod box_tree;
 mod build;
+mod collapsed;
 mod crossings;
 mod edge;
 mod geojson;
+mod inside;
 mod intersection;
 mod invariants;
 mod lens;
@@ -31,12 +33,13 @@ mod triangulate;
 pub use analytic::{AnalyticError, AnalyticRegion, GeodesicSector, SensorCone, SurfaceEllipse};
 pub use body::{Ellipsoid, Geodetic};
 pub use geojson::{
-    RegionFile, RegionFileError, RegionProblem, RegionProblemKind, parse_regions, printable,
-    read_region_file, wide_encoding,
+    Reading, RegionFile, RegionFileError, RegionProblem, RegionProblemKind, parse_regions,
+    parse_regions_as, printable, read_region_file, wide_encoding,
 };
+pub use inside::{RingSide, SideChoice};
 pub use invariants::InvariantViolation;
 pub use level_of_detail::{SharedBoundaries, Simplification, SimplifiedRegions, SimplifyError};
 pub use mesh::{Extent, MeshOptions, OrientedBox, RegionMesh, VolumeHeights};
 pub use mesh_error::MeshError;
-pub use region::{EdgePlace, EdgeRule, Pole, Polygon, Region, Ring};
+pub use region::{EdgePlace, EdgeRule, Inside, Polygon, Region, Ring, Unwrap};
 pub use shape_family::ShapeFamily;

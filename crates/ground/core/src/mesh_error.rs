@@ -79,12 +79,17 @@ pub enum MeshError {
         end: [f64; 2],
     },
     /// The rings cancel one another or have no width, if only by the rounding of their coordinates.
-    #[error("{}: the rings enclose no area", feature_label(*feature, name))]
+    #[error(
+        "{}: the rings enclose no area{}", feature_label(*feature, name), long_edges_label(*long_edges)
+    )]
     NoArea {
         /// Index in the file.
         feature: usize,
         /// Its name.
         name: String,
+        /// Planar edges that span more than 180° of longitude: a ring round a pole that was written
+        /// without its cut goes there and back.
+        long_edges: usize,
     },
     /// A knob out of its range.
     #[error("{option} is {found}; allowed is {allowed}")]
@@ -134,6 +139,14 @@ impl MeshError {
             | Self::Triangulation { .. }
             | Self::Option { .. } => None,
         }
+    }
+}
+
+fn long_edges_label(count: usize) -> String {
+    match count {
+        0 => String::new(),
+        1 => "; 1 edge spans more than 180° of longitude".to_owned(),
+        _ => format!("; {count} edges span more than 180° of longitude"),
     }
 }
 

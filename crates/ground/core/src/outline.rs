@@ -7,15 +7,17 @@
 //! number of edges separates from the outside. Cutting at the antimeridian then needs no case
 //! distinction: wherever a ring passes from one side to the other it leaves an odd end at the same
 //! latitude on both sides, and joining those ends in pairs along +180 and again along −180 closes
-//! the chain on each side. A ring round a pole passes an odd number of times; it is closed by the
-//! whole parallel of that pole, which is one point of the body.
+//! the chain on each side. A ring with one pole on either side passes an odd number of times. The
+//! whole parallel of each pole that lies inside a ring ([`Polygon::sides`]) belongs to the chain; it
+//! is one point of the body.
 
 use crate::antimeridian::{AtAntimeridian, crossings_at_antimeridian};
 use crate::crossings::{CrossingPlaces, crossing_places, find_crossings};
 use crate::edge::{Degrees, EdgeSplitter};
+use crate::inside::SideChoice;
 use crate::mesh::Extent;
 use crate::pieces::{OutlineEdge, Piece, is_uncut, ring_pieces};
-use crate::{EdgePlace, EdgeRule, Polygon, Region, Ring};
+use crate::{EdgePlace, EdgeRule, Inside, Polygon, Region, Ring};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
@@ -24,6 +26,8 @@ pub(crate) struct Outline {
     /// Parts whose bounding boxes do not touch: each is triangulated for itself.
     pub(crate) groups: Vec<Vec<OutlineEdge>>,
     pub(crate) extent: Extent,
+    /// Rings of which another side could be meant; vertex 0.
+    pub(crate) choices: Vec<(EdgePlace, SideChoice)>,
     splits: Splits,
 }
 
@@ -100,6 +104,8 @@ impl Outline {
             crossings: Vec::new(),
             splits: Splits::default(),
             opposite: Vec::new(),
+            inside: region.inside,
+            choices: Vec::new(),
         };
         for (index, polygon) in region.polygons.iter().enumerate() {
             builder.add_polygon(index, polygon);
@@ -123,6 +129,7 @@ impl Outline {
                 east_deg,
                 north_deg: whole.0[3],
             },
+            choices: builder.choices,
             splits: builder.splits,
         })
     }
@@ -185,6 +192,8 @@ struct Builder<'a, 'b> {
     crossings: Vec<(f64, usize)>,
     splits: Splits,
     opposite: Vec<OppositeEnds>,
+    inside: Inside,
+    choices: Vec<(EdgePlace, SideChoice)>,
 }
 
 impl Builder<'_, '_> {
@@ -194,8 +203,8 @@ impl Builder<'_, '_> {
             edges: Vec::with_capacity(polygon.rings().map(|ring| ring.vertices_deg().len()).sum()),
             bounds: Bounds::EMPTY,
         };
-        let mut shell_goes_round = false;
-        for (ring_index, ring) in polygon.rings().enumerate() {
+        let sides = polygon.sides(self.rule, self.splitter.body(), self.inside);
+        for ((ring_index, ring), side) in polygon.rings().enumerate().zip(sides) {
             let place = |vertex: usize| EdgePlace {
                 polygon: index,
                 ring: ring_index,
@@ -220,20 +229,16 @@ impl Builder<'_, '_> {
             };
             self.record_cuts(ring, &pieces, place);
             let crossings = self.record_runs(&pieces, part_index);
-            if crossings % 2 == 1 {
-                shell_goes_round |= ring_index == 0;
-                let latitude = polygon
-                    .pole_held(ring_index, shell_goes_round)
-                    .latitude_deg();
-                pieces.push(Piece {
-                    start: [-180.0, latitude],
-                    end: [180.0, latitude],
-                    vertex: ring.vertices_deg().len() - 1,
-                    turns: 0.0,
-                });
-                self.crossings.push((latitude, part_index));
+            let [holds_south, holds_north] = side.holds_poles;
+            debug_assert_eq!(crossings % 2 == 1, holds_south != holds_north);
+            let along_poles = parallels_of(side.holds_poles, &pieces);
+            for piece in &along_poles {
+                self.crossings.push((piece.end[1], part_index));
                 self.longitudes.push([-180.0, 180.0]);
             }
+            pieces.extend(along_poles);
+            self.choices
+                .extend(side.choice.map(|choice| (place(0), choice)));
             for piece in pieces {
                 self.add_split(&mut part, piece.start, piece.end, place(piece.vertex));
             }
@@ -344,6 +349,29 @@ impl Builder<'_, '_> {
         }
         self.parts.push(joined);
     }
+}
+
+/// Whole parallels of the poles that a ring of these pieces holds, directed as its border.
+fn parallels_of(holds_poles: [bool; 2], pieces: &[Piece]) -> Vec<Piece> {
+    // Only against one another does their direction count.
+    let westwards = holds_poles == [true; 2] && {
+        let under =
+            |piece: &Piece| 0.5 * (piece.start[1] + piece.end[1]) * (piece.end[0] - piece.start[0]);
+        pieces.iter().map(under).sum::<f64>() < 0.0
+    };
+    let parallel = |latitude: f64, [from, to]: [f64; 2]| Piece {
+        start: [from, latitude],
+        end: [to, latitude],
+        vertex: pieces.last().map_or(0, |piece| piece.vertex),
+        turns: 0.0,
+    };
+    let eastward = [-180.0, 180.0];
+    let south = if westwards { [180.0, -180.0] } else { eastward };
+    let both = [parallel(-90.0, south), parallel(90.0, eastward)];
+    let held = both.into_iter().zip(holds_poles);
+    held.filter(|(_, held)| *held)
+        .map(|(piece, _)| piece)
+        .collect()
 }
 
 /// Splits edges along the antimeridian wherever either side has a vertex, so that the two sides

@@ -33,6 +33,58 @@ impl EdgeRule {
     }
 }
 
+/// Which side of a ring round a pole is inside.
+///
+/// Round a pole are: of planar rings those that end one turn on from their start ([`Ring::winding_deg`]);
+/// of rings of great ellipses those that have one pole on either side, and those that have both on
+/// their smaller side. All others enclose their smaller side
+/// (great ellipses) or a part of the plane (planar), whichever way they are written. When both the
+/// shell and a hole of a polygon part the poles, what lies between the two is meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, Default)]
+#[serde(rename_all = "kebab-case")]
+pub enum Inside {
+    /// The side with the smaller area on the body, whichever way the ring is written; of halves the
+    /// left one. Where a ring crosses itself, what it goes round the other way counts negative.
+    #[default]
+    Smaller,
+    /// The left side along the ring, as RFC 7946 §3.1.6 orients shells; the right side of a hole.
+    Left,
+}
+
+impl Inside {
+    /// Name in scene files and on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Smaller => "smaller",
+            Self::Left => "left",
+        }
+    }
+}
+
+/// Which way an edge goes that spans more than 180° of longitude.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, Default)]
+#[serde(rename_all = "kebab-case")]
+pub enum Unwrap {
+    /// As the numbers stand (RFC 7946 §3.1.9): from 170 to −170 the long way, over 0.
+    #[default]
+    Literal,
+    /// The shorter way, over the antimeridian, as many files mean it that were never cut there. Edges
+    /// along a pole stay as written, and an edge of a whole turn has no length.
+    Shortest,
+}
+
+impl Unwrap {
+    /// Name in scene files and on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Literal => "literal",
+            Self::Shortest => "shortest",
+        }
+    }
+}
+
 /// A closed ring: at least 3 distinct vertices, `[longitude_deg, latitude_deg]`, first vertex not
 /// repeated at the end, no two neighbours equal, every value finite, latitude within ±90.
 ///
@@ -51,6 +103,8 @@ pub struct Ring {
     file_vertices: Vec<usize>,
     /// Longitude in the file of each vertex; empty where none was shifted by a turn.
     written_longitudes_deg: Vec<f64>,
+    /// Collapsed holes before it in the file, which are not among the polygon's rings.
+    rings_dropped_before: usize,
 }
 
 /// Where in its file a ring's vertices stand is no part of what it is, nor in which turn.
@@ -68,7 +122,23 @@ impl Ring {
             winding_deg,
             file_vertices: Vec::new(),
             written_longitudes_deg: Vec::new(),
+            rings_dropped_before: 0,
         }
+    }
+
+    /// With this many more holes of its polygon left out before it.
+    pub(crate) fn after_dropped(self, rings: usize) -> Self {
+        Self {
+            rings_dropped_before: self.rings_dropped_before + rings,
+            ..self
+        }
+    }
+
+    /// Position of the ring in its polygon's part of the file, for a ring that is number `ring`
+    /// here: collapsed holes are not among the rings here but count there.
+    #[must_use]
+    pub fn file_ring(&self, ring: usize) -> usize {
+        ring + self.rings_dropped_before
     }
 
     /// With the position in the file of each vertex; none if none was dropped.
@@ -121,13 +191,6 @@ impl Ring {
         self.winding_deg
     }
 
-    /// Mean of the vertices' latitudes: what decides which pole a ring that goes round one holds.
-    #[must_use]
-    pub fn mean_latitude_deg(&self) -> f64 {
-        let sum: f64 = self.vertices_deg.iter().map(|vertex| vertex[1]).sum();
-        sum / self.vertices_deg.len() as f64
-    }
-
     /// Edges in file order, the closing edge last; its end carries [`Ring::winding_deg`].
     pub fn edges_deg(&self) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
         let count = self.vertices_deg.len();
@@ -153,48 +216,7 @@ pub struct Polygon {
     pub holes: Vec<Ring>,
 }
 
-/// An end of a body's axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Pole {
-    /// Latitude +90.
-    North,
-    /// Latitude −90.
-    South,
-}
-
-impl Pole {
-    /// ±90.
-    #[must_use]
-    pub fn latitude_deg(self) -> f64 {
-        match self {
-            Self::North => 90.0,
-            Self::South => -90.0,
-        }
-    }
-}
-
 impl Polygon {
-    /// The pole held by this polygon's ring `ring` (0 is the shell), should that ring go round one.
-    ///
-    /// A ring round the axis divides a body in two, and either winding is accepted, so the winding
-    /// cannot say which side is meant: the shell means the side of the pole whose sign its mean
-    /// latitude has (north when it is 0). A hole is closed over the same pole as its shell, so that
-    /// a zone between two parallels comes out as written; when the shell does not go round, the
-    /// hole decides for itself. `shell_goes_round` depends on the edge rule: see
-    /// [`Ring::winding_deg`] for planar edges.
-    #[must_use]
-    pub fn pole_held(&self, ring: usize, shell_goes_round: bool) -> Pole {
-        let decides = match ring.checked_sub(1) {
-            Some(hole) if !shell_goes_round => self.holes.get(hole).unwrap_or(&self.shell),
-            _ => &self.shell,
-        };
-        if decides.mean_latitude_deg() < 0.0 {
-            Pole::South
-        } else {
-            Pole::North
-        }
-    }
-
     /// Shell first, then the holes.
     pub fn rings(&self) -> impl Iterator<Item = &Ring> {
         std::iter::once(&self.shell).chain(&self.holes)
@@ -215,6 +237,8 @@ pub struct Region {
     /// Whether parts that lie over one another are filled by the even-odd rule, as
     /// [`Region::split_at_crossings`] asks for, and not refused.
     pub repaired: bool,
+    /// Which side of a ring round a pole is inside.
+    pub inside: Inside,
 }
 
 impl Region {
@@ -224,20 +248,33 @@ impl Region {
         self.rings().map(|ring| ring.vertices_deg.len()).sum()
     }
 
+    /// Edges that span more than 180° of longitude as they stand, those along a pole left out.
+    #[must_use]
+    pub fn long_edge_count(&self) -> usize {
+        let is_long = |(start, end): &([f64; 2], [f64; 2])| {
+            let along_pole = start[1].abs() == 90.0 && start[1] == end[1];
+            (end[0] - start[0]).abs() > 180.0 && !along_pole
+        };
+        self.rings()
+            .flat_map(Ring::edges_deg)
+            .filter(is_long)
+            .count()
+    }
+
     /// Shells and holes of all parts.
     pub fn rings(&self) -> impl Iterator<Item = &Ring> {
         self.polygons.iter().flat_map(Polygon::rings)
     }
 
-    /// The same edge with its vertex counted as the file counts.
+    /// The same edge with its ring and vertex counted as the file counts.
     pub(crate) fn in_file(&self, place: EdgePlace) -> EdgePlace {
         let polygon = self.polygons.get(place.polygon);
         let ring = polygon.and_then(|polygon| polygon.rings().nth(place.ring));
-        let vertex = ring.map(|ring| ring.file_vertex(place.vertex));
-        EdgePlace {
-            vertex: vertex.unwrap_or(place.vertex),
-            ..place
-        }
+        ring.map_or(place, |ring| EdgePlace {
+            polygon: place.polygon,
+            ring: ring.file_ring(place.ring),
+            vertex: ring.file_vertex(place.vertex),
+        })
     }
 }
 

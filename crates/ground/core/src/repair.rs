@@ -24,6 +24,9 @@ impl Region {
     /// Edges are compared where they lie on the body, whichever turn they were written in.
     pub fn split_at_crossings(&mut self, rule: EdgeRule) -> usize {
         let mut total = 0;
+        if let Some(without) = self.without_collapsed_holes(rule) {
+            *self = without;
+        }
         self.repaired = true;
         let mut fewest = usize::MAX;
         for _ in 0..MAX_ROUNDS {
@@ -277,7 +280,9 @@ fn with_insertions(ring: &Ring, insertions: &[Insertion]) -> Ring {
         vertices.pop();
     }
     let (vertices, written) = vertices.into_iter().unzip();
-    Ring::from_checked(vertices, winding_deg).with_written_longitudes(written)
+    Ring::from_checked(vertices, winding_deg)
+        .with_written_longitudes(written)
+        .after_dropped(ring.file_ring(0))
 }
 
 #[cfg(test)]
@@ -299,6 +304,7 @@ mod tests {
             polygons,
             warnings: Vec::new(),
             repaired: false,
+            inside: crate::Inside::default(),
         }
     }
 

@@ -249,6 +249,7 @@ fn a_refusal_without_a_reason_is_found_out() {
     let no_area = MeshError::NoArea {
         feature: 0,
         name: name(),
+        long_edges: 0,
     };
     let overlap = MeshError::Overlap {
         feature: 0,
@@ -525,6 +526,7 @@ fn what_is_a_rounding_wide_may_be_nothing_in_one_direction_only() {
     let nothing = Err(MeshError::NoArea {
         feature: 0,
         name: String::new(),
+        long_edges: 0,
     });
     let mut square = case(vec![vec![rectangle(0.0, 0.0, 3e-5, 3e-5)]]);
     for rule in [EdgeRule::GreatEllipse, EdgeRule::Planar] {

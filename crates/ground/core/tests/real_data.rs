@@ -40,12 +40,9 @@ fn ring_area_m2(ring: &Ring) -> f64 {
             .sum();
         sum += width * simpson / (3.0 * 64.0);
     }
-    let pole = if ring.mean_latitude_deg() < 0.0 {
-        -90.0
-    } else {
-        90.0
-    };
-    (sum - ring.winding_deg().to_radians() * (z(pole) - reference)).abs()
+    let closed_over = |pole| (sum - ring.winding_deg().to_radians() * (z(pole) - reference)).abs();
+    // Round a pole the smaller side.
+    closed_over(90.0).min(closed_over(-90.0))
 }
 
 #[test]

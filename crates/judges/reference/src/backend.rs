@@ -78,10 +78,11 @@ impl ReferenceBackend {
     }
 
     fn locator(&self, input: &FillInput) -> Result<Locator, DeviceError> {
-        Locator::new(&input.scene.regions, input.scene.edge_rule).map_err(|error| {
+        let scene = &input.scene;
+        Locator::new(&scene.regions, scene.edge_rule, &scene.body).map_err(|error| {
             DeviceError::Unsupported {
                 capability: format!("a reading of its regions: {error}"),
-                adapter: format!("the reference of {}", input.scene.name),
+                adapter: format!("the reference of {}", scene.name),
             }
         })
     }

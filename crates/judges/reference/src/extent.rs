@@ -5,9 +5,10 @@
 //! that begin at the western end of a polygon the narrowest is taken: slower than sorting gaps, and
 //! nothing to go wrong. Edges along great ellipses are followed to the point nearest to a pole.
 
+use crate::sides::poles_held;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
-use terrafill_core::{EdgeRule, Region, Ring};
+use terrafill_core::{EdgeRule, Ellipsoid, Region, Ring};
 
 /// Bounds of a region.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,27 +20,27 @@ pub(crate) struct RegionExtent {
 }
 
 impl RegionExtent {
-    pub(crate) fn new(region: &Region, rule: EdgeRule) -> Self {
+    pub(crate) fn new(region: &Region, rule: EdgeRule, body: &Ellipsoid) -> Self {
         let mut latitudes = [FRAC_PI_2, -FRAC_PI_2];
         let mut spans = Vec::new();
         for polygon in &region.polygons {
             let shell = RingSpan::new(&polygon.shell, rule);
             let [mut south, mut north] = shell.latitudes;
-            if shell.goes_round {
-                // The pole it holds, or as far as a hole about the same pole leaves anything.
-                let is_north = mean_latitude(&polygon.shell) >= 0.0;
-                let rims = polygon.holes.iter().map(|hole| RingSpan::new(hole, rule));
-                let rims = rims.filter(|hole| hole.goes_round);
-                if is_north {
-                    let rim = rims.map(|hole| hole.latitudes[1]);
-                    north = north.max(rim.fold(FRAC_PI_2, f64::min));
-                } else {
-                    let rim = rims.map(|hole| hole.latitudes[0]);
-                    south = south.min(rim.fold(-FRAC_PI_2, f64::max));
-                }
+            let [holds_south, holds_north] = poles_held(polygon, rule, body, region.inside)[0];
+            // As far as the poles it holds, or as far as a hole about the same pole leaves anything.
+            let rims = polygon.holes.iter().map(|hole| RingSpan::new(hole, rule));
+            let rims = rims.filter(|hole| hole.goes_round && holds_south != holds_north);
+            if holds_north {
+                let rim = rims.clone().map(|hole| hole.latitudes[1]);
+                north = north.max(rim.fold(FRAC_PI_2, f64::min));
+            }
+            if holds_south {
+                let rim = rims.map(|hole| hole.latitudes[0]);
+                south = south.min(rim.fold(-FRAC_PI_2, f64::max));
             }
             latitudes = [latitudes[0].min(south), latitudes[1].max(north)];
-            let width = if shell.goes_round { TAU } else { shell.width };
+            let is_round = holds_south || holds_north;
+            let width = if is_round { TAU } else { shell.width };
             spans.push((shell.west, width));
         }
         let [west, east] = narrowest(&spans);
@@ -86,11 +87,6 @@ fn narrowest(spans: &[(f64, f64)]) -> [f64; 2] {
         }
     }
     best
-}
-
-fn mean_latitude(ring: &Ring) -> f64 {
-    let vertices = ring.vertices_deg();
-    vertices.iter().map(|vertex| vertex[1]).sum::<f64>() / vertices.len() as f64
 }
 
 struct RingSpan {

@@ -5,9 +5,8 @@
 //! factor of their tangents, which is a linear map of space. It takes planes through the centre to
 //! planes through the centre, so in normals every such edge is the shorter arc of a great circle.
 //!
-//! A ring on a sphere has two sides. A ring that does not go round the axis has both poles outside;
-//! one that does holds the pole that whoever makes it says. An edge between opposite meridians
-//! passes through the nearer pole. A ring with a vertex there passes it on the side of the smaller
+//! A ring on a sphere has two sides; which poles are inside is decided by `sides`. An edge between
+//! opposite meridians passes through the nearer pole. A ring with a vertex there passes it on the side of the smaller
 //! angle between its neighbours, and on longitudes −180 … 180, the latter excluded, where both angles
 //! are 180°. So a pole is never on a ring, and its side is known. Two tests:
 //!
@@ -22,10 +21,12 @@
 //!   argument is `(a − p)·(b − p)`, free of cancellation for short edges.
 
 use crate::point::{Bounds, LocatorError, Point, RingSource, Verdicts, normal, on_longitude_grid};
+use crate::sides;
 use crate::slabs::Slabs;
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
+use terrafill_core::Ellipsoid;
 
 /// Closer than this to the ring (6 mm on the Earth), a pole is no place to compare angles with.
 const AT_POLE: f64 = 1e-9;
@@ -69,6 +70,8 @@ struct Span {
     west_deg: f64,
     /// 0 … 180.
     width_deg: f64,
+    /// Whether the ring passes from west to east.
+    is_eastward: bool,
     part: SpanPart,
 }
 
@@ -100,10 +103,32 @@ struct Chain {
     halves: Option<[usize; 2]>,
 }
 
-/// Whether a ring separates the poles.
-pub(crate) fn goes_round(vertices_deg: &[[f64; 2]]) -> bool {
-    // Opposite ends are refused when the ring is made ready.
-    corners_of(vertices_deg).is_ok_and(|corners| Course::along(&corners).goes_round())
+/// How a ring lies round the axis; `None` for one that lies within half a turn of longitude, and where
+/// opposite ends leave open how it lies.
+pub(crate) fn course(vertices_deg: &[[f64; 2]], body: &Ellipsoid) -> Option<sides::Course> {
+    let corners = corners_of(vertices_deg).ok()?;
+    let course = Course::along(&corners);
+    let [west, east] = course.reach_deg;
+    if east - west < 180.0 {
+        return None;
+    }
+    let turned_deg: f64 = course.spans.iter().map(Span::step_deg).sum();
+    Some(sides::Course {
+        turns: whole_turns(turned_deg),
+        above_equator_m2: course
+            .spans
+            .iter()
+            .map(|span| span.above_equator_m2(body))
+            .sum(),
+    })
+}
+
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "a turn takes three vertices: no more turns than memory has bytes"
+)]
+fn whole_turns(turned_deg: f64) -> i32 {
+    (turned_deg / 360.0).round() as i32
 }
 
 impl GreatEllipseRing {
@@ -115,9 +140,7 @@ impl GreatEllipseRing {
         let mut vertices: Vec<DVec3> = corners.iter().map(|corner| corner.normal).collect();
         vertices.extend(vertices.first().copied());
         let course = Course::along(&corners);
-        let goes_round = course.goes_round();
-        let [south_pole_is_inside, north_pole_is_inside] =
-            [!source.holds_north, source.holds_north].map(|held| goes_round && held);
+        let [south_pole_is_inside, north_pole_is_inside] = source.holds_poles;
         let mut chains = Vec::new();
         if vertices.len() > 1 {
             build_chain(&vertices, 0, vertices.len() - 1, &mut chains);
@@ -274,6 +297,7 @@ impl Span {
         let span = Self {
             west_deg: west_of_180(west.longitude_deg),
             width_deg: step_deg.abs(),
+            is_eastward: step_deg > 0.0,
             part: match pole {
                 None => SpanPart::Arc([west.normal, east.normal]),
                 Some(pole) if pole.latitude_deg < 0.0 => SpanPart::SouthPole,
@@ -281,6 +305,29 @@ impl Span {
             },
         };
         ((step_deg != 0.0).then_some(span), step_deg)
+    }
+
+    fn step_deg(&self) -> f64 {
+        if self.is_eastward {
+            self.width_deg
+        } else {
+            -self.width_deg
+        }
+    }
+
+    /// Signed area between the equator and this part of the ring.
+    fn above_equator_m2(&self, body: &Ellipsoid) -> f64 {
+        let hemisphere_m2 = body.zone_area_per_radian(FRAC_PI_2);
+        let on_the_way_east = match self.part {
+            SpanPart::Arc([west, east]) => arc_above_equator_m2(west, east, body),
+            SpanPart::NorthPole => self.width_deg.to_radians() * hemisphere_m2,
+            SpanPart::SouthPole => -self.width_deg.to_radians() * hemisphere_m2,
+        };
+        if self.is_eastward {
+            on_the_way_east
+        } else {
+            -on_the_way_east
+        }
     }
 
     fn holds(&self, longitude_deg: f64) -> bool {
@@ -348,12 +395,6 @@ impl Course {
             from = to;
         }
         course
-    }
-
-    /// Whether every meridian is crossed an odd number of times: all are, or none.
-    fn goes_round(&self) -> bool {
-        let spans = self.spans.iter();
-        spans.filter(|span| span.holds(-180.0)).count() % 2 == 1
     }
 }
 
@@ -459,6 +500,52 @@ fn bounds_of(
             north.min(90.0)
         },
     }
+}
+
+/// Signed area between the equator and the arc from `a` to `b`, for unit normals.
+///
+/// Along an arc `x dy − y dx` is the same everywhere, the polar component of its plane's normal, and
+/// longitude changes by that over `x² + y²`. What is left between the arc and the nearer pole, over
+/// `x² + y²`, is smooth, and Simpson's rule integrates it even past a pole.
+fn arc_above_equator_m2(a: DVec3, b: DVec3, body: &Ellipsoid) -> f64 {
+    if a.z * b.z < 0.0 {
+        let middle = (a * b.z.abs() + b * a.z.abs()).normalize();
+        let middle = DVec3::new(middle.x, middle.y, 0.0);
+        return arc_above_equator_m2(a, middle, body) + arc_above_equator_m2(middle, b, body);
+    }
+    /// An error of 1e-13.
+    const STEP_RAD: f64 = 0.004;
+    let normal = a.cross(b - a);
+    let angle = 2.0 * (0.5 * a.distance(b)).min(1.0).asin();
+    if angle == 0.0 || normal.length_squared() == 0.0 {
+        return 0.0;
+    }
+    let steps = (angle / STEP_RAD).ceil().max(1.0);
+    let to_pole = |step: f64| {
+        let share = step / steps;
+        let place = a * ((1.0 - share) * angle).sin() + b * (share * angle).sin();
+        zone_to_pole_m2(place.normalize().z.abs(), body)
+    };
+    let (mut sum, mut step) = (0.0, 0.0);
+    while step < steps {
+        sum += to_pole(step) + 4.0 * to_pole(step + 0.5) + to_pole(step + 1.0);
+        step += 1.0;
+    }
+    let to_pole_m2 = normal.z / normal.length() * angle * sum / (6.0 * steps);
+    let width_rad = (a.x * b.y - a.y * b.x).atan2(a.x * b.x + a.y * b.y);
+    let above_m2 = width_rad * body.zone_area_per_radian(FRAC_PI_2) - to_pole_m2;
+    if a.z + b.z < 0.0 { -above_m2 } else { above_m2 }
+}
+
+/// Area between a latitude of sine `s`, at least 0, and its pole per radian of longitude, over
+/// `1 − s²`, without cancellation.
+fn zone_to_pole_m2(s: f64, body: &Ellipsoid) -> f64 {
+    let e2 = body.eccentricity_squared();
+    let rational = (1.0 + e2 * s) / ((1.0 - e2) * (1.0 - e2 * s * s));
+    let u = e2.sqrt() * (1.0 - s) / (1.0 - e2 * s);
+    let artanh_over_u = if u < 1e-9 { 1.0 } else { u.atanh() / u };
+    let half_b2 = 0.5 * body.polar_radius_m() * body.polar_radius_m();
+    half_b2 * (rational + artanh_over_u / (1.0 - e2 * s)) / (1.0 + s)
 }
 
 /// Appends the chain from `start` to `end`, its halves before it, and returns its index.

@@ -20,6 +20,7 @@ mod locator;
 mod planar;
 mod point;
 mod sampling;
+mod sides;
 mod slabs;
 mod surface;
 mod texture;

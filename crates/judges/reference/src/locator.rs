@@ -5,10 +5,11 @@
 //! rings hold, so holes, islands in holes, and parts cut at the antimeridian need no order. The
 //! first test decides; the second one only says where the first is not to be trusted blindly.
 
-use crate::great_ellipse::{GreatEllipseRing, goes_round};
+use crate::great_ellipse::GreatEllipseRing;
 use crate::planar::PlanarRing;
 use crate::point::{Bounds, LocatorError, Point, RingSource, Verdicts};
-use terrafill_core::{EdgeRule, Polygon, Region, Ring};
+use crate::sides::poles_held;
+use terrafill_core::{EdgeRule, Ellipsoid, Region};
 
 #[derive(Debug, Clone)]
 enum RingTests {
@@ -66,30 +67,33 @@ pub struct Locator {
 }
 
 impl Locator {
-    /// Builds the tests of every ring of `regions`.
+    /// Builds the tests of every ring of `regions` on `body`, whose areas decide which side of a ring
+    /// round a pole is inside ([`Region::inside`]).
     ///
     /// - cost: O(vertices · log vertices)
     ///
     /// # Errors
     /// [`LocatorError`] when a ring leaves open what is inside it.
-    pub fn new(regions: &[Region], rule: EdgeRule) -> Result<Self, LocatorError> {
+    pub fn new(regions: &[Region], rule: EdgeRule, body: &Ellipsoid) -> Result<Self, LocatorError> {
         let sources = regions.iter().enumerate().flat_map(|(position, region)| {
             let polygons = region.polygons.iter().enumerate();
             polygons.flat_map(move |(part, polygon)| {
-                rings_of(polygon, rule).into_iter().enumerate().map(
-                    move |(index, (ring, north))| {
-                        let source = RingSource {
-                            place: format!(
-                                "feature {} ({}), polygon {part}, ring {index}",
-                                region.index, region.name
-                            ),
-                            vertices_deg: ring.vertices_deg(),
-                            winding_deg: ring.winding_deg(),
-                            holds_north: north,
-                        };
-                        (position, source)
-                    },
-                )
+                let held = poles_held(polygon, rule, body, region.inside);
+                let rings = polygon.rings().zip(held).enumerate();
+                rings.map(move |(index, (ring, holds_poles))| {
+                    let source = RingSource {
+                        place: format!(
+                            "feature {} ({}), polygon {part}, ring {}",
+                            region.index,
+                            region.name,
+                            ring.file_ring(index)
+                        ),
+                        vertices_deg: ring.vertices_deg(),
+                        winding_deg: ring.winding_deg(),
+                        holds_poles,
+                    };
+                    (position, source)
+                })
             })
         });
         Self::from_rings(sources, rule)
@@ -182,30 +186,6 @@ impl Locator {
         }
         location
     }
-}
-
-/// Shell and holes, each with whether it holds the north pole, should it go round the axis.
-///
-/// A ring that does holds the pole of the hemisphere in which its vertices lie on average, north
-/// if undecided. The holes of a shell that goes round are closed over the shell's pole.
-fn rings_of(polygon: &Polygon, rule: EdgeRule) -> Vec<(&Ring, bool)> {
-    let holds_north = |ring: &Ring| holds_north(ring.vertices_deg());
-    let shell = &polygon.shell;
-    let mut rings = vec![(shell, holds_north(shell))];
-    let shell_goes_round = match rule {
-        EdgeRule::Planar => shell.winding_deg() != 0.0,
-        EdgeRule::GreatEllipse => !polygon.holes.is_empty() && goes_round(shell.vertices_deg()),
-    };
-    for hole in &polygon.holes {
-        let decides = if shell_goes_round { shell } else { hole };
-        rings.push((hole, holds_north(decides)));
-    }
-    rings
-}
-
-/// Whether vertices lie north of the equator on average.
-pub(crate) fn holds_north(vertices_deg: &[[f64; 2]]) -> bool {
-    vertices_deg.iter().map(|vertex| vertex[1]).sum::<f64>() >= 0.0
 }
 
 /// Even-odd rule over rings.

@@ -15,12 +15,14 @@
 //! Edges are half-open, so a vertex between two of them counts once. The plain test may differ
 //! from the exact one within rounding of an edge; that is what comparing the two is for.
 //!
-//! Which pole a winding ring holds is said by whoever makes it. Where a ring crosses itself, the
+//! Which pole a winding ring holds is decided by `sides`. Where a ring crosses itself, the
 //! even-odd rule counts.
 
 use crate::point::{Bounds, LocatorError, Point, RingSource, Verdicts, on_longitude_grid};
+use crate::sides::Course;
 use crate::slabs::Slabs;
 use robust::{Coord, orient2d};
+use terrafill_core::Ellipsoid;
 
 /// Longitudes farther out are refused: beyond 1024 the grid is no longer exact.
 const LARGEST_LONGITUDE_DEG: f64 = 720.0;
@@ -46,7 +48,7 @@ impl PlanarRing {
         let edges = edges_of(source);
         let bounds = bounds_of(source, &edges)?;
         let winds = source.winding_deg != 0.0;
-        let holds_north = winds.then_some(source.holds_north);
+        let holds_north = winds.then_some(source.holds_poles[1]);
         let mut closed_edges = edges.clone();
         if let (Some(north), Some(first), Some(last)) = (holds_north, edges.first(), edges.last()) {
             let pole = if north { 90.0 } else { -90.0 };
@@ -133,6 +135,46 @@ impl PlanarRing {
             .map(move |turn| start + 360.0 * f64::from(turn))
             .take_while(move |&x| x <= east)
     }
+}
+
+/// How a ring lies round the axis; `None` for one that ends where it started.
+pub(crate) fn course(
+    vertices_deg: &[[f64; 2]],
+    winding_deg: f64,
+    body: &Ellipsoid,
+) -> Option<Course> {
+    if winding_deg == 0.0 {
+        return None;
+    }
+    let first = *vertices_deg.first()?;
+    let end = [first[0] + winding_deg, first[1]];
+    let ends = vertices_deg[1..].iter().chain([&end]);
+    let edges = vertices_deg.iter().zip(ends);
+    Some(Course {
+        turns: if winding_deg > 0.0 { 1 } else { -1 },
+        above_equator_m2: edges
+            .map(|(from, to)| above_equator_m2(*from, *to, body))
+            .sum(),
+    })
+}
+
+/// Area between an edge and the equator by Simpson's rule: along it, the area of the zone up to it
+/// changes evenly with longitude.
+fn above_equator_m2(from: [f64; 2], to: [f64; 2], body: &Ellipsoid) -> f64 {
+    /// An error of 1e-13.
+    const STEP_DEG: f64 = 0.25;
+    let steps = ((to[1] - from[1]).abs() / STEP_DEG).ceil().max(1.0);
+    let zone_m2 = |step: f64| {
+        let latitude_deg = from[1] + (to[1] - from[1]) * step / steps;
+        body.zone_area_per_radian(latitude_deg.to_radians())
+    };
+    let mut sum = 0.0;
+    let mut step = 0.0;
+    while step < steps {
+        sum += zone_m2(step) + 4.0 * zone_m2(step + 0.5) + zone_m2(step + 1.0);
+        step += 1.0;
+    }
+    (to[0] - from[0]).to_radians() * sum / (6.0 * steps)
 }
 
 /// Edges north of (`x`, `y`) on its meridian.

@@ -62,8 +62,8 @@ pub(crate) struct RingSource<'a> {
     pub(crate) place: String,
     pub(crate) vertices_deg: &'a [[f64; 2]],
     pub(crate) winding_deg: f64,
-    /// Which pole is inside, should the ring go round the axis.
-    pub(crate) holds_north: bool,
+    /// Whether the south pole and the north pole are inside.
+    pub(crate) holds_poles: [bool; 2],
 }
 
 impl RingSource<'_> {

@@ -117,7 +117,7 @@ impl<'a> Texturing<'a> {
             camera: input.camera,
             size: input.size,
             extents: extents
-                .map(|region| RegionExtent::new(region, rule))
+                .map(|region| RegionExtent::new(region, rule, &input.scene.body))
                 .collect(),
         })
     }

@@ -47,7 +47,12 @@ fn region(rings: &[Vec<Degrees>]) -> Region {
 }
 
 fn locator(region: &Region) -> Locator {
-    Locator::new(std::slice::from_ref(region), EdgeRule::GreatEllipse).expect("can be judged")
+    Locator::new(
+        std::slice::from_ref(region),
+        EdgeRule::GreatEllipse,
+        &Ellipsoid::UNIT_SPHERE,
+    )
+    .expect("can be judged")
 }
 
 fn mesh_area(region: &Region) -> f64 {
@@ -128,15 +133,23 @@ fn shapes() -> Vec<Shape> {
             whole - left(&south),
         ),
         shape("far to both sides", vec![deep.clone()], left(&deep)),
-        shape("340° wide, no pole inside", vec![band.clone()], left(&band)),
-        shape("the same, westwards", vec![reversed(&band)], left(&band)),
+        shape(
+            "340° wide: what it leaves out is smaller, and has both poles",
+            vec![band.clone()],
+            whole - left(&band),
+        ),
+        shape(
+            "the same, westwards",
+            vec![reversed(&band)],
+            whole - left(&band),
+        ),
         shape(
             "a hole in the other hemisphere than the pole that its shell holds",
             vec![deep.clone(), hole.clone()],
             left(&deep) - left(&hole),
         ),
         shape(
-            "a hole round the axis in the other hemisphere: closed over the shell's pole",
+            "a hole round the axis in the other hemisphere: what lies between",
             vec![zone.clone(), north.clone()],
             left(&zone) - left(&north),
         ),
@@ -161,7 +174,7 @@ fn shapes() -> Vec<Shape> {
             2.0 * 50_f64.to_radians(),
         ),
         shape(
-            "the equator, in four arcs: north, as its mean latitude is 0",
+            "the equator, in four arcs eastwards: north, on the left",
             vec![vec![[0.0, 0.0], [90.0, 0.0], [180.0, 0.0], [-90.0, 0.0]]],
             TAU,
         ),
@@ -203,19 +216,40 @@ fn turns(ring: &[Degrees]) -> f64 {
     ring.iter().zip(ends).map(step).sum::<f64>() / 360.0
 }
 
-/// The documented rule, written down a second time: a ring round the axis holds the pole of its
-/// mean latitude, a hole that of its shell if that goes round as well.
+/// Signed area between a ring and the north pole: triangles of every edge with the pole (van Oosterom
+/// and Strackee 1983).
+fn area_to_the_north(ring: &[Degrees]) -> f64 {
+    let ends = ring.iter().cycle().skip(1);
+    let triangle = |(a, b): (&Degrees, &Degrees)| {
+        let (a, b) = (unit(*a), unit(*b));
+        let determinant = DVec3::Z.dot(a.cross(b));
+        2.0 * determinant.atan2(1.0 + a.dot(b) + b.z + a.z)
+    };
+    ring.iter().zip(ends).map(triangle).sum()
+}
+
+/// The documented rule, written down a second time: the smaller side of a ring is inside; between a
+/// shell and a hole that both part the poles, what lies between them.
 fn sides(polygon: &Polygon) -> Vec<(Vec<DVec3>, bool)> {
     // An even number of turns leaves both poles on one side.
-    let goes_round = |ring: &[Degrees]| turns(ring).round().rem_euclid(2.0) == 1.0;
-    let shell = ring_of(&polygon.shell);
-    let side = |ring: Vec<Degrees>| {
-        let decides = if goes_round(&shell) { &shell } else { &ring };
-        let is_south = decides.iter().map(|vertex| vertex[1]).sum::<f64>() < 0.0;
-        let south_pole_is_inside = goes_round(&ring) && is_south;
-        (ring.into_iter().map(unit).collect(), south_pole_is_inside)
+    let turns = |ring: &[Degrees]| turns(ring).round();
+    let goes_round = |ring: &[Degrees]| turns(ring).rem_euclid(2.0) == 1.0;
+    let north = |ring: &[Degrees]| area_to_the_north(ring) / turns(ring);
+    let rings: Vec<Vec<Degrees>> = polygon.rings().map(ring_of).collect();
+    let round_hole = rings[1..].iter().find(|ring| goes_round(ring));
+    let between = round_hole.filter(|_| goes_round(&rings[0]));
+    let side = |ring: &Vec<Degrees>| {
+        let south_pole_is_inside = match between {
+            Some(hole) if goes_round(ring) => north(&rings[0]) < north(hole),
+            _ if goes_round(ring) => north(ring) > TAU,
+            _ => turns(ring) == 0.0 && area_to_the_north(ring).abs() > TAU,
+        };
+        (
+            ring.iter().copied().map(unit).collect(),
+            south_pole_is_inside,
+        )
     };
-    polygon.rings().map(|ring| side(ring_of(ring))).collect()
+    rings.iter().map(side).collect()
 }
 
 /// Share of random points inside, less the exact one, in σ; and how many were inside.

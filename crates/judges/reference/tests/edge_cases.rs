@@ -13,7 +13,7 @@ const AGREES: &str = "agrees";
 
 fn locator(case: &Case, rule: EdgeRule) -> Result<Locator, LocatorError> {
     // As written: even where a mesh needs crossings made vertices, the even-odd rule decides.
-    Locator::new(&[case.region()], rule)
+    Locator::new(&[case.region()], rule, &case.body())
 }
 
 /// What is wrong with a locator by its case, and the number of points asked.

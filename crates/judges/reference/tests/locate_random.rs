@@ -318,7 +318,7 @@ fn beside_a_border(outlines: &[Outline<'_>], random: &mut Random) -> Degrees {
 #[test]
 fn the_locator_names_the_regions_that_two_other_tests_name() {
     let Some(regions) = countries() else { return };
-    let locator = Locator::new(&regions, EdgeRule::Planar).expect("clear rings");
+    let locator = Locator::new(&regions, EdgeRule::Planar, &Ellipsoid::WGS84).expect("clear rings");
     let outlines = Outline::all(&regions);
     let scattered = compare_all(&locator, &outlines, POINTS, anywhere);
     let beside = compare_all(&locator, &outlines, POINTS / 50, |random| {
@@ -370,7 +370,7 @@ fn a_vertex_moved_by_a_metre_is_noticed() {
         ring.join(",")
     );
     let mutant = parse_regions(text.as_bytes(), "mutant").expect("valid");
-    let locator = Locator::new(&mutant, EdgeRule::Planar).expect("a clear ring");
+    let locator = Locator::new(&mutant, EdgeRule::Planar, &Ellipsoid::WGS84).expect("a clear ring");
     let alone = [Outline {
         region: 0,
         ..*outline
@@ -380,7 +380,7 @@ fn a_vertex_moved_by_a_metre_is_noticed() {
     assert!(noticed > 20, "{noticed}");
     // And the same points on the ring as it is.
     let unmoved = std::slice::from_ref(&regions[brazil]);
-    let locator = Locator::new(unmoved, EdgeRule::Planar).expect("a clear ring");
+    let locator = Locator::new(unmoved, EdgeRule::Planar, &Ellipsoid::WGS84).expect("a clear ring");
     assert_eq!(
         compare_all(&locator, &alone, 2_000, near).wrong,
         Vec::<Degrees>::new()

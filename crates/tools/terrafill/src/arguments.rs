@@ -5,7 +5,7 @@ use crate::registry;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
-use terrafill_core::{EdgeRule, Ellipsoid};
+use terrafill_core::{EdgeRule, Ellipsoid, Inside, Reading, Unwrap};
 use terrafill_results::Shard;
 
 const EXIT_CODES: &str = "\
@@ -386,6 +386,52 @@ impl From<Edges> for EdgeRule {
     }
 }
 
+/// Which way edges over more than 180° of longitude go, by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LongEdges {
+    Literal,
+    Shortest,
+}
+
+/// Which side of a ring round a pole is inside, by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PoleSide {
+    Smaller,
+    Left,
+}
+
+/// How a file is read where it can be read in several ways.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct ReadingArguments {
+    #[arg(long, default_value = "literal", hide_possible_values = true, help = UNWRAP_HELP)]
+    pub(crate) unwrap: LongEdges,
+    #[arg(long, default_value = "smaller", hide_possible_values = true, help = INSIDE_HELP)]
+    pub(crate) inside: PoleSide,
+}
+
+impl From<ReadingArguments> for Reading {
+    fn from(arguments: ReadingArguments) -> Self {
+        Self {
+            unwrap: match arguments.unwrap {
+                LongEdges::Literal => Unwrap::Literal,
+                LongEdges::Shortest => Unwrap::Shortest,
+            },
+            inside: match arguments.inside {
+                PoleSide::Smaller => Inside::Smaller,
+                PoleSide::Left => Inside::Left,
+            },
+        }
+    }
+}
+
+const UNWRAP_HELP: &str = "\
+Edges over more than 180° of longitude: literal (as the
+numbers stand, RFC 7946) or shortest (over the antimeridian)";
+
+const INSIDE_HELP: &str = "\
+Inside of a ring round a pole: smaller (the side with less
+area) or left (along the ring, RFC 7946; of a hole the right)";
+
 /// What to do about rings that cross themselves or one another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Repair {
@@ -412,6 +458,8 @@ pub(crate) struct MeshArguments {
     pub(crate) regions: PathBuf,
     #[arg(long, default_value = "planar", hide_possible_values = true, help = EDGES_HELP)]
     pub(crate) edges: Edges,
+    #[command(flatten)]
+    pub(crate) reading: ReadingArguments,
     #[arg(long, hide_possible_values = true, help = REPAIR_HELP)]
     pub(crate) repair: Option<Repair>,
     /// Go on with the features that are right, and list the others
@@ -441,11 +489,15 @@ pub(crate) struct LocateArguments {
     pub(crate) names: bool,
     #[arg(long, default_value = "planar", hide_possible_values = true, help = EDGES_HELP)]
     pub(crate) edges: Edges,
+    #[command(flatten)]
+    pub(crate) reading: ReadingArguments,
     #[arg(long, hide_possible_values = true, help = REPAIR_HELP)]
     pub(crate) repair: Option<Repair>,
     /// Go on with the features that are right, and list the others
     #[arg(long)]
     pub(crate) skip_invalid: bool,
+    #[arg(long, default_value = "wgs84", value_parser = parse_body, help = BODY_HELP)]
+    pub(crate) body: Ellipsoid,
 }
 
 #[derive(Debug, Args)]

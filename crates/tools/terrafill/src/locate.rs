@@ -9,7 +9,7 @@ use crate::regions::{
 };
 use std::io::IsTerminal as _;
 use std::path::Path;
-use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, printable, wide_encoding};
+use terrafill_core::{EdgeRule, MeshOptions, printable, wide_encoding};
 use terrafill_reference::Locator;
 
 /// As for regions: one turn past the antimeridian is written on purpose, more is another unit.
@@ -27,13 +27,10 @@ pub(crate) fn run(arguments: &LocateArguments) -> Result<Outcome, Failure> {
         ));
     }
     let edges: EdgeRule = arguments.edges.into();
-    // The meshes judge nothing here; making them finds the crossings that `mesh` refuses too. On
-    // what body does not matter: edges follow geodetic coordinates.
-    let (path, body, options) = (
-        &arguments.regions,
-        &Ellipsoid::WGS84,
-        MeshOptions::default(),
-    );
+    // The meshes decide nothing here; making them finds the crossings that `mesh` refuses too. Edges
+    // follow geodetic coordinates on every body; the areas on it say which side of a ring round a
+    // pole is the smaller one.
+    let (path, body, options) = (&arguments.regions, &arguments.body, MeshOptions::default());
     let leniency = Leniency {
         repair: arguments.repair,
         skip_invalid: arguments.skip_invalid,
@@ -43,8 +40,15 @@ pub(crate) fn run(arguments: &LocateArguments) -> Result<Outcome, Failure> {
         meshes,
         skipped,
         warnings,
-    } = read_and_mesh(path, leniency, body, edges, &options)?;
-    let locator = Locator::new(&regions, edges)
+    } = read_and_mesh(
+        path,
+        arguments.reading.into(),
+        leniency,
+        body,
+        edges,
+        &options,
+    )?;
+    let locator = Locator::new(&regions, edges, body)
         .map_err(|error| Failure::bad_input(format!("{}: {error}", shown(path))))?;
     let added = if arguments.names {
         &[REGIONS, NAMES][..]

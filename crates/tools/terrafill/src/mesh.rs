@@ -76,7 +76,14 @@ pub(crate) fn run(arguments: &MeshArguments) -> Result<Outcome, Failure> {
         meshes,
         skipped,
         warnings,
-    } = read_and_mesh(path, leniency, body, edges, &options)?;
+    } = read_and_mesh(
+        path,
+        arguments.reading.into(),
+        leniency,
+        body,
+        edges,
+        &options,
+    )?;
     report_skipped(&skipped);
     let meshed: Vec<MeshedRegion> = meshes.par_iter().map(describe).collect();
     let output = MeshOutput {

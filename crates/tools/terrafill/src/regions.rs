@@ -8,8 +8,8 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::Path;
 use terrafill_core::{
-    EdgeRule, Ellipsoid, MeshError, MeshOptions, Region, RegionFile, RegionFileError, RegionMesh,
-    printable, read_region_file,
+    EdgeRule, Ellipsoid, MeshError, MeshOptions, Reading, Region, RegionFile, RegionFileError,
+    RegionMesh, printable, read_region_file,
 };
 use terrafill_scene::{RegionLoadError, load_regions};
 
@@ -48,13 +48,14 @@ pub(crate) struct Meshed {
 /// the rest of a map for the map; unless that was asked for.
 pub(crate) fn read_and_mesh(
     path: &Path,
+    reading: Reading,
     leniency: Leniency,
     body: &Ellipsoid,
     rule: EdgeRule,
     options: &MeshOptions,
 ) -> Result<Meshed, Failure> {
     options.check().map_err(wrong_option)?;
-    let (read, mut problems) = read(path)?;
+    let (read, mut problems) = read(path, reading)?;
     let RegionFile {
         mut regions,
         warnings,
@@ -95,12 +96,12 @@ pub(crate) fn read_and_mesh(
 }
 
 /// The features that can be read, and what is wrong with the others.
-fn read(path: &Path) -> Result<(RegionFile, Vec<FeatureProblem>), Failure> {
+fn read(path: &Path, reading: Reading) -> Result<(RegionFile, Vec<FeatureProblem>), Failure> {
     let read = if is_standard_input(path) {
         let bytes = read_standard_input()?;
-        read_region_file(&bytes, &shown(path)).map_err(RegionLoadError::Invalid)
+        read_region_file(&bytes, &shown(path), reading).map_err(RegionLoadError::Invalid)
     } else {
-        load_regions(path)
+        load_regions(path, reading)
     };
     match read {
         Ok(read) => Ok((read, Vec::new())),
@@ -128,6 +129,9 @@ fn describe(path: &Path, repair: Option<Repair>, error: &MeshError) -> FeaturePr
         (MeshError::SelfCrossing { .. } | MeshError::Overlap { .. }, None) => {
             "; --repair even-odd fills by that rule"
         }
+        (MeshError::NoArea { long_edges, .. }, _) if *long_edges > 0 => {
+            "; --unwrap shortest or --edges great-ellipse takes the shorter way"
+        }
         _ => "",
     };
     let place = error.place();
@@ -153,7 +157,8 @@ pub(crate) fn report_warnings(path: &Path, warnings: &[String]) {
     }
 }
 
-/// Says on standard error what a repair filled, a line each; standard output is a table.
+/// Says on standard error what a repair filled and which sides of rings round a pole were taken, a
+/// line each; standard output is a table.
 pub(crate) fn report_repairs(meshes: &[RegionMesh]) {
     for mesh in meshes {
         let number = format!("feature {}", mesh.region_index);
@@ -165,6 +170,11 @@ pub(crate) fn report_repairs(meshes: &[RegionMesh]) {
         let is_repair = |text: &&String| text.ends_with("filled by the even-odd rule");
         for repair in mesh.warnings.iter().filter(is_repair) {
             complain(format!("repaired: {label}: {repair}"));
+        }
+        // It names its feature and ring itself.
+        let is_side = |text: &&String| text.contains("goes round a pole");
+        for side in mesh.warnings.iter().filter(is_side) {
+            complain(format!("warning: {}", printable(side)));
         }
     }
 }

@@ -7,7 +7,7 @@
 //! point that was actually found, hence never too small.
 
 use crate::edge::{Degrees, surface_point};
-use crate::{Ellipsoid, Pole, Polygon, Ring};
+use crate::{EdgeRule, Ellipsoid, Inside, Polygon, Ring};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -124,7 +124,7 @@ impl Boundary<'_> {
         let rings: Vec<SidedRing> = self
             .rings_of(&fine)
             .iter()
-            .map(|places| SidedRing::new(places))
+            .map(|places| SidedRing::new(places, body))
             .collect();
         Traced {
             polygon: polygon(rings),
@@ -343,7 +343,7 @@ impl SidedRing {
     ///
     /// A pole becomes two vertices, at the longitudes of its neighbours: the edges to it are
     /// meridians, and the one along it is a point of the body.
-    fn new(places: &[Degrees]) -> Self {
+    fn new(places: &[Degrees], body: &Ellipsoid) -> Self {
         let is_pole = |at: &Degrees| at[1].abs() == 90.0;
         let first = places.iter().position(|at| !is_pole(at)).unwrap_or(0);
         let start_deg = places[first][0];
@@ -372,13 +372,13 @@ impl SidedRing {
         let natural = if turns == 0.0 {
             signed_area(&ring) > 0.0
         } else {
-            // Going east the north is on the left; see Polygon::pole_held.
-            let read_as = if ring.mean_latitude_deg() < 0.0 {
-                Pole::South
-            } else {
-                Pole::North
+            // The smaller side is what a reader takes; of halves the left one.
+            let polygon = Polygon {
+                shell: ring.clone(),
+                holes: Vec::new(),
             };
-            (read_as == Pole::North) == (turns > 0.0)
+            let side = polygon.sides(EdgeRule::Planar, body, Inside::Smaller)[0];
+            side.choice.is_none()
         };
         Self { ring, natural }
     }

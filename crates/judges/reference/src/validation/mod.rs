@@ -10,9 +10,10 @@ mod pictures;
 mod places;
 mod textures;
 
-use crate::locator::{Locator, holds_north};
+use crate::locator::Locator;
 use crate::point::{LocatorError, RingSource};
-use terrafill_core::EdgeRule;
+use crate::sides::poles_held_alone;
+use terrafill_core::{EdgeRule, Ellipsoid};
 
 /// A ring of a test: position of its region, vertices, winding.
 pub(super) type TestRing = (usize, Vec<[f64; 2]>, f64);
@@ -23,7 +24,7 @@ pub(super) fn try_locator(rings: &[TestRing], rule: EdgeRule) -> Result<Locator,
             place: format!("region {region}"),
             vertices_deg,
             winding_deg: *winding_deg,
-            holds_north: holds_north(vertices_deg),
+            holds_poles: poles_held_alone(vertices_deg, *winding_deg, rule, &Ellipsoid::WGS84),
         };
         (*region, source)
     });

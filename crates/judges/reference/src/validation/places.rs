@@ -7,7 +7,7 @@
 
 use crate::{Locator, LocatorError};
 use std::path::PathBuf;
-use terrafill_core::{EdgeRule, Region, parse_regions};
+use terrafill_core::{EdgeRule, Ellipsoid, Region, parse_regions};
 
 /// Regions of a file of `TERRAFILL_DATA`; `None`, and the reason on stderr, where it is missing.
 fn real_regions(file: &str) -> Option<Vec<Region>> {
@@ -83,7 +83,8 @@ fn known_places_lie_in_their_countries_and_mutants_misplace_them() {
             return;
         };
         for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
-            let located = Locator::new(&regions, rule).expect("countries can be judged");
+            let located =
+                Locator::new(&regions, rule, &Ellipsoid::WGS84).expect("countries can be judged");
             let found = wrong_places(&regions, |lon, lat| located.locate(lon, lat).regions);
             assert_eq!(found, [""; 0], "{file}, {rule:?}");
 
@@ -110,7 +111,8 @@ fn real_borders_by_index_and_brute_force() {
         return;
     };
     for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
-        let located = Locator::new(&regions, rule).expect("countries can be judged");
+        let located =
+            Locator::new(&regions, rule, &Ellipsoid::WGS84).expect("countries can be judged");
         let mut random = super::Random(3);
         let mut on_land = 0;
         for _ in 0..300 {
@@ -137,7 +139,8 @@ fn every_planar_vertex_is_reported_or_decided_alike() {
     let Some(regions) = real_regions("ne_110m_admin_0_countries.geojson") else {
         return;
     };
-    let located = Locator::new(&regions, EdgeRule::Planar).expect("countries can be judged");
+    let located = Locator::new(&regions, EdgeRule::Planar, &Ellipsoid::WGS84)
+        .expect("countries can be judged");
     let mut looked = 0;
     for ring in regions.iter().flat_map(Region::rings) {
         for &[lon, lat] in ring.vertices_deg() {
@@ -172,7 +175,8 @@ fn the_hole_of_a_zone_is_closed_over_the_pole_of_its_shell() {
     };
     for (shell, hole) in [(-20, 10), (10, -20)] {
         let regions = parsed(&format!("[{},{}]", ring(shell), ring(hole)));
-        let located = Locator::new(&regions, EdgeRule::Planar).expect("a zone can be judged");
+        let located = Locator::new(&regions, EdgeRule::Planar, &Ellipsoid::WGS84)
+            .expect("a zone can be judged");
         for (lat, inside) in [
             (-60.0, false),
             (-19.0, true),
@@ -190,7 +194,7 @@ fn the_hole_of_a_zone_is_closed_over_the_pole_of_its_shell() {
 #[test]
 fn a_ring_that_cannot_be_judged_is_named() {
     let regions = parsed("[[[0,0],[90,0],[-90,0],[270,10],[0,0]]]");
-    let error = Locator::new(&regions, EdgeRule::GreatEllipse).err();
+    let error = Locator::new(&regions, EdgeRule::GreatEllipse, &Ellipsoid::WGS84).err();
     assert!(
         matches!(error, Some(LocatorError::OppositeEnds { vertex: 1, .. })),
         "{error:?}"

@@ -249,7 +249,7 @@ fn extents_of_real_countries_agree_with_those_that_backends_are_given() {
         let texture = checker(TexturePlacement::Extents);
         let body = scene.body;
         for region in scene.regions.iter() {
-            let own = RegionExtent::new(region, scene.edge_rule);
+            let own = RegionExtent::new(region, scene.edge_rule, &scene.body);
             let given = PlannedTexture::new(&texture, region, scene.edge_rule, &body).extent_rad;
             let own = [own.west, own.south, own.east, own.north];
             let error = (0..4).map(|i| (own[i] - given[i]).abs());
@@ -261,7 +261,8 @@ fn extents_of_real_countries_agree_with_those_that_backends_are_given() {
         }
         let extent_deg = |name: &str| {
             let region = scene.regions.iter().find(|region| region.name == name);
-            let extent = RegionExtent::new(region.expect("in the file"), scene.edge_rule);
+            let extent =
+                RegionExtent::new(region.expect("in the file"), scene.edge_rule, &scene.body);
             [extent.west, extent.south, extent.east, extent.north].map(f64::to_degrees)
         };
         if name == "countries-110m" {

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Which side of a ring is inside, where a pole lies in it.
+//!
+//! Degrees in, square metres of the body out. A planar ring that ends where it started encloses a
+//! part of the plane of longitude and latitude. One that ends a turn on divides the body in two, and
+//! so does every ring of great ellipses. Of the two sides the smaller one is meant ([`Inside`]), as
+//! in S2's normalised loops. Their areas are integrals along the edges, so that a vertex on an edge
+//! changes nothing: `U = ∮ Z dλ`, with Z the area from the equator to a latitude per radian of
+//! longitude, is the area south of a ring that goes once round eastwards, less half the body, and
+//! less the area on the left of a ring that does not go round.
+
+use crate::edge::{ZoneArea, compensated_sum};
+use crate::pieces::{or_at_pole, ring_pieces};
+use crate::{EdgeRule, Ellipsoid, Inside, Polygon, Ring};
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+/// Sides that differ by less than this share of the body are halves: a thousand times what rounding
+/// makes of the area of a million edges.
+const HALF_TOLERANCE: f64 = 1e-9;
+
+/// Which poles are inside a ring.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RingSide {
+    /// Whether the south pole and the north pole are.
+    pub holds_poles: [bool; 2],
+    /// Where the smaller side is not the one that the ring's orientation says.
+    pub choice: Option<SideChoice>,
+}
+
+/// Two readings of a ring round a pole.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SideChoice {
+    /// Area of the side that was taken, square metres.
+    pub taken_m2: f64,
+    /// Area of the other, square metres.
+    pub other_m2: f64,
+}
+
+impl Polygon {
+    /// Which poles each ring holds, the shell first.
+    ///
+    /// - cost: O(vertices) for rings round a pole and for rings of great ellipses; O(1) for others
+    #[must_use]
+    pub fn sides(&self, rule: EdgeRule, body: &Ellipsoid, inside: Inside) -> Vec<RingSide> {
+        let count = 1 + self.holes.len();
+        let sides: Vec<Option<Sides>> = self
+            .rings()
+            .enumerate()
+            .map(|(index, ring)| Sides::of(ring, index > 0, rule, body))
+            .collect();
+        if sides.iter().all(Option::is_none) {
+            return vec![RingSide::default(); count];
+        }
+        let parts_poles = |sides: &&Sides| sides.parts_poles;
+        let shell = sides[0].as_ref().filter(parts_poles);
+        let mut holes = sides[1..].iter().flatten().filter(parts_poles);
+        let common = shell.and_then(|shell| match (holes.next(), holes.count() % 2) {
+            (None, _) => None,
+            // Between the two: closed over the pole on whose side the shell holds the hole.
+            (Some(hole), 0) => Some(usize::from(shell.areas_m2[0] < hole.areas_m2[0])),
+            (Some(_), _) => Some(shell.taken(inside)),
+        });
+        let is_between = |sides: &Sides| common.is_some() && sides.parts_poles;
+        let side = |sides: &Option<Sides>| match (sides, common) {
+            (None, _) => RingSide::default(),
+            (Some(sides), Some(common)) if is_between(sides) => RingSide {
+                holds_poles: sides.poles[common],
+                choice: None,
+            },
+            (Some(sides), _) => sides.choose(inside),
+        };
+        sides.iter().map(side).collect()
+    }
+}
+
+/// The two sides of a ring that can be read in two ways.
+#[derive(Debug)]
+struct Sides {
+    /// Which poles lie on each side: north or south; none or both.
+    poles: [[bool; 2]; 2],
+    areas_m2: [f64; 2],
+    /// Which of the two the ring's orientation says.
+    oriented: usize,
+    /// Whether one pole lies on either side.
+    parts_poles: bool,
+    /// Whether it is round a pole, see [`Inside`].
+    is_round: bool,
+    whole_m2: f64,
+}
+
+impl Sides {
+    /// `None` for a ring that can be read in one way only.
+    fn of(ring: &Ring, is_hole: bool, rule: EdgeRule, body: &Ellipsoid) -> Option<Self> {
+        let has_one_reading = match rule {
+            EdgeRule::Planar => ring.winding_deg() == 0.0,
+            EdgeRule::GreatEllipse => is_within_half_a_turn(ring),
+        };
+        if has_one_reading {
+            return None;
+        }
+        // Opposite ends are refused elsewhere.
+        let pieces = ring_pieces(rule, ring).ok()?;
+        let turned_deg: f64 = pieces
+            .iter()
+            .map(|piece| piece.end[0] - piece.start[0])
+            .sum();
+        let turns = (turned_deg / 360.0).round();
+        let whole_m2 = body.quadrangle_area_m2(TAU, -FRAC_PI_2, FRAC_PI_2);
+        let zone = ZoneArea::new(body, 0.0);
+        let under_m2 = compensated_sum(
+            pieces
+                .iter()
+                .map(|piece| zone.under_edge(rule, piece.start, piece.end)),
+        );
+        let parts_poles = turns.rem_euclid(2.0) == 1.0;
+        let (first_m2, is_first_on_the_left, poles) = if parts_poles {
+            let north_m2 = 0.5 * whole_m2 - under_m2 / turns;
+            (north_m2, turns > 0.0, [[false, true], [true, false]])
+        } else if turns == 0.0 {
+            let left_m2 = -under_m2;
+            (left_m2.abs(), left_m2 >= 0.0, [[false; 2], [true; 2]])
+        } else {
+            // Twice round: it crosses itself, and neither pole is inside.
+            return None;
+        };
+        let areas_m2 = [first_m2, whole_m2 - first_m2];
+        Some(Self {
+            poles,
+            areas_m2,
+            oriented: usize::from(is_first_on_the_left == is_hole),
+            parts_poles,
+            is_round: parts_poles || areas_m2[1] < areas_m2[0],
+            whole_m2,
+        })
+    }
+
+    fn smaller(&self) -> usize {
+        let [first, second] = self.areas_m2;
+        if (first - second).abs() <= HALF_TOLERANCE * self.whole_m2 {
+            self.oriented
+        } else {
+            usize::from(second < first)
+        }
+    }
+
+    fn taken(&self, inside: Inside) -> usize {
+        match inside {
+            Inside::Left if self.is_round => self.oriented,
+            _ => self.smaller(),
+        }
+    }
+
+    fn choose(&self, inside: Inside) -> RingSide {
+        let taken = self.taken(inside);
+        let differ = self.is_round && self.smaller() != self.oriented;
+        RingSide {
+            holds_poles: self.poles[taken],
+            choice: differ.then(|| SideChoice {
+                taken_m2: self.areas_m2[taken],
+                other_m2: self.areas_m2[1 - taken],
+            }),
+        }
+    }
+}
+
+/// Whether a ring of great ellipses lies within less than half a turn of longitude, away from the
+/// poles: then it encloses less than half of the body and no pole.
+fn is_within_half_a_turn(ring: &Ring) -> bool {
+    let (mut at, mut west, mut east) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for (start, end) in ring.edges_deg() {
+        if or_at_pole(start[1]).abs() == 90.0 {
+            return false;
+        }
+        let step = end[0] - start[0];
+        at += step - 360.0 * (step / 360.0).round();
+        west = west.min(at);
+        east = east.max(at);
+    }
+    // Rounding of the sum, with room.
+    east - west < 180.0 - 1e-6
+}
+
+/// What is to be said of a ring of which [`Inside`] decides the side.
+pub(crate) fn side_note(is_hole: bool, inside: Inside, choice: &SideChoice) -> String {
+    let SideChoice { taken_m2, other_m2 } = choice;
+    let oriented = if is_hole { "right" } else { "left" };
+    let (taken, other) = match inside {
+        Inside::Smaller => ("smaller", oriented),
+        Inside::Left => (oriented, "smaller"),
+    };
+    let percent = |area_m2: f64| 100.0 * area_m2 / (taken_m2 + other_m2);
+    let verb = if is_hole { "cut out" } else { "inside" };
+    format!(
+        "the ring goes round a pole; {verb} is its {taken} side, {taken_m2:.6e} m² ({:.2} % of the \
+         body), not the {other} one, {other_m2:.6e} m² ({:.2} %)",
+        percent(*taken_m2),
+        percent(*other_m2)
+    )
+}
