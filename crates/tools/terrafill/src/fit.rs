@@ -8,7 +8,7 @@ use crate::regions::{Leniency, Meshed, read_and_mesh, report_repairs, report_war
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
-use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh};
+use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, Reading, RegionMesh};
 use terrafill_scene::{
     Camera, CameraPose, ImageSize, LevelChoice, Overlap, Scene, SurfaceChoice, View,
 };
@@ -61,7 +61,7 @@ pub(crate) fn scene_of(path: &Path, size: ImageSize) -> Result<Scene, Failure> {
         meshes,
         warnings,
         ..
-    } = read_and_mesh(path, leniency, &body, edge_rule, &mesh)?;
+    } = read_and_mesh(path, Reading::default(), leniency, &body, edge_rule, &mesh)?;
     report_warnings(path, &warnings);
     report_repairs(&meshes);
     let Some(pose) = fitted(&body, &meshes, size) else {
