@@ -138,8 +138,9 @@ impl Outline {
     /// Crossings of whole edges where one of them is split or cut: its parts only touch the other
     /// there, as in the middle of a bow-tie.
     ///
-    /// Where few edges are split, only those of the others are compared with them whose boxes hold a
-    /// point that splits one.
+    /// Of the others those are compared with them whose boxes meet that of a whole edge, or of arcs
+    /// hold a point that splits one. Those that come near a part only are no fewer by much, and a part
+    /// may be bent over a vertex that the whole edge has on its other side.
     pub(crate) fn crossings_at_splits(&self, rule: EdgeRule, most: usize) -> Vec<CrossingPlaces> {
         let Splits { whole, points, .. } = &self.splits;
         let mut places = self.crossings_at_cuts(rule, most);
@@ -153,11 +154,13 @@ impl Outline {
             .filter(|edge| split.binary_search(&edge.place).is_err())
             .copied()
             .collect();
-        if points.len() < others.len() {
-            let boxes: Vec<AxisBox> = points.iter().map(|point| AxisBox::of([*point])).collect();
-            let tree = BoxTree::new(&boxes);
-            others.retain(|edge| tree.meets(&AxisBox::of([edge.start, edge.end])));
+        let edge_box = |edge: &OutlineEdge| AxisBox::of([edge.start, edge.end]);
+        let mut boxes: Vec<AxisBox> = whole.iter().map(edge_box).collect();
+        if rule == EdgeRule::GreatEllipse {
+            boxes.extend(points.iter().map(|point| AxisBox::of([*point])));
         }
+        let tree = BoxTree::new(&boxes);
+        others.retain(|edge| tree.meets(&edge_box(edge)));
         let mut edges = whole.clone();
         edges.append(&mut others);
         let ends: Vec<[Degrees; 2]> = edges.iter().map(|edge| [edge.start, edge.end]).collect();

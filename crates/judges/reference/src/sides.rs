@@ -181,3 +181,121 @@ impl RingSides {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BODIES: [Ellipsoid; 3] = [
+        Ellipsoid::UNIT_SPHERE,
+        Ellipsoid::WGS84,
+        Ellipsoid::SATURN_LIKE,
+    ];
+
+    fn north_m2(ring: &[[f64; 2]], winding_deg: f64, rule: EdgeRule, body: &Ellipsoid) -> f64 {
+        RingSides::new(ring, winding_deg, false, rule, body).north_m2()
+    }
+
+    #[test]
+    fn areas_north_of_rings_are_those_of_closed_forms() {
+        for body in BODIES {
+            let north_of = |width_deg: f64, latitude_deg: f64| {
+                let width_rad = width_deg.to_radians();
+                body.quadrangle_area_m2(width_rad, latitude_deg.to_radians(), FRAC_PI_2)
+            };
+            let near = |found: f64, expected: f64| {
+                let error = (found / expected - 1.0).abs();
+                assert!(error < 1e-12, "{}: {found}, not {expected}", body.name());
+            };
+            for latitude in [-80.0, -10.0, 0.0, 45.0, 89.0] {
+                let parallel = [[0.0, latitude], [100.0, latitude]];
+                near(
+                    north_m2(&parallel, 360.0, EdgeRule::Planar, &body),
+                    north_of(360.0, latitude),
+                );
+            }
+            // A triangle wave is as much north of its middle as south of it only about the equator.
+            let wave = [[0.0, -60.0], [90.0, 60.0], [180.0, -60.0], [270.0, 60.0]];
+            near(
+                north_m2(&wave, 360.0, EdgeRule::Planar, &body),
+                north_of(360.0, 0.0),
+            );
+            // Three quarters of the equator and two meridians, closed on the pole's other side.
+            let wide = [
+                [0.0, 0.0],
+                [90.0, 0.0],
+                [180.0, 0.0],
+                [270.0, 0.0],
+                [7.0, 90.0],
+            ];
+            near(
+                north_m2(&wide, 0.0, EdgeRule::GreatEllipse, &body),
+                north_of(270.0, 0.0),
+            );
+            // Inclined great ellipses are halves, those that come near the poles too.
+            for top in [1.0, 45.0, 89.999_999] {
+                let inclined = [[0.0, 0.0], [90.0, top], [180.0, 0.0], [-90.0, -top]];
+                near(
+                    north_m2(&inclined, 0.0, EdgeRule::GreatEllipse, &body),
+                    north_of(360.0, 0.0),
+                );
+            }
+        }
+        // Twin: the formulas of another body are noticed.
+        let wide = [[0.0, 10.0], [90.0, 10.0], [180.0, 10.0], [270.0, 10.0]];
+        let share = |body: &Ellipsoid| {
+            let whole_m2 = body.quadrangle_area_m2(TAU, -FRAC_PI_2, FRAC_PI_2);
+            north_m2(&wide, 0.0, EdgeRule::GreatEllipse, body) / whole_m2
+        };
+        assert!((share(&BODIES[1]) - share(&BODIES[2])).abs() > 1e-4);
+    }
+
+    #[test]
+    fn great_ellipses_on_the_sphere_leave_girards_areas() {
+        // Right triangles between the equator and a meridian: tan(E/2) = tan(a/2) tan(b/2).
+        let top = 60_f64;
+        let lens =
+            4.0 * ((45_f64.to_radians() / 2.0).tan() * (top.to_radians() / 2.0).tan()).atan();
+        let ring = [
+            [0.0, 0.0],
+            [45.0, top],
+            [90.0, 0.0],
+            [180.0, 0.0],
+            [-90.0, 0.0],
+        ];
+        let found = north_m2(&ring, 0.0, EdgeRule::GreatEllipse, &Ellipsoid::UNIT_SPHERE);
+        assert!((found - (TAU - lens)).abs() < 1e-12, "{found}");
+    }
+
+    #[test]
+    fn orientation_decides_of_halves_and_of_nothing_else_unless_asked_for() {
+        let equator = |latitude: f64| [[-180.0, latitude], [-60.0, latitude], [60.0, latitude]];
+        let held = |latitude: f64, eastward: bool, is_hole: bool, inside: Inside, rule| {
+            let mut ring = equator(latitude);
+            let mut winding_deg = 360.0;
+            if !eastward {
+                ring.reverse();
+                winding_deg = -360.0;
+            }
+            let body = &Ellipsoid::WGS84;
+            RingSides::new(&ring, winding_deg, is_hole, rule, body).choose(inside)
+        };
+        for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
+            for (eastward, is_hole) in [(true, false), (false, false), (true, true), (false, true)]
+            {
+                let oriented = if eastward == is_hole { SOUTH } else { NORTH };
+                for inside in [Inside::Smaller, Inside::Left] {
+                    assert_eq!(held(0.0, eastward, is_hole, inside, rule), oriented);
+                }
+                assert_eq!(held(1.0, eastward, is_hole, Inside::Smaller, rule), NORTH);
+                assert_eq!(held(-1.0, eastward, is_hole, Inside::Smaller, rule), SOUTH);
+                for latitude in [1.0, -1.0] {
+                    assert_eq!(
+                        held(latitude, eastward, is_hole, Inside::Left, rule),
+                        oriented
+                    );
+                }
+            }
+        }
+    }
+}

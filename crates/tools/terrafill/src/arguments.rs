@@ -426,11 +426,12 @@ impl From<ReadingArguments> for Reading {
 
 const UNWRAP_HELP: &str = "\
 Edges over more than 180° of longitude: literal (as the
-numbers stand, RFC 7946) or shortest (over the antimeridian)";
+numbers stand, RFC 7946) or shortest (the shorter way)";
 
 const INSIDE_HELP: &str = "\
 Inside of a ring round a pole: smaller (the side with less
-area) or left (along the ring, RFC 7946; of a hole the right)";
+area; of halves the left) or left (RFC 7946 orientation; of
+a hole the right)";
 
 /// What to do about rings that cross themselves or one another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

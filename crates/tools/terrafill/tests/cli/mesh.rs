@@ -742,3 +742,65 @@ fn regions_are_read_from_standard_input() {
     desk.run_with_input(&["mesh", "-"], "")
         .refused(&[&["standard input: the file is empty"]]);
 }
+
+#[test]
+fn the_side_of_a_pole_ring_and_the_way_of_long_edges_can_be_chosen() {
+    let desk = Desk::new();
+    let ring = |eastward: bool, latitude: f64| {
+        let mut ring = [-180.0, -60.0, 60.0, 180.0].map(|longitude| [longitude, latitude]);
+        if !eastward {
+            ring.reverse();
+        }
+        polygon(&ring)
+    };
+    let area = |south: f64, north: f64| rectangle_area("wgs84", [-180.0, south, 180.0, north]);
+    let warnings = |region: &Value| region["warnings"].as_array().expect("a list").len();
+    desk.write("east.geojson", ring(true, 60.0));
+    desk.write("west.geojson", ring(false, 60.0));
+    for (file, inside, [south, north], said) in [
+        ("east.geojson", "smaller", [60.0, 90.0], 0),
+        ("east.geojson", "left", [60.0, 90.0], 0),
+        ("west.geojson", "smaller", [60.0, 90.0], 1),
+        ("west.geojson", "left", [-90.0, 60.0], 1),
+    ] {
+        let region = &mesh(&desk, &[file, "--inside", inside])["regions"][0];
+        assert_area(&region["area_m2"], area(south, north));
+        assert_eq!(warnings(region), said, "{file} {inside}: {region}");
+    }
+    // The default is the smaller side, and `locate` says the same.
+    let default = &mesh(&desk, &["west.geojson"])["regions"][0];
+    assert_area(&default["area_m2"], area(60.0, 90.0));
+    desk.write("points.csv", "lon,lat\n0,70\n0,-70\n");
+    for (inside, expected) in [
+        ("smaller", "0,70,0\n0,-70,\n"),
+        ("left", "0,70,\n0,-70,0\n"),
+    ] {
+        let arguments = ["locate", "west.geojson", "--points", "points.csv"];
+        let ran = desk.run(&[&arguments[..], &["--inside", inside]].concat());
+        assert_eq!(ran.stdout, format!("lon,lat,regions\n{expected}"));
+        assert!(
+            ran.stderr.contains("feature 0, polygon 0, ring 0"),
+            "{}",
+            ran.stderr
+        );
+    }
+
+    let habit = [[170.0, -5.0], [-170.0, -5.0], [-170.0, 5.0], [170.0, 5.0]];
+    desk.write("habit.geojson", polygon(&habit));
+    for (unwrap, width, said) in [("literal", 340.0, 1), ("shortest", 20.0, 0)] {
+        let region = &mesh(&desk, &["habit.geojson", "--unwrap", unwrap])["regions"][0];
+        let expected = rectangle_area("wgs84", [0.0, -5.0, width, 5.0]);
+        assert_area(&region["area_m2"], expected);
+        assert_eq!(warnings(region), said, "{unwrap}: {region}");
+    }
+    // A ring round the pole that was never cut goes there and back.
+    let uncut = polygon(&[[0.0, 60.0], [90.0, 60.0], [180.0, 60.0], [-90.0, 60.0]]);
+    desk.write("uncut.geojson", uncut);
+    desk.run(&["mesh", "uncut.geojson"]).refused(&[&[
+        "the rings enclose no area",
+        "--unwrap shortest",
+        "--edges great-ellipse",
+    ]]);
+    let region = &mesh(&desk, &["uncut.geojson", "--unwrap", "shortest"])["regions"][0];
+    assert_area(&region["area_m2"], area(60.0, 90.0));
+}

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The sides of rings round a pole as the locator takes them, against `core`'s, which shares no code with
+//! it, and against places of which there is no doubt.
+
+#![allow(
+    clippy::print_stdout,
+    reason = "how much was compared is worth reading"
+)]
+
+use terrafill_core::{EdgeRule, Ellipsoid, Inside, Reading, Region, parse_regions_as};
+use terrafill_reference::Locator;
+
+type Degrees = [f64; 2];
+
+fn region(rings: &[&[Degrees]], inside: Inside) -> Region {
+    let text = format!(r#"{{"type":"Polygon","coordinates":{rings:?}}}"#);
+    let reading = Reading {
+        inside,
+        ..Reading::default()
+    };
+    parse_regions_as(text.as_bytes(), "test", reading)
+        .expect("valid")
+        .remove(0)
+}
+
+fn holds(
+    region: &Region,
+    rule: EdgeRule,
+    body: &Ellipsoid,
+    [longitude, latitude]: Degrees,
+) -> bool {
+    let locator = Locator::new(std::slice::from_ref(region), rule, body).expect("clear rings");
+    let found = locator.locate(longitude, latitude);
+    assert!(found.disagree.is_empty(), "{longitude} {latitude}");
+    !found.regions.is_empty()
+}
+
+#[test]
+fn rings_of_doubtful_sides_hold_the_places_that_are_meant() {
+    let spiked = [
+        [-180.0, 60.0],
+        [-1.0, 60.0],
+        [-1.0, -70.0],
+        [0.0, -75.0],
+        [1.0, -70.0],
+        [1.0, 60.0],
+        [180.0, 60.0],
+        [-180.0, 60.0],
+    ];
+    let notched = [
+        [-180.0, 10.0],
+        [-90.0, 10.0],
+        [0.0, 10.0],
+        [60.0, -40.0],
+        [120.0, 10.0],
+        [180.0, 10.0],
+        [-180.0, 10.0],
+    ];
+    let both_poles = [
+        [-5.0, 80.0],
+        [-5.0, 0.0],
+        [-5.0, -80.0],
+        [-90.0, -85.0],
+        [180.0, -80.0],
+        [90.0, -85.0],
+        [5.0, -80.0],
+        [5.0, 0.0],
+        [5.0, 80.0],
+        [90.0, 85.0],
+        [180.0, 80.0],
+        [-90.0, 85.0],
+        [-5.0, 80.0],
+    ];
+    let (planar, arcs) = (EdgeRule::Planar, EdgeRule::GreatEllipse);
+    // Places inside and outside of the smaller side; whether it is on the left.
+    let cases: [(&[Degrees], EdgeRule, [Degrees; 3], [Degrees; 3]); 3] = [
+        (
+            &spiked,
+            planar,
+            [[0.0, 90.0], [0.0, -72.0], [170.0, 61.0]],
+            [[0.0, -90.0], [0.0, -76.0], [90.0, 59.0]],
+        ),
+        (
+            &notched,
+            planar,
+            [[0.0, 90.0], [60.0, -39.0], [-90.0, 11.0]],
+            [[0.0, -90.0], [60.0, -41.0], [-90.0, 9.0]],
+        ),
+        (
+            &both_poles,
+            arcs,
+            [[0.0, 90.0], [0.0, -90.0], [0.0, 0.0]],
+            [[90.0, 0.0], [-90.0, 70.0], [180.0, -70.0]],
+        ),
+    ];
+    let body = Ellipsoid::WGS84;
+    for (ring, rule, inside, outside) in cases {
+        let backwards: Vec<Degrees> = ring.iter().rev().copied().collect();
+        for (written, is_left) in [(ring, true), (&backwards, false)] {
+            for (choice, as_smaller) in [(Inside::Smaller, true), (Inside::Left, is_left)] {
+                let region = region(&[written], choice);
+                for place in inside {
+                    assert_eq!(holds(&region, rule, &body, place), as_smaller, "{place:?}");
+                }
+                for place in outside {
+                    assert_eq!(holds(&region, rule, &body, place), !as_smaller, "{place:?}");
+                }
+            }
+        }
+    }
+    // Exact halves by orientation.
+    let eastern = [
+        [0.0, -90.0],
+        [180.0, -90.0],
+        [180.0, 0.0],
+        [180.0, 90.0],
+        [0.0, 90.0],
+        [0.0, 0.0],
+        [0.0, -90.0],
+    ];
+    let western: Vec<Degrees> = eastern.iter().rev().copied().collect();
+    for (ring, is_eastern) in [(&eastern[..], true), (&western, false)] {
+        let region = region(&[ring], Inside::Smaller);
+        assert_eq!(holds(&region, arcs, &body, [90.0, 10.0]), is_eastern);
+        assert_eq!(holds(&region, arcs, &body, [-90.0, 10.0]), !is_eastern);
+    }
+}
+
+/// SplitMix64 (Steele, Lea and Flood, 2014).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Round the axis, at any latitudes.
+    fn round(&mut self) -> Vec<Degrees> {
+        let mut longitude = -180.0;
+        let first = [longitude, 120.0 * self.next() - 60.0];
+        let mut ring = vec![first];
+        while longitude < 100.0 {
+            longitude += 1.0 + 78.0 * self.next();
+            ring.push([longitude, 178.0 * self.next() - 89.0]);
+        }
+        ring.extend([[180.0, first[1]], first]);
+        ring
+    }
+
+    /// Anywhere, most of them wide, crossing themselves as they like.
+    fn anywhere(&mut self) -> Vec<Degrees> {
+        let count = 5 + 4 * u32::from(self.next() < 0.5);
+        let mut ring: Vec<Degrees> = (0..count)
+            .map(|_| {
+                let longitude = 360.0 * self.next() - 180.0;
+                [longitude, (2.0 * self.next() - 1.0).asin().to_degrees()]
+            })
+            .collect();
+        ring.push(ring[0]);
+        ring
+    }
+}
+
+#[test]
+fn the_locator_and_the_mesher_take_the_same_sides() {
+    let mut random = Random(15);
+    // By the poles held: neither, south, north, both; and warnings.
+    let mut found = [0_u32; 4];
+    let mut warned = 0;
+    for round in 0..3_000 {
+        let rule = [EdgeRule::Planar, EdgeRule::GreatEllipse][round % 2];
+        let body = Ellipsoid::ALL[round % Ellipsoid::ALL.len()];
+        let inside = [Inside::Smaller, Inside::Left][round / 2 % 2];
+        let mut ring = if rule == EdgeRule::Planar || random.next() < 0.5 {
+            random.round()
+        } else {
+            random.anywhere()
+        };
+        if random.next() < 0.5 {
+            ring.reverse();
+        }
+        let region = region(&[&ring], inside);
+        let side = region.polygons[0].sides(rule, &body, inside)[0];
+        let poles = [-90.0, 90.0].map(|latitude| holds(&region, rule, &body, [61.0, latitude]));
+        assert_eq!(
+            poles,
+            side.holds_poles,
+            "{rule:?} {inside:?} {} {ring:?}",
+            body.name()
+        );
+        found[usize::from(poles[0]) + 2 * usize::from(poles[1])] += 1;
+        warned += u32::from(side.choice.is_some());
+        if let Some(choice) = side.choice {
+            assert_eq!(choice.taken_m2 < choice.other_m2, inside == Inside::Smaller);
+        }
+    }
+    println!("{found:?} by poles, {warned} with two readings");
+    assert!(found.iter().all(|count| *count > 20), "{found:?}");
+    assert!(warned > 500, "{warned}");
+}
