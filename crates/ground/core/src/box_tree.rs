@@ -7,6 +7,7 @@
 //! distances.
 
 use glam::DVec3;
+use std::cell::Cell;
 use std::ops::ControlFlow;
 
 /// Boxes in a leaf: comparing this many pairwise costs about what one more level would.
@@ -20,6 +21,15 @@ pub(crate) struct AxisBox {
 }
 
 impl AxisBox {
+    /// Round planar places.
+    pub(crate) fn of<const COUNT: usize>(places: [[f64; 2]; COUNT]) -> Self {
+        let places = places.map(|[x, y]| DVec3::new(x, y, 0.0));
+        Self {
+            low: places.into_iter().fold(DVec3::INFINITY, DVec3::min),
+            high: places.into_iter().fold(DVec3::NEG_INFINITY, DVec3::max),
+        }
+    }
+
     fn overlaps(&self, other: &Self) -> bool {
         self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
     }
@@ -148,6 +158,16 @@ impl<'a> BoxTree<'a> {
                 }
             }
         }
+    }
+
+    /// Whether any box overlaps another one.
+    pub(crate) fn meets(&self, other: &AxisBox) -> bool {
+        let found = Cell::new(false);
+        self.visit(
+            &mut |bounds| !found.get() && bounds.overlaps(other),
+            &mut |_| found.set(true),
+        );
+        found.get()
     }
 
     fn compare_leaves(

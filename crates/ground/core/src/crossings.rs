@@ -2,12 +2,14 @@
 //! Finding the places where edges cross, and splitting edges there.
 //!
 //! Degrees for planar edges, unit normals for great ellipses. Candidates come from a tree over the
-//! edges' boxes: O(n log n + pairs whose boxes overlap).
+//! edges' boxes: O(n log n + pairs whose boxes overlap). Where those are very many, straight edges are
+//! swept instead (see `sweep`).
 
 use crate::box_tree::{AxisBox, BoxTree};
 use crate::edge::{Degrees, normal};
 use crate::intersection::{great_ellipse_crossing, planar_crossing};
 use crate::pieces::OutlineEdge;
+use crate::sweep::sweep_crossings;
 use crate::{EdgePlace, EdgeRule};
 use glam::DVec3;
 use std::ops::ControlFlow;
@@ -16,6 +18,9 @@ use std::ops::ControlFlow;
 /// bend an edge over another one close by, but only by the last bit. What is left of them then is
 /// taken away by `snap` where the region is meshed.
 pub(crate) const MAX_ROUNDS: usize = 8;
+
+/// Overlapping boxes to an edge from which on straight edges are swept: a coast has about four.
+const MAX_PAIRS_TO_AN_EDGE: usize = 32;
 
 /// A box that holds the edge, in degrees or in unit normals.
 fn box_of(rule: EdgeRule, [start, end]: [Degrees; 2]) -> AxisBox {
@@ -46,8 +51,32 @@ pub(crate) fn find_crossings(
     most: usize,
 ) -> (Vec<Crossing>, bool) {
     let boxes: Vec<AxisBox> = edges.iter().map(|ends| box_of(rule, *ends)).collect();
+    let tree = BoxTree::new(&boxes);
+    let pairs = match rule {
+        EdgeRule::Planar => MAX_PAIRS_TO_AN_EDGE * edges.len(),
+        EdgeRule::GreatEllipse => usize::MAX,
+    };
+    compare_pairs(rule, edges, &tree, most, pairs)
+        .or_else(|| sweep_crossings(edges, most))
+        .or_else(|| compare_pairs(rule, edges, &tree, most, usize::MAX))
+        .unwrap_or_default()
+}
+
+/// `None` if there are more overlapping boxes than `most_pairs`.
+fn compare_pairs(
+    rule: EdgeRule,
+    edges: &[[Degrees; 2]],
+    tree: &BoxTree<'_>,
+    most: usize,
+    most_pairs: usize,
+) -> Option<(Vec<Crossing>, bool)> {
     let mut found: Vec<Crossing> = Vec::new();
-    let end = BoxTree::new(&boxes).overlapping_pairs(&mut |a, b| {
+    let mut pairs_left = Some(most_pairs);
+    let end = tree.overlapping_pairs(&mut |a, b| {
+        pairs_left = pairs_left.and_then(|left| left.checked_sub(1));
+        if pairs_left.is_none() {
+            return ControlFlow::Break(());
+        }
         let crossing = match rule {
             EdgeRule::Planar => planar_crossing(edges[a], edges[b]),
             EdgeRule::GreatEllipse => great_ellipse_crossing(edges[a], edges[b]),
@@ -62,7 +91,7 @@ pub(crate) fn find_crossings(
         ControlFlow::Continue(())
     });
     found.sort_unstable_by_key(|crossing| crossing.0);
-    (found, end.is_continue())
+    pairs_left.map(|_| (found, end.is_continue()))
 }
 
 /// Splits straight edges where they cross.

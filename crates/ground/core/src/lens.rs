@@ -185,7 +185,11 @@ pub(crate) fn sight_of([start, end]: [Degrees; 2], place: Degrees) -> Sight {
 ///
 /// - cost: O(n log n) for n places, and for each arc log n and the places beside its chord
 pub(crate) fn any_in_lens(arcs: &[[Degrees; 2]], places: &[Degrees]) -> bool {
-    let boxes: Vec<AxisBox> = places.iter().copied().map(box_of).collect();
+    let boxes: Vec<AxisBox> = places
+        .iter()
+        .copied()
+        .map(|place| AxisBox::of([place]))
+        .collect();
     let tree = BoxTree::new(&boxes);
     let arcs = arcs.iter();
     let mut lenses = arcs.filter_map(|[start, end]| Lens::of(*start, *end));
@@ -312,7 +316,11 @@ fn split_at_feet(edges: Vec<OutlineEdge>, near: WithinRounding, most: usize) -> 
         let mut places: Vec<Degrees> = ends.collect();
         places.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
         places.dedup();
-        let boxes: Vec<AxisBox> = places.iter().copied().map(box_of).collect();
+        let boxes: Vec<AxisBox> = places
+            .iter()
+            .copied()
+            .map(|place| AxisBox::of([place]))
+            .collect();
         let vertices = Vertices {
             tree: BoxTree::new(&boxes),
             places: &places,
@@ -379,14 +387,6 @@ fn middle_of_cell(place: Degrees) -> Degrees {
     match middle[0].abs() == 180.0 || middle[1].abs() == 90.0 {
         true => place,
         false => middle,
-    }
-}
-
-fn box_of([x, y]: Degrees) -> AxisBox {
-    let point = DVec3::new(x, y, 0.0);
-    AxisBox {
-        low: point,
-        high: point,
     }
 }
 

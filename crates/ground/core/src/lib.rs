@@ -26,6 +26,7 @@ mod repair;
 mod shape_family;
 mod snap;
 mod stitch;
+mod sweep;
 mod triangulate;
 
 pub use analytic::{AnalyticError, AnalyticRegion, GeodesicSector, SensorCone, SurfaceEllipse};

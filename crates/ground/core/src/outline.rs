@@ -11,6 +11,7 @@
 //! whole parallel of that pole, which is one point of the body.
 
 use crate::antimeridian::{AtAntimeridian, crossings_at_antimeridian};
+use crate::box_tree::{AxisBox, BoxTree};
 use crate::crossings::{CrossingPlaces, crossing_places, find_crossings};
 use crate::edge::{Degrees, EdgeSplitter};
 use crate::mesh::Extent;
@@ -130,30 +131,28 @@ impl Outline {
     /// Crossings of whole edges where one of them is split or cut: its parts only touch the other
     /// there, as in the middle of a bow-tie.
     ///
-    /// Few edges are split, so the others are first asked whether a point that splits one lies in
-    /// their box.
+    /// Where few edges are split, only those of the others are compared with them whose boxes hold a
+    /// point that splits one.
     pub(crate) fn crossings_at_splits(&self, rule: EdgeRule, most: usize) -> Vec<CrossingPlaces> {
         let Splits { whole, points, .. } = &self.splits;
         let mut places = self.crossings_at_cuts(rule, most);
         if whole.is_empty() {
             return places;
         }
-        let mut points = points.clone();
-        points.sort_by(|a, b| a[1].total_cmp(&b[1]));
         let mut split: Vec<EdgePlace> = whole.iter().map(|edge| edge.place).collect();
         split.sort_unstable();
-        let holds_point = |edge: &&OutlineEdge| {
-            let [west, east] = in_order(edge.start[0], edge.end[0]);
-            let [south, north] = in_order(edge.start[1], edge.end[1]);
-            let first = points.partition_point(|point| point[1] < south);
-            points[first..]
-                .iter()
-                .take_while(|point| point[1] <= north)
-                .any(|point| (west..=east).contains(&point[0]))
-        };
+        let others = self.groups.iter().flatten();
+        let mut others: Vec<OutlineEdge> = others
+            .filter(|edge| split.binary_search(&edge.place).is_err())
+            .copied()
+            .collect();
+        if points.len() < others.len() {
+            let boxes: Vec<AxisBox> = points.iter().map(|point| AxisBox::of([*point])).collect();
+            let tree = BoxTree::new(&boxes);
+            others.retain(|edge| tree.meets(&AxisBox::of([edge.start, edge.end])));
+        }
         let mut edges = whole.clone();
-        let others = self.groups.iter().flatten().filter(holds_point);
-        edges.extend(others.filter(|edge| split.binary_search(&edge.place).is_err()));
+        edges.append(&mut others);
         let ends: Vec<[Degrees; 2]> = edges.iter().map(|edge| [edge.start, edge.end]).collect();
         let (found, _) = find_crossings(rule, &ends, most);
         places.extend(crossing_places(&edges, &found));
