@@ -153,12 +153,15 @@ california, countries-110m]";
 pub(crate) struct ReportArguments {
     /// Folder of a run
     pub(crate) run: PathBuf,
+    /// Put all pages and pictures into index.html, which then needs no file beside it
+    #[arg(long)]
+    pub(crate) single_file: bool,
 }
 
 const VARIANT_HELP: &str = "\
-Switch of the backend or of the plan; may be repeated:
-layout=pulled, technique=gs-line, expansion=cached,
-colour=rectangle … A wrong one is answered with all";
+Switch of the backend or of the plan, or a variant as a
+report names it; may be repeated: layout=pulled,
+gs-line,scissor=volumes … A wrong one is answered with all";
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderArguments {

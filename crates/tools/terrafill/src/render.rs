@@ -85,7 +85,7 @@ fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure>
         mesh: scene.mesh,
         is_textured: false,
     };
-    for switch in &arguments.variant {
+    for switch in arguments.variant.iter().flat_map(|all| all.split(',')) {
         let refuse = |allowed: &str| {
             let message = format!("--variant: found {switch:?}, allowed: {allowed}");
             Failure::bad_input(message)
@@ -103,6 +103,13 @@ fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure>
         let Some((_, variant)) = &mut wanted.subject else {
             continue;
         };
+        // Reports name a layout by its value alone.
+        let layout = technique.and_then(|technique| technique.parameters().first());
+        if let Some(layout) = layout.filter(|_| !switch.contains('='))
+            && variant.set(layout.key, switch).is_ok()
+        {
+            continue;
+        }
         match variant.set(key, value) {
             Ok(true) => {}
             Ok(false) => return Err(refuse(&allowed_switches(variant))),
