@@ -144,7 +144,9 @@ mod tests {
         let folder = tempfile::tempdir().expect("temporary folder");
         let missing = folder.path().join("none.geojson");
         assert_eq!(
-            load_regions(&missing, Reading::default()).expect_err("missing").to_string(),
+            load_regions(&missing, Reading::default())
+                .expect_err("missing")
+                .to_string(),
             format!("{}: no such file", missing.display())
         );
         assert_eq!(
@@ -168,7 +170,9 @@ mod tests {
         assert!(error.to_string().contains("r.geojson"), "{error}");
         let square = r#"{"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1],[0,1],[0,0]]]}"#;
         std::fs::write(&path, square).expect("writable");
-        let regions = load_regions(&path, Reading::default()).expect("a square").regions;
+        let regions = load_regions(&path, Reading::default())
+            .expect("a square")
+            .regions;
         assert_eq!((regions.len(), regions[0].vertex_count()), (1, 4));
     }
 

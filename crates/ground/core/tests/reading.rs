@@ -133,7 +133,8 @@ fn features_without_area_are_left_out_and_counted() {
     );
     // A problem elsewhere in the file takes the warning along.
     let wrong = collection(&["null", &polygon("[[0,0],[1,1]]")]);
-    let error = read_region_file(wrong.as_bytes(), "t.json", Reading::default()).expect_err("two positions");
+    let error = read_region_file(wrong.as_bytes(), "t.json", Reading::default())
+        .expect_err("two positions");
     assert_eq!(
         error.warnings,
         ["1 feature without area was left out: 1 null"]

@@ -3,7 +3,7 @@
 //!
 //! A row keeps its colour from the other plots; the purposes are shades of it.
 
-use crate::canvas::{Anchor, Canvas, TEXT_PX, svg, text_width};
+use crate::canvas::{Anchor, Canvas, Spot, TEXT_PX, svg, text_width};
 use crate::palette::{INK, Palette};
 use crate::scale::{linear_ticks, whole};
 use crate::{PlotError, WIDTH_PX, label, label_column, number};
@@ -84,6 +84,18 @@ impl Bars<'_> {
                     x = end;
                 }
                 canvas.text(&row.value, [right + 10.0, y], Anchor::Left)?;
+                let values: Vec<(&str, f64)> = self
+                    .parts
+                    .into_iter()
+                    .zip(row.parts.map(|bytes| bytes as f64))
+                    .collect();
+                canvas.spot(&Spot {
+                    at: [x, y],
+                    group: "",
+                    name: &row.label,
+                    values: &values,
+                    command: "",
+                });
             }
             Ok(())
         })

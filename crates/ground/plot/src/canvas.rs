@@ -2,12 +2,14 @@
 //! A drawing in pixels on plotters' SVG backend: the few marks that the plots are made of.
 
 use crate::error::PlotError;
+use crate::number::significant;
 use crate::palette::{INK, Marker, PAPER, Stroke, hex};
 use plotters::coord::Shift;
 use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
 use plotters::prelude::{Color, DrawingArea, IntoDrawingArea, IntoFont, RGBAColor, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontStyle, FontTransform, RGBColor, ShapeStyle};
+use std::cell::RefCell;
 
 /// Text height of labels, CSS pixels.
 pub(crate) const TEXT_PX: f64 = 12.0;
@@ -29,10 +31,34 @@ pub(crate) enum Anchor {
     Right,
 }
 
+/// Half the size of the part of a drawing that answers to a pointer, pixels: as a finger needs it.
+const SPOT_PX: f64 = 10.0;
+
 /// A drawing under way.
 pub(crate) struct Canvas<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
     plot: &'a str,
+    /// Elements of the spots.
+    spots: RefCell<String>,
+    /// Names and values of the spots.
+    figures: RefCell<Vec<Figure>>,
+}
+
+/// Group and name, then values by their headings.
+type Figure = ([String; 2], Vec<(String, f64)>);
+
+/// A mark that says its values to a reader who points at it, and in the drawing's table of figures.
+pub(crate) struct Spot<'s> {
+    /// Where the mark is.
+    pub(crate) at: [f64; 2],
+    /// What several marks have in common, such as a view; may be empty.
+    pub(crate) group: &'s str,
+    /// What it is.
+    pub(crate) name: &'s str,
+    /// Headings with values.
+    pub(crate) values: &'s [(&'s str, f64)],
+    /// What a reader types to see it; may be empty.
+    pub(crate) command: &'s str,
 }
 
 /// Draws into an SVG element of `width` by `height` pixels named `title`.
@@ -46,18 +72,28 @@ pub(crate) fn svg(
     draw: impl FnOnce(&Canvas<'_>) -> Result<(), PlotError>,
 ) -> Result<String, PlotError> {
     let mut text = String::new();
+    let (spots, figures);
     {
         let size = (px(width).unsigned_abs(), px(height).unsigned_abs());
         let canvas = Canvas {
             area: SVGBackend::with_string(&mut text, size).into_drawing_area(),
             plot: title,
+            spots: RefCell::default(),
+            figures: RefCell::default(),
         };
         draw(&canvas)?;
         let finished = canvas.area.present();
         canvas.drawn(finished)?;
+        (spots, figures) = (canvas.spots.take(), canvas.figures.take());
     }
-    let label = title.replace('&', "&amp;").replace('"', "&quot;");
-    let label = label.replace('<', "&lt;");
+    let label = escaped(title);
+    let table = match figures.as_slice() {
+        [] => String::new(),
+        figures => format!("<metadata>{}</metadata>", escaped(&csv(figures))),
+    };
+    if let Some(end) = text.rfind("</svg>") {
+        text.insert_str(end, &(spots + &table));
+    }
     Ok(text
         .replacen(
             "<svg ",
@@ -66,6 +102,40 @@ pub(crate) fn svg(
         )
         .replace(&hex(INK), "currentColor")
         .replace(&hex(PAPER), "var(--paper)"))
+}
+
+/// Text that is no markup.
+pub(crate) fn escaped(text: &str) -> String {
+    let text = text.replace('&', "&amp;").replace('"', "&quot;");
+    text.replace('<', "&lt;")
+}
+
+/// The figures under a header that has each heading once, in order of appearance.
+fn csv(figures: &[Figure]) -> String {
+    let mut headings: Vec<&str> = Vec::new();
+    for (heading, _) in figures.iter().flat_map(|(_, values)| values) {
+        if !headings.contains(&heading.as_str()) {
+            headings.push(heading);
+        }
+    }
+    let cell = |text: &str| match text.contains([',', '"', '\n']) {
+        true => format!("\"{}\"", text.replace('"', "\"\"")),
+        false => text.to_owned(),
+    };
+    let header = ["group", "name"]
+        .into_iter()
+        .chain(headings.iter().copied());
+    let mut lines = vec![header.map(cell).collect::<Vec<_>>().join(",")];
+    for (names, values) in figures {
+        let value = |heading: &&str| {
+            let found = values.iter().find(|(known, _)| known == heading);
+            found.map_or_else(String::new, |(_, value)| value.to_string())
+        };
+        let row = names.iter().map(|name| cell(name));
+        let row: Vec<String> = row.chain(headings.iter().map(value)).collect();
+        lines.push(row.join(","));
+    }
+    lines.join("\n") + "\n"
 }
 
 /// Width of `text` as drawn, about.
@@ -91,6 +161,34 @@ impl Canvas<'_> {
             plot: self.plot.to_owned(),
             message: error.to_string(),
         })
+    }
+
+    /// Lets a mark say its values.
+    pub(crate) fn spot(&self, spot: &Spot<'_>) {
+        let mut said = match spot.group {
+            "" => spot.name.to_owned(),
+            group => format!("{group}: {}", spot.name),
+        };
+        for (heading, value) in spot.values {
+            said.push_str(&format!("\n{heading}: {}", significant(*value)));
+        }
+        let command = match spot.command {
+            "" => String::new(),
+            command => format!(" data-command=\"{}\"", escaped(command)),
+        };
+        let [x, y] = spot.at.map(|at| px(at - SPOT_PX));
+        let side = px(2.0 * SPOT_PX);
+        self.spots.borrow_mut().push_str(&format!(
+            "<g class=\"spot\" tabindex=\"0\" role=\"img\"{command}><title>{}</title>\
+             <rect x=\"{x}\" y=\"{y}\" width=\"{side}\" height=\"{side}\" fill=\"none\" \
+             pointer-events=\"all\"/></g>\n",
+            escaped(&said)
+        ));
+        let named = |(heading, value): &(&str, f64)| ((*heading).to_owned(), *value);
+        self.figures.borrow_mut().push((
+            [spot.group.to_owned(), spot.name.to_owned()],
+            spot.values.iter().map(named).collect(),
+        ));
     }
 
     /// A line of the page's ink.
@@ -212,9 +310,20 @@ impl Canvas<'_> {
 
     /// A point of a curve.
     pub(crate) fn marker(&self, at: [f64; 2], stroke: Stroke) -> Result<(), PlotError> {
+        self.sized_marker(at, stroke, MARKER_PX, 1.0)
+    }
+
+    /// The same with half its size in pixels, and its opacity.
+    pub(crate) fn sized_marker(
+        &self,
+        at: [f64; 2],
+        stroke: Stroke,
+        r: f64,
+        opacity: f64,
+    ) -> Result<(), PlotError> {
         let [x, y] = at;
-        let r = MARKER_PX;
-        let fill = ShapeStyle::from(&stroke.colour).filled();
+        let colour = stroke.colour.mix(opacity);
+        let fill = ShapeStyle::from(&colour).filled();
         let corners = |corners: &[[f64; 2]]| {
             let points: Vec<_> = corners
                 .iter()
@@ -224,7 +333,7 @@ impl Canvas<'_> {
         };
         match stroke.marker {
             Marker::Circle => self.drawn(self.area.draw(&Circle::new(point(x, y), px(r), fill))),
-            Marker::Square => self.bar([x - r, y - r], [x + r, y + r], stroke.colour.mix(1.0)),
+            Marker::Square => self.bar([x - r, y - r], [x + r, y + r], colour),
             Marker::Triangle => {
                 let triangle = corners(&[[-1.1, 0.9], [1.1, 0.9], [0.0, -1.1]]);
                 self.drawn(self.area.draw(&triangle))

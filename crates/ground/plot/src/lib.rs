@@ -9,6 +9,7 @@
 mod bars;
 mod canvas;
 mod error;
+mod fronts;
 mod labels;
 mod lines;
 mod log_log;
@@ -22,6 +23,7 @@ mod work_precision;
 
 pub use bars::{Bar, Bars};
 pub use error::PlotError;
+pub use fronts::{FrontPanel, FrontPoint, Fronts};
 pub use lines::{Line, Lines};
 pub use palette::{Palette, dark_rules};
 pub use panels::{Arrangement, named_aside, panels};

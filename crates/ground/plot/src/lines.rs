@@ -2,7 +2,7 @@
 //! Exact amounts over exact amounts, one line a name, both axes logarithmic; a ringed mark is a point
 //! beside its line.
 
-use crate::canvas::svg;
+use crate::canvas::{Spot, svg};
 use crate::log_log::{
     AxisText, Frame, LINE_OPACITY, draw_across, draw_names_aside, draw_up, names_width,
 };
@@ -86,6 +86,15 @@ impl Lines<'_> {
                 let at = |point: &[f64; 2]| [across.px(point[0]), up.px(point[1])];
                 let path: Vec<[f64; 2]> = line.points.iter().map(at).collect();
                 canvas.path(&path, stroke.colour.mix(LINE_OPACITY), 2)?;
+                for point in line.points.iter().chain(&line.ringed) {
+                    canvas.spot(&Spot {
+                        at: at(point),
+                        group: "",
+                        name: &line.name,
+                        values: &[(self.across, point[0]), (self.up, point[1])],
+                        command: "",
+                    });
+                }
                 if let Some(point) = &line.ringed {
                     canvas.marker(at(point), stroke)?;
                     canvas.ring(at(point))?;

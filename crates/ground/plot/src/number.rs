@@ -120,11 +120,11 @@ fn interval(estimate: &Estimate) -> String {
     })
 }
 
-/// A median with its 5th and 95th percentile.
+/// A median with its 5th and 95th percentile, `12.0 (11.1–13.0)`: brackets are for 95 % intervals.
 #[must_use]
 pub fn spread(of: Spread) -> String {
     let [median, p5, p95] = [of.median, of.p5, of.p95].map(significant);
-    format!("{median} [{p5}–{p95}]")
+    format!("{median} ({p5}–{p95})")
 }
 
 #[cfg(test)]

@@ -26,11 +26,6 @@ const HUES: [[RGBColor; 2]; 8] = [
     [RGBColor(0x5E, 0x5E, 0x5E), RGBColor(0xAE, 0xAE, 0xAE)],
 ];
 
-/// A hue by its place, for plots of one series.
-pub(crate) fn hue(index: usize) -> RGBColor {
-    HUES[index % HUES.len()][0]
-}
-
 /// Shape of a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Marker {
@@ -54,6 +49,18 @@ pub(crate) struct Stroke {
     pub(crate) marker: Marker,
 }
 
+/// A step that made things faster.
+pub(crate) const FASTER: Stroke = Stroke {
+    colour: HUES[2][0],
+    marker: Marker::Circle,
+};
+
+/// A step that made things slower.
+pub(crate) const SLOWER: Stroke = Stroke {
+    colour: HUES[1][0],
+    marker: Marker::Diamond,
+};
+
 /// The curves of a report.
 #[derive(Debug)]
 pub struct Palette {
@@ -67,11 +74,29 @@ impl Palette {
         Self { series }
     }
 
+    /// The marker of `series` as a drawing of its own, as high as a line of text.
+    #[must_use]
+    pub fn marker(&self, series: &str) -> String {
+        let Stroke { colour, marker } = self.stroke(series);
+        let path = match marker {
+            Marker::Circle => "M1 6a5 5 0 1 0 10 0a5 5 0 1 0-10 0z",
+            Marker::Square => "M1.5 1.5h9v9h-9z",
+            Marker::Triangle => "M6 1l5 9.5h-10z",
+            Marker::Diamond => "M6 .2l5.8 5.8-5.8 5.8-5.8-5.8z",
+        };
+        format!(
+            "<svg class=\"marker\" viewBox=\"0 0 12 12\" aria-hidden=\"true\"><path fill=\"{}\" \
+             d=\"{path}\"/></svg>",
+            hex(colour)
+        )
+    }
+
     /// How `series` is drawn. Curves repeat from the 33rd on; a name that is not in the palette is
-    /// drawn like the first.
+    /// drawn like what stands before its first comma, or like the first.
     pub(crate) fn stroke(&self, series: &str) -> Stroke {
-        let index = self.series.iter().position(|name| name == series);
-        let index = index.unwrap_or_default();
+        let place = |wanted: &str| self.series.iter().position(|name| name == wanted);
+        let plain = series.split(',').next().unwrap_or_default();
+        let index = place(series).or_else(|| place(plain)).unwrap_or_default();
         Stroke {
             colour: HUES[index % HUES.len()][0],
             marker: MARKERS[(index + index / HUES.len()) % MARKERS.len()],
@@ -86,7 +111,7 @@ pub fn dark_rules() -> String {
         .map(|[light, dark]| {
             let (light, dark) = (hex(*light), hex(*dark));
             format!(
-                ".plot [fill=\"{light}\"]{{fill:{dark}}}.plot [stroke=\"{light}\"]{{stroke:{dark}}}"
+                "svg [fill=\"{light}\"]{{fill:{dark}}}svg [stroke=\"{light}\"]{{stroke:{dark}}}"
             )
         })
         .collect()

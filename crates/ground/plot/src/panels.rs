@@ -154,6 +154,7 @@ mod tests {
             y: Some(Reading::exact(100.0 / (1.0 + i as f64))),
             y_rms: Some(10.0 / (1.0 + i as f64)),
             standing: PointStanding::Right,
+            command: String::new(),
         };
         WorkPrecision {
             title: "error against time",

@@ -5,10 +5,12 @@
 //! room for a variant's whole name. Rows without a ratio that counts stand at the right edge with
 //! their reason in words.
 
-use crate::canvas::{Anchor, Canvas, MARKER_PX, svg};
+use crate::canvas::{Anchor, Canvas, MARKER_PX, Spot, svg};
+use crate::number::significant;
 use crate::palette::{INK, Palette};
 use crate::scale::{LogScale, tick_label};
 use crate::{PlotError, WIDTH_PX, label, label_column};
+use plotters::prelude::Color as _;
 use plotters::style::RGBColor;
 use terrafill_results::Spread;
 
@@ -18,6 +20,8 @@ const GROUP_GAP_PX: f64 = 8.0;
 const TOP_PX: f64 = 26.0;
 const AXIS_PX: f64 = 48.0;
 const VALUE_COLUMN_PX: f64 = 210.0;
+/// Seen, and no obstacle to what is drawn on it.
+const TIE_OPACITY: f64 = 0.09;
 
 /// What an axis of ratios says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,6 +39,8 @@ pub struct RatioPlot<'a> {
     pub title: String,
     /// What the axis says.
     pub axis: RatioAxis<'a>,
+    /// Shaded: ratios from one over this factor to the factor, which are ties.
+    pub tie_factor: Option<f64>,
     /// Top to bottom.
     pub groups: Vec<RatioGroup>,
 }
@@ -57,8 +63,12 @@ pub struct RatioRow {
     pub label: String,
     /// Its curve as in the palette.
     pub series: String,
-    /// The ratio, or why there is none.
+    /// The ratio with its whisker, or why there is none.
     pub ratio: Result<Spread, String>,
+    /// At the right of a row with a ratio, behind it; empty for nothing.
+    pub value: String,
+    /// What a reader types to see it; empty for nothing.
+    pub command: String,
 }
 
 impl RatioPlot<'_> {
@@ -83,6 +93,9 @@ impl RatioPlot<'_> {
             return Ok(None);
         };
         svg(&self.title, WIDTH_PX, frame.height(), |canvas| {
+            if let Some(factor) = self.tie_factor {
+                frame.shade(canvas, factor)?;
+            }
             frame.draw(canvas)?;
             let mut y = TOP_PX + ROW_PX * 0.5;
             for group in &self.groups {
@@ -122,9 +135,17 @@ impl RatioGroup {
                 Err(why) => frame.draw_absent(canvas, why, y)?,
                 Ok(ratio) => {
                     frame.draw_whisker(canvas, *ratio, y, stroke.colour)?;
-                    canvas.marker([frame.scale.px(ratio.median), y], stroke)?;
-                    let value = format!("{} ×", crate::number::significant(ratio.median));
+                    let at = [frame.scale.px(ratio.median), y];
+                    canvas.marker(at, stroke)?;
+                    let value = format!("{} ×{}", significant(ratio.median), row.value);
                     frame.draw_value(canvas, &value, y)?;
+                    canvas.spot(&Spot {
+                        at,
+                        group: &self.name,
+                        name: &row.label,
+                        values: &frame.values(*ratio),
+                        command: &row.command,
+                    });
                 }
             }
         }
@@ -192,6 +213,21 @@ impl<'a> AxisFrame<'a> {
         canvas.text(self.axis.one, [one, top - 14.0], Anchor::Middle)
     }
 
+    /// Shades the ratios that are no further from 1 than `factor`.
+    fn shade(&self, canvas: &Canvas<'_>, factor: f64) -> Result<(), PlotError> {
+        let [from, to] = [factor.recip(), factor].map(|ratio| self.scale.px(ratio));
+        canvas.bar([from, self.top], [to, self.bottom], INK.mix(TIE_OPACITY))
+    }
+
+    /// A ratio as a spot says it.
+    pub(crate) fn values(&self, ratio: Spread) -> [(&'a str, f64); 3] {
+        [
+            (self.axis.title, ratio.median),
+            ("from", ratio.p5),
+            ("to", ratio.p95),
+        ]
+    }
+
     /// A row's name, left of the axis.
     pub(crate) fn draw_label(
         &self,
@@ -223,7 +259,7 @@ impl<'a> AxisFrame<'a> {
         self.draw_value(canvas, why, y)
     }
 
-    /// 5–95 % of the samples.
+    /// What the axis' title says of whiskers.
     pub(crate) fn draw_whisker(
         &self,
         canvas: &Canvas<'_>,
@@ -254,10 +290,13 @@ mod tests {
                 median,
                 p95: 1.2 * median,
             }),
+            value: " (tie)".to_owned(),
+            command: "draw \"it\"".to_owned(),
         };
         RatioPlot {
             title: "ratios \"quoted\"".to_owned(),
             axis: AXIS,
+            tie_factor: Some(1.1),
             groups: vec![RatioGroup {
                 name: "globe".to_owned(),
                 dashed: Some((0.3, "floor".to_owned())),
@@ -271,9 +310,13 @@ mod tests {
         let palette = Palette::new(vec!["a".to_owned()]);
         let drawn = |rows: &[Result<f64, &str>]| plot(rows).draw(&palette).expect("draws");
         let text = drawn(&[Ok(3.61), Err("wrong")]).expect("a ratio");
-        for word in ["3.61 ×", "wrong", "baseline = 1", "floor", "globe"] {
+        for word in ["3.61 × (tie)", "wrong", "baseline = 1", "floor", "globe"] {
             assert!(text.contains(word), "{word}");
         }
+        assert!(text.contains("data-command=\"draw &quot;it&quot;\""));
+        assert!(
+            text.contains("group,name,time over baseline,from,to\nglobe,&lt;vertex>/doubled,3.61,")
+        );
         assert!(!text.contains("<vertex>"), "names are no markup");
         // Twins: the same rows without the failed one, and without any ratio.
         assert!(!drawn(&[Ok(3.61)]).expect("a ratio").contains("wrong"));

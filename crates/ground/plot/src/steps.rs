@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Ratios as steps, one bar a row, from the first to the last.
+//! Ratios as a waterfall, one row a step, from the first to the last.
 //!
-//! Bars start at the left edge of a logarithmic axis, which has no zero: their ends are what is read,
-//! and the steps between the ends are the gains.
+//! A row's bar goes from the ratio of the row before to its own, which has a dot: its length on the
+//! logarithmic axis is the gain. No bar stands on the axis' edge, which is no zero.
 
-use crate::canvas::svg;
-use crate::palette::{INK, hue};
+use crate::canvas::{Spot, svg};
+use crate::palette::{FASTER, INK, SLOWER};
 use crate::ratio::{AxisFrame, RatioAxis};
 use crate::{PlotError, WIDTH_PX};
 use plotters::prelude::Color as _;
@@ -14,6 +14,8 @@ use terrafill_results::Spread;
 const ROW_PX: f64 = 21.0;
 const TOP_PX: f64 = 30.0;
 const VALUE_COLUMN_PX: f64 = 210.0;
+/// Half the height of a bar.
+const BAR_PX: f64 = 6.0;
 
 /// A plot to be.
 #[derive(Debug, Clone)]
@@ -35,6 +37,8 @@ pub struct Step {
     pub ratio: Result<Spread, String>,
     /// At the right of a row with a ratio.
     pub value: String,
+    /// What a reader types to see it; empty for nothing.
+    pub command: String,
 }
 
 impl Steps<'_> {
@@ -70,13 +74,27 @@ impl Steps<'_> {
                     }
                 };
                 let end = frame.scale.px(ratio.median);
-                canvas.bar([frame.left, y - 6.0], [end, y + 6.0], hue(0).mix(0.8))?;
-                if let Some(before) = end_before {
-                    let between = y - ROW_PX * 0.5;
-                    canvas.rule([before, between], [end, between], 0.7)?;
+                let before = end_before.unwrap_or(end);
+                let stroke = if end > before { SLOWER } else { FASTER };
+                canvas.bar(
+                    [before, y - BAR_PX],
+                    [end, y + BAR_PX],
+                    stroke.colour.mix(0.55),
+                )?;
+                if end_before.is_some() {
+                    canvas.rule([before, y - ROW_PX + BAR_PX], [before, y + BAR_PX], 0.5)?;
                 }
                 end_before = Some(end);
                 frame.draw_whisker(canvas, ratio, y, INK)?;
+                let at = [end, y];
+                canvas.marker(at, stroke)?;
+                canvas.spot(&Spot {
+                    at,
+                    group: "",
+                    name: &row.label,
+                    values: &frame.values(ratio),
+                    command: &row.command,
+                });
                 frame.draw_value(canvas, &row.value, y)?;
             }
             Ok(())

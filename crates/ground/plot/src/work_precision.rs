@@ -10,7 +10,7 @@
 //! are drawn again (see [`terrafill_results::front_survival`]).
 
 use crate::PlotError;
-use crate::canvas::{Anchor, Canvas, MARKER_PX, TEXT_PX, text_width};
+use crate::canvas::{Anchor, Canvas, MARKER_PX, Spot, TEXT_PX, text_width};
 use crate::labels::{LEADER_FROM_PX, Rectangle, free_place, free_place_where};
 use crate::log_log::{AxisText, Frame, LINE_OPACITY, apart, draw_across, draw_up};
 use crate::palette::{INK, Palette, Stroke};
@@ -88,6 +88,8 @@ pub struct Point {
     pub y_rms: Option<f64>,
     /// What its figures are worth.
     pub standing: PointStanding,
+    /// What a reader types to see it; empty for nothing.
+    pub command: String,
 }
 
 /// What a point's figures are worth.
@@ -471,11 +473,32 @@ impl<'a> Panel<'a> {
             canvas.path(&[at, below], stroke.colour.mix(LINE_OPACITY), 1)?;
             canvas.open_marker(below, stroke.colour)?;
         }
+        self.add_spot(canvas, placed);
         if point.standing == PointStanding::Right {
             canvas.marker(at, stroke)
         } else {
             canvas.cross(at, stroke.colour)
         }
+    }
+
+    fn add_spot(&self, canvas: &Canvas<'_>, placed: &Placed<'_>) {
+        let point = placed.point;
+        let name = match point.label.as_str() {
+            "" => placed.name.to_owned(),
+            label => format!("{}, {label}", placed.name),
+        };
+        let values = [(self.plot.across, &point.x), (self.plot.up, &point.y)];
+        let known = values
+            .into_iter()
+            .filter_map(|(heading, value)| Some((heading, value.as_ref()?.middle)));
+        let rms = point.y_rms.map(|rms| ("root mean square", rms));
+        canvas.spot(&Spot {
+            at: placed.at,
+            group: self.plot.title,
+            name: &name,
+            values: &known.chain(rms).collect::<Vec<_>>(),
+            command: &point.command,
+        });
     }
 
     fn draw_labels(&self, canvas: &Canvas<'_>, palette: &Palette) -> Result<(), PlotError> {
@@ -674,6 +697,7 @@ mod tests {
             y: Some(Reading::exact(y)),
             y_rms: None,
             standing: PointStanding::Right,
+            command: String::new(),
         }
     }
 

@@ -21,6 +21,19 @@ pub trait Chapter: Sync {
     /// [`ChapterError`] when the run's figures cannot be what the study measures.
     fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError>;
 
+    /// What it offers for the report's first page: the answer to the study's question.
+    ///
+    /// # Errors
+    /// As [`Chapter::blocks`].
+    fn answers(&self, _run: &Run) -> Result<Answers, ChapterError> {
+        Ok(Answers::default())
+    }
+
+    /// Whether each section of it fills a page of its own.
+    fn has_long_sections(&self) -> bool {
+        false
+    }
+
     /// What in the run's figures contradicts itself, a sentence each.
     fn contradictions(&self, _run: &Run) -> Vec<String> {
         Vec::new()
@@ -33,6 +46,17 @@ pub trait Chapter: Sync {
     fn tables(&self, _run: &Run) -> Result<Vec<DerivedTable>, ChapterError> {
         Ok(Vec::new())
     }
+}
+
+/// A chapter's part of the report's first page.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Answers {
+    /// What was compared with what, in exact numbers: a sentence each.
+    pub scope: Vec<String>,
+    /// The answers: a table of them, a plot, what follows from them in words.
+    pub blocks: Vec<Block>,
+    /// What the study requires, and whether the figures meet it.
+    pub requirements: Vec<Finding>,
 }
 
 /// Why a chapter cannot be made.
@@ -117,6 +141,8 @@ pub enum Block {
     Pictures(Pictures),
     /// What the measurements say of a claim.
     Finding(Finding),
+    /// The same thing in several ways, of which a reader sees one at a time.
+    Choice(Choice),
     /// Blocks that a reader may open and close.
     Folded {
         /// What is in it.
@@ -162,8 +188,29 @@ pub struct Table {
     pub rows: Vec<Row>,
     /// Whether it is one of the few that `summary.md` repeats.
     pub is_main: bool,
+    /// How it is laid out.
+    pub layout: TableLayout,
+}
+
+/// How a table is laid out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TableLayout {
+    /// Figures below headings.
+    #[default]
+    Figures,
     /// Headings are written upwards, for many narrow columns.
-    pub has_upright_headings: bool,
+    UprightHeadings,
+    /// Few rows of cells that say several things each; on a narrow screen each row is a card.
+    Cards,
+}
+
+/// The same thing in several ways: a plot by one clock or by another.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Choice {
+    /// What is chosen.
+    pub caption: String,
+    /// Name and blocks of each way; the first one is shown at first.
+    pub ways: Vec<(String, Vec<Block>)>,
 }
 
 /// A column.
@@ -252,6 +299,14 @@ pub struct Cell {
     pub title: String,
     /// How it looks.
     pub class: CellClass,
+    /// Marker of the series that it names, as SVG that `terrafill-plot` makes; empty for none.
+    pub marker: String,
+    /// Path of a picture within the run's folder that is shown small; empty for none.
+    pub picture: String,
+    /// Title of the section that says more; empty for none.
+    pub section: String,
+    /// What a reader types to see the case; empty for none.
+    pub command: String,
 }
 
 /// How a cell looks.
@@ -313,7 +368,7 @@ impl Cell {
 pub struct Plot {
     /// What it shows.
     pub caption: String,
-    /// The drawing, as `terrafill-plot` makes it.
+    /// The drawing, as `terrafill-plot` makes it: its `metadata` element holds the drawn figures as CSV.
     pub svg: String,
 }
 
@@ -322,6 +377,8 @@ pub struct Plot {
 pub struct Pictures {
     /// What they show.
     pub caption: String,
+    /// Path of the picture that each figure's first picture may be laid over; empty for none.
+    pub reference: String,
     /// In rows as the page has room for. Figures whose pictures are the same to the byte are shown
     /// once, with the notes of all.
     pub figures: Vec<PictureFigure>,

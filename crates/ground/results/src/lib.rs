@@ -26,8 +26,8 @@ mod statistic;
 pub mod threshold;
 
 pub use block::{
-    Block, Cell, CellClass, Chapter, ChapterError, DerivedTable, Finding, Heading, Picture,
-    PictureFigure, Pictures, Plot, Row, Standing, Table,
+    Answers, Block, Cell, CellClass, Chapter, ChapterError, Choice, DerivedTable, Finding, Heading,
+    Picture, PictureFigure, Pictures, Plot, Row, Standing, Table, TableLayout,
 };
 pub use case::{CaseId, CaseRow, Measurement, Note, PlannedCase, REPEATS, Status, Verdict};
 pub use environment::{Clock, RunEnvironment};
@@ -40,6 +40,6 @@ pub use metric::{Direction, Kind, Metric, MetricRow};
 pub use noise::Noise;
 pub use paired::{Shift, rate_bounds};
 pub use plan::{RunPlan, Shard, Skipped};
-pub use ratio::{Claim, Estimate, exponent, process_medians, ratio, sample_spread};
+pub use ratio::{Claim, Estimate, exponent, process_medians, ratio, sample_spread, typical};
 pub use read::{Case, Outcome, Run, Samples, repeated_cases};
 pub use statistic::{Spread, median, quantile, spread};

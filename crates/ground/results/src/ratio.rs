@@ -112,6 +112,16 @@ pub fn ratio(case: &Case, other: &Case, metric: &str) -> Option<Estimate> {
     })
 }
 
+/// `metric` of one case: the median over its processes; `None` without a process that measured it.
+#[must_use]
+pub fn typical(case: &Case, metric: &str) -> Option<Estimate> {
+    let medians: Vec<f64> = process_medians(case, metric).into_values().collect();
+    let mut random = SplitMix64::new();
+    estimate(median(&medians)?, medians.len(), || {
+        random.resampled_median(&medians)
+    })
+}
+
 /// Exponent *b* of cost = c · workᵇ through two cases of different work, which no process measures side
 /// by side, so that their processes are resampled apart; `None` without both costs or without a
 /// difference in work.
@@ -215,6 +225,24 @@ mod tests {
         assert_eq!(ratio_of(&each(&[20.0; 6]), &[]), None);
         // Times of 0 and below are no times.
         assert_eq!(ratio_of(&each(&[20.0]), &each(&[0.0])), None);
+    }
+
+    #[test]
+    fn a_time_has_an_interval_from_enough_processes() {
+        let typical_of = |samples: &[f64]| {
+            let mut run = MadeUpRun::default();
+            run.case(case_id("filling", "a", &[]))
+                .timed(METRIC, samples);
+            let folder = tempfile::tempdir().expect("a folder");
+            let run = run.write(folder.path()).expect("a run");
+            typical(&run.cases[0], METRIC)
+        };
+        let five = typical_of(&[9.0, 10.0, 11.0, 10.0, 10.5]).expect("times");
+        let [low, high] = five.interval.expect("enough");
+        assert!(low < five.middle && five.middle < high, "{five:?}");
+        // Twins: too few processes give no interval, and none give nothing.
+        assert_eq!(typical_of(&[9.0; 4]).and_then(|few| few.interval), None);
+        assert_eq!(typical_of(&[]), None);
     }
 
     #[test]

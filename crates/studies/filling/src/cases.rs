@@ -7,10 +7,10 @@ use crate::subject::Subject;
 use crate::textured::{ShownPicture, is_picture_scene, textured_variants};
 use std::sync::Arc;
 use terrafill_core::{MeshOptions, RegionMesh};
-use terrafill_fill::{Role, Technique, matrix_row};
+use terrafill_fill::{Role, Technique, Variant, matrix_row};
 use terrafill_gpu::BaselineKind;
 use terrafill_results::{CaseId, PlannedCase};
-use terrafill_scene::{PlanOptions, Scene, View};
+use terrafill_scene::{Overlap, PlanOptions, Scene, View};
 
 /// What a case is measured for; it may be several things at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,6 +19,8 @@ pub(crate) enum Purpose {
     Baseline,
     /// A technique as it should be used, or one switch beside it.
     Main,
+    /// A technique with every step of its ladder.
+    FullPlan,
     /// A point of the sweep through the boundary tolerance: it may be wrong, since its error is what
     /// the sweep is about.
     Sweep,
@@ -39,6 +41,7 @@ impl Purpose {
         match self {
             Self::Baseline => "baseline",
             Self::Main => "main",
+            Self::FullPlan => "full-plan",
             Self::Sweep => "sweep",
             Self::Subdivision => "subdivision",
             Self::Ladder => "ladder",
@@ -174,6 +177,10 @@ impl Builder<'_> {
         for technique in &wishes.techniques {
             for variant in technique.variants(scene, role) {
                 self.add(Subject::Fill(*technique, variant), Purpose::Main, frames);
+            }
+            for variant in full_plans(*technique, scene.overlap) {
+                let subject = Subject::Fill(*technique, variant);
+                self.add(subject, Purpose::FullPlan, frames);
             }
             self.add_textured(*technique, [frames, wishes.few_frames()]);
             if wishes.is_full() {
@@ -397,6 +404,19 @@ impl Builder<'_> {
         }
         conditions
     }
+}
+
+/// The top of the technique's ladder, with boundaries as they are and with levels of detail. The
+/// depth-bounds test, which devices may lack, is left to the ladder.
+fn full_plans(technique: &dyn Technique, overlap: Overlap) -> Vec<Variant> {
+    let mut rungs = technique.ladder(overlap);
+    rungs.retain(|rung| !rung.variant.switches.depth_bounds);
+    let last = |has_levels: bool| {
+        let mut rungs = rungs.iter().rev();
+        let is_it = |variant: &Variant| variant.plan.boundary_lod_px.is_some() == has_levels;
+        rungs.find_map(|rung| Some(rung.variant.clone()).filter(is_it))
+    };
+    [false, true].into_iter().filter_map(last).collect()
 }
 
 impl ViewGroup {

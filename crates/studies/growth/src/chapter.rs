@@ -175,6 +175,7 @@ fn curve(shape: &Shape<'_>) -> Curve {
         y: Some(Reading::sampled(size.time, &size.replicates)),
         y_rms: None,
         standing: PointStanding::Right,
+        command: String::new(),
     };
     Curve {
         name: shape.name.to_owned(),

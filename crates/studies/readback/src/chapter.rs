@@ -353,6 +353,7 @@ fn curve(api: &ApiTimes<'_>) -> Curve {
         y: Some(Reading::sampled(size.time, &size.replicates)),
         y_rms: None,
         standing: PointStanding::Right,
+        command: String::new(),
     };
     Curve {
         name: api.name.to_owned(),

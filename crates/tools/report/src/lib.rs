@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! A run's tables to one page, a summary and a verdict; opens no device and knows no study.
+//! A run's tables to pages, a summary and a verdict; opens no device and knows no study.
 //!
-//! [`write()`] reads a run folder and lays out what the studies' chapters say of it. `index.html` needs no
-//! file beside it: pictures are data URIs, plots are inline SVG, and nothing is loaded from elsewhere,
-//! so the file can be mailed. A run that broke off gives a report that says so and names what is
+//! [`write()`] reads a run folder and lays out what the studies' chapters say of it: `index.html` with the
+//! answers, and beside it `pages/` with a page for each chapter or each of its long sections, and every
+//! figure as SVG and CSV. Plots are inline SVG, links are relative, nothing is loaded from elsewhere, and
+//! without scripts only sorting, filters and the like are gone. [`write_single_file`] puts all of it
+//! into one file that can be mailed. A run that broke off gives a report that says so and names what is
 //! missing; what was not measured is a dash with its reason, never a 0.
 
 mod error;
 mod markdown;
+mod pages;
 mod picture;
 mod verdict;
 mod view;
@@ -15,4 +18,4 @@ mod write;
 
 pub use error::ReportError;
 pub use verdict::{Counts, Verdict};
-pub use write::{WrittenReport, write};
+pub use write::{WrittenReport, write, write_single_file};

@@ -1,28 +1,81 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Pictures of a run as data URIs, so that the report needs no file beside it.
+//! Pictures of a run: as files beside the pages, or as data URIs where one file must hold all.
 
 use base64::Engine as _;
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::path::{Component, Path};
 
-/// A picture ready for an `img` element.
+/// Longer side of a small picture, pixels: twice its size on the page, for screens with fine pixels.
+const SMALL_PX: u32 = 144;
+
+/// A picture of the run's folder that can be shown.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Picture {
-    /// `data:image/png;base64,…`
-    pub(crate) uri: String,
+    /// Its file.
+    bytes: Vec<u8>,
     /// Pixels.
     pub(crate) width: u32,
     /// Pixels.
     pub(crate) height: u32,
 }
 
-/// Reads the picture that a row names, relative to the run's folder.
-///
-/// It is decoded in full: a run killed while writing leaves a file that starts well.
-///
-/// # Errors
-/// One sentence for the report. A path that leaves the folder is refused: a report may be made from
-/// a folder that came from elsewhere, and must not carry other files of this machine along.
-pub(crate) fn embed(folder: &Path, relative: &str) -> Result<Picture, String> {
+impl Picture {
+    /// Reads the picture that a row names, relative to the run's folder.
+    ///
+    /// It is decoded in full: a run killed while writing leaves a file that starts well.
+    ///
+    /// # Errors
+    /// One sentence for the report. A path that leaves the folder is refused: a report may be made from
+    /// a folder that came from elsewhere, and must not carry other files of this machine along.
+    pub(crate) fn read(folder: &Path, relative: &str) -> Result<Self, String> {
+        let (bytes, decoded) = decoded(folder, relative)?;
+        Ok(Self {
+            bytes,
+            width: decoded.width(),
+            height: decoded.height(),
+        })
+    }
+
+    /// A small copy for a table.
+    ///
+    /// # Errors
+    /// As [`Picture::read`].
+    pub(crate) fn small(folder: &Path, relative: &str) -> Result<Self, String> {
+        let (_, decoded) = decoded(folder, relative)?;
+        let small = decoded.thumbnail(SMALL_PX, SMALL_PX).to_rgb8();
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        small
+            .write_to(&mut bytes, image::ImageFormat::Png)
+            .map_err(|error| format!("{relative}: {error}"))?;
+        Ok(Self {
+            bytes: bytes.into_inner(),
+            width: small.width(),
+            height: small.height(),
+        })
+    }
+
+    /// `data:image/png;base64,…`
+    pub(crate) fn uri(&self) -> String {
+        format!(
+            "data:image/png;base64,{}",
+            base64::engine::general_purpose::STANDARD.encode(&self.bytes)
+        )
+    }
+
+    /// Its file's bytes.
+    pub(crate) fn into_bytes(self) -> Vec<u8> {
+        self.bytes
+    }
+
+    /// The same for pictures that are the same to the byte.
+    pub(crate) fn hash(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        self.bytes.hash(&mut hasher);
+        hasher.finish()
+    }
+}
+
+fn decoded(folder: &Path, relative: &str) -> Result<(Vec<u8>, image::DynamicImage), String> {
     let path = Path::new(relative);
     let inside = path
         .components()
@@ -33,14 +86,21 @@ pub(crate) fn embed(folder: &Path, relative: &str) -> Result<Picture, String> {
     let bytes = std::fs::read(folder.join(path)).map_err(|error| format!("{relative}: {error}"))?;
     let decoded = image::load_from_memory_with_format(&bytes, image::ImageFormat::Png)
         .map_err(|error| format!("{relative}: {error}"))?;
-    Ok(Picture {
-        uri: format!(
-            "data:image/png;base64,{}",
-            base64::engine::general_purpose::STANDARD.encode(&bytes)
-        ),
-        width: decoded.width(),
-        height: decoded.height(),
-    })
+    Ok((bytes, decoded))
+}
+
+/// A path as an address: what would end or change it is escaped.
+pub(crate) fn address(path: &str) -> String {
+    let mut address = String::new();
+    for c in path.chars() {
+        match c {
+            '%' | '#' | '?' | ' ' | '"' | '\'' | '<' | '>' | '\\' => {
+                address.push_str(&format!("%{:02X}", u32::from(c)));
+            }
+            _ => address.push(c),
+        }
+    }
+    address
 }
 
 #[cfg(test)]
@@ -58,9 +118,10 @@ mod tests {
     #[test]
     fn a_picture_is_carried_whole() {
         let folder = folder_with_picture();
-        let picture = embed(folder.path(), "a.png").expect("a picture");
+        let picture = Picture::read(folder.path(), "a.png").expect("a picture");
         assert_eq!((picture.width, picture.height), (8, 4));
-        let encoded = picture.uri.split_once(',').expect("a data URI").1;
+        let uri = picture.uri();
+        let encoded = uri.split_once(',').expect("a data URI").1;
         let bytes = base64::engine::general_purpose::STANDARD
             .decode(encoded)
             .expect("base64");
@@ -71,18 +132,35 @@ mod tests {
     }
 
     #[test]
+    fn a_small_copy_keeps_the_shape() {
+        let folder = tempfile::tempdir().expect("a folder");
+        image::RgbImage::from_pixel(1000, 500, image::Rgb([1, 2, 3]))
+            .save(folder.path().join("a.png"))
+            .expect("a picture");
+        let small = Picture::small(folder.path(), "a.png").expect("a picture");
+        assert_eq!((small.width, small.height), (SMALL_PX, SMALL_PX / 2));
+        assert!(Picture::small(folder.path(), "none.png").is_err());
+    }
+
+    #[test]
     fn half_a_picture_absence_and_foreign_files_are_refused() {
         let folder = folder_with_picture();
         let bytes = std::fs::read(folder.path().join("a.png")).expect("the file");
         std::fs::write(folder.path().join("torn.png"), &bytes[..bytes.len() - 20])
             .expect("writable");
-        assert!(embed(folder.path(), "torn.png").is_err());
-        assert!(embed(folder.path(), "none.png").is_err());
+        assert!(Picture::read(folder.path(), "torn.png").is_err());
+        assert!(Picture::read(folder.path(), "none.png").is_err());
         let inner = folder.path().join("run");
         std::fs::create_dir(&inner).expect("a folder");
-        let outside = embed(&inner, "../a.png").expect_err("outside");
+        let outside = Picture::read(&inner, "../a.png").expect_err("outside");
         assert!(outside.contains("outside the run folder"), "{outside}");
         let absolute = folder.path().join("a.png");
-        assert!(embed(&inner, &absolute.to_string_lossy()).is_err());
+        assert!(Picture::read(&inner, &absolute.to_string_lossy()).is_err());
+    }
+
+    #[test]
+    fn addresses_name_the_file_and_nothing_else() {
+        assert_eq!(address("images/a,b=c.png"), "images/a,b=c.png");
+        assert_eq!(address("images/50%#\".png"), "images/50%25%23%22.png");
     }
 }

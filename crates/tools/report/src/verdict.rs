@@ -132,37 +132,60 @@ pub(crate) fn noise(run: &Run, chapters: &[&dyn Chapter]) -> Vec<StudyNoise> {
     studies.collect()
 }
 
-/// The verdict as a paragraph.
-pub(crate) fn sentences(run: &Run, counts: &Counts, noise: &[StudyNoise]) -> Vec<String> {
+/// What a run says in sentences.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Sentences {
+    /// How its cases ended.
+    pub(crate) verdict: Vec<String>,
+    /// By which clock it compares.
+    pub(crate) clock: String,
+    /// By how much identical work differed, for each study.
+    pub(crate) noise: Vec<String>,
+    /// How many replicates there are; `None` for a run that times nothing.
+    pub(crate) replicates: Option<String>,
+}
+
+impl Sentences {
+    /// One after the other.
+    pub(crate) fn all(&self) -> Vec<String> {
+        let verdict = self.verdict.iter().chain([&self.clock]);
+        let all = verdict.chain(&self.noise).chain(&self.replicates);
+        all.cloned().collect()
+    }
+}
+
+pub(crate) fn sentences(run: &Run, counts: &Counts, noise: &[StudyNoise]) -> Sentences {
     let total = counts.total();
-    let mut sentences = vec![format!(
+    let mut verdict = vec![format!(
         "{}: {} right, {} wrong{}, {} skipped, {} failed, {} missing.",
         plural(total, "case"),
-        counts.ok,
-        counts.wrong,
+        count(counts.ok as u64),
+        count(counts.wrong as u64),
         match counts.wrong_as_result {
             0 => String::new(),
             some => format!(" ({some} of them where the error is the question)"),
         },
-        counts.skipped,
-        counts.failed,
-        counts.missing
+        count(counts.skipped as u64),
+        count(counts.failed as u64),
+        count(counts.missing as u64)
     )];
     let defects = named(run, is_defect);
     if !defects.is_empty() {
-        sentences.push(format!("Wrong or failed: {}.", first_few(&defects)));
+        verdict.push(format!("Wrong or failed: {}.", first_few(&defects)));
     }
     if counts.missing > 0 {
-        sentences.push(format!(
+        verdict.push(format!(
             "This run broke off: {} of {total} planned cases have no result, and the report covers \
              the rest.",
             counts.missing
         ));
     }
-    sentences.push(clock_sentence(run));
-    sentences.extend(noise.iter().map(noise_sentence));
-    sentences.extend(replicate_sentence(run));
-    sentences
+    Sentences {
+        verdict,
+        clock: clock_sentence(run),
+        noise: noise.iter().map(noise_sentence).collect(),
+        replicates: replicate_sentence(run),
+    }
 }
 
 fn clock_sentence(run: &Run) -> String {
@@ -179,16 +202,21 @@ fn noise_sentence(of: &StudyNoise) -> String {
     let (study, metric) = (of.study, of.metric);
     match &of.noise {
         Some(noise) => format!(
-            "In {study}, identical work differed by up to {} × ({metric}, {}, median {} ×); smaller \
+            "In {study}, identical work differed by up to {} % ({metric}, {}, median {} %); smaller \
              gaps are ties.",
-            significant(noise.max_factor()),
+            percent(noise.max_factor()),
             plural(noise.pairs, "pair"),
-            significant(noise.median_factor()),
+            percent(noise.median_factor()),
         ),
         None => format!(
             "In {study}, no identical work was measured twice, so it is unknown which gaps are ties."
         ),
     }
+}
+
+/// How much more than 1 a factor is.
+fn percent(factor: f64) -> String {
+    significant((factor - 1.0) * 100.0)
 }
 
 /// `None` for a run that times nothing.

@@ -1,13 +1,28 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Blocks as HTML, laid out by `templates/blocks.html`.
 
-use crate::picture::{Picture, embed};
+use crate::picture::{Picture, address};
 use askama::Template;
 use std::collections::BTreeMap;
-use std::path::Path;
 use terrafill_results::{
     Block, Cell, CellClass, Finding, Heading, Pictures, Plot, Row, Run, Standing, Table,
+    TableLayout,
 };
+
+/// Folder of the pages within the run's folder.
+pub(crate) const PAGES: &str = "pages";
+/// Folders of small pictures and of figures within it.
+const SMALL: &str = "small";
+const FIGURES: &str = "figures";
+
+/// Whether the report is one file or several.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// A first page, with others and pictures beside it.
+    Pages,
+    /// One file that needs no other.
+    SingleFile,
+}
 
 /// A block with everything that the template needs.
 enum View<'a> {
@@ -21,9 +36,15 @@ enum View<'a> {
     Alarm(&'a str),
     List(&'a [String]),
     Table(TableView<'a>),
-    Plot(&'a Plot),
+    Plot(PlotView<'a>),
     Pictures(PicturesView<'a>),
     Findings(Vec<FindingView<'a>>),
+    Choice {
+        caption: &'a str,
+        id: String,
+        /// Names and HTML.
+        ways: Vec<(&'a str, String)>,
+    },
     Folded {
         summary: &'a str,
         is_open: bool,
@@ -32,7 +53,9 @@ enum View<'a> {
 }
 
 struct TableView<'a> {
+    id: String,
     caption: &'a str,
+    class: &'static str,
     has_upright_headings: bool,
     /// Text and meaning.
     headings: Vec<(&'a str, String)>,
@@ -50,16 +73,34 @@ struct CellView<'a> {
     tag: &'static str,
     class: &'static str,
     title: &'a str,
+    /// Heading of its column, where a narrow screen shows it before the cell; else empty.
+    label: &'a str,
     /// Where a line may break.
     parts: Vec<&'a str>,
     detail: Vec<&'a str>,
     is_void: bool,
+    marker: &'a str,
+    /// Address, width and height of a small picture.
+    picture: Option<(String, u32, u32)>,
+    /// Address of the section that says more; empty for none.
+    href: String,
+    command: &'a str,
     /// From 1; 0 for none.
     footnote: usize,
 }
 
+struct PlotView<'a> {
+    caption: &'a str,
+    svg: String,
+    /// Addresses of the drawing and of its figures as files; empty where there are none.
+    svg_file: String,
+    csv_file: String,
+}
+
 struct PicturesView<'a> {
     caption: &'a str,
+    /// Address of the picture that others may be laid over; empty for none.
+    reference: String,
     figures: Vec<FigureView<'a>>,
     problems: Vec<String>,
 }
@@ -70,10 +111,18 @@ struct FigureView<'a> {
     notes: Vec<&'a str>,
 }
 
-#[derive(PartialEq)]
 struct ImageView<'a> {
-    picture: Picture,
+    src: String,
+    width: u32,
+    height: u32,
+    hash: u64,
     caption: &'a str,
+}
+
+impl PartialEq for ImageView<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        (self.hash, self.caption) == (other.hash, other.caption)
+    }
 }
 
 struct FindingView<'a> {
@@ -89,30 +138,47 @@ struct Blocks<'a> {
     blocks: Vec<View<'a>>,
 }
 
-/// Renders blocks and hands out the ids of their headings.
+/// A file of the report: path within the run's folder, and contents.
+pub(crate) type File = (String, Vec<u8>);
+
+/// Renders the blocks of one page, hands out the ids of their headings, and collects the files beside
+/// the page.
 pub(crate) struct Renderer<'a> {
     run: &'a Run,
+    form: Form,
+    /// The page's name, which its figures' files begin with.
+    page: &'a str,
+    /// From the page to the run's folder.
+    root: &'static str,
+    /// Addresses of sections by title, from the run's folder.
+    links: &'a BTreeMap<String, String>,
     /// How often each id was asked for.
     ids: BTreeMap<String, usize>,
-    /// Ids and texts of the sections so far.
-    sections: Vec<(String, String)>,
+    files: Vec<File>,
 }
 
 impl<'a> Renderer<'a> {
-    pub(crate) fn new(run: &'a Run) -> Self {
+    pub(crate) fn new(
+        run: &'a Run,
+        form: Form,
+        page: &'a str,
+        root: &'static str,
+        links: &'a BTreeMap<String, String>,
+    ) -> Self {
         Self {
             run,
+            form,
+            page,
+            root,
+            links,
             ids: BTreeMap::new(),
-            sections: Vec::new(),
+            files: Vec::new(),
         }
     }
 
-    /// An id that no other element has.
+    /// An id that no other element of the page has.
     pub(crate) fn id(&mut self, text: &str) -> String {
-        let id: String = text
-            .chars()
-            .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })
-            .collect();
+        let id = slug(text);
         let known = self.ids.entry(id.clone()).or_default();
         *known += 1;
         match *known {
@@ -121,12 +187,12 @@ impl<'a> Renderer<'a> {
         }
     }
 
-    /// Sections since they were last taken.
-    pub(crate) fn take_sections(&mut self) -> Vec<(String, String)> {
-        std::mem::take(&mut self.sections)
+    /// The files beside the page.
+    pub(crate) fn into_files(self) -> Vec<File> {
+        self.files
     }
 
-    /// The blocks of one chapter, or of a folded part of it.
+    /// The blocks of one page, or of a part of it.
     ///
     /// # Errors
     /// When a template cannot be rendered.
@@ -146,25 +212,28 @@ impl<'a> Renderer<'a> {
 
     fn view<'b>(&mut self, block: &'b Block) -> Result<View<'b>, askama::Error> {
         Ok(match block {
-            Block::Heading { level, text } => {
-                let id = self.id(text);
-                if *level == 3 {
-                    self.sections.push((id.clone(), text.clone()));
-                }
-                View::Heading {
-                    level: *level,
-                    text,
-                    id,
-                }
-            }
+            Block::Heading { level, text } => View::Heading {
+                level: *level,
+                text,
+                id: self.id(text),
+            },
             Block::Text(text) => View::Text(text),
             Block::Remark(text) => View::Remark(text),
             Block::Alarm(text) => View::Alarm(text),
             Block::List(items) => View::List(items),
             Block::Table(table) => View::Table(self.table(table)),
-            Block::Plot(plot) => View::Plot(plot),
-            Block::Pictures(pictures) => View::Pictures(pictures_view(&self.run.path, pictures)),
+            Block::Plot(plot) => View::Plot(self.plot(plot)),
+            Block::Pictures(pictures) => View::Pictures(self.pictures(pictures)),
             Block::Finding(finding) => View::Findings(vec![finding_view(finding)]),
+            Block::Choice(choice) => View::Choice {
+                caption: &choice.caption,
+                id: self.id("choice"),
+                ways: choice
+                    .ways
+                    .iter()
+                    .map(|(name, blocks)| Ok((name.as_str(), self.html(blocks)?)))
+                    .collect::<Result<_, askama::Error>>()?,
+            },
             Block::Folded {
                 summary,
                 is_open,
@@ -177,13 +246,29 @@ impl<'a> Renderer<'a> {
         })
     }
 
-    fn table<'b>(&self, table: &'b Table) -> TableView<'b> {
+    fn table<'b>(&mut self, table: &'b Table) -> TableView<'b> {
         let mut footnotes = Vec::new();
-        let rows = table.rows.iter().map(|row| row_view(row, &mut footnotes));
+        let is_cards = table.layout == TableLayout::Cards;
+        let rows = table.rows.iter().map(|row| {
+            let mut view = self.row(row, &mut footnotes);
+            if is_cards {
+                for (cell, heading) in view.cells.iter_mut().zip(&table.headings) {
+                    cell.label = &heading.text;
+                }
+            }
+            view
+        });
+        let rows = rows.collect();
         TableView {
+            id: self.id("table"),
             caption: &table.caption,
-            has_upright_headings: table.has_upright_headings,
-            rows: rows.collect(),
+            class: match table.layout {
+                TableLayout::Figures => "",
+                TableLayout::UprightHeadings => "upright",
+                TableLayout::Cards => "cards",
+            },
+            has_upright_headings: table.layout == TableLayout::UprightHeadings,
+            rows,
             headings: table
                 .headings
                 .iter()
@@ -192,60 +277,199 @@ impl<'a> Renderer<'a> {
             footnotes,
         }
     }
+
+    fn row<'b>(&mut self, row: &'b Row, footnotes: &mut Vec<&'b str>) -> RowView<'b> {
+        let cells = row.cells.iter().enumerate().map(|(index, cell)| {
+            let is_status = !row.status.is_empty() && cell.text == row.status;
+            self.cell(cell, index == 0, is_status, footnotes)
+        });
+        RowView {
+            cells: cells.collect(),
+            status: &row.status,
+            remark: &row.remark,
+        }
+    }
+
+    fn cell<'b>(
+        &mut self,
+        cell: &'b Cell,
+        is_first: bool,
+        is_status: bool,
+        footnotes: &mut Vec<&'b str>,
+    ) -> CellView<'b> {
+        let class = match cell.class {
+            _ if is_status => "status",
+            CellClass::Plain => "",
+            CellClass::Name if is_first => "",
+            CellClass::Name => "name",
+            CellClass::Absent => "absent",
+            CellClass::Void => "void",
+            CellClass::Good => "good",
+            CellClass::Bad => "bad",
+        };
+        let has_footnote =
+            matches!(cell.class, CellClass::Absent | CellClass::Void) && !cell.title.is_empty();
+        CellView {
+            tag: if is_first { "th" } else { "td" },
+            class,
+            title: match cell.title.as_str() {
+                "" => &cell.command,
+                title => title,
+            },
+            label: "",
+            parts: match cell.class {
+                CellClass::Name => breakable(&cell.text),
+                _ => vec![&cell.text],
+            },
+            detail: breakable(&cell.detail),
+            is_void: cell.class == CellClass::Void,
+            marker: &cell.marker,
+            picture: self.small(&cell.picture),
+            href: match self.links.get(&cell.section) {
+                Some(link) if link.starts_with('#') => link.clone(),
+                Some(link) => format!("{}{link}", self.root),
+                None => String::new(),
+            },
+            command: &cell.command,
+            footnote: if has_footnote {
+                footnote(&cell.title, footnotes)
+            } else {
+                0
+            },
+        }
+    }
+
+    /// A small copy of a picture; nothing where it cannot be read, which its own section says.
+    fn small(&mut self, path: &str) -> Option<(String, u32, u32)> {
+        if path.is_empty() {
+            return None;
+        }
+        let small = Picture::small(&self.run.path, path).ok()?;
+        let (width, height) = (small.width, small.height);
+        if self.form == Form::SingleFile {
+            return Some((small.uri(), width, height));
+        }
+        let file = format!("{PAGES}/{SMALL}/{}.png", slug(path));
+        if !self.files.iter().any(|(known, _)| *known == file) {
+            self.files.push((file.clone(), small.into_bytes()));
+        }
+        Some((format!("{}{file}", self.root), width, height))
+    }
+
+    /// The drawing without its figures, which become a file.
+    fn plot<'b>(&mut self, plot: &'b Plot) -> PlotView<'b> {
+        let (svg, csv) = without_metadata(&plot.svg);
+        let mut view = PlotView {
+            caption: &plot.caption,
+            svg,
+            svg_file: String::new(),
+            csv_file: String::new(),
+        };
+        if self.form == Form::Pages {
+            let stem = self.id(&format!("{}-figure", self.page));
+            let mut file = |ending: &str, text: String| {
+                let file = format!("{PAGES}/{FIGURES}/{stem}.{ending}");
+                let href = format!("{}{file}", self.root);
+                self.files.push((file, text.into_bytes()));
+                href
+            };
+            view.svg_file = file("svg", alone(&plot.svg));
+            if let Some(csv) = csv {
+                view.csv_file = file("csv", csv);
+            }
+        }
+        view
+    }
+
+    /// Address of a picture and its size.
+    fn image<'b>(&self, path: &str, caption: &'b str) -> Result<ImageView<'b>, String> {
+        let picture = Picture::read(&self.run.path, path)?;
+        Ok(ImageView {
+            src: match self.form {
+                Form::Pages => format!("{}{}", self.root, address(path)),
+                Form::SingleFile => picture.uri(),
+            },
+            width: picture.width,
+            height: picture.height,
+            hash: picture.hash(),
+            caption,
+        })
+    }
+
+    /// Pictures of the run's folder; the same ones are shown once.
+    fn pictures<'b>(&self, pictures: &'b Pictures) -> PicturesView<'b> {
+        let mut view = PicturesView {
+            caption: &pictures.caption,
+            reference: String::new(),
+            figures: Vec::new(),
+            problems: Vec::new(),
+        };
+        // In a single file it would be there twice.
+        if self.form == Form::Pages && !pictures.reference.is_empty() {
+            let reference = self.image(&pictures.reference, "");
+            view.reference = reference.map_or_else(|_| String::new(), |image| image.src);
+        }
+        for figure in &pictures.figures {
+            let mut images = Vec::new();
+            for picture in &figure.pictures {
+                match self.image(&picture.path, &picture.caption) {
+                    Ok(image) => images.push(image),
+                    Err(problem) if view.problems.contains(&problem) => {}
+                    Err(problem) => view.problems.push(problem),
+                }
+            }
+            if images.is_empty() {
+                continue;
+            }
+            let notes = figure.notes.iter().map(String::as_str);
+            match view.figures.iter_mut().find(|known| known.images == images) {
+                Some(known) => known.notes.extend(notes),
+                None => view.figures.push(FigureView {
+                    caption: captions(&images),
+                    images,
+                    notes: notes.collect(),
+                }),
+            }
+        }
+        view
+    }
+}
+
+/// Letters and digits of a text, the rest as hyphens: for ids and file names.
+pub(crate) fn slug(text: &str) -> String {
+    text.chars()
+        .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })
+        .collect()
+}
+
+/// A drawing and its table of figures apart.
+fn without_metadata(svg: &str) -> (String, Option<String>) {
+    const ENDS: [&str; 2] = ["<metadata>", "</metadata>"];
+    let parts = svg.split_once(ENDS[0]);
+    let parts = parts.and_then(|(before, rest)| Some((before, rest.split_once(ENDS[1])?)));
+    match parts {
+        Some((before, (csv, after))) => {
+            let csv = csv.replace("&lt;", "<").replace("&quot;", "\"");
+            (format!("{before}{after}"), Some(csv.replace("&amp;", "&")))
+        }
+        None => (svg.to_owned(), None),
+    }
+}
+
+/// A drawing as a file: it takes nothing from a page, and its text is black on white.
+fn alone(svg: &str) -> String {
+    let svg = svg.replace("var(--paper)", "#ffffff");
+    let svg = svg.replace("currentColor", "#1b1f24");
+    match svg.contains("xmlns=") {
+        true => svg,
+        false => svg.replacen("<svg ", "<svg xmlns=\"http://www.w3.org/2000/svg\" ", 1),
+    }
 }
 
 fn meaning(run: &Run, heading: &Heading) -> String {
     match run.metric(&heading.metric) {
         Some(metric) => metric.meaning.clone(),
         None => heading.meaning.clone(),
-    }
-}
-
-fn row_view<'a>(row: &'a Row, footnotes: &mut Vec<&'a str>) -> RowView<'a> {
-    let cells = row.cells.iter().enumerate().map(|(index, cell)| {
-        let is_status = !row.status.is_empty() && cell.text == row.status;
-        cell_view(cell, index == 0, is_status, footnotes)
-    });
-    RowView {
-        cells: cells.collect(),
-        status: &row.status,
-        remark: &row.remark,
-    }
-}
-
-fn cell_view<'a>(
-    cell: &'a Cell,
-    is_first: bool,
-    is_status: bool,
-    footnotes: &mut Vec<&'a str>,
-) -> CellView<'a> {
-    let class = match cell.class {
-        _ if is_status => "status",
-        CellClass::Plain => "",
-        CellClass::Name if is_first => "",
-        CellClass::Name => "name",
-        CellClass::Absent => "absent",
-        CellClass::Void => "void",
-        CellClass::Good => "good",
-        CellClass::Bad => "bad",
-    };
-    let has_footnote =
-        matches!(cell.class, CellClass::Absent | CellClass::Void) && !cell.title.is_empty();
-    CellView {
-        tag: if is_first { "th" } else { "td" },
-        class,
-        title: &cell.title,
-        parts: match cell.class {
-            CellClass::Name => breakable(&cell.text),
-            _ => vec![&cell.text],
-        },
-        detail: breakable(&cell.detail),
-        is_void: cell.class == CellClass::Void,
-        footnote: if has_footnote {
-            footnote(&cell.title, footnotes)
-        } else {
-            0
-        },
     }
 }
 
@@ -278,42 +502,30 @@ fn finding_view(finding: &Finding) -> FindingView<'_> {
     }
 }
 
-/// Pictures of the run's folder; the same ones are shown once.
-fn pictures_view<'a>(folder: &Path, pictures: &'a Pictures) -> PicturesView<'a> {
-    let mut view = PicturesView {
-        caption: &pictures.caption,
-        figures: Vec::new(),
-        problems: Vec::new(),
-    };
-    for figure in &pictures.figures {
-        let mut images = Vec::new();
-        for picture in &figure.pictures {
-            match embed(folder, &picture.path) {
-                Ok(embedded) => images.push(ImageView {
-                    picture: embedded,
-                    caption: &picture.caption,
-                }),
-                Err(problem) if view.problems.contains(&problem) => {}
-                Err(problem) => view.problems.push(problem),
-            }
-        }
-        if images.is_empty() {
-            continue;
-        }
-        let notes = figure.notes.iter().map(String::as_str);
-        match view.figures.iter_mut().find(|known| known.images == images) {
-            Some(known) => known.notes.extend(notes),
-            None => view.figures.push(FigureView {
-                caption: captions(&images),
-                images,
-                notes: notes.collect(),
-            }),
-        }
-    }
-    view
-}
-
 fn captions(images: &[ImageView<'_>]) -> String {
     let captions: Vec<&str> = images.iter().map(|image| image.caption).collect();
     captions.join(" | ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_leave_the_drawing_and_come_out_as_they_went_in() {
+        let svg = "<svg a><g/><metadata>name\n&lt;a> &amp;amp; &quot;b&quot;\n</metadata></svg>";
+        let (drawing, csv) = without_metadata(svg);
+        assert_eq!(drawing, "<svg a><g/></svg>");
+        assert_eq!(csv.as_deref(), Some("name\n<a> &amp; \"b\"\n"));
+        // Twin: a drawing without figures stays.
+        assert_eq!(without_metadata("<svg/>"), ("<svg/>".to_owned(), None));
+    }
+
+    #[test]
+    fn a_drawing_of_its_own_takes_nothing_from_a_page() {
+        let svg = alone("<svg w><text fill=\"currentColor\" b=\"var(--paper)\"/></svg>");
+        assert!(
+            svg.starts_with("<svg xmlns=") && !svg.contains("var(") && !svg.contains("current")
+        );
+    }
 }

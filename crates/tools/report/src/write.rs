@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! From a run folder's tables to the files of its report.
 
+use crate::pages::{Report, pages};
 use crate::verdict::{Counts, StudyNoise, Verdict, is_defect, named, noise, plural, sentences};
-use crate::view::Renderer;
+use crate::view::{File, Form, PAGES};
 use crate::{ReportError, markdown};
-use askama::Template;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use terrafill_plot::number::{bytes, count, utc};
-use terrafill_results::{Block, Chapter, ChapterError, MetricRow, Outcome, Run, RunError, Skipped};
+use terrafill_results::{Block, Chapter, ChapterError, Outcome, Run, RunError, Skipped};
 
-/// The page, within the run's folder.
-const PAGE: &str = "index.html";
+/// The first page, within the run's folder.
+pub(crate) const INDEX: &str = "index.html";
 /// The verdict and the main tables.
 const SUMMARY: &str = "summary.md";
 /// The verdict for programs.
@@ -30,30 +30,6 @@ pub struct WrittenReport {
     pub missing: Vec<String>,
     /// Names of cases that are wrong where they must not be, or broke off.
     pub defects: Vec<String>,
-}
-
-#[derive(Template)]
-#[template(path = "page.html")]
-struct Page<'a> {
-    verdict: Verdict,
-    sentences: &'a [String],
-    missing: &'a [String],
-    wrong: Vec<String>,
-    skipped: &'a [Skipped],
-    skipped_cases: Vec<(&'a str, Vec<String>)>,
-    contradictions: Vec<String>,
-    chapters: Vec<ChapterView>,
-    environment: Vec<(&'static str, String)>,
-    metrics: &'a [MetricRow],
-    dark_rules: String,
-}
-
-struct ChapterView {
-    id: String,
-    title: &'static str,
-    /// Ids and texts.
-    sections: Vec<(String, String)>,
-    html: String,
 }
 
 /// `result.json`.
@@ -81,54 +57,66 @@ struct NoiseFile {
     median_factor: Option<f64>,
 }
 
-/// Writes the report of the run in `folder`: `index.html`, which needs no file beside it, `summary.md`,
-/// `result.json`, and the tables that the chapters derive. Each replaces an older one in one step, so a
-/// reader never meets half a file.
+/// Writes the report of the run in `folder`: `index.html` with its pages and figures in `pages/`,
+/// `summary.md`, `result.json`, and the tables that the chapters derive. Each replaces an older one in
+/// one step, so a reader never meets half a file; `pages/` keeps nothing of an older report.
 ///
 /// # Errors
 /// [`ReportError::Chapter`] when the folder holds no run, or a file in it does not fit the schema;
 /// [`ReportError::Io`] when a file cannot be written.
 pub fn write(folder: &Path, chapters: &[&dyn Chapter]) -> Result<WrittenReport, ReportError> {
+    write_as(folder, chapters, Form::Pages)
+}
+
+/// Writes the same report with all its pages and pictures in `index.html`, which needs no file beside
+/// it and can be mailed.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_single_file(
+    folder: &Path,
+    chapters: &[&dyn Chapter],
+) -> Result<WrittenReport, ReportError> {
+    write_as(folder, chapters, Form::SingleFile)
+}
+
+fn write_as(
+    folder: &Path,
+    chapters: &[&dyn Chapter],
+    form: Form,
+) -> Result<WrittenReport, ReportError> {
     let run = Run::load(folder)?;
     let counts = Counts::of(&run);
     let (verdict, noise) = (counts.verdict(), noise(&run, chapters));
-    let sentences = sentences(&run, &counts, &noise);
     let missing = named(&run, |case| case.outcome == Outcome::Missing);
     let defects = named(&run, is_defect);
 
-    let mut all: Vec<(&dyn Chapter, Vec<Block>)> = Vec::new();
-    let mut files: Vec<(String, String)> = Vec::new();
+    let mut parts = Vec::new();
+    let mut files: Vec<File> = Vec::new();
     for chapter in chapters {
-        let blocks = chapter.blocks(&run)?;
+        let (blocks, answers) = (chapter.blocks(&run)?, chapter.answers(&run)?);
         if !blocks.is_empty() {
-            all.push((*chapter, blocks));
+            parts.push((*chapter, blocks, answers));
         }
         let tables = chapter.tables(&run)?.into_iter();
-        files.extend(tables.map(|table| (table.file, table.text)));
+        files.extend(tables.map(|table| (table.file, table.text.into_bytes())));
     }
     let facts = environment(&run);
-    let mut summary = markdown::head(&sentences, &facts);
+    let said = sentences(&run, &counts, &noise);
+    let mut summary = markdown::head(&said.all(), &facts);
     markdown::names(&mut summary, "Missing cases", &missing);
     markdown::names(&mut summary, "Wrong and failed cases", &with_reasons(&run));
-    for (chapter, blocks) in &all {
-        markdown::chapter(&mut summary, chapter.title(), blocks);
-    }
-    let page = Page {
-        verdict,
-        sentences: &sentences,
-        missing: &missing,
-        wrong: with_reasons(&run),
-        skipped: &run.plan.skipped,
-        skipped_cases: skipped_cases(&run),
-        contradictions: chapters
+    for (chapter, blocks, answers) in &parts {
+        let requirements = answers.requirements.iter().cloned().map(Block::Finding);
+        let all: Vec<Block> = answers
+            .blocks
             .iter()
-            .flat_map(|c| c.contradictions(&run))
-            .collect(),
-        chapters: chapter_views(&run, &all)?,
-        environment: facts,
-        metrics: &run.metrics,
-        dark_rules: terrafill_plot::dark_rules(),
-    };
+            .cloned()
+            .chain(requirements)
+            .chain(blocks.iter().cloned())
+            .collect();
+        markdown::chapter(&mut summary, chapter.title(), &all);
+    }
     let result = ResultFile {
         schema: terrafill_results::SCHEMA,
         verdict,
@@ -141,15 +129,32 @@ pub fn write(folder: &Path, chapters: &[&dyn Chapter]) -> Result<WrittenReport, 
         processes: run.plan.processes,
         noise: noise.iter().map(noise_file).collect(),
     };
-    files.push((SUMMARY.to_owned(), summary));
+    files.push((SUMMARY.to_owned(), summary.into_bytes()));
     let result = serde_json::to_string_pretty(&result).map_err(ReportError::Result)?;
-    files.push((RESULT.to_owned(), result + "\n"));
-    files.push((PAGE.to_owned(), page.render()?));
-    for (file, text) in &files {
-        replace(&folder.join(file), text)?;
+    files.push((RESULT.to_owned(), (result + "\n").into_bytes()));
+    let report = Report {
+        run: &run,
+        form,
+        verdict,
+        said,
+        environment: facts,
+        missing: &missing,
+        wrong: with_reasons(&run),
+        skipped_cases: skipped_cases(&run),
+        contradictions: chapters
+            .iter()
+            .flat_map(|c| c.contradictions(&run))
+            .collect(),
+        parts: &parts,
+    };
+    // The first page last: what it refers to is there.
+    files.extend(pages(&report)?);
+    for (file, contents) in &files {
+        replace(&folder.join(file), contents)?;
     }
+    remove_others(folder, PAGES, &files)?;
     Ok(WrittenReport {
-        path: folder.join(PAGE),
+        path: folder.join(INDEX),
         verdict,
         counts,
         missing,
@@ -157,22 +162,28 @@ pub fn write(folder: &Path, chapters: &[&dyn Chapter]) -> Result<WrittenReport, 
     })
 }
 
-fn chapter_views(
-    run: &Run,
-    chapters: &[(&dyn Chapter, Vec<Block>)],
-) -> Result<Vec<ChapterView>, ReportError> {
-    let mut renderer = Renderer::new(run);
-    let views = chapters.iter().map(|(chapter, blocks)| {
-        let id = renderer.id(chapter.study());
-        let html = renderer.html(blocks)?;
-        Ok(ChapterView {
-            id,
-            title: chapter.title(),
-            sections: renderer.take_sections(),
-            html,
-        })
-    });
-    views.collect()
+/// Removes what an older report left in its own folder.
+fn remove_others(folder: &Path, below: &str, files: &[File]) -> Result<(), ReportError> {
+    let path = folder.join(below);
+    let failed = |source| ReportError::Io {
+        path: path.clone(),
+        source,
+    };
+    if !path.is_dir() {
+        return Ok(());
+    }
+    for entry in std::fs::read_dir(&path).map_err(failed)? {
+        let entry = entry.map_err(failed)?;
+        let name = format!("{below}/{}", entry.file_name().to_string_lossy());
+        if entry.path().is_dir() {
+            remove_others(folder, &name, files)?;
+        } else if !files.iter().any(|(file, _)| *file == name) {
+            std::fs::remove_file(entry.path()).map_err(failed)?;
+        }
+    }
+    // Only an empty one can be removed.
+    drop(std::fs::remove_dir(&path));
+    Ok(())
 }
 
 fn with_reasons(run: &Run) -> Vec<String> {
@@ -272,11 +283,13 @@ fn environment(run: &Run) -> Vec<(&'static str, String)> {
 }
 
 /// Writes beside the file and renames, so that a kill in between leaves the old file whole.
-fn replace(path: &Path, text: &str) -> Result<(), ReportError> {
+fn replace(path: &Path, contents: &[u8]) -> Result<(), ReportError> {
     let mut unfinished = path.as_os_str().to_owned();
     unfinished.push(".new");
     let unfinished = PathBuf::from(unfinished);
-    std::fs::write(&unfinished, text)
+    let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
+    folder
+        .and_then(|()| std::fs::write(&unfinished, contents))
         .and_then(|()| std::fs::rename(&unfinished, path))
         .map_err(|source| ReportError::Io {
             path: path.to_owned(),

@@ -84,8 +84,8 @@ impl Chapter for TimesChapter {
                 because: "2.00 ×".to_owned(),
             }),
             Block::Pictures(Pictures {
-                caption: String::new(),
                 figures: shown.map(figure).collect(),
+                ..Pictures::default()
             }),
         ])
     }

@@ -302,12 +302,15 @@ california, countries-110m]";
 pub(crate) struct ReportArguments {
     /// Folder of a run
     pub(crate) run: PathBuf,
+    /// Put all pages and pictures into index.html, which then needs no file beside it
+    #[arg(long)]
+    pub(crate) single_file: bool,
 }
 
 const SET_HELP: &str = "\
-Switch of the technique or of the plan; may be repeated:
-layout=pulled, technique=gs-line, expansion=cached,
-colour=rectangle … --list-switches lists all";
+Switch of the technique or of the plan, or a variant as a
+report names it; may be repeated: layout=pulled,
+gs-line,scissor=volumes … --list-switches lists all";
 
 const FIT_HELP: &str = "\
 SCENE is a GeoJSON file: on WGS 84, by planar edges, seen

@@ -6,11 +6,11 @@ use crate::environment::environment;
 use crate::outcome::{Failure, Outcome, complain, print};
 use crate::progress::Said;
 use crate::registry::{STUDIES, chapters, metrics};
-use std::path::Path;
 use std::process::{Command, Stdio};
 use std::rc::Rc;
 use terrafill_fill::Devices;
 use terrafill_gpu::shared_gpu;
+use terrafill_report::{ReportError, WrittenReport};
 use terrafill_results::RunFolder;
 use terrafill_scene::data_dir_from_env;
 use terrafill_study::{Depth, FramesPerSample, Request, RunOptions, RunOutcome, Study, StudyError};
@@ -83,7 +83,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         "{} right, {} wrong, {} failed, {} skipped; in sweeps {} wrong on purpose\n",
         outcome.ok, outcome.wrong, outcome.failed, outcome.skipped, outcome.wrong_on_purpose
     );
-    print_report(&arguments.out, &counts)
+    print_report(terrafill_report::write(&arguments.out, &chapters()), &counts)
 }
 
 /// Studies by name, or those that belong to a run of this depth.
@@ -244,19 +244,26 @@ pub(crate) fn growth_sample(arguments: &GrowthSampleArguments) -> Result<Outcome
 }
 
 pub(crate) fn report(arguments: &ReportArguments) -> Result<Outcome, Failure> {
-    print_report(&arguments.run, "")
+    let write = if arguments.single_file {
+        terrafill_report::write_single_file
+    } else {
+        terrafill_report::write
+    };
+    print_report(write(&arguments.run, &chapters()), "")
 }
 
 pub(crate) fn merge(arguments: &MergeArguments) -> Result<Outcome, Failure> {
     terrafill_results::merge(&arguments.runs, &arguments.out, metrics())
         .map_err(Failure::bad_input)?;
-    print_report(&arguments.out, "")
+    print_report(terrafill_report::write(&arguments.out, &chapters()), "")
 }
 
-/// Writes the report, prints `heading` and where it is, names what is missing, and gives the run's
-/// verdict.
-fn print_report(run: &Path, heading: &str) -> Result<Outcome, Failure> {
-    let report = terrafill_report::write(run, &chapters()).map_err(Failure::bad_input)?;
+/// Prints `heading` and where the report is, names what is missing, and gives the run's verdict.
+fn print_report(
+    report: Result<WrittenReport, ReportError>,
+    heading: &str,
+) -> Result<Outcome, Failure> {
+    let report = report.map_err(Failure::bad_input)?;
     if !report.missing.is_empty() {
         complain(format!(
             "{} planned cases are missing:",

@@ -120,7 +120,7 @@ fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure>
         mesh: scene.mesh,
         is_textured: false,
     };
-    for switch in &arguments.set {
+    for switch in arguments.set.iter().flat_map(|all| all.split(',')) {
         let refuse = |allowed: &str| {
             let message = format!("--set: found {switch:?}, allowed: {allowed}");
             Failure::bad_input(message)
@@ -138,6 +138,13 @@ fn wanted(scene: &Scene, arguments: &RenderArguments) -> Result<Wanted, Failure>
         let Some((_, variant)) = &mut wanted.subject else {
             continue;
         };
+        // Reports name a layout by its value alone.
+        let layout = technique.and_then(|technique| technique.parameters().first());
+        if let Some(layout) = layout.filter(|_| !switch.contains('='))
+            && variant.set(layout.key, switch).is_ok()
+        {
+            continue;
+        }
         match variant.set(key, value) {
             Ok(true) => {}
             Ok(false) => return Err(refuse(&allowed_switches(variant))),

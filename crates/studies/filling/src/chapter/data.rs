@@ -15,6 +15,9 @@ pub(super) const STENCIL_PASS: &str = "stencil-pass";
 /// The condition whose values are the knob of the error-against-time plots, metres.
 const KNOB: &str = "boundary-tolerance-m";
 
+/// By how many pixels levels of detail may move a boundary.
+const LEVELS: &str = "boundary-lod-px";
+
 /// Conditions that say which case it is and not how its technique is set.
 const NO_SWITCHES: [&str; 9] = [
     "scene",
@@ -168,10 +171,35 @@ impl<'a> Data<'a> {
             .cases
             .iter()
             .filter(|case| is_listed(case) && !is_baseline(case));
-        let mut series: Vec<String> = listed.map(|case| self.series(case)).collect();
+        let mut series: Vec<String> = listed.map(|case| self.marked(case)).collect();
         series.sort_unstable();
         series.dedup();
         series
+    }
+
+    /// The series whose colour and marker a case has on every page: a full plan those of its layout.
+    pub(super) fn marked(&self, case: &Case) -> String {
+        if is_full_plan(case) {
+            return layout_name(case);
+        }
+        self.series(case)
+    }
+
+    /// What a reader types to see a case; empty for what `render` does not draw.
+    pub(super) fn command(&self, case: &Case) -> String {
+        let is_drawn = !is_baseline(case)
+            && !has_role(case, "subdivision")
+            && ["", "scene"].contains(&case.condition("picture"));
+        if !is_drawn {
+            return String::new();
+        }
+        format!(
+            "terrafill render {} --view {} --technique {} --variant {} --out picture.png",
+            case.condition("scene"),
+            case.condition("view"),
+            case.condition("technique"),
+            case.condition("variant")
+        )
     }
 
     /// What is one curve: technique and switches without the knob. Named by the shortest variant on it,
@@ -196,11 +224,29 @@ impl<'a> Data<'a> {
 
     /// A case's name as a plot has room for it: the knob, in short, after the rest.
     pub(super) fn label(&self, case: &Case) -> String {
+        if is_full_plan(case) {
+            let levels = match case.condition(LEVELS) {
+                "" | "off" => String::new(),
+                px => format!(", boundary ≤ {px} px"),
+            };
+            return format!("{}, full plan{levels}", layout_name(case));
+        }
         match knob_m(case).filter(|_| has_role(case, "sweep")) {
             Some(knob) => format!("{} · {}", self.series(case), terrafill_plot::length(knob)),
             None => name(case),
         }
     }
+}
+
+/// Whether a case is the top of its technique's ladder.
+fn is_full_plan(case: &Case) -> bool {
+    has_role(case, "full-plan")
+}
+
+/// Technique and layout.
+fn layout_name(case: &Case) -> String {
+    let of = |key| case.condition(key);
+    format!("{}/{}", of("technique"), of("layout"))
 }
 
 fn own(switches: Vec<(&str, &str)>) -> Vec<(String, String)> {

@@ -79,6 +79,7 @@ fn point(data: &Data<'_>, case: &Case, metric: &str) -> Point {
             Outcome::Wrong if has_role(case, "sweep") => PointStanding::Wrong,
             _ => PointStanding::Failed,
         },
+        command: data.command(case),
     }
 }
 

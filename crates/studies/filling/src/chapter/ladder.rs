@@ -193,7 +193,7 @@ fn table(data: &Data<'_>, rungs: &[Rung<'_>]) -> Table {
         Heading::plain("step"),
         Heading::plain("status"),
         Heading::explained(
-            "÷\u{a0}depth-pass [5\u{2060}–\u{2060}95\u{a0}%]",
+            "÷\u{a0}depth-pass (5\u{2060}–\u{2060}95\u{a0}%)",
             "times over the median of the full-screen depth-pass of the same view",
         ),
         Heading::explained(
@@ -274,6 +274,7 @@ fn plot(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Option<String>, ChapterE
             label: format!("{} · {}", rung.number, rung.step),
             ratio: ratio.ok_or_else(|| no_ratio(data, rung.case)),
             value,
+            command: data.command(rung.case),
         }
     });
     let axis = axis_title(data);

@@ -6,7 +6,7 @@
 //! techniques agree, and stands beside the reference's verdict, never instead.
 
 use super::data::{Data, counter, distinct, has_role, is_same, name, switches};
-use terrafill_results::{Block, Case, Cell, CellClass, Heading, Outcome, Row, Table};
+use terrafill_results::{Block, Case, Cell, CellClass, Heading, Outcome, Row, Table, TableLayout};
 
 /// Switches that draw another boundary or other positions: their pictures are compared among
 /// themselves.
@@ -101,7 +101,7 @@ fn scene_blocks(scene: &str, cells: &[&Case]) -> Vec<Block> {
             .chain(sets.iter().map(heading))
             .collect(),
         rows: rows.collect(),
-        has_upright_headings: true,
+        layout: TableLayout::UprightHeadings,
         ..Table::default()
     }));
     if !skipped.is_empty() {

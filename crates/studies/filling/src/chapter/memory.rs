@@ -119,6 +119,26 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
     Ok(blocks)
 }
 
+/// Formula and allocation agree; `None` for a run that allocated nothing.
+pub(super) fn requirement(data: &Data<'_>) -> Option<Finding> {
+    let allocated = data
+        .memory
+        .iter()
+        .filter(|case| allocated_bytes(case).is_some());
+    let allocated: Vec<_> = allocated.collect();
+    let differing = allocated.iter().filter(|case| disagreement(case).is_some());
+    let differing = differing.count();
+    (!allocated.is_empty()).then(|| Finding {
+        claim: "Every layout allocates the bytes of its formula.".to_owned(),
+        standing: Standing::holds_if(differing == 0),
+        because: format!(
+            "{} of {} layouts of scenes do",
+            allocated.len() - differing,
+            allocated.len()
+        ),
+    })
+}
+
 fn base(rows: &[&Case]) -> Option<u64> {
     let base = rows.iter().find(|case| name(case) == BASE)?;
     formula_bytes(base).filter(|bytes| *bytes > 0)

@@ -5,9 +5,11 @@
 //! It reads cases, metrics and notes of a run and nothing else. Ratios, rankings and plots use the
 //! run's clock: [`Run::clock`].
 
+mod answers;
 mod data;
 mod error_time;
 mod exponent;
+mod fronts;
 mod ladder;
 mod matrix;
 mod memory;
@@ -22,7 +24,7 @@ mod textured;
 
 use crate::request::STUDY;
 use data::{Data, is_baseline};
-use terrafill_results::{Block, Chapter, ChapterError, Clock, DerivedTable, Outcome, Run};
+use terrafill_results::{Answers, Block, Chapter, ChapterError, Clock, DerivedTable, Outcome, Run};
 
 /// What filling regions costs and how right it is.
 #[derive(Debug, Clone, Copy, Default)]
@@ -61,6 +63,14 @@ impl Chapter for FillingChapter {
         blocks.extend(textured::blocks(&data));
         blocks.extend(scenes::blocks(&data)?);
         Ok(blocks)
+    }
+
+    fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
+        answers::answers(&self.data(run))
+    }
+
+    fn has_long_sections(&self) -> bool {
+        true
     }
 
     fn contradictions(&self, run: &Run) -> Vec<String> {

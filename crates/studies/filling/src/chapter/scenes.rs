@@ -4,13 +4,13 @@
 use super::data::{
     DEPTH_PASS, Data, STENCIL_PASS, Scene, View, counter, has_role, is_baseline, name,
 };
-use super::ladder::{AXIS_ONE, axis_title, no_ratio};
+use super::ladder::no_ratio;
 use super::{error_time, memory, published};
 use terrafill_plot::number::{bytes, count, significant, spread};
 use terrafill_plot::{Bar, Bars, Palette, RatioAxis, RatioGroup, RatioPlot, RatioRow};
 use terrafill_results::{
-    Block, Case, Cell, CellClass, ChapterError, Heading, Outcome, Picture, PictureFigure, Pictures,
-    Plot, Row, Table, sample_spread,
+    Block, Case, Cell, CellClass, ChapterError, Estimate, Heading, Outcome, Picture, PictureFigure,
+    Pictures, Plot, Row, Spread, Table, sample_spread,
 };
 
 const NO_GPU_TIME: &str = "the device gave no GPU time";
@@ -18,6 +18,12 @@ const NO_PASS_TIME: &str = "no GPU time of its own: stencil and colour alternate
 const NOT_COUNTED: &str = "not counted by this technique";
 const NOT_COMPARED: &str = "not compared with the reference";
 const NOT_RECORDED: &str = "not recorded by this run";
+
+/// Key of the pictures of differences, as `terrafill-conformance` draws them.
+const DIFFERENCE_KEY: &str = "The reference, and every picture, those that are the same once. A \
+    difference is shown where a pixel mismatches: grey, both fill with the same region; dark, neither \
+    fills; a shade apart, the 1-pixel boundary band; orange, wrong within the band; red, wrong outside \
+    it. Wrong pixels are drawn 3 × 3. A picture that is chosen by Tab or click fills the window.";
 
 /// How a metric is printed.
 #[derive(Clone, Copy)]
@@ -169,12 +175,12 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
         if let Some(svg) = ratio_plot(data, &scene, &palette)? {
             blocks.push(Block::Plot(Plot {
                 caption: format!(
-                    "Time over depth-pass: {} of the fill over that of a full-screen pass of the same \
-                     run that reads depth and writes a constant colour. Whiskers: 5–95 % of samples. \
-                     Dashed: the stencil-pass of that view, a stencil clear and a stencil-tested \
-                     full-screen colour. Both are yardsticks, not bounds. A cross at the right edge has \
+                    "{} of each right fill over that of its view's fastest, paired by process. \
+                     Whiskers: 95 % interval, where there are five processes or more. Shaded: ties. \
+                     Dashed: the depth-pass of that view, a full-screen pass that reads depth and \
+                     writes a constant colour; a yardstick, not a bound. A cross at the right edge has \
                      no time that counts.",
-                    data.run.clock().name()
+                    sentence(data.run.clock().name())
                 ),
                 svg,
             }));
@@ -196,46 +202,78 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
     Ok(blocks)
 }
 
+/// Each case over the fastest right one of its view, fastest first.
 fn ratio_plot(
     data: &Data<'_>,
     scene: &Scene<'_>,
     palette: &Palette,
 ) -> Result<Option<String>, ChapterError> {
-    let row = |case: &&Case| RatioRow {
-        label: data.label(case),
-        series: data.series(case),
-        ratio: data
-            .spread_over_depth_pass(case)
-            .ok_or_else(|| no_ratio(data, case)),
-    };
-    let groups = scene.views.iter().map(|view| RatioGroup {
-        name: view.name.to_owned(),
-        dashed: stencil_pass(data, view).map(|ratio| {
-            (
-                ratio,
-                format!("stencil-pass {} × (dashed)", significant(ratio)),
-            )
-        }),
-        rows: view.cases.iter().map(row).collect(),
+    let groups = scene.views.iter().map(|view| {
+        let best = best(data, view);
+        let ratio = |case: &Case| data.over(case, best?);
+        let mut cases = view.cases.clone();
+        let order = |case: &Case| ratio(case).map_or(f64::INFINITY, |ratio| ratio.middle);
+        cases.sort_by(|a, b| order(a).total_cmp(&order(b)));
+        let dashed = view.baselines.iter().find_map(|pass| {
+            let ratio = ratio(pass).filter(|_| pass.condition("technique") == DEPTH_PASS)?;
+            let name = format!("depth-pass {} × (dashed)", significant(ratio.middle));
+            Some((ratio.middle, name))
+        });
+        RatioGroup {
+            name: view.name.to_owned(),
+            dashed,
+            rows: cases
+                .into_iter()
+                .map(|case| ratio_row(data, case, ratio(case)))
+                .collect(),
+        }
     });
-    let title = axis_title(data);
+    let title = format!(
+        "{} of the fill ÷ that of the view's fastest (logarithmic)",
+        data.run.clock().name()
+    );
     let plot = RatioPlot {
-        title: format!("{}: fill time over depth-pass", scene.name),
+        title: format!("{}: fill time over the fastest", scene.name),
         axis: RatioAxis {
             title: &title,
-            one: AXIS_ONE,
+            one: "fastest = 1",
         },
+        tie_factor: data.noise.map(|noise| noise.max_factor()),
         groups: groups.collect(),
     };
     Ok(plot.draw(palette)?)
 }
 
-/// Stencil-pass over depth-pass of a view.
-fn stencil_pass(data: &Data<'_>, view: &View<'_>) -> Option<f64> {
-    let is_it = |case: &&&Case| case.condition("technique") == STENCIL_PASS;
-    let pass = view.baselines.iter().find(is_it)?;
-    let ratio = data.over_baseline(pass, DEPTH_PASS)?.middle;
-    Some(ratio).filter(|ratio| ratio.is_finite() && *ratio > 0.0)
+fn ratio_row(data: &Data<'_>, case: &Case, ratio: Option<Estimate>) -> RatioRow {
+    let whisker = ratio.map(|ratio| {
+        let [p5, p95] = ratio.interval.unwrap_or([ratio.middle; 2]);
+        let median = ratio.middle;
+        Spread { p5, median, p95 }
+    });
+    let time = data.right_time(case).map(|time| significant(time.median));
+    RatioRow {
+        label: data.label(case),
+        series: data.marked(case),
+        ratio: whisker.ok_or_else(|| no_ratio(data, case)),
+        value: time.map_or_else(String::new, |time| format!(" · {time} ms")),
+        command: data.command(case),
+    }
+}
+
+/// The fastest right fill of a view. The points of a sweep draw coarser boundaries on purpose.
+fn best<'a>(data: &Data<'a>, view: &View<'a>) -> Option<&'a Case> {
+    let competes = |case: &&&Case| !has_role(case, "sweep") || has_role(case, "main");
+    let timed = view.cases.iter().filter(competes);
+    let timed = timed.filter_map(|case| Some((*case, data.right_time(case)?.median)));
+    let best = timed.min_by(|a, b| a.1.total_cmp(&b.1));
+    best.map(|(case, _)| case)
+}
+
+/// With a capital.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(char::to_uppercase);
+    first.into_iter().flatten().chain(letters).collect()
 }
 
 /// What one variant holds, largest over the scene's views: geometry is the same in all of them,
@@ -272,7 +310,7 @@ fn bytes_plot(
         .filter(|base| *base > 0);
     let rows = variants.iter().map(|(case, parts, geometry)| Bar {
         label: data.label(case),
-        series: data.series(case),
+        series: data.marked(case),
         parts: *parts,
         value: match base {
             Some(base) => {
@@ -302,7 +340,7 @@ fn view_blocks(
         text: format!("{}, {}", scene.name, view.name),
     }];
     blocks.extend(pictures(view).map(Block::Pictures));
-    blocks.push(Block::Table(table(data, view)));
+    blocks.push(Block::Table(table(data, palette, view)));
     blocks.extend(left_out(view));
     if let Some((svg, not_drawn)) = error_time::plot(data, scene.name, view, palette)? {
         let not_drawn = match not_drawn.is_empty() {
@@ -323,7 +361,7 @@ fn view_blocks(
     Ok(blocks)
 }
 
-fn table(data: &Data<'_>, view: &View<'_>) -> Table {
+fn table(data: &Data<'_>, palette: &Palette, view: &View<'_>) -> Table {
     let clock = data.run.clock();
     let other = clock.pick(
         ("fill, CPU\u{a0}ms", "fill_cpu_ms"),
@@ -332,7 +370,7 @@ fn table(data: &Data<'_>, view: &View<'_>) -> Table {
     let mut headings = vec![
         Heading::plain("case"),
         Heading::plain("status"),
-        Heading::metric(format!("fill, {} [5–95 %]", data.unit()), data.metric),
+        Heading::metric(format!("fill, {} (5–95 %)", data.unit()), data.metric),
         Heading::explained(
             "÷\u{a0}depth-pass",
             "over the full-screen pass that reads depth, paired by process",
@@ -346,19 +384,32 @@ fn table(data: &Data<'_>, view: &View<'_>) -> Table {
     headings.extend(COLUMNS.map(|(text, metric, ..)| Heading::metric(text, metric)));
     let cases = view.baselines.iter().chain(&view.cases);
     Table {
-        rows: cases.map(|case| row(data, case, other.1)).collect(),
+        rows: cases
+            .map(|case| row(data, palette, case, other.1))
+            .collect(),
         headings,
         ..Table::default()
     }
 }
 
-fn row(data: &Data<'_>, case: &Case, other_metric: &str) -> Row {
+fn row(data: &Data<'_>, palette: &Palette, case: &Case, other_metric: &str) -> Row {
     let over = |technique| match data.over_baseline(case, technique) {
         Some(ratio) => Cell::plain(significant(ratio.middle)),
         None => absent(case, "this pass was not measured in this run"),
     };
     let mut cells = vec![
-        Cell::name(name(case)),
+        Cell {
+            marker: match is_baseline(case) {
+                true => String::new(),
+                false => palette.marker(&data.marked(case)),
+            },
+            command: data.command(case),
+            detail: match data.label(case) {
+                label if label == name(case) => String::new(),
+                label => label,
+            },
+            ..Cell::name(name(case))
+        },
         Cell::plain(case.outcome.name()),
         time_cell(case, data.time(case).map(spread), "no frame was timed"),
         over(DEPTH_PASS),
@@ -428,9 +479,11 @@ fn pictures(view: &View<'_>) -> Option<Pictures> {
             notes: Vec::new(),
         });
     let own = view.cases.iter().filter_map(|case| {
+        // Where nothing differs, a difference shows nothing.
+        let differs = counter(case, "mismatched_px") != Some(0);
         let pictures = [
             picture(case, "image", "picture"),
-            picture(case, "difference_image", "difference"),
+            picture(case, "difference_image", "difference").filter(|_| differs),
         ];
         let pictures: Vec<Picture> = pictures.into_iter().flatten().collect();
         (!pictures.is_empty()).then(|| PictureFigure {
@@ -438,9 +491,14 @@ fn pictures(view: &View<'_>) -> Option<Pictures> {
             notes: vec![caption(case)],
         })
     });
+    let path = reference
+        .as_ref()
+        .and_then(|figure| figure.pictures.first());
+    let path = path.map_or_else(String::new, |picture| picture.path.clone());
     let figures: Vec<PictureFigure> = reference.into_iter().chain(own).collect();
     (!figures.is_empty()).then_some(Pictures {
-        caption: String::new(),
+        caption: DIFFERENCE_KEY.to_owned(),
+        reference: path,
         figures,
     })
 }

@@ -172,6 +172,7 @@ fn curves(sweeps: &[Sweep<'_>], height: impl Fn(&Case) -> Option<Reading>) -> Ve
                         Some(_) => PointStanding::Right,
                         None => PointStanding::Failed,
                     },
+                    command: String::new(),
                     y,
                     y_rms: None,
                 }

@@ -127,6 +127,18 @@ const CLAIMS: [TextureClaim; 5] = [
     },
 ];
 
+/// The claim among [`CLAIMS`] that this project requires of itself.
+const REQUIRED: usize = 2;
+
+/// What is required of textured fills; nothing for a run that plans none.
+pub(super) fn requirements(data: &Data<'_>) -> Vec<Finding> {
+    let views = views(data);
+    match views.is_empty() {
+        true => Vec::new(),
+        false => findings(data, &views, &CLAIMS[REQUIRED]),
+    }
+}
+
 /// Whether the case is a textured fill.
 pub(super) fn is_textured(case: &Case) -> bool {
     !["", "none", "plain"].contains(&case.condition("texture"))
@@ -193,6 +205,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
                       in the technique's."
                 .to_owned(),
             figures,
+            ..Pictures::default()
         }));
     }
     blocks

@@ -133,6 +133,7 @@ fn curves(rows: &[Formula<'_>], cost: impl Fn(Formula<'_>) -> Option<Reading>) -
             y: row.figure("device_max_m").map(Reading::exact),
             y_rms: row.figure("device_rms_m"),
             standing: standing(row),
+            command: String::new(),
         };
         match curves.iter_mut().find(|curve| curve.name == row.family()) {
             Some(curve) => curve.points.push(point),

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Error against cost, one panel a scene: the sum over the scene's views, by each clock and by work.
+
+use super::data::{Data, Scene, counter, distinct, has_role};
+use terrafill_plot::{FrontPanel, FrontPoint, Fronts, Palette};
+use terrafill_results::{Block, Case, ChapterError, Choice, Plot, process_medians};
+
+/// Costs of a fill other than its time by the run's clock: name and metric.
+const COSTS: [(&str, &str); 4] = [
+    ("process CPU ms", "fill_cpu_ms"),
+    ("GPU ms", "fill_gpu_ms"),
+    ("wall-clock ms", "fill_wall_ms"),
+    ("stencil-tested fragments", "stencil_fragments"),
+];
+
+const UP: &str = "mismatched pixels";
+
+/// The plot by every cost that was measured, that of the run's clock first.
+pub(super) fn block(data: &Data<'_>) -> Result<Option<Block>, ChapterError> {
+    let scenes = data.scenes();
+    let palette = Palette::new(data.all_series());
+    let mut costs = COSTS;
+    costs.sort_by_key(|(_, metric)| *metric != data.metric);
+    let mut ways = Vec::new();
+    for (name, metric) in costs {
+        let plot = Fronts {
+            title: format!("error against {name}"),
+            across: name,
+            up: UP,
+            area: "bytes of geometry",
+            panels: scenes
+                .iter()
+                .map(|scene| panel(data, scene, metric))
+                .collect(),
+        };
+        if let Some(svg) = plot.draw(&palette)? {
+            let block = Block::Plot(Plot {
+                caption: format!(
+                    "Mismatched pixels against {name}, both summed over the scene's views, for every \
+                     fill that is right in all of them; left and low is better. Area of a marker: \
+                     bytes of geometry. Dashed: the Pareto front of the medians; ringed: kept there by \
+                     at least 95 % of the resamples of five or more processes."
+                ),
+                svg,
+            });
+            ways.push((name.to_owned(), vec![block]));
+        }
+    }
+    Ok((!ways.is_empty()).then(|| {
+        Block::Choice(Choice {
+            caption: "Error against cost, by".to_owned(),
+            ways,
+        })
+    }))
+}
+
+fn panel(data: &Data<'_>, scene: &Scene<'_>, metric: &str) -> FrontPanel {
+    let competes = |case: &&&Case| !has_role(case, "sweep") || has_role(case, "main");
+    let cases = scene.views.iter().flat_map(|view| &view.cases);
+    let names = distinct(cases.filter(competes).map(|case| data.label(case)));
+    let points = names.into_iter().filter_map(|name| {
+        let of_views = scene.views.iter().map(|view| {
+            let mut own = view.cases.iter().filter(competes);
+            own.find(|case| data.label(case) == name && case.counts())
+                .copied()
+        });
+        let of_views: Option<Vec<&Case>> = of_views.collect();
+        point(data, name, &of_views?, metric)
+    });
+    FrontPanel {
+        name: scene.name.to_owned(),
+        points: points.collect(),
+    }
+}
+
+/// `None` unless every view's case has the cost and the error.
+fn point(data: &Data<'_>, name: String, cases: &[&Case], metric: &str) -> Option<FrontPoint> {
+    let medians = cases.iter().map(|case| process_medians(case, metric));
+    let medians: Vec<_> = medians.collect();
+    let value = |case: &&Case| match metric == data.metric {
+        // As the tables say it.
+        true => Some(data.right_time(case)?.median),
+        false => case.value(metric),
+    };
+    let costs: Option<Vec<f64>> = cases.iter().map(value).collect();
+    let errors: Option<Vec<f64>> = cases
+        .iter()
+        .map(|case| case.value("mismatched_px"))
+        .collect();
+    // A process counts where it measured all views.
+    let first = medians.first()?.keys();
+    let sums = first.filter_map(|process| medians.iter().map(|own| own.get(process)).sum());
+    let cost: f64 = costs?.iter().sum();
+    let sizes = cases
+        .iter()
+        .filter_map(|case| counter(case, "geometry_bytes"));
+    (cost > 0.0).then_some(FrontPoint {
+        series: data.marked(cases.first()?),
+        name,
+        cost,
+        costs: sums.collect(),
+        error: errors?.iter().sum(),
+        bytes: sizes.max().unwrap_or(0),
+    })
+}

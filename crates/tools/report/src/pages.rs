@@ -1,0 +1,444 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The pages of a report: which there are, how they refer to each other, and what the first one says.
+
+use crate::ReportError;
+use crate::verdict::{Sentences, Verdict, plural};
+use crate::view::{File, Form, PAGES, Renderer, slug};
+use crate::write::INDEX;
+use askama::Template;
+use std::collections::BTreeMap;
+use terrafill_results::{Answers, Block, Chapter, Finding, MetricRow, Run, Skipped, Standing};
+
+const STYLE: &str = include_str!("../templates/report.css");
+const SCRIPT: &str = include_str!("../templates/report.js");
+const TITLE: &str = "Measurement report";
+const GLOSSARY: &str = "Glossary";
+const CASES: &str = "Missing, wrong and skipped cases";
+
+/// As many names as the first page shows: about a screen of them.
+const MAX_NAMES: usize = 24;
+
+/// A chapter with what it says.
+type Part<'a> = (&'a dyn Chapter, Vec<Block>, Answers);
+
+/// What a report is made of.
+pub(crate) struct Report<'a> {
+    pub(crate) run: &'a Run,
+    pub(crate) form: Form,
+    pub(crate) verdict: Verdict,
+    pub(crate) said: Sentences,
+    pub(crate) environment: Vec<(&'static str, String)>,
+    pub(crate) missing: &'a [String],
+    pub(crate) wrong: Vec<String>,
+    pub(crate) skipped_cases: Vec<(&'a str, Vec<String>)>,
+    pub(crate) contradictions: Vec<String>,
+    pub(crate) parts: &'a [Part<'a>],
+}
+
+/// A page to be, beside the first one.
+struct Leaf<'a> {
+    /// Within the run's folder.
+    file: String,
+    title: String,
+    /// Names its figures' files.
+    stem: String,
+    blocks: &'a [Block],
+}
+
+/// A chapter's line of links: title, address, and its sections' titles and addresses. Addresses are
+/// from the run's folder.
+struct NavGroup {
+    title: String,
+    href: String,
+    entries: Vec<(String, String)>,
+}
+
+impl NavGroup {
+    fn from(&self, root: &str) -> Self {
+        let href = |href: &String| match href.starts_with('#') {
+            true => href.clone(),
+            false => format!("{root}{href}"),
+        };
+        let entries = self.entries.iter();
+        Self {
+            title: self.title.clone(),
+            href: href(&self.href),
+            entries: entries
+                .map(|(title, to)| (title.clone(), href(to)))
+                .collect(),
+        }
+    }
+}
+
+enum Assets {
+    Inline { style: String, script: &'static str },
+    Beside,
+}
+
+#[derive(Template)]
+#[template(path = "page.html")]
+struct Page<'a> {
+    title: &'a str,
+    /// From the page to the run's folder.
+    root: &'a str,
+    assets: Assets,
+    nav: Vec<NavGroup>,
+    /// Its own address as the links to it are written.
+    here: &'a str,
+    body: String,
+}
+
+#[derive(Template)]
+#[template(path = "front.html")]
+struct Front<'a> {
+    verdict: Verdict,
+    sentences: &'a [String],
+    facts: Vec<(&'static str, Vec<String>)>,
+    answers: Vec<AnswerView>,
+    requirements: Vec<RequirementGroup<'a>>,
+    lists: String,
+    environment: &'a [(&'static str, String)],
+}
+
+struct AnswerView {
+    id: String,
+    title: &'static str,
+    html: String,
+}
+
+struct RequirementGroup<'a> {
+    title: &'static str,
+    class: &'static str,
+    findings: Vec<&'a Finding>,
+}
+
+#[derive(Template)]
+#[template(path = "lists.html")]
+struct Lists<'a> {
+    missing: &'a [String],
+    wrong: &'a [String],
+    skipped: &'a [Skipped],
+    skipped_cases: &'a [(&'a str, Vec<String>)],
+    contradictions: &'a [String],
+}
+
+#[derive(Template)]
+#[template(path = "glossary.html")]
+struct Glossary<'a> {
+    metrics: &'a [MetricRow],
+}
+
+/// Every page of the report with the files beside it, the first page last.
+///
+/// # Errors
+/// When a template cannot be rendered.
+pub(crate) fn pages(report: &Report<'_>) -> Result<Vec<File>, ReportError> {
+    match report.form {
+        Form::Pages => several(report),
+        Form::SingleFile => single(report),
+    }
+}
+
+fn several(report: &Report<'_>) -> Result<Vec<File>, ReportError> {
+    const ROOT: &str = "../";
+    let leaves: Vec<Leaf<'_>> = report.parts.iter().flat_map(leaves).collect();
+    let links = links(&leaves);
+    let mut nav: Vec<NavGroup> = vec![NavGroup {
+        title: TITLE.to_owned(),
+        href: INDEX.to_owned(),
+        entries: Vec::new(),
+    }];
+    nav.extend(report.parts.iter().map(|part| nav_group(part, &links)));
+    let glossary = format!("{PAGES}/glossary.html");
+    let mut appendix = NavGroup {
+        title: GLOSSARY.to_owned(),
+        href: glossary.clone(),
+        entries: Vec::new(),
+    };
+    let cases = format!("{PAGES}/cases.html");
+    if is_long(report) {
+        appendix.entries.push((CASES.to_owned(), cases.clone()));
+    }
+    nav.push(appendix);
+
+    let page = |title: &str, file: &str, root: &'static str, body: String| {
+        let here = format!("{root}{file}");
+        let page = Page {
+            title,
+            root,
+            assets: Assets::Beside,
+            nav: nav.iter().map(|group| group.from(root)).collect(),
+            here: &here,
+            body,
+        };
+        Ok::<File, ReportError>((file.to_owned(), page.render()?.into_bytes()))
+    };
+    let mut files: Vec<File> = vec![
+        (format!("{PAGES}/report.css"), style().into_bytes()),
+        (format!("{PAGES}/report.js"), SCRIPT.as_bytes().to_vec()),
+    ];
+    for leaf in &leaves {
+        let mut renderer = Renderer::new(report.run, report.form, &leaf.stem, ROOT, &links);
+        let body = renderer.html(leaf.blocks)?;
+        files.extend(renderer.into_files());
+        files.push(page(&leaf.title, &leaf.file, ROOT, body)?);
+    }
+    let metrics = &report.run.metrics;
+    let body = Glossary { metrics }.render()?;
+    files.push(page(GLOSSARY, &glossary, ROOT, body)?);
+    let lists = if is_long(report) {
+        files.push(page(CASES, &cases, ROOT, lists(report)?)?);
+        shortened(report, &cases)
+    } else {
+        lists(report)?
+    };
+    let mut renderer = Renderer::new(report.run, report.form, "index", "", &links);
+    let body = front(report, &mut renderer, lists)?;
+    files.extend(renderer.into_files());
+    files.push(page(TITLE, INDEX, "", body)?);
+    Ok(files)
+}
+
+fn single(report: &Report<'_>) -> Result<Vec<File>, ReportError> {
+    let mut links = BTreeMap::new();
+    for (_, blocks, _) in report.parts {
+        links.extend(sections(blocks).map(|title| (title.to_owned(), format!("#{}", slug(title)))));
+    }
+    let mut renderer = Renderer::new(report.run, report.form, "report", "", &links);
+    let mut chapters = String::new();
+    for (chapter, blocks, _) in report.parts {
+        let (id, title) = (part_id(*chapter), chapter.title());
+        let html = renderer.html(blocks)?;
+        chapters.push_str(&format!(
+            "<section class=\"chapter\"><h2 id=\"{id}\">{title}</h2>\n{html}</section>\n"
+        ));
+    }
+    let mut body = front(report, &mut renderer, lists(report)?)?;
+    let metrics = &report.run.metrics;
+    let glossary = Glossary { metrics }.render()?;
+    body.push_str(&chapters);
+    body.push_str(&format!(
+        "<section><h2 id=\"glossary\">{GLOSSARY}</h2>{glossary}</section>\n"
+    ));
+    let mut nav: Vec<NavGroup> = Vec::new();
+    for (chapter, blocks, _) in report.parts {
+        let entries = sections(blocks).map(|title| (title.to_owned(), links[title].clone()));
+        nav.push(NavGroup {
+            title: chapter.title().to_owned(),
+            href: format!("#{}", part_id(*chapter)),
+            entries: entries.collect(),
+        });
+    }
+    nav.push(NavGroup {
+        title: GLOSSARY.to_owned(),
+        href: "#glossary".to_owned(),
+        entries: vec![("Environment".to_owned(), "#environment".to_owned())],
+    });
+    let page = Page {
+        title: TITLE,
+        root: "",
+        assets: Assets::Inline {
+            style: style(),
+            script: SCRIPT,
+        },
+        nav,
+        here: "",
+        body,
+    };
+    Ok(vec![(INDEX.to_owned(), page.render()?.into_bytes())])
+}
+
+fn part_id(chapter: &dyn Chapter) -> String {
+    format!("chapter-{}", slug(chapter.study()))
+}
+
+fn style() -> String {
+    let dark = terrafill_plot::dark_rules();
+    format!("{STYLE}@media screen and (prefers-color-scheme: dark) {{ {dark} }}\n")
+}
+
+/// Titles of the sections among the blocks.
+fn sections(blocks: &[Block]) -> impl Iterator<Item = &str> {
+    blocks.iter().filter_map(section_title)
+}
+
+fn section_title(block: &Block) -> Option<&str> {
+    match block {
+        Block::Heading { level: 3, text } => Some(text),
+        _ => None,
+    }
+}
+
+/// The chapter's pages: one, or one for what comes before its sections and one for each of them.
+fn leaves<'a>((chapter, blocks, _): &'a Part<'a>) -> Vec<Leaf<'a>> {
+    let study = slug(chapter.study());
+    let whole = |blocks| Leaf {
+        file: format!("{PAGES}/{study}.html"),
+        title: chapter.title().to_owned(),
+        stem: study.clone(),
+        blocks,
+    };
+    if !chapter.has_long_sections() {
+        return vec![whole(blocks.as_slice())];
+    }
+    let starts = |block: &Block| section_title(block).is_some();
+    let first = blocks.iter().position(starts).unwrap_or(blocks.len());
+    let mut leaves = vec![whole(&blocks[..first])];
+    let mut rest = &blocks[first..];
+    while let Some((start, after)) = rest.split_first() {
+        let length = after.iter().position(starts).unwrap_or(after.len());
+        let title = section_title(start).unwrap_or_default();
+        let stem = format!("{study}-{}", slug(title));
+        leaves.push(Leaf {
+            file: format!("{PAGES}/{stem}.html"),
+            title: title.to_owned(),
+            stem,
+            blocks: &after[..length],
+        });
+        rest = &after[length..];
+    }
+    leaves
+}
+
+/// Addresses of chapters and sections by title.
+fn links(leaves: &[Leaf<'_>]) -> BTreeMap<String, String> {
+    let mut links = BTreeMap::new();
+    for leaf in leaves {
+        links.insert(leaf.title.clone(), leaf.file.clone());
+        for title in sections(leaf.blocks) {
+            links.insert(title.to_owned(), format!("{}#{}", leaf.file, slug(title)));
+        }
+    }
+    links
+}
+
+fn nav_group((chapter, blocks, _): &Part<'_>, links: &BTreeMap<String, String>) -> NavGroup {
+    let entry = |title: &str| Some((title.to_owned(), links.get(title)?.clone()));
+    NavGroup {
+        title: chapter.title().to_owned(),
+        href: links.get(chapter.title()).cloned().unwrap_or_default(),
+        entries: sections(blocks).filter_map(entry).collect(),
+    }
+}
+
+/// Whether the lists of cases need a page of their own.
+fn is_long(report: &Report<'_>) -> bool {
+    let skipped: usize = report.skipped_cases.iter().map(|(_, c)| c.len()).sum();
+    report.missing.len() + report.wrong.len() + report.contradictions.len() + skipped > MAX_NAMES
+}
+
+fn lists(report: &Report<'_>) -> Result<String, askama::Error> {
+    Lists {
+        missing: report.missing,
+        wrong: &report.wrong,
+        skipped: &report.run.plan.skipped,
+        skipped_cases: &report.skipped_cases,
+        contradictions: &report.contradictions,
+    }
+    .render()
+}
+
+/// How many there are, and where they are named.
+fn shortened(report: &Report<'_>, cases: &str) -> String {
+    let skipped: usize = report.skipped_cases.iter().map(|(_, c)| c.len()).sum();
+    let counts = [
+        (report.missing.len(), "missing case"),
+        (report.wrong.len(), "wrong or failed case"),
+        (skipped, "skipped case"),
+        (report.contradictions.len(), "contradiction"),
+    ];
+    let some = counts.iter().filter(|(count, _)| *count > 0);
+    let some: Vec<String> = some.map(|(count, noun)| plural(*count, noun)).collect();
+    format!(
+        "<section><h2>Cases without a right result</h2><p>{}: <a href=\"{cases}\">all by \
+         name</a>.</p></section>",
+        some.join(", ")
+    )
+}
+
+/// The body of the first page.
+fn front(
+    report: &Report<'_>,
+    renderer: &mut Renderer<'_>,
+    lists: String,
+) -> Result<String, askama::Error> {
+    let answers = report.parts.iter().map(|(chapter, _, answers)| {
+        Ok(AnswerView {
+            id: renderer.id(&format!("answer-{}", chapter.study())),
+            title: chapter.title(),
+            html: renderer.html(&answers.blocks)?,
+        })
+    });
+    let answers: Vec<AnswerView> = answers.collect::<Result<_, askama::Error>>()?;
+    Front {
+        verdict: report.verdict,
+        sentences: &report.said.verdict,
+        facts: facts(report),
+        answers: answers
+            .into_iter()
+            .filter(|answer| !answer.html.trim().is_empty())
+            .collect(),
+        requirements: requirements(report),
+        lists,
+        environment: &report.environment,
+    }
+    .render()
+}
+
+/// What a reader must know before any figure.
+fn facts(report: &Report<'_>) -> Vec<(&'static str, Vec<String>)> {
+    let e = &report.run.environment;
+    let known = |text: &str| match text {
+        "" => "not recorded".to_owned(),
+        text => text.to_owned(),
+    };
+    let kind = match e.device_type.as_str() {
+        "cpu" => "software: it runs on the CPU",
+        "" => "whether software or hardware was not recorded",
+        _ => "hardware",
+    };
+    let scope = report
+        .parts
+        .iter()
+        .flat_map(|(_, _, answers)| &answers.scope);
+    let mut facts = vec![
+        ("Device", vec![format!("{} ({kind})", known(&e.gpu))]),
+        ("Clock", vec![report.said.clock.clone()]),
+        ("Commit", vec![known(&e.commit)]),
+        ("Correctness", scope.cloned().collect()),
+        ("Noise", report.said.noise.clone()),
+        (
+            "Replicates",
+            report.said.replicates.iter().cloned().collect(),
+        ),
+    ];
+    facts.retain(|(_, values)| !values.is_empty());
+    facts
+}
+
+/// Requirements by what the figures say of them; nothing where no study requires anything.
+fn requirements<'a>(report: &'a Report<'_>) -> Vec<RequirementGroup<'a>> {
+    let all = || {
+        let parts = report.parts.iter();
+        parts.flat_map(|(_, _, answers)| &answers.requirements)
+    };
+    if all().next().is_none() {
+        return Vec::new();
+    }
+    let group = |title, class, standings: &[Standing]| RequirementGroup {
+        title,
+        class,
+        findings: all()
+            .filter(|finding| standings.contains(&finding.standing))
+            .collect(),
+    };
+    vec![
+        group("Met", "met", &[Standing::Holds]),
+        group("Not met", "not-met", &[Standing::DoesNotHold]),
+        group(
+            "Inconclusive",
+            "inconclusive",
+            &[Standing::CannotTell, Standing::NotMeasured],
+        ),
+    ]
+}
