@@ -533,22 +533,21 @@ impl Reader {
         file_vertices.truncate(positions.len());
         self.normalised.repeated_positions += length - positions.len();
 
-        let (turns, is_unrolled, turn): (isize, bool, fn([f64; 2], [f64; 2]) -> isize) =
-            match self.reading.unwrap {
-                Unwrap::Literal => {
-                    let turns = net_jumps(&positions);
-                    (turns, turns != 0, jump)
-                }
-                Unwrap::Shortest => {
-                    let next = positions.iter().cycle().skip(1);
-                    let edges = positions.iter().zip(next);
-                    let each = edges.map(|(start, end)| shorter_turn(*start, *end));
-                    let (net, any) = each.fold((0, false), |(net, any), turn| {
-                        (net + turn, any || turn != 0)
-                    });
-                    (net, any, shorter_turn)
-                }
-            };
+        let (turns, is_unrolled, turn): (isize, bool, Turns) = match self.reading.unwrap {
+            Unwrap::Literal => {
+                let turns = net_jumps(&positions);
+                (turns, turns != 0, jump)
+            }
+            Unwrap::Shortest => {
+                let next = positions.iter().cycle().skip(1);
+                let edges = positions.iter().zip(next);
+                let each = edges.map(|(start, end)| shorter_turn(*start, *end));
+                let (net, any) = each.fold((0, false), |(net, any), turn| {
+                    (net + turn, any || turn != 0)
+                });
+                (net, any, shorter_turn)
+            }
+        };
         if turns.unsigned_abs() > 1 {
             let found = turns.unsigned_abs();
             self.problem(None, RegionProblemKind::ManyTurns { found });
@@ -656,6 +655,9 @@ fn net_jumps(positions: &[[f64; 2]]) -> isize {
     }
 }
 
+/// Whole turns by which an edge between two positions goes another way than it is written.
+type Turns = fn([f64; 2], [f64; 2]) -> isize;
+
 /// Shifts what follows each edge that turns by that many turns, drops the position that a jump
 /// repeats, and returns how far from the start the ring ends, the longitudes before they were shifted,
 /// and how many positions became one with their neighbour since 360° more cost them their last bits.
@@ -663,7 +665,7 @@ fn net_jumps(positions: &[[f64; 2]]) -> isize {
 fn unroll(
     positions: &mut Vec<[f64; 2]>,
     file_vertices: &mut Vec<usize>,
-    turn: fn([f64; 2], [f64; 2]) -> isize,
+    turn: Turns,
 ) -> (f64, Vec<f64>, usize) {
     let mut offset = 0.0;
     let mut repeated = 0;

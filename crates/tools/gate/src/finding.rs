@@ -189,7 +189,9 @@ mod tests {
     #[test]
     fn the_worst_finding_decides_and_nothing_compared_never_passes() {
         use Severity::{Better, Note, Unknown, Worse};
-        let cases: [(&[(Severity, bool)], usize, Verdict); 9] = [
+        // Findings, whether each is blessed, and figures compared.
+        type Case = (&'static [(Severity, bool)], usize, Verdict);
+        let cases: [Case; 9] = [
             (&[], 3, Verdict::Pass),
             (&[], 0, Verdict::NothingMeasured),
             (&[(Note, false)], 0, Verdict::NothingMeasured),

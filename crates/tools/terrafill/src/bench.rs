@@ -83,7 +83,10 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         "{} right, {} wrong, {} failed, {} skipped; in sweeps {} wrong on purpose\n",
         outcome.ok, outcome.wrong, outcome.failed, outcome.skipped, outcome.wrong_on_purpose
     );
-    print_report(terrafill_report::write(&arguments.out, &chapters()), &counts)
+    print_report(
+        terrafill_report::write(&arguments.out, &chapters()),
+        &counts,
+    )
 }
 
 /// Studies by name, or those that belong to a run of this depth.

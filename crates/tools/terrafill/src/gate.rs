@@ -97,7 +97,7 @@ pub(crate) fn run(arguments: &GateArguments) -> Result<Outcome, Failure> {
             None => new_run(arguments)?,
         };
         let place = save_baseline(&new, &arguments.baselines, name)?;
-        print(&format!("saved: {}\n", place.display()))?;
+        print(format!("saved: {}\n", place.display()))?;
     }
     Ok(outcome)
 }
@@ -218,8 +218,8 @@ fn workload(arguments: &GateArguments, is_timed: bool) -> Workload {
 /// Prints the report, writes its files, and tells GitHub where it runs there.
 fn finish(report: &GateReport, out: &Path) -> Result<Outcome, Failure> {
     write_files(report, out)?;
-    print(&text(report))?;
-    print(&format!("report: {}\n", out.join("gate.md").display()))?;
+    print(text(report))?;
+    print(format!("report: {}\n", out.join("gate.md").display()))?;
     if let Some(path) = std::env::var_os("GITHUB_STEP_SUMMARY") {
         let summary = std::fs::OpenOptions::new()
             .append(true)
@@ -230,7 +230,7 @@ fn finish(report: &GateReport, out: &Path) -> Result<Outcome, Failure> {
     }
     if std::env::var_os("GITHUB_ACTIONS").is_some() {
         for line in annotations(report) {
-            print(&format!("{line}\n"))?;
+            print(format!("{line}\n"))?;
         }
     }
     Ok(Outcome::from_code(report.exit_code))
@@ -269,7 +269,7 @@ fn prove(arguments: &GateArguments, kind: SelfTestKind) -> Result<Outcome, Failu
         &mut |what| talk.say(what),
         &mut |rates: &Rates| eprintln!("gate: {}", rates.sentences(injection).join("; ")),
     )?;
-    print(&(rates.sentences(injection).join("\n") + "\n"))?;
+    print(rates.sentences(injection).join("\n") + "\n")?;
     Ok(Outcome::Done)
 }
 
@@ -305,7 +305,7 @@ pub(crate) fn bless(arguments: &BlessArguments) -> Result<Outcome, Failure> {
         .collect();
     add_blessings(&arguments.blessed, &blessings)?;
     for finding in findings {
-        print(&format!(
+        print(format!(
             "blessed: {}, {}\n",
             finding.case,
             finding.sentence()
@@ -325,9 +325,9 @@ pub(crate) fn compare(arguments: &CompareArguments) -> Result<Outcome, Failure> 
     let report = GateReport::of_runs(names, &base, &new, &rules)?;
     if arguments.json {
         let json = serde_json::to_string_pretty(&report).map_err(Failure::bad_input)?;
-        print(&(json + "\n"))?;
+        print(json + "\n")?;
     } else {
-        print(&markdown(&report))?;
+        print(markdown(&report))?;
     }
     Ok(Outcome::from_code(report.exit_code))
 }
