@@ -28,10 +28,6 @@ const FILLED_SHARE: f64 = 0.9;
 /// Lowest eye, metres: a region of a few metres still has ground around it.
 const MIN_HEIGHT_M: f64 = 10.0;
 
-/// Highest eye, as a multiple of the equatorial radius: from there the whole disc is seen, of which
-/// no picture shows more than half a body.
-const MAX_HEIGHT_RADII: f64 = 4.0;
-
 /// Share of the eye's height by which facets may lie below the body: what is drawn on them looks
 /// smaller by as much.
 const MAX_SAG_SHARE: f64 = 0.01;
@@ -102,7 +98,7 @@ pub(crate) fn scene_of(path: &Path, size: ImageSize) -> Result<Scene, Failure> {
 }
 
 /// The lowest eye above the middle of all regions that sees each of their vertices within the
-/// picture; the highest allowed one where none does.
+/// picture; one that sees the whole disc of the body where none does.
 fn fitted(body: &Ellipsoid, meshes: &[RegionMesh], size: ImageSize) -> Option<CameraPose> {
     let vertices = || {
         meshes
@@ -130,7 +126,7 @@ fn fitted(body: &Ellipsoid, meshes: &[RegionMesh], size: ImageSize) -> Option<Ca
         let camera = Camera::new(body, &pose(height_m));
         vertices().all(|vertex| is_in_picture(&camera, size, vertex))
     };
-    let (mut below, mut above) = (MIN_HEIGHT_M.ln(), (MAX_HEIGHT_RADII * radius_m).ln());
+    let (mut below, mut above) = (MIN_HEIGHT_M.ln(), max_height_m(radius_m, size).ln());
     if fits(below.exp()) {
         return Some(pose(below.exp()));
     }
@@ -143,6 +139,13 @@ fn fitted(body: &Ellipsoid, meshes: &[RegionMesh], size: ImageSize) -> Option<Ca
         }
     }
     Some(pose(above.exp()))
+}
+
+/// Height from which the disc of the body takes the share of the picture that is to be filled: from
+/// farther off nothing more is seen.
+fn max_height_m(radius_m: f64, size: ImageSize) -> f64 {
+    let tan_disc = FILLED_SHARE * (0.5 * FOV_RAD).tan() * size.aspect().min(1.0);
+    radius_m / tan_disc.atan().sin() - radius_m
 }
 
 /// Rows of the drawn ellipsoid: as few as keep its facets from hanging too far below the eye.
