@@ -176,6 +176,7 @@ fn two_programs(
     )?;
     let options = GateOptions {
         times: !arguments.no_time,
+        advisory: arguments.advisory_time,
         floor_percent: arguments.floor_percent,
         budget: Duration::from_secs(arguments.time_budget_s),
     };
