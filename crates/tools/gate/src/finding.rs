@@ -189,9 +189,8 @@ mod tests {
     #[test]
     fn the_worst_finding_decides_and_nothing_compared_never_passes() {
         use Severity::{Better, Note, Unknown, Worse};
-        // Findings, whether each is blessed, and figures compared.
-        type Case = (&'static [(Severity, bool)], usize, Verdict);
-        let cases: [Case; 9] = [
+        type Row<'a> = (&'a [(Severity, bool)], usize, Verdict);
+        let cases: [Row<'_>; 9] = [
             (&[], 3, Verdict::Pass),
             (&[], 0, Verdict::NothingMeasured),
             (&[(Note, false)], 0, Verdict::NothingMeasured),

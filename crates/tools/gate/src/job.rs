@@ -8,8 +8,9 @@
 use crate::{GateError, Program, Side, Sides, Times};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
+use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 use terrafill_results::{Case, Clock, Outcome, Run, process_medians};
 
@@ -108,22 +109,37 @@ impl<'a> Job<'a> {
     /// [`GateError::BadInput`] for arguments that the program refuses, [`GateError::NoDevice`],
     /// [`GateError::NothingMeasured`]. A wrong picture is no error: the run says so.
     pub fn verify(&mut self, side: Side) -> Result<Run, GateError> {
-        (self.say)(&format!(
-            "{}: every picture against the reference",
-            side.name()
-        ));
-        let mut command = self.command(side);
-        let output = command
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            .output()
-            .map_err(|error| self.failed(side, error.to_string()))?;
-        match output.status.code() {
+        let what = format!("{}: every picture against the reference", side.name());
+        (self.say)(&what);
+        let command = self.command(side);
+        let ended = self.run_to_end(side, command)?;
+        match ended.status.code() {
             // A wrong picture or a missing case: the tables have it.
             Some(0 | 1 | 3) => self.load(side),
-            _ => Err(self.refused(side, &output)),
+            _ => Err(self.refused(side, &ended)),
         }
+    }
+
+    /// Runs a program and passes on what it says, so that a long step is no silence.
+    fn run_to_end(&mut self, side: Side, mut command: Command) -> Result<Ended, GateError> {
+        let child = command
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn();
+        let mut child = child.map_err(|error| self.failed(side, error.to_string()))?;
+        // Held until the process has ended: it ends itself when the pipe is closed, as by a kill.
+        let pipe = child.stdin.take();
+        let lines = child.stderr.take().map(|said| BufReader::new(said).lines());
+        let mut said = Vec::new();
+        for line in lines.into_iter().flatten().map_while(Result::ok) {
+            (self.say)(&line);
+            said.push(line);
+        }
+        let status = child.wait();
+        drop(pipe);
+        let status = status.map_err(|error| self.failed(side, error.to_string()))?;
+        Ok(Ended { status, said })
     }
 
     fn failed(&self, side: Side, message: String) -> GateError {
@@ -133,23 +149,28 @@ impl<'a> Job<'a> {
         }
     }
 
-    fn refused(&self, side: Side, output: &Output) -> GateError {
-        let said = String::from_utf8_lossy(&output.stderr);
-        let lines: Vec<&str> = said.lines().filter(|line| !line.is_empty()).collect();
-        // The last lines say why; a progress line or two stand before them.
-        let last = lines[lines.len().saturating_sub(4)..].join("; ");
-        if said.contains("--time-only") {
+    fn refused(&self, side: Side, ended: &Ended) -> GateError {
+        let is_unknown = |line: &String| line.contains("--time-only");
+        if ended.said.iter().any(is_unknown) {
             let message =
                 "built before the gate: it cannot be timed by it; --no-time compares the rest";
             return self.failed(side, message.to_owned());
         }
-        let message = format!("{}: {last}", output.status);
-        match output.status.code() {
+        // The last lines say why; a progress line or two stand before them.
+        let last = &ended.said[ended.said.len().saturating_sub(4)..];
+        let message = format!("{}: {}", ended.status, last.join("; "));
+        match ended.status.code() {
             Some(4) => GateError::NothingMeasured(format!("{}: {message}", side.name())),
             Some(5) => GateError::NoDevice(format!("{}: {message}", side.name())),
             _ => self.failed(side, message),
         }
     }
+}
+
+/// How a program ended, and what it said on standard error.
+struct Ended {
+    status: ExitStatus,
+    said: Vec<String>,
 }
 
 impl Sides for Job<'_> {
@@ -160,22 +181,11 @@ impl Sides for Job<'_> {
         let mut command = self.command(side);
         command.arg(format!("--process={process}"));
         command.arg("--time-only").arg(&list);
-        let start = |error: std::io::Error| error.to_string();
-        let child = command
-            .stdin(Stdio::piped())
-            .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            .spawn();
-        let mut child = child.map_err(|error| self.failed(side, start(error)))?;
-        // Held until the process has ended: it ends itself when the pipe is closed, as by a kill.
-        let pipe = child.stdin.take();
-        let output = child.wait_with_output();
-        drop(pipe);
-        let output = output.map_err(|error| self.failed(side, start(error)))?;
-        if output.status.success() {
+        let ended = self.run_to_end(side, command)?;
+        if ended.status.success() {
             Ok(())
         } else {
-            Err(self.refused(side, &output))
+            Err(self.refused(side, &ended))
         }
     }
 

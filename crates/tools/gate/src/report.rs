@@ -143,6 +143,9 @@ fn sort(findings: &mut [Finding]) {
 pub struct GateOptions {
     /// Whether times are compared.
     pub times: bool,
+    /// Whether times are told and decide nothing: where other work shares the machine, most cannot be
+    /// told from noise.
+    pub advisory: bool,
     /// Smallest change of a time that fails, percent.
     pub floor_percent: f64,
     /// Time for verifying and measuring.
@@ -175,6 +178,9 @@ pub fn gate(
         };
         let measured = compare_times(job, &cases, &by)?;
         of_time = time_findings(&measured, &new, primary);
+        if options.advisory {
+            advise(&mut of_time);
+        }
         of_time.extend(broken_since(
             &[job.load(Side::Base)?, job.load(Side::New)?],
             &cases,
@@ -197,6 +203,13 @@ fn refuse_two_devices(base: &Run, new: &Run) -> Result<(), GateError> {
         "base ran on {}, {} and new on {}, {}: give --adapter",
         a.gpu, a.driver_info, b.gpu, b.driver_info
     )))
+}
+
+/// Makes notes of findings.
+fn advise(findings: &mut [Finding]) {
+    for finding in findings {
+        finding.severity = Severity::Note;
+    }
 }
 
 /// Times were to be compared, and there are none.
@@ -247,4 +260,48 @@ fn broken_since(runs: &[Run; 2], cases: &BTreeSet<String>) -> Vec<Finding> {
         }));
     }
     findings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn advice_decides_nothing_and_times_that_are_missing_do() {
+        let mut findings = [untimed()];
+        assert_eq!(verdict(&findings, 3), Verdict::Inconclusive);
+        advise(&mut findings);
+        assert_eq!(verdict(&findings, 3), Verdict::Pass);
+        // Twin: advice alone is nothing measured.
+        assert_eq!(verdict(&findings, 0), Verdict::NothingMeasured);
+    }
+
+    #[test]
+    fn the_worst_and_the_largest_come_first() {
+        let finding = |severity, gate, percent| Finding {
+            severity,
+            gate,
+            percent,
+            ..untimed()
+        };
+        let mut findings = [
+            finding(Severity::Note, Gate::Time, Some(9.0)),
+            finding(Severity::Worse, Gate::Time, Some(4.0)),
+            finding(Severity::Worse, Gate::Time, Some(-8.0)),
+            finding(Severity::Worse, Gate::Counters, None),
+            finding(Severity::Unknown, Gate::Time, None),
+        ];
+        sort(&mut findings);
+        let order: Vec<_> = findings.iter().map(|f| (f.severity, f.percent)).collect();
+        assert_eq!(
+            order,
+            [
+                (Severity::Worse, None),
+                (Severity::Worse, Some(-8.0)),
+                (Severity::Worse, Some(4.0)),
+                (Severity::Unknown, None),
+                (Severity::Note, Some(9.0)),
+            ]
+        );
+    }
 }

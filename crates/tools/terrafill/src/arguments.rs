@@ -220,6 +220,9 @@ pub(crate) struct GateArguments {
     /// Compare counters, bytes and errors alone
     #[arg(long)]
     pub(crate) no_time: bool,
+    /// Times are told and decide nothing: for machines that other work shares
+    #[arg(long, conflicts_with = "no_time")]
+    pub(crate) advisory_time: bool,
     /// Smallest change of a time that fails
     #[arg(long, value_name = "PERCENT", default_value_t = terrafill_gate::threshold::FLOOR_PERCENT,
         value_parser = parse_floor)]

@@ -20,8 +20,9 @@ use terrafill_results::{Clock, Run};
 /// those that were held up.
 const SAMPLES: u32 = 30;
 
-/// Longest silence where nobody watches: what watches a job takes longer ones for a hang.
-const LONGEST_SILENCE: Duration = Duration::from_secs(25);
+/// Shortest time between two lines of progress. Programs speak every 25 s at least, so that no silence
+/// is longer than that where this is shorter.
+const MIN_SILENCE: Duration = Duration::from_secs(15);
 
 impl From<GateError> for Failure {
     fn from(error: GateError) -> Self {
@@ -43,7 +44,7 @@ struct Talk(Option<Instant>);
 
 impl Talk {
     fn say(&mut self, what: &str) {
-        if self.0.is_none_or(|last| last.elapsed() >= LONGEST_SILENCE) {
+        if self.0.is_none_or(|last| last.elapsed() >= MIN_SILENCE) {
             eprintln!("gate: {what}");
             self.0 = Some(Instant::now());
         }
@@ -175,6 +176,7 @@ fn two_programs(
     )?;
     let options = GateOptions {
         times: !arguments.no_time,
+        advisory: arguments.advisory_time,
         floor_percent: arguments.floor_percent,
         budget: Duration::from_secs(arguments.time_budget_s),
     };
