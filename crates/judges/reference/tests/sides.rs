@@ -73,7 +73,8 @@ fn rings_of_doubtful_sides_hold_the_places_that_are_meant() {
     ];
     let (planar, arcs) = (EdgeRule::Planar, EdgeRule::GreatEllipse);
     // Places inside and outside of the smaller side; whether it is on the left.
-    let cases: [(&[Degrees], EdgeRule, [Degrees; 3], [Degrees; 3]); 3] = [
+    type Case<'a> = (&'a [Degrees], EdgeRule, [Degrees; 3], [Degrees; 3]);
+    let cases: [Case<'_>; 3] = [
         (
             &spiked,
             planar,
