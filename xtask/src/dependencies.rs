@@ -76,6 +76,7 @@ const REFERENCE_MAY_IMPORT: &[&str] = &[
     "EdgeRule",
     "Ellipsoid",
     "Geodetic",
+    "Inside",
     "Polygon",
     "Region",
     "RegionFileError",

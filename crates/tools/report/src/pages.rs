@@ -3,8 +3,7 @@
 
 use crate::ReportError;
 use crate::verdict::{Sentences, Verdict, plural};
-use crate::view::{File, Form, PAGES, Renderer, slug};
-use crate::write::INDEX;
+use crate::view::{File, Form, INDEX, PAGES, Renderer, slug};
 use askama::Template;
 use std::collections::BTreeMap;
 use terrafill_results::{Answers, Block, Chapter, Finding, MetricRow, Run, Skipped, Standing};

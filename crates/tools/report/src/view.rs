@@ -9,6 +9,9 @@ use terrafill_results::{
     TableLayout,
 };
 
+/// The first page, within the run's folder.
+pub(crate) const INDEX: &str = "index.html";
+
 /// Folder of the pages within the run's folder.
 pub(crate) const PAGES: &str = "pages";
 /// Folders of small pictures and of figures within it.

@@ -3,15 +3,13 @@
 
 use crate::pages::{Report, pages};
 use crate::verdict::{Counts, StudyNoise, Verdict, is_defect, named, noise, plural, sentences};
-use crate::view::{File, Form, PAGES};
+use crate::view::{File, Form, INDEX, PAGES};
 use crate::{ReportError, markdown};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use terrafill_plot::number::{bytes, count, utc};
 use terrafill_results::{Block, Chapter, ChapterError, Outcome, Run, RunError, Skipped};
 
-/// The first page, within the run's folder.
-pub(crate) const INDEX: &str = "index.html";
 /// The verdict and the main tables.
 const SUMMARY: &str = "summary.md";
 /// The verdict for programs.
