@@ -14,7 +14,7 @@ const FULL: &str = "/dev/full";
 
 /// Command lines of every verb, each of which prints something. `OUT` is a folder that is new each
 /// time. `GPU`: only where there is a device.
-const COMMANDS: [&str; 19] = [
+const COMMANDS: [&str; 22] = [
     "--help",
     "--version",
     "help",
@@ -22,6 +22,9 @@ const COMMANDS: [&str; 19] = [
     "GPU bench california --quick --study filling --technique vertex --size 32 --samples 1 --out OUT",
     "report run",
     "merge part --out OUT",
+    "gate --base-run run --new-run next --out OUT",
+    "bless filling/moon/globe/vertex/doubled --reason meant --gate gated --blessed OUT",
+    "compare run next",
     "render --list-switches",
     "render --help",
     "mesh r.geojson",
@@ -45,7 +48,7 @@ fn desk() -> Desk {
     desk.write("square.geojson", &square);
     desk.write("r.geojson", collection(&[("square", square)]));
     desk.write("points.csv", "lon,lat\n0.5,0.5\n");
-    for name in ["run", "part"] {
+    for (name, mismatched_px) in [("run", 3.0), ("part", 3.0), ("next", 4.0)] {
         let mut run = MadeUpRun::default();
         let conditions = [
             ("scene", "moon"),
@@ -54,7 +57,7 @@ fn desk() -> Desk {
             ("role", "main"),
         ];
         run.case(case_id("filling", "moon/globe/vertex/doubled", &conditions))
-            .figure("mismatched_px", 3.0)
+            .figure("mismatched_px", mismatched_px)
             .timed("fill_cpu_ms", &[1.5]);
         run.write(&desk.path(name)).expect("written");
     }
@@ -62,6 +65,10 @@ fn desk() -> Desk {
     let part = plan.replace("\"shard\": null", "\"shard\": {\"index\": 1, \"count\": 1}");
     assert_ne!(part, plan, "a whole run became a shard");
     desk.write("part/plan.json", part);
+    // What `bless` accepts.
+    let runs = ["--base-run", "run", "--new-run", "next"];
+    let gated = ran(&mut desk.command(&[&["gate"][..], &runs, &["--out", "gated"]].concat()));
+    assert_eq!(gated.code, 1, "{}{}", gated.stdout, gated.stderr);
     desk
 }
 
