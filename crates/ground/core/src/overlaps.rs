@@ -14,13 +14,12 @@
 
 use crate::edge::{Degrees, along_pole};
 use crate::intersection::without_underflow;
+use crate::mesh::index_u32;
 use crate::pieces::OutlineEdge;
 use crate::snap::snap_rounded;
 use crate::triangulate::GroupMesh;
-use crate::triangulate::constrained::{Constrained, FRAME_CORNERS, Side};
+use crate::triangulate::delaunay::{Delaunay, FRAME_CORNERS};
 use crate::{EdgePlace, EdgeRule};
-use spade::handles::{FaceHandle, InnerTag};
-use spade::{CdtEdge, Point2, Triangulation};
 use std::collections::BTreeMap;
 
 /// What two rings cover that they should not cover both.
@@ -175,13 +174,12 @@ pub(crate) fn shared_edges(edges: &[OutlineEdge]) -> usize {
     places.len()
 }
 
-type Triangle<'a> = FaceHandle<'a, InnerTag, Point2<f64>, (), CdtEdge<bool>, Side>;
-
 /// All edges of a group, triangulated.
 struct Cover {
-    mesh: Constrained,
-    /// Rings along each edge of the triangulation, by its index.
-    rings: BTreeMap<usize, Vec<RingKey>>,
+    mesh: Delaunay,
+    positions: Vec<Degrees>,
+    /// Rings along each edge of the triangulation, by its ends, the lower first.
+    rings: BTreeMap<[u32; 2], Vec<RingKey>>,
 }
 
 impl Cover {
@@ -201,62 +199,105 @@ impl Cover {
                 bounds[3].max(y),
             ];
         }
-        let mut mesh = Constrained::new(bounds, edges.len()).ok()?;
+        let mut mesh = Delaunay::new(bounds, edges.len());
+        let mut positions = vec![[0.0; 2]; FRAME_CORNERS];
         let mut ends = Vec::with_capacity(edges.len());
         for edge in edges {
             let mut pair = [0; 2];
             for (index, position) in pair.iter_mut().zip([edge.start, edge.end]) {
                 // As the triangulation of the region does, for the sake of the predicates.
-                *index = mesh.insert(position.map(without_underflow)).ok()?;
+                let position = position.map(without_underflow);
+                *index = mesh.insert(position).ok()?;
+                if *index as usize == positions.len() {
+                    positions.push(position);
+                }
             }
             ends.push(pair);
         }
-        let mut rings: BTreeMap<usize, Vec<RingKey>> = BTreeMap::new();
-        for (edge, ends) in edges.iter().zip(ends) {
-            let ring = key(edge);
-            for part in mesh.constrain(ends)? {
-                let along = rings.entry(part.as_undirected().index()).or_default();
-                match along.iter().position(|other| *other == ring) {
-                    // Twice along the same edge is not at all.
-                    Some(i) => drop(along.swap_remove(i)),
-                    None => along.push(ring),
-                }
+        for [from, to] in &ends {
+            if from != to {
+                mesh.constrain(*from, *to).ok()?;
             }
         }
-        Some(Self { mesh, rings })
+        let mut cover = Self {
+            mesh,
+            positions,
+            rings: BTreeMap::new(),
+        };
+        for (edge, [from, to]) in edges.iter().zip(ends) {
+            cover.add_ring(key(edge), from, to)?;
+        }
+        Some(cover)
     }
 
-    /// Rings that hold each triangle within the strip, sorted, by its index; `None` for those at the
-    /// frame.
+    /// Notes the ring along every edge of the triangulation on the line between two vertices.
+    fn add_ring(&mut self, ring: RingKey, mut from: u32, to: u32) -> Option<()> {
+        while from != to {
+            let next = match self.mesh.edge_between(from, to) {
+                Ok(_) => to,
+                Err(_) => self.next_on_line(from, to)?,
+            };
+            let along = self
+                .rings
+                .entry([from.min(next), from.max(next)])
+                .or_default();
+            match along.iter().position(|other| *other == ring) {
+                // Twice along the same edge is not at all.
+                Some(i) => drop(along.swap_remove(i)),
+                None => along.push(ring),
+            }
+            from = next;
+        }
+        Some(())
+    }
+
+    fn next_on_line(&self, from: u32, to: u32) -> Option<u32> {
+        let [a, b] = [from, to].map(|i| self.positions[i as usize]);
+        let coord = |[x, y]: Degrees| robust::Coord { x, y };
+        let mut edges = self.mesh.edges_at(from);
+        edges.find_map(|(triangle, i)| {
+            let ends = self.mesh.ends(triangle, i);
+            let other = if ends[0] == from { ends[1] } else { ends[0] };
+            if !self.mesh.is_constraint(triangle, i) {
+                return None;
+            }
+            let c = self.positions[other as usize];
+            let ahead = (c[0] - a[0]) * (b[0] - a[0]) + (c[1] - a[1]) * (b[1] - a[1]) > 0.0;
+            (ahead && robust::orient2d(coord(a), coord(b), coord(c)) == 0.0).then_some(other)
+        })
+    }
+
+    /// Rings that hold each triangle within the strip, sorted; `None` for those at the frame.
     ///
     /// A ring that is cut at ±180 is open there, so what lies beyond must not be gone through. Each
     /// patch of triangles that hang together without it is settled by one of them.
     fn rings_of_triangles(&self, edges: &[OutlineEdge]) -> Vec<Option<Vec<RingKey>>> {
-        let cdt = &self.mesh.cdt;
-        let mut held: Vec<Option<Vec<RingKey>>> = vec![None; cdt.num_all_faces()];
-        let at_frame = |triangle: Triangle<'_>| {
-            let corners = triangle.vertices();
-            corners.iter().any(|corner| corner.index() < FRAME_CORNERS)
+        let count = self.mesh.triangle_count();
+        let mut held: Vec<Option<Vec<RingKey>>> = vec![None; count];
+        let at_frame = |triangle: u32| {
+            let corners = self.mesh.corners(triangle);
+            corners.iter().any(|i| (*i as usize) < FRAME_CORNERS)
         };
-        for start in cdt.inner_faces() {
-            if at_frame(start) || held[start.index()].is_some() {
+        for start in 0..index_u32(count) {
+            if at_frame(start) || held[start as usize].is_some() {
                 continue;
             }
-            held[start.index()] = Some(Vec::new());
+            held[start as usize] = Some(Vec::new());
             let mut patch = vec![start];
             let mut next = 0;
             while let Some(&triangle) = patch.get(next) {
                 next += 1;
-                for edge in triangle.adjacent_edges() {
-                    let across = edge.rev().face().as_inner();
-                    let Some(across) = across.filter(|triangle| !at_frame(*triangle)) else {
+                for i in 0..3 {
+                    let across = self.mesh.neighbour(triangle, i);
+                    let Some(across) = across.filter(|t| !at_frame(*t)) else {
                         continue;
                     };
-                    if held[across.index()].is_none() {
-                        let crossed = self.rings.get(&edge.as_undirected().index());
-                        let here = held[triangle.index()].clone().unwrap_or_default();
+                    if held[across as usize].is_none() {
+                        let [a, b] = self.mesh.ends(triangle, i);
+                        let crossed = self.rings.get(&[a.min(b), a.max(b)]);
+                        let here = held[triangle as usize].clone().unwrap_or_default();
                         let there = toggled(here, crossed.map_or(&[], Vec::as_slice));
-                        held[across.index()] = Some(there);
+                        held[across as usize] = Some(there);
                         patch.push(across);
                     }
                 }
@@ -264,13 +305,13 @@ impl Cover {
             let largest = patch
                 .iter()
                 .copied()
-                .max_by(|a, b| a.area().total_cmp(&b.area()));
+                .max_by(|a, b| self.area(*a).total_cmp(&self.area(*b)));
             let Some(largest) = largest else { continue };
-            let known = rings_round(middle(largest), edges);
-            let wrong = toggled(held[largest.index()].clone().unwrap_or_default(), &known);
+            let known = rings_round(self.middle(largest), edges);
+            let wrong = toggled(held[largest as usize].clone().unwrap_or_default(), &known);
             for triangle in patch {
-                let found = held[triangle.index()].take().unwrap_or_default();
-                held[triangle.index()] = Some(toggled(found, &wrong));
+                let found = held[triangle as usize].take().unwrap_or_default();
+                held[triangle as usize] = Some(toggled(found, &wrong));
             }
         }
         held
@@ -284,14 +325,12 @@ impl Cover {
     ) -> Vec<OverlapPlace> {
         let goes_round = rings_along_whole_poles(edges);
         // Area and its largest triangle, by pair.
-        let mut found: BTreeMap<[RingKey; 2], (f64, f64, Triangle<'_>)> = BTreeMap::new();
-        let held = self.rings_of_triangles(edges);
-        for triangle in self.mesh.cdt.inner_faces() {
-            let held = held[triangle.index()].as_ref();
-            let Some(pair) = held.and_then(|held| overlapping(held, &goes_round)) else {
+        let mut found: BTreeMap<[RingKey; 2], (f64, f64, u32)> = BTreeMap::new();
+        for (triangle, held) in (0..).zip(self.rings_of_triangles(edges)) {
+            let Some(pair) = held.and_then(|held| overlapping(&held, &goes_round)) else {
                 continue;
             };
-            let area = triangle.area() * middle(triangle)[1].to_radians().cos();
+            let area = self.area(triangle) * self.middle(triangle)[1].to_radians().cos();
             let entry = found.entry(pair).or_insert((0.0, 0.0, triangle));
             entry.0 += area;
             if area > entry.1 {
@@ -313,15 +352,25 @@ impl Cover {
                     ring,
                     vertex: 0,
                 }),
-                at: middle(triangle),
+                at: self.middle(triangle),
             })
             .collect()
     }
-}
 
-fn middle(triangle: Triangle<'_>) -> Degrees {
-    let Point2 { x, y } = triangle.center();
-    [x, y]
+    fn corners(&self, triangle: u32) -> [Degrees; 3] {
+        let corners = self.mesh.corners(triangle);
+        corners.map(|i| self.positions[i as usize])
+    }
+
+    fn middle(&self, triangle: u32) -> Degrees {
+        let [a, b, c] = self.corners(triangle);
+        [0, 1].map(|k| (a[k] + b[k] + c[k]) / 3.0)
+    }
+
+    fn area(&self, triangle: u32) -> f64 {
+        let [a, b, c] = self.corners(triangle);
+        0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    }
 }
 
 /// What an edge's bow (at most a twentieth of its length) or rounding can feign of an overlap,

@@ -1,0 +1,916 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Constrained Delaunay triangulation of a rectangle, point by point and edge by edge.
+//!
+//! The plane, any unit. A triangle knows its corners, its neighbours and its edges' marks, 28 bytes,
+//! and there are two to a vertex: a million vertices fit where the half-edges of a general library
+//! take three times as much, and how time grows with size is how memory is reached. Four corners
+//! of a frame round everything that will come spare every case at the hull.
+//!
+//! Where something is, is decided exactly (Shewchuk 1997, crate `robust`). Whether an edge is
+//! Delaunay is decided by the first stage of his in-circle test alone, and an edge is flipped only
+//! where that stage is certain: points on one circle, which cost the exact stages most and gain
+//! nothing, are left as they are. A certain flip lowers the triangulation lifted to the paraboloid,
+//! so flipping ends.
+
+use crate::mesh::index_u32;
+use robust::Coord;
+use std::collections::VecDeque;
+
+/// A position in the plane.
+pub(crate) type Point = [f64; 2];
+
+/// Corners of the frame; they are the first vertices.
+pub(crate) const FRAME_CORNERS: usize = 4;
+/// No triangle: what is beyond the frame.
+const NONE: u32 = u32::MAX;
+/// Mark of an edge that must stay.
+const CONSTRAINT: u8 = 1;
+/// Mark of an edge along which an odd number of constraints run.
+const ODD: u8 = 2;
+/// Shewchuk (1997), equation for `ccwerrboundA`: (3 + 16ε)ε with ε = 2⁻⁵³.
+const ORIENT_BOUND: f64 = 3.330_669_073_875_471_6e-16;
+/// The same for `iccerrboundA`: (10 + 96ε)ε.
+const INCIRCLE_BOUND: f64 = 1.110_223_024_625_157_7e-15;
+
+/// Why a point or an edge cannot be had.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Blocked {
+    /// The edge crosses another constraint.
+    Crossing,
+    /// The point is outside the frame.
+    Outside,
+    /// Flips towards an edge did not end; a fault of this program.
+    Endless,
+}
+
+/// Where a point lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Place {
+    /// Strictly within a triangle.
+    Face(u32),
+    /// On the edge of a triangle opposite its corner of that number.
+    Edge(u32, usize),
+    /// On a vertex.
+    Vertex(u32),
+    /// Beyond the frame.
+    Outside,
+}
+
+/// Counter-clockwise; neighbour and mark `i` are those of the edge opposite corner `i`.
+#[derive(Clone, Copy)]
+struct Triangle {
+    corners: [u32; 3],
+    neighbours: [u32; 3],
+    marks: [u8; 3],
+    side: Side,
+}
+
+/// Of the constraints that a triangle lies on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Unknown,
+    Outside,
+    Inside,
+}
+
+impl Side {
+    /// Across an edge along which so many constraints run.
+    fn across(self, is_odd: bool) -> Self {
+        match self {
+            Self::Outside if is_odd => Self::Inside,
+            Self::Inside if is_odd => Self::Outside,
+            same => same,
+        }
+    }
+}
+
+impl Triangle {
+    fn index_of_corner(&self, vertex: u32) -> usize {
+        let at = self.corners.iter().position(|&corner| corner == vertex);
+        at.unwrap_or_default()
+    }
+
+    fn index_of_neighbour(&self, triangle: u32) -> usize {
+        let at = self.neighbours.iter().position(|&n| n == triangle);
+        at.unwrap_or_default()
+    }
+}
+
+/// A position and the way to it. Together, since an edge is flipped after its ends were looked at: in a
+/// triangulation that is larger than the cache and the translation buffers every list of its own is
+/// another place of memory to go to.
+#[derive(Clone, Copy)]
+struct Vertex {
+    point: Point,
+    /// A triangle that it is a corner of.
+    triangle: u32,
+}
+
+/// The triangulation.
+pub(crate) struct Delaunay {
+    vertices: Vec<Vertex>,
+    triangles: Vec<Triangle>,
+    /// Where the search for the next point starts: where the last one went.
+    hint: u32,
+    /// Triangles whose first edge may be illegal.
+    waiting: Vec<u32>,
+    /// Whether a vertex lies on a constraint, between its ends.
+    touches: bool,
+}
+
+impl Delaunay {
+    /// An empty frame round `[west, south, east, north]`, with room for so many vertices.
+    pub(crate) fn new([west, south, east, north]: [f64; 4], vertex_count: usize) -> Self {
+        // As wide again on every side, so that no triangle between an outline and the frame is
+        // much thinner than the outline itself makes it.
+        let margin = (east - west).max(north - south).max(1.0);
+        let (west, south) = (west - margin, south - margin);
+        let (east, north) = (east + margin, north + margin);
+        let count = vertex_count + FRAME_CORNERS;
+        let mut vertices = Vec::with_capacity(count);
+        let corners = [[west, south], [east, south], [east, north], [west, north]];
+        let corners = corners.into_iter().zip([0, 0, 0, 1]);
+        vertices.extend(corners.map(|(point, triangle)| Vertex { point, triangle }));
+        let mut triangles = Vec::with_capacity(2 * count);
+        triangles.extend([
+            Triangle {
+                corners: [0, 1, 2],
+                neighbours: [NONE, 1, NONE],
+                marks: [0; 3],
+                side: Side::Unknown,
+            },
+            Triangle {
+                corners: [0, 2, 3],
+                neighbours: [NONE, NONE, 0],
+                marks: [0; 3],
+                side: Side::Unknown,
+            },
+        ]);
+        Self {
+            vertices,
+            triangles,
+            hint: 0,
+            waiting: Vec::new(),
+            touches: false,
+        }
+    }
+
+    /// Tells inside from outside: whether an odd number of constraints separates a triangle from the
+    /// frame. To be called when all constraints are in; points that are inserted later keep it, so
+    /// that the triangles need to be gone through only once.
+    pub(crate) fn find_inside(&mut self) {
+        // Nothing is constrained at the frame, so the triangles there are outside.
+        let outside = self.vertices[0].triangle;
+        self.triangles[outside as usize].side = Side::Outside;
+        let mut waiting = vec![outside];
+        while let Some(index) = waiting.pop() {
+            let triangle = self.triangles[index as usize];
+            for (neighbour, mark) in triangle.neighbours.into_iter().zip(triangle.marks) {
+                if neighbour == NONE {
+                    continue;
+                }
+                let across = &mut self.triangles[neighbour as usize];
+                if across.side == Side::Unknown {
+                    across.side = triangle.side.across(mark & ODD != 0);
+                    waiting.push(neighbour);
+                }
+            }
+        }
+    }
+
+    /// Whether a triangle is inside, once [`Delaunay::find_inside`] has told.
+    pub(crate) fn is_inside(&self, triangle: u32) -> bool {
+        self.triangles[triangle as usize].side == Side::Inside
+    }
+
+    /// Those of the frame included.
+    pub(crate) fn vertex_count(&self) -> usize {
+        self.vertices.len()
+    }
+
+    pub(crate) fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    pub(crate) fn point(&self, vertex: u32) -> Point {
+        self.vertices[vertex as usize].point
+    }
+
+    /// Corners of a triangle, counter-clockwise.
+    pub(crate) fn corners(&self, triangle: u32) -> [u32; 3] {
+        self.triangles[triangle as usize].corners
+    }
+
+    /// Ends of the edge opposite corner `i`, the triangle on their left.
+    pub(crate) fn ends(&self, triangle: u32, i: usize) -> [u32; 2] {
+        let corners = self.triangles[triangle as usize].corners;
+        [corners[(i + 1) % 3], corners[(i + 2) % 3]]
+    }
+
+    /// The triangle across the edge opposite corner `i`; none beyond the frame.
+    pub(crate) fn neighbour(&self, triangle: u32, i: usize) -> Option<u32> {
+        let neighbour = self.triangles[triangle as usize].neighbours[i];
+        (neighbour != NONE).then_some(neighbour)
+    }
+
+    /// Whether the edge opposite corner `i` must stay.
+    pub(crate) fn is_constraint(&self, triangle: u32, i: usize) -> bool {
+        self.triangles[triangle as usize].marks[i] & CONSTRAINT != 0
+    }
+
+    /// Whether an odd number of constraints run along the edge opposite corner `i`.
+    pub(crate) fn is_odd(&self, triangle: u32, i: usize) -> bool {
+        self.triangles[triangle as usize].marks[i] & ODD != 0
+    }
+
+    /// Whether a vertex lies on a constraint, between its ends.
+    pub(crate) fn has_touches(&self) -> bool {
+        self.touches
+    }
+
+    /// Every edge once, as a triangle and the corner opposite.
+    pub(crate) fn edges(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
+        (0..).zip(&self.triangles).flat_map(|(index, triangle)| {
+            let once = move |i: &usize| {
+                let neighbour = triangle.neighbours[*i];
+                neighbour == NONE || index < neighbour
+            };
+            (0..3).filter(once).map(move |i| (index, i))
+        })
+    }
+
+    /// Every edge at a vertex within the frame, as a triangle and the corner opposite.
+    pub(crate) fn edges_at(&self, vertex: u32) -> impl Iterator<Item = (u32, usize)> + '_ {
+        let mut fan = Some(Fan::new(self, vertex));
+        std::iter::from_fn(move || {
+            let here = fan?;
+            fan = here.next(self);
+            let i = self.triangles[here.triangle as usize].index_of_corner(vertex);
+            Some((here.triangle, (i + 2) % 3))
+        })
+    }
+
+    /// Finds a point, by a walk that turns at random where it may: in a constrained triangulation a
+    /// walk by rule can go round for ever (Devillers, Pion & Teillaud 2002).
+    pub(crate) fn locate(&self, point: Point) -> Place {
+        let mut random = 0x9e37_79b9_u32;
+        let (mut current, mut last) = (self.hint, NONE);
+        'walk: loop {
+            random ^= random << 13;
+            random ^= random >> 17;
+            random ^= random << 5;
+            let triangle = &self.triangles[current as usize];
+            let first = (random % 3) as usize;
+            let mut on = [false; 3];
+            for i in [first, (first + 1) % 3, (first + 2) % 3] {
+                let next = triangle.neighbours[i];
+                if next == last && last != NONE {
+                    continue;
+                }
+                let [from, to] = self.ends(current, i).map(|end| self.point(end));
+                let side = orient(from, to, point);
+                if side < 0.0 {
+                    if next == NONE {
+                        return Place::Outside;
+                    }
+                    (last, current) = (current, next);
+                    continue 'walk;
+                }
+                on[i] = side == 0.0;
+            }
+            return match on {
+                [false, false, false] => Place::Face(current),
+                [true, false, false] => Place::Edge(current, 0),
+                [false, true, false] => Place::Edge(current, 1),
+                [false, false, true] => Place::Edge(current, 2),
+                // On two edges is on the corner between them.
+                [true, true, _] => Place::Vertex(triangle.corners[2]),
+                [true, _, true] => Place::Vertex(triangle.corners[1]),
+                [_, true, true] => Place::Vertex(triangle.corners[0]),
+            };
+        }
+    }
+
+    /// The vertex at `point`, new if there was none.
+    ///
+    /// # Errors
+    /// [`Blocked::Outside`].
+    pub(crate) fn insert(&mut self, point: Point) -> Result<u32, Blocked> {
+        let vertex = index_u32(self.vertices.len());
+        match self.locate(point) {
+            Place::Vertex(known) => {
+                self.hint = self.vertices[known as usize].triangle;
+                return Ok(known);
+            }
+            Place::Outside => return Err(Blocked::Outside),
+            Place::Face(triangle) => {
+                self.split_face(triangle, vertex, point);
+            }
+            Place::Edge(triangle, i) => {
+                if self.triangles[triangle as usize].neighbours[i] == NONE {
+                    return Err(Blocked::Outside);
+                }
+                self.touches |= self.is_constraint(triangle, i);
+                self.split_edge(triangle, i, vertex, point);
+            }
+        }
+        self.hint = self.vertices[vertex as usize].triangle;
+        while let Some(triangle) = self.waiting.pop() {
+            if self.is_certainly_illegal(triangle, 0) {
+                let across = self.triangles[triangle as usize].neighbours[0];
+                self.flip(triangle, 0);
+                self.waiting.extend([triangle, across]);
+            }
+        }
+        Ok(vertex)
+    }
+
+    /// Corner `a`, `b`, `c` → `p b c`, `p c a`, `p a b`.
+    fn split_face(&mut self, triangle: u32, p: u32, point: Point) {
+        let old = self.triangles[triangle as usize];
+        let [a, b, c] = old.corners;
+        let second = index_u32(self.triangles.len());
+        let third = second + 1;
+        self.triangles[triangle as usize] = Triangle {
+            corners: [p, b, c],
+            neighbours: [old.neighbours[0], second, third],
+            marks: [old.marks[0], 0, 0],
+            side: old.side,
+        };
+        self.triangles.push(Triangle {
+            corners: [p, c, a],
+            neighbours: [old.neighbours[1], third, triangle],
+            marks: [old.marks[1], 0, 0],
+            side: old.side,
+        });
+        self.triangles.push(Triangle {
+            corners: [p, a, b],
+            neighbours: [old.neighbours[2], triangle, second],
+            marks: [old.marks[2], 0, 0],
+            side: old.side,
+        });
+        self.relink(old.neighbours[1], triangle, second);
+        self.relink(old.neighbours[2], triangle, third);
+        self.vertices.push(Vertex { point, triangle });
+        self.vertices[a as usize].triangle = second;
+        self.vertices[b as usize].triangle = triangle;
+        self.vertices[c as usize].triangle = triangle;
+        self.waiting.extend([triangle, second, third]);
+    }
+
+    /// `a b c` and, across its edge `b c`, `d c b` → `p a b`, `p c a`, `p d c`, `p b d`. Both halves of
+    /// the edge keep its marks.
+    fn split_edge(&mut self, triangle: u32, i: usize, p: u32, point: Point) {
+        let here = self.triangles[triangle as usize];
+        let across = here.neighbours[i];
+        let there = self.triangles[across as usize];
+        let j = there.index_of_neighbour(triangle);
+        let [a, b, c] = [i, i + 1, i + 2].map(|k| here.corners[k % 3]);
+        let d = there.corners[j];
+        let mark = here.marks[i];
+        let (ca, ab) = ((i + 1) % 3, (i + 2) % 3);
+        let (bd, dc) = ((j + 1) % 3, (j + 2) % 3);
+        let at_ca = index_u32(self.triangles.len());
+        let at_dc = at_ca + 1;
+        self.triangles[triangle as usize] = Triangle {
+            corners: [p, a, b],
+            neighbours: [here.neighbours[ab], across, at_ca],
+            marks: [here.marks[ab], mark, 0],
+            side: here.side,
+        };
+        self.triangles[across as usize] = Triangle {
+            corners: [p, b, d],
+            neighbours: [there.neighbours[bd], at_dc, triangle],
+            marks: [there.marks[bd], 0, mark],
+            side: there.side,
+        };
+        self.triangles.push(Triangle {
+            corners: [p, c, a],
+            neighbours: [here.neighbours[ca], triangle, at_dc],
+            marks: [here.marks[ca], 0, mark],
+            side: here.side,
+        });
+        self.triangles.push(Triangle {
+            corners: [p, d, c],
+            neighbours: [there.neighbours[dc], at_ca, across],
+            marks: [there.marks[dc], mark, 0],
+            side: there.side,
+        });
+        self.relink(here.neighbours[ca], triangle, at_ca);
+        self.relink(there.neighbours[dc], across, at_dc);
+        self.vertices.push(Vertex { point, triangle });
+        self.vertices[a as usize].triangle = triangle;
+        self.vertices[b as usize].triangle = triangle;
+        self.vertices[c as usize].triangle = at_ca;
+        self.vertices[d as usize].triangle = across;
+        self.waiting.extend([triangle, across, at_ca, at_dc]);
+    }
+
+    fn relink(&mut self, triangle: u32, from: u32, to: u32) {
+        if triangle != NONE {
+            let triangle = &mut self.triangles[triangle as usize];
+            let i = triangle.index_of_neighbour(from);
+            triangle.neighbours[i] = to;
+        }
+    }
+
+    /// Whether the edge opposite corner `i` may be flipped and is certain to gain by it.
+    fn is_certainly_illegal(&self, triangle: u32, i: usize) -> bool {
+        let here = &self.triangles[triangle as usize];
+        let across = here.neighbours[i];
+        if across == NONE || here.marks[i] & CONSTRAINT != 0 {
+            return false;
+        }
+        let there = &self.triangles[across as usize];
+        let d = there.corners[there.index_of_neighbour(triangle)];
+        let [p, b, c] = [i, i + 1, i + 2].map(|k| self.point(here.corners[k % 3]));
+        is_certainly_in_circle(self.point(d), c, b, p)
+    }
+
+    /// Flips the edges across from a vertex that are illegal, be it by less than the first stage can
+    /// tell, and whatever becomes illegal by that; returns one end of each edge that this makes.
+    ///
+    /// Ends, as by the first stage alone: each flip lowers the lifted triangulation. Of two triangles
+    /// that an illegal edge lies between, the four corners are strictly convex.
+    pub(crate) fn legalise_exactly(&mut self, vertex: u32) -> Vec<u32> {
+        let across = |(triangle, i): (u32, usize)| self.ends(triangle, (i + 1) % 3);
+        let mut waiting: Vec<[u32; 2]> = self.edges_at(vertex).map(across).collect();
+        let mut made = Vec::new();
+        while let Some([u, v]) = waiting.pop() {
+            let Ok((triangle, i)) = self.edge_between(u, v) else {
+                continue;
+            };
+            let Some([p, d]) = self.opposite(triangle, i) else {
+                continue;
+            };
+            let [b, c] = self.ends(triangle, i);
+            let corners = [p, b, c, d].map(|k| self.point(k));
+            if !self.is_constraint(triangle, i) && is_in_circle(corners) {
+                self.flip(triangle, i);
+                made.push(p);
+                waiting.extend([[p, b], [b, d], [d, c], [c, p]]);
+            }
+        }
+        made
+    }
+
+    /// `p b c` and, across `b c`, `d c b` → `p b d` and `p d c`; the caller knows that the four are
+    /// strictly convex.
+    fn flip(&mut self, triangle: u32, i: usize) {
+        let here = self.triangles[triangle as usize];
+        let across = here.neighbours[i];
+        let there = self.triangles[across as usize];
+        let j = there.index_of_neighbour(triangle);
+        let [p, b, c] = [i, i + 1, i + 2].map(|k| here.corners[k % 3]);
+        let d = there.corners[j];
+        let (cp, pb) = ((i + 1) % 3, (i + 2) % 3);
+        let (bd, dc) = ((j + 1) % 3, (j + 2) % 3);
+        self.triangles[triangle as usize] = Triangle {
+            corners: [p, b, d],
+            neighbours: [there.neighbours[bd], across, here.neighbours[pb]],
+            marks: [there.marks[bd], 0, here.marks[pb]],
+            side: here.side,
+        };
+        self.triangles[across as usize] = Triangle {
+            corners: [p, d, c],
+            neighbours: [there.neighbours[dc], here.neighbours[cp], triangle],
+            marks: [there.marks[dc], here.marks[cp], 0],
+            side: here.side,
+        };
+        self.relink(there.neighbours[bd], across, triangle);
+        self.relink(here.neighbours[cp], triangle, across);
+        self.vertices[b as usize].triangle = triangle;
+        self.vertices[c as usize].triangle = across;
+    }
+
+    /// The edge between two vertices, as a triangle and the corner opposite; the end with fewer
+    /// triangles if there is none. Both ends are searched in step: a vertex may have as many
+    /// triangles as there are others.
+    pub(crate) fn edge_between(&self, a: u32, b: u32) -> Result<(u32, usize), u32> {
+        let mut fans = [(Fan::new(self, a), b), (Fan::new(self, b), a)];
+        loop {
+            for (fan, other) in &mut fans {
+                let triangle = &self.triangles[fan.triangle as usize];
+                let i = triangle.index_of_corner(fan.vertex);
+                if triangle.corners[(i + 1) % 3] == *other {
+                    return Ok((fan.triangle, (i + 2) % 3));
+                }
+                if triangle.corners[(i + 2) % 3] == *other {
+                    return Ok((fan.triangle, (i + 1) % 3));
+                }
+                match fan.next(self) {
+                    Some(next) => *fan = next,
+                    None => return Err(fan.vertex),
+                }
+            }
+        }
+    }
+
+    /// Makes a constraint of the line between two vertices, or one more of those that run there.
+    /// Where the line passes exactly through vertices it becomes several edges.
+    ///
+    /// # Errors
+    /// [`Blocked::Crossing`] if it crosses another constraint; some of it may be in place then.
+    pub(crate) fn constrain(&mut self, from: u32, to: u32) -> Result<(), Blocked> {
+        let (mut from, mut to) = (from, to);
+        while from != to {
+            let next = match self.edge_between(from, to) {
+                Ok((triangle, i)) => {
+                    self.toggle(triangle, i);
+                    return Ok(());
+                }
+                Err(end) if end == from => self.clear_way(from, to)?,
+                Err(_) => {
+                    std::mem::swap(&mut from, &mut to);
+                    self.clear_way(from, to)?
+                }
+            };
+            let edge = self.edge_between(from, next);
+            let (triangle, i) = edge.map_err(|_| Blocked::Endless)?;
+            self.toggle(triangle, i);
+            self.touches |= next != to;
+            from = next;
+        }
+        Ok(())
+    }
+
+    fn toggle(&mut self, triangle: u32, i: usize) {
+        let across = self.triangles[triangle as usize].neighbours[i];
+        let sides = [(triangle, across), (across, triangle)];
+        for (side, other) in sides.into_iter().filter(|(side, _)| *side != NONE) {
+            let side = &mut self.triangles[side as usize];
+            let i = side.index_of_neighbour(other);
+            side.marks[i] = (side.marks[i] ^ ODD) | CONSTRAINT;
+        }
+    }
+
+    /// First vertex on the line from `from` to `to`, and the edges crossed on the way to it.
+    fn first_vertex_along(&self, from: u32, to: u32) -> Result<(u32, Vec<[u32; 2]>), Blocked> {
+        let [start, end] = [from, to].map(|end| self.point(end));
+        let side = |vertex: u32| orient(start, end, self.point(vertex));
+        let mut found = None;
+        for (triangle, i) in self.edges_at(from) {
+            // The edge runs between `from` and the corner after it; opposite `from` is the next.
+            let [_, right] = self.ends(triangle, i);
+            let left = self.corners(triangle)[i];
+            let right_side = side(right);
+            if right_side == 0.0 && is_ahead(start, end, self.point(right)) {
+                return Ok((right, Vec::new()));
+            }
+            if right_side < 0.0 && side(left) > 0.0 {
+                found = Some((triangle, (i + 1) % 3, right, left));
+                break;
+            }
+        }
+        let (mut triangle, mut i, mut right, mut left) = found.ok_or(Blocked::Endless)?;
+        let mut crossed = Vec::new();
+        loop {
+            if self.is_constraint(triangle, i) {
+                return Err(Blocked::Crossing);
+            }
+            crossed.push([right, left]);
+            let across = self.neighbour(triangle, i).ok_or(Blocked::Endless)?;
+            let there = &self.triangles[across as usize];
+            let j = there.index_of_neighbour(triangle);
+            let apex = there.corners[j];
+            let apex_side = if apex == to { 0.0 } else { side(apex) };
+            if apex_side == 0.0 {
+                return Ok((apex, crossed));
+            }
+            // `there` is apex, left, right from `j` on.
+            triangle = across;
+            if apex_side > 0.0 {
+                left = apex;
+                i = (j + 1) % 3;
+            } else {
+                right = apex;
+                i = (j + 2) % 3;
+            }
+        }
+    }
+
+    /// Flips what is between `from` and the first vertex on the way to `to` out of the way (Sloan
+    /// 1993), then makes the new edges Delaunay; returns that vertex.
+    fn clear_way(&mut self, from: u32, to: u32) -> Result<u32, Blocked> {
+        let (to, crossed) = self.first_vertex_along(from, to)?;
+        let [start, end] = [from, to].map(|end| self.point(end));
+        // Every edge is looked at again at most once for each of the others.
+        let mut left = 64 + 8 * crossed.len() * crossed.len();
+        let mut waiting: VecDeque<[u32; 2]> = crossed.into();
+        let mut fresh = Vec::with_capacity(waiting.len());
+        while let Some([u, v]) = waiting.pop_front() {
+            left = left.checked_sub(1).ok_or(Blocked::Endless)?;
+            let (triangle, i) = self.edge_between(u, v).map_err(|_| Blocked::Endless)?;
+            let [p, d] = self.opposite(triangle, i).ok_or(Blocked::Endless)?;
+            let [b, c] = self.ends(triangle, i);
+            let [pp, pb, pc, pd] = [p, b, c, d].map(|k| self.point(k));
+            if orient(pp, pb, pd) <= 0.0 || orient(pp, pd, pc) <= 0.0 {
+                waiting.push_back([u, v]);
+                continue;
+            }
+            self.flip(triangle, i);
+            let ends = [p, d];
+            let touches = ends.contains(&from) || ends.contains(&to);
+            if !touches && (orient(start, end, pp) < 0.0) != (orient(start, end, pd) < 0.0) {
+                waiting.push_back(ends);
+            } else {
+                fresh.push(ends);
+            }
+        }
+        while let Some([u, v]) = fresh.pop() {
+            if [u, v] == [from, to] || [u, v] == [to, from] {
+                continue;
+            }
+            let Ok((triangle, i)) = self.edge_between(u, v) else {
+                continue;
+            };
+            if self.is_certainly_illegal(triangle, i) {
+                let [p, d] = self.opposite(triangle, i).ok_or(Blocked::Endless)?;
+                self.flip(triangle, i);
+                fresh.extend([[p, u], [u, d], [d, v], [v, p]]);
+            }
+        }
+        Ok(to)
+    }
+
+    /// The corners opposite an edge, on its own side and across.
+    fn opposite(&self, triangle: u32, i: usize) -> Option<[u32; 2]> {
+        let across = self.neighbour(triangle, i)?;
+        let there = &self.triangles[across as usize];
+        let j = there.index_of_neighbour(triangle);
+        Some([self.corners(triangle)[i], there.corners[j]])
+    }
+}
+
+/// The triangles round a vertex: counter-clockwise, and at a corner of the frame the rest clockwise.
+#[derive(Clone, Copy)]
+struct Fan {
+    vertex: u32,
+    first: u32,
+    triangle: u32,
+    clockwise: bool,
+}
+
+impl Fan {
+    fn new(mesh: &Delaunay, vertex: u32) -> Self {
+        let first = mesh.vertices[vertex as usize].triangle;
+        Self {
+            vertex,
+            first,
+            triangle: first,
+            clockwise: false,
+        }
+    }
+
+    fn next(mut self, mesh: &Delaunay) -> Option<Self> {
+        let beside = |triangle: u32, turn: usize| {
+            let triangle = &mesh.triangles[triangle as usize];
+            triangle.neighbours[(triangle.index_of_corner(self.vertex) + turn) % 3]
+        };
+        let mut next = if self.clockwise {
+            beside(self.triangle, 2)
+        } else {
+            beside(self.triangle, 1)
+        };
+        if next == NONE && !self.clockwise {
+            self.clockwise = true;
+            next = beside(self.first, 2);
+        }
+        if next == NONE || next == self.first {
+            return None;
+        }
+        self.triangle = next;
+        Some(self)
+    }
+}
+
+/// Positive where `c` is to the left of the line from `a` to `b`, exact in its sign.
+fn orient(a: Point, b: Point, c: Point) -> f64 {
+    let left = (a[0] - c[0]) * (b[1] - c[1]);
+    let right = (a[1] - c[1]) * (b[0] - c[0]);
+    let det = left - right;
+    if det.abs() >= ORIENT_BOUND * (left.abs() + right.abs()) {
+        return det;
+    }
+    let coord = |[x, y]: Point| Coord { x, y };
+    robust::orient2d(coord(a), coord(b), coord(c))
+}
+
+/// Whether `p` is certain to lie within the circle through `a`, `b`, `c`, counter-clockwise.
+fn is_certainly_in_circle(a: Point, b: Point, c: Point, p: Point) -> bool {
+    let [a, b, c] = [a, b, c].map(|[x, y]| [x - p[0], y - p[1]]);
+    let lift = |[x, y]: Point| x * x + y * y;
+    let (mut det, mut permanent) = (0.0, 0.0);
+    for (lifted, from, to) in [(a, b, c), (b, c, a), (c, a, b)] {
+        let (plus, minus) = (from[0] * to[1], to[0] * from[1]);
+        det += lift(lifted) * (plus - minus);
+        permanent += lift(lifted) * (plus.abs() + minus.abs());
+    }
+    det > INCIRCLE_BOUND * permanent
+}
+
+/// Whether the last lies within the circle through the others, counter-clockwise; exact.
+fn is_in_circle(corners: [Point; 4]) -> bool {
+    let [a, b, c, p] = corners.map(|[x, y]| Coord { x, y });
+    robust::incircle(a, b, c, p) > 0.0
+}
+
+/// Whether `point`, on the line from `start` to `end`, is on the far side of `start`.
+fn is_ahead(start: Point, end: Point, point: Point) -> bool {
+    let axis = usize::from(start[0] == end[0]);
+    (point[axis] > start[axis]) == (end[axis] > start[axis])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use spade::{DelaunayTriangulation, Point2, Triangulation};
+    use std::collections::BTreeSet;
+
+    /// Random points, the same every time.
+    fn random_points(count: usize) -> Vec<Point> {
+        let mut state = 1_u64;
+        let mut unit = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..count).map(|_| [unit(), unit()]).collect()
+    }
+
+    fn triangulated(points: &[Point]) -> Delaunay {
+        let mut mesh = Delaunay::new([0.0, 0.0, 1.0, 1.0], points.len());
+        for point in points {
+            mesh.insert(*point).expect("within");
+        }
+        mesh
+    }
+
+    /// What is wrong with it, if anything.
+    fn fault(mesh: &Delaunay) -> Option<String> {
+        let mut twice_area = 0.0;
+        for (index, triangle) in (0..).zip(&mesh.triangles) {
+            let [a, b, c] = triangle.corners.map(|corner| mesh.point(corner));
+            let side = orient(a, b, c);
+            if side <= 0.0 {
+                return Some(format!("triangle {index} is turned over"));
+            }
+            twice_area += side;
+            for i in 0..3 {
+                let Some([_, opposite]) = mesh.opposite(index, i) else {
+                    continue;
+                };
+                let there = &mesh.triangles[triangle.neighbours[i] as usize];
+                let j = there.index_of_neighbour(index);
+                let [from, to] = mesh.ends(index, i);
+                if mesh.ends(triangle.neighbours[i], j) != [to, from]
+                    || there.marks[j] != triangle.marks[i]
+                {
+                    return Some(format!("triangle {index} and its neighbour {i} differ"));
+                }
+                if mesh.is_certainly_illegal(index, i) {
+                    return Some(format!("{opposite} is in the circle of triangle {index}"));
+                }
+            }
+        }
+        let [west, south] = mesh.point(0);
+        let [east, north] = mesh.point(2);
+        let frame = (east - west) * (north - south);
+        ((0.5 * twice_area / frame - 1.0).abs() > 1e-12).then(|| "area is lost".to_owned())
+    }
+
+    /// Triangles as their corners' coordinates, the frame's left out.
+    fn triangles_of(mesh: &Delaunay) -> BTreeSet<[[u64; 2]; 3]> {
+        let within = |corners: &[u32; 3]| corners.iter().all(|&i| i as usize >= FRAME_CORNERS);
+        let corners = mesh.triangles.iter().map(|triangle| triangle.corners);
+        corners
+            .filter(within)
+            .map(|corners| key(corners.map(|i| mesh.point(i))))
+            .collect()
+    }
+
+    fn key(corners: [Point; 3]) -> [[u64; 2]; 3] {
+        let mut corners = corners.map(|corner| corner.map(f64::to_bits));
+        corners.sort_unstable();
+        corners
+    }
+
+    fn triangles_by_spade(points: &[Point]) -> BTreeSet<[[u64; 2]; 3]> {
+        let mut spade = DelaunayTriangulation::<Point2<f64>>::new();
+        for [x, y] in points {
+            spade.insert(Point2::new(*x, *y)).expect("finite");
+        }
+        let positions = spade.inner_faces().map(|face| face.positions());
+        positions
+            .map(|corners| key(corners.map(|corner| [corner.x, corner.y])))
+            .collect()
+    }
+
+    #[test]
+    fn random_points_are_triangulated_as_another_library_does() {
+        let points = random_points(3_000);
+        let mesh = triangulated(&points);
+        assert_eq!(fault(&mesh), None);
+        let (ours, spades) = (triangles_of(&mesh), triangles_by_spade(&points));
+        // The frame takes slivers at the hull, where that library has no frame.
+        assert!(ours.is_subset(&spades) && ours.len() + 60 > spades.len());
+        // Twin: one point elsewhere, and they are not the same.
+        let mut moved = points;
+        moved[7] = [0.5, 0.5];
+        assert!(!ours.is_subset(&triangles_by_spade(&moved)));
+    }
+
+    #[test]
+    fn faults_are_found() {
+        let mut mesh = triangulated(&random_points(30));
+        assert_eq!(fault(&mesh), None);
+        let (triangle, i) = mesh
+            .edges()
+            .find(|&(triangle, i)| {
+                mesh.opposite(triangle, i).is_some_and(|[p, d]| {
+                    let [b, c] = mesh.ends(triangle, i);
+                    let [p, b, c, d] = [p, b, c, d].map(|k| mesh.point(k));
+                    orient(p, b, d) > 0.0 && orient(p, d, c) > 0.0
+                })
+            })
+            .expect("a convex pair");
+        mesh.flip(triangle, i);
+        assert!(fault(&mesh).is_some_and(|fault| fault.contains("in the circle")));
+        mesh.flip(triangle, 0);
+        mesh.vertices[9].point = [5.0, 5.0];
+        assert!(fault(&mesh).is_some());
+    }
+
+    #[test]
+    fn a_grid_of_points_on_common_circles_and_lines() {
+        let grid: Vec<Point> = (0..900)
+            .map(|k| [f64::from(k % 30) / 32.0, f64::from(k * 7 % 900 / 30) / 32.0])
+            .collect();
+        let mesh = triangulated(&grid);
+        assert_eq!(fault(&mesh), None);
+        let distinct: BTreeSet<_> = grid.iter().map(|point| point.map(f64::to_bits)).collect();
+        assert_eq!(mesh.vertex_count(), FRAME_CORNERS + distinct.len());
+        assert_eq!(
+            mesh.locate([2.0 / 32.0, 7.0 / 32.0]),
+            Place::Vertex(mesh_vertex(&mesh, [2.0 / 32.0, 7.0 / 32.0]))
+        );
+        assert!(matches!(mesh.locate([2.5 / 32.0, 0.0]), Place::Edge(..)));
+        assert_eq!(mesh.locate([9.0, 0.0]), Place::Outside);
+    }
+
+    #[test]
+    fn an_edge_that_outlives_its_middle_between_neighbours_a_rounding_away_is_flipped() {
+        let (pole, middle) = ([-135.0, -90.0], [-56.393382365743946, -74.89702110518246]);
+        let [a, b] = [22.213235268512115, 22.213235268512147].map(|x| [x, -59.794042210364935]);
+        let mesh_of = |points: [Point; 4]| {
+            let mut mesh = Delaunay::new([-180.0, -90.0, 180.0, 0.0], points.len());
+            let vertices = points.map(|point| mesh.insert(point).expect("within"));
+            (mesh, vertices)
+        };
+        let (mut mesh, [pole, a, b, middle]) = mesh_of([pole, a, b, middle]);
+        // Twin: the first stage alone leaves it, and half of it besides.
+        assert!(mesh.edge_between(a, pole).is_ok() && mesh.edge_between(middle, b).is_err());
+        assert!(mesh.legalise_exactly(middle).contains(&middle));
+        assert!(mesh.edge_between(a, pole).is_err() && mesh.edge_between(middle, b).is_ok());
+        assert_eq!(fault(&mesh), None);
+        // Nothing is left to do, and of points on one circle nothing is to be had.
+        assert!(mesh.legalise_exactly(middle).is_empty());
+        let square = [[0.0, -2.0], [2.0, -2.0], [2.0, 0.0], [0.0, 0.0]];
+        let (mut mesh, [.., last]) = mesh_of(square);
+        assert!(mesh.legalise_exactly(last).is_empty());
+    }
+
+    fn mesh_vertex(mesh: &Delaunay, point: Point) -> u32 {
+        let at = mesh.vertices.iter().position(|known| known.point == point);
+        index_u32(at.expect("a vertex"))
+    }
+
+    #[test]
+    fn constraints_stay_and_are_counted_by_parity_through_vertices() {
+        let mut mesh = triangulated(&random_points(500));
+        let ends = [[-0.0625, 0.5], [0.25, 0.5], [0.75, 0.5], [1.0625, 0.5]];
+        let [west, a, b, east] = ends.map(|point| mesh.insert(point).expect("within"));
+        assert_eq!(mesh.constrain(west, east), Ok(()));
+        assert_eq!(mesh.constrain(b, a), Ok(()));
+        let odd = |mesh: &Delaunay, from, to| {
+            let (triangle, i) = mesh.edge_between(from, to).expect("an edge");
+            assert!(mesh.is_constraint(triangle, i));
+            mesh.is_odd(triangle, i)
+        };
+        assert_eq!(
+            [odd(&mesh, west, a), odd(&mesh, a, b), odd(&mesh, b, east)],
+            [true, false, true]
+        );
+        // A later point splits an edge into two of the same parity.
+        let middle = mesh.insert([0.875, 0.5]).expect("within");
+        assert!(odd(&mesh, b, middle) && odd(&mesh, middle, east));
+        let [south, north] = [[0.5, 0.0], [0.5, 1.0]].map(|end| mesh.insert(end).expect("within"));
+        assert_eq!(mesh.constrain(south, north), Err(Blocked::Crossing));
+        assert_eq!(fault(&mesh), None);
+        // Twin: beside the line nothing crosses.
+        let beside = mesh.insert([0.5, 0.25]).expect("within");
+        assert_eq!(mesh.constrain(south, beside), Ok(()));
+        assert_eq!(mesh.insert([7.0, 0.0]), Err(Blocked::Outside));
+    }
+}
