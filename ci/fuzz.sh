@@ -32,8 +32,7 @@ build=$(cd "$build" && pwd)
 host=$(rustc -vV | sed -n 's/^host: //p')
 
 # What `cargo fuzz build --sanitizer none` passes: LLVM's coverage hooks are in every rustc, only
-# the sanitizers are not, and safe Rust has little for them to find. Without `--cfg fuzzing`, which
-# has spade walk its whole hull at each step, 50 times the run time. `--target` keeps the hooks out
+# the sanitizers are not, and safe Rust has little for them to find. `--target` keeps the hooks out
 # of build scripts.
 RUSTFLAGS="-Cpasses=sancov-module -Ccodegen-units=1"
 for argument in level=4 inline-8bit-counters pc-table trace-compares; do

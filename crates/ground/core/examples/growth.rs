@@ -2,7 +2,7 @@
 //! How the cost of reading and meshing grows from 1,000 to 1,000,000 vertices, family by family.
 //!
 //! `growth [OUT.csv] [RUNS]` prints a table, writes `shape,vertices,cpu_ms,ns_per_vertex,peak_bytes`
-//! (medians of RUNS runs, 5 unless told) and fails when any family costs more than 12 times as much
+//! (medians of RUNS runs, 5 unless told) and fails when any family costs more than 16 times as much
 //! at 10⁶ vertices as at 10⁵. CPU time of the process, all threads together, since it is steadier than
 //! the clock on a busy machine. Every run is a process of its own, so that its peak of memory is its
 //! own too; it includes the text of the shape, and is left empty where the system does not tell. The
@@ -17,8 +17,8 @@ use std::process::{Command, ExitCode};
 use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, RegionMesh, ShapeFamily, parse_regions};
 
 const SIZES: [u32; 7] = [1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000];
-/// From 10⁵ to 10⁶ vertices: n log n is 12.
-const STEEPEST_GROWTH: f64 = 12.0;
+/// From 10⁵ to 10⁶ vertices: n log n is 12, and a third more is left for memory beyond the caches.
+const STEEPEST_GROWTH: f64 = 16.0;
 /// First argument of the process that makes one run.
 const ONE_RUN: &str = "--one";
 
@@ -61,7 +61,7 @@ fn main() -> ExitCode {
 /// Makes every run, prints and writes; whether growth is within its bound.
 fn table(out: Option<&str>, runs: usize) -> Result<bool, String> {
     let mut rows = Vec::new();
-    println!("shape      vertices      cpu ms  ns/vertex   peak MB");
+    println!("shape         vertices      cpu ms  ns/vertex   peak MB");
     for shape in ShapeFamily::ALL {
         for vertices in SIZES {
             let row = median_of_runs(shape, vertices, runs)?;
@@ -69,7 +69,7 @@ fn table(out: Option<&str>, runs: usize) -> Result<bool, String> {
                 .peak_bytes
                 .map_or(String::new(), |bytes| format!("{:.1}", bytes as f64 / 1e6));
             println!(
-                "{:<8} {:>10} {:>11.2} {:>10.0} {peak:>9}",
+                "{:<11} {:>10} {:>11.2} {:>10.0} {peak:>9}",
                 shape.name(),
                 vertices,
                 row.cpu_ms,
@@ -92,7 +92,7 @@ fn table(out: Option<&str>, runs: usize) -> Result<bool, String> {
         let growth = cpu_ms(1_000_000) / cpu_ms(100_000);
         // A missing row makes it NaN, which is not within.
         within &= growth <= STEEPEST_GROWTH;
-        println!("{:<8} 10⁵ → 10⁶: {growth:.1} ×", shape.name());
+        println!("{:<11} 10⁵ → 10⁶: {growth:.1} ×", shape.name());
     }
     Ok(within)
 }

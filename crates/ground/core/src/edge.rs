@@ -128,8 +128,8 @@ impl<'a> EdgeSplitter<'a> {
         if self.rule == EdgeRule::Planar && longitude_rad > WIDEST_MEASURED_RAD {
             return true;
         }
-        if longitude_rad.hypot(latitude_rad) > self.step_rad && arc_rad(start, end) > self.step_rad
-        {
+        let length_rad = longitude_rad.hypot(latitude_rad);
+        if length_rad > self.step_rad && arc_rad(start, end) > self.step_rad {
             return true;
         }
         let (a, b) = (self.body.equatorial_radius_m(), self.body.polar_radius_m());
@@ -139,7 +139,7 @@ impl<'a> EdgeSplitter<'a> {
         let largest_radius_m = a * a / b;
         let bow_bound_m =
             0.19 * largest_radius_m * longitude_rad * longitude_rad.hypot(2.0 * latitude_rad);
-        let length_bound_m = largest_radius_m * longitude_rad.hypot(latitude_rad);
+        let length_bound_m = largest_radius_m * length_rad;
         let deviation_bound_m = match self.rule {
             EdgeRule::Planar => bow_bound_m,
             // Plane through the centre against plane along the normal: they differ by less than

@@ -438,7 +438,8 @@ impl Group {
         let longest_deg = LONGEST_INTERIOR_EDGE_STEPS * step_deg;
         let [a, b] = ends.map(|end| self.position(end));
         let (width, height) = ((b[0] - a[0]).abs(), b[1] - a[1]);
-        width.hypot(height) > longest_deg
+        // A million edges are looked at, most of them short: no square root.
+        width * width + height * height > longest_deg * longest_deg
             && (width > WIDEST_INTERIOR_EDGE_DEG || arc_rad(a, b).to_degrees() > longest_deg)
     }
 

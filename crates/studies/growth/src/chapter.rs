@@ -18,8 +18,9 @@ const VERTICES: &str = "vertices_of_outline";
 
 /// Sizes of the ratio, as in the condition `outline_vertices`.
 const RATIO_SIZES: [&str; 2] = ["100000", "1000000"];
-/// Largest ratio allowed: n log n comes to 12 between the two sizes.
-const MAX_RATIO: f64 = 12.0;
+/// Largest ratio allowed: n log n comes to 12 between the two sizes, and a third more is left for memory
+/// beyond the caches.
+const MAX_RATIO: f64 = 16.0;
 
 /// What a mesh costs by the size of its outline.
 #[derive(Debug, Clone, Copy, Default)]
@@ -138,7 +139,10 @@ fn table(shapes: &[Shape<'_>]) -> Table {
                 "ratio",
                 "time at 1 000 000 vertices over time at 100 000; 10 is linear",
             ),
-            Heading::explained("allowed", "n log n comes to 12 between the two sizes"),
+            Heading::explained(
+                "allowed",
+                "n log n comes to 12 between the two sizes, memory beyond the caches to a third more",
+            ),
         ],
         rows: rows.collect(),
         is_main: true,
@@ -238,7 +242,7 @@ mod tests {
         let timed = |ms: [f64; 4]| sizes.into_iter().zip(ms).collect::<Vec<_>>();
         let mut run = MadeUpRun::default();
         grow(&mut run, "comb", &timed([1.0, 10.0, 100.0, 1_110.0]));
-        grow(&mut run, "spiral", &timed([1.0, 10.0, 100.0, 1_300.0]));
+        grow(&mut run, "spiral", &timed([1.0, 10.0, 100.0, 1_700.0]));
         grow(&mut run, "needle", &[(1_000, 1.0)]);
         let blocks = blocks(&run);
         let [Block::Plot(plot), Block::Table(table)] = &blocks[..] else {
@@ -259,7 +263,7 @@ mod tests {
             )
         };
         assert_eq!(ratio(0), ("11.1", CellClass::Plain));
-        assert_eq!(ratio(1), ("13.0", CellClass::Bad));
+        assert_eq!(ratio(1), ("17.0", CellClass::Bad));
         assert_eq!(
             ratio(2),
             ("–", CellClass::Absent),
