@@ -581,22 +581,21 @@ impl Reader {
         file_vertices.truncate(positions.len());
         self.normalised.repeated_positions += length - positions.len();
 
-        let (turns, is_unrolled, turn): (isize, bool, fn([f64; 2], [f64; 2]) -> isize) =
-            match self.reading.unwrap {
-                Unwrap::Literal => {
-                    let turns = net_jumps(&positions);
-                    (turns, turns != 0, jump)
-                }
-                Unwrap::Shortest => {
-                    let next = positions.iter().cycle().skip(1);
-                    let edges = positions.iter().zip(next);
-                    let each = edges.map(|(start, end)| shorter_turn(*start, *end));
-                    let (net, any) = each.fold((0, false), |(net, any), turn| {
-                        (net + turn, any || turn != 0)
-                    });
-                    (net, any, shorter_turn)
-                }
-            };
+        let (turns, is_unrolled, turn): (isize, bool, TurnOf) = match self.reading.unwrap {
+            Unwrap::Literal => {
+                let turns = net_jumps(&positions);
+                (turns, turns != 0, jump)
+            }
+            Unwrap::Shortest => {
+                let next = positions.iter().cycle().skip(1);
+                let edges = positions.iter().zip(next);
+                let each = edges.map(|(start, end)| shorter_turn(*start, *end));
+                let (net, any) = each.fold((0, false), |(net, any), turn| {
+                    (net + turn, any || turn != 0)
+                });
+                (net, any, shorter_turn)
+            }
+        };
         if turns.unsigned_abs() > 1 {
             let found = turns.unsigned_abs();
             self.problem(None, RegionProblemKind::ManyTurns { found });
@@ -645,6 +644,9 @@ fn without_repeated(positions: &[[f64; 2]]) -> Vec<usize> {
         .filter(|&i| i == last || positions[i] != positions[i + 1])
         .collect()
 }
+
+/// Whole turns to take from the edge between two places.
+type TurnOf = fn([f64; 2], [f64; 2]) -> isize;
 
 /// ±1 for an edge between two spellings, one turn apart, of a place that is not a pole; else 0.
 fn jump(start: [f64; 2], end: [f64; 2]) -> isize {
@@ -711,7 +713,7 @@ fn net_jumps(positions: &[[f64; 2]]) -> isize {
 fn unroll(
     positions: &mut Vec<[f64; 2]>,
     file_vertices: &mut Vec<usize>,
-    turn: fn([f64; 2], [f64; 2]) -> isize,
+    turn: TurnOf,
 ) -> (f64, Vec<f64>, usize) {
     let mut offset = 0.0;
     let mut repeated = 0;
