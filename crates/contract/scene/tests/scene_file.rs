@@ -2,7 +2,7 @@
 //! Scene files that are wrong: each gives one exact message, and the same file unbroken loads.
 
 use sha2::{Digest, Sha256};
-use terrafill_core::EdgeRule;
+use terrafill_core::{EdgeRule, Inside};
 use terrafill_scene::{
     LevelChoice, Outside, Overlap, Scene, SceneError, SceneTexture, TexturePlacement, TextureShare,
 };
@@ -245,6 +245,29 @@ fn crossing_rings_stay_as_they_are_unless_the_scene_asks_for_repair() {
     assert_eq!(
         vertices("repair = \"buffer\""),
         Err("t.toml: regions.repair: found \"buffer\", allowed: even-odd".to_owned())
+    );
+}
+
+#[test]
+fn a_scene_may_read_pole_rings_and_long_edges_otherwise() {
+    let source = "embedded = \"california.geojson\"";
+    let read = |keys: &str| {
+        let text = GOOD.replace(source, &format!("{source}\n{keys}"));
+        let scene = Scene::from_toml(&text, "t.toml", None);
+        scene
+            .map(|scene| scene.regions[0].inside)
+            .map_err(|error| error.to_string())
+    };
+    assert_eq!(read(""), Ok(Inside::Smaller));
+    assert_eq!(read("inside = \"left\""), Ok(Inside::Left));
+    assert_eq!(read("unwrap = \"shortest\""), Ok(Inside::Smaller));
+    assert_eq!(
+        read("inside = \"right\""),
+        Err("t.toml: regions.inside: found \"right\", allowed: smaller, left".to_owned())
+    );
+    assert_eq!(
+        read("unwrap = \"long\""),
+        Err("t.toml: regions.unwrap: found \"long\", allowed: literal, shortest".to_owned())
     );
 }
 

@@ -533,7 +533,7 @@ impl Reader {
         file_vertices.truncate(positions.len());
         self.normalised.repeated_positions += length - positions.len();
 
-        let (turns, is_unrolled, turn): (isize, bool, Turns) = match self.reading.unwrap {
+        let (turns, is_unrolled, turn): (isize, bool, TurnOf) = match self.reading.unwrap {
             Unwrap::Literal => {
                 let turns = net_jumps(&positions);
                 (turns, turns != 0, jump)
@@ -597,6 +597,9 @@ fn without_repeated(positions: &[[f64; 2]]) -> Vec<usize> {
         .collect()
 }
 
+/// Whole turns to take from the edge between two places.
+type TurnOf = fn([f64; 2], [f64; 2]) -> isize;
+
 /// ±1 for an edge between two spellings, one turn apart, of a place that is not a pole; else 0.
 fn jump(start: [f64; 2], end: [f64; 2]) -> isize {
     let step = end[0] - start[0];
@@ -655,9 +658,6 @@ fn net_jumps(positions: &[[f64; 2]]) -> isize {
     }
 }
 
-/// Whole turns by which an edge between two positions goes another way than it is written.
-type Turns = fn([f64; 2], [f64; 2]) -> isize;
-
 /// Shifts what follows each edge that turns by that many turns, drops the position that a jump
 /// repeats, and returns how far from the start the ring ends, the longitudes before they were shifted,
 /// and how many positions became one with their neighbour since 360° more cost them their last bits.
@@ -665,7 +665,7 @@ type Turns = fn([f64; 2], [f64; 2]) -> isize;
 fn unroll(
     positions: &mut Vec<[f64; 2]>,
     file_vertices: &mut Vec<usize>,
-    turn: Turns,
+    turn: TurnOf,
 ) -> (f64, Vec<f64>, usize) {
     let mut offset = 0.0;
     let mut repeated = 0;

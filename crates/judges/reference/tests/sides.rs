@@ -23,13 +23,11 @@ fn region(rings: &[&[Degrees]], inside: Inside) -> Region {
         .remove(0)
 }
 
-fn holds(
-    region: &Region,
-    rule: EdgeRule,
-    body: &Ellipsoid,
-    [longitude, latitude]: Degrees,
-) -> bool {
-    let locator = Locator::new(std::slice::from_ref(region), rule, body).expect("clear rings");
+fn locator(region: &Region, rule: EdgeRule, body: &Ellipsoid) -> Locator {
+    Locator::new(std::slice::from_ref(region), rule, body).expect("clear rings")
+}
+
+fn holds(locator: &Locator, [longitude, latitude]: Degrees) -> bool {
     let found = locator.locate(longitude, latitude);
     assert!(found.disagree.is_empty(), "{longitude} {latitude}");
     !found.regions.is_empty()
@@ -99,12 +97,12 @@ fn rings_of_doubtful_sides_hold_the_places_that_are_meant() {
         let backwards: Vec<Degrees> = ring.iter().rev().copied().collect();
         for (written, is_left) in [(ring, true), (&backwards, false)] {
             for (choice, as_smaller) in [(Inside::Smaller, true), (Inside::Left, is_left)] {
-                let region = region(&[written], choice);
+                let locator = locator(&region(&[written], choice), rule, &body);
                 for place in inside {
-                    assert_eq!(holds(&region, rule, &body, place), as_smaller, "{place:?}");
+                    assert_eq!(holds(&locator, place), as_smaller, "{place:?}");
                 }
                 for place in outside {
-                    assert_eq!(holds(&region, rule, &body, place), !as_smaller, "{place:?}");
+                    assert_eq!(holds(&locator, place), !as_smaller, "{place:?}");
                 }
             }
         }
@@ -121,9 +119,9 @@ fn rings_of_doubtful_sides_hold_the_places_that_are_meant() {
     ];
     let western: Vec<Degrees> = eastern.iter().rev().copied().collect();
     for (ring, is_eastern) in [(&eastern[..], true), (&western, false)] {
-        let region = region(&[ring], Inside::Smaller);
-        assert_eq!(holds(&region, arcs, &body, [90.0, 10.0]), is_eastern);
-        assert_eq!(holds(&region, arcs, &body, [-90.0, 10.0]), !is_eastern);
+        let locator = locator(&region(&[ring], Inside::Smaller), arcs, &body);
+        assert_eq!(holds(&locator, [90.0, 10.0]), is_eastern);
+        assert_eq!(holds(&locator, [-90.0, 10.0]), !is_eastern);
     }
 }
 
@@ -152,6 +150,18 @@ impl Random {
         ring
     }
 
+    /// Most of the way round the equator, from the south to the north and back, an arc every 20°.
+    fn band(&mut self) -> Vec<Degrees> {
+        let (west, latitude) = (360.0 * self.next() - 180.0, 50.0 + 35.0 * self.next());
+        let count = 10 + i32::from(self.next() < 0.5) * 6;
+        let at = |i: i32, latitude: f64| [west + 20.0 * f64::from(i), latitude];
+        let there = (0..=count).map(|i| at(i, -latitude));
+        let back = (0..=count).rev().map(|i| at(i, latitude));
+        let mut ring: Vec<Degrees> = there.chain(back).collect();
+        ring.push(ring[0]);
+        ring
+    }
+
     /// Anywhere, most of them wide, crossing themselves as they like.
     fn anywhere(&mut self) -> Vec<Degrees> {
         let count = 5 + 4 * u32::from(self.next() < 0.5);
@@ -172,12 +182,15 @@ fn the_locator_and_the_mesher_take_the_same_sides() {
     // By the poles held: neither, south, north, both; and warnings.
     let mut found = [0_u32; 4];
     let mut warned = 0;
-    for round in 0..3_000 {
+    for round in 0..1_000 {
         let rule = [EdgeRule::Planar, EdgeRule::GreatEllipse][round % 2];
         let body = Ellipsoid::ALL[round % Ellipsoid::ALL.len()];
         let inside = [Inside::Smaller, Inside::Left][round / 2 % 2];
-        let mut ring = if rule == EdgeRule::Planar || random.next() < 0.5 {
+        let kind = random.next();
+        let mut ring = if rule == EdgeRule::Planar || kind < 0.4 {
             random.round()
+        } else if kind < 0.6 {
+            random.band()
         } else {
             random.anywhere()
         };
@@ -186,7 +199,8 @@ fn the_locator_and_the_mesher_take_the_same_sides() {
         }
         let region = region(&[&ring], inside);
         let side = region.polygons[0].sides(rule, &body, inside)[0];
-        let poles = [-90.0, 90.0].map(|latitude| holds(&region, rule, &body, [61.0, latitude]));
+        let locator = locator(&region, rule, &body);
+        let poles = [-90.0, 90.0].map(|latitude| holds(&locator, [61.0, latitude]));
         assert_eq!(
             poles,
             side.holds_poles,
@@ -200,6 +214,6 @@ fn the_locator_and_the_mesher_take_the_same_sides() {
         }
     }
     println!("{found:?} by poles, {warned} with two readings");
-    assert!(found.iter().all(|count| *count > 20), "{found:?}");
-    assert!(warned > 500, "{warned}");
+    assert!(found.iter().all(|count| *count > 10), "{found:?}");
+    assert!(warned > 200, "{warned}");
 }
