@@ -3,7 +3,8 @@
 #
 # Whether this tree does more work, errs more or takes longer than another revision: sets the machine up,
 # builds both, runs both by turns on this machine, and exits by the verdict: 0 pass, 1 differs, 2 bad input,
-# 3 inconclusive, 4 nothing measured, 5 no device. Further arguments go to `terrafill gate`.
+# 3 inconclusive, 4 nothing measured, 5 no device. Further arguments go to `terrafill gate`; paths are relative
+# to the repository.
 #
 # usage: ci/gate.sh [--base REVISION] [SCENE...] [--technique T...] [--no-time] [--out DIR]
 set -euo pipefail

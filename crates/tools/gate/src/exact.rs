@@ -246,8 +246,10 @@ impl Comparison<'_> {
             }
             let (from, to) = (values(base, name), values(new, name));
             let is_number = from.iter().chain(&to).all(|value| value.is_finite());
-            self.exact.figures += 1;
-            self.exact.compared.insert(new.id().key());
+            if !from.is_empty() && !to.is_empty() {
+                self.exact.figures += 1;
+                self.exact.compared.insert(new.id().key());
+            }
             let bits =
                 |values: &[f64]| -> Vec<u64> { values.iter().map(|v| v.to_bits()).collect() };
             if bits(&from) == bits(&to) && is_number && from.len() <= 1 {

@@ -137,8 +137,14 @@ fn a_case_or_a_figure_that_is_gone_fails_and_a_new_one_is_a_note() {
     let (verdict, found) = sentences(&run_of(&FIGURES), &run_of(&without));
     assert_eq!(verdict, Verdict::Regression);
     assert_eq!(found, ["draws 3 → absent: not counted any more"]);
-    let (verdict, _) = sentences(&run_of(&without), &run_of(&FIGURES));
-    assert_eq!(verdict, Verdict::Pass);
+    let (exact, verdict) = compared(&run_of(&without), &run_of(&FIGURES)).expect("comparable");
+    assert_eq!((verdict, exact.figures), (Verdict::Pass, 4));
+    // What was not counted before is compared with nothing.
+    let other = run_of(&[("draws", 3.0)]);
+    let (_, verdict) = compared(&run_of(&without), &other).expect("comparable");
+    assert_eq!(verdict, Verdict::Regression);
+    let (_, verdict) = compared(&run_of(&[]), &other).expect("comparable");
+    assert_eq!(verdict, Verdict::NothingMeasured);
 }
 
 #[test]
