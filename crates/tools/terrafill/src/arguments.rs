@@ -220,7 +220,7 @@ pub(crate) struct GateArguments {
     /// Compare counters, bytes and errors alone
     #[arg(long)]
     pub(crate) no_time: bool,
-    /// Times are told and decide nothing: for machines that other work shares
+    /// Times are printed and decide nothing: for shared machines
     #[arg(long, conflicts_with = "no_time")]
     pub(crate) advisory_time: bool,
     /// Smallest change of a time that fails
