@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Crossings that lie on the antimeridian, where pieces of the crossing edges end.
 
-use crate::crossings::Crossing;
 use crate::edge::Degrees;
+use crate::intersection::Crossing;
 use crate::intersection::{edges_cross, great_ellipse_crossing};
 use crate::pieces::Piece;
 use crate::{EdgeRule, Ring};

@@ -7,7 +7,7 @@
 
 use crate::box_tree::{AxisBox, BoxTree};
 use crate::edge::{Degrees, normal};
-use crate::intersection::{great_ellipse_crossing, planar_crossing};
+use crate::intersection::{Crossing, great_ellipse_crossing, planar_crossing};
 use crate::pieces::OutlineEdge;
 use crate::sweep::sweep_crossings;
 use crate::{EdgePlace, EdgeRule};
@@ -40,9 +40,6 @@ fn box_of(rule: EdgeRule, [start, end]: [Degrees; 2]) -> AxisBox {
         high: a.max(b) + bulge,
     }
 }
-
-/// Two edges, by index, the lower first, and where they cross.
-pub(crate) type Crossing = ([usize; 2], Degrees);
 
 /// Crossings in order of their edges, and whether these are all: the search ends at `most`.
 pub(crate) fn find_crossings(

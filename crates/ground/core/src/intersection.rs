@@ -7,6 +7,9 @@
 use crate::edge::{Degrees, normal};
 use glam::DVec3;
 
+/// Two edges, by index, the lower first, and where they cross.
+pub(crate) type Crossing = ([usize; 2], Degrees);
+
 /// Coordinates below this are 0, since the exact predicates must not underflow. A billionth of an
 /// atom, in degrees of the Earth.
 pub(crate) const SMALLEST_COORDINATE_DEG: f64 = 1e-25;

@@ -16,8 +16,9 @@
 
 use crate::EdgeRule;
 use crate::box_tree::{AxisBox, BoxTree};
-use crate::crossings::{Crossing, find_crossings, split_at};
+use crate::crossings::{find_crossings, split_at};
 use crate::edge::{Degrees, ROUNDING, arc_rad, in_order, normal, point_on_edge};
+use crate::intersection::Crossing;
 use crate::intersection::great_ellipse_crossing;
 use crate::pieces::OutlineEdge;
 use glam::DVec3;

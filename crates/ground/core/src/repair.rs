@@ -7,8 +7,9 @@
 //! is a crossing.
 
 use crate::antimeridian::{AtAntimeridian, crossings_at_antimeridian};
-use crate::crossings::{Crossing, CrossingPlaces, MAX_ROUNDS, distance, find_crossings};
+use crate::crossings::{CrossingPlaces, MAX_ROUNDS, distance, find_crossings};
 use crate::edge::Degrees;
+use crate::intersection::Crossing;
 use crate::pieces::{Piece, pieces_as_compared};
 use crate::{EdgePlace, EdgeRule, Polygon, Region, Ring};
 

@@ -6,9 +6,8 @@
 //! the order in which the line meets them only neighbours need to be compared (Shamos & Hoey 1976).
 //! Sides are decided exactly (`robust::orient2d`), so the order is right whatever touches.
 
-use crate::crossings::Crossing;
 use crate::edge::{Degrees, in_order};
-use crate::intersection::{planar_crossing, without_underflow};
+use crate::intersection::{Crossing, planar_crossing, without_underflow};
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::ops::Bound::{Excluded, Unbounded};

@@ -20,8 +20,9 @@
 //!   (1983): half the angle is `atan2(det(q, a, b), 1 + q·a + a·b + b·q)`. With `q = −p` the second
 //!   argument is `(a − p)·(b − p)`, free of cancellation for short edges.
 
-use crate::point::{Bounds, LocatorError, Point, RingSource, Verdicts, normal, on_longitude_grid};
-use crate::sides;
+use crate::point::{
+    Bounds, LocatorError, Point, RingCourse, RingSource, Verdicts, normal, on_longitude_grid,
+};
 use crate::slabs::Slabs;
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
@@ -105,7 +106,7 @@ struct Chain {
 
 /// How a ring lies round the axis; `None` for one that lies within half a turn of longitude, and where
 /// opposite ends leave open how it lies.
-pub(crate) fn course(vertices_deg: &[[f64; 2]], body: &Ellipsoid) -> Option<sides::Course> {
+pub(crate) fn course(vertices_deg: &[[f64; 2]], body: &Ellipsoid) -> Option<RingCourse> {
     let corners = corners_of(vertices_deg).ok()?;
     let course = Course::along(&corners);
     let [west, east] = course.reach_deg;
@@ -113,7 +114,7 @@ pub(crate) fn course(vertices_deg: &[[f64; 2]], body: &Ellipsoid) -> Option<side
         return None;
     }
     let turned_deg: f64 = course.spans.iter().map(Span::step_deg).sum();
-    Some(sides::Course {
+    Some(RingCourse {
         turns: whole_turns(turned_deg),
         above_equator_m2: course
             .spans

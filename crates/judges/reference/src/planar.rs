@@ -18,8 +18,9 @@
 //! Which pole a winding ring holds is decided by `sides`. Where a ring crosses itself, the
 //! even-odd rule counts.
 
-use crate::point::{Bounds, LocatorError, Point, RingSource, Verdicts, on_longitude_grid};
-use crate::sides::Course;
+use crate::point::{
+    Bounds, LocatorError, Point, RingCourse, RingSource, Verdicts, on_longitude_grid,
+};
 use crate::slabs::Slabs;
 use robust::{Coord, orient2d};
 use terrafill_core::Ellipsoid;
@@ -142,7 +143,7 @@ pub(crate) fn course(
     vertices_deg: &[[f64; 2]],
     winding_deg: f64,
     body: &Ellipsoid,
-) -> Option<Course> {
+) -> Option<RingCourse> {
     if winding_deg == 0.0 {
         return None;
     }
@@ -150,7 +151,7 @@ pub(crate) fn course(
     let end = [first[0] + winding_deg, first[1]];
     let ends = vertices_deg[1..].iter().chain([&end]);
     let edges = vertices_deg.iter().zip(ends);
-    Some(Course {
+    Some(RingCourse {
         turns: if winding_deg > 0.0 { 1 } else { -1 },
         above_equator_m2: edges
             .map(|(from, to)| above_equator_m2(*from, *to, body))

@@ -10,6 +10,15 @@ use glam::DVec3;
 /// ring and its start one turn on.
 const LONGITUDE_STEPS_PER_DEG: f64 = 8_796_093_022_208.0;
 
+/// How a ring lies round the axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RingCourse {
+    /// Eastwards positive.
+    pub(crate) turns: i32,
+    /// Signed area between the equator and the ring on its way east, square metres.
+    pub(crate) above_equator_m2: f64,
+}
+
 /// Why a ring cannot be tested.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]

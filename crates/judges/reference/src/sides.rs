@@ -20,15 +20,6 @@ const SOUTH: HoldsPoles = [true, false];
 const NEITHER: HoldsPoles = [false, false];
 const BOTH: HoldsPoles = [true, true];
 
-/// How a ring lies round the axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Course {
-    /// Eastwards positive.
-    pub(crate) turns: i32,
-    /// Signed area between the equator and the ring on its way east, square metres.
-    pub(crate) above_equator_m2: f64,
-}
-
 /// The poles that each ring holds, the shell first.
 pub(crate) fn poles_held(
     polygon: &Polygon,

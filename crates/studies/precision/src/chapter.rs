@@ -2,49 +2,17 @@
 //! The chapter on precision: every route from a fragment to its texture coordinate, its error against
 //! its cost, and where formula and measurement differ.
 
+mod data;
 mod findings;
 mod plots;
 mod tables;
 #[cfg(test)]
 mod tests;
 
-use std::collections::{BTreeMap, BTreeSet};
-use terrafill_plot::Reading;
+use data::{Data, MIN_NS};
+use std::collections::BTreeSet;
 use terrafill_plot::number::{count, significant};
-use terrafill_results::{Block, Case, Chapter, ChapterError, Clock, Outcome, Run, median, spread};
-
-/// A formula that costs less than this much beyond the loop around it is below the timer's resolution
-/// and is drawn here. Nanoseconds.
-const MIN_NS: f64 = 0.01;
-
-/// Formula and measurement agree within this factor.
-const AGREEMENT: f64 = 2.0;
-
-/// A quarter of a texel, and of a pixel: what a plan allows on average.
-const QUARTER: f64 = 0.25;
-
-/// The position route and depth that are drawn with by default.
-const DEFAULT_POSITION: (&str, &str) = ("eye-region", "reversed-float32-infinite");
-
-/// Where anchors stand, as in the `anchor` column.
-const PLAN: &str = "plan";
-const MIDDLE: &str = "middle";
-
-/// Regions that are drawn: extent, latitude and heights as in the `condition` column.
-const DRAWN: [(&str, &str); 6] = [
-    (
-        "extent=0.01;latitude=45;heights=+9km",
-        "0.01°, latitude 45°",
-    ),
-    ("extent=1;latitude=45;heights=+9km", "1°, latitude 45°"),
-    ("extent=10;latitude=45;heights=+9km", "10°, latitude 45°"),
-    (
-        "extent=10;latitude=90;heights=+9km",
-        "a cap of 5° round the pole",
-    ),
-    ("extent=90;latitude=45;heights=+9km", "90°, latitude 45°"),
-    ("extent=360;latitude=0;heights=+9km", "The globe"),
-];
+use terrafill_results::{Block, Chapter, ChapterError, Clock, Outcome, Run};
 
 /// Errors and costs of the routes to a texture coordinate.
 #[derive(Debug, Clone, Copy, Default)]
@@ -96,120 +64,6 @@ impl Chapter for PrecisionChapter {
     }
 }
 
-/// One formula under one condition.
-#[derive(Debug, Clone, Copy)]
-struct Formula<'a>(&'a Case);
-
-impl<'a> Formula<'a> {
-    fn part(self) -> &'a str {
-        self.0.condition("part")
-    }
-
-    fn route(self) -> &'a str {
-        self.0.condition("route")
-    }
-
-    fn family(self) -> &'a str {
-        self.0.condition("family")
-    }
-
-    fn condition(self) -> &'a str {
-        self.0.condition("condition")
-    }
-
-    fn anchor(self) -> &'a str {
-        self.0.condition("anchor")
-    }
-
-    /// A condition that is a number.
-    fn number(self, condition: &str) -> Option<f64> {
-        self.0.condition(condition).parse().ok()
-    }
-
-    fn figure(self, metric: &str) -> Option<f64> {
-        self.0.value(metric)
-    }
-
-    fn is_chosen(self) -> bool {
-        self.figure("chosen").is_some_and(|chosen| chosen > 0.5)
-    }
-
-    fn is_ok(self) -> bool {
-        self.0.outcome == Outcome::Ok
-    }
-
-    /// A figure that counts something.
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "counts are whole, not negative and far below 2^53"
-    )]
-    fn count(self, metric: &str) -> Option<u64> {
-        let value = self.figure(metric)?;
-        (value.is_finite() && value >= 0.0).then(|| value.round() as u64)
-    }
-
-    /// Answers that are not finite, emulated or on the device.
-    fn non_finite(self) -> u64 {
-        let counted = |metric| self.count(metric).unwrap_or(0);
-        counted("non_finite_emulated") + counted("non_finite_device")
-    }
-}
-
-/// The study in a run.
-struct Data<'a> {
-    clock: Clock,
-    /// Every formula that was verified.
-    formulas: Vec<Formula<'a>>,
-    /// Timed coordinate routes.
-    times: BTreeMap<&'a str, &'a Case>,
-}
-
-impl<'a> Data<'a> {
-    fn new(run: &'a Run) -> Self {
-        let own = || run.of_study(crate::STUDY).filter(|case| !case.is_twin());
-        let is_time = |case: &&Case| case.condition("part") == "time";
-        let timed = own().filter(is_time);
-        let timed = timed.filter(|case| case.condition("of_part") == "coordinate");
-        Self {
-            clock: run.clock(),
-            formulas: own().filter(|case| !is_time(case)).map(Formula).collect(),
-            times: timed.map(|case| (case.condition("route"), case)).collect(),
-        }
-    }
-
-    fn of(&self, part: &'a str) -> impl Iterator<Item = Formula<'a>> {
-        let formulas = self.formulas.iter().copied();
-        formulas.filter(move |formula| formula.part() == part)
-    }
-
-    /// Time of a coordinate route, as a plot has it.
-    fn time(&self, route: &str) -> Option<Reading> {
-        let case = self.times.get(route).filter(|case| case.counts())?;
-        let samples = case.samples(self.clock.pick("gpu_ns", "cpu_ns"))?;
-        let seen = |ns: &f64| ns.max(MIN_NS);
-        let all: Vec<f64> = samples
-            .values()
-            .flat_map(|of| of.values().map(seen))
-            .collect();
-        let replicates = samples.values().filter_map(|of| {
-            let of: Vec<f64> = of.values().map(seen).collect();
-            median(&of)
-        });
-        Some(Reading::sampled(
-            spread(&all)?,
-            &replicates.collect::<Vec<_>>(),
-        ))
-    }
-
-    fn time_axis(&self) -> String {
-        format!(
-            "ns per fragment, {}: median, 5–95 % of samples",
-            self.clock.name()
-        )
-    }
-}
-
 fn summary(data: &Data<'_>) -> String {
     let of = |status| {
         data.formulas
@@ -231,11 +85,4 @@ fn summary(data: &Data<'_>) -> String {
         of(Outcome::Wrong),
         of(Outcome::Skipped) + of(Outcome::Failed),
     )
-}
-
-/// What a row says that has no better reason.
-const NO_REASON: &str = "no reason";
-
-fn agrees(ratio: f64) -> bool {
-    (1.0 / AGREEMENT..=AGREEMENT).contains(&ratio)
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What was computed before the measurement, and whether the measurement agrees.
 
-use super::{DEFAULT_POSITION, Data, Formula, MIDDLE, NO_REASON, PLAN, QUARTER, agrees};
+use super::data::{DEFAULT_POSITION, Data, Formula, MIDDLE, NO_REASON, PLAN, QUARTER, agrees};
 use std::collections::BTreeSet;
 use terrafill_plot::number::{count, significant};
 use terrafill_results::{Finding, Standing};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The plots: error against time and against operations, a curve for each family.
 
-use super::{DRAWN, Data, Formula, QUARTER};
+use super::data::{DRAWN, Data, Formula, QUARTER};
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, ReferenceLine, Upwards,
     WorkPrecision, panels,

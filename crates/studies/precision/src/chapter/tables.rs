@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The tables: what a plan takes, errors of positions, and where formulas break.
 
-use super::{DEFAULT_POSITION, Data, Formula, MIDDLE, NO_REASON, PLAN, QUARTER, agrees};
+use super::data::{DEFAULT_POSITION, Data, Formula, MIDDLE, NO_REASON, PLAN, QUARTER, agrees};
 use std::collections::{BTreeMap, BTreeSet};
 use terrafill_plot::number::{count, significant};
 use terrafill_results::{Block, Cell, Heading, Outcome, Row, Table};

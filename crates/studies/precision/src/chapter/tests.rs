@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Tests of the chapter on made-up runs.
 
+use super::data::{DEFAULT_POSITION, DRAWN, Data, MIDDLE, PLAN};
 use super::findings::findings;
 use super::plots::ulp;
 use super::tables::{Grid, Line, disagreement_table, position_table, reason_table};
