@@ -207,7 +207,7 @@ fn a_study_is_named_as_it_is_listed() {
     let growth = ["bench", "--study", "growth", "--study", "growth"];
     let options = ["--quick", "--samples", "1", "--out", "run"];
     let ran = desk.run_without_device(&[&growth[..], &options].concat());
-    assert!(ran.succeeded().starts_with("15 right, 0 wrong"));
+    assert!(ran.succeeded().starts_with("24 right, 0 wrong"));
     let run = load(&desk, "run");
     assert!(run.cases.iter().all(|case| case.id().study == "growth"));
     assert!(!desk.path("run/summary.csv").exists(), "of filling alone");
