@@ -10,8 +10,7 @@ pub(crate) mod delaunay;
 
 use crate::crossings::{self, CrossingPlaces, crossing_places, find_crossings, split_outline};
 use crate::edge::{Degrees, arc_rad};
-use crate::intersection::Crossing;
-use crate::intersection::{great_ellipse_crossing, without_underflow};
+use crate::intersection::{Crossing, great_ellipse_crossing, without_underflow};
 use crate::lens::{Sight, WithinRounding, any_in_lens, follow_arcs, sight_of};
 use crate::mesh::index_u32;
 use crate::pieces::OutlineEdge;

@@ -221,8 +221,8 @@ fn precision_that_is_killed_is_reported_and_resumed() {
 #[test]
 fn growth_that_is_killed_is_reported_and_resumed() {
     let desk = Desk::new();
-    // Each of twenty-four shapes is verified, and a few are timed.
-    kill_after(&desk, &mut desk.command(&bench("growth", "2", &[])), 18);
+    // Each of 24 shapes is verified, and a few are timed.
+    kill_after(&desk, &mut desk.command(&bench("growth", "2", &[])), 27);
     let report = check_report(&desk);
     assert!(report.stderr.contains("growth/"), "{}", report.stderr);
     let text = check_resumed(&desk, &bench("growth", "2", &["--resume"]));
