@@ -147,11 +147,13 @@ mod tests {
         let folder = tempfile::tempdir().expect("temporary folder");
         let missing = folder.path().join("none.geojson");
         assert_eq!(
-            load_regions(&missing).expect_err("missing").to_string(),
+            load_regions(&missing, Reading::default())
+                .expect_err("missing")
+                .to_string(),
             format!("{}: no such file", missing.display())
         );
         assert_eq!(
-            load_regions(folder.path())
+            load_regions(folder.path(), Reading::default())
                 .expect_err("directory")
                 .to_string(),
             format!(
@@ -166,12 +168,12 @@ mod tests {
         let folder = tempfile::tempdir().expect("temporary folder");
         let path = folder.path().join("r.geojson");
         std::fs::write(&path, "").expect("writable");
-        let error = load_regions(&path).expect_err("empty");
+        let error = load_regions(&path, Reading::default()).expect_err("empty");
         assert!(matches!(error, RegionLoadError::Invalid(_)), "{error:?}");
         assert!(error.to_string().contains("r.geojson"), "{error}");
         let square = r#"{"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1],[0,1],[0,0]]]}"#;
         std::fs::write(&path, square).expect("writable");
-        let regions = load_regions(&path).expect("a square");
+        let regions = load_regions(&path, Reading::default()).expect("a square");
         assert_eq!((regions.len(), regions[0].vertex_count()), (1, 4));
     }
 
