@@ -12,6 +12,9 @@ use terrafill_reference::Locator;
 
 type Degrees = [f64; 2];
 
+/// A ring, its rule, places inside of its smaller side and outside.
+type Case<'a> = (&'a [Degrees], EdgeRule, [Degrees; 3], [Degrees; 3]);
+
 fn region(rings: &[&[Degrees]], inside: Inside) -> Region {
     let text = format!(r#"{{"type":"Polygon","coordinates":{rings:?}}}"#);
     let reading = Reading {
@@ -71,7 +74,6 @@ fn rings_of_doubtful_sides_hold_the_places_that_are_meant() {
     ];
     let (planar, arcs) = (EdgeRule::Planar, EdgeRule::GreatEllipse);
     // Places inside and outside of the smaller side; whether it is on the left.
-    type Case<'a> = (&'a [Degrees], EdgeRule, [Degrees; 3], [Degrees; 3]);
     let cases: [Case<'_>; 3] = [
         (
             &spiked,
