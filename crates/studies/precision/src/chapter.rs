@@ -9,8 +9,8 @@ use terrafill_plot::{
     WorkPrecision, panels,
 };
 use terrafill_results::{
-    Block, Case, Cell, Chapter, ChapterError, Clock, Finding, Heading, Outcome, Plot, Row, Run,
-    Standing, Table, median, spread,
+    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Finding, Heading, Outcome, Plot, Row,
+    Run, Standing, Table, median, spread,
 };
 
 /// A formula that costs less than this much beyond the loop around it is below the timer's resolution
@@ -145,6 +145,8 @@ impl Chapter for PrecisionChapter {
              in double precision. Times are of the formula alone, without the loop around it. {}",
             summary(&data)
         ))];
+        blocks.extend(recommended(&data));
+        blocks.push(Block::section("What was computed, and what was measured"));
         blocks.extend(findings(&data).into_iter().map(Block::Finding));
         blocks.push(Block::Remark(format!(
             "In the plots terrain reaches up to 9 km where it says nothing else; one curve per family \
@@ -163,6 +165,32 @@ impl Chapter for PrecisionChapter {
         blocks.extend(plots(&data)?);
         blocks.extend(tables(&data));
         Ok(blocks)
+    }
+
+    fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
+        let data = Data::new(run);
+        if data.formulas.is_empty() {
+            return Ok(Answers::default());
+        }
+        let compared = data
+            .formulas
+            .iter()
+            .filter(|row| row.count("points").is_some());
+        let meant = data
+            .formulas
+            .iter()
+            .filter(|row| row.0.planned.may_be_wrong);
+        Ok(Answers {
+            scope: vec![format!(
+                "{} of {} formulas at a place compared with the exact map in double precision; {} may be \
+                 wrong: their error is the question.",
+                count(compared.count() as u64),
+                count(data.formulas.len() as u64),
+                count(meant.count() as u64),
+            )],
+            blocks: recommended(&data),
+            requirements: findings(&data),
+        })
     }
 }
 
@@ -324,17 +352,20 @@ impl Grid {
     }
 }
 
-/// Tables of the study.
+/// The routes that are recommended.
+fn recommended(data: &Data<'_>) -> Vec<Block> {
+    chosen_table(data).blocks(
+        "What a plan takes",
+        "The cheapest route whose computed residual is within ¼ texel and ¼ pixel RMS and ½ texel at \
+         most, for terrain up to 9 km, with its measured RMS error in texels. Columns: extent. The \
+         picture has 4096 texels a side, from 90° on 16,384; the view shows the region on 1,080 rows. \
+         A dash: a region that is another one's already.",
+    )
+}
+
+/// The other tables of the study.
 fn tables(data: &Data<'_>) -> Vec<Block> {
     let all = [
-        (
-            "What a plan takes",
-            "The cheapest route whose computed residual is within ¼ texel and ¼ pixel RMS and ½ texel at \
-             most, for terrain up to 9 km, with its measured RMS error in texels. Columns: extent. The \
-             picture has 4096 texels a side, from 90° on 16,384; the view shows the region on 1,080 rows. \
-             A dash: a region that is another one's already.",
-            chosen_table(data),
-        ),
         (
             "Position from depth",
             "Largest error of a fragment's offset from its region's anchor, on the device, over all extents \
