@@ -34,6 +34,29 @@ pub(crate) enum Anchor {
 /// Half the size of the part of a drawing that answers to a pointer, pixels: as a finger needs it.
 const SPOT_PX: f64 = 10.0;
 
+/// Lines of this opacity, and no others, are dashed.
+const DASHED_OPACITY: f64 = 0.75;
+
+/// What plotters writes on each element, and what stands for it: for most it is said once, on the
+/// drawing.
+const SHORTER: [(&str, &str); 9] = [
+    (" font-family=\"sans-serif\" font-size=\"12\"", ""),
+    (" fill=\"none\"", ""),
+    (" stroke-width=\"1\"", ""),
+    (" stroke=\"none\"", ""),
+    (" opacity=\"1\"", ""),
+    (
+        " opacity=\"0.75\"",
+        " opacity=\"0.75\" stroke-dasharray=\"5 4\"",
+    ),
+    (" \"/>", "\"/>"),
+    (">\n", ">"),
+    ("\n</text>", "</text>"),
+];
+
+/// What [`SHORTER`] leaves out.
+const COMMON: &str = "font-family=\"sans-serif\" font-size=\"12\" fill=\"none\" stroke-width=\"1\"";
+
 /// A drawing under way.
 pub(crate) struct Canvas<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
@@ -86,7 +109,12 @@ pub(crate) fn svg(
         canvas.drawn(finished)?;
         (spots, figures) = (canvas.spots.take(), canvas.figures.take());
     }
+    for (long, short) in SHORTER {
+        text = text.replace(long, short);
+    }
     let label = escaped(title);
+    // What is in an image cannot be reached by keyboard.
+    let role = if figures.is_empty() { "img" } else { "group" };
     let table = match figures.as_slice() {
         [] => String::new(),
         figures => format!("<metadata>{}</metadata>", escaped(&csv(figures))),
@@ -97,7 +125,7 @@ pub(crate) fn svg(
     Ok(text
         .replacen(
             "<svg ",
-            &format!("<svg role=\"img\" aria-label=\"{label}\" "),
+            &format!("<svg role=\"{role}\" aria-label=\"{label}\" {COMMON} "),
             1,
         )
         .replace(&hex(INK), "currentColor")
@@ -180,8 +208,8 @@ impl Canvas<'_> {
         let side = px(2.0 * SPOT_PX);
         self.spots.borrow_mut().push_str(&format!(
             "<g class=\"spot\" tabindex=\"0\" role=\"img\"{command}><title>{}</title>\
-             <rect x=\"{x}\" y=\"{y}\" width=\"{side}\" height=\"{side}\" fill=\"none\" \
-             pointer-events=\"all\"/></g>\n",
+             <rect x=\"{x}\" y=\"{y}\" width=\"{side}\" height=\"{side}\" \
+             pointer-events=\"all\"/></g>",
             escaped(&said)
         ));
         let named = |(heading, value): &(&str, f64)| ((*heading).to_owned(), *value);
@@ -198,23 +226,7 @@ impl Canvas<'_> {
 
     /// Dashes between two points.
     pub(crate) fn dashes(&self, from: [f64; 2], to: [f64; 2]) -> Result<(), PlotError> {
-        const DASH_PX: f64 = 5.0;
-        const GAP_PX: f64 = 4.0;
-        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
-        let mut start = 0.0;
-        while start < length {
-            let end = (start + DASH_PX).min(length);
-            let at = |s: f64| {
-                let t = s / length;
-                [
-                    from[0] + t * (to[0] - from[0]),
-                    from[1] + t * (to[1] - from[1]),
-                ]
-            };
-            self.path(&[at(start), at(end)], INK.mix(0.75), 1)?;
-            start = end + GAP_PX;
-        }
-        Ok(())
+        self.path(&[from, to], INK.mix(DASHED_OPACITY), 1)
     }
 
     /// A polyline.

@@ -252,7 +252,7 @@ mod tests {
         let svg = drawn(points.clone()).expect("points");
         assert!(svg.contains("globe: fast\ntime, ms: 2.00\nwrong pixels: 78.0"));
         assert!(svg.contains("globe,exact,12,0,1000"), "{svg}");
-        let dashes = |svg: &str| svg.matches("<polyline").count();
+        let dashes = |svg: &str| svg.matches("stroke-dasharray").count();
         // Twin: a point that another one beats in both ways is not joined.
         let beaten = vec![point("fast", 2.0, 0.0), point("exact", 12.0, 78.0)];
         let beaten = drawn(beaten).expect("points");

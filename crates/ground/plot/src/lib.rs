@@ -24,7 +24,7 @@ mod work_precision;
 pub use bars::{Bar, Bars};
 pub use error::PlotError;
 pub use fronts::{FrontPanel, FrontPoint, Fronts};
-pub use lines::{Line, Lines};
+pub use lines::{Line, LinePanel, Lines};
 pub use palette::{Palette, dark_rules};
 pub use panels::{Arrangement, named_aside, panels};
 pub use ratio::{RatioAxis, RatioGroup, RatioPlot, RatioRow};

@@ -1,34 +1,51 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Exact amounts over exact amounts, one line a name, both axes logarithmic; a ringed mark is a point
-//! beside its line.
+//! Exact amounts over exact amounts in small panels, one line a name, both axes logarithmic and the
+//! same in all panels; a ringed mark is a point beside its line.
 
-use crate::canvas::{Spot, svg};
+use crate::canvas::{Anchor, Canvas, Spot, svg};
 use crate::log_log::{
-    AxisText, Frame, LINE_OPACITY, draw_across, draw_names_aside, draw_up, names_width,
+    AxisText, Frame, LINE_OPACITY, NAME_PX, draw_across, draw_name, draw_up, names_below,
 };
 use crate::palette::Palette;
 use crate::scale::{LogScale, whole};
 use crate::{PlotError, WIDTH_PX};
 use plotters::prelude::Color as _;
 
-const HEIGHT_PX: f64 = 430.0;
-const LEFT_PX: f64 = 84.0;
-const TOP_PX: f64 = 16.0;
-const AXIS_PX: f64 = 50.0;
+/// As many panels side by side.
+const COLUMNS: usize = 3;
+const PANEL_PX: f64 = WIDTH_PX / COLUMNS as f64;
+/// Room for ticks and title left of a panel.
+const LEFT_PX: f64 = 78.0;
+const RIGHT_PX: f64 = 12.0;
+/// Height of a panel, and of its title above and its axis below.
+const HEIGHT_PX: f64 = 190.0;
+const TITLE_PX: f64 = 30.0;
+const AXIS_PX: f64 = 48.0;
+/// From the top of the drawing to the middle of the names' first line.
+const LEGEND_PX: f64 = 12.0;
 
 /// A plot to be.
 #[derive(Debug, Clone)]
 pub struct Lines<'a> {
     /// For readers who do not see it.
     pub title: String,
-    /// What the horizontal axis shows.
+    /// What the horizontal axes show.
     pub across: &'a str,
-    /// A tick of it as printed.
+    /// A tick of them as printed.
     pub across_tick: fn(u64) -> String,
-    /// What the vertical axis shows.
+    /// What the vertical axes show.
     pub up: &'a str,
-    /// A tick of it as printed.
+    /// A tick of them as printed.
     pub up_tick: fn(u64) -> String,
+    /// Left to right, then downwards.
+    pub panels: Vec<LinePanel>,
+}
+
+/// A panel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinePanel {
+    /// Above it.
+    pub name: String,
     /// Its lines.
     pub lines: Vec<Line>,
 }
@@ -36,7 +53,7 @@ pub struct Lines<'a> {
 /// A line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
-    /// Beside its right end.
+    /// As in the palette.
     pub name: String,
     /// Left to right.
     pub points: Vec<[f64; 2]>,
@@ -44,64 +61,130 @@ pub struct Line {
     pub ringed: Option<[f64; 2]>,
 }
 
+impl Line {
+    fn all(&self) -> impl Iterator<Item = &[f64; 2]> {
+        self.points.iter().chain(&self.ringed)
+    }
+}
+
 impl Lines<'_> {
     /// Draws the plot; `None` without a point.
     ///
     /// # Errors
     /// [`PlotError`].
-    pub fn draw(&self) -> Result<Option<String>, PlotError> {
-        let names: Vec<String> = self.lines.iter().map(|line| line.name.clone()).collect();
-        let frame = Frame {
-            left: LEFT_PX,
-            right: WIDTH_PX - names_width(names.iter().map(String::as_str)),
-            top: TOP_PX,
-            bottom: HEIGHT_PX - AXIS_PX,
+    pub fn draw(&self, palette: &Palette) -> Result<Option<String>, PlotError> {
+        let lines = || self.panels.iter().flat_map(|panel| &panel.lines);
+        let mut names: Vec<String> = lines().map(|line| line.name.clone()).collect();
+        names.sort_unstable();
+        names.dedup();
+        let legend = names_below(&names, [LEFT_PX * 0.5, LEGEND_PX]);
+        let top = legend.last().map_or(LEGEND_PX, |(at, _)| at[1]) + NAME_PX;
+        let row_px = TITLE_PX + HEIGHT_PX + AXIS_PX;
+        let frame = |index: usize| {
+            let left = (index % COLUMNS) as f64 * PANEL_PX;
+            let above = top + (index / COLUMNS) as f64 * row_px + TITLE_PX;
+            Frame {
+                left: left + LEFT_PX,
+                right: left + PANEL_PX - RIGHT_PX,
+                top: above,
+                bottom: above + HEIGHT_PX,
+            }
         };
-        // A ringed point may be smaller than all of the lines.
-        let points = || {
-            let lines = self.lines.iter();
-            lines.flat_map(|line| line.points.iter().chain(&line.ringed))
-        };
-        let across = LogScale::around(points().map(|point| point[0]), 1.1, frame.left, frame.right);
-        let up = LogScale::around(points().map(|point| point[1]), 1.3, frame.bottom, frame.top);
-        let (Some(across), Some(up)) = (across, up) else {
+        let values = |axis: usize| lines().flat_map(Line::all).map(move |point| point[axis]);
+        let is_drawn = |axis| LogScale::around(values(axis), 1.1, 0.0, 1.0).is_some();
+        if !(is_drawn(0) && is_drawn(1)) {
             return Ok(None);
-        };
-        let ends = self.lines.iter().filter_map(|line| {
-            let end = line.points.last()?;
-            Some((up.px(end[1]), line.name.as_str(), line.name.clone()))
-        });
-        let palette = Palette::new(names);
-        svg(&self.title, WIDTH_PX, HEIGHT_PX, |canvas| {
-            let text = |title, tick| AxisText { title, tick };
-            let across_tick = |tick: f64| (self.across_tick)(whole(tick));
-            let up_tick = |tick: f64| (self.up_tick)(whole(tick));
-            let reach = [frame.top, frame.bottom];
-            draw_across(canvas, frame, &across, text(self.across, &across_tick))?;
-            draw_up(canvas, frame, Some(&up), reach, text(self.up, &up_tick))?;
-            let corners = [frame.left, frame.right].map(|x| [x, frame.bottom]);
-            canvas.rule(corners[0], corners[1], 0.6)?;
-            for line in &self.lines {
-                let stroke = palette.stroke(&line.name);
-                let at = |point: &[f64; 2]| [across.px(point[0]), up.px(point[1])];
-                let path: Vec<[f64; 2]> = line.points.iter().map(at).collect();
-                canvas.path(&path, stroke.colour.mix(LINE_OPACITY), 2)?;
-                for point in line.points.iter().chain(&line.ringed) {
-                    canvas.spot(&Spot {
-                        at: at(point),
-                        group: "",
-                        name: &line.name,
-                        values: &[(self.across, point[0]), (self.up, point[1])],
-                        command: "",
-                    });
-                }
-                if let Some(point) = &line.ringed {
-                    canvas.marker(at(point), stroke)?;
-                    canvas.ring(at(point))?;
+        }
+        let height = top + self.panels.len().div_ceil(COLUMNS) as f64 * row_px;
+        svg(&self.title, WIDTH_PX, height, |canvas| {
+            for ((at, text), name) in legend.iter().zip(&names) {
+                draw_name(canvas, text, *at, palette.stroke(name))?;
+            }
+            for (index, panel) in self.panels.iter().enumerate() {
+                let frame = frame(index);
+                let across = LogScale::around(values(0), 1.1, frame.left, frame.right);
+                let up = LogScale::around(values(1), 1.3, frame.bottom, frame.top);
+                if let Some(scales) = across.zip(up) {
+                    self.draw_panel(canvas, palette, panel, frame, scales)?;
                 }
             }
-            draw_names_aside(canvas, frame, ends.collect(), &palette)
+            Ok(())
         })
         .map(Some)
+    }
+
+    fn draw_panel(
+        &self,
+        canvas: &Canvas<'_>,
+        palette: &Palette,
+        panel: &LinePanel,
+        frame: Frame,
+        (across, up): (LogScale, LogScale),
+    ) -> Result<(), PlotError> {
+        let text = |title, tick| AxisText { title, tick };
+        let across_tick = |tick: f64| (self.across_tick)(whole(tick));
+        let up_tick = |tick: f64| (self.up_tick)(whole(tick));
+        let reach = [frame.top, frame.bottom];
+        canvas.heading(&panel.name, [frame.left, frame.top - 14.0], Anchor::Left)?;
+        draw_across(canvas, frame, &across, text(self.across, &across_tick))?;
+        draw_up(canvas, frame, Some(&up), reach, text(self.up, &up_tick))?;
+        let corners = [frame.left, frame.right].map(|x| [x, frame.bottom]);
+        canvas.rule(corners[0], corners[1], 0.6)?;
+        for line in &panel.lines {
+            let stroke = palette.stroke(&line.name);
+            let at = |point: &[f64; 2]| [across.px(point[0]), up.px(point[1])];
+            let path: Vec<[f64; 2]> = line.points.iter().map(at).collect();
+            canvas.path(&path, stroke.colour.mix(LINE_OPACITY), 2)?;
+            for point in line.all() {
+                canvas.spot(&Spot {
+                    at: at(point),
+                    group: &panel.name,
+                    name: &line.name,
+                    values: &[(self.across, point[0]), (self.up, point[1])],
+                    command: "",
+                });
+            }
+            if let Some(point) = &line.ringed {
+                canvas.marker(at(point), stroke)?;
+                canvas.ring(at(point))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_panel_has_its_lines_and_no_point_is_no_plot() {
+        let drawn = |points: &[[f64; 2]]| {
+            let panel = |name: &str| LinePanel {
+                name: name.to_owned(),
+                lines: vec![Line {
+                    name: "a".to_owned(),
+                    points: points.to_vec(),
+                    ringed: None,
+                }],
+            };
+            let plot = Lines {
+                title: "bytes".to_owned(),
+                across: "regions",
+                across_tick: crate::number::count,
+                up: "bytes",
+                up_tick: crate::number::bytes,
+                panels: ["one", "two"].map(panel).into(),
+            };
+            let palette = Palette::new(vec!["a".to_owned()]);
+            plot.draw(&palette).expect("draws")
+        };
+        let svg = drawn(&[[1.0, 100.0], [5.0, 500.0]]).expect("points");
+        assert!(
+            svg.contains("one,a,1,100\none,a,5,500\ntwo,a,1,100\n"),
+            "{svg}"
+        );
+        // Twin.
+        assert_eq!(drawn(&[]), None);
     }
 }

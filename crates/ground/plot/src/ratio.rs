@@ -219,13 +219,13 @@ impl<'a> AxisFrame<'a> {
         canvas.bar([from, self.top], [to, self.bottom], INK.mix(TIE_OPACITY))
     }
 
-    /// A ratio as a spot says it.
-    pub(crate) fn values(&self, ratio: Spread) -> [(&'a str, f64); 3] {
-        [
-            (self.axis.title, ratio.median),
-            ("from", ratio.p5),
-            ("to", ratio.p95),
-        ]
+    /// A ratio as a spot says it, with its whisker where it has one.
+    pub(crate) fn values(&self, ratio: Spread) -> Vec<(&'a str, f64)> {
+        let ends = [("from", ratio.p5), ("to", ratio.p95)];
+        let ends = ends.into_iter().filter(|_| ratio.p5 < ratio.p95);
+        std::iter::once((self.axis.title, ratio.median))
+            .chain(ends)
+            .collect()
     }
 
     /// A row's name, left of the axis.

@@ -7,8 +7,8 @@ use terrafill_plot::{
     named_aside,
 };
 use terrafill_results::{
-    Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Plot, Row, Run, Spread, Table,
-    process_medians, sample_spread,
+    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Plot, Row, Run, Spread,
+    Table, process_medians, sample_spread,
 };
 
 /// Process CPU time from text to mesh: a mesh is made on the CPU, whatever the device.
@@ -61,6 +61,18 @@ impl Chapter for GrowthChapter {
 
     fn primary_metric(&self, _clock: Clock) -> Option<&'static str> {
         Some(TIME)
+    }
+
+    fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
+        let shapes = shapes(run);
+        let blocks = match shapes.is_empty() {
+            true => Vec::new(),
+            false => vec![Block::Table(table(&shapes))],
+        };
+        Ok(Answers {
+            blocks,
+            ..Answers::default()
+        })
     }
 
     fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {

@@ -12,7 +12,7 @@ mod tests;
 use data::{Data, MIN_NS};
 use std::collections::BTreeSet;
 use terrafill_plot::number::{count, significant};
-use terrafill_results::{Block, Chapter, ChapterError, Clock, Outcome, Run};
+use terrafill_results::{Answers, Block, Chapter, ChapterError, Clock, Outcome, Run};
 
 /// Errors and costs of the routes to a texture coordinate.
 #[derive(Debug, Clone, Copy, Default)]
@@ -43,6 +43,8 @@ impl Chapter for PrecisionChapter {
              in double precision. Times are of the formula alone, without the loop around it. {}",
             summary(&data)
         ))];
+        blocks.extend(tables::recommended(&data));
+        blocks.push(Block::section("What was computed, and what was measured"));
         blocks.extend(findings::findings(&data).into_iter().map(Block::Finding));
         blocks.push(Block::Remark(format!(
             "In the plots terrain reaches up to 9 km where it says nothing else; one curve per family \
@@ -61,6 +63,32 @@ impl Chapter for PrecisionChapter {
         blocks.extend(plots::plots(&data)?);
         blocks.extend(tables::tables(&data));
         Ok(blocks)
+    }
+
+    fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
+        let data = Data::new(run);
+        if data.formulas.is_empty() {
+            return Ok(Answers::default());
+        }
+        let compared = data
+            .formulas
+            .iter()
+            .filter(|row| row.count("points").is_some());
+        let meant = data
+            .formulas
+            .iter()
+            .filter(|row| row.0.planned.may_be_wrong);
+        Ok(Answers {
+            scope: vec![format!(
+                "{} of {} formulas at a place compared with the exact map in double precision; {} may be \
+                 wrong: their error is the question.",
+                count(compared.count() as u64),
+                count(data.formulas.len() as u64),
+                count(meant.count() as u64),
+            )],
+            blocks: tables::recommended(&data),
+            requirements: findings::findings(&data),
+        })
     }
 }
 

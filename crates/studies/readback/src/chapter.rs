@@ -11,8 +11,8 @@ use terrafill_plot::{
     named_aside,
 };
 use terrafill_results::{
-    Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Plot, Row, Run, Spread, Table,
-    median, process_medians, sample_spread,
+    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Plot, Row, Run, Spread,
+    Table, median, process_medians, sample_spread,
 };
 
 const CPU: &str = "readback_cpu_ms";
@@ -76,6 +76,18 @@ impl Chapter for ReadbackChapter {
 
     fn primary_metric(&self, clock: Clock) -> Option<&'static str> {
         Some(metric(clock))
+    }
+
+    fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
+        let apis = apis(run);
+        let blocks = match apis.is_empty() {
+            true => Vec::new(),
+            false => vec![Block::Text(answer(&apis, run.clock()))],
+        };
+        Ok(Answers {
+            blocks,
+            ..Answers::default()
+        })
     }
 
     fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {

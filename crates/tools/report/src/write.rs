@@ -106,13 +106,10 @@ fn write_as(
     markdown::names(&mut summary, "Wrong and failed cases", &with_reasons(&run));
     for (chapter, blocks, answers) in &parts {
         let requirements = answers.requirements.iter().cloned().map(Block::Finding);
-        let all: Vec<Block> = answers
-            .blocks
-            .iter()
-            .cloned()
-            .chain(requirements)
-            .chain(blocks.iter().cloned())
-            .collect();
+        let mut all: Vec<Block> = answers.blocks.iter().cloned().chain(requirements).collect();
+        let others = blocks.iter().filter(|block| !all.contains(block));
+        let others: Vec<Block> = others.cloned().collect();
+        all.extend(others);
         markdown::chapter(&mut summary, chapter.title(), &all);
     }
     let result = ResultFile {

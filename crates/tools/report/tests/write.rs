@@ -4,12 +4,12 @@
 
 use std::fs;
 use std::path::Path;
-use terrafill_report::{ReportError, Verdict, WrittenReport, write};
+use terrafill_report::{ReportError, Verdict, WrittenReport, write, write_single_file};
 use terrafill_results::made_up::{MadeUpRun, case_id};
 use terrafill_results::{
-    Block, CaseId, Cell, CellClass, Chapter, ChapterError, Clock, DerivedTable, Finding, Heading,
-    Kind, Metric, Outcome, Picture, PictureFigure, Pictures, Row, Run, RunEnvironment, Skipped,
-    Standing, Status, Table,
+    Answers, Block, CaseId, Cell, CellClass, Chapter, ChapterError, Choice, Clock, DerivedTable,
+    Finding, Heading, Kind, Metric, Outcome, Picture, PictureFigure, Pictures, Plot, Row, Run,
+    RunEnvironment, Skipped, Standing, Status, Table,
 };
 
 const TIME: &str = "fill_cpu_ms";
@@ -68,6 +68,11 @@ impl Chapter for TimesChapter {
             .filter(|case| !case.note("image").is_empty());
         Ok(vec![
             Block::section("Every case"),
+            Block::Plot(Plot {
+                caption: "A plot.".to_owned(),
+                svg: "<svg stroke=\"currentColor\"><metadata>name,&lt;ms>\na,1\n</metadata></svg>"
+                    .to_owned(),
+            }),
             Block::Table(Table {
                 headings: vec![
                     Heading::plain("case"),
@@ -88,6 +93,24 @@ impl Chapter for TimesChapter {
                 ..Pictures::default()
             }),
         ])
+    }
+
+    fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
+        let right = run.count(Outcome::Ok);
+        Ok(Answers {
+            scope: vec![format!("{right} of {} compared", run.cases.len())],
+            blocks: vec![Block::Choice(Choice {
+                caption: "By".to_owned(),
+                ways: ["one clock", "another clock"]
+                    .map(|name| (name.to_owned(), vec![Block::Text(format!("By {name}."))]))
+                    .into(),
+            })],
+            requirements: vec![Finding {
+                claim: "All are right.".to_owned(),
+                standing: Standing::holds_if(right == run.cases.len()),
+                because: String::new(),
+            }],
+        })
     }
 
     fn tables(&self, run: &Run) -> Result<Vec<DerivedTable>, ChapterError> {
@@ -131,6 +154,9 @@ fn mixed_run() -> MadeUpRun {
 
 struct Report {
     written: WrittenReport,
+    /// The first page.
+    index: String,
+    /// All pages.
     html: String,
     markdown: String,
     result: serde_json::Value,
@@ -139,12 +165,35 @@ struct Report {
 fn report_in(folder: &Path) -> Report {
     let written = write(folder, &[&TimesChapter]).expect("a report");
     let read = |file: &str| fs::read_to_string(folder.join(file)).expect("the file");
+    let index = read("index.html");
+    let pages = files(&folder.join("pages"));
+    let pages = pages.iter().filter(|file| file.ends_with(".html"));
     Report {
-        html: read("index.html"),
+        html: pages.fold(index.clone(), |all, file| {
+            all + &read(&format!("pages/{file}"))
+        }),
+        index,
         markdown: read("summary.md"),
         result: serde_json::from_str(&read("result.json")).expect("JSON"),
         written,
     }
+}
+
+/// Names of files in a folder and the folders in it, sorted; none where there is no folder.
+fn files(folder: &Path) -> Vec<String> {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).into_iter().flatten() {
+        let path = entry.expect("an entry").path();
+        let name = path.file_name().expect("a name").to_string_lossy();
+        if path.is_dir() {
+            let inner = files(&path).into_iter();
+            names.extend(inner.map(|inner| format!("{name}/{inner}")));
+        } else {
+            names.push(name.into_owned());
+        }
+    }
+    names.sort();
+    names
 }
 
 fn report(run: &MadeUpRun) -> Report {
@@ -265,7 +314,7 @@ fn loads(html: &str) -> Vec<&str> {
                 .map(|(at, _)| &html[at + mark.len()..])
         })
         .map(|rest| &rest[..rest.find(['"', ')', ';']).unwrap_or(rest.len())])
-        .filter(|address| !address.starts_with('#') && !address.starts_with("data"))
+        .filter(|address| !address.starts_with('#') && !address.starts_with("data:"))
         .collect()
 }
 
@@ -285,12 +334,23 @@ fn pictures_are_carried_along_the_same_ones_once_and_broken_ones_named() {
     run.write(folder.path()).expect("a run");
     picture(folder.path(), "a.png", 9);
     picture(folder.path(), "b.png", 9);
-    let html = report_in(folder.path()).html;
+    let single = |folder: &Path| {
+        write_single_file(folder, &[&TimesChapter]).expect("a report");
+        fs::read_to_string(folder.join("index.html")).expect("the file")
+    };
+    report_in(folder.path());
+    let html = single(folder.path());
     assert_eq!(loads(&html), [""; 0]);
+    assert!(
+        !folder.path().join("pages").exists(),
+        "of the report before"
+    );
     assert!(html.contains("data:image/png;base64,"));
-    assert!(!html.contains("<script") && !html.contains("<link"));
-    assert!(html.contains("the same for 2 cases"));
-    assert!(html.contains("Pictures that could not be shown: images/gone.png"));
+    assert!(!html.contains("<link"));
+    for report in [&html, &report_in(folder.path()).html] {
+        assert!(report.contains("the same for 2 cases"));
+        assert!(report.contains("Pictures that could not be shown: images/gone.png"));
+    }
     // Twins: another picture is not the same, and the check for addresses sees one.
     picture(folder.path(), "b.png", 8);
     assert!(!report_in(folder.path()).html.contains("the same for"));
@@ -307,8 +367,8 @@ fn noise_clock_and_replicates_are_said() {
         report(&run)
     };
     let noisy = timed(&[12.0, 13.2]);
-    let sentence = "In filling, identical work differed by up to 1.20 × (fill_cpu_ms, 1 pair, median \
-                    1.20 ×); smaller gaps are ties.";
+    let sentence = "In filling, identical work differed by up to 20.0 % (fill_cpu_ms, 1 pair, median \
+                    20.0 %); smaller gaps are ties.";
     assert!(noisy.html.contains(sentence), "{}", noisy.markdown);
     assert!(
         noisy
@@ -327,7 +387,7 @@ fn noise_clock_and_replicates_are_said() {
     let factor = noisy.result["noise"][0]["max_factor"].as_f64();
     assert!((factor.expect("a factor") - 1.2).abs() < 1e-12);
     // Twins: no noise, and none that is known.
-    assert!(timed(&[10.0, 11.0]).html.contains("by up to 1.00 ×"));
+    assert!(timed(&[10.0, 11.0]).html.contains("by up to 0 %"));
     let mut alone = run();
     alone.case(id("a")).timed(TIME, &[10.0]);
     let alone = report(&alone);
@@ -399,4 +459,108 @@ fn the_same_run_gives_the_same_report() {
     let folder = tempfile::tempdir().expect("a folder");
     mixed_run().write(folder.path()).expect("a run");
     assert_eq!(report_in(folder.path()).html, report_in(folder.path()).html);
+}
+
+#[test]
+fn pages_refer_to_files_that_are_there_and_to_nothing_else() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut run = mixed_run();
+    run.case(id("a")).note("image", "images/a,b=1 #.png");
+    run.write(folder.path()).expect("a run");
+    picture(folder.path(), "a,b=1 #.png", 9);
+    report_in(folder.path());
+    let pages = files(&folder.path().join("pages"));
+    let pages = pages.iter().filter(|file| file.ends_with(".html"));
+    let pages: Vec<String> = pages.map(|file| format!("pages/{file}")).collect();
+    assert_eq!(pages, ["pages/filling.html", "pages/glossary.html"]);
+    let mut found = 0;
+    for page in ["index.html".to_owned()].iter().chain(&pages) {
+        let path = folder.path().join(page);
+        let html = fs::read_to_string(&path).expect("the page");
+        for address in loads(&html) {
+            assert!(!address.contains(':'), "{page}: {address}");
+            let file = address.split('#').next().expect("a file");
+            let file = file.replace("%20", " ").replace("%23", "#");
+            let beside = path.parent().expect("its folder").join(&file);
+            assert!(beside.is_file(), "{page}: {address}");
+            found += 1;
+        }
+    }
+    assert!(found > 12, "{found}");
+}
+
+#[test]
+fn the_first_page_answers_and_what_is_required_is_met_or_not() {
+    let group = |html: &str, class: &str| {
+        let start = html
+            .find(&format!("<div class=\"{class}\">"))
+            .expect("the group");
+        html[start..start + html[start..].find("</div>").expect("its end")].to_owned()
+    };
+    let found = report(&mixed_run());
+    assert!(found.index.contains("<dd>1 of 5 compared</dd>"));
+    assert!(
+        found
+            .index
+            .contains("llvmpipe (software: it runs on the CPU)")
+    );
+    assert!(group(&found.index, "not-met").contains("All are right."));
+    assert!(!group(&found.index, "met").contains("All are right."));
+    assert!(
+        found
+            .markdown
+            .contains("- All are right. **does not hold**")
+    );
+    // A choice needs no script: its first way is chosen.
+    assert_eq!(found.index.matches("type=\"radio\"").count(), 2);
+    assert_eq!(found.index.matches(" checked>").count(), 1);
+    assert!(found.index.contains("By another clock."));
+    // What fills pages is not on the first one.
+    assert!(!found.index.contains("A plot.") && found.html.contains("A plot."));
+    // Twin: a run of the right case alone meets it.
+    let mut good = mixed_run();
+    good.cases.truncate(1);
+    let good = report(&good);
+    assert!(group(&good.index, "met").contains("All are right."));
+}
+
+#[test]
+fn plots_are_files_too_with_their_figures_and_older_ones_are_removed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    mixed_run().write(folder.path()).expect("a run");
+    let old = folder.path().join("pages/figures");
+    fs::create_dir_all(&old).expect("a folder");
+    fs::write(old.join("old.svg"), "").expect("writable");
+    let html = report_in(folder.path()).html;
+    assert_eq!(files(&old), ["filling-figure.csv", "filling-figure.svg"]);
+    let read = |file: &str| fs::read_to_string(old.join(file)).expect("the file");
+    assert_eq!(read("filling-figure.csv"), "name,<ms>\na,1\n");
+    let svg = read("filling-figure.svg");
+    assert!(
+        svg.contains("xmlns=") && !svg.contains("currentColor"),
+        "{svg}"
+    );
+    assert!(
+        html.contains("<svg stroke=\"currentColor\"></svg>"),
+        "no figures in the page"
+    );
+}
+
+#[test]
+fn many_names_have_a_page_of_their_own() {
+    let mut run = run();
+    for index in 0..40 {
+        run.case(id(&format!("case-{index}"))).missing();
+    }
+    let found = report(&run);
+    assert!(!found.index.contains("<li>filling/case-7</li>"));
+    assert!(found.html.contains("<li>filling/case-7</li>"));
+    assert!(
+        found
+            .index
+            .contains("40 missing cases: <a href=\"pages/cases.html\">")
+    );
+    // Twin: a few stay.
+    run.cases.truncate(9);
+    assert!(report(&run).index.contains("<li>filling/case-7</li>"));
 }

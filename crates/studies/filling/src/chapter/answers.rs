@@ -15,13 +15,13 @@ use terrafill_results::{
 };
 
 /// From so many regions in view on, their number decides.
-const MANY_REGIONS: f64 = 50.0;
+const MANY_REGIONS: u32 = 50;
 /// From so many stencil-tested fragments a vertex on, fill rate decides; a volume that covers the view
 /// from near has thousands.
-const MANY_FRAGMENTS: f64 = 1_000.0;
+const MANY_FRAGMENTS: u32 = 1_000;
 /// Up to so many, vertices decide: a triangle of this many fragments is smaller than a block of 4 × 4
 /// pixels.
-const FEW_FRAGMENTS: f64 = 16.0;
+const FEW_FRAGMENTS: u32 = 16;
 /// As many ties as a cell names.
 const MAX_TIES: usize = 3;
 
@@ -137,8 +137,8 @@ fn matrix(data: &Data<'_>) -> Option<Block> {
         Block::Table(Table {
             caption: format!(
                 "Every view with its best fills. A cell: technique, {} with {}, bytes of geometry, \
-                 distance of the boundary from the reference's and mismatched pixels. Point at a cell \
-                 for the command that draws it.",
+                 Hausdorff distance of the boundary from the reference's, by how much levels of detail \
+                 moved it, and mismatched pixels. Point at a cell for the command that draws it.",
                 data.unit(),
                 brackets(data)
             ),
@@ -184,9 +184,11 @@ fn winner(data: &Data<'_>, palette: &Palette, case: &Case) -> Cell {
     let size = counter(case, "geometry_bytes").map_or_else(|| "bytes unknown".to_owned(), bytes);
     let wrong = counter(case, "mismatched_px").map(count);
     let distance = case.value("hausdorff_px").map(significant);
+    let moved = case.value("boundary_moved_px");
+    let moved = moved.map_or_else(String::new, |px| format!(" (moved {})", significant(px)));
     Cell {
         detail: format!(
-            "{time} ms · {size} · boundary {} px, {} px wrong",
+            "{time} ms · {size} · boundary {} px{moved}, {} px wrong",
             distance.as_deref().unwrap_or("–"),
             wrong.as_deref().unwrap_or("–"),
         ),
@@ -283,23 +285,23 @@ fn guide(data: &Data<'_>) -> Vec<Block> {
         advice(
             format!(
                 "Many regions in view (from {} on)",
-                significant(MANY_REGIONS)
+                count(MANY_REGIONS.into())
             ),
-            &|view| counted(view, "regions_drawn").is_some_and(|n| n >= MANY_REGIONS),
+            &|view| counted(view, "regions_drawn").is_some_and(|n| n >= MANY_REGIONS.into()),
         ),
         advice(
             format!(
                 "Eye near, fill rate is the limit (from {} stencil-tested fragments a vertex on)",
-                significant(MANY_FRAGMENTS)
+                count(MANY_FRAGMENTS.into())
             ),
-            &|view| fragments_a_vertex(view).is_some_and(|n| n >= MANY_FRAGMENTS),
+            &|view| fragments_a_vertex(view).is_some_and(|n| n >= MANY_FRAGMENTS.into()),
         ),
         advice(
             format!(
                 "Eye far, vertices are the limit (at most {} fragments a vertex)",
-                significant(FEW_FRAGMENTS)
+                count(FEW_FRAGMENTS.into())
             ),
-            &|view| fragments_a_vertex(view).is_some_and(|n| n <= FEW_FRAGMENTS),
+            &|view| fragments_a_vertex(view).is_some_and(|n| n <= FEW_FRAGMENTS.into()),
         ),
         advice("Over all views".to_owned(), &|_| true),
     ];
@@ -428,6 +430,7 @@ fn scope(data: &Data<'_>) -> Option<String> {
             ),
         },
         match wrong {
+            0 if meant == 0 => "All match outside the 1-pixel boundary band.".to_owned(),
             0 => "All others match outside the 1-pixel boundary band.".to_owned(),
             1 => "1 of the others does not match outside the 1-pixel boundary band.".to_owned(),
             some => format!(

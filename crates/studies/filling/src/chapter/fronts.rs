@@ -10,19 +10,39 @@ const COSTS: [(&str, &str); 4] = [
     ("process CPU ms", "fill_cpu_ms"),
     ("GPU ms", "fill_gpu_ms"),
     ("wall-clock ms", "fill_wall_ms"),
-    ("stencil-tested fragments", "stencil_fragments"),
+    ("stencil-tested fragments", WORK),
 ];
+
+/// Work that no noise reaches.
+const WORK: &str = "stencil_fragments";
 
 const UP: &str = "mismatched pixels";
 
-/// The plot by every cost that was measured, that of the run's clock first.
+/// The plot by the run's clock and by work, for the first page.
 pub(super) fn block(data: &Data<'_>) -> Result<Option<Block>, ChapterError> {
+    choice(data, |metric| [data.metric, WORK].contains(&metric))
+}
+
+/// The plot by every cost that was measured, where there are more than the first page shows.
+pub(super) fn section(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
+    let all = choice(data, |_| true)?;
+    let all = all.filter(|block| matches!(block, Block::Choice(choice) if choice.ways.len() > 2));
+    Ok(all.map_or_else(Vec::new, |all| {
+        vec![Block::section("Error against cost"), all]
+    }))
+}
+
+/// The plot by each of these costs that was measured, that of the run's clock first.
+fn choice(
+    data: &Data<'_>,
+    is_wanted: impl Fn(&str) -> bool,
+) -> Result<Option<Block>, ChapterError> {
     let scenes = data.scenes();
     let palette = Palette::new(data.all_series());
     let mut costs = COSTS;
     costs.sort_by_key(|(_, metric)| *metric != data.metric);
     let mut ways = Vec::new();
-    for (name, metric) in costs {
+    for (name, metric) in costs.into_iter().filter(|(_, metric)| is_wanted(metric)) {
         let plot = Fronts {
             title: format!("error against {name}"),
             across: name,
@@ -34,16 +54,13 @@ pub(super) fn block(data: &Data<'_>) -> Result<Option<Block>, ChapterError> {
                 .collect(),
         };
         if let Some(svg) = plot.draw(&palette)? {
-            let block = Block::Plot(Plot {
-                caption: format!(
-                    "Mismatched pixels against {name}, both summed over the scene's views, for every \
-                     fill that is right in all of them; left and low is better. Area of a marker: \
-                     bytes of geometry. Dashed: the Pareto front of the medians; ringed: kept there by \
-                     at least 95 % of the resamples of five or more processes."
-                ),
-                svg,
-            });
-            ways.push((name.to_owned(), vec![block]));
+            ways.push((
+                name.to_owned(),
+                vec![Block::Plot(Plot {
+                    caption: caption(name),
+                    svg,
+                })],
+            ));
         }
     }
     Ok((!ways.is_empty()).then(|| {
@@ -52,6 +69,15 @@ pub(super) fn block(data: &Data<'_>) -> Result<Option<Block>, ChapterError> {
             ways,
         })
     }))
+}
+
+fn caption(cost: &str) -> String {
+    format!(
+        "Mismatched pixels against {cost}, both summed over the scene's views, for every fill that is \
+         right in all of them; left and low is better. Area of a marker: bytes of geometry. Dashed: the \
+         Pareto front of the medians; ringed: kept there by at least 95 % of the resamples of five or \
+         more processes."
+    )
 }
 
 fn panel(data: &Data<'_>, scene: &Scene<'_>, metric: &str) -> FrontPanel {

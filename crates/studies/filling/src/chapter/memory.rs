@@ -4,7 +4,7 @@
 use super::data::{Data, counter, distinct, headings};
 use super::ladder::SOURCE;
 use terrafill_plot::number::{bytes, count, significant};
-use terrafill_plot::{Line, Lines};
+use terrafill_plot::{Line, LinePanel, Lines, Palette};
 use terrafill_results::{
     Block, Case, Cell, ChapterError, Finding, Heading, Plot, Row, Standing, Table,
 };
@@ -96,7 +96,9 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
         blocks.push(Block::Alarm("Formula and allocation differ:".to_owned()));
         blocks.push(Block::List(red));
     }
-    for scene in distinct(rows.iter().map(|case| case.condition("scene"))) {
+    let scenes = distinct(rows.iter().map(|case| case.condition("scene")));
+    blocks.extend(plot(data, &scenes)?);
+    for scene in scenes {
         let own = rows
             .iter()
             .copied()
@@ -114,7 +116,6 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
         });
         blocks.push(Block::Table(table(&own)));
         blocks.extend(findings(&own).into_iter().map(Block::Finding));
-        blocks.extend(plot(data, scene)?);
     }
     Ok(blocks)
 }
@@ -241,9 +242,34 @@ fn published() -> String {
     )
 }
 
-/// Bytes over numbers of regions; ringed: the scene itself, as allocated. It stands beside the line:
-/// what is made every frame is made for the regions in view only.
-fn plot(data: &Data<'_>, scene: &str) -> Result<Option<Block>, ChapterError> {
+/// Bytes over numbers of regions, a panel a scene; ringed: the scene itself, as allocated. It stands
+/// beside the line: what is made every frame is made for the regions in view only.
+fn plot(data: &Data<'_>, scenes: &[&str]) -> Result<Option<Block>, ChapterError> {
+    let panel = |scene: &&str| LinePanel {
+        name: (*scene).to_owned(),
+        lines: lines(data, scene),
+    };
+    let drawn = Lines {
+        title: "bytes over regions".to_owned(),
+        across: "regions",
+        across_tick: count,
+        up: "bytes",
+        up_tick: bytes,
+        panels: scenes.iter().map(panel).collect(),
+    };
+    let svg = drawn.draw(&Palette::new(data.all_series()))?;
+    Ok(svg.map(|svg| {
+        Block::Plot(Plot {
+            caption:
+                "Bytes by formula, the regions of each scene repeated in turn; ringed: the scene \
+                      itself, as allocated."
+                    .to_owned(),
+            svg,
+        })
+    }))
+}
+
+fn lines(data: &Data<'_>, scene: &str) -> Vec<Line> {
     let mut lines: Vec<Line> = Vec::new();
     for &case in data
         .memory
@@ -269,18 +295,5 @@ fn plot(data: &Data<'_>, scene: &str) -> Result<Option<Block>, ChapterError> {
     for line in &mut lines {
         line.points.sort_by(|a, b| a[0].total_cmp(&b[0]));
     }
-    let drawn = Lines {
-        title: format!("{scene}: bytes over regions"),
-        across: "regions",
-        across_tick: count,
-        up: "bytes by formula; ringed: as allocated",
-        up_tick: bytes,
-        lines,
-    };
-    Ok(drawn.draw()?.map(|svg| {
-        Block::Plot(Plot {
-            caption: format!("{scene}: its regions repeated in turn."),
-            svg,
-        })
-    }))
+    lines
 }

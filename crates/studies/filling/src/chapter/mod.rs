@@ -54,6 +54,7 @@ impl Chapter for FillingChapter {
         let mut blocks = Vec::new();
         blocks.extend(pictures_sentence(&data));
         blocks.extend(scenes::overview(&data));
+        blocks.extend(fronts::section(&data)?);
         blocks.extend(ladder::blocks(&data)?);
         blocks.extend(pairs::blocks(&data));
         blocks.extend(matrix::blocks(&data));

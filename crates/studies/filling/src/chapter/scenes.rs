@@ -20,7 +20,7 @@ const NOT_COMPARED: &str = "not compared with the reference";
 const NOT_RECORDED: &str = "not recorded by this run";
 
 /// Key of the pictures of differences, as `terrafill-conformance` draws them.
-const DIFFERENCE_KEY: &str = "The reference, and every picture, those that are the same once. A \
+const DIFFERENCE_KEY: &str = "Pictures: the reference, and every picture, those that are the same once. A \
     difference is shown where a pixel mismatches: grey, both fill with the same region; dark, neither \
     fills; a shade apart, the 1-pixel boundary band; orange, wrong within the band; red, wrong outside \
     it. Wrong pixels are drawn 3 × 3. A picture that is chosen by Tab or click fills the window.";
@@ -195,6 +195,9 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
             }));
         }
         blocks.extend(published::blocks(data, &scene));
+        if scene.views.iter().any(|view| pictures(view).is_some()) {
+            blocks.push(Block::Remark(DIFFERENCE_KEY.to_owned()));
+        }
         for view in &scene.views {
             blocks.extend(view_blocks(data, &scene, view, &palette)?);
         }
@@ -404,11 +407,11 @@ fn row(data: &Data<'_>, palette: &Palette, case: &Case, other_metric: &str) -> R
                 false => palette.marker(&data.marked(case)),
             },
             command: data.command(case),
-            detail: match data.label(case) {
-                label if label == name(case) => String::new(),
-                label => label,
+            detail: match name(case) {
+                name if name == data.label(case) => String::new(),
+                name => name,
             },
-            ..Cell::name(name(case))
+            ..Cell::name(data.label(case))
         },
         Cell::plain(case.outcome.name()),
         time_cell(case, data.time(case).map(spread), "no frame was timed"),
@@ -497,9 +500,9 @@ fn pictures(view: &View<'_>) -> Option<Pictures> {
     let path = path.map_or_else(String::new, |picture| picture.path.clone());
     let figures: Vec<PictureFigure> = reference.into_iter().chain(own).collect();
     (!figures.is_empty()).then_some(Pictures {
-        caption: DIFFERENCE_KEY.to_owned(),
         reference: path,
         figures,
+        ..Pictures::default()
     })
 }
 

@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 use terrafill_plot::PointStanding;
 use terrafill_results::made_up::{MadeUpCase, MadeUpRun, case_id};
 use terrafill_results::{
-    Block, Case, Cell, CellClass, Chapter as _, Finding, Outcome, Run, RunEnvironment, Standing,
-    Status, Table,
+    Answers, Block, Case, Cell, CellClass, Chapter as _, Finding, Outcome, Run, RunEnvironment,
+    Standing, Status, Table,
 };
 
 const TIME: &str = "fill_cpu_ms";
@@ -732,7 +732,7 @@ fn a_wrong_time_counts_for_nothing_and_what_is_absent_has_its_reason() {
     assert!(wrong[3].class == CellClass::Absent && wrong[3].title == "wrong: 41 pixels");
     let right = row_of(table, "vertex/doubled");
     assert!(
-        right[2].class == CellClass::Plain && right[2].text.starts_with("38.7 ["),
+        right[2].class == CellClass::Plain && right[2].text.starts_with("38.7 ("),
         "{right:?}"
     );
     assert_eq!(
@@ -756,13 +756,13 @@ fn a_wrong_time_counts_for_nothing_and_what_is_absent_has_its_reason() {
             _ => None,
         })
         .collect();
-    assert!(plots[0].contains("3.60 ×") && !plots[0].contains("0.775"));
+    assert!(plots[0].contains("1.00 × · 38.7 ms") && !plots[0].contains("0.215"));
     for word in [
         "wrong",
         "skipped",
         "missing",
-        "depth-pass = 1",
-        "stencil-pass 0.300 ×",
+        "fastest = 1",
+        "depth-pass 0.278 × (dashed)",
     ] {
         assert!(plots[0].contains(word), "{word}");
     }
@@ -773,7 +773,7 @@ fn a_wrong_time_counts_for_nothing_and_what_is_absent_has_its_reason() {
     // Twin: were it right, its time would be in the plot.
     let mut right = mixed();
     right.cases[3].ended(Status::Ok, "");
-    assert!(words(&section(&right, "countries-110m")).contains("0.775 ×"));
+    assert!(words(&section(&right, "countries-110m")).contains("4.65 × · 38.7 ms"));
 }
 
 #[test]
@@ -962,4 +962,150 @@ fn cases_are_named_by_technique_and_variant() {
     assert_eq!(names[4], "vertex/doubled,walls=list");
     let outcome = |case: &Case| case.outcome;
     assert_eq!(outcome(&run.cases[5]), Outcome::Missing);
+}
+
+/// Two fills of about the same time, and a slow one that is small and exact; the first one again.
+fn best_of(again_ms: f64) -> MadeUpRun {
+    let mut run = on_cpu();
+    for (key, ms, bytes, wrong_px) in [
+        ("vertex/doubled", 20.0, 4_000.0, 5.0),
+        ("vertex/pulled", 20.4, 1_000.0, 5.0),
+        ("native/gs-line", 40.0, 500.0, 0.0),
+    ] {
+        let role = [("role", "main")];
+        timed(&mut run, &format!("s/globe/{key}"), &role, ms)
+            .figure("geometry_bytes", bytes)
+            .figure("mismatched_px", wrong_px)
+            .figure("hausdorff_px", 1.0)
+            .figure("regions_drawn", 134.0);
+    }
+    let again = run.cases[0].id.twin();
+    run.case(again)
+        .timed(TIME, &PROCESSES.map(|factor| factor * again_ms));
+    run
+}
+
+fn answers(run: &MadeUpRun) -> Answers {
+    let (_folder, run) = written(run);
+    FillingChapter.answers(&run).expect("answers")
+}
+
+#[test]
+fn the_best_fills_of_a_view_are_those_of_its_rows() {
+    let found = answers(&best_of(21.0));
+    let matrix = tables(&found.blocks)[0];
+    assert_eq!(
+        texts(matrix, 0),
+        [
+            "s, globe",
+            "vertex/pulled",
+            "vertex/doubled",
+            "vertex/pulled",
+            "native/gs-line",
+            "native/gs-line"
+        ],
+        "view, recommended, fastest, ties, smallest, most exact"
+    );
+    let recommended = &matrix.rows[0].cells[1];
+    assert!(
+        recommended
+            .detail
+            .contains("ms · 1.00 kB · boundary 1.00 px, 5 px wrong")
+    );
+    assert_eq!(
+        recommended.command,
+        "terrafill render s --view globe --technique vertex --variant pulled --out picture.png"
+    );
+    // Twins: with quieter identical work nothing ties, and a wrong fill wins nothing.
+    let quiet = answers(&best_of(20.0));
+    assert_eq!(
+        texts(tables(&quiet.blocks)[0], 0)[1..4],
+        ["vertex/doubled", "vertex/doubled", "none"]
+    );
+    let mut wrong = best_of(20.0);
+    wrong.cases[0].ended(Status::Wrong, "41 pixels");
+    let wrong = answers(&wrong);
+    assert_eq!(texts(tables(&wrong.blocks)[0], 0)[2], "vertex/pulled");
+}
+
+#[test]
+fn advice_follows_the_rows() {
+    let advice = |run: &MadeUpRun| {
+        let found = answers(run);
+        let lists = found.blocks.into_iter().filter_map(|block| match block {
+            Block::List(lines) => Some(lines.join("\n")),
+            _ => None,
+        });
+        lists.collect::<String>()
+    };
+    let said = advice(&best_of(21.0));
+    let many = "Many regions in view (from 50 on) → vertex/doubled: s, globe, 1.00 × the best of each \
+                on average, 1.00 × at most; ties: vertex/pulled.";
+    assert!(said.contains(many), "{said}");
+    assert!(
+        said.contains("Memory is short → native/gs-line: 0.125 × the bytes of the fastest fill")
+    );
+    assert!(said.contains("Eye far, vertices are the limit"));
+    assert!(!said.contains("Eye near"), "5 fragments a vertex");
+    // Twins: other times, other advice; few regions give none about many.
+    let mut other = best_of(21.0);
+    other.cases[2].timed(TIME, &PROCESSES);
+    other.cases[2].figure("regions_drawn", 3.0);
+    let said = advice(&other);
+    assert!(!said.contains("Many regions"), "{said}");
+    assert!(said.contains("Over all views → native/gs-line: s, globe, 1.00 ×"));
+}
+
+#[test]
+fn a_full_plan_competes_under_its_own_name() {
+    let mut run = best_of(21.0);
+    let variant = "s/globe/vertex/doubled,boundary-lod-px=0.5,scissor=volumes";
+    timed(&mut run, variant, &[("role", "full-plan+ladder")], 2.0)
+        .figure("geometry_bytes", 4_000.0)
+        .figure("mismatched_px", 78.0)
+        .figure("hausdorff_px", 1.0)
+        .figure("boundary_moved_px", 0.25);
+    let found = answers(&run);
+    let cells = texts(tables(&found.blocks)[0], 0);
+    let label = "vertex/doubled, full plan, boundary ≤ 0.5 px";
+    assert_eq!([cells[1], cells[2]], [label; 2]);
+    assert_eq!(cells[5], "native/gs-line", "a moved boundary is not exact");
+    let said = words(&found.blocks);
+    assert!(
+        said.contains("Boundaries must not move at all → vertex/doubled: 10.0 ×"),
+        "{said}"
+    );
+    assert!(words(&section(&run, "s")).contains(label));
+}
+
+#[test]
+fn scope_and_requirements_are_exact() {
+    let mut run = best_of(21.0);
+    let found = answers(&run);
+    assert_eq!(
+        found.scope,
+        [
+            "3 of 3 pictures compared with the reference; none is meant to be wrong. All match outside \
+          the 1-pixel boundary band."
+        ]
+    );
+    assert_eq!(found.requirements[0].standing, Standing::Holds);
+    // Twins: a wrong picture, one that may be wrong, and one that was never compared.
+    run.cases[1].figure("mismatched_px_outside_band", 9.0);
+    let found = answers(&run);
+    assert!(
+        found.scope[0]
+            .ends_with("1 of the others does not match outside the 1-pixel boundary band.")
+    );
+    assert_eq!(found.requirements[0].standing, Standing::DoesNotHold);
+    assert_eq!(found.requirements[0].because, "2 of 3 pictures have none");
+    run.cases[1].may_be_wrong = true;
+    run.cases[2].missing().figures.clear();
+    let found = answers(&run);
+    assert!(
+        found.scope[0]
+            .starts_with("2 of 3 pictures compared with the reference; 1 sweep point may")
+    );
+    assert_eq!(found.requirements[0].standing, Standing::Holds);
+    assert_eq!(answers(&MadeUpRun::default()), Answers::default());
 }

@@ -178,6 +178,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
             data.run.clock().name()
         )),
     ];
+    blocks.splice(1..1, recommended(data, &views));
     blocks.extend(ratios(data, &views));
     blocks.extend(
         CLAIMS
@@ -209,6 +210,36 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
         }));
     }
     blocks
+}
+
+/// What the recommended route costs and how exact it is, view by view.
+fn recommended(data: &Data<'_>, views: &[TexturedView<'_>]) -> Option<Block> {
+    let lines = views.iter().filter_map(|view| {
+        let case = view.case(CHOSEN).filter(|case| case.counts())?;
+        let over_plain = plain_of(data, case).and_then(|plain| data.over(case, plain));
+        let cost = match (data.right_time(case), over_plain) {
+            (Some(time), Some(ratio)) => format!(
+                "{} ms, {} the plain fill",
+                significant(time.median),
+                data.ratio_text(&ratio)
+            ),
+            _ => "not timed".to_owned(),
+        };
+        let texels = |metric| {
+            let value = case.value(metric).map(significant);
+            value.unwrap_or_else(|| "–".to_owned())
+        };
+        let route = case.note("texture_route").split(';').next();
+        Some(format!(
+            "{}, by the recommended route ({}): {cost}; texels off by {} RMS and {} at most.",
+            view.title,
+            route.unwrap_or_default(),
+            texels("texel_rms"),
+            texels("texel_max"),
+        ))
+    });
+    let lines: Vec<String> = lines.collect();
+    (!lines.is_empty()).then(|| Block::List(lines))
 }
 
 fn views<'a>(data: &Data<'a>) -> Vec<TexturedView<'a>> {

@@ -66,17 +66,20 @@ impl Grid {
     }
 }
 
-/// Tables of the study.
+/// The routes that are recommended.
+pub(super) fn recommended(data: &Data<'_>) -> Vec<Block> {
+    chosen_table(data).blocks(
+        "What a plan takes",
+        "The cheapest route whose computed residual is within ¼ texel and ¼ pixel RMS and ½ texel at \
+         most, for terrain up to 9 km, with its measured RMS error in texels. Columns: extent. The \
+         picture has 4096 texels a side, from 90° on 16,384; the view shows the region on 1,080 rows. \
+         A dash: a region that is another one's already.",
+    )
+}
+
+/// The other tables of the study.
 pub(super) fn tables(data: &Data<'_>) -> Vec<Block> {
     let all = [
-        (
-            "What a plan takes",
-            "The cheapest route whose computed residual is within ¼ texel and ¼ pixel RMS and ½ texel at \
-             most, for terrain up to 9 km, with its measured RMS error in texels. Columns: extent. The \
-             picture has 4096 texels a side, from 90° on 16,384; the view shows the region on 1,080 rows. \
-             A dash: a region that is another one's already.",
-            chosen_table(data),
-        ),
         (
             "Position from depth",
             "Largest error of a fragment's offset from its region's anchor, on the device, over all extents \

@@ -100,7 +100,25 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
         .filter(|case| !case.is_twin())
         .map(|case| case.id().key())
         .collect();
-    assert_eq!(drawn, expected);
+    // The full plan of each technique, with boundaries as they are and moved by half a pixel at most.
+    let plans = |case: &&Case| {
+        case.condition("role")
+            .split('+')
+            .any(|role| role == "full-plan")
+    };
+    let full_plans: BTreeSet<String> = timed
+        .clone()
+        .filter(plans)
+        .filter(|case| !case.is_twin())
+        .map(|case| case.id().key())
+        .collect();
+    assert_eq!(full_plans.len(), 3 * 3 * 2, "{full_plans:?}");
+    let levels = full_plans
+        .iter()
+        .filter(|key| key.contains("boundary-lod-px=0.5"));
+    assert_eq!(levels.count(), 3 * 3);
+    let others: BTreeSet<String> = drawn.difference(&full_plans).cloned().collect();
+    assert_eq!(others, expected);
     assert!(timed.clone().any(Case::is_twin), "identical work twice");
     for case in timed {
         assert_eq!(case.timed_samples(0).len(), 2, "{}", case.id());
@@ -113,6 +131,11 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
     );
     let html = desk.read_text("run/index.html");
     assert!(html.trim_end().ends_with("</html>") && html.contains("california"));
+    let page = "run/pages/filling-california.html";
+    assert!(
+        desk.read_text(page)
+            .contains("terrafill render california --view globe")
+    );
     // The report again, from the tables alone and without a device.
     for name in ["index.html", "summary.csv", "summary.md", "result.json"] {
         std::fs::remove_file(desk.path(&format!("run/{name}"))).expect("removable");
@@ -121,6 +144,11 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
     assert_eq!(ran.succeeded(), "report: run/index.html\n");
     assert_eq!(desk.read_text("run/index.html"), html);
     assert_eq!(desk.read_text("run/summary.csv"), summary);
+    // And as one file.
+    desk.run_without_device(&["report", "run", "--single-file"])
+        .succeeded();
+    let single = desk.read_text("run/index.html");
+    assert!(single.contains("data:image/png;base64,") && !desk.path(page).exists());
     // A run in the same place is not mixed with this one.
     desk.run(&quick("run", &[]))
         .refused(&[&["run holds a run already", "--resume"]]);
