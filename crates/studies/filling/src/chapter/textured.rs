@@ -239,7 +239,7 @@ fn recommended(data: &Data<'_>, views: &[TexturedView<'_>]) -> Option<Block> {
         ))
     });
     let lines: Vec<String> = lines.collect();
-    (!lines.is_empty()).then(|| Block::List(lines))
+    (!lines.is_empty()).then_some(Block::List(lines))
 }
 
 fn views<'a>(data: &Data<'a>) -> Vec<TexturedView<'a>> {
