@@ -432,7 +432,8 @@ impl From<ReadingArguments> for Reading {
 
 const UNWRAP_HELP: &str = "\
 Edges over more than 180° of longitude: literal (as the
-numbers stand, RFC 7946) or shortest (the shorter way)";
+numbers stand, RFC 7946) or shortest (the shorter way,
+over the antimeridian)";
 
 const INSIDE_HELP: &str = "\
 Inside of a ring round a pole: smaller (the side with less
