@@ -56,7 +56,7 @@ pub(crate) enum Verb {
         after_help = "Example: terrafill render california --view globe --out california.png"
     )]
     Render(RenderArguments),
-    /// Mesh regions and print their figures
+    /// Mesh regions and print what came of it
     #[command(after_help = "Example: terrafill mesh countries.geojson --json | jq .totals")]
     Mesh(MeshArguments),
     /// Say which regions hold which points, by the reference's tests
@@ -432,8 +432,8 @@ impl From<ReadingArguments> for Reading {
 
 const UNWRAP_HELP: &str = "\
 Edges over more than 180° of longitude: literal (as the
-numbers stand, RFC 7946) or shortest (the shorter
-way)";
+numbers stand, RFC 7946) or shortest (the shorter way,
+over the antimeridian)";
 
 const INSIDE_HELP: &str = "\
 Inside of a ring round a pole: smaller (the side with less

@@ -52,9 +52,8 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
     let desk = Desk::new();
     let options = [&["--samples", "2"][..], &NAMED].concat();
     let text = desk.run(&quick("run", &options)).succeeded();
-    // Nine full-screen passes and fills and six full plans in each view, two textured fills, bytes of
-    // seven layouts.
-    let all = 3 * 15 + 2 + 7 * REGION_COUNTS;
+    // Nine full-screen passes and fills in each view, two textured ones, bytes of seven layouts.
+    let all = 3 * 9 + 2 + 7 * REGION_COUNTS;
     let counts = format!("{all} right, 0 wrong, 0 failed, 0 skipped");
     assert!(text.starts_with(&counts), "{text}");
     assert!(text.ends_with("report: run/index.html\n"), "{text}");
@@ -78,18 +77,6 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
             "native/gs-line",
         ] {
             expected.insert(format!("filling/california/{view}/{technique}"));
-        }
-        for (technique, order) in [
-            ("vertex/doubled", ",index-order=cache"),
-            ("compute/cached", ""),
-            ("native/gs-line", ""),
-        ] {
-            for levels in ["", ",boundary-lod-px=0.5"] {
-                expected.insert(format!(
-                    "filling/california/{view}/{technique},bottom-cap=where-needed{levels},\
-                     depth-rule=automatic{order},scissor=volumes"
-                ));
-            }
         }
     }
     for route in ["chosen", "atan2-native+bowring-1"] {
@@ -194,18 +181,18 @@ fn a_wrong_picture_ends_with_1() {
     };
     // Two full-screen passes, and the bytes of seven layouts.
     let other = 2 + 7 * REGION_COUNTS;
-    // Disjoint is what the scene says; XOR colouring relies on it, in seven fills and six full plans.
+    // Disjoint is what the scene says; XOR colouring relies on it.
     let ran = bench("wrong");
     assert_eq!(ran.code, 1, "{}", ran.stdout);
     assert!(
-        ran.stdout.starts_with(&format!("{other} right, 13 wrong")),
+        ran.stdout.starts_with(&format!("{other} right, 7 wrong")),
         "{}",
         ran.stdout
     );
     let truth = format!("overlap = \"ordered\"\n{}", desk.read_text("overlap.toml"));
     desk.write("overlap.toml", truth);
     let right = bench("right").succeeded();
-    let all = other + 13;
+    let all = other + 7;
     assert!(
         right.starts_with(&format!("{all} right, 0 wrong")),
         "{right}"
