@@ -11,6 +11,7 @@ use terrafill_fill::{Role, Technique, Variant, matrix_row};
 use terrafill_gpu::BaselineKind;
 use terrafill_results::{CaseId, PlannedCase};
 use terrafill_scene::{Overlap, PlanOptions, Scene, View};
+use terrafill_study::Depth;
 
 /// What a case is measured for; it may be several things at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -178,9 +179,11 @@ impl Builder<'_> {
             for variant in technique.variants(scene, role) {
                 self.add(Subject::Fill(*technique, variant), Purpose::Main, frames);
             }
-            for variant in full_plans(*technique, scene.overlap) {
-                let subject = Subject::Fill(*technique, variant);
-                self.add(subject, Purpose::FullPlan, frames);
+            if wishes.depth != Depth::Quick {
+                for variant in full_plans(*technique, scene.overlap) {
+                    let subject = Subject::Fill(*technique, variant);
+                    self.add(subject, Purpose::FullPlan, wishes.few_frames());
+                }
             }
             self.add_textured(*technique, [frames, wishes.few_frames()]);
             if wishes.is_full() {
