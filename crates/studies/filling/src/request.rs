@@ -24,7 +24,7 @@ const MATRIX_SCENES: [&str; 3] = ["planet-134", "california", "countries-110m"];
 /// Timed frames of a case in a process.
 const FRAMES: u32 = 8;
 /// The same in a quick run, which may take 90 s over all shipped scenes on two cores.
-const QUICK_FRAMES: u32 = 5;
+const QUICK_FRAMES: u32 = 4;
 /// The same in a full run, whose intervals are to be narrow.
 const FULL_FRAMES: u32 = 10;
 /// Timed frames of a rung in a process: few, since the first rungs take seconds where the last take
