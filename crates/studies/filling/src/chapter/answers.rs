@@ -188,7 +188,7 @@ fn winner(data: &Data<'_>, palette: &Palette, case: &Case) -> Cell {
     let moved = moved.map_or_else(String::new, |px| format!(" (moved {})", significant(px)));
     Cell {
         detail: format!(
-            "{time} ms · {size} · boundary {} px{moved}, {} px wrong",
+            "{time} ms · {size} · boundary {} px{moved}, {} px differ",
             distance.as_deref().unwrap_or("–"),
             wrong.as_deref().unwrap_or("–"),
         ),

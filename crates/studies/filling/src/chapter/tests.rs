@@ -1010,7 +1010,7 @@ fn the_best_fills_of_a_view_are_those_of_its_rows() {
     assert!(
         recommended
             .detail
-            .contains("ms · 1.00 kB · boundary 1.00 px, 5 px wrong")
+            .contains("ms · 1.00 kB · boundary 1.00 px, 5 px differ")
     );
     assert_eq!(
         recommended.command,
