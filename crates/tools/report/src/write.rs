@@ -70,7 +70,7 @@ pub fn write(folder: &Path, chapters: &[&dyn Chapter]) -> Result<WrittenReport, 
 /// it and can be mailed.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_single_file(
     folder: &Path,
     chapters: &[&dyn Chapter],

@@ -8,8 +8,8 @@ impl Program {
     /// WGSL that defines `struct RouteConstants` and `fn route_angles`.
     ///
     /// Where the program reads a table, the text names `route_table` and `route_sampler`; their
-    /// declarations are those of [`LookupTable::declarations`], and those of `route_cube` are
-    /// [`CubeTexture::declarations`].
+    /// declarations are those of [`crate::LookupTable::declarations`], and those of `route_cube` are
+    /// [`crate::CubeTexture::declarations`].
     #[must_use]
     pub fn wgsl(&self) -> String {
         self.function_text("route_angles", "d: vec3f", "RouteConstants")
