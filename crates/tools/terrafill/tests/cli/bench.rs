@@ -93,25 +93,8 @@ fn a_quick_run_writes_every_file_and_ends_with_0() {
         .filter(|case| !case.is_twin())
         .map(|case| case.id().key())
         .collect();
-    // The full plan of each technique, with boundaries as they are and moved by half a pixel at most.
-    let plans = |case: &&Case| {
-        case.condition("role")
-            .split('+')
-            .any(|role| role == "full-plan")
-    };
-    let full_plans: BTreeSet<String> = timed
-        .clone()
-        .filter(plans)
-        .filter(|case| !case.is_twin())
-        .map(|case| case.id().key())
-        .collect();
-    assert_eq!(full_plans.len(), 3 * 3 * 2, "{full_plans:?}");
-    let levels = full_plans
-        .iter()
-        .filter(|key| key.contains("boundary-lod-px=0.5"));
-    assert_eq!(levels.count(), 3 * 3);
-    let others: BTreeSet<String> = drawn.difference(&full_plans).cloned().collect();
-    assert_eq!(others, expected);
+    // No full plans: those belong to a run that is not quick.
+    assert_eq!(drawn, expected);
     assert!(timed.clone().any(Case::is_twin), "identical work twice");
     for case in timed {
         assert_eq!(case.timed_samples(0).len(), 2, "{}", case.id());
