@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT OR Apache-2.0
 #
-# Whether this tree does more work, errs more or takes longer than another revision: sets the machine up,
-# builds both, runs both by turns on this machine, and exits by the verdict: 0 pass, 1 differs, 2 bad input,
+# Whether this tree does more work, errs more or takes longer than another revision. Sets the machine up,
+# builds both, runs both by turns on this machine. Exits by the verdict, so: 0 pass, 1 differs, 2 bad input,
 # 3 inconclusive, 4 nothing measured, 5 no device. Further arguments go to `terrafill gate`; paths are relative
 # to the repository.
 #

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Lists the WGSL modules below `shaders/`, so that a new one needs no line anywhere: every folder but
+//! Lists the WGSL modules below `shaders/`, so that a new one needs no line anywhere. Every folder but
 //! `shared` (imported by others) and `texture` (parts that are put together) holds files with entry
 //! points of their own.
 

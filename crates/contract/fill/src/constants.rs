@@ -63,7 +63,7 @@ pub struct VolumeConstants {
     pub eye: [i32; 3],
     /// Bits dropped from stored positions.
     pub shift: u32,
-    /// What is left of the eye below one unit of `scale_m`, metres; for local f32 the whole eye from
+    /// What is left of the eye below one unit of `scale_m`, metres. For local f32 the whole eye from
     /// the volume's origin, for f32 ECEF and two floats what the view's eye rounded away.
     pub eye_remainder_m: [f32; 3],
     /// `unit_m · 2^shift`.

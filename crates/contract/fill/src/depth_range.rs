@@ -2,7 +2,7 @@
 //! The range of the surface's depth in which a volume can lie at all.
 //!
 //! Where the surface is nearer than the volume or farther, every ray crosses the volume an
-//! even number of times on either side of it, so its fragments may be dropped before they touch the
+//! even number of times on either side. So its fragments may be dropped before they touch the
 //! stencil. The range is that of the corners of a box that holds the volume, along the viewing
 //! direction; with reversed depth the farthest corner gives the lower end.
 

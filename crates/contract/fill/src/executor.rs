@@ -107,8 +107,8 @@ pub trait StencilExecutor<V>: Sized {
     fn probe(&mut self, volumes: &mut V) -> Result<Vec<Option<Probed>>, DeviceError>;
 
     /// How many fragments the volumes of the stencil work have, by an extra pass that is never timed
-    /// and draws into nothing, so that fragments count whether or not the depth test lets them
-    /// through; `None` where the device cannot count them. Volumes that are made per frame are those
+    /// and draws into nothing. So fragments count whether or not the depth test lets them
+    /// through. `None` where the device cannot count them. Volumes that are made per frame are those
     /// of the frame before.
     ///
     /// # Errors

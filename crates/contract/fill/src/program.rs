@@ -134,7 +134,7 @@ pub enum FillCommand {
         volumes: Vec<usize>,
     },
     /// Adds to a 32-bit float target, cleared to 0 when the pass starts, each volume's number (its
-    /// place in the list, plus 1) where a fragment counts: with [`DepthRule::Fail`] back faces add
+    /// place in the list, plus 1) where a fragment counts. With [`DepthRule::Fail`] back faces add
     /// and front faces take away, with [`DepthRule::Pass`] the other way round. What is left is the
     /// number of the volume that the surface lies in. Their order changes nothing.
     Accumulate {
@@ -239,8 +239,8 @@ fn check_depth(volumes: &[Volume]) -> Result<(), DeviceError> {
     })
 }
 
-/// Volumes whose numbers a 32-bit float can accumulate: it holds integers to 2²⁴, and the sum of
-/// 1 … 4,095 is half of that, so every order of adding is exact as long as no ray is inside more
+/// Volumes whose numbers a 32-bit float can accumulate. It holds integers to 2²⁴, and the sum of
+/// 1 … 4,095 is half of that. So every order of adding is exact as long as no ray is inside more
 /// than two sheets of every volume at once.
 const ACCUMULABLE: usize = 4_095;
 

@@ -2,7 +2,7 @@
 //! Studies, and the one runner that measures them all.
 //!
 //! A [`Study`] names its cases in groups. A [`Group`] opens a [`Session`], in which every case is
-//! verified before anything is timed; the [`run`] function measures the groups in shuffled blocks,
+//! verified before anything is timed. The [`run`] function measures the groups in shuffled blocks,
 //! writes each value as it is measured, goes on with broken-off runs and measures a few cases twice.
 //! No study repeats any of that, and the runner names no study.
 //!

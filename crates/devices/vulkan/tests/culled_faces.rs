@@ -3,10 +3,10 @@
 //! what is drawn without culling. `faces=two-pass` rests on that, and so do covers that cull.
 //!
 //! Vulkan 1.3 calls every triangle either front-facing or back-facing, so nothing may be lost. llvmpipe
-//! loses slivers, even one that is drawn alone and needs no clipping: an expected failure of that driver
+//! loses slivers, even one that is drawn alone and needs no clipping. That is an expected failure of that driver
 //! (seen with Mesa 25.0.7, 3 of 184 samples). The likely cause is that its sources know two areas, one of
 //! window coordinates in `f32` (`draw_pipe_cull.c`) and one of coordinates snapped to 1/256 of a pixel
-//! (`lp_setup_tri.c`): a sliver that snapping turns over is a front face to the one and a back face to
+//! (`lp_setup_tri.c`). A sliver that snapping turns over is a front face to the one and a back face to
 //! the other. One pixel of `countries-50m`, view `fill`, is lost by `faces=two-pass` in `vertex` and
 //! `compute` and not by `two-sided`, as it would be by such a sliver.
 //!

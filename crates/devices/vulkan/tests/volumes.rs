@@ -7,8 +7,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 use terrafill_fill::{
-    ColourWay, DepthRule, DeviceError, FacePasses, Picture, StencilExecutor, Switches, VolumeDraw,
-    VolumeState,
+    DepthRule, DeviceError, Picture, StencilExecutor, Switches, VolumeDraw, VolumeState,
 };
 use terrafill_fixtures::BoxOverGround;
 use terrafill_fixtures::globe::SIZE;
@@ -118,40 +117,10 @@ fn drawn(
 }
 
 #[test]
-fn a_box_marks_the_ground_inside_it_whatever_the_switches() {
+fn a_box_marks_the_ground_inside_it_and_a_wrong_one_is_noticed() {
     let Some(gpu) = open_for_test(&Default::default()) else {
         return;
     };
     let scene = BoxOverGround::default();
-    let rect = scene.screen_rect();
-    for colour in ColourWay::ALL {
-        for faces in [FacePasses::TwoSided, FacePasses::TwoPass] {
-            let switches = Switches {
-                colour,
-                faces,
-                ..Switches::default()
-            };
-            let picture = drawn(&gpu, &scene, 6, &switches, rect);
-            assert_eq!(scene.mismatches(&picture), 0, "{switches:?}");
-            // Twin: a box that is not closed.
-            let open = drawn(&gpu, &scene, 5, &switches, rect);
-            assert!(scene.mismatches(&open) > 20, "{switches:?}");
-        }
-    }
-}
-
-#[test]
-fn a_rectangle_that_is_too_small_is_noticed() {
-    let Some(gpu) = open_for_test(&Default::default()) else {
-        return;
-    };
-    let scene = BoxOverGround::default();
-    let rect = scene.screen_rect();
-    let half = PixelRect {
-        right: rect.left + rect.width() / 2,
-        ..rect
-    };
-    let switches = Switches::default();
-    let wrong = scene.mismatches(&drawn(&gpu, &scene, 6, &switches, half));
-    assert!(wrong > 20, "{wrong}");
+    scene.check(|faces, switches, rect| drawn(&gpu, &scene, faces, switches, rect));
 }

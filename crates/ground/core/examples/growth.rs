@@ -2,11 +2,11 @@
 //! How the cost of reading and meshing grows from 1,000 to 1,000,000 vertices, family by family.
 //!
 //! `growth [OUT.csv] [RUNS]` prints a table, writes `shape,vertices,cpu_ms,ns_per_vertex,peak_bytes`
-//! (medians of RUNS runs, 5 unless told) and fails when any family costs more than 16 times as much
+//! (medians of RUNS runs, 5 by default) and fails when any family costs more than 16 times as much
 //! at 10⁶ vertices as at 10⁵. CPU time of the process, all threads together, since it is steadier than
 //! the clock on a busy machine. Every run is a process of its own, so that its peak of memory is its
-//! own too; it includes the text of the shape, and is left empty where the system does not tell. The
-//! text comes from a file, as a user's does: a process that has made it itself has memory to hand out
+//! own too. It includes the text of the shape, and is left empty where the system does not say. The
+//! text comes from a file, as a user's does. A process that has made it itself has memory to hand out
 //! again, enough for a hundred thousand vertices and not for a million.
 
 #![allow(clippy::print_stdout, reason = "printing is what an example is for")]

@@ -2,7 +2,7 @@
 //! Which of many straight edges cross: a line swept over them from west to east.
 //!
 //! Degrees. Edges side by side that are much longer than they are far apart, such as the teeth of a
-//! comb, defeat every comparison of boxes: each box overlaps as many others as the edge is longer. In
+//! comb, defeat every comparison of boxes. Each box overlaps as many others as the edge is longer. In
 //! the order in which the line meets them only neighbours need to be compared (Shamos & Hoey 1976).
 //! Sides are decided exactly (`robust::orient2d`), so the order is right whatever touches.
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Exact amounts over exact amounts in small panels, one line a name, both axes logarithmic and the
-//! same in all panels; a ringed mark is a point beside its line.
+//! same in all panels. A ringed mark is a point beside its line.
 
 use crate::canvas::{Anchor, Canvas, Spot, svg};
 use crate::log_log::{

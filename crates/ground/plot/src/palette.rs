@@ -2,7 +2,7 @@
 //! Colours and markers of the curves: one pair per curve name, the same in every plot of a report.
 //!
 //! The hues are those of Okabe and Ito (2008), "Color universal design", told apart under the common
-//! colour-vision deficiencies; the light ones are darkened to a contrast of 4.5 : 1 on white, as text needs, and each
+//! colour-vision deficiencies. The light ones are darkened to a contrast of 4.5 : 1 on white, as text needs, and each
 //! has a lighter twin for dark pages. Plots are drawn in the light colours; the page's style sheet
 //! swaps them. Markers differ between neighbours, so nothing rests on colour alone.
 

@@ -3,7 +3,7 @@
 //!
 //! View space: x right, y up, z towards the viewer; pixels count from the upper left corner, centres
 //! at half integers; the offset is in meridian axes, metres. What decides the precision is where the
-//! body's radius enters: the inverse view-projection of 2007 has it in every product, so millimetres
+//! body's radius enters. The inverse view-projection of 2007 has it in every product, so millimetres
 //! of a near object are lost in 6.4 · 10⁶ m. An affine map into the region's frame, whose
 //! translation eye − anchor is computed in `f64`, never holds it at all.
 //!

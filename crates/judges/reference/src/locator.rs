@@ -120,7 +120,7 @@ impl Locator {
     /// pole is in no region: whoever reads positions from a file refuses those first.
     ///
     /// Longitudes of the point and of the regions are rounded to multiples of 2⁻⁴³ degrees (13 nm at
-    /// the equator), so that turns can be added without an error; for great-ellipse edges places are
+    /// the equator), so that turns can be added without an error. For great-ellipse edges places are
     /// rounded to unit normals in `f64` as well (1 nm). On which side of an edge the rounded place lies
     /// is decided exactly.
     #[must_use]

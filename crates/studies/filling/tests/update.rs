@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Regions that change after they were prepared: the device gets the changed ones alone, the picture
+//! Regions that change after they were prepared. The device gets the changed ones alone, the picture
 //! is that of a backend which never saw the old ones, and wrong claims are refused.
 
 mod drawing;

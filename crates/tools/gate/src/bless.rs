@@ -4,7 +4,7 @@
 //! A blessing names case, metric and *both* values, so that it covers one change and no later one. Of a
 //! time it names the largest change in percent. One that covers nothing is reported.
 
-use crate::{Finding, Gate, GateError};
+use crate::{Finding, Gate, GateError, table};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -59,7 +59,7 @@ impl Blessing {
         if finding.gate != Gate::Time {
             return self.from == finding.from && self.to == finding.to;
         }
-        // A time that cannot be told has no change that could be accepted.
+        // A time that is inconclusive has no change that could be accepted.
         let bound = self.to.strip_suffix('%').and_then(|to| to.parse().ok());
         let bound: Option<f64> = bound.filter(|_| self.from == TIME);
         bound.zip(finding.percent).is_some_and(|(bound, percent)| {
@@ -110,32 +110,10 @@ pub fn read_blessings(path: &Path) -> Result<Vec<Blessing>, GateError> {
     if !path.exists() {
         return Ok(Vec::new());
     }
-    let wrong = |row: usize, message: String| GateError::Row {
-        path: path.to_owned(),
-        row,
-        message,
-    };
     let text = std::fs::read_to_string(path).map_err(GateError::io(path))?;
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let header = reader.headers().map_err(|e| wrong(1, e.to_string()))?;
-    if !header.iter().eq(COLUMNS) {
-        let found: Vec<&str> = header.iter().collect();
-        let message = format!(
-            "found {:?}, expected {:?}",
-            found.join(","),
-            COLUMNS.join(",")
-        );
-        return Err(wrong(1, message));
-    }
-    let mut blessings = Vec::new();
-    for (row, blessing) in (2..).zip(reader.deserialize()) {
-        let blessing: Blessing = blessing.map_err(|error| wrong(row, error.to_string()))?;
-        if blessing.reason.trim().is_empty() {
-            return Err(wrong(row, "found no reason, needs one".to_owned()));
-        }
-        blessings.push(blessing);
-    }
-    Ok(blessings)
+    table::parse(path, &text, &COLUMNS, |blessing: &Blessing| {
+        table::check_reason(&blessing.reason)
+    })
 }
 
 /// Adds blessings to a file, in place of earlier ones of the same case and metric; sorted, so that a

@@ -12,7 +12,7 @@ pub enum Verdict {
     Pass,
     /// Something differs.
     Regression,
-    /// Something could not be told.
+    /// Something is inconclusive.
     Inconclusive,
     /// Nothing was compared.
     NothingMeasured,
@@ -50,7 +50,7 @@ pub enum Severity {
     Worse,
     /// Better by a figure that must not change without a word: fails until it is blessed.
     Better,
-    /// Could not be told.
+    /// Inconclusive.
     Unknown,
     /// Worth a line, and no more.
     Note,

@@ -42,7 +42,7 @@ pub struct Job<'a> {
 
 impl<'a> Job<'a> {
     /// - `out`: folder of both run folders, which must not hold any yet
-    /// - `say`: is told what comes next
+    /// - `say`: hears what comes next
     ///
     /// # Errors
     /// [`GateError::BadInput`] where the folder holds something; [`GateError::Io`].

@@ -20,6 +20,7 @@ mod output;
 mod program;
 mod report;
 mod self_test;
+mod table;
 pub mod threshold;
 mod time;
 

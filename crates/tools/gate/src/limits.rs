@@ -2,7 +2,7 @@
 //! Committed limits of single figures: that something was drawn, that an unchanged frame makes and
 //! uploads nothing, and how large an error may be. A value on either side of its limits fails.
 
-use crate::GateError;
+use crate::{GateError, table};
 use serde::Deserialize;
 use std::path::Path;
 
@@ -73,37 +73,12 @@ pub fn read_limits(path: &Path) -> Result<Vec<Limit>, GateError> {
 }
 
 fn parse(path: &Path, text: &str) -> Result<Vec<Limit>, GateError> {
-    let wrong = |row: usize, message: String| GateError::Row {
-        path: path.to_owned(),
-        row,
-        message,
-    };
-    let mut reader = csv::Reader::from_reader(text.as_bytes());
-    let header = reader.headers().map_err(|e| wrong(1, e.to_string()))?;
-    if !header.iter().eq(COLUMNS) {
-        let found: Vec<&str> = header.iter().collect();
-        let message = format!(
-            "found {:?}, expected {:?}",
-            found.join(","),
-            COLUMNS.join(",")
-        );
-        return Err(wrong(1, message));
-    }
-    let mut limits = Vec::new();
-    for (row, limit) in (2..).zip(reader.deserialize()) {
-        let limit: Limit = limit.map_err(|error| wrong(row, error.to_string()))?;
+    table::parse(path, text, &COLUMNS, |limit: &Limit| {
         if limit.min.is_none() && limit.max.is_none() {
-            return Err(wrong(
-                row,
-                "found neither min nor max, needs one".to_owned(),
-            ));
+            return Err("found neither min nor max, needs one".to_owned());
         }
-        if limit.reason.trim().is_empty() {
-            return Err(wrong(row, "found no reason, needs one".to_owned()));
-        }
-        limits.push(limit);
-    }
-    Ok(limits)
+        table::check_reason(&limit.reason)
+    })
 }
 
 #[cfg(test)]

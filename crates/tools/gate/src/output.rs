@@ -90,7 +90,7 @@ fn headline(report: &GateReport) -> String {
                 format!("{worse} differences for the worse, {better} for the better")
             }
         },
-        Verdict::Inconclusive => format!("{} cannot be told", count(Severity::Unknown)),
+        Verdict::Inconclusive => format!("{} inconclusive", count(Severity::Unknown)),
         Verdict::NothingMeasured => "no case was compared".to_owned(),
     }
 }
@@ -222,7 +222,7 @@ pub fn annotations(report: &GateReport) -> Vec<String> {
     lines
 }
 
-/// A JUnit file: a case is a test; one that cannot be told is skipped, with its reason.
+/// A JUnit file: a case is a test; an inconclusive one is skipped, with its reason.
 ///
 /// # Errors
 /// [`GateError::BadInput`] where the text cannot be written.

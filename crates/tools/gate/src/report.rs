@@ -138,13 +138,13 @@ fn sort(findings: &mut [Finding]) {
     });
 }
 
-/// What is asked of a gate over two programs.
+/// What to do in a gate over two programs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GateOptions {
     /// Whether times are compared.
     pub times: bool,
-    /// Whether times are told and decide nothing: where other work shares the machine, most cannot be
-    /// told from noise.
+    /// Whether times are reported and decide nothing: where other work shares the machine, most are within
+    /// its noise.
     pub advisory: bool,
     /// Smallest change of a time that fails, percent.
     pub floor_percent: f64,

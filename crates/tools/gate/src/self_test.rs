@@ -68,7 +68,7 @@ pub struct Rates {
     pub slower: u32,
     /// Called faster there.
     pub faster: u32,
-    /// Not told.
+    /// Inconclusive.
     pub unknown: u32,
     /// Case-runs in which the base had the more work.
     pub swapped_case_runs: u32,
@@ -76,7 +76,7 @@ pub struct Rates {
     pub swapped_faster: u32,
     /// Of these, called slower.
     pub swapped_slower: u32,
-    /// Of these, not told.
+    /// Of these, inconclusive.
     pub swapped_unknown: u32,
 }
 
@@ -119,7 +119,7 @@ impl Rates {
                 format!("same work on both sides, {} gates", self.gates),
                 rate(self.slower, self.case_runs, "called slower"),
                 rate(self.faster, self.case_runs, "called faster"),
-                rate(self.unknown, self.case_runs, "not told"),
+                rate(self.unknown, self.case_runs, "inconclusive"),
             ];
         };
         let percent = 100.0 * f64::from(extra) / f64::from(frames);
@@ -141,7 +141,7 @@ impl Rates {
             rate(
                 self.unknown,
                 self.case_runs,
-                "more on the new side, not told",
+                "more on the new side, inconclusive",
             ),
             rate(
                 self.swapped_faster,
@@ -156,7 +156,7 @@ impl Rates {
             rate(
                 self.swapped_unknown,
                 self.swapped_case_runs,
-                "more on the base's side, not told",
+                "more on the base's side, inconclusive",
             ),
         ]
     }
@@ -166,7 +166,7 @@ impl Rates {
 /// gate has it on the base's side.
 ///
 /// - `out`: a folder for the run folders, one for each gate
-/// - `done`: is told the rates after each gate
+/// - `done`: gets the rates after each gate
 ///
 /// # Errors
 /// [`GateError`] of a gate; [`GateError::NothingMeasured`] where no case is timed.

@@ -2,10 +2,10 @@
 //! The time gate: two programs, run by turns in one job on one device.
 //!
 //! One process is one number: the median over its samples. Blocks of four processes go base, new, new,
-//! base and the other way round by turns, so that what drifts evenly falls out; a block's difference is
-//! the mean of ln(new) less that of ln(base). [`SCREEN_BLOCKS`] look at every case; what moved by
+//! base and the other way round by turns, so that what drifts evenly falls out. A block's difference is
+//! the mean of ln(new) less that of ln(base). [`SCREEN_BLOCKS`] look at every case. What moved by
 //! [`SCREEN_RATIO`], or spread too much to tell, is measured again in [`CONFIRM_BLOCKS`] *fresh* blocks,
-//! which alone decide: choosing cases by their first blocks biases these. Base against base within the
+//! which alone decide. Choosing cases by their first blocks biases these. Base against base within the
 //! same blocks is the null: where it moves, the machine did.
 
 use crate::threshold::{
@@ -59,7 +59,7 @@ pub trait Sides {
     /// Time since the gate began.
     fn elapsed(&self) -> Duration;
 
-    /// Is told what comes next.
+    /// Hears what comes next.
     fn say(&mut self, what: &str);
 }
 
@@ -106,7 +106,7 @@ pub enum Pace {
     Faster,
     /// So much faster that it may have stopped working.
     Collapsed,
-    /// It cannot be told.
+    /// It is inconclusive.
     Unknown,
 }
 
@@ -131,7 +131,7 @@ pub struct CaseTime {
     pub blocks: usize,
     /// Of these, blocks in which the new program was slower.
     pub slower_blocks: usize,
-    /// Why it cannot be told, or why a change does not count.
+    /// Why it is inconclusive, or why a change does not count.
     pub words: String,
 }
 
@@ -388,7 +388,7 @@ fn decide(case: &str, blocks: &[Block], times: &[Times; 2], options: &TimeOption
 }
 
 /// A change counts when the interval excludes none, the estimate reaches both floors, and the blocks
-/// agree; it cannot be told where the null moved as much, or the interval is wider than the floor.
+/// agree. It is inconclusive where the null moved as much, or the interval is wider than the floor.
 fn pace(
     shift: &Shift,
     null: Option<&Shift>,

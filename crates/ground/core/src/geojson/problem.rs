@@ -172,7 +172,7 @@ pub enum RegionProblemKind {
     /// Coordinates nested too deep, too flat, or not numbers.
     #[error("{found} in the coordinates; expected {allowed}")]
     WrongNesting {
-        /// What stands there.
+        /// What was found.
         found: String,
         /// What may.
         allowed: &'static str,
@@ -182,7 +182,7 @@ pub enum RegionProblemKind {
     NotANumber {
         /// Place in the position, from 0.
         element: usize,
-        /// What stands there.
+        /// What was found.
         found: String,
     },
     /// Beyond a pole.

@@ -82,7 +82,7 @@ impl Program {
     /// Runs it in `f64` and carries along what rounding may add, step by step.
     ///
     /// First-order running error analysis (Higham 2002, "Accuracy and Stability of Numerical
-    /// Algorithms", §3.3): each step passes on its operands' errors by its derivatives and adds half
+    /// Algorithms", §3.3). Each step passes on its operands' errors by its derivatives and adds half
     /// a unit in the last place of its own result, or what WGSL allows where that is more.
     #[must_use]
     pub fn bounded(&self, constants: &[[f32; 4]], offset_m: [f32; 3]) -> [Bounded; 2] {

@@ -185,7 +185,7 @@ fn reference_lines(row: Formula<'_>) -> Vec<ReferenceLine> {
         "last place of the answer in f32",
         0.5 * ulp(half_rad) * EARTH_M,
     ));
-    // The angles that atan2 is asked for are absolute, latitude or longitude.
+    // The angles that atan2 gives are absolute, latitude or longitude.
     let angle_rad = half_rad.max(latitude_deg.to_radians());
     let specified = SPECIFIED_ULP * ulp(angle_rad) * EARTH_M;
     lines.push(line("atan2 by the specification", specified));
