@@ -21,10 +21,9 @@ const LADDER_SCENE: &str = "planet-134";
 /// and neighbours that share borders.
 const MATRIX_SCENES: [&str; 3] = ["planet-134", "california", "countries-110m"];
 
-/// Timed frames of a case in a process.
-const FRAMES: u32 = 8;
-/// The same in a quick run, which may take 90 s over all shipped scenes on two cores.
-const QUICK_FRAMES: u32 = 4;
+/// Timed frames of a case in a process. Few: a process is one number, and more processes say more than
+/// more frames of one.
+const FRAMES: u32 = 4;
 /// The same in a full run, whose intervals are to be narrow.
 const FULL_FRAMES: u32 = 10;
 /// Timed frames of a rung in a process: few, since the first rungs take seconds where the last take
@@ -92,11 +91,8 @@ impl Wishes {
 
     /// Timed frames of a case in a process.
     pub(crate) fn frames(&self) -> u32 {
-        self.samples.unwrap_or(match self.depth {
-            Depth::Quick => QUICK_FRAMES,
-            Depth::Main => FRAMES,
-            Depth::Full => FULL_FRAMES,
-        })
+        let default = if self.is_full() { FULL_FRAMES } else { FRAMES };
+        self.samples.unwrap_or(default)
     }
 
     /// Timed frames of a rung, or of one of many variants of a textured fill.
