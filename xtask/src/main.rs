@@ -8,6 +8,7 @@ mod cycles;
 mod dependencies;
 mod geometry;
 mod lines;
+mod mutations;
 mod pictures;
 mod shaders;
 mod source;
@@ -26,6 +27,7 @@ usage: cargo xtask COMMAND
   compile-shaders              write the SPIR-V of the geometry shaders anew
   check-validation-log FILE    the Vulkan layer was at work and reported nothing unexpected
   compare-pictures BASE NEW    two run folders hold the same masks and ids, case by case
+  gate-mutations [NAME...]     the gate names the counter that each mistake on a list moves
   lines [--root DIR]           lines of source outside tests, for each package";
 
 #[allow(
@@ -42,6 +44,7 @@ fn main() -> ExitCode {
         ["compile-shaders"] => geometry::compile(&root().join("shaders")),
         ["check-validation-log", file] => validation_log::check(Path::new(file)),
         ["compare-pictures", base, new] => pictures::compare(Path::new(base), Path::new(new)),
+        ["gate-mutations", ref names @ ..] => mutations::check(&root(), names),
         ["lines"] => lines::count(&root()),
         ["lines", "--root", folder] => lines::count(Path::new(folder)),
         _ => {

@@ -13,7 +13,11 @@
 mod run;
 mod schedule;
 mod study;
+mod turns;
 
-pub use run::{FramesPerSample, Plan, Progress, RunOptions, RunOutcome, Silent, plan, run};
-pub use schedule::SplitMix64;
+pub use run::{
+    FramesPerSample, Plan, Progress, RunOptions, RunOutcome, Silent, plan, run, run_by_turns,
+};
 pub use study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
+pub use terrafill_results::SplitMix64;
+pub use turns::{Turn, Turns};

@@ -5,15 +5,15 @@
 //! one sample. A run of several processes is the same folder measured by one process after another:
 //! the first verifies every case, the others make sure that they do the same work and time it again.
 
-use crate::schedule::{SplitMix64, block_order};
-use crate::{Context, Group, Planned, Request, Session, Study, StudyError};
+use crate::schedule::block_order;
+use crate::{Context, Group, Planned, Request, Session, Study, StudyError, Turn, Turns};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::rc::Rc;
 use terrafill_fill::Devices;
 use terrafill_results::{
-    Measurement, Note, Outcome, PlannedCase, Run, RunError, RunFolder, RunPlan, Shard, Status,
-    Verdict, repeated_cases,
+    Measurement, Note, Outcome, PlannedCase, Run, RunError, RunFolder, RunPlan, Shard, SplitMix64,
+    Status, Verdict, repeated_cases,
 };
 
 /// Timed cases of a group that are measured twice: two pairs tell a group's noise from one freak, and
@@ -253,6 +253,32 @@ pub fn run(
     options: &RunOptions,
     progress: &mut dyn Progress,
 ) -> Result<(), StudyError> {
+    run_groups(plan, folder, devices, options, progress, None)
+}
+
+/// As [`run`], with each sample released by `turns`, as many as it likes.
+///
+/// # Errors
+/// As [`run`]; [`StudyError::BadInput`] where `turns` ends early.
+pub fn run_by_turns(
+    plan: &Plan,
+    folder: &RunFolder,
+    devices: &Rc<Devices>,
+    options: &RunOptions,
+    progress: &mut dyn Progress,
+    turns: &mut dyn Turns,
+) -> Result<(), StudyError> {
+    run_groups(plan, folder, devices, options, progress, Some(turns))
+}
+
+fn run_groups(
+    plan: &Plan,
+    folder: &RunFolder,
+    devices: &Rc<Devices>,
+    options: &RunOptions,
+    progress: &mut dyn Progress,
+    mut turns: Option<&mut dyn Turns>,
+) -> Result<(), StudyError> {
     let measured = Run::load(folder.path())?;
     let known: BTreeMap<String, Known> = measured
         .cases
@@ -285,7 +311,10 @@ pub fn run(
             session: &mut *session,
         };
         let ready = running.verify(&todo, &mut steps)?;
-        running.measure(&todo, ready, &mut steps)?;
+        match turns.as_deref_mut() {
+            Some(turns) => running.measure_by_turns(ready, turns)?,
+            None => running.measure(&todo, ready, &mut steps)?,
+        }
     }
     Ok(())
 }
@@ -549,6 +578,61 @@ impl Running<'_> {
             .collect())
     }
 
+    /// Takes one sample of a case and keeps it if it counts; false where the case broke off.
+    fn take(&mut self, ready: &mut Ready, counts: bool) -> Result<bool, StudyError> {
+        let case = ready.case;
+        let frames = if counts {
+            self.frames
+        } else {
+            FramesPerSample::default()
+        };
+        match self.sample(case, frames) {
+            Err(message) => {
+                self.fail(case, &message)?;
+                return Ok(false);
+            }
+            Ok(_) if !counts => {}
+            Ok(values) => {
+                ready.next_sample += 1;
+                let key = self.key(case);
+                let rows: Vec<Measurement> = values
+                    .into_iter()
+                    .map(|(metric, value)| self.measurement(&key, metric, ready.next_sample, value))
+                    .collect();
+                self.folder.append_measurements(&rows)?;
+            }
+        }
+        Ok(true)
+    }
+
+    /// Measures what `turns` asks for, until it asks for the next group.
+    fn measure_by_turns(
+        &mut self,
+        mut ready: Vec<Ready>,
+        turns: &mut dyn Turns,
+    ) -> Result<(), StudyError> {
+        let keys: Vec<String> = ready.iter().map(|ready| self.key(ready.case)).collect();
+        turns.ready(&keys).map_err(StudyError::BadInput)?;
+        loop {
+            let is_well = match turns.next().map_err(StudyError::BadInput)? {
+                Turn::NextGroup => return Ok(()),
+                Turn::Block => {
+                    self.session.begin_block()?;
+                    true
+                }
+                Turn::Sample { place, counts } => {
+                    let Some(ready) = ready.get_mut(place) else {
+                        let message =
+                            format!("turn of case {place}, allowed: below {}", keys.len());
+                        return Err(StudyError::BadInput(message));
+                    };
+                    self.take(ready, counts)?
+                }
+            };
+            turns.over(is_well).map_err(StudyError::BadInput)?;
+        }
+    }
+
     /// Measures every case once in each block, in an order that changes from block to block.
     fn measure(
         &mut self,
@@ -584,28 +668,8 @@ impl Running<'_> {
                 if next_sample >= self.group.cases[case].samples {
                     continue;
                 }
-                let frames = if is_warm_up {
-                    FramesPerSample::default()
-                } else {
-                    self.frames
-                };
-                match self.sample(case, frames) {
-                    Err(message) => {
-                        self.fail(case, &message)?;
-                        broken.insert(place);
-                    }
-                    Ok(_) if is_warm_up => {}
-                    Ok(values) => {
-                        let key = self.key(case);
-                        let rows: Vec<Measurement> = values
-                            .into_iter()
-                            .map(|(metric, value)| {
-                                self.measurement(&key, metric, next_sample + 1, value)
-                            })
-                            .collect();
-                        self.folder.append_measurements(&rows)?;
-                        ready[place].next_sample += 1;
-                    }
+                if !self.take(&mut ready[place], !is_warm_up)? {
+                    broken.insert(place);
                 }
             }
             let mut place = 0;

@@ -5,44 +5,7 @@
 //! other one would be measured with that one's caches and clock rates. The order comes from the
 //! run's seed, so that a run can be repeated.
 
-/// The generator of Steele, Lea and Flood (2014), "Fast splittable pseudorandom number generators".
-#[derive(Debug, Clone)]
-pub struct SplitMix64(u64);
-
-impl SplitMix64 {
-    /// Starts from a seed.
-    #[must_use]
-    pub fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    /// The next number.
-    pub fn next_u64(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Below `limit`, by multiplication (Lemire, 2019); its bias of `limit` / 2⁶⁴ is nothing here.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "the high half of the product is below `limit`"
-    )]
-    pub fn below(&mut self, limit: usize) -> usize {
-        ((u128::from(self.next_u64()) * limit as u128) >> 64) as usize
-    }
-
-    /// The numbers below `count` in random order (Fisher and Yates, 1938).
-    pub fn shuffled(&mut self, count: usize) -> Vec<usize> {
-        let mut order: Vec<usize> = (0..count).collect();
-        for last in (1..count).rev() {
-            order.swap(last, self.below(last + 1));
-        }
-        order
-    }
-}
+use terrafill_results::SplitMix64;
 
 /// Order of one block.
 ///

@@ -12,7 +12,7 @@ use terrafill_results::{
 };
 use terrafill_study::{
     Context, FramesPerSample, Group, Plan, Planned, Request, RunOptions, RunOutcome, Session,
-    Silent, Study, StudyError, plan, run,
+    Silent, Study, StudyError, Turn, Turns, plan, run, run_by_turns,
 };
 
 const METRICS: [Metric; 2] = [
@@ -490,4 +490,85 @@ fn a_process_may_time_a_few_cases_and_rechecks_no_other() {
     let unknown = planned(1, &options()).timing_only(BTreeSet::from(["x/y".to_owned()]));
     let error = unknown.map(|_| ()).expect_err("unknown").to_string();
     assert!(error.contains("\"x/y\""), "{error}");
+}
+
+/// Turns from a list, and what came of them.
+struct Listed {
+    turns: Vec<Turn>,
+    ready: Vec<Vec<String>>,
+    over: Vec<bool>,
+}
+
+impl Turns for Listed {
+    fn ready(&mut self, cases: &[String]) -> Result<(), String> {
+        self.ready.push(cases.to_vec());
+        Ok(())
+    }
+
+    fn next(&mut self) -> Result<Turn, String> {
+        if self.turns.is_empty() {
+            return Err("no more turns".to_owned());
+        }
+        Ok(self.turns.remove(0))
+    }
+
+    fn over(&mut self, is_well: bool) -> Result<(), String> {
+        self.over.push(is_well);
+        Ok(())
+    }
+}
+
+#[test]
+fn samples_are_taken_as_turns_release_them_and_no_other() {
+    let script = fresh_script();
+    let place = tempfile::tempdir().expect("a folder");
+    let plan = planned(1, &options());
+    let folder = create(place.path(), &plan);
+    let by_turns = |process: u32, turns: Vec<Turn>| {
+        let mut turns = Listed {
+            turns,
+            ready: Vec::new(),
+            over: Vec::new(),
+        };
+        let options = RunOptions {
+            process,
+            ..options()
+        };
+        let devices = Rc::new(Devices::new(None));
+        let ran = run_by_turns(&plan, &folder, &devices, &options, &mut Silent, &mut turns);
+        (ran.map_err(|error| error.to_string()), turns)
+    };
+    let sample = |place, counts| Turn::Sample { place, counts };
+    let list = vec![
+        Turn::Block,
+        sample(1, false),
+        sample(1, true),
+        sample(0, true),
+        sample(1, true),
+        Turn::NextGroup,
+    ];
+    let (ran, turns) = by_turns(0, list);
+    assert_eq!(ran, Ok(()));
+    assert_eq!(turns.over, [true; 5]);
+    assert_eq!(script.blocks.get(), 1);
+    assert_eq!(*script.sampled.borrow(), [1, 1, 0, 1]);
+    let run = Run::load(place.path()).expect("a run");
+    let taken = |place: usize| {
+        let key = &turns.ready[0][place];
+        let case = run.cases.iter().find(|case| case.id().key() == *key);
+        case.expect("a case").timed_samples(0).len()
+    };
+    assert_eq!((taken(0), taken(1), taken(2)), (1, 2, 0));
+
+    // A case that breaks off says so and the next goes on.
+    script.failing.set(Some(0));
+    let (ran, turns) = by_turns(1, vec![sample(0, true), sample(1, true), Turn::NextGroup]);
+    assert_eq!(ran, Ok(()));
+    assert_eq!(turns.over, [false, true]);
+
+    // Twins: a place that there is not, and turns that end early.
+    let (ran, _) = by_turns(2, vec![sample(99, true)]);
+    assert!(ran.expect_err("no such place").contains("turn of case 99"));
+    let (ran, _) = by_turns(3, vec![Turn::Block]);
+    assert!(ran.expect_err("no end").contains("no more turns"));
 }

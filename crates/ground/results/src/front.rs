@@ -5,7 +5,7 @@
 //! stays on it when it belongs to at least [`FRONT_SURVIVAL`](crate::threshold::FRONT_SURVIVAL) of
 //! those fronts. Errors are exact counts and are not resampled.
 
-use crate::resample::SplitMix64;
+use crate::resample::{generator, resampled_median};
 use crate::threshold::{BOOTSTRAP_RESAMPLES, MIN_REPLICATES};
 
 /// One case that competes for the front.
@@ -32,12 +32,17 @@ pub fn front(points: &[[f64; 2]]) -> Vec<bool> {
 /// [`MIN_REPLICATES`] replicates.
 #[must_use]
 pub fn front_survival(candidates: &[Candidate<'_>]) -> Vec<f64> {
-    let mut random = SplitMix64::new();
+    let mut random = generator();
     let mut hits = vec![0_u32; candidates.len()];
     for _ in 0..BOOTSTRAP_RESAMPLES {
         let points: Vec<[f64; 2]> = candidates
             .iter()
-            .map(|candidate| [random.resampled_median(candidate.costs), candidate.error])
+            .map(|candidate| {
+                [
+                    resampled_median(&mut random, candidate.costs),
+                    candidate.error,
+                ]
+            })
             .collect();
         for (hit, on_front) in hits.iter_mut().zip(front(&points)) {
             *hit += u32::from(on_front);

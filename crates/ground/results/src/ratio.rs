@@ -8,7 +8,7 @@
 //! percentile of that median over resampled processes (Efron, 1979, "Bootstrap methods"). With fewer
 //! than [`MIN_REPLICATES`] processes there is a ratio and no interval.
 
-use crate::resample::SplitMix64;
+use crate::resample::{generator, resampled_median};
 use crate::threshold::{BOOTSTRAP_RESAMPLES, INTERVAL_COVERAGE, MIN_DIFFERENCE, MIN_REPLICATES};
 use crate::{Case, Spread, Standing, median, quantile, spread};
 use std::collections::BTreeMap;
@@ -106,9 +106,9 @@ pub fn ratio(case: &Case, other: &Case, metric: &str) -> Option<Estimate> {
         .iter()
         .filter_map(|(process, cost)| Some(cost / others.get(process)?))
         .collect();
-    let mut random = SplitMix64::new();
+    let mut random = generator();
     estimate(median(&ratios)?, ratios.len(), || {
-        random.resampled_median(&ratios)
+        resampled_median(&mut random, &ratios)
     })
 }
 
@@ -116,9 +116,9 @@ pub fn ratio(case: &Case, other: &Case, metric: &str) -> Option<Estimate> {
 #[must_use]
 pub fn typical(case: &Case, metric: &str) -> Option<Estimate> {
     let medians: Vec<f64> = process_medians(case, metric).into_values().collect();
-    let mut random = SplitMix64::new();
+    let mut random = generator();
     estimate(median(&medians)?, medians.len(), || {
-        random.resampled_median(&medians)
+        resampled_median(&mut random, &medians)
     })
 }
 
@@ -132,9 +132,9 @@ pub fn exponent([few, many]: [f64; 2], [of_few, of_many]: [&[f64]; 2]) -> Option
         return None;
     }
     let middle = (median(of_many)? / median(of_few)?).ln() / growth;
-    let mut random = SplitMix64::new();
+    let mut random = generator();
     estimate(middle, of_few.len().min(of_many.len()), || {
-        let ratio = random.resampled_median(of_many) / random.resampled_median(of_few);
+        let ratio = resampled_median(&mut random, of_many) / resampled_median(&mut random, of_few);
         ratio.ln() / growth
     })
 }

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// How a comparison ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// Something was compared, and nothing differs that was not blessed.
@@ -15,6 +15,7 @@ pub enum Verdict {
     /// Something is inconclusive.
     Inconclusive,
     /// Nothing was compared.
+    #[default]
     NothingMeasured,
 }
 

@@ -4,15 +4,18 @@
 //! The first process of a side verifies every picture against the reference. Each further one draws the
 //! pictures of its cases once more, makes sure by their hashes that they are the verified ones, and times
 //! them. So correctness costs a program one process, and no time is ever taken of a wrong picture.
+//!
+//! Timing processes go in lock-step where both programs can, see `lockstep`, and else one after another.
 
-use crate::{GateError, Program, Side, Sides, Times};
+use crate::lockstep::{Ended, Stepped, step};
+use crate::{GateError, Program, Side, Sides, Times, Trio, Way};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
-use std::io::{BufRead as _, BufReader};
+use std::io::{self, BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitStatus, Stdio};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
-use terrafill_results::{Case, Clock, Outcome, Run, process_medians};
+use terrafill_results::{Case, Clock, Outcome, Run};
 
 /// The metric that a study's cases are compared by; `None` for a study that times nothing.
 pub type PrimaryMetric<'a> = &'a dyn Fn(&str, Clock) -> Option<&'static str>;
@@ -22,8 +25,10 @@ pub type PrimaryMetric<'a> = &'a dyn Fn(&str, Clock) -> Option<&'static str>;
 pub struct Workload {
     /// Arguments of `bench`: scenes, studies, techniques, size …
     pub arguments: Vec<OsString>,
-    /// Timed samples of a case in each process; 1 where no time is compared.
+    /// Timed samples of a case in each process that runs by itself; 1 where no time is compared.
     pub samples: u32,
+    /// Bursts of a case in each block of processes in lock-step.
+    pub bursts: u32,
     /// Frames that a sample is the mean of.
     pub frames: u32,
     /// Frames whose cost is added to each sample of a side: base, new. For the self-test.
@@ -38,6 +43,7 @@ pub struct Job<'a> {
     primary: PrimaryMetric<'a>,
     say: &'a mut dyn FnMut(&str),
     started: Instant,
+    way: Way,
 }
 
 impl<'a> Job<'a> {
@@ -60,7 +66,14 @@ impl<'a> Job<'a> {
             )));
         }
         std::fs::create_dir_all(out).map_err(GateError::io(out))?;
+        let way = match programs.iter().find(|program| !program.knows("--stepped")) {
+            Some(program) => Way::Turns {
+                why: format!("{} was built before lock-step", program.label()),
+            },
+            None => Way::LockStep,
+        };
         Ok(Self {
+            way,
             programs,
             workload,
             out: out.to_owned(),
@@ -92,7 +105,12 @@ impl<'a> Job<'a> {
         let mut command = Command::new(&self.program(side).path);
         command.arg("bench").args(&self.workload.arguments);
         command.args(["--processes", "1", "--samples"]);
-        command.arg(self.workload.samples.to_string());
+        // In lock-step the gate counts the samples.
+        let samples = match self.way {
+            Way::LockStep => 1,
+            Way::Turns { .. } => self.workload.samples,
+        };
+        command.arg(samples.to_string());
         if self.workload.frames > 1 {
             let extra = self.workload.extra[usize::from(side == Side::New)];
             command.arg("--frames-per-sample");
@@ -167,20 +185,71 @@ impl<'a> Job<'a> {
     }
 }
 
-/// How a program ended, and what it said on standard error.
-struct Ended {
-    status: ExitStatus,
-    said: Vec<String>,
-}
-
-impl Sides for Job<'_> {
-    fn run(&mut self, side: Side, process: u32, cases: &BTreeSet<String>) -> Result<(), GateError> {
+impl Job<'_> {
+    /// A process of a side that times these cases alone.
+    fn timing(
+        &self,
+        side: Side,
+        process: u32,
+        cases: &BTreeSet<String>,
+    ) -> Result<Command, GateError> {
         let list = self.out.join("cases.txt");
         let text: Vec<&str> = cases.iter().map(String::as_str).collect();
         std::fs::write(&list, text.join("\n")).map_err(GateError::io(&list))?;
         let mut command = self.command(side);
         command.arg(format!("--process={process}"));
         command.arg("--time-only").arg(&list);
+        Ok(command)
+    }
+
+    /// Why a process in lock-step failed: as it says itself, or as its pipe did.
+    fn broke_off(&self, side: Side, process: Stepped, error: &io::Error) -> GateError {
+        match process.end() {
+            Ok(ended) if !ended.said.is_empty() => self.refused(side, &ended),
+            _ => self.failed(side, format!("in lock-step: {error}")),
+        }
+    }
+}
+
+impl Sides for Job<'_> {
+    fn way(&self) -> &Way {
+        &self.way
+    }
+
+    fn run_together(&mut self, trio: Trio, cases: &BTreeSet<String>) -> Result<(), GateError> {
+        let sides = trio.processes();
+        let mut started = Vec::new();
+        for (side, process) in sides {
+            let mut command = self.timing(side, process, cases)?;
+            command.arg("--stepped");
+            let stepped = Stepped::start(command);
+            started.push(stepped.map_err(|error| self.failed(side, error.to_string()))?);
+        }
+        let Ok(mut processes) = <[Stepped; 3]>::try_from(started) else {
+            return Ok(());
+        };
+        let stepped = step(&mut processes, self.workload.bursts, u64::from(trio.base));
+        let failed = stepped.err();
+        for (index, (process, (side, _))) in processes.into_iter().zip(sides).enumerate() {
+            match &failed {
+                Some((of, error)) if *of == index => {
+                    return Err(self.broke_off(side, process, error));
+                }
+                Some(_) => {}
+                None => {
+                    let ended = process.end();
+                    let ended = ended.map_err(|error| self.failed(side, error.to_string()))?;
+                    if !ended.status.success() {
+                        return Err(self.refused(side, &ended));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn run(&mut self, side: Side, process: u32, cases: &BTreeSet<String>) -> Result<(), GateError> {
+        let command = self.timing(side, process, cases)?;
         let ended = self.run_to_end(side, command)?;
         if ended.status.success() {
             Ok(())
@@ -196,9 +265,9 @@ impl Sides for Job<'_> {
         let times = timed.filter_map(|case| {
             // A case that failed since it was verified has no time that counts.
             let metric = (self.primary)(&case.id().study, clock)?;
-            let medians = process_medians(case, metric);
             let counts = matches!(case.outcome, Outcome::Ok | Outcome::Wrong);
-            counts.then(|| (case.id().key(), medians))
+            let samples = case.samples(metric)?;
+            counts.then(|| (case.id().key(), samples.clone()))
         });
         Ok(times.collect())
     }

@@ -16,10 +16,12 @@ mod exact;
 mod finding;
 mod job;
 mod limits;
+mod lockstep;
 mod output;
 mod program;
 mod report;
 mod self_test;
+mod shard;
 mod table;
 pub mod threshold;
 mod time;
@@ -35,4 +37,7 @@ pub use output::{annotations, junit, markdown, read_json, text, write_files};
 pub use program::{Program, refuse_equal_programs};
 pub use report::{GATE_SCHEMA, GateOptions, GateReport, Rules, gate};
 pub use self_test::{Injection, Rates, SelfTest, self_test};
-pub use time::{Block, CaseTime, Pace, Side, Sides, TimeGate, TimeOptions, Times, compare_times};
+pub use shard::{GateShard, merge_gates};
+pub use time::{
+    Block, CaseTime, Pace, Side, Sides, TimeGate, TimeOptions, Times, Trio, Way, compare_times,
+};

@@ -3,11 +3,12 @@
 //! JUnit, GitHub annotations).
 
 use crate::threshold::{MAX_ANNOTATIONS, MAX_SUMMARY_BYTES};
-use crate::{Finding, GATE_SCHEMA, GateError, GateReport, Severity, Verdict};
+use crate::{Finding, GATE_SCHEMA, GateError, GateReport, Severity, Verdict, Way};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
+use terrafill_results::Shard;
 
 /// Findings of a severity on the first screen.
 const MAX_LINES: usize = 6;
@@ -97,12 +98,20 @@ fn headline(report: &GateReport) -> String {
 
 /// What was compared, and how sure it is.
 fn scope(report: &GateReport) -> Vec<String> {
-    let mut lines = vec![format!(
+    let part = report.part.as_ref().map(|part| {
+        let Shard { index, count } = part.shard;
+        format!(
+            "shard {index}/{count} of a gate: {}",
+            part.scenes.join(", ")
+        )
+    });
+    let mut lines: Vec<String> = part.into_iter().collect();
+    lines.push(format!(
         "{} figures of {} cases compared exactly; {} cases ran on neither side",
         report.figures,
         report.compared.len(),
         report.skipped.len()
-    )];
+    ));
     match &report.time {
         None => lines.push("times were not compared".to_owned()),
         Some(time) => {
@@ -127,6 +136,11 @@ fn scope(report: &GateReport) -> Vec<String> {
                 let _ = write!(line, "; base against base differed by up to {null:.1} %");
             }
             lines.push(line);
+            if let Way::Turns { why } = &time.way {
+                lines.push(format!(
+                    "whole processes by turns, not frames in lock-step, so noise weighs more: {why}"
+                ));
+            }
         }
     }
     lines
@@ -278,8 +292,10 @@ pub fn write_files(report: &GateReport, out: &Path) -> Result<(), GateError> {
         ("gate.junit.xml", junit(report)?),
         ("gate.json", json + "\n"),
     ] {
-        let path = out.join(name);
-        std::fs::write(&path, text).map_err(GateError::io(&path))?;
+        // Renamed into place, so that a full disk leaves no half of a file.
+        let (path, part) = (out.join(name), out.join(format!("{name}.new")));
+        std::fs::write(&part, text).map_err(GateError::io(&path))?;
+        std::fs::rename(&part, &path).map_err(GateError::io(&path))?;
     }
     Ok(())
 }
@@ -329,6 +345,9 @@ mod tests {
             exit_code: verdict.exit_code(),
             base: "main (4e23c86)".to_owned(),
             new: "topic (abcdef0)".to_owned(),
+            commits: ["4e23c86", "abcdef0"].map(str::to_owned),
+            options: vec!["size=512x512".to_owned()],
+            part: None,
             device: "llvmpipe, Mesa 25".to_owned(),
             clock: "process CPU time".to_owned(),
             compared: vec!["filling/a".to_owned(), "filling/b".to_owned()],
@@ -422,8 +441,8 @@ mod tests {
         let path = place.path().join("gate.json");
         assert_eq!(read_json(&path).expect("read"), written);
         let text = std::fs::read_to_string(&path).expect("read");
-        std::fs::write(&path, text.replace("\"schema\": 1", "\"schema\": 9")).expect("written");
+        std::fs::write(&path, text.replace("\"schema\": 2", "\"schema\": 9")).expect("written");
         let error = read_json(&path).expect_err("another version").to_string();
-        assert!(error.contains("found 9, expected 1"), "{error}");
+        assert!(error.contains("found 9, expected 2"), "{error}");
     }
 }

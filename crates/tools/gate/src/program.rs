@@ -53,6 +53,18 @@ impl Program {
         })
     }
 
+    /// Whether its verb `bench` has this option.
+    #[must_use]
+    pub(crate) fn knows(&self, option: &str) -> bool {
+        // The help comes only where everything before it is understood.
+        let mut command = Command::new(&self.path);
+        let help = command
+            .args(["bench", option, "--help"])
+            .stdin(Stdio::null());
+        let output = help.stdout(Stdio::null()).stderr(Stdio::null()).status();
+        output.is_ok_and(|status| status.success())
+    }
+
     /// What it is called in a report: `main (4e23c86)`, or its path.
     #[must_use]
     pub fn label(&self) -> String {

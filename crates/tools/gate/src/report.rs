@@ -3,9 +3,9 @@
 
 use crate::job::conditions;
 use crate::{
-    Blessing, CaseTime, Exact, Finding, Gate, GateError, Job, Limit, PrimaryMetric, Severity, Side,
-    Sides as _, TimeGate, TimeOptions, Verdict, apply, compare_exactly, compare_times, same_driver,
-    timed_cases, verdict,
+    Blessing, CaseTime, Exact, Finding, Gate, GateError, GateShard, Job, Limit, PrimaryMetric,
+    Severity, Side, Sides as _, TimeGate, TimeOptions, Verdict, apply, compare_exactly,
+    compare_times, same_driver, timed_cases, verdict,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,10 +13,10 @@ use std::time::Duration;
 use terrafill_results::{Run, RunEnvironment};
 
 /// Version of `gate.json`.
-pub const GATE_SCHEMA: u32 = 1;
+pub const GATE_SCHEMA: u32 = 2;
 
 /// What a gate found: `gate.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct GateReport {
     /// Version of this file.
     pub schema: u32,
@@ -28,6 +28,12 @@ pub struct GateReport {
     pub base: String,
     /// What was decided about.
     pub new: String,
+    /// Commits that both were built from, as their runs have them.
+    pub commits: [String; 2],
+    /// Options of the new run, those that change no figure left out.
+    pub options: Vec<String>,
+    /// Which part of a gate it is; `None`: the whole.
+    pub part: Option<GateShard>,
     /// Device and driver of the new run.
     pub device: String,
     /// The clock of the times.
@@ -70,12 +76,19 @@ impl GateReport {
         rules: &Rules<'_>,
     ) -> Result<Self, GateError> {
         let exact = compare_exactly(base, new, rules.limits)?;
-        Ok(Self::build(names, new, exact, None, Vec::new(), rules))
+        Ok(Self::build(
+            names,
+            [base, new],
+            exact,
+            None,
+            Vec::new(),
+            rules,
+        ))
     }
 
     fn build(
         [base, new]: [String; 2],
-        run: &Run,
+        [run_of_base, run]: [&Run; 2],
         exact: Exact,
         time: Option<TimeGate>,
         of_time: Vec<Finding>,
@@ -99,6 +112,15 @@ impl GateReport {
             exit_code: verdict.exit_code(),
             base,
             new,
+            commits: [run_of_base, run].map(|run| run.environment.commit.clone()),
+            options: run
+                .environment
+                .options
+                .iter()
+                .filter(|option| !option.starts_with("scenes="))
+                .cloned()
+                .collect(),
+            part: None,
             device: format!("{gpu}, {driver_info}"),
             clock: run.clock().name().to_owned(),
             compared: compared.into_iter().collect(),
@@ -110,6 +132,23 @@ impl GateReport {
             elapsed_s: 0.0,
             see: String::new(),
         }
+    }
+
+    /// What parts of one gate have in common.
+    pub(crate) fn identity(&self) -> Vec<String> {
+        let timed = if self.time.is_some() {
+            "timed"
+        } else {
+            "not timed"
+        };
+        let words = [&self.device, &self.clock, timed].map(|text| (*text).to_owned());
+        let options = self.options.iter().cloned();
+        self.commits
+            .iter()
+            .cloned()
+            .chain(words)
+            .chain(options)
+            .collect()
     }
 
     /// Findings of one severity that no blessing covers.
@@ -128,7 +167,7 @@ impl GateReport {
 }
 
 /// The worst first; of times the largest change first.
-fn sort(findings: &mut [Finding]) {
+pub(crate) fn sort(findings: &mut [Finding]) {
     findings.sort_by(|a, b| {
         let order = (a.severity, a.gate).cmp(&(b.severity, b.gate));
         let size = |of: &Finding| of.percent.map_or(0.0, f64::abs);
@@ -187,7 +226,7 @@ pub fn gate(
         ));
         time = Some(measured);
     }
-    let mut report = GateReport::build(names, &new, exact, time, of_time, rules);
+    let mut report = GateReport::build(names, [&base, &new], exact, time, of_time, rules);
     report.elapsed_s = job.elapsed().as_secs_f64();
     let [base, new] = [Side::Base, Side::New].map(|side| job.folder(side).display().to_string());
     report.see = format!("terrafill compare {base} {new}");

@@ -4,19 +4,20 @@
 //! changed side draws a few more and adds their cost.
 
 use crate::{
-    GateError, Job, Pace, PrimaryMetric, Program, Side, TimeOptions, Workload, compare_times,
-    timed_cases,
+    CaseTime, GateError, Job, Pace, PrimaryMetric, Program, Side, TimeOptions, Workload,
+    compare_times, timed_cases,
 };
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::time::Duration;
-use terrafill_results::rate_bounds;
+use terrafill_results::{rate_bounds, spread};
 
 /// Coverage of the bounds of a rate.
 const RATE_COVERAGE: f64 = 0.95;
 
-/// Samples of a case in each process where they are means of many frames.
+/// Samples of a case in each process, and bursts in lock-step, where they are means of many frames.
 const INJECTED_SAMPLES: u32 = 9;
+const INJECTED_BURSTS: u32 = 2;
 
 /// Work added to one side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -58,7 +59,7 @@ pub struct SelfTest {
 }
 
 /// How the cases of all gates ended, one case of one gate being one case-run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Rates {
     /// Gates that were run.
     pub gates: u32,
@@ -78,11 +79,16 @@ pub struct Rates {
     pub swapped_slower: u32,
     /// Of these, inconclusive.
     pub swapped_unknown: u32,
+    /// Standard deviation of each case-run's deciding blocks, percent.
+    pub spreads_percent: Vec<f64>,
 }
 
 impl Rates {
     /// Counts a gate's cases.
-    pub fn count(&mut self, paces: &[Pace], is_swapped: bool) {
+    pub fn count(&mut self, cases: &[CaseTime], is_swapped: bool) {
+        let paces: Vec<Pace> = cases.iter().map(|case| case.pace).collect();
+        let spreads = cases.iter().filter_map(|case| case.spread_percent);
+        self.spreads_percent.extend(spreads);
         let of = |wanted: &[Pace]| {
             let found = paces.iter().filter(|pace| wanted.contains(pace)).count();
             u32::try_from(found).unwrap_or(u32::MAX)
@@ -114,9 +120,15 @@ impl Rates {
             let share = 100.0 * f64::from(hits) / f64::from(of.max(1));
             format!("{what}: {hits} of {of} case-runs, {share:.1} % [{low:.1} … {high:.1}]")
         };
+        let spread = spread(&self.spreads_percent).map_or(String::new(), |spread| {
+            format!(
+                "; standard deviation of a case's blocks {:.2} % ({:.2} … {:.2})",
+                spread.median, spread.p5, spread.p95
+            )
+        });
         let Some(Injection { frames, extra }) = injection else {
             return vec![
-                format!("same work on both sides, {} gates", self.gates),
+                format!("same work on both sides, {} gates{spread}", self.gates),
                 rate(self.slower, self.case_runs, "called slower"),
                 rate(self.faster, self.case_runs, "called faster"),
                 rate(self.unknown, self.case_runs, "inconclusive"),
@@ -125,7 +137,7 @@ impl Rates {
         let percent = 100.0 * f64::from(extra) / f64::from(frames);
         vec![
             format!(
-                "{percent} % more work on one side ({extra} more frames of {frames}), {} gates",
+                "{percent} % more work on one side ({extra} more frames of {frames}), {} gates{spread}",
                 self.gates
             ),
             rate(
@@ -186,6 +198,7 @@ pub fn self_test(
         if let Some(Injection { frames, extra }) = test.injection {
             workload.frames = frames;
             workload.samples = INJECTED_SAMPLES;
+            workload.bursts = INJECTED_BURSTS;
             workload.extra = if is_swapped { [extra, 0] } else { [0, extra] };
         }
         let folder = out.join(format!("gate-{number:03}"));
@@ -202,8 +215,7 @@ pub fn self_test(
             ..TimeOptions::new(new.clock(), test.budget)
         };
         let gate = compare_times(&mut job, &cases, &options)?;
-        let paces: Vec<Pace> = gate.cases.iter().map(|case| case.pace).collect();
-        rates.count(&paces, is_swapped);
+        rates.count(&gate.cases, is_swapped);
         done(&rates);
     }
     Ok(rates)
@@ -226,9 +238,24 @@ mod tests {
     #[test]
     fn rates_count_each_direction_by_itself() {
         use Pace::{Collapsed, Faster, Same, Slower, Unknown};
+        let cases = |paces: [Pace; 4]| {
+            paces.map(|pace| CaseTime {
+                case: "filling/a".to_owned(),
+                pace,
+                base_ms: Some(1.0),
+                new_ms: Some(1.0),
+                percent: None,
+                interval_percent: None,
+                null_percent: None,
+                spread_percent: Some(1.5),
+                blocks: 5,
+                slower_blocks: 2,
+                words: String::new(),
+            })
+        };
         let mut rates = Rates::default();
-        rates.count(&[Slower, Slower, Unknown, Same], false);
-        rates.count(&[Faster, Collapsed, Slower, Unknown], true);
+        rates.count(&cases([Slower, Slower, Unknown, Same]), false);
+        rates.count(&cases([Faster, Collapsed, Slower, Unknown]), true);
         let found = [rates.slower, rates.faster, rates.unknown, rates.case_runs];
         assert_eq!(found, [2, 0, 1, 4]);
         let swapped = [
@@ -240,6 +267,10 @@ mod tests {
         assert_eq!(swapped, [2, 1, 1, 4]);
         let lines = rates.sentences(Injection::percent(5));
         assert!(lines[0].starts_with("5 % more work"), "{lines:?}");
+        assert!(
+            lines[0].ends_with("blocks 1.50 % (1.50 … 1.50)"),
+            "{lines:?}"
+        );
         assert!(lines[1].contains("2 of 4 case-runs, 50.0 %"), "{lines:?}");
         let none = Rates::default().sentences(None);
         assert!(

@@ -7,6 +7,10 @@ use terrafill_results::Clock;
 /// move.
 pub const SCREEN_BLOCKS: u32 = 5;
 
+/// Bursts of a case in a block of processes in lock-step: once through every order of the three. A burst
+/// is two samples of each.
+pub const BURSTS: u32 = 6;
+
 /// Cases whose median moved by this much in the first look are measured again. Below the floor, so
 /// that a change of the floor's size is hardly ever passed over.
 pub const SCREEN_RATIO: f64 = 1.02;
@@ -21,7 +25,8 @@ pub const MIN_CONFIRM_BLOCKS: u32 = 12;
 /// Coverage of the interval that decides.
 pub const COVERAGE: f64 = 0.99;
 
-/// Coverage of the base-against-base interval: lower, since it has half the differences.
+/// Coverage of the base-against-base interval: lower, since it has half the differences where whole
+/// processes go by turns.
 pub const NULL_COVERAGE: f64 = 0.95;
 
 /// Share of the blocks that must agree on the direction of a change.

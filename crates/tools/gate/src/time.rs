@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The time gate: two programs, run by turns in one job on one device.
+//! The time gate: two programs, measured by turns in one job on one device.
 //!
-//! One process is one number: the median over its samples. Blocks of four processes go base, new, new,
-//! base and the other way round by turns, so that what drifts evenly falls out. A block's difference is
-//! the mean of ln(new) less that of ln(base). [`SCREEN_BLOCKS`] look at every case. What moved by
-//! [`SCREEN_RATIO`], or spread too much to tell, is measured again in [`CONFIRM_BLOCKS`] *fresh* blocks,
-//! which alone decide. Choosing cases by their first blocks biases these. Base against base within the
-//! same blocks is the null: where it moves, the machine did.
+//! *In lock-step*, a block is three fresh processes that are all alive: the base, the base once more, and
+//! the new program. They draw samples in bursts, each in one order and back, and one alone runs at any
+//! time. A burst's difference is ln(new) less the mean ln(base) of samples that follow one another within
+//! milliseconds, so noise that lasts longer falls out. The block's one number is the median over its
+//! bursts; base against base in the same bursts is the null.
+//!
+//! *By turns*, where a program cannot be stepped, a block is four whole processes, base, new, new, base
+//! and the other way round by turns; its difference is the mean of ln(new) less that of ln(base), each of a
+//! process's median.
+//!
+//! [`SCREEN_BLOCKS`] look at every case. What moved by [`SCREEN_RATIO`], or spread too much to tell, is
+//! measured again in [`CONFIRM_BLOCKS`] *fresh* blocks, which alone decide. Choosing cases by their first
+//! blocks biases these. Where the null moves, the machine did.
 
 use crate::threshold::{
     CONFIRM_BLOCKS, COVERAGE, FLOOR_PERCENT, MIN_AGREEMENT, MIN_CONFIRM_BLOCKS,
@@ -16,7 +23,7 @@ use crate::{Finding, Gate, GateError, Severity};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
-use terrafill_results::{Clock, Shift, median};
+use terrafill_results::{Clock, Samples, Shift, median};
 
 /// Which of the two programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -39,18 +46,65 @@ impl Side {
     }
 }
 
-/// Case → process → milliseconds: the median over the process's samples.
-pub type Times = BTreeMap<String, BTreeMap<u32, f64>>;
+/// Case → process → sample, from 1 → milliseconds.
+pub type Times = BTreeMap<String, Samples>;
+
+/// How the two programs are measured against one another.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Way {
+    /// Frame by frame, their processes all alive.
+    #[default]
+    LockStep,
+    /// Process by process.
+    Turns {
+        /// Why not in lock-step.
+        why: String,
+    },
+}
+
+/// Three processes in lock-step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Trio {
+    /// Number of a process of the base.
+    pub base: u32,
+    /// Number of the base's other process.
+    pub null: u32,
+    /// Number of the new program's process.
+    pub new: u32,
+}
+
+impl Trio {
+    /// The processes with their sides.
+    #[must_use]
+    pub fn processes(self) -> [(Side, u32); 3] {
+        [
+            (Side::Base, self.base),
+            (Side::Base, self.null),
+            (Side::New, self.new),
+        ]
+    }
+}
 
 /// Two programs that can be measured, process by process.
 pub trait Sides {
-    /// Runs one process of a side, which times these cases.
+    /// How they are measured.
+    fn way(&self) -> &Way;
+
+    /// Runs three processes in lock-step, which time these cases; for [`Way::LockStep`]. Samples
+    /// 2 *k* − 1 and 2 *k* of each make burst *k*.
+    ///
+    /// # Errors
+    /// [`GateError`] when one does not end well.
+    fn run_together(&mut self, trio: Trio, cases: &BTreeSet<String>) -> Result<(), GateError>;
+
+    /// Runs one process of a side, which times these cases; for [`Way::Turns`].
     ///
     /// # Errors
     /// [`GateError`] when it does not end well.
     fn run(&mut self, side: Side, process: u32, cases: &BTreeSet<String>) -> Result<(), GateError>;
 
-    /// Times of all processes of a side so far. A time that is zero, negative or no number is absent.
+    /// Times of all processes of a side so far.
     ///
     /// # Errors
     /// [`GateError::Run`].
@@ -127,6 +181,8 @@ pub struct CaseTime {
     pub interval_percent: Option<[f64; 2]>,
     /// Base against base in the same blocks, percent.
     pub null_percent: Option<f64>,
+    /// Standard deviation of the deciding blocks, percent.
+    pub spread_percent: Option<f64>,
     /// Blocks that decided.
     pub blocks: usize,
     /// Of these, blocks in which the new program was slower.
@@ -135,18 +191,93 @@ pub struct CaseTime {
     pub words: String,
 }
 
-/// Four processes: numbers of the base's and the new program's, in the order in which they ran.
+/// Fresh processes that give one number: their numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Block {
-    /// Processes of the base.
-    pub base: [u32; 2],
-    /// Processes of the new program.
-    pub new: [u32; 2],
+#[serde(rename_all = "kebab-case")]
+pub enum Block {
+    /// Three processes, frame by frame.
+    LockStep(Trio),
+    /// Four processes, in the order in which each side's ran.
+    Turns {
+        /// Processes of the base.
+        base: [u32; 2],
+        /// Processes of the new program.
+        new: [u32; 2],
+    },
+}
+
+impl Block {
+    /// Processes of a side.
+    #[must_use]
+    pub fn processes(&self, side: Side) -> Vec<u32> {
+        match (self, side) {
+            (Self::LockStep(trio), Side::Base) => vec![trio.base, trio.null],
+            (Self::LockStep(trio), Side::New) => vec![trio.new],
+            (Self::Turns { base, .. }, Side::Base) => base.to_vec(),
+            (Self::Turns { new, .. }, Side::New) => new.to_vec(),
+        }
+    }
+
+    /// ln(new) less ln(base) of a case; `None` where a process has no usable time.
+    fn difference(&self, case: &str, times: &[Times; 2]) -> Option<f64> {
+        match self {
+            Self::LockStep(trio) => {
+                let bursts = bursts(case, *trio, times)?;
+                let of = |[base, null, new]: &[f64; 3]| new - 0.5 * (base + null);
+                median(&bursts.iter().map(of).collect::<Vec<_>>())
+            }
+            Self::Turns { base, new } => {
+                let of = |times, processes: &[u32; 2]| {
+                    let [first, second] = processes.map(|process| level(case, times, process));
+                    Some(first? + second?)
+                };
+                Some(0.5 * (of(&times[1], new)? - of(&times[0], base)?))
+            }
+        }
+    }
+}
+
+/// Logarithm of the median over a process's usable samples of a case.
+fn level(case: &str, times: &Times, process: u32) -> Option<f64> {
+    let samples = times.get(case)?.get(&process)?.values();
+    let usable: Vec<f64> = samples.filter_map(|ms| logarithm(*ms)).collect();
+    median(&usable)
+}
+
+/// `None` for what is no time.
+fn logarithm(ms: f64) -> Option<f64> {
+    (ms.is_finite() && ms > 0.0).then(|| ms.ln())
+}
+
+/// Mean logarithms of a case's bursts: base, null, new. A burst with an unusable sample does not count,
+/// and `None` is where more than half of them do not.
+fn bursts(case: &str, trio: Trio, times: &[Times; 2]) -> Option<Vec<[f64; 3]>> {
+    let of_case = [times[0].get(case)?, times[1].get(case)?];
+    let mut samples = Vec::new();
+    for (side, process) in trio.processes() {
+        samples.push(of_case[usize::from(side == Side::New)].get(&process)?);
+    }
+    let [base, null, new] = samples.as_slice() else {
+        return None;
+    };
+    let last = samples.iter().flat_map(|of| of.keys()).max()?;
+    let mean = |of: &BTreeMap<u32, f64>, burst: u32| {
+        let there = logarithm(*of.get(&(2 * burst + 1))?)?;
+        let back = logarithm(*of.get(&(2 * burst + 2))?)?;
+        Some(0.5 * (there + back))
+    };
+    let count = last.div_ceil(2);
+    let found: Vec<[f64; 3]> = (0..count)
+        .filter_map(|burst| Some([mean(base, burst)?, mean(null, burst)?, mean(new, burst)?]))
+        .collect();
+    (2 * found.len() >= count as usize).then_some(found)
 }
 
 /// What the time gate found.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct TimeGate {
+    /// How the two programs were measured.
+    pub way: Way,
     /// Every case that was to be timed.
     pub cases: Vec<CaseTime>,
     /// Blocks of the first look.
@@ -212,6 +343,7 @@ pub fn compare_times(
         }
     }
     Ok(TimeGate {
+        way: sides.way().clone(),
         cases: looked_at,
         screen,
         confirm,
@@ -237,60 +369,81 @@ fn blocks(
             break;
         }
         sides.say(&format!("{what}: block {number} of {count}"));
-        let order = if number % 2 == 1 {
-            [Side::Base, Side::New, Side::New, Side::Base]
-        } else {
-            [Side::New, Side::Base, Side::Base, Side::New]
-        };
-        let mut processes = BTreeMap::from([(Side::Base, Vec::new()), (Side::New, Vec::new())]);
-        for side in order {
-            sides.run(side, *next_process, cases)?;
-            processes.entry(side).or_default().push(*next_process);
-            *next_process += 1;
-        }
-        let of = |side| match processes.get(&side).map(Vec::as_slice) {
-            Some(&[first, second]) => [first, second],
-            _ => [0, 0],
-        };
-        blocks.push(Block {
-            base: of(Side::Base),
-            new: of(Side::New),
+        blocks.push(match sides.way() {
+            Way::LockStep => together(sides, cases, next_process)?,
+            Way::Turns { .. } => by_turns(sides, cases, number, next_process)?,
         });
     }
     Ok(blocks)
+}
+
+fn together(
+    sides: &mut dyn Sides,
+    cases: &BTreeSet<String>,
+    next_process: &mut u32,
+) -> Result<Block, GateError> {
+    let trio = Trio {
+        base: *next_process,
+        null: *next_process + 1,
+        new: *next_process + 2,
+    };
+    *next_process += 3;
+    sides.run_together(trio, cases)?;
+    Ok(Block::LockStep(trio))
+}
+
+fn by_turns(
+    sides: &mut dyn Sides,
+    cases: &BTreeSet<String>,
+    number: u32,
+    next_process: &mut u32,
+) -> Result<Block, GateError> {
+    let [a, b, c, d] = [0, 1, 2, 3].map(|place| *next_process + place);
+    *next_process += 4;
+    use Side::{Base, New};
+    let (order, block) = if number % 2 == 1 {
+        let (base, new) = ([a, d], [b, c]);
+        ([Base, New, New, Base], Block::Turns { base, new })
+    } else {
+        let (base, new) = ([b, c], [a, d]);
+        ([New, Base, Base, New], Block::Turns { base, new })
+    };
+    for (side, process) in order.into_iter().zip([a, b, c, d]) {
+        sides.run(side, process, cases)?;
+    }
+    Ok(block)
 }
 
 fn both(sides: &dyn Sides) -> Result<[Times; 2], GateError> {
     Ok([sides.times(Side::Base)?, sides.times(Side::New)?])
 }
 
-/// Natural logarithms of a case's times in one program's processes of all blocks; `None` where one is
-/// absent.
-fn logarithms(case: &str, times: &Times, processes: impl Iterator<Item = u32>) -> Option<Vec<f64>> {
-    let times = times.get(case)?;
-    let logarithms = processes.map(|process| {
-        let ms = *times.get(&process)?;
-        (ms.is_finite() && ms > 0.0).then(|| ms.ln())
-    });
-    logarithms.collect()
-}
-
 /// A block's difference of logarithms, for each block.
-fn differences(case: &str, blocks: &[Block], [base, new]: &[Times; 2]) -> Option<Vec<f64>> {
-    let base = logarithms(case, base, blocks.iter().flat_map(|block| block.base))?;
-    let new = logarithms(case, new, blocks.iter().flat_map(|block| block.new))?;
-    let pairs = base.chunks_exact(2).zip(new.chunks_exact(2));
-    Some(
-        pairs
-            .map(|(base, new)| 0.5 * (new[0] + new[1] - base[0] - base[1]))
-            .collect(),
-    )
+fn differences(case: &str, blocks: &[Block], times: &[Times; 2]) -> Option<Vec<f64>> {
+    let blocks = blocks.iter();
+    blocks.map(|block| block.difference(case, times)).collect()
 }
 
-/// Base against base: of two blocks' four base processes the outer ones less the inner ones, with the
-/// sign turned from pair to pair, so that an even drift falls out.
-fn null_differences(case: &str, blocks: &[Block], base: &Times) -> Option<Vec<f64>> {
-    let base = logarithms(case, base, blocks.iter().flat_map(|block| block.base))?;
+/// Base against base: in lock-step in each block. By turns, of two blocks' four base processes the outer
+/// ones less the inner ones, with the sign turned from pair to pair, so that an even drift falls out.
+fn null_differences(case: &str, blocks: &[Block], times: &[Times; 2]) -> Option<Vec<f64>> {
+    let trio = |block: &Block| match block {
+        Block::LockStep(trio) => Some(*trio),
+        Block::Turns { .. } => None,
+    };
+    if blocks.iter().all(|block| trio(block).is_some()) {
+        let of = |trio| {
+            let bursts = bursts(case, trio, times)?;
+            let gaps: Vec<f64> = bursts.iter().map(|[base, null, _]| null - base).collect();
+            median(&gaps)
+        };
+        return blocks.iter().filter_map(trio).map(of).collect();
+    }
+    let processes = blocks.iter().flat_map(|block| block.processes(Side::Base));
+    let base: Option<Vec<f64>> = processes
+        .map(|process| level(case, &times[0], process))
+        .collect();
+    let base = base?;
     let pairs = base.chunks_exact(4).enumerate();
     Some(
         pairs
@@ -302,25 +455,36 @@ fn null_differences(case: &str, blocks: &[Block], base: &Times) -> Option<Vec<f6
     )
 }
 
+/// Standard deviation; `None` for fewer than two values.
+fn deviation(values: &[f64]) -> Option<f64> {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (values.len() > 1).then(|| (squares / (values.len() - 1) as f64).sqrt())
+}
+
 fn percent(logarithm: f64) -> f64 {
     100.0 * logarithm.exp_m1()
 }
 
 /// Median over all of a program's processes in the blocks.
-fn middle_ms(case: &str, times: &Times, processes: impl Iterator<Item = u32>) -> Option<f64> {
-    let logarithms = logarithms(case, times, processes)?;
-    median(&logarithms).map(f64::exp)
+fn middle_ms(case: &str, times: &Times, blocks: &[Block], side: Side) -> Option<f64> {
+    let processes = blocks.iter().flat_map(|block| block.processes(side));
+    let levels: Option<Vec<f64>> = processes
+        .map(|process| level(case, times, process))
+        .collect();
+    median(&levels?).map(f64::exp)
 }
 
 fn case_time(case: &str, blocks: &[Block], [base, new]: &[Times; 2]) -> CaseTime {
     CaseTime {
         case: case.to_owned(),
         pace: Pace::Unknown,
-        base_ms: middle_ms(case, base, blocks.iter().flat_map(|block| block.base)),
-        new_ms: middle_ms(case, new, blocks.iter().flat_map(|block| block.new)),
+        base_ms: middle_ms(case, base, blocks, Side::Base),
+        new_ms: middle_ms(case, new, blocks, Side::New),
         percent: None,
         interval_percent: None,
         null_percent: None,
+        spread_percent: None,
         blocks: blocks.len(),
         slower_blocks: 0,
         words: String::new(),
@@ -341,6 +505,7 @@ fn first_look(case: &str, blocks: &[Block], times: &[Times; 2], options: &TimeOp
         return found;
     };
     found.percent = Some(percent(middle));
+    found.spread_percent = deviation(&differences).map(percent);
     found.slower_blocks = differences.iter().filter(|gap| **gap > 0.0).count();
     let spread = differences.iter().map(|gap| (gap - middle).abs());
     let spread = median(&spread.collect::<Vec<_>>()).unwrap_or(f64::INFINITY);
@@ -371,11 +536,12 @@ fn decide(case: &str, blocks: &[Block], times: &[Times; 2], options: &TimeOption
     let Some(shift) = Shift::of(&differences, COVERAGE) else {
         return found;
     };
-    let null = null_differences(case, blocks, &times[0])
+    let null = null_differences(case, blocks, times)
         .and_then(|differences| Shift::of(&differences, NULL_COVERAGE));
     found.percent = Some(percent(shift.estimate));
     found.interval_percent = shift.interval.map(|interval| interval.map(percent));
     found.null_percent = null.map(|null| percent(null.estimate));
+    found.spread_percent = deviation(&differences).map(percent);
     found.slower_blocks = differences.iter().filter(|gap| **gap > 0.0).count();
     let gap_ms = found
         .base_ms

@@ -37,7 +37,7 @@ pub(crate) enum Verb {
     /// Rebuild the report of a run from its tables alone
     #[command(after_help = "Example: terrafill report out/first")]
     Report(ReportArguments),
-    /// Join the shards of a run into one folder
+    /// Join the shards of a run, or of a gate, into one folder
     #[command(after_help = "Example: terrafill merge out/shard-1 out/shard-2 --out out/all")]
     Merge(MergeArguments),
     /// Decide whether a version does more work, errs more or takes longer than another
@@ -119,6 +119,9 @@ pub(crate) struct BenchArguments {
     /// File of case keys, one a line, that this process times alone: `gate` starts replicates with it
     #[arg(long, hide = true, value_name = "FILE")]
     pub(crate) time_only: Option<PathBuf>,
+    /// Take samples as lines on standard input release them: `gate` steps several programs by turns
+    #[arg(long, hide = true, requires = "time_only")]
+    pub(crate) stepped: bool,
     /// Frames that a timed sample is the mean of
     #[arg(long, hide = true, default_value = "1", value_parser = parse_samples)]
     pub(crate) frames_per_sample: u32,
@@ -161,10 +164,10 @@ lists them [default: filling, with --full all]";
 
 #[derive(Debug, Args)]
 pub(crate) struct MergeArguments {
-    /// Folders of all the shards of a run
+    /// Folders of all the shards of a run or of a gate
     #[arg(required = true)]
     pub(crate) runs: Vec<PathBuf>,
-    /// New folder for the whole run
+    /// New folder for the whole
     #[arg(long)]
     pub(crate) out: PathBuf,
 }
@@ -230,6 +233,12 @@ pub(crate) struct GateArguments {
     /// Time for measuring, builds not counted
     #[arg(long, value_name = "SECONDS", default_value = "600")]
     pub(crate) time_budget_s: u64,
+    /// Part m of n of the named scenes; `merge` joins the parts
+    #[arg(long, value_name = "M/N", value_parser = parse_shard)]
+    pub(crate) shard: Option<Shard>,
+    /// Folder of an earlier gate whose times balance the shards
+    #[arg(long, value_name = "DIR", requires = "shard")]
+    pub(crate) balance_by: Option<PathBuf>,
     /// How often is the time gate right: with equal work, or with more
     #[arg(long, value_name = "aa|inject", hide_possible_values = true)]
     pub(crate) self_test: Option<SelfTestKind>,

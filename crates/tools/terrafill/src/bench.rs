@@ -3,17 +3,22 @@
 
 use crate::arguments::{BenchArguments, GrowthSampleArguments, MergeArguments, ReportArguments};
 use crate::environment::environment;
+use crate::gate::finish;
 use crate::outcome::{Failure, Outcome, complain, print};
 use crate::progress::Said;
 use crate::registry::{STUDIES, chapters, metrics};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::rc::Rc;
+use std::sync::mpsc::Receiver;
 use terrafill_fill::Devices;
 use terrafill_gpu::shared_gpu;
 use terrafill_report::{ReportError, WrittenReport};
 use terrafill_results::RunFolder;
 use terrafill_scene::data_dir_from_env;
-use terrafill_study::{Depth, FramesPerSample, Request, RunOptions, RunOutcome, Study, StudyError};
+use terrafill_study::{
+    Depth, FramesPerSample, Request, RunOptions, RunOutcome, Study, StudyError, Turn, Turns,
+};
 
 /// Processes of a run: fewer than three show no spread.
 const PROCESSES: u32 = 3;
@@ -62,13 +67,17 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         complain("nothing was measured");
         return Ok(Outcome::NothingMeasured);
     }
-    if options.process > 0 {
-        end_with_first_process();
-    }
+    let lines = (options.process > 0).then(lines_of_first_process);
     let devices = Rc::new(Devices::new(arguments.adapter.clone()));
     let folder = open_folder(arguments, &studies, &request, &options, &plan, &devices)?;
     let mut progress = Said::new(options.process, processes);
-    let ran = terrafill_study::run(&plan, &folder, &devices, &options, &mut progress);
+    let ran = match lines {
+        Some(lines) if arguments.stepped => {
+            let turns = &mut Stepped(lines);
+            terrafill_study::run_by_turns(&plan, &folder, &devices, &options, &mut progress, turns)
+        }
+        _ => terrafill_study::run(&plan, &folder, &devices, &options, &mut progress),
+    };
     drop(progress);
     ran.map_err(failure)?;
     if options.process > 0 {
@@ -209,7 +218,7 @@ fn run_process(process: u32) -> Result<(), Failure> {
         .stdin(Stdio::piped())
         .spawn()
         .map_err(Failure::bad_input)?;
-    // Held until the child has ended, see `end_with_first_process`; waiting would close it.
+    // Held until the child has ended, see `lines_of_first_process`; waiting would close it.
     let pipe = child.stdin.take();
     let status = child.wait().map_err(Failure::bad_input)?;
     drop(pipe);
@@ -223,14 +232,51 @@ fn run_process(process: u32) -> Result<(), Failure> {
     })
 }
 
-/// Ends this process when the one that started it is killed. It would write on beside the run that
-/// is resumed there.
-fn end_with_first_process() {
-    std::thread::spawn(|| {
-        // Nothing is ever written to the pipe: it ends when its other end is closed.
-        drop(std::io::copy(&mut std::io::stdin(), &mut std::io::sink()));
+/// What the process that started this one says. Ends this process when that one is killed: it would
+/// write on beside the run that is resumed there.
+fn lines_of_first_process() -> Receiver<String> {
+    let (say, lines) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        // The pipe ends when its other end is closed.
+        for line in std::io::stdin().lines().map_while(Result::ok) {
+            drop(say.send(line));
+        }
         std::process::exit(Outcome::Inconclusive as i32);
     });
+    lines
+}
+
+/// Turns that come as lines on standard input; `terrafill_gate` has the other end.
+struct Stepped(Receiver<String>);
+
+impl Turns for Stepped {
+    fn ready(&mut self, cases: &[String]) -> Result<(), String> {
+        say(&format!("ready\t{}", cases.join("\t")))
+    }
+
+    fn next(&mut self) -> Result<Turn, String> {
+        let line = self.0.recv().map_err(|error| error.to_string())?;
+        let sample = |place: &str, counts| {
+            let place = place.parse().ok();
+            place.map(|place| Turn::Sample { place, counts })
+        };
+        let turn = match line.split_once(' ') {
+            Some(("sample", place)) => sample(place, true),
+            Some(("warm", place)) => sample(place, false),
+            None if line == "block" => Some(Turn::Block),
+            None if line == "next" => Some(Turn::NextGroup),
+            _ => None,
+        };
+        turn.ok_or_else(|| format!("found {line:?}, allowed: sample N, warm N, block, next"))
+    }
+
+    fn over(&mut self, is_well: bool) -> Result<(), String> {
+        say(if is_well { "over" } else { "broken" })
+    }
+}
+
+fn say(line: &str) -> Result<(), String> {
+    print(format!("{line}\n")).map_err(|failure| failure.message)
 }
 
 fn failure(error: StudyError) -> Failure {
@@ -256,9 +302,20 @@ pub(crate) fn report(arguments: &ReportArguments) -> Result<Outcome, Failure> {
 }
 
 pub(crate) fn merge(arguments: &MergeArguments) -> Result<Outcome, Failure> {
+    if arguments.runs.iter().any(|folder| is_gate(folder)) {
+        let report = terrafill_gate::merge_gates(&arguments.runs)?;
+        return finish(&report, &arguments.out);
+    }
     terrafill_results::merge(&arguments.runs, &arguments.out, metrics())
         .map_err(Failure::bad_input)?;
     print_report(terrafill_report::write(&arguments.out, &chapters()), "")
+}
+
+/// Whether a folder is one of `gate`, ended or not.
+fn is_gate(folder: &Path) -> bool {
+    ["gate.json", "base", "new"]
+        .iter()
+        .any(|name| folder.join(name).exists())
 }
 
 /// Prints `heading` and where the report is, names what is missing, and gives the run's verdict.

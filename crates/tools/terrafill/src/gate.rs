@@ -8,11 +8,12 @@ use std::ffi::OsString;
 use std::io::Write as _;
 use std::path::Path;
 use std::time::{Duration, Instant};
+use terrafill_gate::threshold::BURSTS;
 use terrafill_gate::{
-    Blessing, Finding, GateError, GateOptions, GateReport, Injection, Job, Program, Rates, Rules,
-    SelfTest, Side, Workload, add_blessings, annotations, load_baseline, markdown, read_blessings,
-    read_json, read_limits, refuse_equal_programs, save_baseline, self_test, shipped_limits, text,
-    write_files,
+    Blessing, Finding, GateError, GateOptions, GateReport, GateShard, Injection, Job, Program,
+    Rates, Rules, SelfTest, Side, Workload, add_blessings, annotations, load_baseline, markdown,
+    read_blessings, read_json, read_limits, refuse_equal_programs, save_baseline, self_test,
+    shipped_limits, text, write_files,
 };
 use terrafill_results::{Clock, Run};
 
@@ -61,6 +62,10 @@ pub(crate) fn run(arguments: &GateArguments) -> Result<Outcome, Failure> {
         limits: &limits,
         blessings: &blessings,
     };
+    if arguments.shard.is_some() && (arguments.base.is_none() || arguments.self_test.is_some()) {
+        let message = "--shard needs --base: both programs run over each part";
+        return Err(Failure::bad_input(message));
+    }
     if let Some(kind) = arguments.self_test {
         return prove(arguments, kind);
     }
@@ -135,7 +140,7 @@ fn new_run(arguments: &GateArguments) -> Result<Run, Failure> {
     let new = new_program(arguments)?;
     let mut talk = Talk(None);
     let mut say = |what: &str| talk.say(what);
-    let workload = workload(arguments, false);
+    let workload = workload(arguments, &arguments.scenes, false);
     let programs = [new.clone(), new];
     let mut job = Job::new(programs, workload, &arguments.out, &primary, &mut say)?;
     Ok(job.verify(Side::New)?)
@@ -161,15 +166,17 @@ fn two_programs(
         let message = "--base needs --new, not --new-run: times are compared within one job alone";
         return Err(Failure::bad_input(message));
     }
+    let part = part(arguments)?;
     let base = Program::find(base, &arguments.cache)?;
     let new = new_program(arguments)?;
     refuse_equal_programs(&base, &new)?;
     let names = [base.label(), new.label()];
+    let scenes = part.as_ref().map_or(&arguments.scenes, |part| &part.scenes);
     let mut talk = Talk(None);
     let mut say = |what: &str| talk.say(what);
     let mut job = Job::new(
         [base, new],
-        workload(arguments, !arguments.no_time),
+        workload(arguments, scenes, !arguments.no_time),
         &arguments.out,
         &primary,
         &mut say,
@@ -180,14 +187,41 @@ fn two_programs(
         floor_percent: arguments.floor_percent,
         budget: Duration::from_secs(arguments.time_budget_s),
     };
-    Ok(terrafill_gate::gate(
-        &mut job, names, &options, rules, &primary,
-    )?)
+    let mut report = terrafill_gate::gate(&mut job, names, &options, rules, &primary)?;
+    if part.is_some() {
+        let whole = report.compared.iter().find(|case| !is_of(case, scenes));
+        if let Some(case) = whole {
+            let message = format!("--shard shares scenes out, and {case} is of none of them");
+            return Err(Failure::bad_input(message));
+        }
+    }
+    report.part = part;
+    Ok(report)
+}
+
+/// The scenes of this part of the gate.
+fn part(arguments: &GateArguments) -> Result<Option<GateShard>, Failure> {
+    let Some(shard) = arguments.shard else {
+        return Ok(None);
+    };
+    let earlier = match &arguments.balance_by {
+        Some(folder) => Some(read_json(&folder.join("gate.json"))?),
+        None => None,
+    };
+    let part = GateShard::new(shard, &arguments.scenes, earlier.as_ref())?;
+    Ok(Some(part))
+}
+
+/// Whether a case is of one of these scenes, which are names or files.
+fn is_of(case: &str, scenes: &[String]) -> bool {
+    let scene = case.split('/').nth(1).unwrap_or_default();
+    let mut names = scenes.iter().map(|scene| Path::new(scene).file_stem());
+    names.any(|name| name.is_some_and(|name| name == scene))
 }
 
 /// What both sides measure.
-fn workload(arguments: &GateArguments, is_timed: bool) -> Workload {
-    let mut of_bench: Vec<OsString> = arguments.scenes.iter().map(OsString::from).collect();
+fn workload(arguments: &GateArguments, scenes: &[String], is_timed: bool) -> Workload {
+    let mut of_bench: Vec<OsString> = scenes.iter().map(OsString::from).collect();
     let mut option = |name: &str, value: &dyn AsRef<std::ffi::OsStr>| {
         of_bench.push(name.into());
         of_bench.push(value.as_ref().to_owned());
@@ -212,13 +246,14 @@ fn workload(arguments: &GateArguments, is_timed: bool) -> Workload {
     Workload {
         arguments: of_bench,
         samples: if is_timed { SAMPLES } else { 1 },
+        bursts: BURSTS,
         frames: 1,
         extra: [0, 0],
     }
 }
 
 /// Prints the report, writes its files, and tells GitHub where it runs there.
-fn finish(report: &GateReport, out: &Path) -> Result<Outcome, Failure> {
+pub(crate) fn finish(report: &GateReport, out: &Path) -> Result<Outcome, Failure> {
     write_files(report, out)?;
     print(text(report))?;
     print(format!("report: {}\n", out.join("gate.md").display()))?;
@@ -265,7 +300,7 @@ fn prove(arguments: &GateArguments, kind: SelfTestKind) -> Result<Outcome, Failu
     let rates = self_test(
         &test,
         &[base, new],
-        &workload(arguments, true),
+        &workload(arguments, &arguments.scenes, true),
         &arguments.out,
         &primary,
         &mut |what| talk.say(what),

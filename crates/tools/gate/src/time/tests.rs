@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! The time gate on made-up programs whose noise is that of a busy two-core machine: processes spread by
-//! 2 %, one in ten is held up by 8 % on average, and all drift by 0.4 % a process.
+//! The time gate on made-up programs whose noise is that of a busy two-core machine. By turns, processes
+//! spread by 2 %, one in ten is held up by 8 % on average, and all drift by 0.4 % a process. In lock-step
+//! another program slows every second burst or so by a quarter, samples spread by 3 %, one in ten is held up
+//! by 30 % on average, and processes differ by 1 %.
 
 use super::*;
 
@@ -30,6 +32,7 @@ struct MadeUp {
     factor: f64,
     base_ms: f64,
     spread: f64,
+    way: Way,
     /// Time of a process that is to be lost: absent, or this value.
     broken: Option<(u32, Option<f64>)>,
     seconds_per_process: u64,
@@ -44,6 +47,7 @@ impl MadeUp {
             factor,
             base_ms: 10.0,
             spread: 0.02,
+            way: by_turns(),
             broken: None,
             seconds_per_process: 1,
             ran: Vec::new(),
@@ -52,7 +56,75 @@ impl MadeUp {
     }
 }
 
+/// Spread of samples in lock-step, and by how much each process differs.
+const SAMPLE_SPREAD: f64 = 0.03;
+const PROCESS_SPREAD: f64 = 0.01;
+
+fn by_turns() -> Way {
+    let why = "made up".to_owned();
+    Way::Turns { why }
+}
+
+impl MadeUp {
+    fn in_lock_step(seed: u64, factor: f64) -> Self {
+        Self {
+            way: Way::LockStep,
+            spread: PROCESS_SPREAD,
+            ..Self::new(seed, factor)
+        }
+    }
+
+    /// One whose processes are measured in this way.
+    fn measured(way: &Way, seed: u64, factor: f64) -> Self {
+        match way {
+            Way::LockStep => Self::in_lock_step(seed, factor),
+            Way::Turns { .. } => Self::new(seed, factor),
+        }
+    }
+
+    fn keep(&mut self, side: Side, case: &str, process: u32, sample: u32, log: f64) {
+        let factor = if side == Side::New { self.factor } else { 1.0 };
+        let mut ms = Some(self.base_ms * factor * log.exp());
+        if let Some((_, value)) = self.broken.filter(|(broken, _)| *broken == process) {
+            ms = value;
+        }
+        if let Some(ms) = ms {
+            let of = &mut self.times[usize::from(side == Side::New)];
+            let processes = of.entry(case.to_owned()).or_default();
+            processes.entry(process).or_default().insert(sample, ms);
+        }
+    }
+}
+
 impl Sides for MadeUp {
+    fn way(&self) -> &Way {
+        &self.way
+    }
+
+    fn run_together(&mut self, trio: Trio, cases: &BTreeSet<String>) -> Result<(), GateError> {
+        for case in cases {
+            let levels = trio.processes().map(|_| self.spread * self.random.normal());
+            for burst in 0..crate::threshold::BURSTS {
+                let slowed = if self.random.uniform() < 0.5 {
+                    0.22
+                } else {
+                    0.0
+                };
+                for sample in [2 * burst + 1, 2 * burst + 2] {
+                    for ((side, process), level) in trio.processes().into_iter().zip(levels) {
+                        let mut log = level + slowed + SAMPLE_SPREAD * self.random.normal();
+                        if self.random.uniform() < 0.1 {
+                            log += -0.3 * self.random.uniform().ln();
+                        }
+                        self.keep(side, case, process, sample, log);
+                    }
+                }
+            }
+        }
+        self.ran.extend(trio.processes());
+        Ok(())
+    }
+
     fn run(&mut self, side: Side, process: u32, cases: &BTreeSet<String>) -> Result<(), GateError> {
         self.ran.push((side, process));
         for case in cases {
@@ -60,17 +132,7 @@ impl Sides for MadeUp {
             if self.random.uniform() < 0.1 {
                 log += -0.08 * self.random.uniform().ln();
             }
-            if side == Side::New {
-                log += self.factor.ln();
-            }
-            let mut ms = Some(self.base_ms * log.exp());
-            if let Some((_, value)) = self.broken.filter(|(broken, _)| *broken == process) {
-                ms = value;
-            }
-            if let Some(ms) = ms {
-                let of = &mut self.times[usize::from(side == Side::New)];
-                of.entry(case.clone()).or_default().insert(process, ms);
-            }
+            self.keep(side, case, process, 1, log);
         }
         Ok(())
     }
@@ -96,8 +158,8 @@ fn cases(count: usize) -> BTreeSet<String> {
         .collect()
 }
 
-fn paces(seed: u64, factor: f64, count: usize) -> Vec<Pace> {
-    let mut sides = MadeUp::new(seed, factor);
+fn paces(way: &Way, seed: u64, factor: f64, count: usize) -> Vec<Pace> {
+    let mut sides = MadeUp::measured(way, seed, factor);
     let gate = compare_times(&mut sides, &cases(count), &options()).expect("measured");
     gate.cases.iter().map(|case| case.pace).collect()
 }
@@ -108,21 +170,51 @@ fn share(paces: &[Pace], of: Pace) -> f64 {
 
 #[test]
 fn identical_programs_raise_no_alarm_and_five_percent_is_caught_either_way() {
-    let same = paces(1, 1.0, 2000);
-    assert!(share(&same, Pace::Slower) + share(&same, Pace::Faster) < 0.0005);
-    assert!(
-        share(&same, Pace::Same) > 0.98,
-        "{}",
-        share(&same, Pace::Same)
-    );
-    for seed in [2, 3] {
-        let (slower, faster) = (paces(seed, 1.05, 500), paces(seed, 1.0 / 1.05, 500));
-        let found = [share(&slower, Pace::Slower), share(&faster, Pace::Faster)];
-        assert!(found.iter().all(|share| *share > 0.93), "{found:?}");
-        assert!((found[0] - found[1]).abs() < 0.05, "{found:?}");
-        assert!(share(&slower, Pace::Faster) + share(&faster, Pace::Slower) < 0.001);
+    for way in [by_turns(), Way::LockStep] {
+        let same = paces(&way, 1, 1.0, 2000);
+        assert!(share(&same, Pace::Slower) + share(&same, Pace::Faster) < 0.0005);
+        let quiet = share(&same, Pace::Same);
+        assert!(quiet > 0.98, "{way:?}: {quiet}");
+        for seed in [2, 3] {
+            let slower = paces(&way, seed, 1.05, 500);
+            let faster = paces(&way, seed, 1.0 / 1.05, 500);
+            let found = [share(&slower, Pace::Slower), share(&faster, Pace::Faster)];
+            assert!(
+                found.iter().all(|share| *share > 0.93),
+                "{way:?}: {found:?}"
+            );
+            assert!((found[0] - found[1]).abs() < 0.05, "{way:?}: {found:?}");
+            assert!(share(&slower, Pace::Faster) + share(&faster, Pace::Slower) < 0.001);
+        }
+        assert!(share(&paces(&way, 4, 1.10, 300), Pace::Slower) > 0.99);
     }
-    assert!(share(&paces(4, 1.10, 300), Pace::Slower) > 0.99);
+}
+
+#[test]
+fn a_burst_with_an_unusable_sample_does_not_count_and_half_of_them_must() {
+    let mut sides = MadeUp::in_lock_step(14, 1.0);
+    let trio = Trio {
+        base: 1,
+        null: 2,
+        new: 3,
+    };
+    sides.run_together(trio, &cases(1)).expect("made up");
+    let case = "filling/000";
+    let mut times = both(&sides).expect("times");
+    let count = |times: &[Times; 2]| bursts(case, trio, times).map(|bursts| bursts.len());
+    assert_eq!(count(&times), Some(6));
+    // One unusable sample in each of three bursts, then in a fourth.
+    for (lost, sample, expected) in [
+        (1, 2, Some(5)),
+        (2, 3, Some(4)),
+        (3, 6, Some(3)),
+        (4, 7, None),
+    ] {
+        let of_case = times[1].get_mut(case).expect("the case");
+        let samples = of_case.get_mut(&trio.new).expect("the process");
+        samples.insert(sample, if lost % 2 == 0 { 0.0 } else { f64::NAN });
+        assert_eq!(count(&times), expected, "{lost} lost");
+    }
 }
 
 #[test]
@@ -133,9 +225,12 @@ fn reversed_operands_reverse_the_answer() {
     let turned: Vec<Block> = gate
         .confirm
         .iter()
-        .map(|block| Block {
-            base: block.new,
-            new: block.base,
+        .map(|block| match block {
+            Block::Turns { base, new } => Block::Turns {
+                base: *new,
+                new: *base,
+            },
+            Block::LockStep(_) => panic!("by turns"),
         })
         .collect();
     let [base, new] = times.clone();
@@ -157,20 +252,30 @@ fn blocks_go_there_and_back_and_cases_are_decided_by_fresh_ones() {
     let order: Vec<Side> = sides.ran.iter().take(8).map(|(side, _)| *side).collect();
     assert_eq!(order, [Base, New, New, Base, New, Base, Base, New]);
     let all: Vec<&Block> = gate.screen.iter().chain(&gate.confirm).collect();
-    let processes: BTreeSet<u32> = all.iter().flat_map(|b| [b.base, b.new]).flatten().collect();
+    let of = |block: &&Block| [Base, New].map(|side| block.processes(side)).concat();
+    let processes: BTreeSet<u32> = all.iter().flat_map(of).collect();
     assert_eq!(processes.len(), 100, "no process counts twice");
     // An even drift of 0.4 % a process falls out.
     let change = gate.cases[0].percent.expect("measured");
     assert!((change - 20.0).abs() < 2.0, "{change}");
+
+    let mut sides = MadeUp::in_lock_step(6, 1.2);
+    let gate = compare_times(&mut sides, &cases(2), &options()).expect("measured");
+    assert_eq!((gate.screen.len(), gate.confirm.len()), (5, 20));
+    let processes: BTreeSet<u32> = sides.ran.iter().map(|(_, process)| *process).collect();
+    assert_eq!(processes.len(), 75, "three fresh processes a block");
 }
 
 #[test]
 fn a_collapse_is_no_improvement() {
-    let found = paces(7, 0.1, 3);
-    assert!(
-        found.iter().all(|pace| *pace == Pace::Collapsed),
-        "{found:?}"
-    );
+    for way in [by_turns(), Way::LockStep] {
+        let found = paces(&way, 7, 0.1, 3);
+        let is_collapsed = |pace: &Pace| *pace == Pace::Collapsed;
+        assert!(found.iter().all(is_collapsed), "{found:?}");
+        // Twin: a third less is an improvement.
+        let found = paces(&way, 7, 0.67, 3);
+        assert!(found.iter().all(|pace| *pace == Pace::Faster), "{found:?}");
+    }
     let sides = &mut MadeUp::new(7, 0.1);
     let gate = compare_times(sides, &cases(1), &options()).expect("measured");
     let finding = gate.cases[0]
@@ -182,8 +287,6 @@ fn a_collapse_is_no_improvement() {
         "{}",
         finding.words
     );
-    // Twin: a third less is one.
-    assert!(paces(7, 0.67, 3).iter().all(|pace| *pace == Pace::Faster));
 }
 
 #[test]
@@ -195,8 +298,13 @@ fn a_time_that_is_absent_zero_or_no_number_is_never_a_pass() {
         Some(-1.0),
         Some(f64::INFINITY),
     ] {
-        for (process, factor) in [(3, 1.0), (40, 1.2)] {
-            let mut sides = MadeUp::new(8, factor);
+        for (way, process, factor) in [
+            (by_turns(), 3, 1.0),
+            (by_turns(), 40, 1.2),
+            (Way::LockStep, 2, 1.0),
+            (Way::LockStep, 30, 1.2),
+        ] {
+            let mut sides = MadeUp::measured(&way, 8, factor);
             sides.broken = Some((process, value));
             let gate = compare_times(&mut sides, &cases(1), &options()).expect("measured");
             let case = &gate.cases[0];
@@ -208,12 +316,14 @@ fn a_time_that_is_absent_zero_or_no_number_is_never_a_pass() {
 
 #[test]
 fn noise_that_could_hide_a_change_is_no_pass() {
-    let mut sides = MadeUp::new(9, 1.0);
-    sides.spread = 0.3;
-    let gate = compare_times(&mut sides, &cases(40), &options()).expect("measured");
-    let paces: Vec<Pace> = gate.cases.iter().map(|case| case.pace).collect();
-    assert!(share(&paces, Pace::Unknown) > 0.8, "{paces:?}");
-    assert!(share(&paces, Pace::Slower) < 0.05);
+    for way in [by_turns(), Way::LockStep] {
+        let mut sides = MadeUp::measured(&way, 9, 1.0);
+        sides.spread = 0.3;
+        let gate = compare_times(&mut sides, &cases(40), &options()).expect("measured");
+        let paces: Vec<Pace> = gate.cases.iter().map(|case| case.pace).collect();
+        assert!(share(&paces, Pace::Unknown) > 0.8, "{paces:?}");
+        assert!(share(&paces, Pace::Slower) < 0.05);
+    }
 }
 
 #[test]
@@ -225,15 +335,32 @@ fn where_base_against_base_moves_the_answer_is_unknown() {
     assert_eq!(steady.cases[0].pace, Pace::Slower);
     let [mut base, new] = both(&sides).expect("times");
     let case = "filling/000".to_owned();
+    let processes = |block: &Block| block.processes(Side::Base);
     for (index, blocks) in steady.confirm.chunks(2).enumerate() {
-        let outer = [blocks[0].base[0], blocks[1].base[1]];
-        let inner = [blocks[0].base[1], blocks[1].base[0]];
+        let (first, second) = (processes(&blocks[0]), processes(&blocks[1]));
+        let outer = [first[0], second[1]];
+        let inner = [first[1], second[0]];
         for process in if index % 2 == 0 { outer } else { inner } {
             let of = base.get_mut(&case).expect("the case");
-            *of.get_mut(&process).expect("the process") *= 1.08;
+            let samples = of.get_mut(&process).expect("the process");
+            samples.values_mut().for_each(|ms| *ms *= 1.08);
         }
     }
     let found = decide(&case, &steady.confirm, &[base, new], &options());
+    assert_eq!(found.pace, Pace::Unknown);
+    assert!(found.words.contains("base against base"), "{}", found.words);
+
+    // In lock-step: the other base process of each block is slower.
+    let mut sides = MadeUp::in_lock_step(10, 1.2);
+    let steady = compare_times(&mut sides, &cases(1), &options()).expect("measured");
+    assert_eq!(steady.cases[0].pace, Pace::Slower);
+    let mut times = both(&sides).expect("times");
+    for block in &steady.confirm {
+        let of = times[0].get_mut(&case).expect("the case");
+        let samples = of.get_mut(&processes(block)[1]).expect("the process");
+        samples.values_mut().for_each(|ms| *ms *= 1.08);
+    }
+    let found = decide(&case, &steady.confirm, &times, &options());
     assert_eq!(found.pace, Pace::Unknown);
     assert!(found.words.contains("base against base"), "{}", found.words);
 }

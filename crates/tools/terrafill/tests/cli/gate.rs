@@ -202,3 +202,302 @@ fn two_programs_are_compared_and_one_program_or_none_is_not() {
     assert_eq!(ran.code, 4, "{}{}", ran.stdout, ran.stderr);
     assert!(ran.stderr.contains("time budget of 1 s"), "{}", ran.stderr);
 }
+
+/// A program that is this one, with something done before or after it.
+fn altered(desk: &Desk, name: &str, before: &str, after: &str) {
+    use std::os::unix::fs::PermissionsExt as _;
+    let this = env!("CARGO_BIN_EXE_terrafill");
+    let script = format!("#!/bin/sh\n{before}\n\"{this}\" \"$@\"\ncode=$?\n{after}\nexit $code\n");
+    desk.write(name, script);
+    let executable = std::fs::Permissions::from_mode(0o755);
+    std::fs::set_permissions(desk.path(name), executable).expect("set");
+}
+
+/// Sets `out` to the folder that `bench` writes to.
+const OUT: &str = "for word in \"$@\"; do [ \"$last\" = --out ] && out=$word; last=$word; done";
+
+const QUICK: [&str; 5] = ["california", "--technique", "vertex", "--size", "48"];
+
+#[test]
+fn programs_that_measure_nothing_that_counts_never_pass() {
+    if !has_device() {
+        return;
+    }
+    let desk = Desk::new();
+    let edit = |what: &str, table: &str| {
+        let file = format!("\"$out/{table}\"");
+        format!("{OUT}\n[ -f {file} ] && sed -i '{what}' {file}")
+    };
+    let cases: [(&str, String, String, i32, &str); 7] = [
+        // What it draws is a tenth of what it was.
+        (
+            "tenth",
+            String::new(),
+            edit(r"s/\(,draws,0,0,\).*/\10.1/", "measurements.csv"),
+            1,
+            "draws",
+        ),
+        (
+            "absent",
+            String::new(),
+            edit(
+                r"/^filling\/california\/globe\/vertex\/doubled,/d",
+                "cases.csv",
+            ),
+            3,
+            "doubled",
+        ),
+        (
+            "nan",
+            String::new(),
+            edit(r"s/\(,filled_px,0,0,\).*/\1NaN/", "measurements.csv"),
+            1,
+            "filled_px",
+        ),
+        (
+            "device",
+            String::new(),
+            edit(r#"s/"gpu": ".*"/"gpu": "another"/"#, "environment.json"),
+            2,
+            "give --adapter",
+        ),
+        ("dies", "exit 9".to_owned(), String::new(), 2, "status: 9"),
+        (
+            "silent",
+            "[ \"$1\" = bench ] && exit 4".to_owned(),
+            String::new(),
+            4,
+            "nothing measured",
+        ),
+        // Twin.
+        ("equal", String::new(), String::new(), 0, "PASS"),
+    ];
+    for (name, before, after, code, words) in cases {
+        altered(&desk, name, &before, &after);
+        let out = format!("out-{name}");
+        let more = ["--base", env!("CARGO_BIN_EXE_terrafill"), "--new"];
+        let paths = [&format!("./{name}"), "--no-time", "--out", &out];
+        let ran = gate(&desk, &[&QUICK[..], &more, &paths].concat());
+        let said = format!("{}{}", ran.stdout, ran.stderr);
+        assert_eq!(ran.code, code, "{name}: {said}");
+        assert!(said.contains(words), "{name}: {said}");
+        let has_answer = desk.path(&format!("{out}/gate.json")).exists();
+        assert_eq!(has_answer, !matches!(code, 2 | 4), "{name}");
+    }
+}
+
+/// A gate of one case with times, small enough for a test.
+fn timed(desk: &Desk, base: &str, new: &str, out: &str) -> Ran {
+    let scene = ["square-10m", "--technique", "vertex", "--size", "16"];
+    let sides = ["--base", base, "--new", new, "--out", out];
+    gate(desk, &[&scene[..], &sides].concat())
+}
+
+#[test]
+fn times_are_taken_in_lock_step_and_by_turns_of_a_program_that_cannot() {
+    if !has_device() {
+        return;
+    }
+    let desk = Desk::new();
+    twin(&desk);
+    let this = env!("CARGO_BIN_EXE_terrafill");
+    let ran = timed(&desk, "twin", this, "together");
+    let said = format!("{}{}", ran.stdout, ran.stderr);
+    // A busy machine may leave it inconclusive; nothing is slower and nothing is an error.
+    assert!(matches!(ran.code, 0 | 3), "{said}");
+    let json = desk.read_text("together/gate.json");
+    assert!(json.contains("\"way\": \"lock-step\""), "{json}");
+    assert!(!said.contains("whole processes by turns"), "{said}");
+
+    // Twin: one that was built before.
+    let before = "case \" $* \" in *' --stepped '*) echo unexpected >&2; exit 2;; esac";
+    altered(&desk, "old", before, "");
+    let budget = ["--base", "./old", "--new", this, "--time-budget-s", "1"];
+    let scene = ["square-10m", "--technique", "vertex", "--size", "16"];
+    let ran = gate(&desk, &[&scene[..], &budget, &["--out", "turns"]].concat());
+    assert_eq!(ran.code, 4, "{}{}", ran.stdout, ran.stderr);
+    let options = desk.read_text("turns/base/environment.json");
+    assert!(options.contains("samples=30"), "{options}");
+
+    // A program whose timing processes break off.
+    let before = "case \" $* \" in *' --process=3 '*) echo broken by hand >&2; exit 2;; esac";
+    altered(&desk, "breaks", before, "");
+    let ran = timed(&desk, this, "./breaks", "broken");
+    assert_eq!(ran.code, 2, "{}{}", ran.stdout, ran.stderr);
+    assert!(ran.stderr.contains("./breaks"), "{}", ran.stderr);
+}
+
+/// A repository of two commits, each with this program in the cache as what was built from it.
+fn two_commits(desk: &Desk) -> [String; 2] {
+    let git = |arguments: &[&str]| {
+        let mut command = std::process::Command::new("git");
+        let author = ["-c", "user.name=a", "-c", "user.email=a@b"];
+        command
+            .args(author)
+            .args(arguments)
+            .current_dir(desk.path("."));
+        let output = command.output().expect("git runs");
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8(output.stdout)
+            .expect("text")
+            .trim()
+            .to_owned()
+    };
+    git(&["init", "--quiet"]);
+    let mut commits = Vec::new();
+    for name in ["first", "second"] {
+        git(&["commit", "--quiet", "--allow-empty", "-m", name]);
+        let commit = git(&["rev-parse", "HEAD"]);
+        let folder = desk.path(&format!("target/gate/bin/{commit}"));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let bytes = std::fs::read(env!("CARGO_BIN_EXE_terrafill")).expect("read");
+        let binary = folder.join("terrafill");
+        std::fs::copy(env!("CARGO_BIN_EXE_terrafill"), &binary).expect("copied");
+        std::fs::write(&binary, [&bytes[..], name.as_bytes()].concat()).expect("written");
+        commits.push(commit);
+    }
+    <[String; 2]>::try_from(commits).expect("two")
+}
+
+#[test]
+fn revisions_the_wrong_way_round_are_refused() {
+    let desk = Desk::new();
+    let [first, second] = two_commits(&desk);
+    let of = |base: &str, new: &str| {
+        let sides = ["--base", base, "--new", new, "--no-time", "--out", "out"];
+        gate(&desk, &[&QUICK[..], &sides].concat())
+    };
+    of(&second, &first).refused(&[&["is a descendant of new", "the wrong way round"]]);
+    of(&first, &first).refused(&[&["one program"]]);
+    // Twin.
+    if has_device() {
+        let ran = of(&first, "HEAD");
+        assert_eq!(ran.code, 0, "{}{}", ran.stdout, ran.stderr);
+    }
+}
+
+#[test]
+fn a_gate_that_was_killed_leaves_no_answer_and_no_process() {
+    if !has_device() {
+        return;
+    }
+    let desk = Desk::new();
+    twin(&desk);
+    let sides = ["--base", "twin", "--out", "killed"];
+    let mut command = desk.command(&[&["gate"][..], &QUICK, &sides].concat());
+    let mut child = command.spawn().expect("the program starts");
+    let rows = || {
+        let of = |side| std::fs::metadata(desk.path(&format!("killed/{side}/measurements.csv")));
+        ["base", "new"].map(|side| of(side).map_or(0, |file| file.len()))
+    };
+    let is_timing = || desk.path("killed/cases.txt").exists();
+    let started = std::time::Instant::now();
+    while !is_timing() && started.elapsed().as_secs() < 120 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    child.kill().expect("killed");
+    child.wait().expect("a child");
+    assert!(is_timing(), "it timed nothing");
+    assert!(!desk.path("killed/gate.json").exists());
+    // Its processes end with the pipe, after the sample in hand.
+    let is_alive = || {
+        let here = desk.path(".").canonicalize().expect("a folder");
+        let all = std::fs::read_dir("/proc").expect("processes");
+        let folders =
+            all.filter_map(|entry| std::fs::read_link(entry.ok()?.path().join("cwd")).ok());
+        folders.into_iter().any(|folder| folder == here)
+    };
+    let started = std::time::Instant::now();
+    while is_alive() && started.elapsed().as_secs() < 60 {
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    assert!(!is_alive(), "a process of it goes on");
+    let before = rows();
+    gate(&desk, &[&QUICK[..], &sides].concat()).refused(&[&["holds something", "--out"]]);
+    assert_eq!(rows(), before);
+    let merged = desk.run(&["merge", "killed", "--out", "all"]);
+    merged.refused(&[&["killed: found no gate.json"]]);
+}
+
+#[test]
+fn a_full_disk_is_no_pass() {
+    if !has_device() {
+        return;
+    }
+    let desk = Desk::new();
+    measure(&desk, "a");
+    measure(&desk, "b");
+    let words = ["--base-run", "a", "--new-run", "b", "--out", "out"];
+    // Files may have so many blocks of 512 bytes; who ignores the signal gets an error.
+    let limited = |blocks: &str| {
+        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$@\"");
+        let mut command = desk.command::<&str>(&[]);
+        let mut shell = std::process::Command::new("sh");
+        shell
+            .args(["-c", &script, "sh"])
+            .arg(command.get_program())
+            .arg("gate")
+            .args(words);
+        shell
+            .current_dir(desk.path("."))
+            .stdin(std::process::Stdio::null());
+        drop(command.stdin(std::process::Stdio::null()));
+        crate::harness::ran(&mut shell)
+    };
+    let full = limited("0");
+    assert_eq!(full.code, 2, "{}{}", full.stdout, full.stderr);
+    assert!(full.stderr.contains("gate.md"), "{}", full.stderr);
+    assert!(!desk.path("out/gate.json").exists());
+    // Twin.
+    assert_eq!(limited("unlimited").code, 0);
+}
+
+#[test]
+fn two_processes_gate_a_shard_each_and_merge_refuses_what_is_not_all_of_it() {
+    let desk = Desk::new();
+    twin(&desk);
+    let scenes = [
+        "california",
+        "square-10m",
+        "--technique",
+        "vertex",
+        "--size",
+        "32",
+    ];
+    let shard = |of: &'static str, out: &'static str| {
+        let sides = ["--base", "twin", "--no-time", "--shard", of, "--out", out];
+        [&["gate"][..], &scenes, &sides].concat()
+    };
+    let none = ["gate", "--base", "twin", "--shard", "1/2"];
+    desk.run(&none).refused(&[&["--shard needs the scenes"]]);
+    desk.run(&shard("3/3", "x")).refused(&[&["found 2 scenes"]]);
+    gate(&desk, &["california", "--shard", "1/2"]).refused(&[&["--shard needs --base"]]);
+    if !has_device() {
+        return;
+    }
+    let both = [("1/2", "one"), ("2/2", "two")].map(|(of, out)| {
+        desk.command(&shard(of, out))
+            .spawn()
+            .expect("the program starts")
+    });
+    for child in both {
+        let output = child.wait_with_output().expect("ended");
+        assert!(output.status.success(), "{output:?}");
+    }
+    let whole = desk.run(&["merge", "two", "one", "--out", "all"]);
+    assert_eq!(whole.code, 0, "{}{}", whole.stdout, whole.stderr);
+    assert!(
+        whole.stdout.starts_with("PASS (exit 0)"),
+        "{}",
+        whole.stdout
+    );
+    let json = desk.read_text("all/gate.json");
+    for scene in ["filling/california/", "filling/square-10m/"] {
+        assert!(json.contains(scene), "{scene}");
+    }
+    let merge = |parts: &[&str]| desk.run(&[&["merge"], parts, &["--out", "no"]].concat());
+    merge(&["one"]).refused(&[&["shards 2 of 2 are missing"]]);
+    merge(&["one", "one"]).refused(&[&["shard 1/2 is one too"]]);
+    merge(&["one", "two", "all"]).refused(&[&["a whole gate"]]);
+    assert!(!desk.path("no").exists());
+}
