@@ -13,7 +13,7 @@ use std::rc::Rc;
 use terrafill_fill::Devices;
 use terrafill_results::{
     Measurement, Note, Outcome, PlannedCase, Run, RunError, RunFolder, RunPlan, Shard, SplitMix64,
-    Status, Verdict, repeated_cases,
+    Status, Verdict, median, repeated_cases,
 };
 
 /// Timed cases of a group that are measured twice: two pairs tell a group's noise from one freak, and
@@ -433,6 +433,26 @@ fn warm_up(group: &PlannedGroup, options: &RunOptions) -> u32 {
     group.group.warm_up().unwrap_or(options.warm_up)
 }
 
+/// The median of each metric that all measurements of a sample have.
+fn medians(taken: &[Vec<(&'static str, f64)>]) -> Vec<(&'static str, f64)> {
+    let metrics = taken.first().into_iter().flatten();
+    let of = |name: &str| -> Option<f64> {
+        let value = |values: &Vec<(&str, f64)>| {
+            let found = values.iter().find(|(metric, _)| *metric == name);
+            found.map(|(_, value)| *value)
+        };
+        let values: Option<Vec<f64>> = taken.iter().map(value).collect();
+        match values?.as_slice() {
+            // One alone stays what it is, even where it is no number.
+            [only] => Some(*only),
+            many => median(many),
+        }
+    };
+    metrics
+        .filter_map(|&(name, _)| Some((name, of(name)?)))
+        .collect()
+}
+
 /// A case that can be timed.
 #[derive(Clone, Copy)]
 struct Ready {
@@ -579,20 +599,24 @@ impl Running<'_> {
     }
 
     /// Takes one sample of a case and keeps it if it counts; false where the case broke off.
-    fn take(&mut self, ready: &mut Ready, counts: bool) -> Result<bool, StudyError> {
+    ///
+    /// - `of`: how many measurements it is the median of
+    fn take(&mut self, ready: &mut Ready, of: u32, counts: bool) -> Result<bool, StudyError> {
         let case = ready.case;
         let frames = if counts {
             self.frames
         } else {
             FramesPerSample::default()
         };
-        match self.sample(case, frames) {
+        let taken: Result<Vec<_>, String> = (0..of).map(|_| self.sample(case, frames)).collect();
+        match taken {
             Err(message) => {
                 self.fail(case, &message)?;
                 return Ok(false);
             }
             Ok(_) if !counts => {}
-            Ok(values) => {
+            Ok(taken) => {
+                let values = medians(&taken);
                 ready.next_sample += 1;
                 let key = self.key(case);
                 let rows: Vec<Measurement> = values
@@ -620,13 +644,13 @@ impl Running<'_> {
                     self.session.begin_block()?;
                     true
                 }
-                Turn::Sample { place, counts } => {
+                Turn::Sample { place, of, counts } => {
                     let Some(ready) = ready.get_mut(place) else {
                         let message =
                             format!("turn of case {place}, allowed: below {}", keys.len());
                         return Err(StudyError::BadInput(message));
                     };
-                    self.take(ready, counts)?
+                    self.take(ready, of, counts)?
                 }
             };
             turns.over(is_well).map_err(StudyError::BadInput)?;
@@ -668,7 +692,7 @@ impl Running<'_> {
                 if next_sample >= self.group.cases[case].samples {
                     continue;
                 }
-                if !self.take(&mut ready[place], !is_warm_up)? {
+                if !self.take(&mut ready[place], 1, !is_warm_up)? {
                     broken.insert(place);
                 }
             }

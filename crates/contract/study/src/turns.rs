@@ -8,10 +8,12 @@
 pub enum Turn {
     /// Begin a block, see [`crate::Session::begin_block`].
     Block,
-    /// Sample a case once.
+    /// Take one sample of a case.
     Sample {
         /// Its place among those that are ready.
         place: usize,
+        /// What the sample is the median of: short frames need many.
+        of: u32,
         /// Whether the sample is kept; one that warms up is not.
         counts: bool,
     },

@@ -538,7 +538,11 @@ fn samples_are_taken_as_turns_release_them_and_no_other() {
         let ran = run_by_turns(&plan, &folder, &devices, &options, &mut Silent, &mut turns);
         (ran.map_err(|error| error.to_string()), turns)
     };
-    let sample = |place, counts| Turn::Sample { place, counts };
+    let sample = |place, counts| Turn::Sample {
+        place,
+        of: 1,
+        counts,
+    };
     let list = vec![
         Turn::Block,
         sample(1, false),
@@ -559,6 +563,20 @@ fn samples_are_taken_as_turns_release_them_and_no_other() {
         case.expect("a case").timed_samples(0).len()
     };
     assert_eq!((taken(0), taken(1), taken(2)), (1, 2, 0));
+
+    // A sample of several measurements is one row.
+    let of = 3;
+    let place = 2;
+    let counts = true;
+    let (ran, turns) = by_turns(4, vec![Turn::Sample { place, of, counts }, Turn::NextGroup]);
+    assert_eq!((ran, turns.over), (Ok(()), vec![true]));
+    assert_eq!(script.sampled.borrow().len(), 4 + 3);
+    let run = Run::load(folder.path()).expect("a run");
+    let case = run
+        .cases
+        .iter()
+        .find(|case| case.id().key() == turns.ready[0][2]);
+    assert_eq!(case.expect("a case").timed_samples(4).len(), 1);
 
     // A case that breaks off says so and the next goes on.
     script.failing.set(Some(0));

@@ -7,7 +7,8 @@
 //!
 //! Timing processes go in lock-step where both programs can, see `lockstep`, and else one after another.
 
-use crate::lockstep::{Ended, Stepped, step};
+use crate::cores::Cores;
+use crate::lockstep::{Ended, MAX_FRAMES, Stepped, step};
 use crate::{GateError, Program, Side, Sides, Times, Trio, Way};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
@@ -44,6 +45,8 @@ pub struct Job<'a> {
     say: &'a mut dyn FnMut(&str),
     started: Instant,
     way: Way,
+    /// Where timing processes run; empty: anywhere.
+    cores: Cores,
 }
 
 impl<'a> Job<'a> {
@@ -73,6 +76,7 @@ impl<'a> Job<'a> {
             None => Way::LockStep,
         };
         Ok(Self {
+            cores: Cores::default(),
             way,
             programs,
             workload,
@@ -102,7 +106,10 @@ impl<'a> Job<'a> {
     }
 
     fn command(&self, side: Side) -> Command {
-        let mut command = Command::new(&self.program(side).path);
+        self.with_options(Command::new(&self.program(side).path), side)
+    }
+
+    fn with_options(&self, mut command: Command, side: Side) -> Command {
         command.arg("bench").args(&self.workload.arguments);
         command.args(["--processes", "1", "--samples"]);
         // In lock-step the gate counts the samples.
@@ -133,7 +140,14 @@ impl<'a> Job<'a> {
         let ended = self.run_to_end(side, command)?;
         match ended.status.code() {
             // A wrong picture or a missing case: the tables have it.
-            Some(0 | 1 | 3) => self.load(side),
+            Some(0 | 1 | 3) => {
+                let run = self.load(side)?;
+                // A GPU's clock does not count what the CPU does.
+                if self.workload.samples > 1 && run.clock() == Clock::ProcessCpu {
+                    self.cores = Cores::of_this_process();
+                }
+                Ok(run)
+            }
             _ => Err(self.refused(side, &ended)),
         }
     }
@@ -187,16 +201,20 @@ impl<'a> Job<'a> {
 
 impl Job<'_> {
     /// A process of a side that times these cases alone.
+    ///
+    /// - `block`: number of its block, all of whose processes run on one core
     fn timing(
         &self,
         side: Side,
         process: u32,
+        block: u32,
         cases: &BTreeSet<String>,
     ) -> Result<Command, GateError> {
         let list = self.out.join("cases.txt");
         let text: Vec<&str> = cases.iter().map(String::as_str).collect();
         std::fs::write(&list, text.join("\n")).map_err(GateError::io(&list))?;
-        let mut command = self.command(side);
+        let command = self.cores.command(&self.program(side).path, block);
+        let mut command = self.with_options(command, side);
         command.arg(format!("--process={process}"));
         command.arg("--time-only").arg(&list);
         Ok(command)
@@ -216,11 +234,16 @@ impl Sides for Job<'_> {
         &self.way
     }
 
+    fn is_on_one_core(&self) -> bool {
+        !self.cores.is_empty()
+    }
+
     fn run_together(&mut self, trio: Trio, cases: &BTreeSet<String>) -> Result<(), GateError> {
         let sides = trio.processes();
         let mut started = Vec::new();
         for (side, process) in sides {
-            let mut command = self.timing(side, process, cases)?;
+            let block = trio.base / 3;
+            let mut command = self.timing(side, process, block, cases)?;
             command.arg("--stepped");
             let stepped = Stepped::start(command);
             started.push(stepped.map_err(|error| self.failed(side, error.to_string()))?);
@@ -228,7 +251,14 @@ impl Sides for Job<'_> {
         let Ok(mut processes) = <[Stepped; 3]>::try_from(started) else {
             return Ok(());
         };
-        let stepped = step(&mut processes, self.workload.bursts, u64::from(trio.base));
+        // Samples that are means of many frames are long already.
+        let max_frames = if self.workload.frames > 1 {
+            1
+        } else {
+            MAX_FRAMES
+        };
+        let seed = u64::from(trio.base);
+        let stepped = step(&mut processes, self.workload.bursts, max_frames, seed);
         let failed = stepped.err();
         for (index, (process, (side, _))) in processes.into_iter().zip(sides).enumerate() {
             match &failed {
@@ -249,7 +279,7 @@ impl Sides for Job<'_> {
     }
 
     fn run(&mut self, side: Side, process: u32, cases: &BTreeSet<String>) -> Result<(), GateError> {
-        let command = self.timing(side, process, cases)?;
+        let command = self.timing(side, process, (process - 1) / 4, cases)?;
         let ended = self.run_to_end(side, command)?;
         if ended.status.success() {
             Ok(())

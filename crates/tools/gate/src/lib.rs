@@ -11,6 +11,7 @@
 
 mod baseline;
 mod bless;
+mod cores;
 mod error;
 mod exact;
 mod finding;

@@ -9,11 +9,19 @@ use std::collections::BTreeMap;
 use std::io::{self, BufRead as _, BufReader, Lines, Write as _};
 use std::process::{Child, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 use terrafill_results::SplitMix64;
 
 /// Rounds at the start of each group whose samples are not kept: caches, clock rates and lazily made
 /// pipelines settle.
 const WARM_UP_ROUNDS: u32 = 1;
+
+/// A sample lasts at least so long, as the median of as many frames: on a busy machine frames of less than a
+/// millisecond differ by a fifth, and a process that gets its turn has cold caches.
+const SAMPLE_TIME: Duration = Duration::from_millis(8);
+
+/// Most frames of a sample.
+pub(crate) const MAX_FRAMES: u32 = 32;
 
 /// Every order of three processes. A burst goes through one of them and back, so that an even drift falls
 /// out; six bursts go through all, so that nobody always follows the same other one.
@@ -96,11 +104,11 @@ impl Stepped {
         }
     }
 
-    fn sample(&mut self, case: &str, counts: bool) -> io::Result<bool> {
+    fn sample(&mut self, case: &str, of: u32, counts: bool) -> io::Result<bool> {
         let place = self.ready.as_ref().and_then(|ready| ready.get(case));
         let place = *place.ok_or_else(|| unexpected(case))?;
         let word = if counts { "sample" } else { "warm" };
-        self.turn(&format!("{word} {place}"))
+        self.turn(&format!("{word} {place} {of}"))
     }
 
     fn next_group(&mut self) -> io::Result<()> {
@@ -137,12 +145,14 @@ fn unexpected(line: &str) -> io::Error {
 /// Steps three processes through all groups of their cases.
 ///
 /// - `bursts`: of each case; a burst is six samples, two of each process
+/// - `max_frames`: most frames of a sample
 ///
 /// # Errors
 /// Which process failed, and how.
 pub(crate) fn step(
     processes: &mut [Stepped; 3],
     bursts: u32,
+    max_frames: u32,
     seed: u64,
 ) -> Result<(), (usize, io::Error)> {
     let mut random = SplitMix64::new(seed);
@@ -155,7 +165,7 @@ pub(crate) fn step(
         let ready = first.ready.iter().flat_map(BTreeMap::keys);
         let in_all = ready.filter(|case| others.iter().all(|other| is_in(case, other)));
         let cases: Vec<String> = in_all.cloned().collect();
-        step_group(processes, cases, bursts, &mut random)?;
+        step_group(processes, cases, [bursts, max_frames], &mut random)?;
         for (index, process) in processes.iter_mut().enumerate() {
             if process.ready.is_some() {
                 process.next_group().map_err(|error| (index, error))?;
@@ -165,12 +175,29 @@ pub(crate) fn step(
     Ok(())
 }
 
+/// A case that all three have ready.
+struct Stepping {
+    key: String,
+    /// The shortest turn so far.
+    shortest: Duration,
+    /// Frames of a sample, the same in all processes.
+    frames: u32,
+}
+
 fn step_group(
     processes: &mut [Stepped; 3],
-    mut cases: Vec<String>,
-    bursts: u32,
+    cases: Vec<String>,
+    [bursts, max_frames]: [u32; 2],
     random: &mut SplitMix64,
 ) -> Result<(), (usize, io::Error)> {
+    let mut cases: Vec<Stepping> = cases
+        .into_iter()
+        .map(|key| Stepping {
+            key,
+            shortest: Duration::MAX,
+            frames: 1,
+        })
+        .collect();
     let orders = random.shuffled(ORDERS.len());
     let rounds = if cases.is_empty() {
         0
@@ -185,17 +212,29 @@ fn step_group(
         let mut broken = Vec::new();
         for place in random.shuffled(cases.len()) {
             let order = ORDERS[orders[(round as usize + place) % ORDERS.len()]];
+            let case = &mut cases[place];
             for index in order.into_iter().chain(order.into_iter().rev()) {
-                let sampled = processes[index].sample(&cases[place], counts);
+                let started = Instant::now();
+                let sampled = processes[index].sample(&case.key, case.frames, counts);
                 if !sampled.map_err(|error| (index, error))? {
-                    broken.push(cases[place].clone());
+                    broken.push(case.key.clone());
                     break;
                 }
+                case.shortest = case.shortest.min(started.elapsed());
+            }
+            if round + 1 == WARM_UP_ROUNDS {
+                case.frames = frames_of(case.shortest).min(max_frames);
             }
         }
-        cases.retain(|case| !broken.contains(case));
+        cases.retain(|case| !broken.contains(&case.key));
     }
     Ok(())
+}
+
+/// Frames that last as long as a sample should.
+fn frames_of(frame: Duration) -> u32 {
+    let frames = SAMPLE_TIME.as_nanos().div_ceil(frame.as_nanos().max(1));
+    u32::try_from(frames).map_or(MAX_FRAMES, |frames| frames.clamp(1, MAX_FRAMES))
 }
 
 #[cfg(test)]
@@ -224,7 +263,7 @@ mod tests {
             start("null", null, "echo over"),
             start("new", new, answer),
         ];
-        let ended = step(&mut processes, 6, 1).map_err(|(index, _)| index);
+        let ended = step(&mut processes, 6, MAX_FRAMES, 1).map_err(|(index, _)| index);
         let log = std::fs::read_to_string(&log).unwrap_or_default();
         (log.lines().map(str::to_owned).collect(), ended, processes)
     }
@@ -235,14 +274,16 @@ mod tests {
         assert_eq!(ended, Ok(()));
         // Where all have it: the second process knows it by another place.
         let of = |line: &&String| line.contains("sample");
-        let samples: Vec<&str> = log.iter().filter(of).map(String::as_str).collect();
+        let words = |line: &String| line.rsplit_once(' ').map(|(words, _)| words.to_owned());
+        let samples: Vec<String> = log.iter().filter(of).filter_map(words).collect();
         assert_eq!(samples.len(), 36);
-        let orders: std::collections::BTreeSet<&[&str]> = samples.chunks(6).collect();
+        let orders: std::collections::BTreeSet<&[String]> = samples.chunks(6).collect();
         assert_eq!(orders.len(), 6, "{orders:?}");
         for burst in &orders {
-            let back: Vec<&&str> = burst.iter().rev().collect();
+            let back: Vec<&String> = burst.iter().rev().collect();
             assert!(burst.iter().eq(back), "{burst:?}");
-            assert!(burst.contains(&"null sample 1") && burst.contains(&"new sample 0"));
+            let has = |words: &str| burst.iter().any(|found| found == words);
+            assert!(has("null sample 1") && has("new sample 0"), "{burst:?}");
         }
         assert_eq!(log.iter().filter(|line| line.contains("warm")).count(), 6);
         assert_eq!(log.iter().filter(|line| line.contains("block")).count(), 21);
@@ -251,6 +292,16 @@ mod tests {
             assert!(ended.status.success());
             assert_eq!(ended.said, ["bye"]);
         }
+    }
+
+    #[test]
+    fn samples_last_so_long_and_have_a_frame_at_least() {
+        let of = |ms: f64| frames_of(Duration::from_secs_f64(1e-3 * ms));
+        assert_eq!([of(100.0), of(8.0), of(3.0), of(0.3)], [1, 1, 3, 27]);
+        assert_eq!(
+            [frames_of(Duration::ZERO), frames_of(Duration::MAX)],
+            [32, 1]
+        );
     }
 
     #[test]

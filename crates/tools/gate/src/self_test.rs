@@ -15,9 +15,8 @@ use terrafill_results::{rate_bounds, spread};
 /// Coverage of the bounds of a rate.
 const RATE_COVERAGE: f64 = 0.95;
 
-/// Samples of a case in each process, and bursts in lock-step, where they are means of many frames.
+/// Samples of a case in each process that runs by itself, where they are means of many frames.
 const INJECTED_SAMPLES: u32 = 9;
-const INJECTED_BURSTS: u32 = 2;
 
 /// Work added to one side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -198,7 +197,6 @@ pub fn self_test(
         if let Some(Injection { frames, extra }) = test.injection {
             workload.frames = frames;
             workload.samples = INJECTED_SAMPLES;
-            workload.bursts = INJECTED_BURSTS;
             workload.extra = if is_swapped { [extra, 0] } else { [0, extra] };
         }
         let folder = out.join(format!("gate-{number:03}"));

@@ -7,6 +7,8 @@
 //! milliseconds, so noise that lasts longer falls out. The block's one number is the median over its
 //! bursts; base against base in the same bursts is the null.
 //!
+//! On a software device all processes of a block run on one core, see `cores`.
+//!
 //! *By turns*, where a program cannot be stepped, a block is four whole processes, base, new, new, base
 //! and the other way round by turns; its difference is the mean of ln(new) less that of ln(base), each of a
 //! process's median.
@@ -90,6 +92,11 @@ impl Trio {
 pub trait Sides {
     /// How they are measured.
     fn way(&self) -> &Way;
+
+    /// Whether all processes of a block run on one core.
+    fn is_on_one_core(&self) -> bool {
+        false
+    }
 
     /// Runs three processes in lock-step, which time these cases; for [`Way::LockStep`]. Samples
     /// 2 *k* − 1 and 2 *k* of each make burst *k*.
@@ -278,6 +285,8 @@ fn bursts(case: &str, trio: Trio, times: &[Times; 2]) -> Option<Vec<[f64; 3]>> {
 pub struct TimeGate {
     /// How the two programs were measured.
     pub way: Way,
+    /// Whether all processes of a block ran on one core.
+    pub on_one_core: bool,
     /// Every case that was to be timed.
     pub cases: Vec<CaseTime>,
     /// Blocks of the first look.
@@ -344,6 +353,7 @@ pub fn compare_times(
     }
     Ok(TimeGate {
         way: sides.way().clone(),
+        on_one_core: sides.is_on_one_core(),
         cases: looked_at,
         screen,
         confirm,

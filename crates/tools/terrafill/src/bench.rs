@@ -67,6 +67,10 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         complain("nothing was measured");
         return Ok(Outcome::NothingMeasured);
     }
+    if arguments.stepped && options.process == 0 {
+        let message = "--stepped: found process 0, which verifies, allowed: a later --process";
+        return Err(Failure::bad_input(message));
+    }
     let lines = (options.process > 0).then(lines_of_first_process);
     let devices = Rc::new(Devices::new(arguments.adapter.clone()));
     let folder = open_folder(arguments, &studies, &request, &options, &plan, &devices)?;
@@ -256,18 +260,20 @@ impl Turns for Stepped {
 
     fn next(&mut self) -> Result<Turn, String> {
         let line = self.0.recv().map_err(|error| error.to_string())?;
-        let sample = |place: &str, counts| {
-            let place = place.parse().ok();
-            place.map(|place| Turn::Sample { place, counts })
-        };
-        let turn = match line.split_once(' ') {
-            Some(("sample", place)) => sample(place, true),
-            Some(("warm", place)) => sample(place, false),
-            None if line == "block" => Some(Turn::Block),
-            None if line == "next" => Some(Turn::NextGroup),
+        let words: Vec<&str> = line.split(' ').collect();
+        let turn = match words[..] {
+            ["block"] => Some(Turn::Block),
+            ["next"] => Some(Turn::NextGroup),
+            [word @ ("sample" | "warm"), place, of] => {
+                let counts = word == "sample";
+                let numbers = place.parse().ok().zip(of.parse().ok());
+                numbers.map(|(place, of)| Turn::Sample { place, of, counts })
+            }
             _ => None,
         };
-        turn.ok_or_else(|| format!("found {line:?}, allowed: sample N, warm N, block, next"))
+        turn.ok_or_else(|| {
+            format!("found {line:?}, allowed: sample PLACE OF, warm PLACE OF, block, next")
+        })
     }
 
     fn over(&mut self, is_well: bool) -> Result<(), String> {

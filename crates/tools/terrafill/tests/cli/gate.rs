@@ -110,6 +110,12 @@ fn nothing_that_was_not_measured_passes() {
         desk.write("b/measurements.csv", before);
     }
     gate(&desk, &["--base-run", "a", "--new-run", "a"]).refused(&[&["one folder"]]);
+    let copied = std::process::Command::new("cp")
+        .args(["-r", "a", "c"])
+        .current_dir(desk.path("."))
+        .status();
+    assert!(copied.expect("cp runs").success());
+    gate(&desk, &["--base-run", "a", "--new-run", "c"]).refused(&[&["a copy of the other"]]);
     gate(&desk, &["--base-run", "a"]).refused(&[&["--new-run"]]);
     gate(&desk, &["--base-run", "a", "--new-run", "none"]).refused(&[&["none"]]);
     gate(&desk, &[]).refused(&[&["nothing to compare with"]]);
