@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! `gate`, `bless` and `compare`: what passes, what does not, and that nothing passes unmeasured.
 
-use crate::harness::{Desk, Ran, has_device};
+use crate::harness::{Desk, Ran, collection, has_device, polygon, rectangle};
 use std::io::Write as _;
 
 /// A run of one technique that takes a moment, into `out`.
@@ -292,11 +292,14 @@ fn programs_that_measure_nothing_that_counts_never_pass() {
     }
 }
 
-/// A gate of one case with times, small enough for a test.
-fn timed(desk: &Desk, base: &str, new: &str, out: &str) -> Ran {
-    let scene = ["square-10m", "--technique", "vertex", "--size", "16"];
+/// A gate of the few cases of one view with times, small enough for a test.
+fn timed(desk: &Desk, base: &str, new: &str, out: &str, budget_s: &str) -> Ran {
+    let square = polygon(&rectangle(-9.0, -9.0, 9.0, 9.0));
+    desk.write_scene("few", &collection(&[("square", square)]));
+    let scene = ["few.toml", "--data", "data", "--technique", "instanced"];
     let sides = ["--base", base, "--new", new, "--out", out];
-    gate(desk, &[&scene[..], &sides].concat())
+    let rest = ["--size", "16", "--time-budget-s", budget_s];
+    gate(desk, &[&scene[..], &sides, &rest].concat())
 }
 
 #[test]
@@ -307,7 +310,7 @@ fn times_are_taken_in_lock_step_and_by_turns_of_a_program_that_cannot() {
     let desk = Desk::new();
     twin(&desk);
     let this = env!("CARGO_BIN_EXE_terrafill");
-    let ran = timed(&desk, "twin", this, "together");
+    let ran = timed(&desk, "twin", this, "together", "40");
     let said = format!("{}{}", ran.stdout, ran.stderr);
     // A busy machine may leave it inconclusive; nothing is slower and nothing is an error.
     assert!(matches!(ran.code, 0 | 3), "{said}");
@@ -318,9 +321,7 @@ fn times_are_taken_in_lock_step_and_by_turns_of_a_program_that_cannot() {
     // Twin: one that was built before.
     let before = "case \" $* \" in *' --stepped '*) echo unexpected >&2; exit 2;; esac";
     altered(&desk, "old", before, "");
-    let budget = ["--base", "./old", "--new", this, "--time-budget-s", "1"];
-    let scene = ["square-10m", "--technique", "vertex", "--size", "16"];
-    let ran = gate(&desk, &[&scene[..], &budget, &["--out", "turns"]].concat());
+    let ran = timed(&desk, "./old", this, "turns", "1");
     assert_eq!(ran.code, 4, "{}{}", ran.stdout, ran.stderr);
     let options = desk.read_text("turns/base/environment.json");
     assert!(options.contains("samples=30"), "{options}");
@@ -328,7 +329,7 @@ fn times_are_taken_in_lock_step_and_by_turns_of_a_program_that_cannot() {
     // A program whose timing processes break off.
     let before = "case \" $* \" in *' --process=3 '*) echo broken by hand >&2; exit 2;; esac";
     altered(&desk, "breaks", before, "");
-    let ran = timed(&desk, this, "./breaks", "broken");
+    let ran = timed(&desk, this, "./breaks", "broken", "40");
     assert_eq!(ran.code, 2, "{}{}", ran.stdout, ran.stderr);
     assert!(ran.stderr.contains("./breaks"), "{}", ran.stderr);
 }
@@ -437,17 +438,15 @@ fn a_full_disk_is_no_pass() {
     // Files may have so many blocks of 512 bytes; who ignores the signal gets an error.
     let limited = |blocks: &str| {
         let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$@\"");
-        let mut command = desk.command::<&str>(&[]);
         let mut shell = std::process::Command::new("sh");
         shell
             .args(["-c", &script, "sh"])
-            .arg(command.get_program())
+            .arg(env!("CARGO_BIN_EXE_terrafill"))
             .arg("gate")
             .args(words);
         shell
             .current_dir(desk.path("."))
             .stdin(std::process::Stdio::null());
-        drop(command.stdin(std::process::Stdio::null()));
         crate::harness::ran(&mut shell)
     };
     let full = limited("0");
