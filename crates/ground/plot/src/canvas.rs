@@ -3,7 +3,7 @@
 
 use crate::error::PlotError;
 use crate::number::significant;
-use crate::palette::{INK, Marker, PAPER, Stroke, hex};
+use crate::palette::{INK, PAPER, Stroke, hex};
 use plotters::coord::Shift;
 use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
 use plotters::prelude::{Color, DrawingArea, IntoDrawingArea, IntoFont, RGBAColor, SVGBackend};
@@ -336,23 +336,12 @@ impl Canvas<'_> {
         let [x, y] = at;
         let colour = stroke.colour.mix(opacity);
         let fill = ShapeStyle::from(&colour).filled();
-        let corners = |corners: &[[f64; 2]]| {
-            let points: Vec<_> = corners
-                .iter()
-                .map(|c| point(x + c[0] * r, y + c[1] * r))
-                .collect();
-            Polygon::new(points, fill)
-        };
-        match stroke.marker {
-            Marker::Circle => self.drawn(self.area.draw(&Circle::new(point(x, y), px(r), fill))),
-            Marker::Square => self.bar([x - r, y - r], [x + r, y + r], colour),
-            Marker::Triangle => {
-                let triangle = corners(&[[-1.1, 0.9], [1.1, 0.9], [0.0, -1.1]]);
-                self.drawn(self.area.draw(&triangle))
-            }
-            Marker::Diamond => {
-                let diamond = corners(&[[-1.3, 0.0], [0.0, 1.3], [1.3, 0.0], [0.0, -1.3]]);
-                self.drawn(self.area.draw(&diamond))
+        match stroke.marker.corners() {
+            None => self.drawn(self.area.draw(&Circle::new(point(x, y), px(r), fill))),
+            Some(corners) => {
+                let points = corners.iter().map(|c| point(x + c[0] * r, y + c[1] * r));
+                let shape = Polygon::new(points.collect::<Vec<_>>(), fill);
+                self.drawn(self.area.draw(&shape))
             }
         }
     }

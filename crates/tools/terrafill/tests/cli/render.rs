@@ -655,6 +655,11 @@ fn pictures_are_png_or_refused() {
     // Twin.
     draw(&["--out", "A.PNG"]).succeeded();
     assert!(desk.read("A.PNG").starts_with(b"\x89PNG"));
+    // Standard output takes one picture, and no file stays behind.
+    let piped = draw(&["--out", "-"]).succeeded();
+    assert!(piped.contains("PNG\r\n"));
+    assert_eq!(desk.names(), ["A.PNG", "data", "squares.toml"]);
+    draw(&["--out", "-", "--ids", "-"]).refused(&[&["two outputs have this path"]]);
 }
 
 #[test]
