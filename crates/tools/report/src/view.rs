@@ -320,10 +320,7 @@ impl<'a> Renderer<'a> {
         CellView {
             tag: if is_first { "th" } else { "td" },
             class,
-            title: match cell.title.as_str() {
-                "" => &cell.command,
-                title => title,
-            },
+            title: &cell.title,
             label: "",
             parts: match cell.class {
                 CellClass::Name => breakable(&cell.text),

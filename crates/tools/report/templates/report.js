@@ -47,7 +47,6 @@ document.addEventListener("DOMContentLoaded", () => {
     title.remove();
   }
   for (const cell of document.querySelectorAll("[data-command]:not(.spot)")) {
-    if (cell.title === cell.dataset.command) cell.removeAttribute("title");
     cell.tabIndex = 0;
     says(cell, "Draw it again:");
   }
