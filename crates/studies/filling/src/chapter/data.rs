@@ -48,6 +48,8 @@ pub(super) struct Data<'a> {
     /// The fill's time by the run's clock.
     pub(super) metric: &'static str,
     pub(super) noise: Option<Noise>,
+    /// Full-screen passes by scene, view and technique.
+    passes: BTreeMap<[&'a str; 3], &'a Case>,
     /// The shortest variant on each curve.
     shortest: BTreeMap<Curve, &'a str>,
 }
@@ -73,6 +75,10 @@ impl<'a> Data<'a> {
         let (memory, cases): (Vec<&Case>, Vec<&Case>) = own()
             .filter(|case| !case.is_twin())
             .partition(|case| has_role(case, "memory"));
+        let key = |case: &'a Case| ["scene", "view", "technique"].map(|key| case.condition(key));
+        // Backwards, so that of several the first one stays.
+        let passes = cases.iter().rev().filter(|case| is_baseline(case));
+        let passes = passes.map(|case| (key(case), *case)).collect();
         let mut shortest: BTreeMap<Curve, &str> = BTreeMap::new();
         for case in &cases {
             let variant = case.condition("variant");
@@ -82,6 +88,7 @@ impl<'a> Data<'a> {
             }
         }
         Self {
+            passes,
             shortest,
             run,
             cases,
@@ -121,10 +128,8 @@ impl<'a> Data<'a> {
 
     /// The full-screen pass of the case's scene and view.
     pub(super) fn baseline(&self, case: &Case, technique: &str) -> Option<&'a Case> {
-        let is_it = |other: &&&Case| {
-            other.condition("technique") == technique && is_same(other, case, &["scene", "view"])
-        };
-        self.cases.iter().find(is_it).copied()
+        let [scene, view] = ["scene", "view"].map(|key| case.condition(key));
+        self.passes.get(&[scene, view, technique]).copied()
     }
 
     /// Time of `case` over that of a full-screen pass.

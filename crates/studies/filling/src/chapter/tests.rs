@@ -1120,3 +1120,46 @@ fn scope_and_requirements_are_exact() {
     assert_eq!(found.requirements[0].standing, Standing::Holds);
     assert_eq!(answers(&MadeUpRun::default()), Answers::default());
 }
+
+#[test]
+fn every_wrong_case_is_pictured_with_its_worst_pixel() {
+    let pictured = |status: Status| {
+        let mut run = on_cpu();
+        timed(
+            &mut run,
+            "s/globe/vertex/doubled",
+            &[("role", "main")],
+            10.0,
+        )
+        .note("reference_image", "images/reference.png")
+        .note("image", "images/a.png");
+        add(
+            &mut run,
+            "s/globe/vertex/doubled,faces=two-pass",
+            &[("role", "ladder"), ("rung", "1")],
+        )
+        .figure("mismatched_px", 9.0)
+        .figure("mismatched_px_outside_band", 3.0)
+        .note("image", "images/b.png")
+        .note("difference_image", "images/c.png")
+        .note("worst_image", "images/d.png")
+        .note("worst_px", "503, 451")
+        .ended(status, "3 pixels outside the band");
+        let scene = section(&run, "s");
+        let pictures = scene.iter().find_map(|block| match block {
+            Block::Pictures(pictures) => Some(pictures.clone()),
+            _ => None,
+        });
+        pictures.expect("pictures").figures
+    };
+    let wrong = pictured(Status::Wrong);
+    let last = wrong.last().expect("a figure");
+    let captions: Vec<&str> = last.pictures.iter().map(|p| p.caption.as_str()).collect();
+    assert_eq!(
+        captions,
+        ["picture", "difference", "worst pixel (503, 451)"]
+    );
+    assert!(last.notes[0].contains("(wrong): 9 px differ, 3 of them outside the band"));
+    // Twin: a right rung has no picture beside those of its scene.
+    assert_eq!(pictured(Status::Ok).len(), wrong.len() - 1);
+}
