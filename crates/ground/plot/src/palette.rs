@@ -304,11 +304,11 @@ mod tests {
     fn neighbours_differ_for_colour_blind_readers() {
         /// Five times the difference in Oklab that is just noticed, 0.02.
         const MIN_DISTANCE: f64 = 0.1;
-        for place in 0..HUES.len() {
-            let next = (place + 1) % HUES.len();
-            for page in 0..2 {
-                let apart = distance(HUES[place][page], HUES[next][page]);
-                assert!(apart >= MIN_DISTANCE, "{place}, page {page}: {apart}");
+        let after = HUES.iter().cycle().skip(1);
+        for (place, (hue, next)) in HUES.iter().zip(after).enumerate() {
+            for (a, b) in hue.iter().zip(next) {
+                let apart = distance(*a, *b);
+                assert!(apart >= MIN_DISTANCE, "{place}: {apart}");
             }
         }
         // Twin: red and olive of one lightness.

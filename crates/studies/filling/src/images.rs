@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pictures of a run, as PNG files in its folder.
 
-use image::{ExtendedColorType, ImageFormat};
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder as _};
 use std::io::Cursor;
 use std::path::Path;
 use terrafill_results::RunError;
@@ -19,15 +20,12 @@ pub(crate) fn write_rgb(
     let path = folder.join(&relative);
     // In memory first: a buffered file hides that its last bytes were not written.
     let mut encoded = Cursor::new(Vec::new());
-    image::write_buffer_with_format(
-        &mut encoded,
-        rgb,
-        size.width,
-        size.height,
-        ExtendedColorType::Rgb8,
-        ImageFormat::Png,
-    )
-    .map_err(|error| StudyError::Broken {
+    // Regions are flat: at the usual level their pictures take several times as many bytes.
+    let encoder =
+        PngEncoder::new_with_quality(&mut encoded, CompressionType::Best, FilterType::Adaptive);
+    let (width, height) = (size.width, size.height);
+    let written = encoder.write_image(rgb, width, height, ExtendedColorType::Rgb8);
+    written.map_err(|error| StudyError::Broken {
         place: path.display().to_string(),
         message: error.to_string(),
     })?;
