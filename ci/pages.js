@@ -100,8 +100,9 @@ async function use(browser, url, tried) {
   const wipe = await page.$(".wipe summary");
   if (wipe) {
     await wipe.click();
-    const shows = await page.$eval(".wipe", (own) => own.open && [...own.querySelectorAll("img")].every((img) => img.src !== ""));
-    expect(shows, "a picture lies over the reference");
+    const shows = () => [...document.querySelectorAll(".wipe[open] img")].length > 1 && [...document.querySelectorAll(".wipe[open] img")].every((img) => img.src !== "");
+    const shown = await page.waitForFunction(shows, { timeout: 2000 }).then(() => true, () => false);
+    expect(shown, "a picture lies over the reference");
     const edge = () => page.$eval(".wipe img + img", (img) => img.style.clipPath);
     const before = await edge();
     await page.focus(".wipe input");

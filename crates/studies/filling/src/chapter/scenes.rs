@@ -518,6 +518,9 @@ fn pictures(data: &Data<'_>, scene: &Scene<'_>, view: &View<'_>) -> Option<Pictu
     let path = reference
         .as_ref()
         .and_then(|figure| figure.pictures.first());
+    // A committed run leaves pictures out, and a worst pixel cannot be laid over the whole.
+    let has_pictures = cases.iter().any(|case| !case.note("image").is_empty());
+    let path = path.filter(|_| has_pictures);
     let path = path.map_or_else(String::new, |picture| picture.path.clone());
     let figures: Vec<PictureFigure> = reference.into_iter().chain(own).collect();
     (!figures.is_empty()).then_some(Pictures {
