@@ -119,12 +119,27 @@ struct FigureView<'a> {
     notes: Vec<&'a str>,
 }
 
+impl FigureView<'_> {
+    /// Pictures side by side; wide ones have a row of their own.
+    fn columns(&self) -> usize {
+        let beside = self.images.iter().filter(|image| !image.is_wide());
+        beside.count().max(1)
+    }
+}
+
 struct ImageView<'a> {
     src: String,
     width: u32,
     height: u32,
     hash: u64,
     caption: &'a str,
+}
+
+impl ImageView<'_> {
+    /// Several parts side by side, which would be too small beside others.
+    fn is_wide(&self) -> bool {
+        self.width > 2 * self.height
+    }
 }
 
 impl PartialEq for ImageView<'_> {
