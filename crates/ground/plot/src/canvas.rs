@@ -2,8 +2,9 @@
 //! A drawing in pixels on plotters' SVG backend: the few marks that the plots are made of.
 
 use crate::error::PlotError;
-use crate::number::significant;
+use crate::number::{count, significant};
 use crate::palette::{INK, PAPER, Stroke, hex};
+use crate::scale::whole;
 use plotters::coord::Shift;
 use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
 use plotters::prelude::{Color, DrawingArea, IntoDrawingArea, IntoFont, RGBAColor, SVGBackend};
@@ -198,7 +199,12 @@ impl Canvas<'_> {
             group => format!("{group}: {}", spot.name),
         };
         for (heading, value) in spot.values {
-            said.push_str(&format!("\n{heading}: {}", significant(*value)));
+            // Pixels, bytes and the like have every digit.
+            let value = match value.fract() == 0.0 && *value >= 0.0 {
+                true => count(whole(*value)),
+                false => significant(*value),
+            };
+            said.push_str(&format!("\n{heading}: {value}"));
         }
         let command = match spot.command {
             "" => String::new(),

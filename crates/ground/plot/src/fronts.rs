@@ -253,7 +253,7 @@ mod tests {
     fn every_point_says_its_figures_and_the_front_is_drawn() {
         let points = vec![point("fast", 2.0, 78.0), point("exact", 12.0, 0.0)];
         let svg = drawn(points.clone()).expect("points");
-        assert!(svg.contains("globe: fast\ntime, ms: 2.00\nwrong pixels: 78.0"));
+        assert!(svg.contains("globe: fast\ntime, ms: 2\nwrong pixels: 78"));
         assert!(svg.contains("globe,exact,12,0,1000"), "{svg}");
         assert!(svg.contains("data-command=\"draw exact\""), "{svg}");
         let dashes = |svg: &str| svg.matches("stroke-dasharray").count();
