@@ -41,6 +41,8 @@ pub struct Bar {
     pub parts: [u64; 3],
     /// At the right of the row.
     pub value: String,
+    /// What a reader types to see it; empty for nothing.
+    pub command: String,
 }
 
 impl Bar {
@@ -94,7 +96,7 @@ impl Bars<'_> {
                     group: "",
                     name: &row.label,
                     values: &values,
-                    command: "",
+                    command: &row.command,
                 });
             }
             Ok(())
@@ -124,6 +126,7 @@ mod tests {
             series: "vertex/doubled".to_owned(),
             parts: [bytes, bytes / 2, 0],
             value: format!("{bytes} in all"),
+            command: String::new(),
         };
         let drawn = |rows: Vec<Bar>| {
             let bars = Bars {

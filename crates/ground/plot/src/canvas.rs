@@ -2,8 +2,9 @@
 //! A drawing in pixels on plotters' SVG backend: the few marks that the plots are made of.
 
 use crate::error::PlotError;
-use crate::number::significant;
-use crate::palette::{INK, Marker, PAPER, Stroke, hex};
+use crate::number::{count, significant};
+use crate::palette::{INK, PAPER, Stroke, hex};
+use crate::scale::whole;
 use plotters::coord::Shift;
 use plotters::element::{Circle, PathElement, Polygon, Rectangle, Text};
 use plotters::prelude::{Color, DrawingArea, IntoDrawingArea, IntoFont, RGBAColor, SVGBackend};
@@ -198,7 +199,12 @@ impl Canvas<'_> {
             group => format!("{group}: {}", spot.name),
         };
         for (heading, value) in spot.values {
-            said.push_str(&format!("\n{heading}: {}", significant(*value)));
+            // Pixels, bytes and the like have every digit.
+            let value = match value.fract() == 0.0 && *value >= 0.0 {
+                true => count(whole(*value)),
+                false => significant(*value),
+            };
+            said.push_str(&format!("\n{heading}: {value}"));
         }
         let command = match spot.command {
             "" => String::new(),
@@ -336,23 +342,12 @@ impl Canvas<'_> {
         let [x, y] = at;
         let colour = stroke.colour.mix(opacity);
         let fill = ShapeStyle::from(&colour).filled();
-        let corners = |corners: &[[f64; 2]]| {
-            let points: Vec<_> = corners
-                .iter()
-                .map(|c| point(x + c[0] * r, y + c[1] * r))
-                .collect();
-            Polygon::new(points, fill)
-        };
-        match stroke.marker {
-            Marker::Circle => self.drawn(self.area.draw(&Circle::new(point(x, y), px(r), fill))),
-            Marker::Square => self.bar([x - r, y - r], [x + r, y + r], colour),
-            Marker::Triangle => {
-                let triangle = corners(&[[-1.1, 0.9], [1.1, 0.9], [0.0, -1.1]]);
-                self.drawn(self.area.draw(&triangle))
-            }
-            Marker::Diamond => {
-                let diamond = corners(&[[-1.3, 0.0], [0.0, 1.3], [1.3, 0.0], [0.0, -1.3]]);
-                self.drawn(self.area.draw(&diamond))
+        match stroke.marker.corners() {
+            None => self.drawn(self.area.draw(&Circle::new(point(x, y), px(r), fill))),
+            Some(corners) => {
+                let points = corners.iter().map(|c| point(x + c[0] * r, y + c[1] * r));
+                let shape = Polygon::new(points.collect::<Vec<_>>(), fill);
+                self.drawn(self.area.draw(&shape))
             }
         }
     }

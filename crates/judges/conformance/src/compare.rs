@@ -444,6 +444,6 @@ pub(crate) mod tests {
                 required: 6
             })
         );
-        assert!(crate::difference_rgb(&reference, &turned).is_err());
+        assert!(crate::difference_rgb(&reference, &turned, 1).is_err());
     }
 }

@@ -17,7 +17,7 @@ mod verdict;
 
 pub use boundary::{boundary_band, boundary_pixels, checks_nothing};
 pub use compare::{CompareError, MAX_PROBED, compare, compare_closely, filled_only};
-pub use difference::difference_rgb;
+pub use difference::{difference_rgb, worst_pixel};
 pub use figures::ErrorFigures;
 pub use moved::{MAX_MEASURED, Movement, boundary_movement, with_movement};
 pub use texture::{TextureErrors, compare_texture, silhouette_band};

@@ -26,6 +26,9 @@ pub(crate) struct Probe {
     pub(crate) image: String,
     pub(crate) difference_image: String,
     pub(crate) reference_image: String,
+    /// The surroundings of the worst pixel, and its column and row.
+    pub(crate) worst_image: String,
+    pub(crate) worst_px: String,
     pub(crate) texture_errors: Option<TextureErrors>,
     /// Largest and mean difference of a colour channel from the reference's picture.
     pub(crate) colour: Option<(u64, f64)>,
@@ -104,6 +107,8 @@ impl Probe {
                 ("image", self.image),
                 ("difference_image", self.difference_image),
                 ("reference_image", self.reference_image),
+                ("worst_image", self.worst_image),
+                ("worst_px", self.worst_px),
                 ("change", change),
             ],
         }

@@ -4,13 +4,13 @@
 
 use crate::cases::{FillCase, Purpose, ViewGroup};
 use crate::fingerprint::fingerprint;
-use crate::images::{drop_alpha, file_stem, write_rgb};
+use crate::images::{drop_alpha, file_stem, write_rgb, zoomed};
 use crate::probe::{Probe, failed};
 use crate::rounding::{objection, rounding_px};
 use crate::scenes::{build_meshes, mesh_error};
 use crate::subject::Subject;
 use crate::textured::{ShownPicture, TexturedReferences, write_cut_out};
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::rc::Rc;
@@ -18,6 +18,7 @@ use std::sync::Arc;
 use terrafill_conformance::{
     BAND_RADIUS_PX, ErrorFigures, Verdict as Comparison, boundary_band, boundary_movement,
     checks_nothing, compare_closely, difference_rgb, filled_only, verdict_of_moved, with_movement,
+    worst_pixel,
 };
 use terrafill_core::{MeshOptions, RegionMesh};
 use terrafill_fill::{
@@ -27,7 +28,7 @@ use terrafill_fill::{
 use terrafill_gpu::{Baseline, CpuStopwatch, SharedTargets, shared_targets};
 use terrafill_reference::ReferenceBackend;
 use terrafill_results::{Status, Verdict, median};
-use terrafill_scene::{LeveledMeshes, PlanOptions};
+use terrafill_scene::{ImageSize, LeveledMeshes, PlanOptions};
 use terrafill_study::{Context, Session, StudyError};
 use terrafill_surface::open_surface;
 
@@ -51,6 +52,9 @@ const ALTERNATING: &str =
 /// Why texels of a fill that only reads depth and samples once are not compared.
 const NOT_MAPPED: &str = "a lower limit: its fragments read their depth and sample the picture \
                           once, nowhere in particular, so that its texels have no error";
+
+/// A wrong pixel is drawn 3 × 3 in a picture of differences, so that it shows in one scaled down.
+const MARKER_RADIUS_PX: usize = 1;
 
 /// The reference's picture of the view.
 struct Reference {
@@ -84,6 +88,8 @@ pub(crate) struct ViewSession<'a> {
     /// not be drawn.
     allocated: BTreeMap<(&'static str, String), Option<MemoryUse>>,
     drawers: BTreeMap<usize, Drawer>,
+    /// Files of pictures by what they show: equal pictures share one.
+    written: RefCell<BTreeMap<String, String>>,
     /// GPU time of this block's surface pass by interface.
     surfaces: Vec<(Api, Option<f64>)>,
 }
@@ -114,6 +120,7 @@ impl<'a> ViewSession<'a> {
             compared: BTreeMap::new(),
             allocated: BTreeMap::new(),
             drawers: BTreeMap::new(),
+            written: RefCell::default(),
             surfaces: Vec::new(),
         })
     }
@@ -289,9 +296,9 @@ impl<'a> ViewSession<'a> {
             probe.remark(ALTERNATING);
         }
         let is_plain_main = case.is(Purpose::Main) && !case.variant_name().contains('=');
-        let is_wrong = probe.status == Status::Wrong && !case.is(Purpose::Sweep);
+        let is_wrong = probe.status == Status::Wrong;
         if is_plain_main || is_wrong {
-            self.write_pictures(case, drawn, &mut probe)?;
+            self.write_pictures(case, drawn, ids_hash.is_empty(), &mut probe)?;
         }
         if is_textured(&case.subject) && (is_wrong || shows_chosen(case)) {
             self.write_textured_pictures(case, drawn, &mut probe)?;
@@ -377,21 +384,62 @@ impl<'a> ViewSession<'a> {
         ])
     }
 
+    /// The technique's picture, its difference from the reference, and where that is worst.
+    ///
+    /// - `as_mask`: a fill in one colour, which is compared as a mask
     fn write_pictures(
         &self,
         case: &FillCase,
         drawn: &mut Drawn,
+        as_mask: bool,
         probe: &mut Probe,
     ) -> Result<(), StudyError> {
         let (stem, size) = (self.stem(case), self.group.size);
         if let Ok(picture) = drawn.backend.picture(&drawn.input) {
-            probe.image = write_rgb(self.folder, &stem, size, &drop_alpha(&picture.rgba))?;
+            probe.image = self.write_once(&stem, size, &drop_alpha(&picture.rgba))?;
         }
-        if let Ok(rgb) = difference_rgb(&self.reference()?.frame, &drawn.frame) {
+        let reference = self.reference()?;
+        let filled;
+        let (expected, frame) = match as_mask {
+            true => {
+                filled = filled_only(&drawn.frame);
+                (&reference.filled, &filled)
+            }
+            false => (&reference.frame, &drawn.frame),
+        };
+        if let Ok(rgb) = difference_rgb(expected, frame, MARKER_RADIUS_PX) {
             let name = format!("{stem}_difference");
-            probe.difference_image = write_rgb(self.folder, &name, size, &rgb)?;
+            probe.difference_image = self.write_once(&name, size, &rgb)?;
+        }
+        if let (Ok(Some(worst)), Ok(exact)) = (
+            worst_pixel(expected, frame),
+            difference_rgb(expected, frame, 0),
+        ) {
+            // On the reference's surface: only ids are compared.
+            let shown = Frame {
+                ids: frame.ids.clone(),
+                ..expected.clone()
+            };
+            let parts: [&[u8]; 3] = [&paint(expected), &paint(&shown), &exact];
+            let (size, rgb) = zoomed(size, worst, &parts);
+            let name = format!("{stem}_worst");
+            probe.worst_image = self.write_once(&name, size, &rgb)?;
+            probe.worst_px = format!("{}, {}", worst[0], worst[1]);
         }
         Ok(())
+    }
+
+    /// The file of these pixels, written unless an equal picture of this view was.
+    fn write_once(&self, name: &str, size: ImageSize, rgb: &[u8]) -> Result<String, StudyError> {
+        let bytes = rgb.iter().map(|&byte| u32::from(byte));
+        let shown = fingerprint(bytes.chain([size.width]));
+        let known = self.written.borrow().get(&shown).cloned();
+        if let Some(path) = known {
+            return Ok(path);
+        }
+        let path = write_rgb(self.folder, name, size, rgb)?;
+        self.written.borrow_mut().insert(shown, path.clone());
+        Ok(path)
     }
 
     /// Cut-outs of the reference's picture, the technique's, and their difference ten times.

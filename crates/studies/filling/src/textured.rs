@@ -7,6 +7,7 @@
 //! and with a normalisation that nothing needs. Each is a row beside the plain fill of the same
 //! rounds. Errors in texels; colours of 0 to 255.
 
+use crate::images::{cut_out, write_rgb};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -271,26 +272,6 @@ fn centre(expected: &[u32], ids: &[u32], width: usize) -> [usize; 2] {
     [columns, rows].map(|sum| sum / count.max(1))
 }
 
-/// Part of an RGB picture round `centre`, at most [`CUT_OUT_PX`] a side.
-pub(crate) fn cut_out(size: ImageSize, centre: [usize; 2], rgb: &[u8]) -> (ImageSize, Vec<u8>) {
-    let smaller = ImageSize {
-        width: size.width.min(CUT_OUT_PX),
-        height: size.height.min(CUT_OUT_PX),
-    };
-    let start = |centre: usize, whole: u32, part: u32| {
-        let furthest = (whole - part) as usize;
-        centre.saturating_sub(part as usize / 2).min(furthest)
-    };
-    let left = start(centre[0], size.width, smaller.width);
-    let top = start(centre[1], size.height, smaller.height);
-    let rows = rgb.chunks_exact(3 * size.width as usize);
-    let cut = rows
-        .skip(top)
-        .take(smaller.height as usize)
-        .flat_map(|row| &row[3 * left..3 * (left + smaller.width as usize)]);
-    (smaller, cut.copied().collect())
-}
-
 /// Why a quick run leaves a scene out.
 pub(crate) fn left_out_of_quick_runs(name: &str) -> Option<String> {
     let is_left_out = PICTURE_SCENES.contains(&name);
@@ -307,8 +288,8 @@ pub(crate) fn write_cut_out(
     centre: [usize; 2],
     rgb: &[u8],
 ) -> Result<String, StudyError> {
-    let (size, rgb) = cut_out(size, centre, rgb);
-    crate::images::write_rgb(folder, name, size, &rgb)
+    let cut = cut_out(size, centre, CUT_OUT_PX, rgb);
+    write_rgb(folder, name, cut.size, &cut.rgb)
 }
 
 #[cfg(test)]
@@ -392,28 +373,8 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_out_lies_round_what_is_filled() {
+    fn the_centre_lies_in_what_is_filled() {
         assert_eq!(centre(&[0, 1, 0, 1], &[0, 1, 0, 1], 2), [1, 0]);
         assert_eq!(centre(&[0, 0, 2, 2], &[0, 0, 1, 2], 2), [1, 1]);
-        let size = ImageSize {
-            width: CUT_OUT_PX + 2,
-            height: 3,
-        };
-        let mut rgb = vec![0; 3 * size.pixel_count()];
-        rgb[..3].fill(1);
-        rgb[3..6].fill(2);
-        let (cut, pixels) = cut_out(size, [CUT_OUT_PX as usize / 2 + 1, 1], &rgb);
-        assert_eq!((cut.width, cut.height), (CUT_OUT_PX, 3));
-        assert_eq!(pixels.len(), 3 * cut.pixel_count());
-        assert_eq!(pixels[..3], [2; 3], "a column is cut off on the left");
-        // At a rim it stays inside.
-        let (cut, pixels) = cut_out(size, [0, 2], &rgb);
-        assert_eq!((cut.width, pixels[..3].to_vec()), (CUT_OUT_PX, vec![1; 3]));
-        // One that is small enough stays whole.
-        let small = ImageSize {
-            width: 2,
-            height: 1,
-        };
-        assert_eq!(cut_out(small, [1, 0], &[7; 6]), (small, vec![7; 6]));
     }
 }

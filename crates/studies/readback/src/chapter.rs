@@ -320,7 +320,7 @@ fn fit(points: &[[f64; 2]]) -> Option<Fit> {
     })
 }
 
-/// `2.00 (1.90–2.10)`.
+/// `2.00, 1.90 to 2.10`: median, lowest and highest.
 fn with_range(values: &[f64]) -> Option<String> {
     let middle = significant(median(values)?);
     if values.len() == 1 {
@@ -329,7 +329,7 @@ fn with_range(values: &[f64]) -> Option<String> {
     let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
     let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let [lowest, highest] = [lowest, highest].map(significant);
-    Some(format!("{middle} ({lowest}–{highest})"))
+    Some(format!("{middle}, {lowest} to {highest}"))
 }
 
 fn drawing(apis: &[ApiTimes<'_>], clock: Clock) -> Result<Option<String>, ChapterError> {
@@ -465,7 +465,7 @@ mod tests {
         );
         assert!(cells(3).skip(2).all(|cell| cell.class == CellClass::Absent));
         assert_eq!(table.rows[3].remark, "no such device");
-        assert_eq!(fits.rows[0].cells[1].text, "0.750 (0.500–1.00)");
+        assert_eq!(fits.rows[0].cells[1].text, "0.750, 0.500 to 1.00");
         assert_eq!(fits.rows[1].cells[1].class, CellClass::Absent);
     }
 

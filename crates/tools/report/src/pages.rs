@@ -14,6 +14,13 @@ const TITLE: &str = "Measurement report";
 const GLOSSARY: &str = "Glossary";
 const CASES: &str = "Missing, wrong and skipped cases";
 
+/// Letters of a commit on the first screen; the whole name is under "Environment".
+const SHORT_COMMIT: usize = 12;
+
+/// What brackets mean on every page.
+const NOTATION: &str = "A median; [a–b]: its 95 % interval over processes; (a–b): 5 to 95 % of the \
+                        samples.";
+
 /// As many names as the first page shows: about a screen of them.
 const MAX_NAMES: usize = 24;
 
@@ -403,13 +410,19 @@ fn facts(report: &Report<'_>) -> Vec<(&'static str, Vec<String>)> {
     let mut facts = vec![
         ("Device", vec![format!("{} ({kind})", known(&e.gpu))]),
         ("Clock", vec![report.said.clock.clone()]),
-        ("Commit", vec![known(&e.commit)]),
+        (
+            "Commit",
+            vec![known(
+                &e.commit.chars().take(SHORT_COMMIT).collect::<String>(),
+            )],
+        ),
         ("Correctness", scope.cloned().collect()),
         ("Noise", report.said.noise.clone()),
         (
             "Replicates",
             report.said.replicates.iter().cloned().collect(),
         ),
+        ("Figures", vec![NOTATION.to_owned()]),
     ];
     facts.retain(|(_, values)| !values.is_empty());
     facts

@@ -56,10 +56,7 @@ impl Picture {
 
     /// `data:image/png;base64,…`
     pub(crate) fn uri(&self) -> String {
-        format!(
-            "data:image/png;base64,{}",
-            base64::engine::general_purpose::STANDARD.encode(&self.bytes)
-        )
+        data_uri("image/png", &self.bytes)
     }
 
     /// Its file's bytes.
@@ -73,6 +70,12 @@ impl Picture {
         self.bytes.hash(&mut hasher);
         hasher.finish()
     }
+}
+
+/// A file's contents as an address.
+pub(crate) fn data_uri(kind: &str, bytes: &[u8]) -> String {
+    let encoded = base64::engine::general_purpose::STANDARD.encode(bytes);
+    format!("data:{kind};base64,{encoded}")
 }
 
 fn decoded(folder: &Path, relative: &str) -> Result<(Vec<u8>, image::DynamicImage), String> {

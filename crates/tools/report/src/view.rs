@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Blocks as HTML, laid out by `templates/blocks.html`.
 
-use crate::picture::{Picture, address};
+use crate::picture::{Picture, address, data_uri};
 use askama::Template;
 use std::collections::BTreeMap;
 use terrafill_results::{
@@ -17,6 +17,9 @@ pub(crate) const PAGES: &str = "pages";
 /// Folders of small pictures and of figures within it.
 const SMALL: &str = "small";
 const FIGURES: &str = "figures";
+
+/// Stands for the address of the first picture among several.
+const FIRST_PICTURE: &str = "#first";
 
 /// Whether the report is one file or several.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,6 +101,8 @@ struct PlotView<'a> {
     /// Addresses of the drawing and of its figures as files; empty where there are none.
     svg_file: String,
     csv_file: String,
+    /// What the latter is saved as.
+    csv_name: String,
 }
 
 struct PicturesView<'a> {
@@ -114,12 +119,27 @@ struct FigureView<'a> {
     notes: Vec<&'a str>,
 }
 
+impl FigureView<'_> {
+    /// Pictures side by side; wide ones have a row of their own.
+    fn columns(&self) -> usize {
+        let beside = self.images.iter().filter(|image| !image.is_wide());
+        beside.count().max(1)
+    }
+}
+
 struct ImageView<'a> {
     src: String,
     width: u32,
     height: u32,
     hash: u64,
     caption: &'a str,
+}
+
+impl ImageView<'_> {
+    /// Several parts side by side, which would be too small beside others.
+    fn is_wide(&self) -> bool {
+        self.width > 2 * self.height
+    }
 }
 
 impl PartialEq for ImageView<'_> {
@@ -315,10 +335,7 @@ impl<'a> Renderer<'a> {
         CellView {
             tag: if is_first { "th" } else { "td" },
             class,
-            title: match cell.title.as_str() {
-                "" => &cell.command,
-                title => title,
-            },
+            title: &cell.title,
             label: "",
             parts: match cell.class {
                 CellClass::Name => breakable(&cell.text),
@@ -367,9 +384,14 @@ impl<'a> Renderer<'a> {
             svg,
             svg_file: String::new(),
             csv_file: String::new(),
+            csv_name: String::new(),
         };
-        if self.form == Form::Pages {
-            let stem = self.id(&format!("{}-figure", self.page));
+        let stem = self.id(&format!("{}-figure", self.page));
+        view.csv_name = format!("{stem}.csv");
+        if self.form == Form::SingleFile {
+            let uri = |csv: String| data_uri("text/csv", csv.as_bytes());
+            view.csv_file = csv.map_or_else(String::new, uri);
+        } else {
             let mut file = |ending: &str, text: String| {
                 let file = format!("{PAGES}/{FIGURES}/{stem}.{ending}");
                 let href = format!("{}{file}", self.root);
@@ -407,10 +429,15 @@ impl<'a> Renderer<'a> {
             figures: Vec::new(),
             problems: Vec::new(),
         };
-        // In a single file it would be there twice.
-        if self.form == Form::Pages && !pictures.reference.is_empty() {
-            let reference = self.image(&pictures.reference, "");
-            view.reference = reference.map_or_else(|_| String::new(), |image| image.src);
+        if !pictures.reference.is_empty() {
+            // In a single file its data stand once: the script takes them from the first picture.
+            view.reference = match self.form {
+                Form::Pages => {
+                    let reference = self.image(&pictures.reference, "");
+                    reference.map_or_else(|_| String::new(), |image| image.src)
+                }
+                Form::SingleFile => FIRST_PICTURE.to_owned(),
+            };
         }
         for figure in &pictures.figures {
             let mut images = Vec::new();

@@ -47,7 +47,6 @@ document.addEventListener("DOMContentLoaded", () => {
     title.remove();
   }
   for (const cell of document.querySelectorAll("[data-command]:not(.spot)")) {
-    if (cell.title === cell.dataset.command) cell.removeAttribute("title");
     cell.tabIndex = 0;
     says(cell, "Draw it again:");
   }
@@ -131,9 +130,9 @@ document.addEventListener("DOMContentLoaded", () => {
     if (sorted) sort(parseInt(sorted, 10), sorted.endsWith("-"));
   }
 
-  // In a single file plots have no files beside them.
+  // In a single file plots have no drawings beside them.
   for (const figure of document.querySelectorAll(".plot")) {
-    if (figure.querySelector("a[download]")) continue;
+    if (figure.querySelector("a[href$='.svg']")) continue;
     const button = make("button", { type: "button", textContent: "SVG" });
     button.addEventListener("click", () => {
       const svg = figure.querySelector("svg").cloneNode(true);
@@ -147,7 +146,8 @@ document.addEventListener("DOMContentLoaded", () => {
   for (const pictures of document.querySelectorAll(".pictures[data-reference]")) {
     const own = [...pictures.querySelectorAll("figure")].map((f) => [f.querySelector("img"), f.querySelector("li")]).filter(([img, note]) => img && note);
     if (own.length === 0) continue;
-    const below = make("img", { src: pictures.dataset.reference, alt: "reference", loading: "lazy" });
+    const first = pictures.dataset.reference === "#first";
+    const below = make("img", { src: first ? pictures.querySelector("img").src : pictures.dataset.reference, alt: "reference", loading: "lazy" });
     const above = make("img", { alt: "picture", loading: "lazy" });
     const edge = make("input", { type: "range", min: 0, max: 100, value: 50, ariaLabel: "Edge between reference and picture" });
     const which = make("select", { ariaLabel: "Picture to compare" });

@@ -66,6 +66,7 @@ impl Chapter for TimesChapter {
             .cases
             .iter()
             .filter(|case| !case.note("image").is_empty());
+        let first = shown.clone().next();
         Ok(vec![
             Block::section("Every case"),
             Block::Plot(Plot {
@@ -89,6 +90,7 @@ impl Chapter for TimesChapter {
                 because: "2.00 ×".to_owned(),
             }),
             Block::Pictures(Pictures {
+                reference: first.map_or_else(String::new, |case| case.note("image").to_owned()),
                 figures: shown.map(figure).collect(),
                 ..Pictures::default()
             }),
@@ -347,6 +349,12 @@ fn pictures_are_carried_along_the_same_ones_once_and_broken_ones_named() {
     );
     assert!(html.contains("data:image/png;base64,"));
     assert!(!html.contains("<link"));
+    // What a sliding edge compares with, and the figures of plots, are in the file too.
+    assert!(html.contains("data-reference=\"#first\""));
+    assert!(html.contains("href=\"data:text/csv;base64,"));
+    assert!(html.contains("download=\"report-figure.csv\""));
+    let pages = report_in(folder.path()).html;
+    assert!(pages.contains("data-reference=\"../images/a.png\""));
     for report in [&html, &report_in(folder.path()).html] {
         assert!(report.contains("the same for 2 cases"));
         assert!(report.contains("Pictures that could not be shown: images/gone.png"));

@@ -357,7 +357,7 @@ pub(crate) struct RenderArguments {
     /// Print every switch with its values and its default, and draw nothing
     #[arg(long, exclusive = true)]
     pub(crate) list_switches: bool,
-    /// Picture to write, .png
+    /// Picture to write, .png, or - for standard output
     #[arg(long, required_unless_present = "list_switches")]
     pub(crate) out: Option<PathBuf>,
     /// Region ids to write, 16-bit grey PNG: feature index + 1, 0 for none

@@ -5,14 +5,14 @@ use crate::outcome::Failure;
 use std::io::Read as _;
 use std::path::Path;
 
-/// Whether `path` stands for standard input.
-pub(crate) fn is_standard_input(path: &Path) -> bool {
+/// Whether `path` stands for standard input, or for standard output where something is written.
+pub(crate) fn is_standard(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
 /// `path` in messages.
 pub(crate) fn shown(path: &Path) -> String {
-    if is_standard_input(path) {
+    if is_standard(path) {
         "standard input".to_owned()
     } else {
         path.display().to_string()

@@ -2,7 +2,7 @@
 //! `locate`: a table with `lon` and `lat` in, the same table with the regions that hold each point out.
 
 use crate::arguments::LocateArguments;
-use crate::input::{is_standard_input, read_standard_input, shown};
+use crate::input::{is_standard, read_standard_input, shown};
 use crate::outcome::{Failure, Outcome, complain, print};
 use crate::regions::{
     Leniency, Meshed, read_and_mesh, report_repairs, report_skipped, report_warnings,
@@ -21,7 +21,7 @@ const REGIONS: &str = "regions";
 const NAMES: &str = "names";
 
 pub(crate) fn run(arguments: &LocateArguments) -> Result<Outcome, Failure> {
-    if is_standard_input(&arguments.regions) && is_standard_input(&arguments.points) {
+    if is_standard(&arguments.regions) && is_standard(&arguments.points) {
         return Err(Failure::bad_input(
             "--points: found - for both inputs, allowed: standard input for one of them",
         ));
@@ -126,7 +126,7 @@ fn read_points(path: &Path, added: &[&str]) -> Result<Points, Failure> {
             "is a directory, allowed: a CSV file with columns lon and lat".to_owned(),
         ));
     }
-    let bytes = if is_standard_input(path) {
+    let bytes = if is_standard(path) {
         read_standard_input()?
     } else {
         std::fs::read(path).map_err(|error| match error.kind() {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Files that a verb writes: all of them whole, or none.
+//! Files that a verb writes: all of them whole, or none. `-` is standard output.
 
+use crate::input::is_standard;
 use crate::outcome::Failure;
-use std::io;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Refuses paths that cannot be written, before any work is done.
@@ -27,12 +28,13 @@ pub(crate) fn check_paths<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Resu
     Ok(())
 }
 
-/// Refuses names of pictures that promise another format than PNG. Pipes and devices have none.
+/// Refuses names of pictures that promise another format than PNG. Standard output, pipes and devices
+/// have none.
 pub(crate) fn check_pictures<'a>(paths: impl IntoIterator<Item = &'a Path>) -> Result<(), Failure> {
     for path in paths {
         let extension = path.extension().unwrap_or_default();
         let is_png = extension.eq_ignore_ascii_case("png");
-        if !(is_png || (path.exists() && !path.is_file())) {
+        if !(is_png || is_standard(path) || (path.exists() && !path.is_file())) {
             let found = if extension.is_empty() {
                 "no extension".to_owned()
             } else {
@@ -55,7 +57,11 @@ pub(crate) fn write_all(files: &[(&Path, Vec<u8>)]) -> Result<(), Failure> {
         .iter()
         .zip(&unfinished)
         .try_for_each(|((path, bytes), beside)| {
-            match std::fs::write(beside, bytes) {
+            let written = match is_standard(path) {
+                true => to_standard_output(bytes),
+                false => std::fs::write(beside, bytes),
+            };
+            match written {
                 // A pipe by its name, such as /dev/stdout, whose reader has seen enough.
                 Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
                 written => written.map_err(|error| unwritable(path, &error)),
@@ -79,6 +85,12 @@ pub(crate) fn write_all(files: &[(&Path, Vec<u8>)]) -> Result<(), Failure> {
     written
 }
 
+fn to_standard_output(bytes: &[u8]) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(bytes)?;
+    out.flush()
+}
+
 fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if folder != Path::new("") => folder,
@@ -86,9 +98,9 @@ fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// `folder/.name.unfinished`; the path itself when it is a pipe or a device, such as /dev/stdout.
+/// `folder/.name.unfinished`; the path itself when it is standard output, a pipe or a device.
 fn beside(path: &Path) -> PathBuf {
-    if path.exists() && !path.is_file() {
+    if is_standard(path) || (path.exists() && !path.is_file()) {
         return path.to_owned();
     }
     let mut name = std::ffi::OsString::from(".");
@@ -130,7 +142,7 @@ mod tests {
 
     #[test]
     fn pictures_are_png() {
-        for right in ["a.png", "b/A.PNG", "a.b.png", "/dev/null"] {
+        for right in ["a.png", "b/A.PNG", "a.b.png", "/dev/null", "-"] {
             assert!(check_pictures([Path::new(right)]).is_ok(), "{right}");
         }
         for (wrong, found) in [

@@ -2,7 +2,7 @@
 //! Files of regions, read and meshed: every problem of a file at once.
 
 use crate::arguments::Repair;
-use crate::input::{is_standard_input, read_standard_input, shown};
+use crate::input::{is_standard, read_standard_input, shown};
 use crate::outcome::{Failure, complain};
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -97,7 +97,7 @@ pub(crate) fn read_and_mesh(
 
 /// The features that can be read, and what is wrong with the others.
 fn read(path: &Path, reading: Reading) -> Result<(RegionFile, Vec<FeatureProblem>), Failure> {
-    let read = if is_standard_input(path) {
+    let read = if is_standard(path) {
         let bytes = read_standard_input()?;
         read_region_file(&bytes, &shown(path), reading).map_err(RegionLoadError::Invalid)
     } else {

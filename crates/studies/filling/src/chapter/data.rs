@@ -2,6 +2,7 @@
 //! The study's cases as its chapter reads them, in scenes and views, with the run's clock.
 
 use crate::request::STUDY;
+use std::collections::{BTreeMap, BTreeSet};
 use terrafill_plot::number::times;
 use terrafill_results::{
     Case, Cell, Estimate, Heading, Noise, Run, Spread, process_medians, ratio, sample_spread,
@@ -14,6 +15,9 @@ pub(super) const STENCIL_PASS: &str = "stencil-pass";
 
 /// The condition whose values are the knob of the error-against-time plots, metres.
 const KNOB: &str = "boundary-tolerance-m";
+
+/// Pixels of a picture that `render` draws unless it is given a size.
+const DEFAULT_SIZE: (u32, u32) = (1024, 1024);
 
 /// By how many pixels levels of detail may move a boundary.
 const LEVELS: &str = "boundary-lod-px";
@@ -44,6 +48,10 @@ pub(super) struct Data<'a> {
     /// The fill's time by the run's clock.
     pub(super) metric: &'static str,
     pub(super) noise: Option<Noise>,
+    /// Full-screen passes by scene, view and technique.
+    passes: BTreeMap<[&'a str; 3], &'a Case>,
+    /// The shortest variant on each curve.
+    shortest: BTreeMap<Curve, &'a str>,
 }
 
 /// The cases of one scene.
@@ -64,10 +72,24 @@ pub(super) struct View<'a> {
 impl<'a> Data<'a> {
     pub(super) fn new(run: &'a Run, metric: &'static str) -> Self {
         let own = || run.cases.iter().filter(|case| case.id().study == STUDY);
-        let (memory, cases) = own()
+        let (memory, cases): (Vec<&Case>, Vec<&Case>) = own()
             .filter(|case| !case.is_twin())
             .partition(|case| has_role(case, "memory"));
+        let key = |case: &'a Case| ["scene", "view", "technique"].map(|key| case.condition(key));
+        // Backwards, so that of several the first one stays.
+        let passes = cases.iter().rev().filter(|case| is_baseline(case));
+        let passes = passes.map(|case| (key(case), *case)).collect();
+        let mut shortest: BTreeMap<Curve, &str> = BTreeMap::new();
+        for case in &cases {
+            let variant = case.condition("variant");
+            let known = shortest.entry(Curve::of(case)).or_insert(variant);
+            if (variant.len(), variant) < (known.len(), *known) {
+                *known = variant;
+            }
+        }
         Self {
+            passes,
+            shortest,
             run,
             cases,
             memory,
@@ -106,10 +128,8 @@ impl<'a> Data<'a> {
 
     /// The full-screen pass of the case's scene and view.
     pub(super) fn baseline(&self, case: &Case, technique: &str) -> Option<&'a Case> {
-        let is_it = |other: &&&Case| {
-            other.condition("technique") == technique && is_same(other, case, &["scene", "view"])
-        };
-        self.cases.iter().find(is_it).copied()
+        let [scene, view] = ["scene", "view"].map(|key| case.condition(key));
+        self.passes.get(&[scene, view, technique]).copied()
     }
 
     /// Time of `case` over that of a full-screen pass.
@@ -165,16 +185,27 @@ impl<'a> Data<'a> {
         scenes
     }
 
-    /// Curve names of all listed techniques, sorted: a curve's place here is its colour in every plot.
+    /// Names of all curves: a curve's place here is its colour and marker in every plot. Those that
+    /// most views have come first, as the first ones differ most.
     pub(super) fn all_series(&self) -> Vec<String> {
         let listed = self
             .cases
             .iter()
             .filter(|case| is_listed(case) && !is_baseline(case));
-        let mut series: Vec<String> = listed.map(|case| self.marked(case)).collect();
-        series.sort_unstable();
-        series.dedup();
-        series
+        let mut views: BTreeMap<String, BTreeSet<[&str; 2]>> = BTreeMap::new();
+        for case in listed {
+            let view = ["scene", "view"].map(|key| case.condition(key));
+            views.entry(self.marked(case)).or_default().insert(view);
+        }
+        for case in &self.memory {
+            views.entry(layout_name(case)).or_default();
+        }
+        let mut series: Vec<(String, usize)> = views
+            .into_iter()
+            .map(|(series, views)| (series, views.len()))
+            .collect();
+        series.sort_by_key(|(_, views)| std::cmp::Reverse(*views));
+        series.into_iter().map(|(series, _)| series).collect()
     }
 
     /// The series whose colour and marker a case has on every page: a full plan those of its layout.
@@ -193,8 +224,13 @@ impl<'a> Data<'a> {
         if !is_drawn {
             return String::new();
         }
+        let environment = &self.run.environment;
+        let size = match (environment.width, environment.height) {
+            (0, _) | (_, 0) | DEFAULT_SIZE => String::new(),
+            (width, height) => format!(" --size {width}x{height}"),
+        };
         format!(
-            "terrafill render {} --view {} --technique {} --variant {} --out picture.png",
+            "terrafill render {} --view {} --technique {} --set {}{size} --out picture.png",
             case.condition("scene"),
             case.condition("view"),
             case.condition("technique"),
@@ -205,19 +241,7 @@ impl<'a> Data<'a> {
     /// What is one curve: technique and switches without the knob. Named by the shortest variant on it,
     /// which is the one that leaves the knob alone where there is one.
     pub(super) fn series(&self, case: &Case) -> String {
-        let set = |of: &Case| {
-            let mut set = switches(of);
-            set.retain(|(key, _)| *key != KNOB);
-            (
-                of.condition("technique").to_owned(),
-                of.condition("layout").to_owned(),
-                own(set),
-            )
-        };
-        let own_set = set(case);
-        let same = self.cases.iter().filter(|other| set(other) == own_set);
-        let variants = same.map(|other| other.condition("variant"));
-        let shortest = variants.min_by_key(|variant| (variant.len(), *variant));
+        let shortest = self.shortest.get(&Curve::of(case)).copied();
         let variant = shortest.unwrap_or_else(|| case.condition("variant"));
         format!("{}/{variant}", case.condition("technique"))
     }
@@ -249,9 +273,25 @@ fn layout_name(case: &Case) -> String {
     format!("{}/{}", of("technique"), of("layout"))
 }
 
-fn own(switches: Vec<(&str, &str)>) -> Vec<(String, String)> {
-    let owned = |(key, value): (&str, &str)| (key.to_owned(), value.to_owned());
-    switches.into_iter().map(owned).collect()
+/// Technique, layout and switches without the knob.
+#[derive(Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Curve {
+    technique: String,
+    layout: String,
+    set: Vec<(String, String)>,
+}
+
+impl Curve {
+    fn of(case: &Case) -> Self {
+        let set = switches(case).into_iter().filter(|(key, _)| *key != KNOB);
+        Self {
+            technique: case.condition("technique").to_owned(),
+            layout: case.condition("layout").to_owned(),
+            set: set
+                .map(|(key, value)| (key.to_owned(), value.to_owned()))
+                .collect(),
+        }
+    }
 }
 
 /// Technique and variant.

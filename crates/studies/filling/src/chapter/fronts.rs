@@ -74,7 +74,8 @@ fn choice(
 fn caption(cost: &str) -> String {
     format!(
         "Mismatched pixels against {cost}, both summed over the scene's views, for every fill that is \
-         right in all of them; left and low is better. Area of a marker: bytes of geometry. Dashed: the \
+         right in all of them; left and low is better. Area of a marker: bytes of geometry; its \
+         command draws the scene's first view. Dashed: the \
          Pareto front of the medians; ringed: kept there by at least 95 % of the resamples of five or \
          more processes."
     )
@@ -127,5 +128,6 @@ fn point(data: &Data<'_>, name: String, cases: &[&Case], metric: &str) -> Option
         costs: sums.collect(),
         error: errors?.iter().sum(),
         bytes: sizes.max().unwrap_or(0),
+        command: data.command(cases.first()?),
     })
 }

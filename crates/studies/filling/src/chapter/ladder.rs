@@ -206,7 +206,7 @@ fn table(data: &Data<'_>, rungs: &[Rung<'_>]) -> Table {
         ("draws", "draws"),
         ("vertices", "vertices"),
         ("stencil-tested fragments", "stencil_fragments"),
-        ("wrong px", "mismatched_px"),
+        ("px that differ", "mismatched_px"),
         ("outside band", "mismatched_px_outside_band"),
     ];
     headings.extend(metrics.map(|(text, metric)| Heading::metric(text, metric)));

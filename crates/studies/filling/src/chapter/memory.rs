@@ -238,7 +238,7 @@ fn published() -> String {
         count(mesh),
         count(volumes),
         significant(mesh as f64 / volumes as f64),
-        significant(RATIO_2007 * 100.0),
+        RATIO_2007 * 100.0,
     )
 }
 

@@ -122,7 +122,7 @@ pub(super) fn blocks(data: &Data<'_>, scene: &Scene<'_>) -> Vec<Block> {
             ..Table::default()
         }),
         Block::Remark(format!(
-            "CPU time of the process per frame for the fill. In brackets: how many times less than \
+            "CPU time of the process per frame for the fill. After the dot: how many times less than \
              CesiumJS's volumes / its lookup (below 1: more). Published figures: {SOURCE}.{caveat}"
         )),
     ]
@@ -147,7 +147,7 @@ fn our_row(scene: &Scene<'_>, wanted: &str, published: &[Published], is_comparab
             .iter()
             .map(|theirs| format!("{} ×", significant(theirs / ours)));
         match is_comparable && ours > 0.0 {
-            true => format!(" ({})", texts.collect::<Vec<_>>().join(" / ")),
+            true => format!(" · {}", texts.collect::<Vec<_>>().join(" / ")),
             false => String::new(),
         }
     };

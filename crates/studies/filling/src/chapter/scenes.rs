@@ -21,9 +21,11 @@ const NOT_RECORDED: &str = "not recorded by this run";
 
 /// Key of the pictures of differences, as `terrafill-conformance` draws them.
 const DIFFERENCE_KEY: &str = "Pictures: the reference, and every picture, those that are the same once. A \
-    difference is shown where a pixel mismatches: grey, both fill with the same region; dark, neither \
-    fills; a shade apart, the 1-pixel boundary band; orange, wrong within the band; red, wrong outside \
-    it. Wrong pixels are drawn 3 × 3. A picture that is chosen by Tab or click fills the window.";
+    difference is shown where a pixel differs: grey, both fill with the same region; dark, neither \
+    fills; a shade apart, the 1-pixel boundary band; orange, differs within the band; red, differs \
+    outside it. Differing pixels are drawn 3 × 3. Worst pixel: the one furthest from the reference's \
+    boundary, framed in white, with 24 × 24 pixels around it, from left to right the reference, the \
+    picture and the difference. A picture that is chosen by Tab or click fills the window.";
 
 /// How a metric is printed.
 #[derive(Clone, Copy)]
@@ -71,7 +73,12 @@ const COLUMNS: [(&str, &str, Print, &str); 12] = [
         Print::Count,
         NOT_RECORDED,
     ),
-    ("wrong px", "mismatched_px", Print::Count, NOT_COMPARED),
+    (
+        "px that differ",
+        "mismatched_px",
+        Print::Count,
+        NOT_COMPARED,
+    ),
     (
         "outside band",
         "mismatched_px_outside_band",
@@ -195,7 +202,8 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
             }));
         }
         blocks.extend(published::blocks(data, &scene));
-        if scene.views.iter().any(|view| pictures(view).is_some()) {
+        let has_pictures = |view| pictures(data, &scene, view).is_some();
+        if scene.views.iter().any(has_pictures) {
             blocks.push(Block::Remark(DIFFERENCE_KEY.to_owned()));
         }
         for view in &scene.views {
@@ -322,6 +330,7 @@ fn bytes_plot(
             }
             None => bytes(*geometry),
         },
+        command: data.command(case),
     });
     let bars = Bars {
         title: format!("{}: bytes per variant", scene.name),
@@ -342,7 +351,7 @@ fn view_blocks(
         level: 4,
         text: format!("{}, {}", scene.name, view.name),
     }];
-    blocks.extend(pictures(view).map(Block::Pictures));
+    blocks.extend(pictures(data, scene, view).map(Block::Pictures));
     blocks.push(Block::Table(table(data, palette, view)));
     blocks.extend(left_out(view));
     if let Some((svg, not_drawn)) = error_time::plot(data, scene.name, view, palette)? {
@@ -464,29 +473,41 @@ fn absent(case: &Case, why: &str) -> Cell {
     })
 }
 
-/// The reference's picture, then each case's beside its difference.
-fn pictures(view: &View<'_>) -> Option<Pictures> {
-    let picture = |case: &Case, note: &str, caption: &str| {
+/// The reference's picture, then each case's beside its difference and its worst pixel. Wrong cases
+/// of the ladder and the matrix are among them: their own tables have no room for pictures.
+fn pictures(data: &Data<'_>, scene: &Scene<'_>, view: &View<'_>) -> Option<Pictures> {
+    let picture = |case: &Case, note: &str, caption: String| {
         let path = case.note(note);
         (!path.is_empty()).then(|| Picture {
             path: path.to_owned(),
-            caption: caption.to_owned(),
+            caption,
         })
     };
-    let reference = view
-        .cases
+    let listed = view.cases.iter().copied();
+    let wrong = data.cases.iter().copied().filter(|case| {
+        let is_here = case.condition("scene") == scene.name && case.condition("view") == view.name;
+        // Textured fills have their pictures in their own section.
+        is_here
+            && case.outcome == Outcome::Wrong
+            && !has_role(case, "texture")
+            && !view.cases.iter().any(|listed| listed.id() == case.id())
+    });
+    let cases: Vec<&Case> = listed.chain(wrong).collect();
+    let reference = cases
         .iter()
-        .find_map(|case| picture(case, "reference_image", "reference"))
+        .find_map(|case| picture(case, "reference_image", "reference".to_owned()))
         .map(|reference| PictureFigure {
             pictures: vec![reference],
             notes: Vec::new(),
         });
-    let own = view.cases.iter().filter_map(|case| {
+    let own = cases.iter().filter_map(|case| {
         // Where nothing differs, a difference shows nothing.
         let differs = counter(case, "mismatched_px") != Some(0);
+        let worst = format!("worst pixel ({})", case.note("worst_px"));
         let pictures = [
-            picture(case, "image", "picture"),
-            picture(case, "difference_image", "difference").filter(|_| differs),
+            picture(case, "image", "picture".to_owned()),
+            picture(case, "difference_image", "difference".to_owned()).filter(|_| differs),
+            picture(case, "worst_image", worst).filter(|_| differs),
         ];
         let pictures: Vec<Picture> = pictures.into_iter().flatten().collect();
         (!pictures.is_empty()).then(|| PictureFigure {
@@ -497,6 +518,9 @@ fn pictures(view: &View<'_>) -> Option<Pictures> {
     let path = reference
         .as_ref()
         .and_then(|figure| figure.pictures.first());
+    // A committed run leaves pictures out, and a worst pixel cannot be laid over the whole.
+    let has_pictures = cases.iter().any(|case| !case.note("image").is_empty());
+    let path = path.filter(|_| has_pictures);
     let path = path.map_or_else(String::new, |picture| picture.path.clone());
     let figures: Vec<PictureFigure> = reference.into_iter().chain(own).collect();
     (!figures.is_empty()).then_some(Pictures {
@@ -509,7 +533,7 @@ fn pictures(view: &View<'_>) -> Option<Pictures> {
 fn caption(case: &Case) -> String {
     let counted = |metric| counter(case, metric).map_or_else(|| "–".to_owned(), count);
     let mut text = format!(
-        "{}{}: {} wrong px, {} outside the band, Hausdorff {} px",
+        "{}{}: {} px differ, {} of them outside the band, Hausdorff distance {} px",
         name(case),
         match case.outcome {
             Outcome::Ok => String::new(),

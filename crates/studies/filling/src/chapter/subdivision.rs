@@ -108,7 +108,7 @@ fn table(data: &Data<'_>, sweep: &Sweep<'_>) -> Table {
             Heading::metric(format!("fill, {}", data.unit()), data.metric),
             Heading::plain("÷\u{a0}depth-pass"),
             Heading::metric("stencil fragments", "stencil_fragments"),
-            Heading::metric("wrong px", "mismatched_px"),
+            Heading::metric("px that differ", "mismatched_px"),
             Heading::metric("outside band", "mismatched_px_outside_band"),
             Heading::metric("Hausdorff, px", "hausdorff_px"),
         ],

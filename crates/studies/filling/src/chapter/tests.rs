@@ -540,8 +540,15 @@ fn textured_run(times: [f64; 4]) -> MadeUpRun {
         &[("role", "main")],
         times[0],
     );
+    // As a run records them: every switch, also where it is as usual.
+    let recorded = [
+        ("role", "texture"),
+        ("normalize", "needed"),
+        ("picture", "scene"),
+        ("position", "eye-region"),
+    ];
     for (key, ms) in [CHOSEN, NATIVE, LEAST].into_iter().zip(&times[1..]) {
-        let case = timed(&mut run, key, &[("role", "texture")], *ms);
+        let case = timed(&mut run, key, &recorded, *ms);
         if key != LEAST {
             case.figure("texel_rms", 0.0625)
                 .figure("texel_max", 0.125)
@@ -655,6 +662,10 @@ fn labels_say_what_differs() {
             "native atan2, normalised twice",
         ),
         ("doubled,texture=gnomonic-3", "gnomonic-3"),
+        (
+            "doubled,normalize=needed,picture=scene,position=eye-region,texture=chosen",
+            "chosen route",
+        ),
     ] {
         assert_eq!(label_of(variant), expected);
     }
@@ -821,8 +832,8 @@ fn the_web_globe_stands_beside_us_only_where_it_may() {
         "CesiumJS, volumes | 361 ms | 66.0 ms | 119 ms | 13.9 MB"
     );
     // 361 / 36.1 and 120 / 36.1; 13.9 MB and 0.51 MB / 1.39 MB.
-    assert_eq!(ours[1].text, "36.1 ms (10.0 × / 3.32 ×)");
-    assert_eq!(ours[4].text, "1.39 MB (10.0 × / 0.367 ×)");
+    assert_eq!(ours[1].text, "36.1 ms · 10.0 × / 3.32 ×");
+    assert_eq!(ours[4].text, "1.39 MB · 10.0 × / 0.367 ×");
     assert!(text.contains("CesiumJS 1.145, llvmpipe, 1024²"));
     // Twin: another driver gets no ratios.
     run.environment.gpu = "Some GPU".to_owned();
@@ -1014,7 +1025,7 @@ fn the_best_fills_of_a_view_are_those_of_its_rows() {
     );
     assert_eq!(
         recommended.command,
-        "terrafill render s --view globe --technique vertex --variant pulled --out picture.png"
+        "terrafill render s --view globe --technique vertex --set pulled --out picture.png"
     );
     // Twins: with quieter identical work nothing ties, and a wrong fill wins nothing.
     let quiet = answers(&best_of(20.0));
@@ -1108,4 +1119,47 @@ fn scope_and_requirements_are_exact() {
     );
     assert_eq!(found.requirements[0].standing, Standing::Holds);
     assert_eq!(answers(&MadeUpRun::default()), Answers::default());
+}
+
+#[test]
+fn every_wrong_case_is_pictured_with_its_worst_pixel() {
+    let pictured = |status: Status| {
+        let mut run = on_cpu();
+        timed(
+            &mut run,
+            "s/globe/vertex/doubled",
+            &[("role", "main")],
+            10.0,
+        )
+        .note("reference_image", "images/reference.png")
+        .note("image", "images/a.png");
+        add(
+            &mut run,
+            "s/globe/vertex/doubled,faces=two-pass",
+            &[("role", "ladder"), ("rung", "1")],
+        )
+        .figure("mismatched_px", 9.0)
+        .figure("mismatched_px_outside_band", 3.0)
+        .note("image", "images/b.png")
+        .note("difference_image", "images/c.png")
+        .note("worst_image", "images/d.png")
+        .note("worst_px", "503, 451")
+        .ended(status, "3 pixels outside the band");
+        let scene = section(&run, "s");
+        let pictures = scene.iter().find_map(|block| match block {
+            Block::Pictures(pictures) => Some(pictures.clone()),
+            _ => None,
+        });
+        pictures.expect("pictures").figures
+    };
+    let wrong = pictured(Status::Wrong);
+    let last = wrong.last().expect("a figure");
+    let captions: Vec<&str> = last.pictures.iter().map(|p| p.caption.as_str()).collect();
+    assert_eq!(
+        captions,
+        ["picture", "difference", "worst pixel (503, 451)"]
+    );
+    assert!(last.notes[0].contains("(wrong): 9 px differ, 3 of them outside the band"));
+    // Twin: a right rung has no picture beside those of its scene.
+    assert_eq!(pictured(Status::Ok).len(), wrong.len() - 1);
 }

@@ -15,6 +15,13 @@ use terrafill_results::{
 /// Switches that a plain fill of the same layout has not.
 const TEXTURE_KEYS: [&str; 4] = ["normalize", "picture", "position", "texture"];
 
+/// What they are in a textured fill that names none; a run records every switch.
+const TEXTURE_DEFAULTS: [(&str, &str); 3] = [
+    ("normalize", "needed"),
+    ("picture", "scene"),
+    ("position", "eye-region"),
+];
+
 /// How many times the plain fill a textured one may take.
 const MAX_OVER_PLAIN: f64 = 1.3;
 
@@ -260,13 +267,14 @@ fn views<'a>(data: &Data<'a>) -> Vec<TexturedView<'a>> {
     titles.into_iter().map(view).collect()
 }
 
-/// Switches that make the fill a textured one, by name; none of a plain fill.
+/// Switches that make the fill a textured one and are not as usual, by name; none of a plain fill.
 fn texture_switches(case: &Case) -> Vec<(&str, &str)> {
     if !is_textured(case) {
         return Vec::new();
     }
     let own = switches(case).into_iter();
-    own.filter(|(key, _)| TEXTURE_KEYS.contains(key)).collect()
+    own.filter(|switch| TEXTURE_KEYS.contains(&switch.0) && !TEXTURE_DEFAULTS.contains(switch))
+        .collect()
 }
 
 /// The same fill without a picture.

@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod bench;
+mod committed;
 mod failed_writes;
 mod folders;
 mod gate;

@@ -222,3 +222,31 @@ fn the_readmes_script_finds_the_fastest_correct_technique_of_every_view() {
         assert!(!has_row(&printed, &other));
     }
 }
+
+/// Rows of a table of features, and those with a yes.
+fn features(text: &str) -> (usize, usize) {
+    let rows = text.lines().filter(|line| {
+        let first = line.split('|').nth(1).unwrap_or_default().trim();
+        first.parse::<usize>().is_ok()
+    });
+    let answers: Vec<&str> = rows
+        .filter_map(|row| row.split('|').nth(3).map(str::trim))
+        .collect();
+    assert!(answers.iter().all(|answer| ["yes", "no"].contains(answer)));
+    let yes = answers.iter().filter(|answer| **answer == "yes").count();
+    (answers.len(), yes)
+}
+
+#[test]
+fn the_table_of_features_counts_itself() {
+    let path = repository().join("docs/features.md");
+    let text = std::fs::read_to_string(path).expect("readable");
+    let (all, yes) = features(&text);
+    assert_eq!(all, 48);
+    let head = text.replace('\n', " ");
+    let counted = format!("has {yes} and lacks {}", all - yes);
+    assert!(head.contains(&counted), "found {counted}");
+    // Twin: one answer turned.
+    let turned = text.replacen("| yes |", "| no |", 1);
+    assert_eq!(features(&turned), (all, yes - 1));
+}

@@ -5,6 +5,7 @@ use crate::harness::{Desk, a_device, collection, has_device, polygon, rectangle,
 use image::DynamicImage;
 use serde_json::Value;
 use std::collections::BTreeSet;
+use std::process::Command;
 
 /// Region 0 in the west, 1 in the east, a gap of 2° between them, 2 far off; from 3,000 km up a
 /// view of 60° reaches 17° from the middle to the edge of the picture.
@@ -655,6 +656,16 @@ fn pictures_are_png_or_refused() {
     // Twin.
     draw(&["--out", "A.PNG"]).succeeded();
     assert!(desk.read("A.PNG").starts_with(b"\x89PNG"));
+    // Standard output takes one picture, and no file stays behind.
+    let fixed = ["--technique", "reference", "--size", "16", "--out", "-"];
+    let piped = Command::new(env!("CARGO_BIN_EXE_terrafill"))
+        .args([&scene[..], &fixed].concat())
+        .current_dir(desk.path(""))
+        .output()
+        .expect("starts");
+    assert_eq!(piped.stdout, desk.read("A.PNG"));
+    assert_eq!(desk.names(), ["A.PNG", "data", "squares.toml"]);
+    draw(&["--out", "-", "--ids", "-"]).refused(&[&["two outputs have this path"]]);
 }
 
 #[test]

@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT OR Apache-2.0
+#
+# Reports that are committed: one file with the report, and the run that it is made from as `run.tar.gz`.
+#
+# usage: ci/committed-report.sh rebuild reports/NAME          from its own tables
+#        ci/committed-report.sh measure reports/NAME [RUN]    the scenes that ship, or a run that is there already
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+case "${1:-} $#" in
+    "rebuild 2" | "measure 2" | "measure 3") ;;
+    *)
+        sed -n 's/^# usage: //p; s/^#        //p' "$0" >&2
+        exit 2
+        ;;
+esac
+to=$2
+cargo build --release --locked --package terrafill
+program=${CARGO_TARGET_DIR:-target}/release/terrafill
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+mkdir -p "$to" "$scratch/run/images"
+
+if [ "$1" = measure ]; then
+    measured=${3:-$scratch/measured}
+    [ $# -eq 3 ] ||
+        "$program" bench planet-134 california square-10m square-200km hills --quick --out "$measured"
+    cp "$measured"/{cases,measurements,metrics}.csv "$measured"/{environment,plan,schema}.json "$scratch/run"
+    # Shaded pictures are the largest part of a run and show what the reference's do.
+    grep -vE ',(image|difference_image),' "$measured/notes.csv" >"$scratch/run/notes.csv"
+    find "$measured/images" \( -name '*_reference.png' -o -name '*_worst.png' \) \
+        -exec cp {} "$scratch/run/images" \;
+    # The same run gives the same archive.
+    tar --sort=name --mtime=@0 --owner=0 --group=0 --numeric-owner -C "$scratch/run" -c . |
+        gzip -9n >"$to/run.tar.gz"
+else
+    tar -xzf "$to/run.tar.gz" -C "$scratch/run"
+fi
+"$program" report "$scratch/run" --single-file
+cp "$scratch/run"/{index.html,result.json,summary.csv,summary.md} "$to"
+du -sh --apparent-size "$to"

@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT OR Apache-2.0
+#
+# Opens every page of a report in headless Chromium and checks what a test without a browser cannot: axe finds
+# nothing serious, nothing scrolls sideways at 1400, 800 and 390 pixels, the console stays empty, filters,
+# sorting, toggles, keyboard and the sliding edge work, the first page loads in 1 s, is at most 300 kB and
+# prints on at most 12 pages. Needs node, npm and Chromium; where one is absent it says so and checks nothing.
+#
+# usage: ci/pages.sh RUN [RUN...]   folders with a report, as `bench` or `report` leaves them
+set -euo pipefail
+here=$(cd "$(dirname "$0")" && pwd)
+
+[ $# -gt 0 ] || { echo "usage: ci/pages.sh RUN [RUN...]" >&2; exit 2; }
+
+chromium=${CHROMIUM:-$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)}
+for need in node npm; do
+    command -v "$need" >/dev/null || { echo "pages: skipped, $need is not installed"; exit 0; }
+done
+[ -n "$chromium" ] || { echo "pages: skipped, Chromium is not installed (CHROMIUM=… names another)"; exit 0; }
+
+# Fixed versions: what axe finds must not change from one day to the next.
+tools=${CARGO_TARGET_DIR:-$here/../target}/pages
+mkdir -p "$tools"
+if ! npm install --prefix "$tools" --no-save --no-audit --no-fund --silent \
+    axe-core@4.14.1 puppeteer-core@24.43.1; then
+    echo "pages: skipped, npm could not install axe-core and puppeteer-core"
+    exit 0
+fi
+NODE_PATH="$tools/node_modules" CHROMIUM="$chromium" exec node "$here/pages.js" "$@"
