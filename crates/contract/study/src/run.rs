@@ -81,6 +81,8 @@ pub struct RunOutcome {
     pub wrong_on_purpose: usize,
     /// Broken off.
     pub failed: usize,
+    /// Wrong in exactly the pixels that a listed fault of the driver loses.
+    pub driver_fault: usize,
     /// Not run on this machine.
     pub skipped: usize,
     /// Planned and not measured.
@@ -101,6 +103,7 @@ impl RunOutcome {
                 Outcome::Wrong if case.planned.may_be_wrong => &mut outcome.wrong_on_purpose,
                 Outcome::Wrong => &mut outcome.wrong,
                 Outcome::Failed => &mut outcome.failed,
+                Outcome::DriverFault => &mut outcome.driver_fault,
                 Outcome::Skipped => &mut outcome.skipped,
                 Outcome::Missing => &mut outcome.missing,
             } += 1;
@@ -361,7 +364,7 @@ impl Todo {
                 None => options.process == 0,
                 Some(Status::Ok) => true,
                 Some(Status::Wrong) => case.may_be_wrong,
-                Some(Status::Skipped | Status::Failed) => false,
+                Some(Status::Skipped | Status::Failed | Status::DriverFault) => false,
             };
             let taken = known.map_or(0, |known| known.samples.len());
             let taken = u32::try_from(taken).unwrap_or(u32::MAX);
@@ -502,7 +505,7 @@ impl Running<'_> {
             let may_be_timed = match verdict.status {
                 Status::Ok => true,
                 Status::Wrong => self.group.cases[case].may_be_wrong,
-                Status::Skipped | Status::Failed => false,
+                Status::Skipped | Status::Failed | Status::DriverFault => false,
             };
             if let Some(&(_, next_sample)) = timed.filter(|_| may_be_timed) {
                 ready.push(Ready { case, next_sample });

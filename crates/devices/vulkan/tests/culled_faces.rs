@@ -7,8 +7,8 @@
 //! (seen with Mesa 25.0.7, 3 of 184 samples). The likely cause is that its sources know two areas, one of
 //! window coordinates in `f32` (`draw_pipe_cull.c`) and one of coordinates snapped to 1/256 of a pixel
 //! (`lp_setup_tri.c`). A sliver that snapping turns over is a front face to the one and a back face to
-//! the other. One pixel of `countries-50m`, view `fill`, is lost by `faces=two-pass` in `vertex` and
-//! `compute` and not by `two-sided`, as it would be by such a sliver.
+//! the other. One pixel of `countries-50m`, view `fill`, is lost so by `faces=two-pass`: study `filling`
+//! knows it as an expected failure, and a test there shows the sliver.
 //!
 //! Without a Vulkan device the test is skipped with the reason printed, unless
 //! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.

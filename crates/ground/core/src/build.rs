@@ -5,7 +5,8 @@
 //! with its places; what crosses only where parts of edges were rounded is snapped and meshed again.
 
 use crate::crossings::CrossingPlaces;
-use crate::edge::{Degrees, EdgeSplitter, ROUNDING, ZoneArea, compensated_sum, surface_point};
+use crate::edge::area::{ZoneArea, compensated_sum};
+use crate::edge::{Degrees, EdgeSplitter, ROUNDING, surface_point};
 use crate::geojson::feature_label;
 use crate::inside::{SideChoice, side_note};
 use crate::lens::{WithinRounding, follow_arcs};
@@ -152,11 +153,9 @@ impl RegionMesh {
         if boundary_loops.is_empty() && area_m2 < 0.999_999 * whole_m2 {
             return Err(no_area());
         }
-        let cap_sagitta_m = stitcher
-            .triangles
-            .iter()
-            .map(|corners| sagitta_m(body, corners.map(|i| stitcher.vertices_ecef[i as usize])))
-            .fold(0.0, f64::max);
+        let facets = stitcher.triangles.iter();
+        let facets = facets.map(|corners| corners.map(|i| stitcher.vertices_ecef[i as usize]));
+        let cap_sagitta_m = sagitta_m(body, facets);
         let mesh = Self {
             region_index: region.index,
             name: region.name.clone(),

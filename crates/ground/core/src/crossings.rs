@@ -2,12 +2,12 @@
 //! Finding the places where edges cross, and splitting edges there.
 //!
 //! Degrees for planar edges, unit normals for great ellipses. Candidates come from a tree over the
-//! edges' boxes: O(n log n + pairs whose boxes overlap). Where those are very many, straight edges are
-//! swept instead (see `sweep`).
+//! edges' boxes: O(n log n + pairs whose boxes overlap). Where those are very many, edges are swept
+//! instead (see `sweep`), great ellipses in a chart in which they are straight.
 
 use crate::box_tree::{AxisBox, BoxTree};
 use crate::edge::{Degrees, normal};
-use crate::intersection::{Crossing, great_ellipse_crossing, planar_crossing};
+use crate::intersection::{Crossing, planar_crossing, unit_arcs_crossing};
 use crate::pieces::OutlineEdge;
 use crate::sweep::sweep_crossings;
 use crate::{EdgePlace, EdgeRule};
@@ -19,8 +19,13 @@ use std::ops::ControlFlow;
 /// taken away by `snap` where the region is meshed.
 pub(crate) const MAX_ROUNDS: usize = 8;
 
-/// Overlapping boxes to an edge from which on straight edges are swept: a coast has about four.
+/// Overlapping boxes to an edge from which on edges are swept: a coast has about four.
 const MAX_PAIRS_TO_AN_EDGE: usize = 32;
+
+/// Cosine of the angle from the middle of arcs that are swept, 45°. Up to there rounding in the chart
+/// moves a place by five units in the last place, a third of what `certain_side` takes for rounding:
+/// arcs that cross for certain cross in the chart.
+const MIN_CHART_COSINE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// A box that holds the edge, in degrees or in unit normals.
 fn box_of(rule: EdgeRule, [start, end]: [Degrees; 2]) -> AxisBox {
@@ -47,25 +52,48 @@ pub(crate) fn find_crossings(
     edges: &[[Degrees; 2]],
     most: usize,
 ) -> (Vec<Crossing>, bool) {
+    let few = MAX_PAIRS_TO_AN_EDGE * edges.len();
     let boxes: Vec<AxisBox> = edges.iter().map(|ends| box_of(rule, *ends)).collect();
     let tree = BoxTree::new(&boxes);
-    let pairs = match rule {
-        EdgeRule::Planar => MAX_PAIRS_TO_AN_EDGE * edges.len(),
-        EdgeRule::GreatEllipse => usize::MAX,
+    let found = match rule {
+        EdgeRule::Planar => {
+            let crossing = |a: usize, b: usize| planar_crossing(edges[a], edges[b]);
+            compare_pairs(&tree, most, few, &crossing)
+                .or_else(|| sweep_crossings(edges, &crossing, most))
+                .or_else(|| compare_pairs(&tree, most, usize::MAX, &crossing))
+        }
+        EdgeRule::GreatEllipse => {
+            let arcs: Vec<[DVec3; 2]> = edges.iter().map(|ends| ends.map(normal)).collect();
+            let crossing = |a: usize, b: usize| unit_arcs_crossing(arcs[a], arcs[b]);
+            compare_pairs(&tree, most, few, &crossing)
+                .or_else(|| sweep_crossings(&central_chart(&arcs)?, &crossing, most))
+                .or_else(|| compare_pairs(&tree, most, usize::MAX, &crossing))
+        }
     };
-    compare_pairs(rule, edges, &tree, most, pairs)
-        .or_else(|| sweep_crossings(edges, most))
-        .or_else(|| compare_pairs(rule, edges, &tree, most, usize::MAX))
-        .unwrap_or_default()
+    found.unwrap_or_default()
+}
+
+/// Arcs as straight lines: from the centre onto the plane that touches the unit sphere in their middle.
+/// `None` where an end is more than 45° from there.
+fn central_chart(arcs: &[[DVec3; 2]]) -> Option<Vec<[Degrees; 2]>> {
+    let ends = arcs.iter().flatten();
+    let middle = ends.sum::<DVec3>().try_normalize()?;
+    let (east, north) = middle.any_orthonormal_pair();
+    let place = |end: DVec3| {
+        let up = end.dot(middle);
+        (up >= MIN_CHART_COSINE).then(|| [end.dot(east) / up, end.dot(north) / up])
+    };
+    arcs.iter()
+        .map(|[start, end]| Some([place(*start)?, place(*end)?]))
+        .collect()
 }
 
 /// `None` if there are more overlapping boxes than `most_pairs`.
 fn compare_pairs(
-    rule: EdgeRule,
-    edges: &[[Degrees; 2]],
     tree: &BoxTree<'_>,
     most: usize,
     most_pairs: usize,
+    crossing: &impl Fn(usize, usize) -> Option<Degrees>,
 ) -> Option<(Vec<Crossing>, bool)> {
     let mut found: Vec<Crossing> = Vec::new();
     let mut pairs_left = Some(most_pairs);
@@ -74,11 +102,7 @@ fn compare_pairs(
         if pairs_left.is_none() {
             return ControlFlow::Break(());
         }
-        let crossing = match rule {
-            EdgeRule::Planar => planar_crossing(edges[a], edges[b]),
-            EdgeRule::GreatEllipse => great_ellipse_crossing(edges[a], edges[b]),
-        };
-        let Some(at) = crossing else {
+        let Some(at) = crossing(a, b) else {
             return ControlFlow::Continue(());
         };
         if found.len() == most {
@@ -166,5 +190,91 @@ pub(crate) fn distance(rule: EdgeRule, a: Degrees, b: Degrees) -> f64 {
     match rule {
         EdgeRule::Planar => (b[0] - a[0]).hypot(b[1] - a[1]),
         EdgeRule::GreatEllipse => (normal(b) - normal(a)).length(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::intersection::great_ellipse_crossing;
+    use proptest::prelude::*;
+
+    fn slow_crossings(edges: &[[Degrees; 2]]) -> Vec<Crossing> {
+        let all = (0..edges.len()).flat_map(|a| (a + 1..edges.len()).map(move |b| [a, b]));
+        let crossing =
+            |[a, b]: [usize; 2]| Some(([a, b], great_ellipse_crossing(edges[a], edges[b])?));
+        all.filter_map(crossing).collect()
+    }
+
+    fn swept(edges: &[[Degrees; 2]]) -> Option<(Vec<Crossing>, bool)> {
+        let arcs: Vec<[DVec3; 2]> = edges.iter().map(|ends| ends.map(normal)).collect();
+        let crossing = |a: usize, b: usize| unit_arcs_crossing(arcs[a], arcs[b]);
+        sweep_crossings(&central_chart(&arcs)?, &crossing, usize::MAX)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2_000))]
+
+        // Round a pole, and so near to one another that ends and crossings come to lie on edges.
+        #[test]
+        fn swept_arcs_cross_where_arcs_compared_do(
+            edges in prop::collection::vec(prop::array::uniform2((0..12, 0..4)), 0..14),
+            is_polar: bool,
+        ) {
+            let place = |(x, y): (i32, i32)| match is_polar {
+                true => [30.0 * f64::from(x) - 180.0, 60.0 + 7.5 * f64::from(y)],
+                false => [179.0 + f64::from(x), f64::from(y) - 2.0],
+            };
+            let edges: Vec<[Degrees; 2]> = edges.into_iter().map(|ends| ends.map(place)).collect();
+            // Far from one another, the middle of arcs is anywhere.
+            if let Some(found) = swept(&edges) {
+                prop_assert_eq!(found, (slow_crossings(&edges), true));
+            }
+        }
+    }
+
+    #[test]
+    fn very_many_arcs_whose_boxes_overlap_are_swept() {
+        // Lines side by side at 45°: each box overlaps those of most others.
+        let line = |k: u32| {
+            let x = 0.000_4 * f64::from(k);
+            [[10.0 + x, 30.0 - x], [20.0 + x, 40.0 - x]]
+        };
+        let mut edges: Vec<[Degrees; 2]> = (0..12_000).map(line).collect();
+        let boxes: Vec<AxisBox> = edges
+            .iter()
+            .map(|ends| box_of(EdgeRule::GreatEllipse, *ends))
+            .collect();
+        let tree = BoxTree::new(&boxes);
+        let few = MAX_PAIRS_TO_AN_EDGE * edges.len();
+        assert_eq!(compare_pairs(&tree, 9, few, &|_, _| None), None);
+        assert_eq!(swept(&edges), Some((Vec::new(), true)));
+        // Twin: one across ten of them.
+        let across = |k: u32, share: f64| {
+            let [start, end] = line(k);
+            [0, 1].map(|i| (1.0 - share) * start[i] + share * end[i])
+        };
+        edges.push([across(700, 0.5), across(711, 0.5)]);
+        let last = edges[12_000];
+        let crossed = (0..12_000).filter(|k| great_ellipse_crossing(edges[*k], last).is_some());
+        let crossed: Vec<[usize; 2]> = crossed.map(|k| [k, 12_000]).collect();
+        assert!(crossed.len() > 9, "{crossed:?}");
+        let (found, is_whole) = find_crossings(EdgeRule::GreatEllipse, &edges, 100);
+        let pairs: Vec<[usize; 2]> = found.into_iter().map(|(pair, _)| pair).collect();
+        assert_eq!((pairs, is_whole), (crossed, true));
+    }
+
+    #[test]
+    fn no_chart_holds_arcs_all_round() {
+        let arcs = |reach_deg: f64| {
+            [
+                [[-reach_deg, 0.0], [0.0, 1.0]],
+                [[0.0, 2.0], [reach_deg, 0.0]],
+            ]
+            .map(|ends: [Degrees; 2]| ends.map(normal))
+        };
+        assert!(central_chart(&arcs(44.0)).is_some());
+        assert_eq!(central_chart(&arcs(46.0)), None);
+        assert_eq!(central_chart(&arcs(180.0)), None);
     }
 }

@@ -9,7 +9,7 @@
 //! longitude, is the area south of a ring that goes once round eastwards, less half the body, and
 //! less the area on the left of a ring that does not go round.
 
-use crate::edge::{ZoneArea, compensated_sum};
+use crate::edge::area::{ZoneArea, compensated_sum};
 use crate::pieces::{or_at_pole, ring_pieces};
 use crate::{EdgeRule, Ellipsoid, Inside, Polygon, Ring};
 use std::f64::consts::{FRAC_PI_2, TAU};

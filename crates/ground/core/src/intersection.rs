@@ -50,7 +50,11 @@ pub(crate) fn planar_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degree
 
 /// Where two arcs cross, each strictly between its ends and by more than rounding can feign.
 pub(crate) fn great_ellipse_crossing(a: [Degrees; 2], b: [Degrees; 2]) -> Option<Degrees> {
-    let (a, b) = (a.map(normal), b.map(normal));
+    unit_arcs_crossing(a.map(normal), b.map(normal))
+}
+
+/// As [`great_ellipse_crossing`], by the normals at the ends.
+pub(crate) fn unit_arcs_crossing(a: [DVec3; 2], b: [DVec3; 2]) -> Option<Degrees> {
     let off_b = a.map(|end| certain_side(b, end));
     let apart =
         opposite(off_b[0], off_b[1]) && opposite(certain_side(a, b[0]), certain_side(a, b[1]));

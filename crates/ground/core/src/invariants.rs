@@ -5,7 +5,8 @@
 //! extruded volume is watertight. Right side up: no triangle is turned over. Right size: the
 //! triangles add up to the exact area of the rings.
 
-use crate::edge::{Degrees, ZoneArea, normal, surface_point};
+use crate::edge::area::ZoneArea;
+use crate::edge::{Degrees, normal, surface_point};
 use crate::triangulate::WIDEST_INTERIOR_EDGE_DEG;
 use crate::{EdgeRule, Ellipsoid, RegionMesh};
 

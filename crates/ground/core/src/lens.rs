@@ -47,6 +47,9 @@ const CELL_DEG: f64 = 1.0 / (1_u64 << 41) as f64;
 /// Latitude up to which a lens is not measured where its height is bounded, and a bound on its tangent.
 const STEEP_DEG: f64 = 80.0;
 const STEEP_TANGENT: f64 = 5.7;
+/// How much farther than a lens's height boxes are looked for: what rounds the distance of a corner from
+/// a chord, 2e-13°, is less than a quarter of the lowest lens.
+const SLACK: f64 = 1.25;
 /// Cosine of the latitude beyond which cells are no wider.
 const NARROWEST: f64 = 1e-6;
 
@@ -479,15 +482,16 @@ impl Lens {
         if high.x < start[0] || end[0] < low.x {
             return false;
         }
-        let corners = [
-            [low.x, low.y],
-            [high.x, low.y],
-            [high.x, high.y],
-            [low.x, high.y],
-        ];
-        let off = corners.map(|corner| self.off_chord(corner));
-        !(off.iter().all(|off| *off > self.height_deg)
-            || off.iter().all(|off| *off < -self.height_deg))
+        // Twice the area between the chord and the box's corners farthest to its left and right; the
+        // chord leads east.
+        let [width, height] = [0, 1].map(|k| end[k] - start[k]);
+        let twice_area = |x: f64, y: f64| width * (y - start[1]) - height * (x - start[0]);
+        let (left_x, right_x) = match height > 0.0 {
+            true => (low.x, high.x),
+            false => (high.x, low.x),
+        };
+        let reach = self.height_deg * (width * width + height * height).sqrt() * SLACK;
+        twice_area(left_x, high.y) >= -reach && twice_area(right_x, low.y) <= reach
     }
 
     /// How far along the arc its nearest place to another lies; `None` for its ends and beyond.

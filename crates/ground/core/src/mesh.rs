@@ -172,25 +172,35 @@ impl RegionMesh {
     }
 }
 
-/// Largest depth of a flat facet with these corners below the surface, metres.
+/// Largest depth of flat facets with these corners below the surface, metres; 0 of none.
 ///
 /// A ball of the body's smallest curvature radius R rolls freely inside it (Blaschke), so no facet
 /// hangs deeper than in that ball: `R − √(R² − r²)`, with r the radius of the smallest circle that
 /// holds the facet.
-pub(crate) fn sagitta_m(body: &Ellipsoid, corners: [DVec3; 3]) -> f64 {
+pub(crate) fn sagitta_m(body: &Ellipsoid, facets: impl Iterator<Item = [DVec3; 3]>) -> f64 {
     let largest = body.smallest_curvature_radius_m();
-    let squared = enclosing_radius_squared(corners).min(largest * largest);
+    let widest = facets.fold(0.0, |widest: f64, corners| {
+        let sides = squared_sides(corners);
+        // No acute triangle needs a circle of more than a third of its longest side squared, and
+        // no other of more than a quarter: most are smaller than the widest so far by far.
+        let longest = sides[0].max(sides[1]).max(sides[2]);
+        if longest * 0.34 < widest {
+            return widest;
+        }
+        widest.max(enclosing_radius_squared(corners))
+    });
+    let squared = widest.min(largest * largest);
     // Without the cancellation of R − √(R² − r²).
     squared / (largest + (largest * largest - squared).sqrt())
 }
 
+fn squared_sides([a, b, c]: [DVec3; 3]) -> [f64; 3] {
+    [(b, c), (c, a), (a, b)].map(|(from, to)| (from - to).length_squared())
+}
+
 /// Square of the radius of the smallest circle that holds a triangle.
 fn enclosing_radius_squared([a, b, c]: [DVec3; 3]) -> f64 {
-    let mut sides = [
-        (b - c).length_squared(),
-        (c - a).length_squared(),
-        (a - b).length_squared(),
-    ];
+    let mut sides = squared_sides([a, b, c]);
     sides.sort_by(f64::total_cmp);
     let [shortest, middle, longest] = sides;
     if shortest + middle <= longest {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Which of many straight edges cross: a line swept over them from west to east.
 //!
-//! Degrees. Edges side by side that are much longer than they are far apart, such as the teeth of a
+//! Degrees, or any plane in which the edges are straight. Edges side by side that are much longer than they are far apart, such as the teeth of a
 //! comb, defeat every comparison of boxes. Each box overlaps as many others as the edge is longer. In
 //! the order in which the line meets them only neighbours need to be compared (Shamos & Hoey 1976).
 //! Sides are decided exactly (`robust::orient2d`), so the order is right whatever touches.
@@ -17,16 +17,20 @@ const MAX_SET_ASIDE: usize = 256;
 
 /// Crossings of straight edges, each strictly between the ends of both, in order of their edges.
 ///
+/// - `crossing_at`: where two edges cross, by index, the lower first. Edges that cross by this have to
+///   cross as straight lines; those that do only as such are compared with more others than need be
 /// - `most`: with so many or more the list is cut short there
 /// - returns: crossings, and whether these are all; `None` where more than 256 edges have to be set
 ///   aside for the others to cross nowhere
 /// - cost: O(n log n), and n for each edge set aside
 pub(crate) fn sweep_crossings(
     edges: &[[Degrees; 2]],
+    crossing_at: &impl Fn(usize, usize) -> Option<Degrees>,
     most: usize,
 ) -> Option<(Vec<Crossing>, bool)> {
     let mut sweep = Sweep {
         edges,
+        crossing_at,
         order: BTreeSet::new(),
         aside: Vec::new(),
         found: Vec::new(),
@@ -44,7 +48,7 @@ pub(crate) fn sweep_crossings(
     for (at, &a) in aside.iter().enumerate() {
         let others = (0..edges.len()).filter(|b| *b != a && !aside[..at].contains(b));
         for b in others {
-            if let Some(crossing) = crossing_of(edges, a, b) {
+            if let Some(crossing) = crossing_of(crossing_at, a, b) {
                 if found.len() == most {
                     return Some((found, false));
                 }
@@ -56,8 +60,9 @@ pub(crate) fn sweep_crossings(
     Some((found, true))
 }
 
-struct Sweep<'a> {
+struct Sweep<'a, F> {
     edges: &'a [[Degrees; 2]],
+    crossing_at: &'a F,
     /// Edges that the line meets, from south to north; none crosses its neighbours.
     order: BTreeSet<Segment>,
     /// Edges without which the others cross nowhere.
@@ -66,7 +71,7 @@ struct Sweep<'a> {
     found: Vec<Crossing>,
 }
 
-impl Sweep<'_> {
+impl<F: Fn(usize, usize) -> Option<Degrees>> Sweep<'_, F> {
     /// Whether the line came to the end with at most so many edges set aside.
     fn run(&mut self, most_aside: usize) -> bool {
         let segments: Vec<Segment> = (0..).zip(self.edges).map(Segment::of).collect();
@@ -121,19 +126,23 @@ impl Sweep<'_> {
 
     /// Whether two edges cross, the first of which is set aside if they do.
     fn crosses(&mut self, segment: Segment, other: Segment) -> bool {
-        let crossing = crossing_of(self.edges, segment.index, other.index);
-        if crossing.is_some() {
-            self.aside.push(segment.index);
+        let [a, b] = [segment.index, other.index];
+        let crosses = planar_crossing(self.edges[a], self.edges[b]).is_some();
+        if crosses {
+            self.aside.push(a);
+            self.found.extend(crossing_of(self.crossing_at, a, b));
         }
-        self.found.extend(crossing);
-        crossing.is_some()
+        crosses
     }
 }
 
-fn crossing_of(edges: &[[Degrees; 2]], a: usize, b: usize) -> Option<Crossing> {
+fn crossing_of(
+    crossing_at: &impl Fn(usize, usize) -> Option<Degrees>,
+    a: usize,
+    b: usize,
+) -> Option<Crossing> {
     let pair = [a.min(b), a.max(b)];
-    let at = planar_crossing(edges[pair[0]], edges[pair[1]])?;
-    Some((pair, at))
+    Some((pair, crossing_at(pair[0], pair[1])?))
 }
 
 /// An edge, in the order of those that cross nowhere along a line across both. Edges along one line
@@ -204,6 +213,11 @@ mod tests {
         all.filter_map(crossing).collect()
     }
 
+    fn swept(edges: &[[Degrees; 2]], most: usize) -> Option<(Vec<Crossing>, bool)> {
+        let crossing_at = |a: usize, b: usize| planar_crossing(edges[a], edges[b]);
+        sweep_crossings(edges, &crossing_at, most)
+    }
+
     fn edges(side: i32, most: usize) -> impl Strategy<Value = Vec<[Degrees; 2]>> {
         let place = (0..side, 0..side).prop_map(|(x, y)| [f64::from(x), f64::from(y)]);
         let edge = (place.clone(), place).prop_map(|(start, end)| [start, end]);
@@ -216,7 +230,7 @@ mod tests {
         // On a small grid edges touch, share ends and lie over one another all the time.
         #[test]
         fn a_sweep_finds_what_comparing_all_finds(edges in prop_oneof![edges(4, 9), edges(9, 9), edges(40, 30)]) {
-            let found = sweep_crossings(&edges, usize::MAX);
+            let found = swept(&edges, usize::MAX);
             prop_assert_eq!(found, Some((slow_crossings(&edges), true)));
         }
 
@@ -228,7 +242,7 @@ mod tests {
                     kept.push(edge);
                 }
             }
-            prop_assert_eq!(sweep_crossings(&kept, 1), Some((Vec::new(), true)));
+            prop_assert_eq!(swept(&kept, 1), Some((Vec::new(), true)));
         }
     }
 
@@ -242,13 +256,13 @@ mod tests {
             let north = (0..count).map(|k| [[across(k), 0.0], [across(k), span]]);
             east.chain(north).collect()
         };
-        let (found, is_all) = sweep_crossings(&grid(10), 1_000).expect("few");
+        let (found, is_all) = swept(&grid(10), 1_000).expect("few");
         assert_eq!((found.len(), is_all), (100, true));
         for most in [99, 7] {
-            let (found, is_all) = sweep_crossings(&grid(10), most).expect("few");
+            let (found, is_all) = swept(&grid(10), most).expect("few");
             assert_eq!((found.len(), is_all), (most, false));
         }
         let too_many = u32::try_from(MAX_SET_ASIDE).expect("small") + 2;
-        assert_eq!(sweep_crossings(&grid(too_many), usize::MAX), None);
+        assert_eq!(swept(&grid(too_many), usize::MAX), None);
     }
 }

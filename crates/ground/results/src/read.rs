@@ -27,6 +27,8 @@ pub enum Outcome {
     Skipped,
     /// Broke off, with a reason.
     Failed,
+    /// Differs in exactly the pixels that a listed fault of this driver loses.
+    DriverFault,
     /// The run ended before it was verified, or before all its samples were taken.
     Missing,
 }
@@ -40,6 +42,7 @@ impl Outcome {
             Self::Wrong => "wrong",
             Self::Skipped => "skipped",
             Self::Failed => "failed",
+            Self::DriverFault => "driver-fault",
             Self::Missing => "missing",
         }
     }
@@ -263,6 +266,7 @@ fn outcome(
         Status::Wrong => Outcome::Wrong,
         Status::Skipped => return (Outcome::Skipped, reason),
         Status::Failed => return (Outcome::Failed, reason),
+        Status::DriverFault => return (Outcome::DriverFault, reason),
     };
     if outcome == Outcome::Wrong && !planned.may_be_wrong {
         return (outcome, reason);
@@ -357,8 +361,15 @@ fn read_cases(
                 return Err(cell(path, row, column, of(index), expected));
             }
         }
-        let status = Status::from_name(of(2))
-            .ok_or_else(|| cell(path, row, "status", of(2), "ok, wrong, skipped or failed"))?;
+        let status = Status::from_name(of(2)).ok_or_else(|| {
+            cell(
+                path,
+                row,
+                "status",
+                of(2),
+                "ok, wrong, skipped, failed or driver-fault",
+            )
+        })?;
         let earlier = rows.insert(of(0).to_owned(), (status, of(3).to_owned()));
         if earlier.is_some() {
             return Err(cell(path, row, "case", of(0), "one row a case"));

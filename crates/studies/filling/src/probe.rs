@@ -71,6 +71,11 @@ impl Probe {
         self.reason = reasons.join("; ");
     }
 
+    /// How a case ends of which the driver is known to lose pixels.
+    pub(crate) fn settle(&mut self, (status, reason): (Status, String)) {
+        (self.status, self.reason) = (status, reason);
+    }
+
     /// Where every texel lies at a silhouette nothing speaks against them, and nothing for them: that
     /// is not a pass.
     pub(crate) fn let_off_if_all_silhouette(&mut self, is_mask_right: bool) {

@@ -3,6 +3,7 @@
 //! frames are timed.
 
 use crate::cases::{FillCase, Purpose, ViewGroup};
+use crate::driver_fault::{Driver, DriverFault};
 use crate::fingerprint::fingerprint;
 use crate::images::{drop_alpha, file_stem, write_rgb, zoomed};
 use crate::probe::{Probe, failed};
@@ -282,6 +283,10 @@ impl<'a> ViewSession<'a> {
                     reasons.extend(compared.1);
                 }
                 probe.set_status(&reasons);
+                if let Some(fault) = self.driver_fault(case) {
+                    let settled = self.settle(fault, &reasons, (hash.1, moved_px), &drawn.frame)?;
+                    probe.settle(settled);
+                }
                 probe.let_off_if_all_silhouette(is_mask_right);
             }
             Err(error) => {
@@ -315,6 +320,48 @@ impl<'a> ViewSession<'a> {
             probe.remark(note);
         }
         Ok(probe.verdict(case, [mask_hash, ids_hash, texture_route]))
+    }
+
+    /// The pixels that the driver is known to lose of a case.
+    fn driver_fault(&self, case: &FillCase) -> Option<&'static DriverFault> {
+        if case.subject.api() != terrafill_gpu::API {
+            return None;
+        }
+        let targets = self.wgpu.borrow();
+        let facts = &targets.gpu().facts;
+        let driver = Driver {
+            name: &facts.name,
+            info: &facts.driver_info,
+        };
+        let group = self.group;
+        DriverFault::of(
+            driver,
+            &group.scene.name,
+            &group.view.name,
+            group.size,
+            case,
+        )
+    }
+
+    /// How a case ends of which the driver is known to lose pixels: as the picture without them.
+    ///
+    /// - `reasons`: against the picture as drawn
+    fn settle(
+        &self,
+        fault: &DriverFault,
+        reasons: &[String],
+        (ids_hash, moved_px): (&str, f64),
+        frame: &Frame,
+    ) -> Result<(Status, String), StudyError> {
+        let as_mask = ids_hash.is_empty();
+        let (excused, differing) = fault.excused(frame, &self.reference()?.frame, as_mask);
+        let figures = self.compare_pixels(&excused, as_mask, moved_px > 0.0);
+        let against = match figures.map(|figures| verdict_of_moved(&figures, moved_px)) {
+            Ok(Comparison::Pass) => Vec::new(),
+            Ok(Comparison::Fail(reasons)) => reasons,
+            Err(error) => vec![error],
+        };
+        Ok(fault.settle(reasons, &against, differing))
     }
 
     /// How the frame differs from the reference; a fill in one colour is compared as a mask.

@@ -2,8 +2,8 @@
 //! Which triangle of a mesh lies across which side of another.
 //!
 //! Side *k* of a triangle runs from its corner *k* to the next. Sides are sorted into buckets by the
-//! vertex that they begin at, and there by the one they end at, so that the side back is found among
-//! a handful without hashing, and among thousands around one vertex without looking at each.
+//! vertex that they begin at, so that the side back is found among a handful without hashing; where
+//! a vertex has many they are in the order of their ends, and not each is looked at.
 
 use terrafill_core::RegionMesh;
 use terrafill_fill::boundary_edges;
@@ -60,12 +60,13 @@ impl<'a> Neighbours<'a> {
         let sides = Sides::of(triangles, mesh.vertex_count());
         let neighbour = |from: u32, to: u32| {
             let back = sides.between(to, from).last();
-            back.map_or(Across::NOTHING, Across::of)
+            back.unwrap_or(Across::NOTHING)
         };
         let around = |&[a, b, c]: &[u32; 3]| [neighbour(a, b), neighbour(b, c), neighbour(c, a)];
         let mut across: Vec<_> = triangles.iter().map(around).collect();
         for [from, to] in boundary_edges(mesh) {
             for side in sides.between(from, to) {
+                let side = side.side();
                 across[side.triangle][side.number] = Across::WALL;
             }
         }
@@ -105,16 +106,19 @@ impl<'a> Neighbours<'a> {
     }
 }
 
+/// Sides that begin at a vertex up to which they are looked through one by one.
+const FEW: usize = 16;
+
 /// Sides in the order of the vertices that they begin at.
-struct Sides<'a> {
-    triangles: &'a [[u32; 3]],
+struct Sides {
     /// By vertex, where its sides begin in `sides`; one more at the end.
-    first: Vec<usize>,
-    sides: Vec<Packed>,
+    first: Vec<u32>,
+    /// The vertex that each ends at, and the side; in order where a vertex has more than [`FEW`].
+    sides: Vec<(u32, Packed)>,
 }
 
-impl<'a> Sides<'a> {
-    fn of(triangles: &'a [[u32; 3]], vertex_count: usize) -> Self {
+impl Sides {
+    fn of(triangles: &[[u32; 3]], vertex_count: usize) -> Self {
         let mut first = vec![0; vertex_count + 1];
         for &corner in triangles.as_flattened() {
             first[corner as usize + 1] += 1;
@@ -123,39 +127,34 @@ impl<'a> Sides<'a> {
             first[vertex + 1] += first[vertex];
         }
         let mut next = first.clone();
-        let mut sides = vec![Packed::NOTHING; 3 * triangles.len()];
+        let mut sides = vec![(0, Packed::NOTHING); 3 * triangles.len()];
         for (triangle, corners) in triangles.iter().enumerate() {
-            for (number, &corner) in corners.iter().enumerate() {
-                let place = &mut next[corner as usize];
-                sides[*place] = Packed::of(Side { triangle, number });
+            for (number, end) in [1, 2, 0].into_iter().enumerate() {
+                let place = &mut next[corners[number] as usize];
+                let side = Packed::of(Side { triangle, number });
+                sides[*place as usize] = (corners[end], side);
                 *place += 1;
             }
         }
         for bucket in first.windows(2) {
-            let end = |side: &Packed| (end_of(triangles, *side), side.0);
-            sides[bucket[0]..bucket[1]].sort_unstable_by_key(end);
+            let bucket = &mut sides[bucket[0] as usize..bucket[1] as usize];
+            if bucket.len() > FEW {
+                bucket.sort_unstable_by_key(|&(end, side)| (end, side.0));
+            }
         }
-        Self {
-            triangles,
-            first,
-            sides,
-        }
+        Self { first, sides }
     }
 
     /// Those from one vertex to another, of which a whole mesh has at most one.
-    fn between(&self, from: u32, to: u32) -> impl Iterator<Item = Side> {
+    fn between(&self, from: u32, to: u32) -> impl Iterator<Item = Packed> {
         let from = from as usize;
-        let sides = &self.sides[self.first[from]..self.first[from + 1]];
-        let end = |side: &Packed| end_of(self.triangles, *side);
-        let begin = sides.partition_point(|side| end(side) < to);
-        let found = sides[begin..]
-            .iter()
-            .take_while(move |side| end(side) == to);
-        found.map(|side| side.side())
+        let mut sides = &self.sides[self.first[from] as usize..self.first[from + 1] as usize];
+        if sides.len() > FEW {
+            let begin = sides.partition_point(|&(end, _)| end < to);
+            let past = sides.partition_point(|&(end, _)| end <= to);
+            sides = &sides[begin..past];
+        }
+        let found = sides.iter().filter(move |&&(end, _)| end == to);
+        found.map(|&(_, side)| side)
     }
-}
-
-fn end_of(triangles: &[[u32; 3]], side: Packed) -> u32 {
-    let side = side.side();
-    triangles[side.triangle][(side.number + 1) % 3]
 }

@@ -192,7 +192,7 @@ enum Upward {
     /// The triangle is the path's end.
     Ends,
     /// The path comes from a child, with this turn.
-    Turns(usize),
+    Turns(u8),
     /// It does not.
     Closed,
 }
@@ -204,7 +204,7 @@ impl Upward {
     fn place(self) -> usize {
         match self {
             Self::Ends => 0,
-            Self::Turns(turn) => turn,
+            Self::Turns(turn) => usize::from(turn),
             Self::Closed => 3,
         }
     }
@@ -213,51 +213,75 @@ impl Upward {
 /// Children that a triangle's path goes to: across which side, and how their paths come up to it.
 type Joined = [Option<(usize, Upward)>; 2];
 
+/// No child lies across a side.
+const NO_CHILD: u32 = u32::MAX;
+
+/// A triangle has no side towards the root: it is one.
+const ROOT: u8 = 3;
+
+/// Numbers of sides in a byte.
+const SIDES: [u8; 3] = [0, 1, 2];
+
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "a mesh has far fewer than 2^32 sides, or no device would hold its indices"
+)]
+fn index(triangle: usize) -> u32 {
+    triangle as u32
+}
+
 /// More than any mesh costs.
 const NEVER: u32 = u32::MAX / 2;
 
 /// A tree over the triangles that a mesh's neighbourhood joins, or several.
 #[derive(Debug)]
-struct Forest<'a> {
-    neighbours: &'a Neighbours<'a>,
+struct Forest {
     /// Parents before children.
-    order: Vec<usize>,
-    /// By triangle, the side towards the root.
-    parent_side: Vec<Option<usize>>,
-    /// By triangle and side, whether a child lies across.
-    has_child: Vec<[bool; 3]>,
+    order: Vec<u32>,
+    /// By triangle, the side towards the root; 3 of a root.
+    parent_side: Vec<u8>,
+    /// By triangle and side, the child across, or [`NO_CHILD`].
+    children: Vec<[u32; 3]>,
     /// By triangle and [`Upward::place`], the cost of the paths from there on downwards. One that
     /// goes on upwards is counted where it ends.
     costs: Vec<[u32; 4]>,
 }
 
-impl<'a> Forest<'a> {
-    fn over(neighbours: &'a Neighbours<'a>) -> Self {
+impl Forest {
+    fn over(neighbours: &Neighbours<'_>) -> Self {
         let count = neighbours.triangles.len();
         let mut forest = Self {
-            neighbours,
             order: Vec::with_capacity(count),
-            parent_side: vec![None; count],
-            has_child: vec![[false; 3]; count],
+            parent_side: vec![ROOT; count],
+            children: vec![[NO_CHILD; 3]; count],
             costs: vec![[0; 4]; count],
         };
         let mut is_reached = vec![false; count];
-        let mut waiting: Vec<(usize, Option<Side>, Option<usize>)> = Vec::new();
+        // A triangle that was reached, its side, and that of the triangle before it.
+        let mut waiting: Vec<(Side, Side)> = Vec::new();
         for root in 0..count {
-            waiting.push((root, None, None));
-            while let Some((triangle, parent, parent_side)) = waiting.pop() {
-                if std::mem::replace(&mut is_reached[triangle], true) {
-                    continue;
-                }
-                forest.order.push(triangle);
-                forest.parent_side[triangle] = parent_side;
-                if let Some(side) = parent {
-                    forest.has_child[side.triangle][side.number] = true;
-                }
+            if is_reached[root] {
+                continue;
+            }
+            let mut next = Some(root);
+            while let Some(triangle) = next {
+                is_reached[triangle] = true;
+                forest.order.push(index(triangle));
                 for number in 0..3 {
                     let side = Side { triangle, number };
-                    if let Some(back) = neighbours.beyond(side) {
-                        waiting.push((back.triangle, Some(side), Some(back.number)));
+                    let back = neighbours.beyond(side);
+                    waiting.extend(
+                        back.filter(|back| !is_reached[back.triangle])
+                            .map(|back| (back, side)),
+                    );
+                }
+                next = None;
+                while let Some((back, side)) = waiting.pop() {
+                    if !is_reached[back.triangle] {
+                        forest.parent_side[back.triangle] = SIDES[back.number];
+                        forest.children[side.triangle][side.number] = index(back.triangle);
+                        next = Some(back.triangle);
+                        break;
                     }
                 }
             }
@@ -268,15 +292,19 @@ impl<'a> Forest<'a> {
 
     fn settle_costs(&mut self) {
         for place in (0..self.order.len()).rev() {
-            let triangle = self.order[place];
+            let triangle = self.order[place] as usize;
             self.costs[triangle] = Upward::ALL.map(|upward| self.best(triangle, upward).0);
         }
     }
 
     fn child(&self, triangle: usize, number: usize) -> Option<usize> {
-        let has_child = self.has_child[triangle][number];
-        let across = || self.neighbours.beyond(Side { triangle, number });
-        has_child.then(across)?.map(|back| back.triangle)
+        let child = self.children[triangle][number];
+        (child != NO_CHILD).then_some(child as usize)
+    }
+
+    fn parent_side(&self, triangle: usize) -> Option<usize> {
+        let side = self.parent_side[triangle];
+        (side != ROOT).then_some(usize::from(side))
     }
 
     /// The cheapest way to join a triangle with its children, and what it costs.
@@ -285,7 +313,7 @@ impl<'a> Forest<'a> {
         let closed = |child: usize| self.costs[child][Upward::Closed.place()];
         let apart: u32 = children.into_iter().flatten().map(closed).sum();
         // The path of the child across a side, if it goes on with this turn of the triangle's own.
-        let joined = |side: usize, turn: Option<usize>| {
+        let joined = |side: usize, turn: Option<u8>| {
             let child = children[side]?;
             let cost = |way: Upward| {
                 let repeats = turn.is_some_and(|turn| way == Upward::Turns(turn));
@@ -301,10 +329,10 @@ impl<'a> Forest<'a> {
                 );
             Some((cost, closed(child), (side, way)))
         };
-        match (upward, self.parent_side[triangle]) {
+        match (upward, self.parent_side(triangle)) {
             (Upward::Ends, _) => (apart, [None, None]),
             (Upward::Turns(turn), Some(parent)) => {
-                match joined((parent + 3 - turn) % 3, Some(turn)) {
+                match joined((parent + 3 - usize::from(turn)) % 3, Some(turn)) {
                     Some((cost, closed, link)) => (apart - closed + cost, [Some(link), None]),
                     None => (NEVER, [None, None]),
                 }
@@ -346,13 +374,13 @@ impl Paths {
         let forest = Forest::over(neighbours);
         let mut goes_on = vec![[false; 3]; neighbours.triangles.len()];
         let mut upward = vec![Upward::Closed; neighbours.triangles.len()];
-        for &triangle in &forest.order {
+        for triangle in forest.order.iter().map(|triangle| *triangle as usize) {
             let (_, joined) = forest.best(triangle, upward[triangle]);
             for (side, way) in joined.into_iter().flatten() {
                 goes_on[triangle][side] = true;
                 if let Some(child) = forest.child(triangle, side) {
                     upward[child] = way;
-                    if let Some(back) = forest.parent_side[child] {
+                    if let Some(back) = forest.parent_side(child) {
                         goes_on[child][back] = true;
                     }
                 }

@@ -181,7 +181,7 @@ impl Comparison<'_> {
         };
         let (from, to) = (state(Some(base)), state(Some(new)));
         let is_result = |case: &Case| {
-            case.outcome == Outcome::Ok
+            matches!(case.outcome, Outcome::Ok | Outcome::DriverFault)
                 || case.outcome == Outcome::Wrong && case.planned.may_be_wrong
         };
         match (base.outcome, new.outcome) {
@@ -205,8 +205,15 @@ impl Comparison<'_> {
             }
             (then, now) => {
                 if then != now {
-                    let words = "its error is the question, and the answer changed";
-                    self.status(new, Severity::Worse, from, to, words);
+                    let (severity, words) = match (then, now) {
+                        (Outcome::DriverFault, _) => (Severity::Note, "no fault of the driver now"),
+                        (_, Outcome::DriverFault) => (Severity::Worse, new.reason.as_str()),
+                        _ => (
+                            Severity::Worse,
+                            "its error is the question, and the answer changed",
+                        ),
+                    };
+                    self.status(new, severity, from, to, words);
                 }
                 self.figures(base, new);
                 self.limits(new);
@@ -216,7 +223,7 @@ impl Comparison<'_> {
 
     fn new_case(&mut self, case: &Case) {
         match case.outcome {
-            Outcome::Ok => {
+            Outcome::Ok | Outcome::DriverFault => {
                 self.status(
                     case,
                     Severity::Note,

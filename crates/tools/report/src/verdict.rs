@@ -56,6 +56,8 @@ pub struct Counts {
     pub skipped: usize,
     /// Broke off, with a reason.
     pub failed: usize,
+    /// Wrong in exactly the pixels that a listed fault of the driver loses.
+    pub driver_fault: usize,
     /// Planned, and without a result.
     pub missing: usize,
 }
@@ -71,12 +73,13 @@ impl Counts {
             .len(),
             skipped: run.count(Outcome::Skipped),
             failed: run.count(Outcome::Failed),
+            driver_fault: run.count(Outcome::DriverFault),
             missing: run.count(Outcome::Missing),
         }
     }
 
     fn total(&self) -> usize {
-        self.ok + self.wrong + self.skipped + self.failed + self.missing
+        self.ok + self.wrong + self.skipped + self.failed + self.driver_fault + self.missing
     }
 
     pub(crate) fn verdict(&self) -> Verdict {
@@ -157,7 +160,7 @@ impl Sentences {
 pub(crate) fn sentences(run: &Run, counts: &Counts, noise: &[StudyNoise]) -> Sentences {
     let total = counts.total();
     let mut verdict = vec![format!(
-        "{}: {} right, {} wrong{}, {} skipped, {} failed, {} missing.",
+        "{}: {} right, {} wrong{}, {} skipped, {} failed, {} missing{}.",
         plural(total, "case"),
         count(counts.ok as u64),
         count(counts.wrong as u64),
@@ -167,7 +170,11 @@ pub(crate) fn sentences(run: &Run, counts: &Counts, noise: &[StudyNoise]) -> Sen
         },
         count(counts.skipped as u64),
         count(counts.failed as u64),
-        count(counts.missing as u64)
+        count(counts.missing as u64),
+        match counts.driver_fault {
+            0 => String::new(),
+            some => format!("; {some} differ by a known driver fault"),
+        }
     )];
     let defects = named(run, is_defect);
     if !defects.is_empty() {
@@ -263,8 +270,10 @@ mod tests {
             wrong_as_result,
             skipped: 3,
             failed,
+            driver_fault: 5,
             missing,
         };
+        // An expected failure neither spoils a run nor makes one: the last has five of them.
         let cases = [
             (counts(2, 0, 0, 0, 0), Verdict::Good, 0),
             (counts(2, 1, 1, 0, 0), Verdict::Good, 0),

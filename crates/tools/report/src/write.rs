@@ -103,7 +103,17 @@ fn write_as(
     let said = sentences(&run, &counts, &noise);
     let mut summary = markdown::head(&said.all(), &facts);
     markdown::names(&mut summary, "Missing cases", &missing);
-    markdown::names(&mut summary, "Wrong and failed cases", &with_reasons(&run));
+    markdown::names(
+        &mut summary,
+        "Wrong and failed cases",
+        &with_reasons(&run, is_defect),
+    );
+    let is_expected = |case: &terrafill_results::Case| case.outcome == Outcome::DriverFault;
+    markdown::names(
+        &mut summary,
+        "Cases that differ by a known driver fault",
+        &with_reasons(&run, is_expected),
+    );
     for (chapter, blocks, answers) in &parts {
         let requirements = answers.requirements.iter().cloned().map(Block::Finding);
         let mut all: Vec<Block> = answers.blocks.iter().cloned().chain(requirements).collect();
@@ -134,7 +144,7 @@ fn write_as(
         said,
         environment: facts,
         missing: &missing,
-        wrong: with_reasons(&run),
+        wrong: with_reasons(&run, is_defect),
         skipped_cases: skipped_cases(&run),
         contradictions: chapters
             .iter()
@@ -181,11 +191,8 @@ fn remove_others(folder: &Path, below: &str, files: &[File]) -> Result<(), Repor
     Ok(())
 }
 
-fn with_reasons(run: &Run) -> Vec<String> {
-    let cases = run
-        .cases
-        .iter()
-        .filter(|case| !case.is_twin() && is_defect(case));
+fn with_reasons(run: &Run, so: impl Fn(&terrafill_results::Case) -> bool) -> Vec<String> {
+    let cases = run.cases.iter().filter(|case| !case.is_twin() && so(case));
     cases
         .map(|case| format!("{}: {}: {}", case.id(), case.outcome.name(), case.reason))
         .collect()

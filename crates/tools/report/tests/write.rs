@@ -270,6 +270,32 @@ fn a_wrong_answer_that_is_the_question_does_not_spoil_the_verdict() {
 }
 
 #[test]
+fn a_known_driver_fault_is_counted_apart_and_neither_right_nor_a_defect() {
+    let mut run = mixed_run();
+    run.cases.truncate(1);
+    run.case(id("compute/cached"))
+        .ended(Status::DriverFault, "1 px lost");
+    let found = report(&run);
+    let counts = found.written.counts;
+    assert_eq!((counts.ok, counts.wrong, counts.driver_fault), (1, 0, 1));
+    assert_eq!(found.written.verdict, Verdict::Good);
+    let sentence = "0 missing; 1 differ by a known driver fault.";
+    assert!(found.html.contains(sentence) && found.markdown.contains(sentence));
+    let line = "- filling/compute/cached: driver-fault: 1 px lost";
+    assert!(found.markdown.contains(line));
+    let row = row_of(&found.html, "compute/cached");
+    assert!(
+        row.contains("<td class=\"status\">driver-fault</td>"),
+        "{row}"
+    );
+    // Twins: by itself it makes no good run, and a wrong case is a bad one.
+    run.cases.remove(0);
+    assert_eq!(report(&run).written.verdict, Verdict::Nothing);
+    run.cases[0].row = Some((Status::Wrong, "2 px".to_owned()));
+    assert_eq!(report(&run).written.verdict, Verdict::Bad);
+}
+
+#[test]
 fn what_was_not_measured_is_a_dash_with_a_reason() {
     let html = report(&mixed_run()).html;
     let failed = row_of(&html, "native/gs-line");

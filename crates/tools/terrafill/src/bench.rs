@@ -92,8 +92,12 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         run_process(process)?;
     }
     let outcome = RunOutcome::of(&arguments.out).map_err(Failure::bad_input)?;
+    let driver_fault = match outcome.driver_fault {
+        0 => String::new(),
+        some => format!("; {some} differ by a known driver fault"),
+    };
     let counts = format!(
-        "{} right, {} wrong, {} failed, {} skipped; in sweeps {} wrong on purpose\n",
+        "{} right, {} wrong, {} failed, {} skipped; in sweeps {} wrong on purpose{driver_fault}\n",
         outcome.ok, outcome.wrong, outcome.failed, outcome.skipped, outcome.wrong_on_purpose
     );
     print_report(

@@ -164,7 +164,8 @@ fn totals(regions: &[Region], meshes: &[RegionMesh], meshed: &[MeshedRegion]) ->
         triangles: sum(|mesh| mesh.triangles.len()),
         boundary_edges: sum(RegionMesh::boundary_edge_count),
         holes: sum(|mesh| mesh.holes),
-        area_m2: meshes.iter().map(|mesh| mesh.area_m2).sum(),
+        // Of no region the sum is −0.
+        area_m2: meshes.iter().map(|mesh| mesh.area_m2).sum::<f64>() + 0.0,
         bytes: total_bytes(meshed),
         shared_bytes: shared_bytes(meshes),
     }

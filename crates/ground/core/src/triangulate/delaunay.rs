@@ -56,8 +56,15 @@ pub(crate) enum Place {
     Outside,
 }
 
+/// The corner after one, counter-clockwise, and the one before: a remainder by 3 is a multiplication.
+const AFTER: [usize; 3] = [1, 2, 0];
+const BEFORE: [usize; 3] = [2, 0, 1];
+
 /// Counter-clockwise; neighbour and mark `i` are those of the edge opposite corner `i`.
+///
+/// Four bytes more than its parts, so that none lies across two lines of the cache.
 #[derive(Clone, Copy)]
+#[repr(align(32))]
 struct Triangle {
     corners: [u32; 3],
     neighbours: [u32; 3],
@@ -86,14 +93,18 @@ impl Side {
 
 impl Triangle {
     fn index_of_corner(&self, vertex: u32) -> usize {
-        let at = self.corners.iter().position(|&corner| corner == vertex);
-        at.unwrap_or_default()
+        index_of(self.corners, vertex)
     }
 
     fn index_of_neighbour(&self, triangle: u32) -> usize {
-        let at = self.neighbours.iter().position(|&n| n == triangle);
-        at.unwrap_or_default()
+        index_of(self.neighbours, triangle)
     }
+}
+
+/// Place of one of three numbers, of which no two are the same but [`NONE`]; without a branch, since
+/// which of them it is is not to be foreseen.
+fn index_of(numbers: [u32; 3], number: u32) -> usize {
+    usize::from(numbers[1] == number) + 2 * usize::from(numbers[2] == number)
 }
 
 /// A position and the way to it. Together, since an edge is flipped after its ends were looked at: in a
@@ -204,7 +215,7 @@ impl Delaunay {
     /// Ends of the edge opposite corner `i`, the triangle on their left.
     pub(crate) fn ends(&self, triangle: u32, i: usize) -> [u32; 2] {
         let corners = self.triangles[triangle as usize].corners;
-        [corners[(i + 1) % 3], corners[(i + 2) % 3]]
+        [corners[AFTER[i]], corners[BEFORE[i]]]
     }
 
     /// The triangle across the edge opposite corner `i`; none beyond the frame.
@@ -239,6 +250,33 @@ impl Delaunay {
         })
     }
 
+    /// Every edge once that may be flipped, of triangles inside.
+    pub(crate) fn inner_edges(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
+        let inside = (0..).zip(&self.triangles);
+        let inside = inside.filter(|(_, triangle)| triangle.side == Side::Inside);
+        inside.flat_map(|(index, triangle)| {
+            let is_free = |i: &usize| triangle.marks[*i] & CONSTRAINT == 0;
+            let once = move |i: &usize| index < triangle.neighbours[*i];
+            (0..3).filter(is_free).filter(once).map(move |i| (index, i))
+        })
+    }
+
+    /// Every edge once along which an odd number of constraints run.
+    pub(crate) fn odd_edges(&self) -> impl Iterator<Item = (u32, usize)> + '_ {
+        let marked = (0..).zip(&self.triangles);
+        let marked = marked.filter(|(_, triangle)| triangle.marks != [0; 3]);
+        marked.flat_map(|(index, triangle)| {
+            let is_odd = |i: &usize| triangle.marks[*i] & ODD != 0;
+            let once = move |i: &usize| index < triangle.neighbours[*i];
+            (0..3).filter(is_odd).filter(once).map(move |i| (index, i))
+        })
+    }
+
+    /// Has the search for the next point start at a vertex.
+    pub(crate) fn start_at(&mut self, vertex: u32) {
+        self.hint = self.vertices[vertex as usize].triangle;
+    }
+
     /// Every edge at a vertex within the frame, as a triangle and the corner opposite.
     pub(crate) fn edges_at(&self, vertex: u32) -> impl Iterator<Item = (u32, usize)> + '_ {
         let mut fan = Some(Fan::new(self, vertex));
@@ -246,7 +284,7 @@ impl Delaunay {
             let here = fan?;
             fan = here.next(self);
             let i = self.triangles[here.triangle as usize].index_of_corner(vertex);
-            Some((here.triangle, (i + 2) % 3))
+            Some((here.triangle, BEFORE[i]))
         })
     }
 
@@ -262,12 +300,12 @@ impl Delaunay {
             let triangle = &self.triangles[current as usize];
             let first = (random % 3) as usize;
             let mut on = [false; 3];
-            for i in [first, (first + 1) % 3, (first + 2) % 3] {
+            for i in [first, AFTER[first], BEFORE[first]] {
                 let next = triangle.neighbours[i];
                 if next == last && last != NONE {
                     continue;
                 }
-                let [from, to] = self.ends(current, i).map(|end| self.point(end));
+                let [from, to] = [AFTER[i], BEFORE[i]].map(|k| self.point(triangle.corners[k]));
                 let side = orient(from, to, point);
                 if side < 0.0 {
                     if next == NONE {
@@ -315,14 +353,27 @@ impl Delaunay {
             }
         }
         self.hint = self.vertices[vertex as usize].triangle;
+        self.legalise(point);
+        Ok(vertex)
+    }
+
+    /// Flips what is illegal across from the vertex at `point`, which is the first corner of every
+    /// triangle that waits and of those that a flip makes of it.
+    fn legalise(&mut self, point: Point) {
         while let Some(triangle) = self.waiting.pop() {
-            if self.is_certainly_illegal(triangle, 0) {
-                let across = self.triangles[triangle as usize].neighbours[0];
-                self.flip(triangle, 0);
+            let here = &self.triangles[triangle as usize];
+            let across = here.neighbours[0];
+            if across == NONE || here.marks[0] & CONSTRAINT != 0 {
+                continue;
+            }
+            let there = &self.triangles[across as usize];
+            let j = there.index_of_neighbour(triangle);
+            let [b, c] = [1, 2].map(|i| self.point(here.corners[i]));
+            if is_certainly_in_circle(self.point(there.corners[j]), c, b, point) {
+                self.flip_across(triangle, 0, j);
                 self.waiting.extend([triangle, across]);
             }
         }
-        Ok(vertex)
     }
 
     /// Corner `a`, `b`, `c` → `p b c`, `p c a`, `p a b`.
@@ -423,7 +474,7 @@ impl Delaunay {
         }
         let there = &self.triangles[across as usize];
         let d = there.corners[there.index_of_neighbour(triangle)];
-        let [p, b, c] = [i, i + 1, i + 2].map(|k| self.point(here.corners[k % 3]));
+        let [p, b, c] = [i, AFTER[i], BEFORE[i]].map(|k| self.point(here.corners[k]));
         is_certainly_in_circle(self.point(d), c, b, p)
     }
 
@@ -457,14 +508,21 @@ impl Delaunay {
     /// `p b c` and, across `b c`, `d c b` → `p b d` and `p d c`; the caller knows that the four are
     /// strictly convex.
     fn flip(&mut self, triangle: u32, i: usize) {
+        let across = self.triangles[triangle as usize].neighbours[i];
+        let j = self.triangles[across as usize].index_of_neighbour(triangle);
+        self.flip_across(triangle, i, j);
+    }
+
+    /// As [`Delaunay::flip`], by the corner `j` opposite the edge on its other side.
+    #[inline]
+    fn flip_across(&mut self, triangle: u32, i: usize, j: usize) {
         let here = self.triangles[triangle as usize];
         let across = here.neighbours[i];
         let there = self.triangles[across as usize];
-        let j = there.index_of_neighbour(triangle);
-        let [p, b, c] = [i, i + 1, i + 2].map(|k| here.corners[k % 3]);
+        let (cp, pb) = (AFTER[i], BEFORE[i]);
+        let (bd, dc) = (AFTER[j], BEFORE[j]);
+        let [p, b, c] = [i, cp, pb].map(|k| here.corners[k]);
         let d = there.corners[j];
-        let (cp, pb) = ((i + 1) % 3, (i + 2) % 3);
-        let (bd, dc) = ((j + 1) % 3, (j + 2) % 3);
         self.triangles[triangle as usize] = Triangle {
             corners: [p, b, d],
             neighbours: [there.neighbours[bd], across, here.neighbours[pb]],
@@ -492,11 +550,11 @@ impl Delaunay {
             for (fan, other) in &mut fans {
                 let triangle = &self.triangles[fan.triangle as usize];
                 let i = triangle.index_of_corner(fan.vertex);
-                if triangle.corners[(i + 1) % 3] == *other {
-                    return Ok((fan.triangle, (i + 2) % 3));
+                if triangle.corners[AFTER[i]] == *other {
+                    return Ok((fan.triangle, BEFORE[i]));
                 }
-                if triangle.corners[(i + 2) % 3] == *other {
-                    return Ok((fan.triangle, (i + 1) % 3));
+                if triangle.corners[BEFORE[i]] == *other {
+                    return Ok((fan.triangle, AFTER[i]));
                 }
                 match fan.next(self) {
                     Some(next) => *fan = next,

@@ -412,13 +412,17 @@ fn scope(data: &Data<'_>) -> Option<String> {
     let compared = drawn.iter().filter(|case| outside(case).is_some());
     let meant = drawn.iter().filter(|case| case.planned.may_be_wrong);
     let compared: Vec<_> = compared.collect();
-    let must_match = compared.iter().filter(|case| !case.planned.may_be_wrong);
+    let is_fault = |case: &Case| case.outcome == super::Outcome::DriverFault;
+    let faults = drawn.iter().filter(|case| is_fault(case)).count();
+    let must_match = compared
+        .iter()
+        .filter(|case| !case.planned.may_be_wrong && !is_fault(case));
     let wrong = must_match
         .filter(|case| outside(case) != Some(0) || case.outcome == super::Outcome::Wrong)
         .count();
     let meant = meant.count() as u64;
     Some(format!(
-        "{} of {} pictures compared with the reference; {}. {}",
+        "{} of {} pictures compared with the reference; {}{}. {}",
         count(compared.len() as u64),
         count(drawn.len() as u64),
         match meant {
@@ -429,8 +433,13 @@ fn scope(data: &Data<'_>) -> Option<String> {
                 count(some)
             ),
         },
+        match faults {
+            0 => String::new(),
+            some => format!("; {some} differ by a known driver fault"),
+        },
         match wrong {
-            0 if meant == 0 => "All match outside the 1-pixel boundary band.".to_owned(),
+            0 if meant == 0 && faults == 0 =>
+                "All match outside the 1-pixel boundary band.".to_owned(),
             0 => "All others match outside the 1-pixel boundary band.".to_owned(),
             1 => "1 of the others does not match outside the 1-pixel boundary band.".to_owned(),
             some => format!(

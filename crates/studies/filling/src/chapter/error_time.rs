@@ -55,7 +55,7 @@ pub(super) fn curves(data: &Data<'_>, view: &View<'_>, metric: &str) -> Vec<Curv
         let is_shown = match case.outcome {
             Outcome::Ok => data.time(case).is_some() && case.value(metric).is_some(),
             Outcome::Wrong | Outcome::Failed => true,
-            Outcome::Skipped | Outcome::Missing => false,
+            Outcome::Skipped | Outcome::Missing | Outcome::DriverFault => false,
         };
         if is_shown {
             let points = curves.entry(data.series(case)).or_default();
@@ -98,7 +98,7 @@ fn not_drawn(data: &Data<'_>, view: &View<'_>) -> Vec<String> {
     let reason = |case: &&&Case| {
         let why = match case.outcome {
             Outcome::Wrong | Outcome::Failed => return None,
-            Outcome::Skipped | Outcome::Missing => {
+            Outcome::Skipped | Outcome::Missing | Outcome::DriverFault => {
                 format!("{}: {}", case.outcome.name(), case.reason)
             }
             Outcome::Ok if data.time(case).is_none() => "no fill time".to_owned(),

@@ -205,7 +205,7 @@ fn first_of_kind<'a>(case: &Case, cells: &[&'a Case], hash: &str) -> Option<&'a 
 fn examine(case: &Case, cells: &[&Case]) -> Found {
     match case.outcome {
         // What follows the first remark is about the view.
-        Outcome::Skipped => {
+        Outcome::Skipped | Outcome::DriverFault => {
             let reason = case.reason.split("; ").next();
             return Found::Skipped(reason.unwrap_or_default().to_owned());
         }

@@ -204,6 +204,27 @@ fn how_a_case_ends_decides_before_its_figures() {
 }
 
 #[test]
+fn a_known_driver_fault_passes_against_itself_alone() {
+    let ended = |status: Status| {
+        let mut run = run_of(&FIGURES);
+        run.cases[0].row = Some((status, "1 px lost".to_owned()));
+        run
+    };
+    let (fault, right) = (ended(Status::DriverFault), run_of(&FIGURES));
+    assert_eq!(
+        compared(&fault, &fault).expect("comparable").1,
+        Verdict::Pass
+    );
+    let (verdict, words) = sentences(&right, &fault);
+    assert_eq!(verdict, Verdict::Regression, "{words:?}");
+    assert!(words[0].contains("1 px lost"), "{words:?}");
+    assert_eq!(sentences(&fault, &right).0, Verdict::Pass);
+    // Twin: one pixel more is wrong.
+    let wrong = ended(Status::Wrong);
+    assert_eq!(sentences(&fault, &wrong).0, Verdict::Regression);
+}
+
+#[test]
 fn a_wrong_answer_that_is_a_result_must_stay_what_it_was() {
     let ended = |status| {
         let mut run = run_of(&FIGURES);
