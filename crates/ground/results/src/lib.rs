@@ -40,6 +40,6 @@ pub use metric::{Direction, Kind, Metric, MetricRow};
 pub use noise::Noise;
 pub use paired::{Shift, rate_bounds};
 pub use plan::{RunPlan, Shard, Skipped};
-pub use ratio::{Claim, Estimate, exponent, process_medians, ratio, sample_spread, typical};
+pub use ratio::{Claim, Estimate, exponent, process_medians, ratio, sample_spread, share, typical};
 pub use read::{Case, Outcome, Run, Samples, repeated_cases};
 pub use statistic::{Spread, median, quantile, spread};

@@ -12,6 +12,7 @@
 
 mod cases;
 mod chapter;
+mod claims;
 mod fingerprint;
 mod images;
 mod memory;
