@@ -12,6 +12,8 @@ struct ViewConstants {
     // 1 / (tan(fov/2) · aspect) and 1 / tan(fov/2).
     clip_scale_x: f32,
     clip_scale_y: f32,
+    // Height of a pixel at distance 1: 2 tan(fov/2) / rows.
+    pixel_per_distance: f32,
 };
 
 @group(0) @binding(0) var<uniform> view: ViewConstants;

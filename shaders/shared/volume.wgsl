@@ -22,6 +22,15 @@ fn region_colour(in: Coloured) -> @location(0) vec4<f32> {
     return in.colour;
 }
 
+// First pass of `first-pass=program`: two arctangents, as the textured fill of 2007 had in its
+// program. What it gives is used, so that no compiler may leave them out.
+@fragment
+fn costly(@builtin(position) pixel: vec4<f32>) -> @location(0) vec4<f32> {
+    let longitude = atan2(pixel.y - 511.5, pixel.x - 511.5);
+    let latitude = atan2(pixel.z, length(pixel.xy));
+    return vec4<f32>(longitude, latitude, 0.0, 1.0);
+}
+
 // Accumulation pass: the volume's number, added or taken away by blending. Behind the surface back
 // faces add and front faces take away; in front of it, the other way round.
 struct Numbered {

@@ -5,6 +5,10 @@
 #import shared/region.wgsl
 #import shared/volume.wgsl
 
+// Pixels by which the bottom lies lower at the least, at the vertex's distance from the eye; 0: it lies
+// where the plan has it. Cozzi (2007, 4.2) made room so for planets that are drawn coarser from afar.
+override BOTTOM_PX: f32 = 0.0;
+
 fn cap_height_m(is_bottom: u32, region_index: u32) -> f32 {
     return select(
         regions[region_index].top_m,
@@ -14,7 +18,11 @@ fn cap_height_m(is_bottom: u32, region_index: u32) -> f32 {
 }
 
 fn extrude(position: vec3<i32>, is_bottom: u32, region_index: u32) -> vec4<f32> {
-    let height_m = cap_height_m(is_bottom, region_index);
+    var height_m = cap_height_m(is_bottom, region_index);
+    if BOTTOM_PX > 0.0 && is_bottom != 0u {
+        let distance_m = length(eye_relative_m(position, region_index, 0.0));
+        height_m = min(height_m, -distance_m * view.pixel_per_distance * BOTTOM_PX);
+    }
     return clip_from_eye_relative(eye_relative_m(position, region_index, height_m));
 }
 

@@ -23,8 +23,10 @@ pub struct ViewConstants {
     pub clip_scale_x: f32,
     /// `1 / tan(fov/2)`.
     pub clip_scale_y: f32,
+    /// Height of a pixel at distance 1, `2 tan(fov/2) / rows`.
+    pub pixel_per_distance: f32,
     /// Uniform blocks are multiples of 16 bytes.
-    pub padding: [f32; 3],
+    pub padding: [f32; 2],
 }
 
 impl ViewConstants {
@@ -50,7 +52,8 @@ impl ViewConstants {
             normal_scale: [1.0, 1.0, flattening_squared as f32],
             clip_scale_x: (clip_scale_y / view.size.aspect()) as f32,
             clip_scale_y: clip_scale_y as f32,
-            padding: [0.0; 3],
+            pixel_per_distance: (2.0 * camera.tan_half_fov() / f64::from(view.size.height)) as f32,
+            padding: [0.0; 2],
         }
     }
 }

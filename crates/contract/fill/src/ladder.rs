@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Ladders: from the un-optimised method to the full plan, one switch at a time.
 //!
-//! The order is that of Cozzi (2007): one volume for each region, culling, back faces, buffer layout,
-//! strips, cache order, vertex size, then depth-pass counting and the bottom cap; then what came
-//! later. His last two stand the other way round here: behind the surface every cap counts, so a
-//! bottom cap can be left out only where fragments in front of the surface count.
+//! Order and means are those of Cozzi (2007, 4.5): one volume for each region, frustum culling, back
+//! faces culled in the colouring pass, buffers kept on the device, wall strips, vertex order, vertex size,
+//! no bottom cap in the colouring pass; then what the document left for later, counting in front of the
+//! surface and the order of triangles; then this project's own steps. What it tried and did not keep, what
+//! it tried to learn something, and what only lies beside the way stands *aside*: measured against the
+//! rung before it, which is the one that the next rung is measured against as well.
 //!
-//! All rungs before the last two fill every region in one colour, as his did. A technique puts its
-//! own rungs between those that all techniques share.
+//! All rungs before the last two fill every region in one colour, as the document's did. A technique puts
+//! its own rungs between those that all techniques share.
 
-use crate::{BottomCap, ColourWay, DepthRuleChoice, FacePasses, Switches, Variant};
-use terrafill_scene::{Overlap, PlanOptions};
+use crate::{BottomCap, ColourWay, DepthRuleChoice, FacePasses, FirstPass, Switches, Variant};
+use terrafill_scene::{Overlap, PlanOptions, WallHeights};
 
 /// Deviation that boundaries may be drawn with where levels of detail are on: half a pixel stays
 /// within the band in which rounding decides as well.
@@ -25,6 +27,8 @@ pub struct Rung {
     pub change: &'static str,
     /// What is drawn.
     pub variant: Variant,
+    /// The next rung is a step from the rung before this one.
+    pub is_aside: bool,
 }
 
 /// A ladder being climbed.
@@ -54,9 +58,40 @@ impl Climb {
                 step: "start",
                 change,
                 variant: variant.clone(),
+                is_aside: false,
             }],
             variant,
         }
+    }
+
+    /// An experiment beside the way: the next rung does not keep it.
+    #[must_use]
+    pub fn aside(
+        mut self,
+        step: &'static str,
+        change: &'static str,
+        set: impl FnOnce(&mut Variant),
+    ) -> Self {
+        let mut variant = self.variant.clone();
+        set(&mut variant);
+        self.rungs.push(Rung {
+            step,
+            change,
+            variant,
+            is_aside: true,
+        });
+        self
+    }
+
+    /// The same by parameters of the technique's own, `(key, value)`.
+    #[must_use]
+    pub fn own_aside(
+        self,
+        step: &'static str,
+        change: &'static str,
+        values: &[(&'static str, &'static str)],
+    ) -> Self {
+        self.aside(step, change, |variant| *variant = set_all(variant, values))
     }
 
     /// One rung up.
@@ -73,6 +108,7 @@ impl Climb {
             step,
             change,
             variant,
+            is_aside: false,
         });
         self
     }
@@ -85,13 +121,7 @@ impl Climb {
         change: &'static str,
         values: &[(&'static str, &'static str)],
     ) -> Self {
-        self.step(step, change, |variant| {
-            *variant = values
-                .iter()
-                .fold(variant.clone(), |variant, (key, value)| {
-                    variant.with(key, value)
-                });
-        })
+        self.step(step, change, |variant| *variant = set_all(variant, values))
     }
 
     /// One rung up by a switch of the fill.
@@ -120,20 +150,58 @@ impl Climb {
         )
     }
 
+    /// The last of the document's own steps, and the one that it was at work on.
+    #[must_use]
+    pub fn caps(self) -> Self {
+        self.switch(
+            "bottom-cap",
+            "no bottom cap in the colouring pass, except for regions that the near plane cuts",
+            |switches| switches.bottom_cap = BottomCap::FirstPass,
+        )
+        .switch(
+            "z-pass",
+            "fragments in front of the surface count, and no bottom cap is drawn in either pass, except \
+             for regions that the near plane cuts",
+            |switches| {
+                switches.depth_rule = DepthRuleChoice::Automatic;
+                switches.bottom_cap = BottomCap::WhereNeeded;
+            },
+        )
+    }
+
+    /// What the document found out about the first pass, and which ends of walls it thought of. On
+    /// wgpu, whose first pass may have fragments.
+    #[must_use]
+    pub fn experiments(self) -> Self {
+        let first_pass = |first_pass: FirstPass| {
+            move |variant: &mut Variant| variant.switches.first_pass = first_pass
+        };
+        self.aside(
+            "first-pass-colour",
+            "the first pass writes colours too, into a target that nobody reads",
+            first_pass(FirstPass::Colour),
+        )
+        .aside(
+            "first-pass-program",
+            "a costly fragment program is bound in the first pass, where writing colours is disabled",
+            first_pass(FirstPass::Program),
+        )
+        .aside(
+            "first-pass-program-colour",
+            "the costly program is bound in the first pass, and its colours are written",
+            first_pass(FirstPass::ProgramColour),
+        )
+        .aside(
+            "walls-global",
+            "walls from 12 km below the ellipsoid to 12 km above it, by the same mesh",
+            |variant| variant.plan.wall_heights = WallHeights::Global,
+        )
+    }
+
     /// What every technique has in common from there on.
     #[must_use]
     pub fn rest_of_the_way(self, overlap: Overlap) -> Self {
         self.switch(
-            "z-pass",
-            "fragments in front of the surface count, except for regions that the near plane cuts",
-            |switches| switches.depth_rule = DepthRuleChoice::Automatic,
-        )
-        .switch(
-            "bottom-cap",
-            "no bottom cap where fragments in front of the surface count",
-            |switches| switches.bottom_cap = BottomCap::WhereNeeded,
-        )
-        .switch(
             "two-sided",
             "one draw with two-sided stencil instead of one for each face",
             |switches| switches.faces = FacePasses::TwoSided,
@@ -178,9 +246,25 @@ impl Climb {
         )
     }
 
+    /// A mesh of fewer vertices, beside the way; the document considered it.
+    #[must_use]
+    pub fn mesh_lod(self) -> Self {
+        self.aside(
+            "mesh-lod",
+            "boundaries at the coarsest level that moves none by more than half a pixel",
+            |variant| variant.plan.boundary_lod_px = Some(LOD_PX),
+        )
+    }
+
     /// All rungs, the first one first.
     #[must_use]
     pub fn rungs(self) -> Vec<Rung> {
         self.rungs
     }
+}
+
+fn set_all(variant: &Variant, values: &[(&'static str, &'static str)]) -> Variant {
+    let set =
+        |variant: Variant, (key, value): &(&'static str, &'static str)| variant.with(key, value);
+    values.iter().fold(variant.clone(), set)
 }

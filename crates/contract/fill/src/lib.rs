@@ -72,7 +72,8 @@ pub use route_choice::RouteChoice;
 pub use steps::{FillStep, NUMBER_BYTES, VolumeDraw, VolumeState};
 pub use surface_view::SurfaceView;
 pub use switches::{
-    BottomCap, ColourWay, DepthRuleChoice, FacePasses, StencilClear, SwitchError, Switches, pick,
+    BottomCap, ColourWay, DepthRuleChoice, FacePasses, FirstPass, StencilClear, SwitchError,
+    Switches, pick,
 };
 pub use targets::{Api, Targets};
 pub use technique::{Role, Technique, layouts};

@@ -7,7 +7,8 @@
 
 use crate::batches::{VolumeClasses, XorBatches, overlap_depth};
 use crate::{
-    BottomCap, ColourWay, DepthRuleChoice, DeviceError, FacePasses, StencilClear, Switches, Volume,
+    BottomCap, ColourWay, DepthRuleChoice, DeviceError, FacePasses, FirstPass, StencilClear,
+    Switches, Volume,
 };
 use terrafill_scene::Overlap;
 
@@ -105,6 +106,8 @@ pub enum CoverShape {
     Volume {
         /// Faces that are drawn.
         faces: FaceSet,
+        /// Leaves out bottom caps.
+        without_bottom: bool,
     },
 }
 
@@ -161,6 +164,8 @@ pub struct FillPass {
     pub clears_stencil: bool,
     /// The pass has a colour target; steps that only mark leave it alone.
     pub has_colour: bool,
+    /// What fragments do beside marking, in a pass without that target.
+    pub first_pass: FirstPass,
     /// In order.
     pub commands: Vec<FillCommand>,
 }
@@ -333,6 +338,15 @@ impl Builder<'_> {
         }
     }
 
+    /// How a volume's cover is drawn by the volume itself.
+    fn cover_shape(&self, volume: usize) -> CoverShape {
+        let may_be_inside = self.volumes[volume].near_plane_meets_volume;
+        CoverShape::Volume {
+            faces: self.cover_faces(volume),
+            without_bottom: self.switches.bottom_cap != BottomCap::Always && !may_be_inside,
+        }
+    }
+
     fn xor(&self) -> Vec<FillPass> {
         let mut passes = Vec::new();
         for classes in XorBatches::new(self.volumes).passes {
@@ -340,6 +354,7 @@ impl Builder<'_> {
             passes.push(FillPass {
                 clears_stencil: true,
                 has_colour: false,
+                first_pass: FirstPass::Stencil,
                 commands: numbered()
                     .flat_map(|(mask, volumes)| {
                         self.mark(volumes, StencilOperation::Invert { mask })
@@ -349,6 +364,7 @@ impl Builder<'_> {
             passes.push(FillPass {
                 clears_stencil: false,
                 has_colour: true,
+                first_pass: FirstPass::Stencil,
                 commands: numbered()
                     .map(|(reference, volumes)| FillCommand::Cover {
                         test: StencilTest {
@@ -373,6 +389,7 @@ impl Builder<'_> {
             passes.push(FillPass {
                 clears_stencil: true,
                 has_colour: false,
+                first_pass: FirstPass::Stencil,
                 commands: planes
                     .iter()
                     .enumerate()
@@ -390,6 +407,7 @@ impl Builder<'_> {
             passes.push(FillPass {
                 clears_stencil: false,
                 has_colour: true,
+                first_pass: FirstPass::Stencil,
                 commands: in_order
                     .iter()
                     .map(|&(volume, plane)| FillCommand::Cover {
@@ -415,9 +433,7 @@ impl Builder<'_> {
             commands.push(FillCommand::Cover {
                 test: MARKED,
                 shape: match self.switches.colour {
-                    ColourWay::Volume => CoverShape::Volume {
-                        faces: self.cover_faces(volume),
-                    },
+                    ColourWay::Volume => self.cover_shape(volume),
                     _ => CoverShape::Rectangle,
                 },
                 volumes: vec![volume],
@@ -426,6 +442,7 @@ impl Builder<'_> {
         vec![FillPass {
             clears_stencil: self.switches.stencil_clear == StencilClear::AtStart,
             has_colour: true,
+            first_pass: FirstPass::Stencil,
             commands,
         }]
     }
@@ -435,6 +452,7 @@ impl Builder<'_> {
             FillPass {
                 clears_stencil: false,
                 has_colour: false,
+                first_pass: FirstPass::Stencil,
                 commands: self.split(&self.all(), |depth, faces, without_bottom, volumes| {
                     FillCommand::Accumulate {
                         depth,
@@ -448,6 +466,7 @@ impl Builder<'_> {
             FillPass {
                 clears_stencil: false,
                 has_colour: true,
+                first_pass: FirstPass::Stencil,
                 commands: vec![FillCommand::Resolve],
             },
         ]
@@ -457,21 +476,26 @@ impl Builder<'_> {
         let zeroes = self.switches.stencil_clear == StencilClear::ByColour;
         let test = StencilTest { zeroes, ..MARKED };
         let covers = match self.switches.colour {
-            ColourWay::OneColourVolumes => [FaceSet::Both, FaceSet::Front, FaceSet::Back]
-                .into_iter()
-                .filter_map(|faces| {
-                    let volumes: Vec<usize> = self
-                        .all()
-                        .into_iter()
-                        .filter(|&volume| self.cover_faces(volume) == faces)
-                        .collect();
-                    (!volumes.is_empty()).then_some(FillCommand::Cover {
+            ColourWay::OneColourVolumes => {
+                // Volumes that look alike in one draw; of few kinds, so a list is map enough.
+                let mut by_shape: Vec<(CoverShape, Vec<usize>)> = Vec::new();
+                for volume in self.all() {
+                    let shape = self.cover_shape(volume);
+                    match by_shape.iter_mut().find(|(known, _)| *known == shape) {
+                        Some((_, volumes)) => volumes.push(volume),
+                        None => by_shape.push((shape, vec![volume])),
+                    }
+                }
+                by_shape.sort_by_key(|(shape, _)| *shape);
+                let covers = by_shape.into_iter();
+                covers
+                    .map(|(shape, volumes)| FillCommand::Cover {
                         test,
-                        shape: CoverShape::Volume { faces },
+                        shape,
                         volumes,
                     })
-                })
-                .collect(),
+                    .collect()
+            }
             _ => vec![FillCommand::Cover {
                 test,
                 shape: CoverShape::Screen,
@@ -482,11 +506,13 @@ impl Builder<'_> {
             FillPass {
                 clears_stencil: !zeroes,
                 has_colour: false,
+                first_pass: self.switches.first_pass,
                 commands: self.mark(&self.all(), StencilOperation::Count),
             },
             FillPass {
                 clears_stencil: false,
                 has_colour: true,
+                first_pass: FirstPass::Stencil,
                 commands: covers,
             },
         ]
@@ -570,7 +596,11 @@ mod tests {
                     DepthRuleChoice::Pass,
                     DepthRuleChoice::Automatic,
                 ] {
-                    for bottom_cap in [BottomCap::Always, BottomCap::WhereNeeded] {
+                    for bottom_cap in [
+                        BottomCap::Always,
+                        BottomCap::FirstPass,
+                        BottomCap::WhereNeeded,
+                    ] {
                         for flags in 0..4 {
                             all.push(Switches {
                                 colour,
@@ -737,11 +767,48 @@ mod tests {
                 _ => None,
             })
             .collect();
-        let by = |faces| CoverShape::Volume { faces };
+        let by = |faces| CoverShape::Volume {
+            faces,
+            without_bottom: false,
+        };
         assert_eq!(
             shapes,
             [by(FaceSet::Front), by(FaceSet::Back), by(FaceSet::Front)]
         );
+    }
+
+    #[test]
+    fn only_a_volume_that_the_near_plane_cuts_is_coloured_with_its_bottom() {
+        for colour in [ColourWay::Volume, ColourWay::OneColourVolumes] {
+            for bottom_cap in [
+                BottomCap::Always,
+                BottomCap::FirstPass,
+                BottomCap::WhereNeeded,
+            ] {
+                let switches = Switches {
+                    colour,
+                    bottom_cap,
+                    ..Switches::default()
+                };
+                let program = FillProgram::new(&three(), &switches, Overlap::Disjoint);
+                let program = program.expect("allowed");
+                for command in program.commands() {
+                    match command {
+                        FillCommand::Cover {
+                            shape: CoverShape::Volume { without_bottom, .. },
+                            volumes,
+                            ..
+                        } => {
+                            let left_out = bottom_cap != BottomCap::Always && *volumes != [1];
+                            assert_eq!(*without_bottom, left_out, "{volumes:?}: {switches:?}");
+                        }
+                        // Behind the surface every cap counts.
+                        FillCommand::Volumes { without_bottom, .. } => assert!(!without_bottom),
+                        other => panic!("{other:?}"),
+                    }
+                }
+            }
+        }
     }
 
     #[test]

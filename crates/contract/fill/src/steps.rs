@@ -5,7 +5,8 @@
 //! walks the same three kinds and a pipeline's state has one name.
 
 use crate::{
-    CoverShape, DepthRule, FaceSet, FillCommand, FillPass, FillProgram, StencilRule, StencilTest,
+    CoverShape, DepthRule, FaceSet, FillCommand, FillPass, FillProgram, FirstPass, StencilRule,
+    StencilTest,
 };
 
 /// Bytes of a pixel of the accumulation target, one 32-bit float.
@@ -20,6 +21,8 @@ pub enum VolumeState {
         rule: StencilRule,
         /// The pass has a colour target.
         has_colour: bool,
+        /// What fragments do beside, in a pass without one.
+        first_pass: FirstPass,
     },
     /// Into the colour target where the stencil says so.
     Colour {
@@ -90,7 +93,7 @@ pub enum FillStep<'a> {
 impl FillPass {
     /// Its commands, in order, as they are drawn.
     pub fn steps(&self) -> impl Iterator<Item = FillStep<'_>> {
-        let step = |command| step_of(command, self.has_colour);
+        let step = |command| step_of(command, self);
         self.commands.iter().map(step)
     }
 }
@@ -119,7 +122,7 @@ impl FillProgram {
     }
 }
 
-fn step_of(command: &FillCommand, has_colour: bool) -> FillStep<'_> {
+fn step_of<'a>(command: &'a FillCommand, pass: &FillPass) -> FillStep<'a> {
     match command {
         FillCommand::Volumes {
             rule,
@@ -129,7 +132,8 @@ fn step_of(command: &FillCommand, has_colour: bool) -> FillStep<'_> {
         } => FillStep::Volumes(VolumeDraw {
             state: VolumeState::Mark {
                 rule: *rule,
-                has_colour,
+                has_colour: pass.has_colour,
+                first_pass: pass.first_pass,
             },
             without_bottom: *without_bottom,
             scissor: *scissor,
@@ -152,14 +156,18 @@ fn step_of(command: &FillCommand, has_colour: bool) -> FillStep<'_> {
         }),
         FillCommand::Cover {
             test,
-            shape: CoverShape::Volume { faces },
+            shape:
+                CoverShape::Volume {
+                    faces,
+                    without_bottom,
+                },
             volumes,
         } => FillStep::Volumes(VolumeDraw {
             state: VolumeState::Colour {
                 test: *test,
                 faces: *faces,
             },
-            without_bottom: false,
+            without_bottom: *without_bottom,
             scissor: false,
             volumes,
         }),

@@ -92,9 +92,55 @@ pub enum BottomCap {
     /// Always.
     #[default]
     Always,
-    /// Only where fragments behind the surface count. The bottom lies below everything drawn, so
-    /// in front of the surface there is none of it.
+    /// Always to mark. Colouring by drawing volumes again leaves them out, unless the near plane
+    /// may meet the volume: whoever looks from outside enters it by its top or a wall.
+    FirstPass,
+    /// As [`BottomCap::FirstPass`], and marking draws them only where fragments behind the surface
+    /// count. The bottom lies below everything drawn, so in front of the surface there is none of it.
     WhereNeeded,
+}
+
+/// What fragments of volumes do in the first pass beside marking the stencil: experiments of the 2007
+/// document. All but the first cost something and show the same picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
+pub enum FirstPass {
+    /// Nothing: there is neither a colour target nor a fragment program.
+    #[default]
+    Stencil,
+    /// They write their colour into a target of its own that nobody reads, so that the picture stays.
+    Colour,
+    /// A costly program, two arctangents, is bound to them, and writing colours is disabled.
+    Program,
+    /// The costly program, and writing its colours into the target that nobody reads: the control of
+    /// [`FirstPass::Program`].
+    ProgramColour,
+}
+
+impl FirstPass {
+    /// Every way, with its name in variants and reports.
+    pub const ALL: [(&str, Self); 4] = [
+        ("stencil", Self::Stencil),
+        ("colour", Self::Colour),
+        ("program", Self::Program),
+        ("program-colour", Self::ProgramColour),
+    ];
+
+    /// Name in variants and reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stencil => "stencil",
+            Self::Colour => "colour",
+            Self::Program => "program",
+            Self::ProgramColour => "program-colour",
+        }
+    }
+
+    /// Whether colours are written.
+    #[must_use]
+    pub fn writes_colour(self) -> bool {
+        matches!(self, Self::Colour | Self::ProgramColour)
+    }
 }
 
 /// What takes the stencil back to 0.
@@ -118,6 +164,8 @@ pub struct Switches {
     pub depth_rule: DepthRuleChoice,
     /// When bottom caps are drawn.
     pub bottom_cap: BottomCap,
+    /// What fragments of volumes do in the first pass beside marking the stencil.
+    pub first_pass: FirstPass,
     /// Volumes are cut to their region's screen rectangle as well, not only covers.
     pub scissor: bool,
     /// Covers by volume draw one kind of face only.
@@ -148,10 +196,10 @@ pub struct SwitchError {
 
 impl Switches {
     /// Every key with its values.
-    pub const KEYS: &str = "bottom-cap=always|where-needed, \
+    pub const KEYS: &str = "bottom-cap=always|first-pass|where-needed, \
         colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes|id-accumulation, \
         cover-faces=both|culled, depth-bounds=off|on, depth-rule=zfail|zpass|automatic, faces=two-sided|two-pass, \
-        normalize=needed|superfluous, position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
+        first-pass=stencil|colour|program|program-colour, normalize=needed|superfluous, position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
         stencil-clear=at-start|by-colour, texture=plain|chosen|floor|a route such as gnomonic-3";
 
     /// What is right and usually cheapest for a scene of this kind.
@@ -168,7 +216,7 @@ impl Switches {
 
     /// Every switch with its value, in alphabetical order.
     #[must_use]
-    pub fn settings(&self) -> [(&'static str, String); 11] {
+    pub fn settings(&self) -> [(&'static str, String); 12] {
         let either = |is_second: bool, [first, second]: [&str; 2]| {
             if is_second { second } else { first }.to_owned()
         };
@@ -177,15 +225,16 @@ impl Switches {
             DepthRuleChoice::Pass => "zpass",
             DepthRuleChoice::Automatic => "automatic",
         };
-        let bottom_where_needed = self.bottom_cap == BottomCap::WhereNeeded;
+        let bottom_cap = match self.bottom_cap {
+            BottomCap::Always => "always",
+            BottomCap::FirstPass => "first-pass",
+            BottomCap::WhereNeeded => "where-needed",
+        };
         let cleared_by_colour = self.stencil_clear == StencilClear::ByColour;
         let position = self.position.unwrap_or(PositionRoute::EyeRegion);
         let texture = self.texture.as_ref();
         [
-            (
-                "bottom-cap",
-                either(bottom_where_needed, ["always", "where-needed"]),
-            ),
+            ("bottom-cap", bottom_cap.to_owned()),
             ("colour", self.colour.name().to_owned()),
             (
                 "cover-faces",
@@ -197,6 +246,7 @@ impl Switches {
                 "faces",
                 either(self.faces == FacePasses::TwoPass, ["two-sided", "two-pass"]),
             ),
+            ("first-pass", self.first_pass.name().to_owned()),
             (
                 "normalize",
                 either(self.superfluous_normalize, ["needed", "superfluous"]),
@@ -236,6 +286,7 @@ impl Switches {
                     value,
                     &[
                         ("always", BottomCap::Always),
+                        ("first-pass", BottomCap::FirstPass),
                         ("where-needed", BottomCap::WhereNeeded),
                     ],
                 )?;
@@ -272,6 +323,7 @@ impl Switches {
                     ],
                 )?;
             }
+            "first-pass" => self.first_pass = pick("first-pass", value, &FirstPass::ALL)?,
             "normalize" => {
                 let choices = [("needed", false), ("superfluous", true)];
                 self.superfluous_normalize = pick("normalize", value, &choices)?;
@@ -350,6 +402,21 @@ impl Switches {
                 allowed: "needed, or texture=chosen or a route".to_owned(),
             });
         }
+        let has_first_pass = matches!(
+            self.colour,
+            ColourWay::OneColour | ColourWay::OneColourVolumes
+        );
+        if self.first_pass != FirstPass::Stencil && !has_first_pass {
+            return Err(SwitchError {
+                switch: "first-pass",
+                found: format!(
+                    "{} with colour={}, which marks more than once or in the pass that colours",
+                    self.first_pass.name(),
+                    self.colour.name()
+                ),
+                allowed: "stencil, or colour=one-colour or one-colour-volumes".to_owned(),
+            });
+        }
         let covers_clear = matches!(
             self.colour,
             ColourWay::OneColour | ColourWay::Rectangle | ColourWay::Volume
@@ -400,6 +467,7 @@ mod tests {
             faces: FacePasses::TwoPass,
             depth_rule: DepthRuleChoice::Automatic,
             bottom_cap: BottomCap::WhereNeeded,
+            first_pass: FirstPass::Program,
             scissor: true,
             cover_culls_faces: true,
             stencil_clear: StencilClear::ByColour,
@@ -415,7 +483,7 @@ mod tests {
         assert_eq!(Switches::default().names(), Vec::<String>::new());
         let changed = all_changed();
         let names = changed.names();
-        assert_eq!(names.len(), 11);
+        assert_eq!(names.len(), 12);
         assert!(names.is_sorted());
         let mut read = Switches::default();
         for name in &names {
@@ -463,6 +531,17 @@ mod tests {
             assert_eq!(
                 textured.check(Overlap::Disjoint).is_ok(),
                 apart,
+                "{colour:?}"
+            );
+            // The first pass is one of its own only where all regions get one colour.
+            let written = Switches {
+                colour,
+                first_pass: FirstPass::Colour,
+                ..Switches::default()
+            };
+            assert_eq!(
+                written.check(Overlap::Disjoint).is_ok(),
+                !colour.tells_regions_apart(),
                 "{colour:?}"
             );
         }

@@ -3,7 +3,7 @@
 
 use crate::{SwitchError, Switches, pick};
 use std::collections::BTreeMap;
-use terrafill_scene::{Overlap, PlanOptions};
+use terrafill_scene::{Overlap, PlanOptions, WallHeights};
 
 /// Values that a parameter may take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -238,9 +238,9 @@ impl Variant {
 }
 
 /// Keys of a plan's options, with their values.
-const PLAN_KEYS: &str = "boundary-lod-px=PIXELS|off, frustum-culling=on|off, horizon-culling=on|off, too-small-culling=on|off";
+const PLAN_KEYS: &str = "boundary-lod-px=PIXELS|off, frustum-culling=on|off, horizon-culling=on|off, too-small-culling=on|off, wall-heights=region|global";
 
-fn plan_settings(plan: &PlanOptions) -> [(&'static str, String); 4] {
+fn plan_settings(plan: &PlanOptions) -> [(&'static str, String); 5] {
     let switch = |is_on: bool| if is_on { "on" } else { "off" }.to_owned();
     [
         (
@@ -251,6 +251,14 @@ fn plan_settings(plan: &PlanOptions) -> [(&'static str, String); 4] {
         ("frustum-culling", switch(plan.frustum_culling)),
         ("horizon-culling", switch(plan.horizon_culling)),
         ("too-small-culling", switch(plan.too_small_culling)),
+        (
+            "wall-heights",
+            match plan.wall_heights {
+                WallHeights::Region => "region",
+                WallHeights::Global => "global",
+            }
+            .to_owned(),
+        ),
     ]
 }
 
@@ -273,6 +281,13 @@ fn set_plan(plan: &mut PlanOptions, key: &str, value: &str) -> Result<bool, Swit
         "horizon-culling" => plan.horizon_culling = pick("horizon-culling", value, &switches)?,
         "too-small-culling" => {
             plan.too_small_culling = pick("too-small-culling", value, &switches)?;
+        }
+        "wall-heights" => {
+            let choices = [
+                ("region", WallHeights::Region),
+                ("global", WallHeights::Global),
+            ];
+            plan.wall_heights = pick("wall-heights", value, &choices)?;
         }
         _ => return Ok(false),
     }
@@ -344,7 +359,7 @@ mod tests {
     fn every_setting_has_a_value_and_can_be_set_to_it() {
         let changed = plain().with("indices", "strip").with("colour", "volume");
         let settings = changed.settings();
-        assert_eq!(settings.len(), 3 + 11 + 4);
+        assert_eq!(settings.len(), 3 + 12 + 5);
         let mut read = plain().with("opacity", "7");
         for (key, value) in &settings {
             assert_eq!(read.set(key, value), Ok(true), "{key}={value}");

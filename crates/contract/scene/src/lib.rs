@@ -21,8 +21,8 @@ pub use level::{
     FEWEST_VERTICES_FOR_LEVELS, LEVEL_GROWTH, LEVEL_VERTEX_SHARE, Level, LevelTable, LeveledMeshes,
 };
 pub use plan::{
-    CAP_CLEARANCE_PX, FramePlan, HeightRange, LeftOutReason, LeftOutRegion, PixelRect, PlanOptions,
-    PlannedRegion, RegionBounds,
+    CAP_CLEARANCE_PX, FramePlan, GLOBAL_HEIGHT_M, HeightRange, LeftOutReason, LeftOutRegion,
+    PixelRect, PlanOptions, PlannedRegion, RegionBounds, WallHeights,
 };
 pub use procedural::Islands;
 pub use scene::{LevelChoice, Overlap, Scene, SurfaceChoice, View};

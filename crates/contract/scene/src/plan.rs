@@ -25,6 +25,20 @@ use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh, VolumeHeights};
 /// pixel at 60° and 1,024 rows is 2⁻¹⁶ of the distance, 256 times that rounding.
 pub const CAP_CLEARANCE_PX: f64 = 1.0 / 64.0;
 
+/// Height below which no land lies and above which none does, metres, where nothing closer is known: the
+/// Earth's deepest trench is 11 km deep, its highest mountain 9 km high.
+pub const GLOBAL_HEIGHT_M: f64 = 12_000.0;
+
+/// Between which heights a region's volume must reach.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum WallHeights {
+    /// Those of the surface as drawn over the region.
+    #[default]
+    Region,
+    /// Those and [`GLOBAL_HEIGHT_M`] both ways.
+    Global,
+}
+
 /// Which parts of planning are switched on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlanOptions {
@@ -37,6 +51,8 @@ pub struct PlanOptions {
     /// Draw boundaries at the coarsest level that moves none of them by more than this many pixels;
     /// `None` draws them as written.
     pub boundary_lod_px: Option<f64>,
+    /// How far volumes reach.
+    pub wall_heights: WallHeights,
 }
 
 impl Default for PlanOptions {
@@ -46,6 +62,7 @@ impl Default for PlanOptions {
             horizon_culling: true,
             too_small_culling: true,
             boundary_lod_px: None,
+            wall_heights: WallHeights::Region,
         }
     }
 }
@@ -182,16 +199,16 @@ impl RegionBounds {
         }
     }
 
-    /// The same with both caps `clearance_m` farther from the terrain. Every vertex moves by that
-    /// much, so a box grown by as much on all sides holds them.
-    fn grown(self, clearance_m: f64) -> Self {
+    /// The same with its caps so much farther from the terrain, the top one `up_m` and the bottom one
+    /// `down_m`. No vertex moves by more, so a box grown by as much on all sides holds them.
+    fn grown(self, up_m: f64, down_m: f64) -> Self {
         Self {
             heights: VolumeHeights {
-                top_m: self.heights.top_m + clearance_m,
-                bottom_m: self.heights.bottom_m - clearance_m,
+                top_m: self.heights.top_m + up_m,
+                bottom_m: self.heights.bottom_m - down_m,
             },
             bounds: OrientedBox {
-                half_extents_m: self.bounds.half_extents_m + DVec3::splat(clearance_m),
+                half_extents_m: self.bounds.half_extents_m + DVec3::splat(up_m.max(down_m)),
                 ..self.bounds
             },
         }
@@ -249,6 +266,11 @@ impl FramePlan {
             size,
             horizon: Horizon::new(body, camera.eye_ecef, terrain.lowest_m),
             clearance_m: cap_clearance_m(body, camera, size, terrain),
+            beyond_m: match options.wall_heights {
+                WallHeights::Region => [0.0; 2],
+                WallHeights::Global => [-terrain.highest_m, terrain.lowest_m]
+                    .map(|margin_m| (GLOBAL_HEIGHT_M + margin_m).max(0.0)),
+            },
             near_plane: NearPlane::new(camera, size),
             options,
         };
@@ -371,6 +393,8 @@ struct Planner<'a> {
     size: ImageSize,
     horizon: Horizon,
     clearance_m: f64,
+    /// How much farther volumes reach up and down than the terrain needs.
+    beyond_m: [f64; 2],
     near_plane: NearPlane,
     options: PlanOptions,
 }
@@ -385,7 +409,8 @@ impl Planner<'_> {
         bounds: &RegionBounds,
     ) -> Result<PlannedRegion, LeftOutReason> {
         let (camera, size, options) = (self.camera, self.size, &self.options);
-        let grown = bounds.grown(self.clearance_m);
+        let [up_m, down_m] = self.beyond_m.map(|beyond_m| beyond_m + self.clearance_m);
+        let grown = bounds.grown(up_m, down_m);
         let corners = grown.bounds.corners_ecef();
         let footprint = Footprint::new(camera, size, &corners);
         let screen_rect = footprint.map_or(PixelRect::full(size), |f| f.rect(size));
@@ -420,7 +445,7 @@ impl Planner<'_> {
     /// Across the ray is where a displacement shows most, so nothing is gained from its direction.
     fn pixel_m(&self, bounds: &RegionBounds) -> f64 {
         let (camera, size) = (self.camera, self.size);
-        let grown = bounds.grown(self.clearance_m);
+        let grown = bounds.grown(self.clearance_m, self.clearance_m);
         let corners = grown.bounds.corners_ecef();
         let depth = |corner: &DVec3| -(camera.view_from_ecef * (*corner - camera.eye_ecef)).z;
         let depth_m = corners.iter().map(depth).fold(f64::INFINITY, f64::min);

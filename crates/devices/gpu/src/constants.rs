@@ -28,7 +28,7 @@ mod tests {
     #[test]
     fn view_constants_lie_as_the_shader_reads_them() {
         let rust = offsets!(ViewConstants: view_from_ecef, eye_ecef, near_m, normal_scale,
-            clip_scale_x, clip_scale_y);
+            clip_scale_x, clip_scale_y, pixel_per_distance);
         for path in [
             "surface/surface.wgsl",
             "vertex/doubled.wgsl",

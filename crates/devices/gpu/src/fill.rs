@@ -6,7 +6,7 @@
 //! surface left it: it is attached read-only throughout. Covers of a textured fill read it there, and
 //! stand in passes that leave the stencil alone as well.
 
-use crate::attachments::{attached, read_only_depth};
+use crate::attachments::{COLOUR_FORMAT, attached, read_only_depth, target};
 use crate::covers::{Covers, Numbers};
 use crate::statistics::Statistics;
 use crate::textured::{BoundCover, CoverPurpose, Probe, TexturedFill};
@@ -14,9 +14,9 @@ use crate::volume_pipeline::check_blendable;
 use crate::{API, Gpu, RenderTargets, SharedTargets, TimedPass, VolumePass};
 use std::sync::Arc;
 use terrafill_fill::{
-    Capabilities, Counters, CpuStopwatch, DeviceError, FillPass, FillStep, FrameTimes, MemoryUse,
-    Picture, Probed, StencilExecutor, StencilWork, SurfaceView, Switches, TexturedPlan, ViewId,
-    VolumeDraw, VolumeList, VolumeState, WorkDone,
+    Capabilities, Counters, CpuStopwatch, DeviceError, FillPass, FillStep, FirstPass, FrameTimes,
+    MemoryUse, Picture, Probed, StencilExecutor, StencilWork, SurfaceView, Switches, TexturedPlan,
+    ViewId, VolumeDraw, VolumeList, VolumeState, WorkDone,
 };
 use terrafill_scene::MipChain;
 
@@ -41,6 +41,9 @@ pub trait Volumes {
         _stamps: Option<wgpu::ComputePassTimestampWrites<'_>>,
     ) {
     }
+
+    /// Hands over what every frame hands over anew, before it is recorded.
+    fn stream(&mut self, _gpu: &Gpu, _list: &VolumeList) {}
 
     /// Binds what all draws of a pass share; group 0, view and volumes' constants, is bound.
     fn bind(&self, pass: &mut wgpu::RenderPass<'_>);
@@ -68,6 +71,8 @@ struct Loaded {
     bind_group: wgpu::BindGroup,
     /// Where the program accumulates numbers, if it does.
     numbers: Option<Numbers>,
+    /// Where colours of the first pass go, which nobody reads, if it has fragments.
+    unread: Option<wgpu::TextureView>,
 }
 
 impl Loaded {
@@ -173,11 +178,25 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
                 (buffer, bind_group)
             }
         };
+        let mut passes = work.program.passes.iter();
+        let has_fragments = passes.any(|pass| pass.first_pass != FirstPass::Stencil);
+        let unread = has_fragments.then(|| {
+            let unused = wgpu::TextureUsages::empty();
+            let unread = target(
+                gpu,
+                size,
+                "colours of the first pass",
+                COLOUR_FORMAT,
+                unused,
+            );
+            unread.create_view(&Default::default())
+        });
         self.loaded = Some(Loaded {
             work,
             constants,
             bind_group,
             numbers,
+            unread,
         });
         Ok(())
     }
@@ -319,11 +338,13 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
     }
 
     fn memory(&self) -> MemoryUse {
+        let unread = self.loaded.as_ref().filter(|l| l.unread.is_some());
+        let unread = unread.map_or(0, |l| 4 * l.work.list.size.pixel_count() as u64);
         let numbers = self.loaded.as_ref().and_then(|l| l.numbers.as_ref());
         let textured = self.textured.as_ref();
         MemoryUse {
             constant_bytes: textured.map_or(0, TexturedFill::constant_bytes),
-            target_bytes: numbers.map_or(0, Numbers::bytes),
+            target_bytes: unread + numbers.map_or(0, Numbers::bytes),
             texture_bytes: textured.map_or(0, TexturedFill::texture_bytes),
             buffers: 1 + u64::from(textured.is_some()),
             ..MemoryUse::default()
@@ -384,6 +405,7 @@ impl VolumeFill {
         let loaded = self.loaded.as_ref().ok_or(NO_PROGRAM)?;
         let list = &loaded.work.list;
         let gpu = targets.gpu();
+        volumes.stream(gpu, list);
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         let passes = &loaded.work.program.passes;
         let makes_volumes = volumes.are_made_per_frame();
@@ -410,6 +432,11 @@ impl VolumeFill {
                         .collect()
                 }
                 _ if steps.has_colour => vec![Some(attached(&colour, wgpu::LoadOp::Load))],
+                _ if steps.first_pass != FirstPass::Stencil => {
+                    let unread = loaded.unread.as_ref();
+                    let unread = unread.map(|view| attached(view, wgpu::LoadOp::Load));
+                    vec![unread]
+                }
                 _ => Vec::new(),
             };
             let stencil = if is_textured {

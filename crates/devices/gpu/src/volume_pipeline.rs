@@ -5,7 +5,7 @@
 
 use crate::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, Gpu};
 use terrafill_fill::{
-    DepthRule, DeviceError, FaceEffect, FaceSet, StencilRule, StencilTest, VolumeState,
+    DepthRule, DeviceError, FaceEffect, FaceSet, FirstPass, StencilRule, StencilTest, VolumeState,
 };
 
 /// Format of the accumulation target: integers to 2²⁴ are exact in it.
@@ -14,8 +14,8 @@ pub(crate) const NUMBER_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Fl
 /// What a backend's volumes are drawn by, apart from the state that the fill asks for.
 #[derive(Debug)]
 pub struct VolumeShader<'a> {
-    /// Vertex and fragment shaders. Of the latter: `no_colour`, `region_colour`, `counted`,
-    /// `number_behind`, `number_before`.
+    /// Vertex and fragment shaders. Of the latter: `no_colour`, `region_colour`, `costly`,
+    /// `counted`, `number_behind`, `number_before`.
     pub module: &'a wgpu::ShaderModule,
     /// Bindings; group 0 holds the view and the volumes' constants.
     pub layout: &'a wgpu::PipelineLayout,
@@ -47,8 +47,12 @@ impl HandedOn {
     #[must_use]
     pub fn of(state: VolumeState) -> Self {
         match state {
+            VolumeState::Mark {
+                first_pass: FirstPass::Colour,
+                ..
+            }
+            | VolumeState::Colour { .. } => Self::Colour,
             VolumeState::Mark { .. } | VolumeState::Count { .. } => Self::Nothing,
-            VolumeState::Colour { .. } => Self::Colour,
             VolumeState::Accumulate { .. } => Self::Number,
         }
     }
@@ -61,9 +65,18 @@ impl VolumeShader<'_> {
     pub fn pipeline(&self, gpu: &Gpu, state: VolumeState, blends: bool) -> wgpu::RenderPipeline {
         let unwritten = target(COLOUR_FORMAT, None, wgpu::ColorWrites::empty());
         let (fragment_entry, target, depth_stencil) = match state {
-            VolumeState::Mark { rule, has_colour } => {
-                let target = has_colour.then_some(unwritten);
-                ("no_colour", target, mark_state(rule))
+            VolumeState::Mark {
+                rule,
+                has_colour,
+                first_pass,
+            } => {
+                let (entry, target) = match first_pass {
+                    FirstPass::Stencil => ("no_colour", has_colour.then_some(unwritten)),
+                    FirstPass::Colour => ("region_colour", Some(colour_target(false))),
+                    FirstPass::Program => ("costly", Some(unwritten)),
+                    FirstPass::ProgramColour => ("costly", Some(colour_target(false))),
+                };
+                (entry, target, mark_state(rule))
             }
             VolumeState::Count { .. } => (
                 "counted",

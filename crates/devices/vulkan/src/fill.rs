@@ -14,8 +14,8 @@ use crate::{
 };
 use std::sync::Arc;
 use terrafill_fill::{
-    Capabilities, Counters, CpuStopwatch, DeviceError, FillPass, FillStep, FrameTimes, MemoryUse,
-    NUMBER_BYTES, Picture, Probed, StencilExecutor, StencilWork, SurfaceView, Switches,
+    Capabilities, Counters, CpuStopwatch, DeviceError, FillPass, FillStep, FirstPass, FrameTimes,
+    MemoryUse, NUMBER_BYTES, Picture, Probed, StencilExecutor, StencilWork, SurfaceView, Switches,
     TexturedPlan, ViewId, VolumeDraw, WorkDone,
 };
 use terrafill_scene::MipChain;
@@ -68,6 +68,9 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         let lacks = |capability: &str| DeviceError::unsupported(capability, &facts.name);
         if switches.texture.is_some() && !facts.features.samples_depth {
             return Err(lacks("reading depth in shaders"));
+        }
+        if switches.first_pass != FirstPass::Stencil {
+            return Err(lacks("fragment programs in the first pass"));
         }
         if switches.depth_bounds && !facts.features.depth_bounds {
             return Err(lacks("depthBounds"));

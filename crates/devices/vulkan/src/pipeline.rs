@@ -119,7 +119,9 @@ pub enum PipelineState {
 impl From<VolumeState> for PipelineState {
     fn from(state: VolumeState) -> Self {
         match state {
-            VolumeState::Mark { rule, has_colour } => Self::Mark { rule, has_colour },
+            VolumeState::Mark {
+                rule, has_colour, ..
+            } => Self::Mark { rule, has_colour },
             VolumeState::Count { faces } => Self::Count { faces },
             VolumeState::Colour { test, faces } => Self::Colour { test, faces },
             VolumeState::Accumulate { depth, faces } => Self::Accumulate { depth, faces },

@@ -39,6 +39,11 @@ pub trait Chapter: Sync {
         Vec::new()
     }
 
+    /// Keys of cases that further processes may decide something of, where more are worth their time.
+    fn undecided(&self, _run: &Run) -> Vec<String> {
+        Vec::new()
+    }
+
     /// Tables derived from the run for people's own tools, such as `summary.csv`.
     ///
     /// # Errors

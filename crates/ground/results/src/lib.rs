@@ -42,6 +42,6 @@ pub use noise::Noise;
 pub use paired::{Shift, rate_bounds};
 pub use plan::{RunPlan, Shard, Skipped};
 pub use random::SplitMix64;
-pub use ratio::{Claim, Estimate, exponent, process_medians, ratio, sample_spread, typical};
+pub use ratio::{Claim, Estimate, exponent, process_medians, ratio, sample_spread, share, typical};
 pub use read::{Case, Outcome, Run, Samples, repeated_cases};
 pub use statistic::{Spread, median, quantile, spread};

@@ -31,6 +31,15 @@ pub enum Claim {
     Faster,
     /// It makes no difference.
     NoDifference,
+    /// It is not faster, and may be slower.
+    NotFaster,
+    /// It is faster by this factor, or slower by one below 1.
+    Factor {
+        /// The factor as stated.
+        of: f64,
+        /// By how many times the statement may be off, 1 or more.
+        within: f64,
+    },
     /// It is faster by less than this factor.
     LessThan(f64),
     /// It is faster by this factor or more.
@@ -43,16 +52,27 @@ impl Claim {
     /// - `gain`: cost before over cost after; without an interval nothing can be told
     #[must_use]
     pub fn standing(self, gain: &Estimate) -> Standing {
+        self.standing_beyond(gain, MIN_DIFFERENCE)
+    }
+
+    /// The same with another idea of what is no difference.
+    ///
+    /// - `band`: ratios closer to 1 than this factor are none; 1 or more
+    #[must_use]
+    pub fn standing_beyond(self, gain: &Estimate, band: f64) -> Standing {
         let Some([low, high]) = gain.interval else {
             return Standing::CannotTell;
         };
-        let least = 1.0 / MIN_DIFFERENCE;
+        let least = 1.0 / band;
         let (holds, fails) = match self {
-            Self::Faster => (low > MIN_DIFFERENCE, high < MIN_DIFFERENCE),
-            Self::NoDifference => (
-                low >= least && high <= MIN_DIFFERENCE,
-                low > MIN_DIFFERENCE || high < least,
-            ),
+            Self::Faster => (low > band, high <= band),
+            Self::NotFaster => (high <= band, low > band),
+            Self::NoDifference => (low >= least && high <= band, low > band || high < least),
+            Self::Factor { of, within } => {
+                let off = within.max(band);
+                let (least, most) = (of / off, of * off);
+                (low >= least && high <= most, low > most || high < least)
+            }
             Self::LessThan(limit) => (high < limit, low > limit),
             Self::AtLeast(limit) => (low >= limit, high < limit),
         };
@@ -109,6 +129,21 @@ pub fn ratio(case: &Case, other: &Case, metric: &str) -> Option<Estimate> {
     let mut random = generator();
     estimate(median(&ratios)?, ratios.len(), || {
         resampled_median(&mut random, &ratios)
+    })
+}
+
+/// Share of `part` in the sum of two metrics of one case that every sample has, over processes; `None`
+/// without a process that measured both.
+#[must_use]
+pub fn share(case: &Case, part: &str, rest: &str) -> Option<Estimate> {
+    let rests = process_medians(case, rest);
+    let shares: Vec<f64> = process_medians(case, part)
+        .iter()
+        .filter_map(|(process, part)| Some(part / (part + rests.get(process)?)))
+        .collect();
+    let mut random = SplitMix64::new();
+    estimate(median(&shares)?, shares.len(), || {
+        random.resampled_median(&shares)
     })
 }
 
@@ -246,6 +281,26 @@ mod tests {
     }
 
     #[test]
+    fn a_share_is_of_both_parts_of_the_same_process() {
+        let share_of = |parts: &[f64], rests: &[f64]| {
+            let mut run = MadeUpRun::default();
+            let case = run.case(case_id("filling", "a", &[]));
+            case.timed("colour_gpu_ms", parts)
+                .timed("stencil_gpu_ms", rests);
+            let folder = tempfile::tempdir().expect("a folder");
+            let run = run.write(folder.path()).expect("a run");
+            share(&run.cases[0], "colour_gpu_ms", "stencil_gpu_ms")
+        };
+        let quarter = share_of(&[1.0, 2.0, 3.0, 4.0, 5.0], &[3.0, 6.0, 9.0, 12.0, 15.0]);
+        let quarter = quarter.expect("five processes");
+        assert_eq!((quarter.middle, quarter.interval), (0.25, Some([0.25; 2])));
+        // Twins: swapped parts, and nothing to share with.
+        let swapped = share_of(&[3.0; 5], &[1.0; 5]).expect("five processes");
+        assert_eq!(swapped.middle, 0.75);
+        assert_eq!(share_of(&[3.0; 5], &[]), None);
+    }
+
+    #[test]
     fn noise_is_called_neither_a_gain_nor_nothing() {
         let before = [10.0, 14.0, 9.0, 12.0, 8.0, 13.0, 10.0];
         let after = [11.0, 10.0, 12.0, 9.0, 11.0, 10.0, 8.0];
@@ -256,7 +311,26 @@ mod tests {
     }
 
     #[test]
+    fn a_gain_of_five_per_cent_is_one_where_noise_is_smaller() {
+        let gain = Estimate {
+            middle: 1.04,
+            interval: Some([1.03, 1.049]),
+            processes: 9,
+        };
+        assert_eq!(Claim::Faster.standing(&gain), Standing::DoesNotHold);
+        assert_eq!(Claim::Faster.standing_beyond(&gain, 1.02), Standing::Holds);
+        let nothing = Claim::NoDifference;
+        assert_eq!(nothing.standing(&gain), Standing::Holds);
+        assert_eq!(nothing.standing_beyond(&gain, 1.02), Standing::DoesNotHold);
+        assert_eq!(nothing.standing_beyond(&gain, 1.035), Standing::CannotTell);
+    }
+
+    #[test]
     fn claims_by_hand() {
+        const HALF: Claim = Claim::Factor {
+            of: 0.5,
+            within: 1.25,
+        };
         let estimate = |low: f64, high: f64| Estimate {
             middle: f64::midpoint(low, high),
             interval: Some([low, high]),
@@ -271,6 +345,13 @@ mod tests {
             (Claim::NoDifference, estimate(0.99, 1.06), CannotTell),
             (Claim::NoDifference, estimate(1.06, 1.3), DoesNotHold),
             (Claim::NoDifference, estimate(0.8, 0.9), DoesNotHold),
+            (Claim::NotFaster, estimate(0.5, 1.01), Holds),
+            (Claim::NotFaster, estimate(0.9, 1.06), CannotTell),
+            (Claim::NotFaster, estimate(1.06, 1.3), DoesNotHold),
+            (HALF, estimate(0.45, 0.6), Holds),
+            (HALF, estimate(0.6, 0.7), CannotTell),
+            (HALF, estimate(0.7, 0.9), DoesNotHold),
+            (HALF, estimate(0.2, 0.3), DoesNotHold),
             (Claim::LessThan(1.5), estimate(1.1, 1.4), Holds),
             (Claim::LessThan(1.5), estimate(1.6, 1.9), DoesNotHold),
             (Claim::LessThan(1.5), estimate(1.4, 1.6), CannotTell),

@@ -62,6 +62,8 @@ pub(crate) struct Place {
     pub(crate) step: &'static str,
     /// What changes, in a sentence.
     pub(crate) change: &'static str,
+    /// The next rung is a step from the rung before this one.
+    pub(crate) is_aside: bool,
 }
 
 /// One case.
@@ -199,6 +201,7 @@ impl Builder<'_> {
                         rung: number,
                         step: rung.step,
                         change: rung.change,
+                        is_aside: rung.is_aside,
                     });
                 }
             }
@@ -404,6 +407,9 @@ impl Builder<'_> {
                 condition("rung", place.rung.to_string()),
                 condition("step", place.step.to_owned()),
             ]);
+            if place.is_aside {
+                conditions.push(condition("aside", "yes".to_owned()));
+            }
         }
         conditions
     }
@@ -413,7 +419,7 @@ impl Builder<'_> {
 /// depth-bounds test, which devices may lack, is left to the ladder.
 fn full_plans(technique: &dyn Technique, overlap: Overlap) -> Vec<Variant> {
     let mut rungs = technique.ladder(overlap);
-    rungs.retain(|rung| !rung.variant.switches.depth_bounds);
+    rungs.retain(|rung| !rung.variant.switches.depth_bounds && !rung.is_aside);
     let last = |has_levels: bool| {
         let mut rungs = rungs.iter().rev();
         let is_it = |variant: &Variant| variant.plan.boundary_lod_px.is_some() == has_levels;

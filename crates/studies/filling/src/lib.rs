@@ -12,6 +12,7 @@
 
 mod cases;
 mod chapter;
+mod claims;
 mod driver_fault;
 mod fingerprint;
 mod images;

@@ -21,7 +21,7 @@ use terrafill_fill::{
     BottomCap, ColourWay, DepthRuleChoice, DeviceError, FacePasses, FillBackend as _, FillInput,
     Frame, StencilClear, Switches,
 };
-use terrafill_scene::{LeftOutReason, Overlap, PlanOptions};
+use terrafill_scene::{LeftOutReason, Overlap, PlanOptions, WallHeights};
 
 /// Every expansion with every culling that goes with it, and either transform.
 fn all_variants() -> Vec<ComputeVariant> {
@@ -146,6 +146,7 @@ const NOTHING_LEFT_OUT: PlanOptions = PlanOptions {
     horizon_culling: false,
     too_small_culling: false,
     boundary_lod_px: None,
+    wall_heights: WallHeights::Region,
 };
 
 #[test]

@@ -59,6 +59,8 @@ impl Technique for ComputeTechnique {
             &[("expansion", "cached")],
         )
         .culling()
+        .caps()
+        .mesh_lod()
         .rest_of_the_way(overlap)
         .rungs()
     }

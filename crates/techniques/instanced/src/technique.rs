@@ -46,6 +46,8 @@ impl Technique for InstancedTechnique {
              surface count, nothing culled, colour by drawing the volumes again",
         )
         .culling()
+        .caps()
+        .mesh_lod()
         .rest_of_the_way(overlap)
         .rungs()
     }

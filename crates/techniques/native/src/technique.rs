@@ -92,6 +92,8 @@ impl Technique for NativeTechnique {
             "boundary edges as line strips in a draw of their own instead of among the triangles",
             &[("technique", "gs-line")],
         )
+        .caps()
+        .mesh_lod()
         .rest_of_the_way(overlap)
         // Last, since where the device has none the rungs after it would have no result either.
         .switch(

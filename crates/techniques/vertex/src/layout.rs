@@ -3,7 +3,7 @@
 //!
 //! Indices are 16 bits where a region's vertices fit and 32 where they do not, region by region.
 
-use crate::{IndexOrder, Layout, VertexVariant, cache_ordered};
+use crate::{IndexOrder, Layout, VertexOrder, VertexVariant, cache_ordered};
 use glam::{DVec3, IVec3, Vec3};
 use std::borrow::Cow;
 use std::collections::HashSet;
@@ -22,8 +22,7 @@ fn has_short_indices(layout: Layout, vertices: usize) -> bool {
     copies * vertices <= MAX_SHORT_INDICES
 }
 
-/// Bytes of a stored flag in layout `separate`. One would do, and was enough in 2007; WebGPU wants
-/// strides in multiples of four.
+/// Bytes of a stored flag in layout `separate`. One would do; WebGPU wants strides in multiples of four.
 pub const FLAG_BYTES: usize = 4;
 
 /// Bytes that `mesh` takes in a layout with nothing else chosen: see [`variant_bytes`].
@@ -44,8 +43,8 @@ pub fn layout_bytes(layout: Layout, mesh: &RegionMesh) -> GeometryBytes {
 /// - `separate`: 2·12·v and indices as `doubled`, plus what all regions share
 ///   ([`shared_flag_bytes`]);
 /// - `per-triangle`: 2·16·v + i·24t, two caps of 3 and three walls of 6 indices a triangle. Strips
-///   of 4 would be 18 without restarts ([`per_triangle_volume_bytes`], as the 2007 document counts
-///   them) and 21 with them;
+///   of 4 would be 18 without restarts ([`per_triangle_volume_bytes`], as the 2007 document's total
+///   counts them, though its text says 24) and 21 with them;
 /// - `pulled`: 12·v + i·(3t + e + 2l), the loops closed and followed by a separator.
 ///
 /// Positions of two floats take 24 bytes for 12: 12·v more where vertices are stored once, 2·12·v
@@ -89,7 +88,8 @@ pub fn shared_mesh_bytes(vertices: u64, vertex_size: u64, indices: u64, index_si
 }
 
 /// Bytes of one closed volume per triangle over doubled vertices. Per triangle 18 indices: two caps
-/// of 3 and three walls of 4. Cozzi (2007): the same California, 90,540 bytes.
+/// of 3 and three walls of 4. Cozzi (2007): the same California, 90,540 bytes; with the 24 indices that its text gives
+/// a volume it is 103,824.
 #[must_use]
 pub fn per_triangle_volume_bytes(
     vertices: u64,
@@ -171,15 +171,25 @@ impl SceneGeometry {
         reason = "buffers are refused by the device long before 2^32 elements"
     )]
     fn push(&mut self, variant: &VertexVariant, mesh: &RegionMesh) {
+        let ordered;
+        let mesh = match variant.vertex_order {
+            VertexOrder::Mesh => mesh,
+            VertexOrder::FirstUse => {
+                ordered = first_use_ordered(mesh, variant.index_order);
+                &ordered
+            }
+        };
         let fixed = FixedPoint::for_mesh(mesh);
         let first_vertex = (self.vertices.len() / variant.vertex_words()) as u32;
         for vertex in &mesh.vertices_ecef {
             let stored = store(&fixed, variant.positions, *vertex);
             self.push_vertex(variant, &stored[..variant.positions.words()]);
         }
-        let triangles = match variant.index_order {
-            IndexOrder::Mesh => Cow::Borrowed(mesh.triangles.as_slice()),
-            IndexOrder::Cache => cache_ordered(&mesh.triangles, mesh.vertices_ecef.len()),
+        let triangles = match (variant.index_order, variant.vertex_order) {
+            (IndexOrder::Cache, VertexOrder::Mesh) => {
+                cache_ordered(&mesh.triangles, mesh.vertices_ecef.len())
+            }
+            _ => Cow::Borrowed(mesh.triangles.as_slice()),
         };
         let layout = variant.layout;
         let short_indices = has_short_indices(layout, mesh.vertices_ecef.len());
@@ -324,6 +334,46 @@ impl SceneGeometry {
     }
 }
 
+/// The same mesh with its vertices in the order in which its triangles, then its loops, first use them;
+/// what nothing uses comes last.
+///
+/// - `order`: of the triangles, as they will be stored
+fn first_use_ordered(mesh: &RegionMesh, order: IndexOrder) -> RegionMesh {
+    const NOT_YET: u32 = u32::MAX;
+    let triangles = match order {
+        IndexOrder::Mesh => Cow::Borrowed(mesh.triangles.as_slice()),
+        IndexOrder::Cache => cache_ordered(&mesh.triangles, mesh.vertices_ecef.len()),
+    };
+    let mut place = vec![NOT_YET; mesh.vertices_ecef.len()];
+    let mut ordered = RegionMesh {
+        vertices_ecef: Vec::with_capacity(place.len()),
+        vertices_deg: Vec::with_capacity(place.len()),
+        ..mesh.clone()
+    };
+    let loops = mesh.boundary_loops.iter().flatten().copied();
+    let used = triangles.as_flattened().iter().copied().chain(loops);
+    let all = (0..).take(mesh.vertices_ecef.len());
+    let mut next = 0;
+    for vertex in used.chain(all) {
+        if place[vertex as usize] == NOT_YET {
+            place[vertex as usize] = next;
+            next += 1;
+            ordered
+                .vertices_ecef
+                .push(mesh.vertices_ecef[vertex as usize]);
+            ordered
+                .vertices_deg
+                .push(mesh.vertices_deg[vertex as usize]);
+        }
+    }
+    let moved = |vertex: u32| place[vertex as usize];
+    ordered.triangles = triangles.iter().map(|corners| corners.map(moved)).collect();
+    for vertex in ordered.boundary_loops.iter_mut().flatten() {
+        *vertex = moved(*vertex);
+    }
+    ordered
+}
+
 /// The two triangles that a strip of 2·start, 2·start + 1, 2·end, 2·end + 1 has.
 fn wall_triangles(start: u32, end: u32) -> [[u32; 3]; 2] {
     [
@@ -414,6 +464,29 @@ mod tests {
                 assert_eq!(built, formula, "{variant:?} {count}");
             }
         }
+    }
+
+    #[test]
+    fn vertices_in_the_order_of_their_use_are_the_same_mesh() {
+        // Triangles that use the last vertex first.
+        let mesh = disc(9);
+        let ordered = first_use_ordered(&mesh, IndexOrder::Mesh);
+        let mut next = 0;
+        for &corner in ordered.triangles.as_flattened() {
+            assert!(corner <= next, "{corner} after {next}");
+            next = next.max(corner + 1);
+        }
+        // Twin: as the mesher left them they are in no such order.
+        assert!(mesh.triangles[0].iter().any(|&corner| corner > 2));
+        let places = |mesh: &RegionMesh| -> Vec<DVec3> {
+            let loops = mesh.boundary_loops.iter().flatten();
+            let used = mesh.triangles.as_flattened().iter().chain(loops);
+            used.map(|&vertex| mesh.vertices_ecef[vertex as usize])
+                .collect()
+        };
+        assert_eq!(places(&ordered), places(&mesh));
+        assert_eq!(ordered.vertices_ecef.len(), mesh.vertices_ecef.len());
+        assert_eq!(ordered.vertices_deg.len(), mesh.vertices_deg.len());
     }
 
     #[test]

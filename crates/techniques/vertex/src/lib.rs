@@ -5,7 +5,7 @@
 //! along its boundary. Drawn into the stencil with depth-fail counting, the solid marks the surface
 //! pixels inside it, and a screen-space pass colours them. The technique is Cozzi's (2007), after
 //! Heidmann (1991) and Carmack's depth-fail variant (2000); this backend is its vertex-shader form,
-//! in the layouts that the document compared and one that duplicates no vertex.
+//! in the layouts that the document used or considered and one that duplicates no vertex.
 
 mod cache_order;
 mod layout;
@@ -23,4 +23,6 @@ pub use layout::{
 };
 pub use pass::VertexBackend;
 pub use technique::VertexTechnique;
-pub use variant::{IndexOrder, Layout, VertexSize, VertexVariant, Walls};
+pub use variant::{
+    BOTTOM_PX, Bottom, Buffers, IndexOrder, Layout, VertexOrder, VertexSize, VertexVariant, Walls,
+};

@@ -3,7 +3,7 @@
 
 use crate::layout::{RegionSlice, SceneGeometry};
 use crate::pipeline::{Part, PipelineKey, Pipelines, draws_first_walls_twice, parts};
-use crate::{Layout, VertexVariant};
+use crate::{Buffers, Layout, VertexVariant};
 use std::ops::Range;
 use terrafill_fill::{
     DeviceError, FillInput, GeometryBytes, IndexLists, MemoryUse, PositionFormat, RegionVolumes,
@@ -36,7 +36,16 @@ struct SceneBuffers {
     short: Vec<u16>,
     /// Layout `pulled`: the vertices with the short and with the long indices.
     pulled: Option<[wgpu::BindGroup; 2]>,
+    /// What is handed over anew in every frame, if it is.
+    streamed: Option<Streamed>,
     bytes: GeometryBytes,
+}
+
+/// What is handed over in every frame, beside [`SceneBuffers::short`].
+#[derive(Debug)]
+struct Streamed {
+    vertices: Vec<i32>,
+    long: Vec<u32>,
 }
 
 impl RegionVolumes for VertexVolumes {
@@ -113,6 +122,10 @@ impl RegionVolumes for VertexVolumes {
         };
         let pulled =
             (layout == Layout::Pulled).then(|| [bind(&short_indices), bind(&long_indices)]);
+        let streamed = (self.variant.buffers == Buffers::Streamed).then(|| Streamed {
+            vertices: geometry.vertices,
+            long: geometry.indices.long,
+        });
         self.scene = Some(SceneBuffers {
             regions: geometry.regions,
             vertices,
@@ -121,6 +134,7 @@ impl RegionVolumes for VertexVolumes {
             long_indices,
             short: geometry.indices.short,
             pulled,
+            streamed,
             bytes,
         });
         Ok(())
@@ -150,6 +164,7 @@ impl RegionVolumes for VertexVolumes {
             let first_byte = u64::from(slice.place.first_vertex) * vertex_bytes;
             let vertices = bytemuck::cast_slice(&geometry.vertices);
             gpu.write_buffer(&scene.vertices, first_byte, vertices);
+            scene.keep_streamed(&slice, &geometry, self.variant.vertex_words());
             scene.write_indices(&gpu, slice.indices(), &geometry.indices);
             scene.regions[mesh] = slice;
         }
@@ -158,6 +173,43 @@ impl RegionVolumes for VertexVolumes {
 }
 
 impl SceneBuffers {
+    /// Holds a region's new geometry for the frames to come, where they are handed it.
+    fn keep_streamed(&mut self, slice: &RegionSlice, new: &SceneGeometry, words: usize) {
+        if let Some(streamed) = &mut self.streamed {
+            let first = slice.place.first_vertex as usize * words;
+            streamed.vertices[first..first + new.vertices.len()].copy_from_slice(&new.vertices);
+            if !new.indices.long.is_empty() {
+                streamed.long[slice.indices()].copy_from_slice(&new.indices.long);
+            }
+        }
+    }
+
+    /// Hands over the regions of `list` anew.
+    fn stream(&self, gpu: &Gpu, list: &VolumeList, words: usize) {
+        let Some(streamed) = &self.streamed else {
+            return;
+        };
+        for volume in 0..list.volumes.len() {
+            let slice = self.slice(list, volume);
+            let first = slice.place.first_vertex as usize * words;
+            let vertices = &streamed.vertices[first..][..slice.vertex_count as usize * words];
+            let first_byte = 4 * first as u64;
+            gpu.write_buffer(&self.vertices, first_byte, bytemuck::cast_slice(vertices));
+            if slice.place.has_short_indices {
+                let (first_byte, pairs) = whole_words(&self.short, slice.indices());
+                gpu.write_buffer(
+                    &self.short_indices,
+                    first_byte,
+                    bytemuck::cast_slice(&pairs),
+                );
+            } else {
+                let first_byte = 4 * slice.indices().start as u64;
+                let long = bytemuck::cast_slice(&streamed.long[slice.indices()]);
+                gpu.write_buffer(&self.long_indices, first_byte, long);
+            }
+        }
+    }
+
     /// Writes the indices of a region, which are all of one width.
     fn write_indices(&mut self, gpu: &Gpu, range: Range<usize>, indices: &IndexLists) {
         if !indices.long.is_empty() {
@@ -231,6 +283,12 @@ impl Volumes for VertexVolumes {
                 };
                 self.pipelines.ensure(gpu, key);
             }
+        }
+    }
+
+    fn stream(&mut self, gpu: &Gpu, list: &VolumeList) {
+        if let Some(scene) = &self.scene {
+            scene.stream(gpu, list, self.variant.vertex_words());
         }
     }
 

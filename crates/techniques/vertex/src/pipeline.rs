@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pipelines that draw volumes.
 
-use crate::{FLAG_BYTES, Layout, VertexVariant};
+use crate::{BOTTOM_PX, Bottom, FLAG_BYTES, Layout, VertexVariant};
 use std::collections::HashMap;
 use terrafill_fill::{DeviceError, FaceSet, PositionFormat, VolumeState};
 use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
@@ -130,11 +130,18 @@ impl Pipelines {
             (true, true) => Vertices::StoredTwoFloat,
             (false, _) => Vertices::Pulled,
         };
+        let positions = ("POSITIONS", positions_number(self.variant.positions));
+        let bottom = match self.variant.bottom {
+            Bottom::Planned => 0.0,
+            Bottom::Pixels => BOTTOM_PX,
+        };
+        let constants = [positions, ("BOTTOM_PX", bottom)];
+        let of_layout = usize::from(vertices == Vertices::Stored);
         let shader = VolumeShader {
             module: &self.shader,
             layout: &self.layout,
             vertex_entry: entry_point(vertices, key.part, HandedOn::of(key.state)),
-            constants: &[("POSITIONS", positions_number(self.variant.positions))],
+            constants: &constants[..1 + of_layout],
             buffers: &buffers,
             strip_index_format: self.strip_format(key.part),
             front_face: match key.part {

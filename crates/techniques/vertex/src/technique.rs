@@ -27,6 +27,9 @@ const PARAMETERS: &[Parameter] = &[
     Parameter::one_of("walls", &["strip", "list"]),
     Parameter::one_of("index-order", &["mesh", "cache"]),
     Parameter::one_of("vertex-bytes", &["16", "20"]),
+    Parameter::one_of("vertex-order", &["mesh", "first-use"]),
+    Parameter::one_of("buffers", &["kept", "streamed"]),
+    Parameter::one_of("bottom", &["planned", "pixels"]),
     Parameter {
         key: "opacity",
         values: Values::Percent,
@@ -87,36 +90,61 @@ impl Technique for VertexTechnique {
 
     fn ladder(&self, overlap: Overlap) -> Vec<Rung> {
         Climb::start(
-            self.main(overlap).with("layout", "per-triangle"),
+            self.main(overlap)
+                .with("layout", "per-triangle")
+                .with("buffers", "streamed"),
             "a closed volume for every triangle; two passes, fragments behind the surface count, \
-             nothing culled, colour by drawing the volumes again",
+             nothing culled, colour by drawing the volumes again, vertices and indices handed over in \
+             every frame",
         )
         .own(
             "one-volume",
-            "one volume for each region: caps, and walls along the boundary only",
-            &[("layout", "separate"), ("walls", "list")],
+            "one volume for each region: caps, and walls along the boundary only; 20 bytes a vertex",
+            &[
+                ("layout", "doubled"),
+                ("walls", "list"),
+                ("vertex-bytes", "20"),
+            ],
         )
         .culling()
         .own(
-            "buffer-layout",
-            "flag and position in one buffer, 20 bytes a vertex, instead of the flags in their own",
-            &[("layout", "doubled"), ("vertex-bytes", "20")],
+            "buffers",
+            "vertices and indices are kept on the device instead of handed over in every frame",
+            &[("buffers", "kept")],
         )
         .own(
             "strips",
             "walls as strips instead of lists",
             &[("walls", "strip")],
         )
-        .own(
-            "cache-order",
-            "cap triangles in the order of a post-transform vertex cache",
-            &[("index-order", "cache")],
+        .own_aside(
+            "vertex-order",
+            "vertices stored in the order of their first use, for the cache before the vertex shader",
+            &[("vertex-order", "first-use")],
         )
         .own(
             "vertex-size",
             "16 bytes a vertex instead of 20",
             &[("vertex-bytes", "16")],
         )
+        .own_aside(
+            "shared-flags",
+            "flags in a buffer that all regions share instead of beside each position",
+            &[("layout", "separate")],
+        )
+        .caps()
+        .experiments()
+        .own_aside(
+            "walls-pixels",
+            "the bottom of each vertex goes down by 2 pixels at its distance, where that is lower",
+            &[("bottom", "pixels")],
+        )
+        .own(
+            "cache-order",
+            "cap triangles in the order of a post-transform vertex cache",
+            &[("index-order", "cache")],
+        )
+        .mesh_lod()
         .rest_of_the_way(overlap)
         .rungs()
     }

@@ -84,6 +84,42 @@ pub enum VertexSize {
     Bytes20,
 }
 
+/// In which order vertices are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum VertexOrder {
+    /// As the mesher left them.
+    #[default]
+    Mesh,
+    /// As the indices first use them, for the cache before the vertex shader.
+    FirstUse,
+}
+
+/// Whether the device keeps geometry.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Buffers {
+    /// Uploaded once.
+    #[default]
+    Kept,
+    /// Vertices and indices of the regions drawn are handed over anew in every frame: the nearest to
+    /// the vertex arrays of 2007, which today's interfaces do not have.
+    Streamed,
+}
+
+/// Where the flagged copy of a vertex goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Bottom {
+    /// To the height that the frame plan gives the region.
+    #[default]
+    Planned,
+    /// Lower, where the vertex is far: by as many metres as [`BOTTOM_PX`] pixels are at its distance from
+    /// the eye. So did the vertex shader of the 2007 document, for planets that are drawn coarser from
+    /// afar.
+    Pixels,
+}
+
+/// Pixels of [`Bottom::Pixels`]: the larger of the two that the 2007 document names as usual.
+pub const BOTTOM_PX: f64 = 2.0;
+
 /// A variant: how geometry is stored, and the switches of the fill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct VertexVariant {
@@ -95,6 +131,12 @@ pub struct VertexVariant {
     pub walls: Walls,
     /// In which order cap triangles lie.
     pub index_order: IndexOrder,
+    /// In which order vertices are stored.
+    pub vertex_order: VertexOrder,
+    /// Whether the device keeps them.
+    pub buffers: Buffers,
+    /// Where flagged vertices go.
+    pub bottom: Bottom,
     /// Bytes of a vertex.
     pub vertex_size: VertexSize,
     /// Opacity of regions in pictures for people, percent: below 100 they are blended over what
@@ -111,6 +153,9 @@ impl Default for VertexVariant {
             positions: PositionFormat::default(),
             walls: Walls::default(),
             index_order: IndexOrder::default(),
+            vertex_order: VertexOrder::default(),
+            buffers: Buffers::default(),
+            bottom: Bottom::default(),
             vertex_size: VertexSize::default(),
             opacity_percent: 100,
             switches: Switches::default(),
@@ -137,6 +182,21 @@ impl VertexVariant {
             index_order: variant.choice(
                 "index-order",
                 &[("mesh", IndexOrder::Mesh), ("cache", IndexOrder::Cache)],
+            )?,
+            vertex_order: variant.choice(
+                "vertex-order",
+                &[
+                    ("mesh", VertexOrder::Mesh),
+                    ("first-use", VertexOrder::FirstUse),
+                ],
+            )?,
+            buffers: variant.choice(
+                "buffers",
+                &[("kept", Buffers::Kept), ("streamed", Buffers::Streamed)],
+            )?,
+            bottom: variant.choice(
+                "bottom",
+                &[("planned", Bottom::Planned), ("pixels", Bottom::Pixels)],
             )?,
             vertex_size: variant.choice(
                 "vertex-bytes",
@@ -169,6 +229,25 @@ impl VertexVariant {
                 switch: "walls",
                 found: format!("list with layout={layout}, whose walls are never strips"),
                 allowed: "none, or layout=doubled or separate".to_owned(),
+            });
+        }
+        let has_stored_flags = self.layout.is_doubled() && self.positions.words() == 3;
+        if self.bottom == Bottom::Pixels && !has_stored_flags {
+            return Err(SwitchError {
+                switch: "bottom",
+                found: format!(
+                    "pixels with layout={layout} and positions={}",
+                    self.positions.name()
+                ),
+                allowed: "planned, or a layout that stores flags and positions of 12 bytes"
+                    .to_owned(),
+            });
+        }
+        if self.buffers == Buffers::Streamed && self.layout == Layout::Separate {
+            return Err(SwitchError {
+                switch: "buffers",
+                found: "streamed with layout=separate, whose flags belong to no region".to_owned(),
+                allowed: "kept, or another layout".to_owned(),
             });
         }
         if self.vertex_size == VertexSize::Bytes20 && self.layout != Layout::Doubled {

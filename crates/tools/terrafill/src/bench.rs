@@ -7,6 +7,7 @@ use crate::gate::finish;
 use crate::outcome::{Failure, Outcome, complain, print};
 use crate::progress::Said;
 use crate::registry::{STUDIES, chapters, metrics};
+use std::ffi::OsStr;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::rc::Rc;
@@ -14,7 +15,7 @@ use std::sync::mpsc::Receiver;
 use terrafill_fill::Devices;
 use terrafill_gpu::shared_gpu;
 use terrafill_report::{ReportError, WrittenReport};
-use terrafill_results::RunFolder;
+use terrafill_results::{Run, RunFolder};
 use terrafill_scene::data_dir_from_env;
 use terrafill_study::{
     Depth, FramesPerSample, Request, RunOptions, RunOutcome, Study, StudyError, Turn, Turns,
@@ -22,6 +23,10 @@ use terrafill_study::{
 
 /// Processes of a run: fewer than three show no spread.
 const PROCESSES: u32 = 3;
+
+/// Processes of a run at most where something is still undecided after [`PROCESSES`]: twelve narrow an
+/// interval to half of what six give, and as many again would narrow it by a third.
+const MAX_PROCESSES: u32 = 12;
 
 /// Blocks dropped at the start of each process: caches, clock rates and lazily made pipelines settle.
 const WARM_UP: u32 = 2;
@@ -89,7 +94,10 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     }
     drop(devices);
     for process in 1..processes {
-        run_process(process)?;
+        run_process(process, &[])?;
+    }
+    if depth != Depth::Quick && arguments.processes.is_none() {
+        decide(arguments, processes)?;
     }
     let outcome = RunOutcome::of(&arguments.out).map_err(Failure::bad_input)?;
     let driver_fault = match outcome.driver_fault {
@@ -217,12 +225,37 @@ fn open_folder(
     RunFolder::create(path, environment, run_plan.clone(), metrics()).map_err(Failure::bad_input)
 }
 
-/// Measures everything once more in a process of its own.
-fn run_process(process: u32) -> Result<(), Failure> {
+/// Measures what chapters cannot decide yet in further processes, until they can or there are
+/// [`MAX_PROCESSES`].
+fn decide(arguments: &BenchArguments, processes: u32) -> Result<(), Failure> {
+    for process in processes..MAX_PROCESSES {
+        let run = Run::load(&arguments.out).map_err(Failure::bad_input)?;
+        let undecided: Vec<String> = chapters()
+            .iter()
+            .flat_map(|chapter| chapter.undecided(&run))
+            .collect();
+        if undecided.is_empty() {
+            break;
+        }
+        complain(format!(
+            "process {process}: {} cases once more, of which something is undecided",
+            undecided.len()
+        ));
+        let file = arguments.out.join("undecided.txt");
+        std::fs::write(&file, undecided.join("\n")).map_err(Failure::bad_input)?;
+        run_process(process, &[OsStr::new("--time-only"), file.as_os_str()])?;
+        std::fs::remove_file(&file).map_err(Failure::bad_input)?;
+    }
+    Ok(())
+}
+
+/// Measures once more in a process of its own: everything, or what further arguments say.
+fn run_process(process: u32, more: &[&OsStr]) -> Result<(), Failure> {
     let this = std::env::current_exe().map_err(Failure::bad_input)?;
     let mut child = Command::new(this)
         .args(std::env::args_os().skip(1))
         .arg(format!("--process={process}"))
+        .args(more)
         .stdin(Stdio::piped())
         .spawn()
         .map_err(Failure::bad_input)?;

@@ -3,9 +3,11 @@
 
 use crate::request::STUDY;
 use std::collections::{BTreeMap, BTreeSet};
-use terrafill_plot::number::times;
+use terrafill_plot::number::{significant, times};
+use terrafill_results::threshold::MIN_DIFFERENCE;
 use terrafill_results::{
-    Case, Cell, Estimate, Heading, Noise, Run, Spread, process_medians, ratio, sample_spread,
+    Case, Cell, Estimate, Heading, Noise, REPEATS, Run, Spread, process_medians, ratio,
+    sample_spread,
 };
 
 /// Full-screen pass that reads depth in a shader and writes a constant.
@@ -23,7 +25,8 @@ const DEFAULT_SIZE: (u32, u32) = (1024, 1024);
 const LEVELS: &str = "boundary-lod-px";
 
 /// Conditions that say which case it is and not how its technique is set.
-const NO_SWITCHES: [&str; 9] = [
+const NO_SWITCHES: [&str; 10] = [
+    "aside",
     "scene",
     "view",
     "technique",
@@ -32,8 +35,12 @@ const NO_SWITCHES: [&str; 9] = [
     "role",
     "rung",
     "step",
-    terrafill_results::REPEATS,
+    REPEATS,
 ];
+
+/// Least band of no difference: clocks of software devices step by less, and what two of three pairs of
+/// identical work happen to agree by says little.
+const MIN_BAND: f64 = 1.005;
 
 /// Roles of cases that have a chapter of their own and no place in their scene's tables.
 const UNLISTED_ROLES: [&str; 4] = ["ladder", "matrix", "subdivision", "texture"];
@@ -147,6 +154,59 @@ impl<'a> Data<'a> {
     pub(super) fn ratio_text(&self, ratio: &Estimate) -> String {
         let is_tie = self.noise.is_some_and(|noise| noise.is_tie(ratio.middle));
         format!("{}{}", times(ratio), if is_tie { " (tie)" } else { "" })
+    }
+
+    /// Ratios closer to 1 than this factor are no difference in a scene's ladder: the largest gap between
+    /// two measurements of identical work there.
+    pub(super) fn band(&self, scene: &str) -> f64 {
+        let noise = self.ladder_noise(scene);
+        noise.map_or(MIN_DIFFERENCE, |noise| noise.max_factor().max(MIN_BAND))
+    }
+
+    fn ladder_noise(&self, scene: &str) -> Option<Noise> {
+        let own = || {
+            self.run
+                .cases
+                .iter()
+                .filter(|case| case.id().study == STUDY)
+        };
+        let of_scene = || own().filter(|case| case.condition("scene") == scene);
+        let of_ladder = of_scene().filter(|case| has_role(case, "ladder"));
+        Noise::of(of_ladder, self.metric).or_else(|| Noise::of(of_scene(), self.metric))
+    }
+
+    /// What is taken as no difference, in a sentence.
+    pub(super) fn band_sentence(&self, scene: Option<&str>) -> String {
+        let Some(scene) = scene else {
+            return String::new();
+        };
+        let percent = significant(100.0 * (self.band(scene) - 1.0));
+        match self.ladder_noise(scene) {
+            Some(noise) => format!(
+                "Less than {percent} % either way is no difference: by so much identical work differed in \
+                 this run, measured twice under {} names.",
+                noise.pairs
+            ),
+            None => format!(
+                "Less than {percent} % either way is taken as no difference: this run measured no identical \
+                 work twice."
+            ),
+        }
+    }
+
+    /// Twins of the cases with these keys, and of what else stands on their ladder.
+    pub(super) fn ladder_twins(&self, keys: &[String]) -> Vec<String> {
+        let scenes = self
+            .cases
+            .iter()
+            .filter(|case| keys.contains(&case.id().key()));
+        let scenes = distinct(scenes.map(|case| case.condition("scene")));
+        let twins = self.run.cases.iter().filter(|case| {
+            case.is_twin() && has_role(case, "ladder") && scenes.contains(&case.condition("scene"))
+        });
+        let both = twins.flat_map(|twin| [twin.id().key(), twin.condition(REPEATS).to_owned()]);
+        let new = both.filter(|key| !keys.contains(key));
+        distinct(new)
     }
 
     /// The same as a cell.

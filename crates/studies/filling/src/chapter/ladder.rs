@@ -2,106 +2,47 @@
 //! The ladder: what each switch gives on the way from the method of 2007 to the full plan, and whether
 //! what was found then is still found.
 //!
-//! A rung is compared with the last one before it whose picture is right. Claims are compared with the
-//! measured interval; nothing here knows what came out.
+//! A rung is compared with the last one before it on the way whose picture is right; what stands aside is
+//! on no way. Claims are compared with the measured interval; nothing here knows what came out.
 
 use super::data::{Data, counter, distinct, name};
+use super::{claims, fill_rate};
 use terrafill_plot::number::{bytes, count, significant, times};
 use terrafill_plot::{RatioAxis, Step, Steps};
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Claim, Estimate, Finding, Heading, Outcome, Plot, Row,
-    Standing, Table,
+    Block, Case, Cell, ChapterError, Estimate, Heading, Outcome, Plot, Row, Table,
 };
-
-/// What Cozzi (2007) found for a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct PublishedFinding {
-    /// The step that repeats the experiment.
-    pub(super) step: &'static str,
-    /// In one sentence.
-    pub(super) sentence: &'static str,
-    /// The same as a claim about the gain.
-    pub(super) claim: Claim,
-}
-
-/// Findings in the document's own order.
-pub(super) const FINDINGS: [PublishedFinding; 7] = [
-    PublishedFinding {
-        step: "back-faces",
-        sentence: "Culling back faces in the colour pass was kept as a gain.",
-        claim: Claim::Faster,
-    },
-    PublishedFinding {
-        step: "buffer-layout",
-        sentence: "How the flag was laid out in buffers made no difference.",
-        claim: Claim::NoDifference,
-    },
-    PublishedFinding {
-        step: "strips",
-        sentence: "Strips instead of lists made no difference.",
-        claim: Claim::NoDifference,
-    },
-    PublishedFinding {
-        step: "cache-order",
-        sentence: "Ordering triangles for the vertex cache made no difference.",
-        claim: Claim::NoDifference,
-    },
-    PublishedFinding {
-        step: "vertex-size",
-        sentence: "Smaller vertices made no difference.",
-        claim: Claim::NoDifference,
-    },
-    PublishedFinding {
-        step: "bottom-cap",
-        sentence: "Leaving the bottom cap out was kept as a gain.",
-        claim: Claim::Faster,
-    },
-    PublishedFinding {
-        step: "z-pass",
-        sentence: "Counting fragments in front of the surface was faster than behind it.",
-        claim: Claim::Faster,
-    },
-];
 
 /// Where the findings come from, as printed.
 pub(super) const SOURCE: &str = "Cozzi (2007)";
-
-/// The view whose limit was fill rate.
-const FILL_RATE_VIEW: &str = "horizon";
-
-const FILL_RATE_SENTENCE: &str =
-    "Along the horizon fill rate is the limit, not the number of vertices.";
-
-/// Fragments that differ by less than this factor are the same work.
-const SAME_FRAGMENTS: f64 = 1.05;
-
-/// How many times fewer vertices a view must draw to show whether they are the limit.
-const MIN_FEWER_VERTICES: f64 = 1.2;
 
 /// Ratios of this chapter's axes.
 pub(super) const AXIS_ONE: &str = "depth-pass = 1";
 
 /// One rung as measured.
-struct Rung<'a> {
+pub(super) struct Rung<'a> {
     number: u32,
-    step: &'a str,
-    case: &'a Case,
-    /// The last right rung before it.
-    before: Option<&'a Case>,
+    pub(super) step: &'a str,
+    pub(super) case: &'a Case,
+    /// Beside the way: nothing is compared with it.
+    pub(super) is_aside: bool,
+    /// The last right rung before it on the way.
+    pub(super) before: Option<&'a Case>,
     /// Time of that rung over this one's.
-    gain: Option<Estimate>,
+    pub(super) gain: Option<Estimate>,
 }
 
 /// A ladder on one view.
-struct Ladder<'a> {
-    title: String,
-    view: &'a str,
-    rungs: Vec<Rung<'a>>,
+pub(super) struct Ladder<'a> {
+    pub(super) title: String,
+    pub(super) scene: &'a str,
+    pub(super) view: &'a str,
+    pub(super) technique: &'a str,
+    pub(super) rungs: Vec<Rung<'a>>,
 }
 
 /// Every ladder of the run.
-pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
-    let ladders = ladders(data);
+pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<Vec<Block>, ChapterError> {
     if ladders.is_empty() {
         return Ok(Vec::new());
     }
@@ -109,20 +50,24 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
         Block::section("From 2007 to the full plan"),
         Block::Text(format!(
             "One switch at a time, from the un-optimised method to the full plan. Gain = {} of the \
-             last right step before ÷ this step's, paired by process; above 1 is faster. After each \
-             table: what {SOURCE} found for the steps that repeat its experiments, and whether the \
-             interval measured here says so still. Less than 5 % either way counts as no difference.",
-            data.run.clock().name()
+             last right step before ÷ this step's, paired by process; above 1 is faster. A step aside is \
+             an experiment that the next step does not keep. After each table of the vertex shader: what \
+             {SOURCE} says of the steps that repeat its experiments, and whether the interval measured \
+             here agrees. {}",
+            data.run.clock().name(),
+            data.band_sentence(ladders.first().map(|ladder| ladder.scene)),
         )),
-        Block::Table(overview(data, &ladders)),
+        Block::Table(overview(data, ladders)),
     ];
-    for ladder in &ladders {
+    blocks.extend(fill_rate::blocks(data, ladders));
+    for ladder in ladders {
         blocks.extend(ladder_blocks(data, ladder)?);
     }
     Ok(blocks)
 }
 
-fn ladders<'a>(data: &Data<'a>) -> Vec<Ladder<'a>> {
+/// Every ladder of the run.
+pub(super) fn ladders<'a>(data: &Data<'a>) -> Vec<Ladder<'a>> {
     let rungs = || {
         data.cases
             .iter()
@@ -134,7 +79,9 @@ fn ladders<'a>(data: &Data<'a>) -> Vec<Ladder<'a>> {
         let [scene, view, technique] = of;
         Ladder {
             title: format!("{scene}, {view}: {technique}"),
+            scene,
             view,
+            technique,
             rungs: climb(data, rungs().filter(|case| key(case) == of)),
         }
     };
@@ -153,12 +100,49 @@ fn climb<'a>(data: &Data<'a>, cases: impl Iterator<Item = &'a Case>) -> Vec<Rung
             number,
             step: case.condition("step"),
             case,
+            is_aside: is_aside(case),
             before,
             gain: before.and_then(|before| data.over(before, case)),
         });
-        before = Some(case).filter(|case| case.counts()).or(before);
+        before = Some(case)
+            .filter(|case| case.counts() && !is_aside(case))
+            .or(before);
     }
     rungs
+}
+
+fn is_aside(case: &Case) -> bool {
+    case.condition("aside") == "yes"
+}
+
+/// What a step changes of the work that is done, in a sentence: why its gain may be what it is.
+pub(super) fn counters(before: &Case, after: &Case) -> String {
+    let metrics = [
+        ("vertices", "vertices"),
+        ("stencil fragments", "stencil_fragments"),
+        (
+            "fragments shaded in the second pass",
+            "fragment_shader_invocations",
+        ),
+        ("draws", "draws"),
+        ("geometry bytes", "geometry_bytes"),
+        ("bytes handed over a frame", "upload_bytes"),
+    ];
+    let changed = metrics.iter().filter_map(|(name, metric)| {
+        let values = [counter(before, metric)?, counter(after, metric)?];
+        let print = if metric.ends_with("bytes") {
+            bytes
+        } else {
+            count
+        };
+        (values[0] != values[1])
+            .then(|| format!("{name} {} → {}", print(values[0]), print(values[1])))
+    });
+    let changed: Vec<String> = changed.collect();
+    match changed.is_empty() {
+        true => "the same vertices, fragments, draws and bytes".to_owned(),
+        false => changed.join(", "),
+    }
 }
 
 fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, ChapterError> {
@@ -184,7 +168,8 @@ fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, Cha
         }));
     }
     blocks.push(Block::Table(table(data, &ladder.rungs)));
-    blocks.extend(findings(data, ladder).into_iter().map(Block::Finding));
+    let findings = claims::of_ladder(data, ladder);
+    blocks.extend(findings.into_iter().map(Block::Finding));
     Ok(blocks)
 }
 
@@ -210,6 +195,10 @@ fn table(data: &Data<'_>, rungs: &[Rung<'_>]) -> Table {
         ("outside band", "mismatched_px_outside_band"),
     ];
     headings.extend(metrics.map(|(text, metric)| Heading::metric(text, metric)));
+    headings.push(Heading::explained(
+        "because",
+        "what the step changed of the work that is done",
+    ));
     let rows = rungs.iter().map(|rung| {
         let case = rung.case;
         let why = match case.reason.as_str() {
@@ -224,8 +213,9 @@ fn table(data: &Data<'_>, rungs: &[Rung<'_>]) -> Table {
             Cell {
                 detail: name(case),
                 ..Cell::name(format!(
-                    "{} · {}: {}",
+                    "{} · {}{}: {}",
                     rung.number,
+                    if rung.is_aside { "aside, " } else { "" },
                     rung.step,
                     case.note("change")
                 ))
@@ -245,6 +235,10 @@ fn table(data: &Data<'_>, rungs: &[Rung<'_>]) -> Table {
             };
             absent(counter(case, metric).map(print))
         }));
+        cells.push(match rung.before {
+            Some(before) => Cell::name(counters(before, case)),
+            None => Cell::absent("nothing comes before it"),
+        });
         Row {
             cells,
             status: case.outcome.name().to_owned(),
@@ -307,70 +301,11 @@ pub(super) fn no_ratio(data: &Data<'_>, case: &Case) -> String {
     why.to_owned()
 }
 
-fn findings(data: &Data<'_>, ladder: &Ladder<'_>) -> Vec<Finding> {
-    let repeated = ladder.rungs.iter().filter_map(|rung| {
-        let found = FINDINGS.iter().find(|finding| finding.step == rung.step)?;
-        let (standing, because) = match &rung.gain {
-            Some(gain) => (found.claim.standing(gain), data.ratio_text(gain)),
-            None => (Standing::NotMeasured, String::new()),
-        };
-        Some(Finding {
-            claim: format!("{SOURCE}: {}", found.sentence),
-            standing,
-            because,
-        })
-    });
-    let fill_rate = (ladder.view == FILL_RATE_VIEW).then(|| fill_rate(&ladder.rungs));
-    repeated.chain(fill_rate).collect()
-}
-
-/// If vertices were the limit, time would fall as they do; if fill rate is, it hardly falls. The
-/// limit is drawn in the middle, for the step that leaves out most vertices and no fragments.
-fn fill_rate(rungs: &[Rung<'_>]) -> Finding {
-    let most = rungs
-        .iter()
-        .filter_map(|rung| Some((rung, fewer_vertices(rung)?, rung.gain.as_ref()?)))
-        .max_by(|a, b| a.1.total_cmp(&b.1));
-    let (standing, because) = match most {
-        Some((rung, fewer, gain)) if fewer >= MIN_FEWER_VERTICES => (
-            Claim::LessThan(f64::midpoint(1.0, fewer)).standing(gain),
-            format!(
-                "at “{}” {} × fewer vertices for the same fragments give {}",
-                rung.step,
-                significant(fewer),
-                times(gain)
-            ),
-        ),
-        _ => (
-            Standing::CannotTell,
-            "no step leaves out vertices alone".to_owned(),
-        ),
-    };
-    Finding {
-        claim: format!("{SOURCE}: {FILL_RATE_SENTENCE}"),
-        standing,
-        because,
-    }
-}
-
-/// How many times fewer vertices a rung draws for the same fragments as the one before; `None` where
-/// the fragments differ or were not counted.
-fn fewer_vertices(rung: &Rung<'_>) -> Option<f64> {
-    let before = rung.before?;
-    let ratio = |metric: &str| {
-        let (before, after) = (before.value(metric)?, rung.case.value(metric)?);
-        (before > 0.0 && after > 0.0).then(|| before / after)
-    };
-    let is_same = |ratio: f64| (1.0 / SAME_FRAGMENTS..=SAME_FRAGMENTS).contains(&ratio);
-    let same_stencil = ratio("stencil_fragments").is_some_and(is_same);
-    let same_colour = ratio("fragment_shader_invocations").is_some_and(is_same);
-    ratio("vertices").filter(|_| same_stencil && same_colour)
-}
-
 /// Steps by what they gave, most first.
 fn by_gain<'r>(rungs: &'r [Rung<'_>]) -> Vec<(&'r str, &'r Estimate)> {
     let gains = rungs
         .iter()
+        .filter(|rung| !rung.is_aside)
         .filter_map(|rung| Some((rung.step, rung.gain.as_ref()?)));
     let mut gains: Vec<(&str, &Estimate)> = gains.collect();
     gains.sort_by(|a, b| b.1.middle.total_cmp(&a.1.middle));
@@ -383,6 +318,7 @@ fn overview(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Table {
             ladder
                 .rungs
                 .iter()
+                .filter(|rung| !rung.is_aside)
                 .map(|rung| rung.case)
                 .filter(|case| case.counts())
         };
@@ -432,21 +368,22 @@ fn sentences(data: &Data<'_>, rungs: &[Rung<'_>]) -> Vec<String> {
             _ => true,
         };
         sentences.push(format!(
-            "“{step}” gave most: {}{}.",
+            "{step} gave most: {}{}.",
             data.ratio_text(most),
             match gains.get(1) {
                 Some((second, gain)) if is_close(gain) =>
-                    format!(", not clearly more than “{second}”"),
+                    format!(", not clearly more than {second}"),
                 _ => String::new(),
             }
         ));
     }
-    let last_right = rungs.iter().rev().find(|rung| rung.case.counts());
-    if let (Some(right), Some(last)) = (last_right, rungs.last())
+    let on_the_way = || rungs.iter().rev().filter(|rung| !rung.is_aside);
+    let last_right = on_the_way().find(|rung| rung.case.counts());
+    if let (Some(right), Some(last)) = (last_right, on_the_way().next())
         && right.number != last.number
     {
         sentences.push(format!(
-            "The last step that is right is {}, “{}”.",
+            "The last step that is right is {}, {}.",
             right.number, right.step
         ));
     }
@@ -459,7 +396,7 @@ fn missing(rungs: &[Rung<'_>]) -> Vec<String> {
     for (rung, number) in rungs.iter().zip(1_u32..) {
         if rung.number != number {
             missing.push(format!(
-                "rung {number} (the ladder goes on with {}, “{}”)",
+                "rung {number} (the ladder goes on with {}, {})",
                 rung.number, rung.step
             ));
             break;
@@ -469,7 +406,7 @@ fn missing(rungs: &[Rung<'_>]) -> Vec<String> {
         .iter()
         .filter(|rung| rung.case.outcome == Outcome::Missing);
     missing.extend(
-        absent.map(|rung| format!("rung {}, “{}”: {}", rung.number, rung.step, rung.case.id())),
+        absent.map(|rung| format!("rung {}, {}: {}", rung.number, rung.step, rung.case.id())),
     );
     missing
 }

@@ -6,9 +6,11 @@
 //! run's clock: [`Run::clock`].
 
 mod answers;
+mod claims;
 mod data;
 mod error_time;
 mod exponent;
+mod fill_rate;
 mod fronts;
 mod ladder;
 mod matrix;
@@ -55,7 +57,9 @@ impl Chapter for FillingChapter {
         blocks.extend(pictures_sentence(&data));
         blocks.extend(scenes::overview(&data));
         blocks.extend(fronts::section(&data)?);
-        blocks.extend(ladder::blocks(&data)?);
+        let ladders = ladder::ladders(&data);
+        blocks.extend(claims::blocks(&data, &ladders));
+        blocks.extend(ladder::blocks(&data, &ladders)?);
         blocks.extend(pairs::blocks(&data));
         blocks.extend(matrix::blocks(&data));
         blocks.extend(memory::blocks(&data)?);
@@ -87,7 +91,16 @@ impl Chapter for FillingChapter {
         if data.cases.is_empty() {
             return Ok(Vec::new());
         }
-        Ok(vec![summary::table(&data)?])
+        let ladders = ladder::ladders(&data);
+        Ok(vec![
+            summary::table(&data)?,
+            claims::table(&data, &ladders)?,
+        ])
+    }
+
+    fn undecided(&self, run: &Run) -> Vec<String> {
+        let data = self.data(run);
+        claims::undecided(&data, &ladder::ladders(&data))
     }
 }
 

@@ -10,7 +10,7 @@ use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
 };
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Claim, Finding, Heading, Outcome, Plot, Row, Table,
+    Block, Case, Cell, ChapterError, Claim, Estimate, Finding, Heading, Outcome, Plot, Row, Table,
 };
 
 /// The switch whose values are swept.
@@ -114,6 +114,19 @@ fn table(data: &Data<'_>, sweep: &Sweep<'_>) -> Table {
         ],
         ..Table::default()
     }
+}
+
+/// Time of the coarsest mesh over that of the finest, for each view, with its title and its scene.
+pub(super) fn finest_over_coarsest<'a>(data: &Data<'a>) -> Vec<(String, &'a str, Estimate)> {
+    let of = |sweep: Sweep<'a>| {
+        let (fine, coarse) = (sweep.cases.first()?.1, sweep.cases.last()?.1);
+        Some((
+            sweep.title,
+            fine.condition("scene"),
+            data.over(coarse, fine)?,
+        ))
+    };
+    sweeps(data).into_iter().filter_map(of).collect()
 }
 
 /// Whether the coarsest mesh is faster than the finest.

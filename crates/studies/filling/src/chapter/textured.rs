@@ -102,13 +102,13 @@ struct TextureClaim {
 
 const CLAIMS: [TextureClaim; 5] = [
     TextureClaim {
-        sentence: "Cozzi (2007): a textured fill pays for “two costly atan calls”.",
+        sentence: "Cozzi (2007), observed: “two atan() calls which are very expensive”.",
         comparison: 4,
         claim: Claim::Faster,
         view: None,
     },
     TextureClaim {
-        sentence: "Cozzi (2007): without them “the performance could double”.",
+        sentence: "Cozzi (2007), anticipated: without them “the performance could double”.",
         comparison: 4,
         claim: Claim::AtLeast(2.0),
         view: None,
@@ -301,6 +301,21 @@ fn compare(data: &Data<'_>, view: &TexturedView<'_>, comparison: &Comparison) ->
         wanted => view.case(wanted)?,
     };
     data.over(case, control)
+}
+
+/// What a comparison compares.
+pub(super) fn heading(index: usize) -> &'static str {
+    COMPARISONS[index].heading
+}
+
+/// A comparison in every view that has it, with the view's title and its scene.
+pub(super) fn compared<'a>(data: &Data<'a>, index: usize) -> Vec<(String, &'a str, Estimate)> {
+    let of = |view: TexturedView<'a>| {
+        let ratio = compare(data, &view, &COMPARISONS[index])?;
+        let scene = view.cases.first()?.condition("scene");
+        Some((view.title, scene, ratio))
+    };
+    views(data).into_iter().filter_map(of).collect()
 }
 
 /// View by view, a cell for each comparison.

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What repeats an experiment of 2007 shows the same picture as everything else, and does what it says:
+//! its counters differ from its control's where they must, and nowhere else.
+
+mod drawing;
+
+use drawing::{AllTargets, Devices, SIZE, Technique, checks, counters, sights::square_from};
+use terrafill_fill::{Counters, FillInput, Technique as _, Variant};
+use terrafill_native::{NativeBackend, NativeTechnique, NativeVariant};
+use terrafill_scene::{Overlap, PlanOptions, WallHeights};
+use terrafill_vertex::{VertexTechnique, VertexVariant};
+
+/// The document's way of colouring, with `settings` of one layout.
+fn variant(settings: &[(&str, &str)]) -> Variant {
+    let volumes = VertexTechnique.main(Overlap::Disjoint);
+    let volumes = volumes.with("colour", "one-colour-volumes");
+    let set = |variant: Variant, (key, value): &(&str, &str)| variant.with(key, value);
+    settings.iter().fold(volumes, set)
+}
+
+fn technique(settings: &[(&str, &str)]) -> Technique {
+    Technique::Vertex(VertexVariant::of(&variant(settings)).expect("known names"))
+}
+
+/// Every value that is not the default, and what it goes with.
+const SETTINGS: [&[(&str, &str)]; 14] = [
+    &[("buffers", "streamed")],
+    &[("buffers", "streamed"), ("layout", "per-triangle")],
+    &[("buffers", "streamed"), ("layout", "pulled")],
+    &[("vertex-order", "first-use")],
+    &[("vertex-order", "first-use"), ("index-order", "cache")],
+    &[("vertex-order", "first-use"), ("layout", "pulled")],
+    &[("vertex-order", "first-use"), ("layout", "per-triangle")],
+    &[("bottom-cap", "first-pass")],
+    &[("bottom-cap", "first-pass"), ("cover-faces", "culled")],
+    &[("bottom-cap", "first-pass"), ("colour", "volume")],
+    &[("first-pass", "colour")],
+    &[("first-pass", "program"), ("faces", "two-pass")],
+    &[
+        ("first-pass", "program-colour"),
+        ("depth-rule", "automatic"),
+    ],
+    &[("bottom", "pixels"), ("layout", "separate")],
+];
+
+#[test]
+fn no_experiment_changes_a_pixel() {
+    checks::assert_no_switch_changes_a_pixel(|_| SETTINGS.map(technique).into());
+}
+
+/// Counters of the second frame: what is done once is done.
+fn drawn(devices: &Devices, input: &FillInput, settings: &[(&str, &str)]) -> Counters {
+    let targets = AllTargets::new(devices, SIZE);
+    let mut backend = targets.open(technique(settings));
+    backend.prepare(input).expect("fits");
+    backend.render(input).expect("draws");
+    counters(&backend.render(input).expect("draws"))
+}
+
+#[test]
+fn geometry_is_handed_over_in_every_frame_where_it_is_streamed_and_never_where_it_is_kept() {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    let input = square_from((5.0, 5.0, 2e6, 0.0, -90.0));
+    let kept = drawn(&devices, &input, &[]);
+    let streamed = drawn(&devices, &input, &[("buffers", "streamed")]);
+    let mesh = &input.scene.meshes[0];
+    let vertices = VertexTechnique
+        .bytes(&variant(&[]), mesh, true)
+        .expect("its own");
+    // The device is written to in words, and a list of 16-bit indices may end in half of one.
+    let total = vertices.total().next_multiple_of(4);
+    assert_eq!((kept.upload_bytes, kept.uploads), (0, 0));
+    assert_eq!((streamed.upload_bytes, streamed.uploads), (total, 2));
+    assert_eq!(streamed.vertices, kept.vertices);
+}
+
+#[test]
+fn walls_reach_as_far_as_they_are_said_to() {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    let input = square_from((5.0, -20.0, 2e6, 0.0, -30.0));
+    let region = drawn(&devices, &input, &[]);
+    let pixels = drawn(&devices, &input, &[("bottom", "pixels")]);
+    let plan = PlanOptions {
+        wall_heights: WallHeights::Global,
+        ..PlanOptions::default()
+    };
+    let taller = input.remeshed(&input.scene, plan);
+    let heights = taller.plan.regions[0].heights;
+    assert!(
+        heights.top_m > 12_000.0 && heights.bottom_m < -12_000.0,
+        "{heights:?}"
+    );
+    let global = drawn(&devices, &taller, &[]);
+    assert_eq!([pixels.vertices, global.vertices], [region.vertices; 2]);
+    // Seen from the side, a taller wall has more fragments, where the device counts them.
+    if let Some(least) = region.stencil_fragments {
+        assert!(pixels.stencil_fragments > Some(least), "{pixels:?}");
+        assert!(global.stencil_fragments > Some(least), "{global:?}");
+    }
+}
+
+#[test]
+fn the_bottom_cap_is_left_out_of_colouring_alone_and_not_from_inside() {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    let vertices = |input: &FillInput, bottom_cap| {
+        drawn(&devices, input, &[("bottom-cap", bottom_cap)]).vertices
+    };
+    let outside = square_from((5.0, 5.0, 2e6, 0.0, -90.0));
+    let cap = 3 * outside.scene.meshes[0].triangle_count() as u64;
+    let always = vertices(&outside, "always");
+    assert_eq!(vertices(&outside, "first-pass"), always - cap);
+    // Behind the surface every cap counts.
+    assert_eq!(vertices(&outside, "where-needed"), always - cap);
+    let inside = square_from((5.0, 9.0, 300.0, 0.0, -5.0));
+    assert!(inside.plan.regions[0].near_plane_meets_volume);
+    let always = vertices(&inside, "always");
+    assert_eq!(vertices(&inside, "first-pass"), always);
+}
+
+#[test]
+fn fragments_of_the_first_pass_need_an_interface_that_can_leave_them_out() {
+    let Some(devices) = Devices::open_both() else {
+        return;
+    };
+    let targets = AllTargets::new(&devices, SIZE);
+    let open = |first_pass: &str| {
+        let plain = NativeTechnique.main(Overlap::Disjoint);
+        let plain = plain
+            .with("colour", "one-colour")
+            .with("first-pass", first_pass);
+        let native = NativeVariant::of(&plain).expect("known names");
+        NativeBackend::new(targets.vulkan(), native)
+    };
+    assert!(open("stencil").is_ok());
+    let error = open("colour").err().expect("refused").to_string();
+    assert!(
+        error.contains("lacks fragment programs in the first pass"),
+        "{error}"
+    );
+}
