@@ -141,9 +141,9 @@ pub fn share(case: &Case, part: &str, rest: &str) -> Option<Estimate> {
         .iter()
         .filter_map(|(process, part)| Some(part / (part + rests.get(process)?)))
         .collect();
-    let mut random = SplitMix64::new();
+    let mut random = generator();
     estimate(median(&shares)?, shares.len(), || {
-        random.resampled_median(&shares)
+        resampled_median(&mut random, &shares)
     })
 }
 
