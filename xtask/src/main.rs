@@ -27,8 +27,7 @@ usage: cargo xtask COMMAND
   compile-shaders              write the SPIR-V of the geometry shaders anew
   check-validation-log FILE    the Vulkan layer was at work and reported nothing unexpected
   compare-pictures BASE NEW    two run folders hold the same masks and ids, case by case
-  gate-mutations [--here] [NAME...]
-                               the gate names the counter that each mistake on a list moves
+  gate-mutations [NAME...]     the gate names the counter that each mistake on a list moves
   lines [--root DIR]           lines of source outside tests, for each package";
 
 #[allow(

@@ -120,22 +120,12 @@ const BENCH: [&str; 7] = [
     "--no-time",
 ];
 
-/// First word: mistakes are made in the working tree, which must be clean, and not in a worktree. That saves
-/// building every crate at another place.
-const HERE: &str = "--here";
-
 /// Makes the mistakes of these names, or all, and prints a table.
-///
-/// - `words`: [`HERE`] or nothing, then names
 ///
 /// # Errors
 /// A mistake that is not caught or whose text is not in its file any more; a build that fails; a name that
 /// is none of them.
-pub(crate) fn check(root: &Path, words: &[&str]) -> Result<String> {
-    let (is_here, names) = match words {
-        [HERE, names @ ..] => (true, names),
-        names => (false, names),
-    };
+pub(crate) fn check(root: &Path, names: &[&str]) -> Result<String> {
     if let Some(unknown) = names
         .iter()
         .find(|name| MUTATIONS.iter().all(|mutation| mutation.name != **name))
@@ -144,7 +134,7 @@ pub(crate) fn check(root: &Path, words: &[&str]) -> Result<String> {
         bail!("found {unknown:?}, allowed: {}", all.join(", "));
     }
     let is_asked = |mutation: &&Mutation| names.is_empty() || names.contains(&mutation.name);
-    let place = Place::new(root, is_here)?;
+    let place = Place::new(root)?;
     let base = place.base()?;
     let mut table = String::from("| mistake | counter | caught | gate |\n|---|---|---|---|\n");
     let (mut count, mut caught) = (0, 0);
@@ -175,7 +165,7 @@ struct Row {
     words: String,
 }
 
-/// Where mistakes are made: a worktree, or the working tree. Third-party crates come from the repository's own target folder.
+/// A worktree to make mistakes in. Third-party crates come from the repository's own target folder.
 struct Place {
     root: PathBuf,
     folder: PathBuf,
@@ -184,7 +174,7 @@ struct Place {
 }
 
 impl Place {
-    fn new(root: &Path, is_here: bool) -> Result<Self> {
+    fn new(root: &Path) -> Result<Self> {
         let folder = root.join("target/mutations");
         std::fs::create_dir_all(&folder)?;
         let tree = folder.join("tree");
