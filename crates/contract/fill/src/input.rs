@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What goes in: the same bytes for every backend.
 
-use crate::{DeviceError, MAX_REGIONS, RegionSet, ViewId};
+use crate::{DeviceError, MAX_REGIONS, NoSuchRegion, RegionSet, ViewId};
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use terrafill_core::{EdgeRule, Ellipsoid, Extent, Region};
+use terrafill_core::{EdgeRule, Ellipsoid, Extent, Region, RegionMesh};
 use terrafill_scene::{
     Camera, FramePlan, HeightRange, ImageSize, LevelTable, LeveledMeshes, Overlap, PlanOptions,
     RegionBounds, Scene, SceneTexture, View,
@@ -66,6 +66,29 @@ impl PreparedScene {
         }
     }
 
+    /// The same scene with other meshes at some places, such as regions that moved. It must have no
+    /// levels. [`PreparedScene::regions`], which only the reference reads, stay as they are.
+    ///
+    /// - cost: O(bytes of all meshes), which are copied; bounds are made anew at these places only
+    ///
+    /// # Errors
+    /// [`NoSuchRegion`] for a place that it does not have.
+    pub fn with_changed(
+        &self,
+        changed: impl IntoIterator<Item = (usize, RegionMesh)>,
+    ) -> Result<Self, NoSuchRegion> {
+        let meshes = self.meshes.with_changed(changed)?;
+        let mut bounds = self.bounds.to_vec();
+        for &place in meshes.changed_since(self.meshes.revision()).unwrap_or(&[]) {
+            bounds[place] = bounds_of(&self.body, &meshes[place], &*self.surface, None);
+        }
+        Ok(Self {
+            bounds: bounds.into(),
+            meshes,
+            ..self.clone()
+        })
+    }
+
     /// The same scene with its regions meshed otherwise, at one level.
     #[must_use]
     pub fn with_meshes(&self, meshes: RegionSet) -> Self {
@@ -85,15 +108,22 @@ fn bounds(
     surface: &dyn Surface,
     drawn: Option<HeightRange>,
 ) -> Arc<[RegionBounds]> {
+    let meshes = meshes.iter();
     meshes
-        .iter()
-        .map(|mesh| {
-            let stated = surface.heights(&mesh.extent);
-            // Where the two have nothing in common, the view draws nothing over the region.
-            let drawn = drawn.and_then(|drawn| stated.intersection(drawn));
-            RegionBounds::new(body, mesh, drawn.unwrap_or(stated))
-        })
+        .map(|mesh| bounds_of(body, mesh, surface, drawn))
         .collect()
+}
+
+fn bounds_of(
+    body: &Ellipsoid,
+    mesh: &RegionMesh,
+    surface: &dyn Surface,
+    drawn: Option<HeightRange>,
+) -> RegionBounds {
+    let stated = surface.heights(&mesh.extent);
+    // Where the two have nothing in common, the view draws nothing over the region.
+    let drawn = drawn.and_then(|drawn| stated.intersection(drawn));
+    RegionBounds::new(body, mesh, drawn.unwrap_or(stated))
 }
 
 /// Everything one frame is drawn from.

@@ -13,12 +13,14 @@
 
 mod boundary;
 mod cone;
+mod footprint;
 mod geodesic;
 
 use crate::{EdgeRule, Ellipsoid, Geodetic, Inside, Region};
 use boundary::{Band, Boundary, Curve, Leg, pieces_of_turn};
 pub use cone::SensorCone;
 use cone::Sight;
+pub use footprint::{Footprint, FootprintMesher};
 use geodesic::{Geodesic, shortest_cut_m};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -144,6 +146,30 @@ pub enum AnalyticError {
         found_deg: f64,
         /// Would have to be larger.
         half_angle_deg: f64,
+    },
+    /// A footprint that is no single closed curve with as many vertices as asked for.
+    #[error("the cone's edge cannot be followed all round on {body}: {why}")]
+    NotAllRound {
+        /// Name of the body.
+        body: &'static str,
+        /// What is in the way.
+        why: &'static str,
+    },
+    /// A footprint so wide that facets across it face inwards.
+    #[error("a facet across the footprint faces inwards on {body}")]
+    Folded {
+        /// Name of the body.
+        body: &'static str,
+    },
+    /// Too few or too many vertices.
+    #[error("{found} vertices; allowed are {smallest} … {largest}")]
+    VertexCount {
+        /// How many.
+        found: u32,
+        /// Fewest allowed.
+        smallest: u32,
+        /// Most allowed.
+        largest: u32,
     },
     /// A shape without width.
     #[error("the shape is {found_m:.3e} m wide; allowed on {body} is {smallest_m:.3e} and more")]
@@ -309,32 +335,9 @@ impl Region {
         cone: &SensorCone,
         tolerance_m: f64,
     ) -> Result<AnalyticRegion, AnalyticError> {
-        check_center(cone.apex)?;
-        check_angle("azimuth", cone.azimuth_rad, TAU)?;
-        check_angle("elevation", cone.elevation_rad, FRAC_PI_2)?;
-        let smallest_m = SMALLEST_SHARE * body.equatorial_radius_m();
-        let height_m = cone.apex.height_m;
-        if !(height_m >= smallest_m && height_m.is_finite()) {
-            return Err(AnalyticError::ApexInside {
-                found_m: height_m,
-                smallest_m,
-            });
-        }
-        let half_angle_rad = cone.half_angle_rad;
-        if !(half_angle_rad > 0.0 && half_angle_rad < FRAC_PI_2) {
-            return Err(AnalyticError::Angle {
-                parameter: "half angle",
-                found: half_angle_rad,
-                smallest: f64::MIN_POSITIVE,
-                largest: FRAC_PI_2.next_down(),
-            });
-        }
+        check_cone(body, cone)?;
         let sight = Sight::new(body, cone);
-        let boundary = sight.boundary(body).ok_or_else(|| AnalyticError::Misses {
-            body: body.name(),
-            found_deg: sight.horizon_off_axis_rad().to_degrees(),
-            half_angle_deg: half_angle_rad.to_degrees(),
-        })?;
+        let boundary = sight.boundary(body).ok_or_else(|| sight.misses(body))?;
         finish(name, body, &boundary, tolerance_m)
     }
 }
@@ -402,6 +405,30 @@ fn too_narrow(body: &Ellipsoid, found_m: f64) -> AnalyticError {
         found_m,
         smallest_m: SMALLEST_SHARE * body.equatorial_radius_m(),
     }
+}
+
+fn check_cone(body: &Ellipsoid, cone: &SensorCone) -> Result<(), AnalyticError> {
+    check_center(cone.apex)?;
+    check_angle("azimuth", cone.azimuth_rad, TAU)?;
+    check_angle("elevation", cone.elevation_rad, FRAC_PI_2)?;
+    let smallest_m = SMALLEST_SHARE * body.equatorial_radius_m();
+    let height_m = cone.apex.height_m;
+    if !(height_m >= smallest_m && height_m.is_finite()) {
+        return Err(AnalyticError::ApexInside {
+            found_m: height_m,
+            smallest_m,
+        });
+    }
+    let half_angle_rad = cone.half_angle_rad;
+    if !(half_angle_rad > 0.0 && half_angle_rad < FRAC_PI_2) {
+        return Err(AnalyticError::Angle {
+            parameter: "half angle",
+            found: half_angle_rad,
+            smallest: f64::MIN_POSITIVE,
+            largest: FRAC_PI_2.next_down(),
+        });
+    }
+    Ok(())
 }
 
 fn check_center(center: Geodetic) -> Result<(), AnalyticError> {

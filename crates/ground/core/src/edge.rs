@@ -132,22 +132,7 @@ impl<'a> EdgeSplitter<'a> {
         if length_rad > self.step_rad && arc_rad(start, end) > self.step_rad {
             return true;
         }
-        let (a, b) = (self.body.equatorial_radius_m(), self.body.polar_radius_m());
-        // A straight line in longitude and latitude bends away from the great circle with the
-        // covariant acceleration (sin φ cos φ Δλ², 2 tan φ · cos φ Δλ Δφ); an arc of acceleration w
-        // bows by w / 8. Half as much again covers the change along the edge.
-        let largest_radius_m = a * a / b;
-        let bow_bound_m =
-            0.19 * largest_radius_m * longitude_rad * hypotenuse(longitude_rad, 2.0 * latitude_rad);
-        let length_bound_m = largest_radius_m * length_rad;
-        let deviation_bound_m = match self.rule {
-            EdgeRule::Planar => bow_bound_m,
-            // Plane through the centre against plane along the normal: they differ by less than
-            // e², and the arc rises above its chord by L² / 8R.
-            EdgeRule::GreatEllipse => {
-                0.25 * self.body.eccentricity_squared() * length_bound_m * length_bound_m / b
-            }
-        };
+        let [bow_bound_m, deviation_bound_m] = edge_bounds_m(self.body, self.rule, start, end);
         let harmless = longitude_rad.to_degrees() < HARMLESS_SPAN_DEG
             && bow_bound_m <= self.tolerance_m
             && deviation_bound_m <= self.deviation_m.min(self.tolerance_m);
@@ -159,7 +144,7 @@ impl<'a> EdgeSplitter<'a> {
         let limit_m = self
             .tolerance_m
             .min(LARGEST_RELATIVE_BOW * measured.length_m)
-            .max(ROUNDING * a);
+            .max(ROUNDING * self.body.equatorial_radius_m());
         // A point that no longer lies between the ends cannot split the edge.
         let middle = point_on_edge(self.rule, start, end, 0.5);
         let splittable = middle != start && middle != end;
@@ -169,6 +154,35 @@ impl<'a> EdgeSplitter<'a> {
         self.deviation_m = self.deviation_m.max(measured.deviation_m);
         false
     }
+}
+
+/// Upper bounds in metres for an edge much shorter than a radian: of its bow, by which a straight line
+/// in longitude and latitude is off the great circle, and of its deviation, by which its rule is off
+/// the edge as drawn.
+pub(crate) fn edge_bounds_m(
+    body: &Ellipsoid,
+    rule: EdgeRule,
+    start: Degrees,
+    end: Degrees,
+) -> [f64; 2] {
+    let longitude_rad = (end[0] - start[0]).abs().to_radians();
+    let latitude_rad = (end[1] - start[1]).abs().to_radians();
+    let (a, b) = (body.equatorial_radius_m(), body.polar_radius_m());
+    // A straight line in longitude and latitude bends away from the great circle with the
+    // covariant acceleration (sin φ cos φ Δλ², 2 tan φ · cos φ Δλ Δφ); an arc of acceleration w
+    // bows by w / 8. Half as much again covers the change along the edge.
+    let largest_radius_m = a * a / b;
+    let bow_m = 0.19 * largest_radius_m * longitude_rad * hypotenuse(longitude_rad, 2.0 * latitude_rad);
+    let deviation_m = match rule {
+        EdgeRule::Planar => bow_m,
+        // Plane through the centre against plane along the normal: they differ by less than
+        // e², and the arc rises above its chord by L² / 8R.
+        EdgeRule::GreatEllipse => {
+            let length_m = largest_radius_m * hypotenuse(longitude_rad, latitude_rad);
+            0.25 * body.eccentricity_squared() * length_m * length_m / b
+        }
+    };
+    [bow_m, deviation_m]
 }
 
 /// Whether an edge has one end at a pole and the other no farther from it than where

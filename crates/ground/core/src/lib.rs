@@ -31,7 +31,10 @@ mod stitch;
 mod sweep;
 mod triangulate;
 
-pub use analytic::{AnalyticError, AnalyticRegion, GeodesicSector, SensorCone, SurfaceEllipse};
+pub use analytic::{
+    AnalyticError, AnalyticRegion, Footprint, FootprintMesher, GeodesicSector, SensorCone,
+    SurfaceEllipse,
+};
 pub use body::{Ellipsoid, Geodetic};
 pub use geojson::{
     Reading, RegionFile, RegionFileError, RegionProblem, RegionProblemKind, parse_regions,

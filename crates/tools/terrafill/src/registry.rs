@@ -7,6 +7,7 @@ use terrafill_fill::Technique;
 use terrafill_filling::FillingStudy;
 use terrafill_growth::GrowthStudy;
 use terrafill_instanced::InstancedTechnique;
+use terrafill_moving::MovingStudy;
 use terrafill_native::NativeTechnique;
 use terrafill_precision::PrecisionStudy;
 use terrafill_readback::ReadbackStudy;
@@ -41,6 +42,10 @@ pub(crate) static STUDIES: &[&dyn Study] = &[
         verb: Some(GROWTH_SAMPLE),
     },
     &ReadbackStudy,
+    &MovingStudy {
+        techniques: TECHNIQUES,
+        surfaces: SURFACES,
+    },
 ];
 
 /// Chapters of all studies.

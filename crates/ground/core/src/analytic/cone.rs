@@ -10,6 +10,7 @@
 //! A cone of less than 90° is convex, so is the one of the rays that touch, and so is what both
 //! hold: the footprint is in one piece, bounded by arcs of the two in turn.
 
+use super::AnalyticError;
 use super::boundary::{Band, Boundary, Curve, Leg, pieces_of_turn};
 use crate::edge::Degrees;
 use crate::{Ellipsoid, Geodetic};
@@ -171,6 +172,30 @@ impl Sight {
             forward,
             half_angle_rad: cone.half_angle_rad,
         }
+    }
+
+    /// Whether every ray of the cone's edge meets the body.
+    pub(super) fn meets_all_round(&self) -> bool {
+        matches!(self.outline(), Some(Outline::Cone))
+    }
+
+    /// What is wrong with a cone that meets nothing.
+    pub(super) fn misses(&self, body: &Ellipsoid) -> AnalyticError {
+        AnalyticError::Misses {
+            body: body.name(),
+            found_deg: self.horizon_off_axis_rad().to_degrees(),
+            half_angle_deg: self.half_angle_rad.to_degrees(),
+        }
+    }
+
+    /// Where the ray of a cone that meets the body all round meets it, by cosine and sine of its angle.
+    pub(super) fn hit_towards(&self, cos: f64, sin: f64) -> DVec3 {
+        let (sin_half, cos_half) = self.half_angle_rad.sin_cos();
+        let spoke = self.right * cos + self.forward * sin;
+        let direction = self.axis * cos_half + spoke * sin_half;
+        let scaled = direction / self.radii_m;
+        let root = self.discriminant(scaled).max(0.0).sqrt();
+        self.apex_ecef + direction * (self.g / (root - self.p.dot(scaled)))
     }
 
     /// Direction of a ray on the cone's edge, ECEF, unit.

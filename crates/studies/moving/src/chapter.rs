@@ -1,0 +1,489 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The chapter on regions that move: what a frame costs by technique, part by part.
+
+use terrafill_plot::number::{bytes, significant};
+use terrafill_results::{
+    Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, Finding, Heading, Picture,
+    PictureFigure, Pictures, Row, Run, Standing, Table,
+};
+
+const MESH: &str = "moving_mesh_cpu_ms";
+const PLAN: &str = "moving_plan_cpu_ms";
+const UPDATE: &str = "moving_update_cpu_ms";
+const FILL_CPU: &str = "moving_fill_cpu_ms";
+const FILL_GPU: &str = "moving_fill_gpu_ms";
+const FRAME_CPU: &str = "moving_frame_cpu_ms";
+const FRAME_WALL: &str = "moving_frame_wall_ms";
+const BYTES: &str = "moving_upload_bytes";
+const COMPARED: &str = "moving_frames_compared";
+const WRONG: &str = "moving_frames_wrong";
+
+/// The number of sensors that the limits below are for.
+const SENSORS_OF_LIMITS: &str = "50";
+/// Mesh and update of a frame, process CPU time: a tenth of a frame at 60 a second.
+const MAX_MESH_AND_UPDATE_MS: f64 = 1.5;
+/// Uploaded for a frame, bytes.
+const MAX_UPLOAD_BYTES: f64 = 65_536.0;
+
+/// What is measured, and how the three ways differ.
+const WHAT_IS_COMPARED: &str = "Sensors fly and sweep over the countries; each footprint has 256 vertices. In every frame all \
+     footprints are meshed on the CPU, handed to the technique and filled. “rewrite” meshes strips \
+     whose vertices and triangles stay as many, so that they are written where they lie; “reload” \
+     uploads the whole scene instead; “remesh” uses the general mesher, whose numbers of vertices \
+     change. Every frame is compared with the reference of that frame.";
+
+/// What regions cost that change in every frame.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct MovingChapter;
+
+impl Chapter for MovingChapter {
+    fn study(&self) -> &'static str {
+        crate::STUDY
+    }
+
+    fn title(&self) -> &'static str {
+        "Moving regions: sensors that sweep"
+    }
+
+    fn primary_metric(&self, clock: Clock) -> Option<&'static str> {
+        Some(primary(clock))
+    }
+
+    fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
+        let sweeps = sweeps(run);
+        let frames = |metric| -> f64 {
+            let values = cases(run).filter_map(|case| case.value(metric));
+            values.sum()
+        };
+        let compared = frames(COMPARED);
+        let scope = (compared > 0.0).then(|| {
+            format!(
+                "{compared} frames of moving regions were compared, each with the reference of that \
+                 frame; {} are wrong.",
+                frames(WRONG)
+            )
+        });
+        Ok(Answers {
+            scope: scope.into_iter().collect(),
+            blocks: sweeps
+                .iter()
+                .filter_map(|sweep| answer(sweep, run.clock()))
+                .map(Block::Text)
+                .collect(),
+            requirements: requirements(&sweeps),
+        })
+    }
+
+    fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
+        let (sweeps, clock) = (sweeps(run), run.clock());
+        if sweeps.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mut blocks = vec![Block::Text(WHAT_IS_COMPARED.to_owned())];
+        for sweep in &sweeps {
+            blocks.extend(answer(sweep, clock).map(Block::Text));
+            blocks.push(Block::Table(table(sweep, clock)));
+            blocks.extend(pictures(sweep).map(Block::Pictures));
+        }
+        blocks.push(Block::section("Findings"));
+        blocks.extend(findings(&sweeps).into_iter().map(Block::Finding));
+        Ok(blocks)
+    }
+}
+
+/// All cases of one number of sensors over one scene.
+struct Sweep<'a> {
+    scene: &'a str,
+    sensors: &'a str,
+    cases: Vec<&'a Case>,
+}
+
+fn primary(clock: Clock) -> &'static str {
+    clock.pick(FRAME_WALL, FRAME_CPU)
+}
+
+fn cases(run: &Run) -> impl Iterator<Item = &Case> {
+    run.of_study(crate::STUDY).filter(|case| !case.is_twin())
+}
+
+/// In the order in which they first appear.
+fn sweeps(run: &Run) -> Vec<Sweep<'_>> {
+    let mut sweeps: Vec<Sweep<'_>> = Vec::new();
+    for case in cases(run) {
+        let key = (case.condition("scene"), case.condition("sensors"));
+        let mut known = sweeps.iter_mut();
+        match known.find(|sweep| (sweep.scene, sweep.sensors) == key) {
+            Some(sweep) => sweep.cases.push(case),
+            None => sweeps.push(Sweep {
+                scene: key.0,
+                sensors: key.1,
+                cases: vec![case],
+            }),
+        }
+    }
+    sweeps
+}
+
+fn value(case: &Case, metric: &str) -> Option<f64> {
+    case.value(metric).filter(|_| case.counts())
+}
+
+fn name(case: &Case) -> String {
+    format!(
+        "{} {}",
+        case.condition("technique"),
+        case.condition("variant")
+    )
+}
+
+impl<'a> Sweep<'a> {
+    /// Cases that count, by this way of keeping up to date, with a value of theirs.
+    fn by(&self, upkeep: &'static str, of: impl Fn(&Case) -> Option<f64>) -> Vec<(&'a Case, f64)> {
+        let cases = self.cases.iter().copied();
+        let cases = cases.filter(|case| case.condition("upkeep") == upkeep);
+        cases.filter_map(|case| Some((case, of(case)?))).collect()
+    }
+
+    fn least(
+        &self,
+        upkeep: &'static str,
+        of: impl Fn(&Case) -> Option<f64>,
+    ) -> Option<(&'a Case, f64)> {
+        let cases = self.by(upkeep, of).into_iter();
+        cases.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}
+
+fn mesh_and_update_ms(case: &Case) -> Option<f64> {
+    Some(value(case, MESH)? + value(case, UPDATE)?)
+}
+
+/// The fastest, and what the other ways cost beside it.
+fn answer(sweep: &Sweep<'_>, clock: Clock) -> Option<String> {
+    let frame = |case: &Case| value(case, primary(clock));
+    let (best, ms) = sweep.least("rewrite", frame)?;
+    let part = |metric| value(best, metric).map_or_else(|| "–".to_owned(), significant);
+    let others = ["reload", "remesh"].into_iter().filter_map(|way| {
+        // Of the same technique, where that way was measured.
+        let mut cases = sweep.by(way, frame).into_iter();
+        let other = cases.find(|(case, _)| {
+            case.condition("technique") == best.condition("technique")
+                && case.condition("variant") == best.condition("variant")
+        });
+        other.map(|(_, other)| format!("by {way} {} ms", significant(other)))
+    });
+    let others: Vec<String> = others.collect();
+    let others = match others.is_empty() {
+        true => String::new(),
+        false => format!("; {}", others.join(", ")),
+    };
+    Some(format!(
+        "{} sensors over {}: a frame takes least with {}, {} ms of {} (mesh {}, plan {}, update {}, \
+         fill {}){others}. It uploads {} a frame.",
+        sweep.sensors,
+        sweep.scene,
+        name(best),
+        significant(ms),
+        clock.pick("wall clock", "process CPU time"),
+        part(MESH),
+        part(PLAN),
+        part(UPDATE),
+        part(FILL_CPU),
+        value(best, BYTES).map_or_else(|| "–".to_owned(), whole_bytes),
+    ))
+}
+
+/// Whole and positive, as written.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a count of bytes below 2⁵³"
+)]
+fn whole_bytes(count: f64) -> String {
+    bytes(count as u64)
+}
+
+/// A row for each case, those that were not measured too.
+fn table(sweep: &Sweep<'_>, clock: Clock) -> Table {
+    let rows = sweep.cases.iter().map(|case| {
+        let why = match case.reason.as_str() {
+            "" => "not measured",
+            reason => reason,
+        };
+        let cell = |metric| Cell::or_absent(value(case, metric).map(significant), why);
+        let plain = |metric| {
+            let count = case.value(metric).map(|count| count.to_string());
+            Cell::or_absent(count, why)
+        };
+        let wrong = match case.value(WRONG) {
+            Some(count) if count > 0.0 => Cell {
+                class: CellClass::Bad,
+                ..plain(WRONG)
+            },
+            _ => plain(WRONG),
+        };
+        let no_gpu_clock = "no GPU clock, or passes that alternate region by region";
+        Row {
+            cells: vec![
+                Cell::name(name(case)),
+                Cell::plain(case.condition("upkeep")),
+                cell(primary(clock)),
+                cell(MESH),
+                cell(PLAN),
+                cell(UPDATE),
+                cell(FILL_CPU),
+                Cell::or_absent(value(case, FILL_GPU).map(significant), no_gpu_clock),
+                Cell::or_absent(case.value(BYTES).map(whole_bytes), why),
+                plain(COMPARED),
+                wrong,
+            ],
+            status: case.outcome.name().to_owned(),
+            remark: case.reason.clone(),
+        }
+    });
+    Table {
+        caption: format!("{} sensors over {}", sweep.sensors, sweep.scene),
+        headings: vec![
+            Heading::plain("technique"),
+            Heading::explained("way", "how the scene is brought up to date"),
+            Heading::metric("frame, ms", primary(clock)),
+            Heading::metric("mesh, ms", MESH),
+            Heading::metric("plan, ms", PLAN),
+            Heading::metric("update, ms", UPDATE),
+            Heading::metric("fill, CPU ms", FILL_CPU),
+            Heading::metric("fill, GPU ms", FILL_GPU),
+            Heading::metric("upload", BYTES),
+            Heading::metric("frames compared", COMPARED),
+            Heading::metric("wrong", WRONG),
+        ],
+        rows: rows.collect(),
+        is_main: true,
+        ..Table::default()
+    }
+}
+
+/// One of all techniques that draw the same.
+fn pictures(sweep: &Sweep<'_>) -> Option<Pictures> {
+    let figures: Vec<PictureFigure> = sweep
+        .cases
+        .iter()
+        .filter_map(|case| {
+            let path = case.note("image");
+            (!path.is_empty()).then(|| PictureFigure {
+                pictures: vec![Picture {
+                    path: path.to_owned(),
+                    caption: "the last frame compared".to_owned(),
+                }],
+                notes: vec![name(case)],
+            })
+        })
+        .collect();
+    (!figures.is_empty()).then(|| Pictures {
+        caption: format!("{} sensors over {}", sweep.sensors, sweep.scene),
+        figures,
+        ..Pictures::default()
+    })
+}
+
+/// Limits of the frame with [`SENSORS_OF_LIMITS`] sensors, and no wrong frame anywhere.
+fn requirements(sweeps: &[Sweep<'_>]) -> Vec<Finding> {
+    let of_limits = sweeps
+        .iter()
+        .find(|sweep| sweep.sensors == SENSORS_OF_LIMITS);
+    let limit = |claim: String, found: Option<(String, bool)>| {
+        let (because, standing) = match found {
+            Some((because, holds)) => (because, Standing::holds_if(holds)),
+            None => (String::new(), Standing::NotMeasured),
+        };
+        Finding {
+            claim,
+            standing,
+            because,
+        }
+    };
+    let time = of_limits.and_then(|sweep| sweep.least("rewrite", mesh_and_update_ms));
+    let upload = of_limits.and_then(|sweep| sweep.least("rewrite", |case| value(case, BYTES)));
+    let all = || sweeps.iter().flat_map(|sweep| &sweep.cases);
+    let compared: f64 = all().filter_map(|case| case.value(COMPARED)).sum();
+    let wrong: f64 = all().filter_map(|case| case.value(WRONG)).sum();
+    vec![
+        limit(
+            "every frame of moving regions is right".to_owned(),
+            (compared > 0.0).then(|| {
+                let because = format!("{wrong} of {compared} frames are wrong");
+                (because, wrong == 0.0)
+            }),
+        ),
+        limit(
+            format!(
+                "{SENSORS_OF_LIMITS} moving footprints are meshed and updated in at most \
+                 {MAX_MESH_AND_UPDATE_MS} ms of process CPU time by the best technique"
+            ),
+            time.map(|(case, ms)| {
+                let because = format!("{} takes {} ms", name(case), significant(ms));
+                (because, ms <= MAX_MESH_AND_UPDATE_MS)
+            }),
+        ),
+        limit(
+            format!(
+                "{SENSORS_OF_LIMITS} moving footprints are uploaded with at most {} a frame by the \
+                 best technique",
+                whole_bytes(MAX_UPLOAD_BYTES)
+            ),
+            upload.map(|(case, count)| {
+                let because = format!("{} uploads {}", name(case), whole_bytes(count));
+                (because, count <= MAX_UPLOAD_BYTES)
+            }),
+        ),
+    ]
+}
+
+/// What the 2007 paper expects of geometry shaders where regions change.
+fn findings(sweeps: &[Sweep<'_>]) -> Vec<Finding> {
+    let most = sweeps
+        .iter()
+        .max_by_key(|sweep| sweep.sensors.parse::<u32>().unwrap_or(0));
+    let Some(sweep) = most else {
+        return Vec::new();
+    };
+    let is_native = |case: &Case| {
+        case.condition("technique") == "native" && !case.condition("variant").starts_with("vs-")
+    };
+    let compare = |what: &str, of: &dyn Fn(&Case) -> Option<f64>, write: fn(f64) -> String| {
+        let shader = sweep.least("rewrite", |case| of(case).filter(|_| is_native(case)));
+        let copied = sweep.least("rewrite", |case| {
+            of(case).filter(|_| case.condition("technique") == "vertex")
+        });
+        let claim = format!(
+            "where regions change, extruding in a geometry shader takes less {what} than volumes \
+             copied for the vertex shader (Cozzi 2007, abstract: it “reduces preprocessing, main \
+             memory, and CPU-GPU bandwidth”)"
+        );
+        let Some((shader, copied)) = shader.zip(copied) else {
+            return Finding {
+                claim,
+                standing: Standing::NotMeasured,
+                because: String::new(),
+            };
+        };
+        Finding {
+            claim,
+            standing: Standing::holds_if(shader.1 < copied.1),
+            because: format!(
+                "{} sensors: {} {}, {} {}",
+                sweep.sensors,
+                name(shader.0),
+                write(shader.1),
+                name(copied.0),
+                write(copied.1)
+            ),
+        }
+    };
+    vec![
+        compare("upload", &|case| value(case, BYTES), whole_bytes),
+        compare("CPU time of mesh and update", &mesh_and_update_ms, |ms| {
+            format!("{} ms", significant(ms))
+        }),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_results::Status;
+    use terrafill_results::made_up::{MadeUpRun, case_id};
+
+    fn add(run: &mut MadeUpRun, technique: &str, upkeep: &str, update_ms: f64, upload: f64) {
+        let conditions = [
+            ("scene", "planet-134"),
+            ("sensors", "50"),
+            ("technique", technique),
+            ("variant", "plain"),
+            ("upkeep", upkeep),
+        ];
+        let name = format!("planet-134/50/{technique}/plain/{upkeep}");
+        let case = run.case(case_id(crate::STUDY, &name, &conditions));
+        case.figure(BYTES, upload);
+        case.figure(COMPARED, 60.0);
+        case.figure(WRONG, 0.0);
+        for (metric, ms) in [
+            (MESH, 1.0),
+            (PLAN, 0.5),
+            (UPDATE, update_ms),
+            (FILL_CPU, 10.0),
+            (FRAME_CPU, 11.5 + update_ms),
+            (FRAME_WALL, 6.0 + update_ms),
+        ] {
+            case.timed(metric, &[ms, ms]);
+        }
+    }
+
+    fn read(run: &MadeUpRun) -> Run {
+        let folder = tempfile::tempdir().expect("a folder");
+        run.write(folder.path()).expect("a run")
+    }
+
+    fn standings(findings: &[Finding]) -> Vec<Standing> {
+        findings.iter().map(|finding| finding.standing).collect()
+    }
+
+    #[test]
+    fn limits_hold_or_do_not_by_the_best_technique() {
+        let mut made_up = MadeUpRun::default();
+        add(&mut made_up, "vertex", "rewrite", 0.9, 200_000.0);
+        add(&mut made_up, "native", "rewrite", 0.4, 60_000.0);
+        add(&mut made_up, "native", "reload", 0.1, 50.0);
+        let run = read(&made_up);
+        let answers = MovingChapter.answers(&run).expect("answers");
+        use Standing::{DoesNotHold, Holds, NotMeasured};
+        assert_eq!(standings(&answers.requirements), [Holds; 3]);
+        assert!(
+            answers.scope[0].contains("180 frames"),
+            "{:?}",
+            answers.scope
+        );
+        assert_eq!(standings(&findings(&sweeps(&run))), [Holds; 2]);
+        // Twin: slower, larger, and one frame wrong; geometry shaders are no better.
+        let mut made_up = MadeUpRun::default();
+        add(&mut made_up, "vertex", "rewrite", 0.9, 200_000.0);
+        add(&mut made_up, "native", "rewrite", 1.4, 300_000.0);
+        let wrong = made_up.case(case_id(crate::STUDY, "other", &[("sensors", "1")]));
+        wrong.ended(Status::Wrong, "1 of 60 frames");
+        wrong.figure(COMPARED, 60.0);
+        wrong.figure(WRONG, 1.0);
+        let run = read(&made_up);
+        let answers = MovingChapter.answers(&run).expect("answers");
+        assert_eq!(standings(&answers.requirements), [DoesNotHold; 3]);
+        assert_eq!(standings(&findings(&sweeps(&run))), [DoesNotHold; 2]);
+        // Nothing of it: no verdict.
+        let run = read(&MadeUpRun::default());
+        let answers = MovingChapter.answers(&run).expect("answers");
+        assert_eq!(standings(&answers.requirements), [NotMeasured; 3]);
+        assert!(MovingChapter.blocks(&run).expect("a chapter").is_empty());
+    }
+
+    #[test]
+    fn the_answer_names_the_fastest_and_the_other_ways() {
+        let mut made_up = MadeUpRun::default();
+        add(&mut made_up, "vertex", "rewrite", 0.9, 200_000.0);
+        add(&mut made_up, "native", "rewrite", 0.4, 60_000.0);
+        add(&mut made_up, "native", "reload", 3.0, 900_000.0);
+        let run = read(&made_up);
+        let blocks = MovingChapter.blocks(&run).expect("a chapter");
+        let texts = blocks.iter().filter_map(|block| match block {
+            Block::Text(text) => Some(text.as_str()),
+            _ => None,
+        });
+        let text: String = texts.collect();
+        assert!(
+            text.contains("a frame takes least with native plain"),
+            "{text}"
+        );
+        assert!(text.contains("by reload"), "{text}");
+        let table = blocks.iter().find_map(|block| match block {
+            Block::Table(table) => Some(table),
+            _ => None,
+        });
+        assert_eq!(table.expect("a table").rows.len(), 3);
+    }
+}

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Sensors that fly and sweep: cones by frame, from a seed, and their footprints.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+use terrafill_core::{
+    AnalyticError, EdgeRule, Ellipsoid, Footprint, FootprintMesher, Geodetic, Region, RegionMesh,
+    SensorCone,
+};
+use terrafill_study::SplitMix64;
+
+/// Frames after which the sweep begins again: two seconds at 30 a second.
+pub(crate) const FRAMES: u32 = 60;
+/// Vertices of each footprint: at 8,000 km above ground its chords are within 0.1 px of the curve.
+pub(crate) const VERTICES: u32 = 256;
+
+/// Middle of the area that sensors fly over, and its half widths, degrees: all of it is in view of the
+/// globe's camera.
+const MIDDLE_DEG: [f64; 2] = [15.0, 20.0];
+const HALF_WIDTH_DEG: [f64; 2] = [48.0, 38.0];
+/// Of apexes above the ground, metres: low orbits of the Earth.
+const HEIGHTS_M: [f64; 2] = [500_000.0, 900_000.0];
+/// Between a cone's axis and the vertical, degrees.
+const TILTS_DEG: [f64; 2] = [5.0, 22.0];
+/// Between a cone's axis and its edge, degrees. With the largest tilt the edge stays 19° off the
+/// horizon of the highest apex.
+const HALF_ANGLES_DEG: [f64; 2] = [5.0, 18.0];
+/// Along the ground, degrees of arc a frame: 30 times as fast as a satellite, to be seen.
+const SPEED_DEG: f64 = 0.06;
+const SEED: u64 = 2007;
+
+/// One sensor at the first frame.
+#[derive(Debug, Clone, Copy)]
+struct Sensor {
+    start_deg: [f64; 2],
+    heading_rad: f64,
+    height_m: f64,
+    tilt_rad: f64,
+    half_angle_rad: f64,
+    /// Of the axis at the first frame; a sweep is a whole turn.
+    azimuth_rad: f64,
+}
+
+/// All sensors of a case.
+#[derive(Debug, Clone)]
+pub(crate) struct Sensors {
+    mesher: FootprintMesher,
+    sensors: Vec<Sensor>,
+}
+
+impl Sensors {
+    /// The first `count` sensors over `body`; more of them are the same and further ones.
+    pub(crate) fn new(body: Ellipsoid, count: usize) -> Result<Self, AnalyticError> {
+        let mut random = SplitMix64::new(SEED);
+        // 53 random bits are the digits of a number below 1.
+        let mut between = |[low, high]: [f64; 2]| {
+            low + (high - low) * ((random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64)
+        };
+        let sensors = (0..count).map(|_| Sensor {
+            start_deg: [0, 1].map(|axis| {
+                MIDDLE_DEG[axis] + between([-HALF_WIDTH_DEG[axis], HALF_WIDTH_DEG[axis]])
+            }),
+            heading_rad: between([0.0, TAU]),
+            height_m: between(HEIGHTS_M),
+            tilt_rad: between(TILTS_DEG).to_radians(),
+            half_angle_rad: between(HALF_ANGLES_DEG).to_radians(),
+            azimuth_rad: between([0.0, TAU]),
+        });
+        Ok(Self {
+            mesher: FootprintMesher::new(body, VERTICES)?,
+            sensors: sensors.collect(),
+        })
+    }
+
+    fn cone(sensor: &Sensor, frame: u32) -> SensorCone {
+        let done = f64::from(frame % FRAMES);
+        let along_deg = SPEED_DEG * done;
+        let (east, north) = sensor.heading_rad.sin_cos();
+        let [longitude_deg, latitude_deg] = sensor.start_deg;
+        let stretched = latitude_deg.to_radians().cos();
+        SensorCone {
+            apex: Geodetic::from_degrees(
+                longitude_deg + along_deg * east / stretched,
+                latitude_deg + along_deg * north,
+                sensor.height_m,
+            ),
+            azimuth_rad: (sensor.azimuth_rad + TAU * done / f64::from(FRAMES)) % TAU,
+            elevation_rad: sensor.tilt_rad - FRAC_PI_2,
+            half_angle_rad: sensor.half_angle_rad,
+        }
+    }
+
+    fn footprints(
+        &self,
+        frame: u32,
+    ) -> impl Iterator<Item = (usize, Result<Footprint, AnalyticError>)> {
+        let sensors = self.sensors.iter().enumerate();
+        sensors
+            .map(move |(index, sensor)| (index, self.mesher.footprint(&Self::cone(sensor, frame))))
+    }
+
+    /// Rings at `frame`, for the reference and the general mesher.
+    ///
+    /// - `first`: index of the first one among the scene's regions
+    pub(crate) fn regions(&self, frame: u32, first: usize) -> Result<Vec<Region>, AnalyticError> {
+        self.footprints(frame)
+            .map(|(index, footprint)| {
+                let region = self.mesher.region(name(index), &footprint?);
+                Ok(Region {
+                    index: first + index,
+                    ..region
+                })
+            })
+            .collect()
+    }
+
+    /// Strips at `frame`.
+    ///
+    /// - `first`: as in [`Sensors::regions`]
+    pub(crate) fn strips(
+        &self,
+        frame: u32,
+        first: usize,
+        rule: EdgeRule,
+    ) -> Result<Vec<RegionMesh>, AnalyticError> {
+        self.footprints(frame)
+            .map(|(index, footprint)| {
+                self.mesher
+                    .mesh(name(index), first + index, footprint?, rule)
+            })
+            .collect()
+    }
+}
+
+fn name(index: usize) -> String {
+    format!("sensor {index}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_footprint_of_every_frame_can_be_followed_and_moves() {
+        let sensors = Sensors::new(Ellipsoid::WGS84, 200).expect("vertices");
+        for frame in 0..FRAMES {
+            let strips = sensors
+                .strips(frame, 10, EdgeRule::Planar)
+                .expect("all round");
+            let next = sensors
+                .strips(frame + 1, 10, EdgeRule::Planar)
+                .expect("all round");
+            for (index, (strip, next)) in strips.iter().zip(&next).enumerate() {
+                assert_eq!(strip.region_index, 10 + index);
+                assert_eq!(strip.vertex_count(), 256);
+                assert_ne!(strip.vertices_ecef, next.vertices_ecef);
+                // Chords, of which a reference that reads the ring's edges knows nothing.
+                assert!(
+                    strip.boundary_deviation_m < 2_000.0,
+                    "{}",
+                    strip.boundary_deviation_m
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_sweep_begins_again_and_more_sensors_are_further_ones() {
+        let of = |count| Sensors::new(Ellipsoid::WGS84, count).expect("vertices");
+        let vertices = |sensors: &Sensors, frame| -> Vec<_> {
+            let strips = sensors
+                .strips(frame, 0, EdgeRule::Planar)
+                .expect("all round");
+            strips
+                .into_iter()
+                .map(|strip| strip.vertices_ecef)
+                .collect()
+        };
+        assert_eq!(vertices(&of(3), 0), vertices(&of(3), FRAMES));
+        assert_eq!(vertices(&of(3), 5)[..], vertices(&of(5), 5)[..3]);
+        assert_ne!(vertices(&of(3), 0), vertices(&of(3), 1));
+    }
+}

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The scene that sensors move over, and how it goes from one frame to the next.
+
+use crate::sensors::Sensors;
+use terrafill_core::{AnalyticError, MeshError, MeshOptions, Region, RegionMesh};
+use terrafill_fill::{
+    CpuStopwatch, DeviceError, FillBackend, FillInput, NoSuchRegion, PreparedScene, RegionSet,
+};
+use terrafill_scene::{ImageSize, Overlap, PlanOptions, Scene, View};
+use terrafill_surface::{SurfaceError, SurfaceKind, open_surface};
+
+/// How a scene is brought up to date.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Upkeep {
+    /// Strips with the same vertices and triangles, rewritten where they lie.
+    Rewrite,
+    /// The same strips, and everything is uploaded again.
+    Reload,
+    /// The general mesher, whose numbers of vertices change with the shape.
+    Remesh,
+}
+
+impl Upkeep {
+    pub(crate) const ALL: [Self; 3] = [Self::Rewrite, Self::Reload, Self::Remesh];
+
+    /// As a condition of a case.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Rewrite => "rewrite",
+            Self::Reload => "reload",
+            Self::Remesh => "remesh",
+        }
+    }
+}
+
+/// Why there is no next frame.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum StageError {
+    #[error(transparent)]
+    Cone(#[from] AnalyticError),
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    #[error(transparent)]
+    Place(#[from] NoSuchRegion),
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+}
+
+/// What a step from one frame to the next took.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct StepCost {
+    pub(crate) mesh_cpu_ms: f64,
+    pub(crate) plan_cpu_ms: f64,
+    pub(crate) update_cpu_ms: f64,
+    pub(crate) upload_bytes: u64,
+    /// Regions whose geometry was uploaded.
+    pub(crate) regions: usize,
+}
+
+/// Countries, and sensors over them.
+#[derive(Debug)]
+pub(crate) struct Stage {
+    pub(crate) sensors: Sensors,
+    /// Regions that lie still, which come first.
+    still: Vec<Region>,
+    mesh: MeshOptions,
+    /// At frame 0.
+    start: FillInput,
+}
+
+impl Stage {
+    /// - `base`: what lies still; sensors cover it
+    pub(crate) fn new(
+        base: &Scene,
+        surfaces: &[&dyn SurfaceKind],
+        view: &View,
+        size: ImageSize,
+        sensors: Sensors,
+    ) -> Result<Self, StageError> {
+        let surface = open_surface(surfaces, base)?;
+        let still = base.regions.to_vec();
+        let scene = Scene {
+            overlap: Overlap::Ordered,
+            ..base.clone()
+        };
+        let meshed = still
+            .iter()
+            .map(|region| RegionMesh::build(region, &base.body, base.edge_rule, &base.mesh));
+        let mut meshes: Vec<RegionMesh> = meshed.collect::<Result<_, _>>()?;
+        meshes.extend(sensors.strips(0, still.len(), base.edge_rule)?);
+        let mut prepared = PreparedScene::new(&scene, meshes.into(), surface);
+        prepared.regions = all_regions(&still, &sensors, 0)?.into();
+        Ok(Self {
+            start: FillInput::new(&prepared, view, size, PlanOptions::default())?,
+            mesh: base.mesh,
+            still,
+            sensors,
+        })
+    }
+
+    /// The first frame, by this way of keeping up to date.
+    pub(crate) fn start(&self, upkeep: Upkeep) -> Result<FillInput, StageError> {
+        match upkeep {
+            Upkeep::Rewrite | Upkeep::Reload => Ok(self.start.clone()),
+            Upkeep::Remesh => {
+                let changed = self.meshes(0, upkeep)?;
+                let scene = self.start.scene.with_changed(changed)?;
+                Ok(self.start.remeshed(&scene, PlanOptions::default()))
+            }
+        }
+    }
+
+    /// What the reference draws at `frame`.
+    pub(crate) fn as_rings(&self, frame: u32) -> Result<FillInput, StageError> {
+        let mut input = self.start.clone();
+        input.scene.regions = all_regions(&self.still, &self.sensors, frame)?.into();
+        Ok(input)
+    }
+
+    fn meshes(&self, frame: u32, upkeep: Upkeep) -> Result<Vec<(usize, RegionMesh)>, StageError> {
+        let (body, rule) = (&self.start.scene.body, self.start.scene.edge_rule);
+        let first = self.still.len();
+        let meshes = match upkeep {
+            Upkeep::Rewrite | Upkeep::Reload => self.sensors.strips(frame, first, rule)?,
+            Upkeep::Remesh => {
+                let regions = self.sensors.regions(frame, first)?;
+                let meshed = regions
+                    .iter()
+                    .map(|region| RegionMesh::build(region, body, rule, &self.mesh));
+                meshed.collect::<Result<_, _>>()?
+            }
+        };
+        Ok((first..).zip(meshes).collect())
+    }
+
+    /// Meshes the sensors at `frame`, plans the frame and hands it to `backend`, which holds `before`.
+    pub(crate) fn step(
+        &self,
+        backend: &mut dyn FillBackend,
+        before: &FillInput,
+        frame: u32,
+        upkeep: Upkeep,
+    ) -> Result<(FillInput, StepCost), StageError> {
+        let plan = PlanOptions::default();
+        let mut cost = StepCost::default();
+        let watch = CpuStopwatch::start();
+        let changed = self.meshes(frame, upkeep)?;
+        cost.mesh_cpu_ms = watch.cpu_ms();
+        let places: Vec<usize> = changed.iter().map(|(place, _)| *place).collect();
+        let watch = CpuStopwatch::start();
+        let scene = match upkeep {
+            Upkeep::Rewrite | Upkeep::Remesh => before.scene.with_changed(changed)?,
+            Upkeep::Reload => {
+                let mut meshes = before.scene.meshes.to_vec();
+                for (place, mesh) in changed {
+                    meshes[place] = mesh;
+                }
+                before.scene.with_meshes(RegionSet::from(meshes))
+            }
+        };
+        let input = before.remeshed(&scene, plan);
+        cost.plan_cpu_ms = watch.cpu_ms();
+        let watch = CpuStopwatch::start();
+        match upkeep {
+            Upkeep::Rewrite | Upkeep::Remesh => {
+                let uploaded = backend.update(&input, &places)?;
+                (cost.upload_bytes, cost.regions) = (uploaded.bytes, uploaded.regions.len());
+            }
+            Upkeep::Reload => {
+                cost.upload_bytes = backend.prepare(&input)?.upload_bytes;
+                cost.regions = input.scene.meshes.len();
+            }
+        }
+        cost.update_cpu_ms = watch.cpu_ms();
+        Ok((input, cost))
+    }
+}
+
+fn all_regions(
+    still: &[Region],
+    sensors: &Sensors,
+    frame: u32,
+) -> Result<Vec<Region>, AnalyticError> {
+    let mut regions = still.to_vec();
+    regions.extend(sensors.regions(frame, still.len())?);
+    Ok(regions)
+}

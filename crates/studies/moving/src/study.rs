@@ -1,0 +1,668 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The cases: numbers of sensors × techniques × ways of keeping up to date.
+
+use crate::STUDY;
+use crate::chapter::MovingChapter;
+use crate::sensors::{FRAMES, Sensors};
+use crate::stage::{Stage, StageError, StepCost, Upkeep};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+use terrafill_conformance::{
+    BAND_RADIUS_PX, ErrorFigures, Verdict as Comparison, compare_closely, filled_only, verdict,
+};
+use terrafill_fill::{
+    CpuStopwatch, DeviceError, FillBackend, FillInput, Frame, Role, Targets, Technique, Variant,
+};
+use terrafill_reference::ReferenceBackend;
+use terrafill_results::{
+    CaseId, Chapter, Kind, Metric, PlannedCase, RunError, Skipped, Status, Verdict,
+};
+use terrafill_scene::{ImageSize, Overlap, Scene, SceneError};
+use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
+use terrafill_surface::SurfaceKind;
+
+/// Scenes to move over: the first whose data is there.
+const BASES: [&str; 2] = ["countries-110m", "planet-134"];
+
+/// Timed frames of each case in a process, unless the request says otherwise. Odd, so that the median
+/// is one of them.
+const SAMPLES: u32 = 21;
+
+/// Frames that further processes compare, and a quick run's first one.
+const FEW_FRAMES: u32 = 3;
+
+/// Wrong frames that a reason names.
+const MAX_NAMED: usize = 5;
+
+const METRICS: [Metric; 12] = [
+    Metric::less(
+        "moving_mesh_cpu_ms",
+        "ms",
+        Kind::Time,
+        "Process CPU time of meshing all moved regions of a frame.",
+    ),
+    Metric::less(
+        "moving_plan_cpu_ms",
+        "ms",
+        Kind::Time,
+        "Process CPU time of joining the moved meshes with the scene and planning the frame.",
+    ),
+    Metric::less(
+        "moving_update_cpu_ms",
+        "ms",
+        Kind::Time,
+        "Process CPU time of handing the changed scene to the technique, uploads included.",
+    ),
+    Metric::less(
+        "moving_fill_cpu_ms",
+        "ms",
+        Kind::Time,
+        "Process CPU time of filling the frame, from recording until the device is done.",
+    ),
+    Metric::less(
+        "moving_fill_gpu_ms",
+        "ms",
+        Kind::Time,
+        "GPU time of filling the frame.",
+    ),
+    Metric::less(
+        "moving_frame_cpu_ms",
+        "ms",
+        Kind::Time,
+        "Process CPU time of a frame with moved regions: mesh, plan, update and fill.",
+    ),
+    Metric::less(
+        "moving_frame_wall_ms",
+        "ms",
+        Kind::Time,
+        "Wall clock over the same span.",
+    ),
+    Metric::less(
+        "moving_upload_bytes",
+        "bytes",
+        Kind::Bytes,
+        "Bytes handed to the device for a frame, constants included; largest of all frames.",
+    ),
+    Metric::less(
+        "moving_uploaded_regions",
+        "",
+        Kind::Counter,
+        "Regions whose geometry was uploaded for a frame; largest of all frames.",
+    ),
+    Metric::neither(
+        "moving_frames_compared",
+        "",
+        Kind::Counter,
+        "Frames that were compared with the reference of that frame.",
+    ),
+    Metric::less(
+        "moving_frames_wrong",
+        "",
+        Kind::Error,
+        "Frames that were not within the tolerances of a fill.",
+    ),
+    Metric::less(
+        "moving_outside_px",
+        "px",
+        Kind::Error,
+        "Pixels outside the boundary band that differ from the reference; largest of all frames.",
+    ),
+];
+
+/// What regions cost that change in every frame.
+#[derive(Debug, Clone, Copy)]
+pub struct MovingStudy {
+    /// Techniques that it compares.
+    pub techniques: &'static [&'static dyn Technique],
+    /// Surfaces that scenes may lie on.
+    pub surfaces: &'static [&'static dyn SurfaceKind],
+}
+
+impl Study for MovingStudy {
+    fn name(&self) -> &'static str {
+        STUDY
+    }
+
+    fn question(&self) -> &'static str {
+        "What do regions cost that change in every frame, such as what sensors see?"
+    }
+
+    fn metrics(&self) -> &'static [Metric] {
+        &METRICS
+    }
+
+    fn least_depth(&self) -> Depth {
+        Depth::Full
+    }
+
+    fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
+        let (scene, skipped) = base(request)?;
+        let counts: &[usize] = match request.depth {
+            Depth::Quick => &[10],
+            Depth::Main => &[50],
+            Depth::Full => &[1, 10, 50, 200],
+        };
+        let scene = Rc::new(scene);
+        let groups = counts
+            .iter()
+            .map(|&count| -> Box<dyn Group> { Box::new(Sweep::new(self, request, &scene, count)) });
+        Ok(Planned {
+            groups: groups.collect(),
+            skipped,
+        })
+    }
+
+    fn chapter(&self) -> &dyn Chapter {
+        &MovingChapter
+    }
+}
+
+/// The first of [`BASES`] whose data is there, as something that other regions may cover.
+fn base(request: &Request) -> Result<(Scene, Vec<Skipped>), StudyError> {
+    let mut skipped = Vec::new();
+    for name in BASES {
+        match Scene::shipped(name, request.data_dir.as_deref()) {
+            Ok(scene) => {
+                let overlap = Overlap::Ordered;
+                return Ok((Scene { overlap, ..scene }, skipped));
+            }
+            Err(error @ SceneError::DataMissing { .. }) => skipped.push(Skipped {
+                what: format!("{STUDY}/{name}"),
+                reason: error.to_string(),
+            }),
+            Err(error) => return Err(StudyError::BadInput(error.to_string())),
+        }
+    }
+    let message = format!("none of {} can be opened", BASES.join(", "));
+    Err(StudyError::BadInput(message))
+}
+
+/// A technique that draws the sensors, and how they get to it.
+#[derive(Debug, Clone)]
+struct MovingCase {
+    technique: &'static dyn Technique,
+    variant: Variant,
+    upkeep: Upkeep,
+}
+
+/// All cases of one number of sensors.
+struct Sweep {
+    scene: Rc<Scene>,
+    surfaces: &'static [&'static dyn SurfaceKind],
+    size: ImageSize,
+    sensors: usize,
+    /// Compared with the reference by the first process.
+    frames: u32,
+    cases: Vec<MovingCase>,
+    planned: Vec<PlannedCase>,
+}
+
+impl Sweep {
+    fn new(study: &MovingStudy, request: &Request, scene: &Rc<Scene>, sensors: usize) -> Self {
+        let is_quick = request.depth == Depth::Quick;
+        let [width, height] = request.size;
+        let wanted = |technique: &&&'static dyn Technique| {
+            let names = &request.techniques;
+            names.is_empty() || names.iter().any(|name| name == technique.name())
+        };
+        let mut cases = Vec::new();
+        for technique in study.techniques.iter().filter(wanted).copied() {
+            for variant in technique.variants(scene, Role::Quick) {
+                let is_first = cases
+                    .iter()
+                    .all(|case: &MovingCase| case.technique.name() != technique.name());
+                // The two other ways are the same for all layouts: one of each technique shows them.
+                let ways = if is_first && !is_quick { 3 } else { 1 };
+                cases.extend(Upkeep::ALL[..ways].iter().map(|&upkeep| MovingCase {
+                    technique,
+                    variant: variant.clone(),
+                    upkeep,
+                }));
+            }
+        }
+        let samples = request.samples.unwrap_or(SAMPLES);
+        let planned = cases.iter().map(|case| {
+            let parts = [
+                ("scene", scene.name.clone()),
+                ("sensors", sensors.to_string()),
+                ("technique", case.technique.name().to_owned()),
+                ("variant", case.variant.name()),
+                ("upkeep", case.upkeep.name().to_owned()),
+            ];
+            let name: Vec<&str> = parts.iter().map(|(_, value)| value.as_str()).collect();
+            let name = name.join("/");
+            PlannedCase {
+                id: CaseId::new(STUDY, name, parts),
+                samples,
+                may_be_wrong: false,
+            }
+        });
+        Self {
+            planned: planned.collect(),
+            cases,
+            scene: Rc::clone(scene),
+            surfaces: study.surfaces,
+            size: ImageSize { width, height },
+            sensors,
+            frames: if is_quick { FEW_FRAMES } else { FRAMES },
+        }
+    }
+
+    fn broken(&self, why: &impl ToString) -> StudyError {
+        StudyError::Broken {
+            place: self.name(),
+            message: why.to_string(),
+        }
+    }
+}
+
+impl Group for Sweep {
+    fn name(&self) -> String {
+        format!("{STUDY}/{}/{}", self.scene.name, self.sensors)
+    }
+
+    fn cases(&self) -> &[PlannedCase] {
+        &self.planned
+    }
+
+    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
+        Ok(Box::new(SweepSession::new(self, context)?))
+    }
+}
+
+/// A technique that holds a frame.
+struct Flight {
+    backend: Box<dyn FillBackend>,
+    input: FillInput,
+    frame: u32,
+}
+
+struct SweepSession<'a> {
+    sweep: &'a Sweep,
+    context: Context<'a>,
+    stage: Stage,
+    targets: Targets,
+    /// By frame; drawn when it is first compared.
+    references: RefCell<BTreeMap<u32, Rc<Frame>>>,
+    /// By case.
+    flights: BTreeMap<usize, Flight>,
+}
+
+/// What the frames of a case showed.
+#[derive(Debug, Default)]
+struct Compared {
+    frames: u32,
+    wrong: Vec<(u32, String)>,
+    outside_px: u64,
+    upload_bytes: u64,
+    regions: usize,
+}
+
+impl Compared {
+    fn add(&mut self, frame: u32, figures: Result<ErrorFigures, String>, cost: StepCost) {
+        self.frames += 1;
+        self.upload_bytes = self.upload_bytes.max(cost.upload_bytes);
+        self.regions = self.regions.max(cost.regions);
+        let reason = match figures {
+            Ok(figures) => {
+                self.outside_px = self.outside_px.max(figures.mismatched_px_outside_band);
+                match verdict(&figures) {
+                    Comparison::Pass => return,
+                    Comparison::Fail(reasons) => reasons.join(", "),
+                }
+            }
+            Err(error) => error,
+        };
+        self.wrong.push((frame, reason));
+    }
+
+    fn verdict(&self, image: String) -> Verdict {
+        let named = self.wrong.iter().take(MAX_NAMED);
+        let named: Vec<String> = named
+            .map(|(frame, reason)| format!("frame {frame}: {reason}"))
+            .collect();
+        let reason = match self.wrong.len() {
+            0 => String::new(),
+            wrong => format!("{wrong} of {} frames; {}", self.frames, named.join("; ")),
+        };
+        Verdict {
+            status: match self.wrong.is_empty() {
+                true => Status::Ok,
+                false => Status::Wrong,
+            },
+            reason,
+            figures: vec![
+                ("moving_upload_bytes", self.upload_bytes as f64),
+                ("moving_uploaded_regions", self.regions as f64),
+                ("moving_frames_compared", f64::from(self.frames)),
+                ("moving_frames_wrong", self.wrong.len() as f64),
+                ("moving_outside_px", self.outside_px as f64),
+            ],
+            notes: vec![("image", image)],
+        }
+    }
+}
+
+impl<'a> SweepSession<'a> {
+    fn new(sweep: &'a Sweep, context: Context<'a>) -> Result<Self, StudyError> {
+        let scene = &sweep.scene;
+        let bad = |error: StageError| StudyError::BadInput(error.to_string());
+        let view = scene.views.iter().find(|view| view.name == "globe");
+        let view = view.ok_or_else(|| sweep.broken(&"its scene has no view named globe"))?;
+        let sensors = Sensors::new(scene.body, sweep.sensors);
+        let stage = Stage::new(
+            scene,
+            sweep.surfaces,
+            view,
+            sweep.size,
+            sensors.map_err(|error| bad(error.into()))?,
+        );
+        Ok(Self {
+            sweep,
+            context,
+            stage: stage.map_err(bad)?,
+            targets: Targets::new(context.devices, sweep.size),
+            references: RefCell::default(),
+            flights: BTreeMap::new(),
+        })
+    }
+
+    fn reference(&self, frame: u32) -> Result<Rc<Frame>, StageError> {
+        if let Some(known) = self.references.borrow().get(&frame) {
+            return Ok(Rc::clone(known));
+        }
+        let drawn = ReferenceBackend::new().judge(&self.stage.as_rings(frame)?)?;
+        let drawn = Rc::new(drawn.frame);
+        let mut references = self.references.borrow_mut();
+        references.insert(frame, Rc::clone(&drawn));
+        Ok(drawn)
+    }
+
+    /// How a picture of `frame` differs from the reference of it.
+    fn figures(
+        &self,
+        backend: &dyn FillBackend,
+        drawn: &Frame,
+        frame: u32,
+    ) -> Result<ErrorFigures, String> {
+        let as_mask = !backend.tells_regions_apart();
+        let reference = self.reference(frame).map_err(|error| error.to_string())?;
+        let rings = self.stage.as_rings(frame);
+        let rings = rings.map_err(|error| error.to_string())?;
+        let look = ReferenceBackend::new().look_closely(&rings).ok();
+        let as_compared = |id: u32| if as_mask { id.min(1) } else { id };
+        let shows = |pixel: usize, id: u32| {
+            look.as_ref().is_some_and(|look| {
+                let mut ids = look.ids_within(pixel, BAND_RADIUS_PX).into_iter();
+                ids.any(|shown| as_compared(shown) == id)
+            })
+        };
+        let compared = if as_mask {
+            compare_closely(&filled_only(&reference), &filled_only(drawn), shows)
+        } else {
+            compare_closely(&reference, drawn, shows)
+        };
+        compared.map_err(|error| error.to_string())
+    }
+
+    /// Opens the case at frame 0 and compares its first `frames` frames.
+    fn fly(&self, case: &MovingCase, frames: u32) -> Result<(Flight, Compared), StageError> {
+        let mut backend = case.technique.open(&self.targets, &case.variant)?;
+        let mut input = self.stage.start(case.upkeep)?;
+        backend.prepare(&input)?;
+        let mut compared = Compared::default();
+        for frame in 0..frames {
+            let cost = match frame {
+                0 => StepCost::default(),
+                _ => {
+                    let step = self.stage.step(&mut *backend, &input, frame, case.upkeep)?;
+                    input = step.0;
+                    step.1
+                }
+            };
+            let drawn = backend.render(&input)?;
+            compared.add(frame, self.figures(&*backend, &drawn, frame), cost);
+        }
+        let flight = Flight {
+            backend,
+            input,
+            frame: frames.saturating_sub(1),
+        };
+        Ok((flight, compared))
+    }
+
+    fn verify_frames(&mut self, index: usize, frames: u32) -> Result<Verdict, StudyError> {
+        let case = &self.sweep.cases[index];
+        let (mut flight, compared) = match self.fly(case, frames) {
+            Ok(flown) => flown,
+            Err(StageError::Device(error @ DeviceError::Unsupported { .. })) => {
+                return Ok(Verdict::skipped(error.to_string()));
+            }
+            Err(error) => return Ok(Verdict::failed(error.to_string())),
+        };
+        let image = match case.upkeep {
+            Upkeep::Rewrite => self.write_picture(index, &mut flight)?,
+            Upkeep::Reload | Upkeep::Remesh => String::new(),
+        };
+        self.flights.insert(index, flight);
+        Ok(compared.verdict(image))
+    }
+
+    /// The last frame that was compared, in the regions' colours.
+    fn write_picture(&self, index: usize, flight: &mut Flight) -> Result<String, StudyError> {
+        let picture = flight.backend.picture(&flight.input);
+        let picture = picture.map_err(|error| self.sweep.broken(&error))?;
+        let rgb: Vec<u8> = picture
+            .rgba
+            .chunks_exact(4)
+            .flat_map(|pixel| &pixel[..3])
+            .copied()
+            .collect();
+        let file: String = self.sweep.planned[index]
+            .id
+            .name
+            .chars()
+            .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })
+            .collect();
+        let relative = format!("images/{STUDY}-{file}.png");
+        let path = self.context.folder.join(&relative);
+        let mut png = std::io::Cursor::new(Vec::new());
+        let size = picture.size;
+        let encoded = image::write_buffer_with_format(
+            &mut png,
+            &rgb,
+            size.width,
+            size.height,
+            image::ExtendedColorType::Rgb8,
+            image::ImageFormat::Png,
+        );
+        encoded.map_err(|error| self.sweep.broken(&error))?;
+        std::fs::write(&path, png.into_inner()).map_err(|source| RunError::Io { path, source })?;
+        Ok(relative)
+    }
+}
+
+impl Session for SweepSession<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
+        self.verify_frames(case, self.sweep.frames)
+    }
+
+    fn recheck(
+        &mut self,
+        case: usize,
+        _status: Status,
+        _notes: &BTreeMap<String, String>,
+    ) -> Result<Verdict, StudyError> {
+        self.verify_frames(case, FEW_FRAMES)
+    }
+
+    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+        let flight = self.flights.get_mut(&case).ok_or("it was not verified")?;
+        let upkeep = self.sweep.cases[case].upkeep;
+        let Flight {
+            backend,
+            input,
+            frame,
+        } = flight;
+        // Another case may have drawn over it.
+        let drawn = backend.draw_surface(input);
+        drawn.map_err(|error| error.to_string())?;
+        let next = (*frame + 1) % FRAMES;
+        let watch = CpuStopwatch::start();
+        let step = self.stage.step(&mut **backend, input, next, upkeep);
+        let (moved, cost) = step.map_err(|error| error.to_string())?;
+        let times = backend.time_frame(&moved);
+        let (frame_cpu_ms, frame_wall_ms) = (watch.cpu_ms(), watch.wall_ms());
+        let times = times.map_err(|error| error.to_string())?;
+        (*input, *frame) = (moved, next);
+        let mut values = vec![
+            ("moving_mesh_cpu_ms", cost.mesh_cpu_ms),
+            ("moving_plan_cpu_ms", cost.plan_cpu_ms),
+            ("moving_update_cpu_ms", cost.update_cpu_ms),
+            ("moving_fill_cpu_ms", times.fill_cpu_ms),
+            ("moving_frame_cpu_ms", frame_cpu_ms),
+            ("moving_frame_wall_ms", frame_wall_ms),
+        ];
+        values.extend(times.fill_gpu_ms.map(|ms| ("moving_fill_gpu_ms", ms)));
+        Ok(values)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_fill::{Devices, device_for_test};
+    use terrafill_native::NativeTechnique;
+    use terrafill_surface::EllipsoidKind;
+    use terrafill_vertex::VertexTechnique;
+
+    static STUDY_OF_TWO: MovingStudy = MovingStudy {
+        techniques: &[&VertexTechnique, &NativeTechnique],
+        surfaces: &[&EllipsoidKind],
+    };
+
+    fn request(depth: Depth) -> Request {
+        Request {
+            depth,
+            size: [160, 120],
+            ..Request::default()
+        }
+    }
+
+    fn sweep(depth: Depth, sensors: usize) -> Sweep {
+        let request = request(depth);
+        let (scene, skipped) = base(&request).expect("planet-134 ships");
+        assert_eq!(skipped.len(), 1, "countries need data");
+        Sweep::new(&STUDY_OF_TWO, &request, &Rc::new(scene), sensors)
+    }
+
+    fn with_session(sweep: &Sweep, check: impl FnOnce(&mut SweepSession<'_>)) {
+        let devices = Rc::new(Devices::default());
+        let targets = Targets::new(&devices, sweep.size);
+        for case in &sweep.cases {
+            let opened = case.technique.open(&targets, &case.variant);
+            if device_for_test(opened).is_none() {
+                return;
+            }
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::create_dir(folder.path().join("images")).expect("writable");
+        let context = Context {
+            devices: &devices,
+            folder: folder.path(),
+        };
+        check(&mut SweepSession::new(sweep, context).expect("opens"));
+    }
+
+    #[test]
+    fn depths_have_their_numbers_of_sensors_and_one_layout_shows_every_way() {
+        let sensors = |depth| -> Vec<String> {
+            let planned = STUDY_OF_TWO.plan(&request(depth)).expect("planned");
+            let groups = planned.groups.iter();
+            groups
+                .map(|group| group.cases()[0].id.condition("sensors").to_owned())
+                .collect()
+        };
+        assert_eq!(sensors(Depth::Quick), ["10"]);
+        assert_eq!(sensors(Depth::Main), ["50"]);
+        assert_eq!(sensors(Depth::Full), ["1", "10", "50", "200"]);
+        let ways = |depth, upkeep| {
+            let sweep = sweep(depth, 1);
+            let cases = sweep.cases.iter();
+            cases.filter(|case| case.upkeep == upkeep).count()
+        };
+        assert_eq!(ways(Depth::Main, Upkeep::Remesh), 2);
+        assert_eq!(ways(Depth::Quick, Upkeep::Remesh), 0);
+        assert_eq!(
+            ways(Depth::Main, Upkeep::Rewrite),
+            ways(Depth::Quick, Upkeep::Rewrite)
+        );
+    }
+
+    #[test]
+    fn frames_are_right_by_every_way_and_only_rewriting_uploads_the_moved_alone() {
+        let sweep = Sweep {
+            frames: 3,
+            ..sweep(Depth::Main, 4)
+        };
+        with_session(&sweep, |session| {
+            let mut bytes = BTreeMap::new();
+            for index in 0..sweep.cases.len() {
+                let name = &sweep.planned[index].id.name;
+                let verdict = session.verify(index).expect("goes on");
+                assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
+                let figure = |name| {
+                    let found = verdict.figures.iter().find(|(known, _)| *known == name);
+                    found.map(|(_, value)| *value)
+                };
+                assert_eq!(figure("moving_frames_compared"), Some(3.0));
+                let case = &sweep.cases[index];
+                let regions = figure("moving_uploaded_regions");
+                match case.upkeep {
+                    Upkeep::Rewrite => assert_eq!(regions, Some(4.0), "{name}"),
+                    Upkeep::Reload => assert!(regions > Some(100.0), "{name}"),
+                    Upkeep::Remesh => {}
+                }
+                let key = (case.technique.name(), case.upkeep.name());
+                bytes.entry(key).or_insert(figure("moving_upload_bytes"));
+                let measured = session.sample(index).expect("measured");
+                let [mesh, frame] = ["moving_mesh_cpu_ms", "moving_frame_cpu_ms"].map(|name| {
+                    let found = measured.iter().find(|(known, _)| *known == name);
+                    found.expect("measured").1
+                });
+                assert!(0.0 < mesh && mesh <= frame, "{name}: {mesh} {frame}");
+            }
+            for technique in ["vertex", "native"] {
+                let [rewrite, reload] =
+                    ["rewrite", "reload"].map(|way| bytes[&(technique, way)].expect("counted"));
+                assert!(
+                    rewrite > 0.0 && 5.0 * rewrite < reload,
+                    "{rewrite} {reload}"
+                );
+            }
+        });
+    }
+
+    #[test]
+    fn a_frame_that_was_not_updated_is_wrong() {
+        let sweep = sweep(Depth::Quick, 4);
+        with_session(&sweep, |session| {
+            let case = &sweep.cases[0];
+            let (mut flight, right) = session.fly(case, 1).expect("flies");
+            assert_eq!(right.wrong, []);
+            let drawn = flight.backend.render(&flight.input).expect("draws");
+            let mut stale = Compared::default();
+            let figures = session.figures(&*flight.backend, &drawn, 20);
+            stale.add(20, figures, StepCost::default());
+            let verdict = stale.verdict(String::new());
+            assert_eq!(verdict.status, Status::Wrong);
+            assert!(
+                verdict.reason.starts_with("1 of 1 frames; frame 20: "),
+                "{}",
+                verdict.reason
+            );
+            assert!(stale.outside_px > 0);
+        });
+    }
+}
