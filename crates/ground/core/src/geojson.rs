@@ -10,6 +10,7 @@ mod ring;
 
 pub(crate) use problem::feature_label;
 pub use problem::{RegionFileError, RegionProblem, RegionProblemKind, printable, wide_encoding};
+pub(crate) use ring::LARGEST_LONGITUDE_DEG;
 
 use crate::{Inside, Polygon, Region, Ring, Unwrap};
 use problem::json_problem;
@@ -18,9 +19,6 @@ use ring::{TurnOf, distinct_up_to_three, jump, net_jumps, shorter_turn, unroll, 
 use serde::de::IgnoredAny;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Longitudes beyond this are refused: one turn past the antimeridian is how uncut rings are
-/// written; more is a mistake, most often another unit.
-pub(crate) const LARGEST_LONGITUDE_DEG: f64 = 540.0;
 /// Regions of a file, and what is remarkable about the file as a whole.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegionFile {

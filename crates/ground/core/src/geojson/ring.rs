@@ -4,7 +4,9 @@
 //!
 //! Degrees as they stand in the file; a ring's end is not its first position again.
 
-use super::LARGEST_LONGITUDE_DEG;
+/// Longitudes beyond this are refused: one turn past the antimeridian is how uncut rings are
+/// written; more is a mistake, most often another unit.
+pub(crate) const LARGEST_LONGITUDE_DEG: f64 = 540.0;
 
 /// Indices of the positions that differ from the next; none where all do.
 pub(super) fn without_repeated(positions: &[[f64; 2]]) -> Vec<usize> {
