@@ -122,7 +122,7 @@ impl RegionVolumes for VertexVolumes {
         };
         let pulled =
             (layout == Layout::Pulled).then(|| [bind(&short_indices), bind(&long_indices)]);
-        let streamed = (self.variant.buffers == Buffers::Streamed).then(|| Streamed {
+        let streamed = (self.variant.buffers == Buffers::Streamed).then_some(Streamed {
             vertices: geometry.vertices,
             long: geometry.indices.long,
         });

@@ -7,7 +7,7 @@
 
 use super::data::{Data, counter, distinct, name};
 use super::{claims, fill_rate};
-use terrafill_plot::number::{bytes, count, significant, times};
+use terrafill_plot::number::{bytes, count, significant};
 use terrafill_plot::{RatioAxis, Step, Steps};
 use terrafill_results::{
     Block, Case, Cell, ChapterError, Estimate, Heading, Outcome, Plot, Row, Table,
