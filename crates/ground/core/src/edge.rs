@@ -127,7 +127,6 @@ impl<'a> EdgeSplitter<'a> {
             return true;
         }
         // No square of such a length overflows, and what underflows is 0 to every bound below.
-        let hypotenuse = |a: f64, b: f64| (a * a + b * b).sqrt();
         let length_rad = hypotenuse(longitude_rad, latitude_rad);
         if length_rad > self.step_rad && arc_rad(start, end) > self.step_rad {
             return true;
@@ -156,6 +155,11 @@ impl<'a> EdgeSplitter<'a> {
     }
 }
 
+/// Of lengths in radians: no square of one overflows, and what underflows is 0 to every bound here.
+fn hypotenuse(a: f64, b: f64) -> f64 {
+    (a * a + b * b).sqrt()
+}
+
 /// Upper bounds in metres for an edge much shorter than a radian: of its bow, by which a straight line
 /// in longitude and latitude is off the great circle, and of its deviation, by which its rule is off
 /// the edge as drawn.
@@ -172,7 +176,8 @@ pub(crate) fn edge_bounds_m(
     // covariant acceleration (sin φ cos φ Δλ², 2 tan φ · cos φ Δλ Δφ); an arc of acceleration w
     // bows by w / 8. Half as much again covers the change along the edge.
     let largest_radius_m = a * a / b;
-    let bow_m = 0.19 * largest_radius_m * longitude_rad * hypotenuse(longitude_rad, 2.0 * latitude_rad);
+    let bow_m =
+        0.19 * largest_radius_m * longitude_rad * hypotenuse(longitude_rad, 2.0 * latitude_rad);
     let deviation_m = match rule {
         EdgeRule::Planar => bow_m,
         // Plane through the centre against plane along the normal: they differ by less than

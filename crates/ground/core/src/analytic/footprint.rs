@@ -12,7 +12,8 @@
 
 use super::cone::Sight;
 use super::{AnalyticError, SensorCone, check_cone};
-use crate::edge::{Degrees, ZoneArea, compensated_sum, edge_bounds_m};
+use crate::edge::area::{ZoneArea, compensated_sum};
+use crate::edge::{Degrees, edge_bounds_m};
 use crate::mesh::{index_u32, sagitta_m};
 use crate::{EdgeRule, Ellipsoid, Extent, Inside, Polygon, Region, RegionMesh, Ring};
 use glam::DVec3;
@@ -143,15 +144,16 @@ impl FootprintMesher {
             vertices_deg,
             vertices_ecef,
         } = footprint;
-        let mut cap_sagitta_m: f64 = 0.0;
-        for triangle in &self.triangles {
-            let corners = triangle.map(|i| vertices_ecef[i as usize]);
-            let [a, b, c] = corners.map(|corner| corner / body.radii_m());
-            if a.dot(b.cross(c)) <= 0.0 {
-                return Err(AnalyticError::Folded { body: body.name() });
-            }
-            cap_sagitta_m = cap_sagitta_m.max(sagitta_m(body, corners));
+        let triangles = self.triangles.iter();
+        let facets = triangles.map(|triangle| triangle.map(|i| vertices_ecef[i as usize]));
+        let faces_inwards = |facet: [DVec3; 3]| {
+            let [a, b, c] = facet.map(|corner| corner / body.radii_m());
+            a.dot(b.cross(c)) <= 0.0
+        };
+        if facets.clone().any(faces_inwards) {
+            return Err(AnalyticError::Folded { body: body.name() });
         }
+        let cap_sagitta_m = sagitta_m(body, facets);
         let edges = || {
             let next = vertices_deg.iter().cycle().skip(1);
             vertices_deg.iter().zip(next)
