@@ -12,8 +12,12 @@
 
 mod run;
 mod schedule;
+mod share;
 mod study;
 
-pub use run::{FramesPerSample, Plan, Progress, RunOptions, RunOutcome, Silent, plan, run};
+pub use run::{
+    FramesPerSample, Plan, Progress, RunOptions, RunOutcome, Silent, plan, plan_shared, run,
+};
 pub use schedule::SplitMix64;
+pub use share::Share;
 pub use study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
