@@ -43,12 +43,14 @@ const WITHIN: &[(&str, &[&str])] = &[
     ("surface", &["scene"]),
     ("fill", &["scene", "surface"]),
     ("study", &["fill"]),
-    ("terrafill", &["gate", "report"]),
+    ("history", &["gate"]),
+    ("terrafill", &["gate", "history", "report"]),
 ];
 
 /// Crates that may need less than their layer: the reference finds texture coordinates by itself and
 /// shares no meshing, projection or fill with what it verifies. `report` opens no device, so it sees
 /// results and the kit that plots are drawn with. `gate` starts programs that do, and sees results alone.
+/// `history` compares runs as `gate` does.
 const LESS: &[(&str, &[&str])] = &[
     ("core", &[]),
     ("results", &[]),
@@ -56,6 +58,7 @@ const LESS: &[(&str, &[&str])] = &[
     ("reference", &["core", "scene", "surface", "fill"]),
     ("report", &["results", "plot"]),
     ("gate", &["results"]),
+    ("history", &["results", "plot", "gate"]),
     ("xtask", &["shaders"]),
 ];
 

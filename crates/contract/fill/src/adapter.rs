@@ -49,6 +49,8 @@ pub struct DeviceFacts<F> {
     pub driver: String,
     /// Driver version text.
     pub driver_info: String,
+    /// UUID of the driver's build, hexadecimal; empty where the API does not say it.
+    pub driver_uuid: String,
     /// What it can do beyond what is needed.
     pub features: F,
     /// What this project needs and the adapter lacks; empty when it can run.
@@ -168,6 +170,7 @@ mod tests {
             device_id: 2,
             driver: "d".to_owned(),
             driver_info: "1.2".to_owned(),
+            driver_uuid: String::new(),
             features: (),
             lacks: Vec::new(),
         };

@@ -12,12 +12,15 @@
 
 mod run;
 mod schedule;
+mod share;
 mod study;
 mod turns;
 
 pub use run::{
-    FramesPerSample, Plan, Progress, RunOptions, RunOutcome, Silent, plan, run, run_by_turns,
+    FramesPerSample, Plan, Progress, RunOptions, RunOutcome, Silent, plan, plan_shared, run,
+    run_by_turns,
 };
+pub use share::Share;
 pub use study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
 pub use terrafill_results::SplitMix64;
 pub use turns::{Turn, Turns};

@@ -6,7 +6,7 @@
 //! the first verifies every case, the others make sure that they do the same work and time it again.
 
 use crate::schedule::block_order;
-use crate::{Context, Group, Planned, Request, Session, Study, StudyError, Turn, Turns};
+use crate::{Context, Group, Planned, Request, Session, Share, Study, StudyError, Turn, Turns};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::rc::Rc;
@@ -60,6 +60,11 @@ impl Default for FramesPerSample {
 pub trait Progress {
     /// - `done`, `all`: steps of this process: verified cases and measured blocks
     fn step(&mut self, done: usize, all: usize, what: &str);
+
+    /// What was left to measure of a group is measured.
+    ///
+    /// - `first`: key of the group's first case
+    fn measured(&mut self, _first: &str) {}
 }
 
 /// Says nothing.
@@ -170,6 +175,19 @@ pub fn plan(
     request: &Request,
     options: &RunOptions,
 ) -> Result<Plan, StudyError> {
+    plan_shared(studies, request, options, &Share::Turns)
+}
+
+/// Plans the requested studies, of which a shard gets its share.
+///
+/// # Errors
+/// As [`plan`].
+pub fn plan_shared(
+    studies: &[&dyn Study],
+    request: &Request,
+    options: &RunOptions,
+    share: &Share,
+) -> Result<Plan, StudyError> {
     let mut groups = Vec::new();
     let mut skipped = Vec::new();
     for study in studies {
@@ -182,11 +200,10 @@ pub fn plan(
         groups.extend(planned.groups);
     }
     if let Some(Shard { index, count }) = options.shard {
-        let mut at = 0;
-        groups.retain(|_| {
-            at += 1;
-            (at - 1) % count == index - 1
-        });
+        let names = groups.iter().map(|group| first_case(group.cases()));
+        let names: Vec<String> = names.collect();
+        let mut shards = share.shards(&names, count).into_iter();
+        groups.retain(|_| shards.next() == Some(index));
     }
     let groups: Vec<PlannedGroup> = groups
         .into_iter()
@@ -214,6 +231,11 @@ pub fn plan(
             "case {twice:?} is planned twice, allowed: once"
         ))),
     }
+}
+
+/// What a group is known by from run to run.
+fn first_case(cases: &[PlannedCase]) -> String {
+    cases.first().map_or_else(String::new, |case| case.id.key())
 }
 
 fn with_twins(group: Box<dyn Group>, seed: u64) -> PlannedGroup {
@@ -318,6 +340,7 @@ fn run_groups(
             Some(turns) => running.measure_by_turns(ready, turns)?,
             None => running.measure(&todo, ready, &mut steps)?,
         }
+        steps.measured(group);
     }
     Ok(())
 }
@@ -408,6 +431,10 @@ impl<'a> Steps<'a> {
     fn step(&mut self, what: &str) {
         self.done = (self.done + 1).min(self.all);
         self.say(what);
+    }
+
+    fn measured(&mut self, group: &PlannedGroup) {
+        self.progress.measured(&first_case(&group.cases));
     }
 
     fn skip(&mut self, group: &PlannedGroup) {

@@ -82,6 +82,7 @@ fn facts_of(adapter: &wgpu::Adapter) -> DeviceFacts {
         device_id: info.device,
         driver: info.driver,
         driver_info: info.driver_info,
+        driver_uuid: String::new(),
         features: Features {
             timestamps: features.contains(wgpu::Features::TIMESTAMP_QUERY),
             pipeline_statistics: features.contains(wgpu::Features::PIPELINE_STATISTICS_QUERY),

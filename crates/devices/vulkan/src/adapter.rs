@@ -197,14 +197,25 @@ fn text(words: Result<&CStr, std::ffi::FromBytesUntilNulError>) -> String {
     words.map_or(String::new(), |words| words.to_string_lossy().into_owned())
 }
 
+/// Empty for bytes that nobody wrote.
+fn hexadecimal(bytes: &[u8]) -> String {
+    if bytes.iter().all(|byte| *byte == 0) {
+        return String::new();
+    }
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 impl Adapter {
     fn new(instance: &ash::Instance, raw: vk::PhysicalDevice) -> Self {
         // SAFETY: the device is the instance's, and this is of Vulkan 1.0.
         let plain = unsafe { instance.get_physical_device_properties(raw) };
         let mut driver = vk::PhysicalDeviceDriverProperties::default();
+        let mut ids = vk::PhysicalDeviceIDProperties::default();
         if plain.api_version >= vk::API_VERSION_1_2 {
-            let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
-            // SAFETY: the structure is of Vulkan 1.2, which both sides have.
+            let mut properties = vk::PhysicalDeviceProperties2::default()
+                .push_next(&mut driver)
+                .push_next(&mut ids);
+            // SAFETY: the structures are of Vulkan 1.1 and 1.2, which both sides have.
             unsafe { instance.get_physical_device_properties2(raw, &mut properties) };
         }
         // SAFETY: as above.
@@ -256,6 +267,7 @@ impl Adapter {
                 device_id: plain.device_id,
                 driver: text(driver.driver_name_as_c_str()),
                 driver_info: text(driver.driver_info_as_c_str()),
+                driver_uuid: hexadecimal(&ids.driver_uuid),
                 features: Features {
                     geometry_shader: is(features.geometry_shader),
                     pipeline_statistics: is(features.pipeline_statistics_query),

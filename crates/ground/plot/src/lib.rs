@@ -18,6 +18,7 @@ mod palette;
 mod panels;
 mod ratio;
 mod scale;
+mod sparkline;
 mod steps;
 mod work_precision;
 
@@ -29,6 +30,7 @@ pub use palette::{Palette, dark_rules};
 pub use panels::{Arrangement, named_aside, panels};
 pub use ratio::{RatioAxis, RatioGroup, RatioPlot, RatioRow};
 pub use scale::length;
+pub use sparkline::Sparkline;
 pub use steps::{Step, Steps};
 pub use work_precision::{
     Curve, Point, PointStanding, Reading, ReferenceLine, Upwards, WorkPrecision,

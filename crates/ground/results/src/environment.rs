@@ -34,6 +34,9 @@ pub struct RunEnvironment {
     pub driver: String,
     /// Driver version text, which holds the Mesa version where the driver is Mesa's.
     pub driver_info: String,
+    /// UUID of the driver's build, hexadecimal; empty where it is not known.
+    #[serde(default)]
+    pub driver_uuid: String,
     /// Mesa version cut out of `driver_info`; empty for other drivers.
     pub mesa_version: String,
     /// Graphics API.

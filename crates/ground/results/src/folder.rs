@@ -416,7 +416,7 @@ fn write_json<T: Serialize>(path: &Path, value: &T) -> Result<(), RunError> {
 }
 
 /// Writes beside the file and renames, so that a kill in between leaves the old file whole.
-fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
     let mut temporary = path.as_os_str().to_owned();
     temporary.push(".new");
     let temporary = PathBuf::from(temporary);
@@ -425,7 +425,7 @@ fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
         .map_err(|source| io(path, source))
 }
 
-fn append_bytes(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
+pub(crate) fn append_bytes(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
     if bytes.is_empty() {
         return Ok(());
     }
@@ -436,7 +436,7 @@ fn append_bytes(path: &Path, bytes: &[u8]) -> Result<(), RunError> {
         .map_err(|source| io(path, source))
 }
 
-fn encode(
+pub(crate) fn encode(
     path: &Path,
     rows: impl FnOnce(&mut csv::Writer<Vec<u8>>) -> csv::Result<()>,
 ) -> Result<Vec<u8>, RunError> {

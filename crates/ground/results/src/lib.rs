@@ -10,6 +10,7 @@
 
 mod block;
 mod case;
+mod duration;
 mod environment;
 mod folder;
 mod front;
@@ -31,6 +32,7 @@ pub use block::{
     Picture, PictureFigure, Pictures, Plot, Row, Standing, Table, TableLayout,
 };
 pub use case::{CaseId, CaseRow, Measurement, Note, PlannedCase, REPEATS, Status, Verdict};
+pub use duration::{DURATION_COLUMNS, GroupDuration, append_durations, read_durations};
 pub use environment::{Clock, RunEnvironment};
 pub use folder::{
     CASE_COLUMNS, MEASUREMENT_COLUMNS, METRIC_COLUMNS, NOTE_COLUMNS, RunError, RunFolder, SCHEMA,

@@ -2,7 +2,10 @@
 //! Shards of one run, measured apart, as one folder.
 
 use crate::folder::{RunError, RunFolder};
-use crate::{Measurement, Metric, MetricRow, Note, Run, RunPlan, Shard};
+use crate::{
+    Measurement, Metric, MetricRow, Note, Run, RunPlan, Shard, append_durations, read_durations,
+    repeated_cases,
+};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -99,14 +102,24 @@ pub fn merge(parts: &[PathBuf], out: &Path, metrics: &[Metric]) -> Result<(), Me
         shard: None,
         ..first.plan.clone()
     };
+    if let Some(twice) = repeated_cases(&plan).first() {
+        return Err(MergeError::Different {
+            path: first.path.clone(),
+            message: format!("case {twice:?} is in more than one shard, allowed: one"),
+        });
+    }
     let mut environment = first.environment.clone();
-    environment
-        .options
-        .retain(|option| !option.starts_with("shard="));
+    let is_of_shards =
+        |option: &str| option.starts_with("shard=") || option.starts_with("shard-by=");
+    environment.options.retain(|option| !is_of_shards(option));
     let folder = RunFolder::create(out, environment, plan, metrics)?;
     for run in &shards {
         copy_rows(run, &folder)?;
         copy_images(&run.path, out)?;
+        let durations = read_durations(&run.path)?;
+        if !durations.is_empty() {
+            append_durations(out, &durations)?;
+        }
     }
     Ok(())
 }
@@ -208,6 +221,10 @@ fn copy_rows(run: &Run, folder: &RunFolder) -> Result<(), RunError> {
 
 fn copy_images(from: &Path, to: &Path) -> Result<(), RunError> {
     let images = from.join("images");
+    // What carries folders between machines often leaves empty ones behind.
+    if !images.exists() {
+        return Ok(());
+    }
     let io = |path: &Path| {
         let path = path.to_owned();
         move |source| RunError::Io { path, source }
@@ -298,12 +315,29 @@ mod tests {
         assert!(refused(&[&one, &one]).contains("shard 1/2: found in"));
         assert!(refused(&[&one, &third]).contains("shard 2/3, expected one of 2"));
         assert!(refused(&[&one, &seeded]).contains("seed"));
+        // Shared among the shards in another way, and a case that both have.
+        let edited = |name: &str, files: &[&str], from: &str, to: &str| {
+            let path = shard(&place.path().join(name), 2, 2, 0);
+            for file in files.iter().map(|file| path.join(file)) {
+                let text = std::fs::read_to_string(&file).expect("readable");
+                assert!(text.contains(from), "{text}");
+                std::fs::write(&file, text.replace(from, to)).expect("written");
+            }
+            path
+        };
+        let (from, to) = ("\"shard=2/2\"", "\"shard=2/2\", \"shard-by=hash\"");
+        let otherwise = edited("otherwise", &["environment.json"], from, to);
+        assert!(refused(&[&one, &otherwise]).contains("shard-by=hash"));
+        let files = ["plan.json", "cases.csv", "measurements.csv"];
+        let doubled = edited("doubled", &files, "case-2", "case-1");
+        assert!(refused(&[&one, &doubled]).contains("\"s/case-1\" is in more than one shard"));
         assert!(refused(&[]).contains("no run to merge"));
         let parts = [one.clone(), two];
         assert!(matches!(
             merge(&parts, &out, &[]),
             Err(MergeError::UnknownMetric { .. })
         ));
+        std::fs::remove_dir_all(parts[1].join("images")).expect("there");
         merge(&parts, &out, &METRICS).expect("all shards");
         assert!(matches!(
             merge(&[out], &one, &METRICS),

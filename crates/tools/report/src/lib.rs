@@ -18,4 +18,4 @@ mod write;
 
 pub use error::ReportError;
 pub use verdict::{Counts, Verdict};
-pub use write::{WrittenReport, write, write_single_file};
+pub use write::{WrittenReport, write, write_page, write_single_file};

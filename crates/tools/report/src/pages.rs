@@ -6,7 +6,10 @@ use crate::verdict::{Sentences, Verdict, plural};
 use crate::view::{File, Form, INDEX, PAGES, Renderer, slug};
 use askama::Template;
 use std::collections::BTreeMap;
-use terrafill_results::{Answers, Block, Chapter, Finding, MetricRow, Run, Skipped, Standing};
+use std::path::PathBuf;
+use terrafill_results::{
+    Answers, Block, Chapter, Finding, MetricRow, Run, RunEnvironment, RunPlan, Skipped, Standing,
+};
 
 const STYLE: &str = include_str!("../templates/report.css");
 const SCRIPT: &str = include_str!("../templates/report.js");
@@ -252,6 +255,47 @@ fn single(report: &Report<'_>) -> Result<Vec<File>, ReportError> {
         body,
     };
     Ok(vec![(INDEX.to_owned(), page.render()?.into_bytes())])
+}
+
+/// One page of these blocks that needs no other file.
+///
+/// - `metrics`: declarations that headings refer to
+///
+/// # Errors
+/// When a template cannot be rendered.
+pub(crate) fn alone(
+    title: &str,
+    blocks: &[Block],
+    metrics: Vec<MetricRow>,
+) -> Result<String, askama::Error> {
+    let run = Run {
+        path: PathBuf::new(),
+        environment: RunEnvironment::default(),
+        plan: RunPlan::default(),
+        metrics,
+        cases: Vec::new(),
+    };
+    let mut links = BTreeMap::new();
+    links.extend(sections(blocks).map(|title| (title.to_owned(), format!("#{}", slug(title)))));
+    let body = Renderer::new(&run, Form::SingleFile, "page", "", &links).html(blocks)?;
+    let page = Page {
+        title,
+        root: "",
+        assets: Assets::Inline {
+            style: style(),
+            script: SCRIPT,
+        },
+        nav: vec![NavGroup {
+            title: title.to_owned(),
+            href: "#".to_owned(),
+            entries: sections(blocks)
+                .map(|title| (title.to_owned(), links[title].clone()))
+                .collect(),
+        }],
+        here: "",
+        body,
+    };
+    page.render()
 }
 
 fn part_id(chapter: &dyn Chapter) -> String {

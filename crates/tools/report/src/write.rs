@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! From a run folder's tables to the files of its report.
 
-use crate::pages::{Report, pages};
+use crate::pages::{Report, alone, pages};
 use crate::verdict::{Counts, StudyNoise, Verdict, is_defect, named, noise, plural, sentences};
 use crate::view::{File, Form, INDEX, PAGES};
 use crate::{ReportError, markdown};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use terrafill_plot::number::{bytes, count, utc};
-use terrafill_results::{Block, Chapter, ChapterError, Outcome, Run, RunError, Skipped};
+use terrafill_results::{Block, Chapter, ChapterError, MetricRow, Outcome, Run, RunError, Skipped};
 
 /// The verdict and the main tables.
 const SUMMARY: &str = "summary.md";
@@ -76,6 +76,24 @@ pub fn write_single_file(
     chapters: &[&dyn Chapter],
 ) -> Result<WrittenReport, ReportError> {
     write_as(folder, chapters, Form::SingleFile)
+}
+
+/// Writes one page of blocks into `folder`, which is made where there is none: `index.html`, which
+/// needs no file beside it. Pictures of a run are not among the blocks.
+///
+/// - `metrics`: declarations that headings refer to
+///
+/// # Errors
+/// [`ReportError::Io`] when the file cannot be written.
+pub fn write_page(
+    folder: &Path,
+    title: &str,
+    blocks: &[Block],
+    metrics: Vec<MetricRow>,
+) -> Result<PathBuf, ReportError> {
+    let path = folder.join(INDEX);
+    replace(&path, alone(title, blocks, metrics)?.as_bytes())?;
+    Ok(path)
 }
 
 fn write_as(

@@ -48,9 +48,12 @@ pub(crate) enum Verb {
         after_help = "Example: terrafill bless filling/hills/globe/vertex/doubled --reason \"two caps\""
     )]
     Bless(BlessArguments),
-    /// List the differences of two runs in counters, bytes and errors
-    #[command(after_help = "Example: terrafill compare out/before out/after")]
+    /// Set two runs side by side, or many by device
+    #[command(after_help = COMPARE_EXAMPLE)]
     Compare(CompareArguments),
+    /// Keep runs of many commits, and find where figures changed
+    #[command(after_help = HISTORY_EXAMPLE)]
+    History(HistoryArguments),
     /// Draw one picture
     #[command(
         after_help = "Example: terrafill render california --view globe --out california.png"
@@ -146,6 +149,9 @@ pub(crate) struct BenchArguments {
     /// Part m of n of the run
     #[arg(long, value_name = "M/N", value_parser = parse_shard)]
     pub(crate) shard: Option<Shard>,
+    #[arg(long, value_name = "WAY", default_value = "turns", requires = "shard",
+        value_parser = parse_sharing, help = SHARD_BY_HELP)]
+    pub(crate) shard_by: Sharing,
     /// Part of the adapter's name
     #[arg(long)]
     pub(crate) adapter: Option<String>,
@@ -157,6 +163,19 @@ pub(crate) struct BenchArguments {
     #[arg(long, value_name = "SCENE", help = MATRIX_HELP)]
     pub(crate) matrix: Vec<String>,
 }
+
+/// How groups of cases are shared among shards.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Sharing {
+    Turns,
+    Hash,
+    /// By how long they took in the run of this folder.
+    Duration(PathBuf),
+}
+
+const SHARD_BY_HELP: &str = "\
+turns, hash (a scene stays in its shard) or duration:RUN
+(balanced by how long RUN took)";
 
 const STUDY_HELP: &str = "\
 Study to measure; may be repeated; `terrafill studies`
@@ -289,15 +308,148 @@ pub(crate) struct BlessArguments {
     pub(crate) blessed: PathBuf,
 }
 
+const COMPARE_EXAMPLE: &str = "\
+Counters, bytes and errors are compared exactly and decide the exit code: 0 nothing differs ·
+1 something does · 3 inconclusive · 4 nothing compared. Times of two jobs are advice.
+Example: terrafill compare out/before out/after --html out/compared
+         terrafill compare out/laptop out/server --by device";
+
 #[derive(Debug, Args)]
 pub(crate) struct CompareArguments {
-    /// Run folder to compare with
-    pub(crate) base: PathBuf,
-    /// Run folder that is compared
-    pub(crate) new: PathBuf,
+    /// Run folders: the base and the new one, or with --by device any number
+    #[arg(required = true)]
+    pub(crate) runs: Vec<PathBuf>,
+    #[arg(long, value_name = "device", hide_possible_values = true, help = BY_HELP)]
+    pub(crate) by: Option<Sides>,
+    /// With --by device: what times are divided by
+    #[arg(long, value_name = "TECHNIQUE", default_value = terrafill_history::CONTROL)]
+    pub(crate) control: String,
     /// Print one JSON object
-    #[arg(long)]
+    #[arg(long, conflicts_with = "csv")]
     pub(crate) json: bool,
+    /// Print a table, every difference and every time
+    #[arg(long)]
+    pub(crate) csv: bool,
+    /// Also write a page, index.html in this folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) html: Option<PathBuf>,
+}
+
+/// What stands side by side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Sides {
+    // Kinds of machines.
+    Device,
+}
+
+const BY_HELP: &str = "\
+device: a column for each kind of machine, times as ratios
+to its own control";
+
+const HISTORY_EXAMPLE: &str = "\
+A history is one file that is appended to and never edited. Changes of times are advice.
+Example: terrafill history add out/run --store history.sqlite";
+
+#[derive(Debug, Args)]
+pub(crate) struct HistoryArguments {
+    #[command(subcommand)]
+    pub(crate) verb: HistoryVerb,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct StoreArguments {
+    /// File of the history
+    #[arg(long, value_name = "FILE", default_value = "history.sqlite")]
+    pub(crate) store: PathBuf,
+}
+
+/// What to do with a history.
+#[derive(Debug, Subcommand)]
+pub(crate) enum HistoryVerb {
+    /// Store runs; one that is there already is left alone
+    #[command(after_help = "Example: terrafill history add out/run --store history.sqlite")]
+    Add {
+        /// Run folders
+        #[arg(required = true)]
+        runs: Vec<PathBuf>,
+        #[command(flatten)]
+        store: StoreArguments,
+        /// Repository that tells the order of commits
+        #[arg(long, value_name = "DIR", default_value = ".")]
+        repository: PathBuf,
+    },
+    /// List machines and runs
+    #[command(after_help = "Example: terrafill history list --json")]
+    List {
+        #[command(flatten)]
+        store: StoreArguments,
+        /// Print one JSON object
+        #[arg(long)]
+        json: bool,
+    },
+    /// List where figures changed, for better and for worse, and what is missing
+    #[command(after_help = "Example: terrafill history changes --metric fill_wall_ms")]
+    Changes {
+        #[command(flatten)]
+        store: StoreArguments,
+        /// Figure to look at; may be repeated [default: exact ones and main times]
+        #[arg(long)]
+        metric: Vec<String>,
+        /// Print one JSON object
+        #[arg(long)]
+        json: bool,
+    },
+    /// Write a page: changes, what is missing, and the course of every case
+    #[command(after_help = "Example: terrafill history report --out out/history")]
+    Report {
+        #[command(flatten)]
+        store: StoreArguments,
+        /// Figure to look at; may be repeated [default: exact ones and main times]
+        #[arg(long)]
+        metric: Vec<String>,
+        /// Folder for index.html
+        #[arg(short, long, value_name = "DIR", default_value = "out/history")]
+        out: PathBuf,
+    },
+    /// Propose the commits to build to find the one that changed a case
+    #[command(
+        after_help = "Example: terrafill history bisect filling/california/globe/vertex/doubled"
+    )]
+    Bisect(BisectArguments),
+    /// Write everything as tables
+    #[command(after_help = "Example: terrafill history export --csv out/tables")]
+    Export {
+        #[command(flatten)]
+        store: StoreArguments,
+        /// Folder for runs.csv, cases.csv, figures.csv and metrics.csv
+        #[arg(long, value_name = "DIR")]
+        csv: PathBuf,
+    },
+    /// Store the runs of exported tables
+    #[command(after_help = "Example: terrafill history import out/tables --store both.sqlite")]
+    Import {
+        /// Folder of exported tables
+        csv: PathBuf,
+        #[command(flatten)]
+        store: StoreArguments,
+    },
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct BisectArguments {
+    /// Case, as `history changes` names it
+    pub(crate) case: String,
+    #[command(flatten)]
+    pub(crate) store: StoreArguments,
+    /// Figure to look at; may be repeated [default: exact ones and main times]
+    #[arg(long)]
+    pub(crate) metric: Vec<String>,
+    /// Machine by its number in the list [default: any]
+    #[arg(long)]
+    pub(crate) machine: Option<i64>,
+    /// Repository that has both commits
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    pub(crate) repository: PathBuf,
 }
 
 const LADDER_HELP: &str = "\
@@ -572,6 +724,15 @@ fn parse_floor(text: &str) -> Result<f64, &'static str> {
     match text.parse() {
         Ok(percent) if (0.5..=100.0).contains(&percent) => Ok(percent),
         _ => Err("0.5 … 100"),
+    }
+}
+
+fn parse_sharing(text: &str) -> Result<Sharing, &'static str> {
+    match (text, text.split_once(':')) {
+        ("turns", _) => Ok(Sharing::Turns),
+        ("hash", _) => Ok(Sharing::Hash),
+        (_, Some(("duration", run))) if !run.is_empty() => Ok(Sharing::Duration(run.into())),
+        _ => Err("turns, hash or duration:RUN, a run folder"),
     }
 }
 

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! `bench`, `report` and `merge`.
 
-use crate::arguments::{BenchArguments, GrowthSampleArguments, MergeArguments, ReportArguments};
+use crate::arguments::{
+    BenchArguments, GrowthSampleArguments, MergeArguments, ReportArguments, Sharing,
+};
 use crate::environment::environment;
 use crate::gate::finish;
 use crate::outcome::{Failure, Outcome, complain, print};
-use crate::progress::Said;
+use crate::progress::{Said, Timed};
 use crate::registry::{STUDIES, chapters, metrics};
+use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -15,10 +18,11 @@ use std::sync::mpsc::Receiver;
 use terrafill_fill::Devices;
 use terrafill_gpu::shared_gpu;
 use terrafill_report::{ReportError, WrittenReport};
-use terrafill_results::{Run, RunFolder};
+use terrafill_results::{Run, RunFolder, read_durations};
 use terrafill_scene::data_dir_from_env;
 use terrafill_study::{
-    Depth, FramesPerSample, Request, RunOptions, RunOutcome, Study, StudyError, Turn, Turns,
+    Depth, FramesPerSample, Request, RunOptions, RunOutcome, Share, Study, StudyError, Turn, Turns,
+    plan_shared,
 };
 
 /// Processes of a run: fewer than three show no spread.
@@ -54,7 +58,8 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         frames: arguments.frames_per_sample,
         extra: arguments.extra_frames,
     };
-    let plan = terrafill_study::plan(&studies, &request, &options).map_err(failure)?;
+    let (share, sharing) = share(arguments)?;
+    let plan = plan_shared(&studies, &request, &options, &share).map_err(failure)?;
     let mut plan = plan.with_frames(frames);
     if let Some(file) = &arguments.time_only {
         let keys = std::fs::read_to_string(file).map_err(|error| {
@@ -78,8 +83,11 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     }
     let lines = (options.process > 0).then(lines_of_first_process);
     let devices = Rc::new(Devices::new(arguments.adapter.clone()));
-    let folder = open_folder(arguments, &studies, &request, &options, &plan, &devices)?;
-    let mut progress = Said::new(options.process, processes);
+    let mut described = describe(&studies, &request, &options);
+    described.extend(sharing);
+    let folder = open_folder(arguments, &studies, &request, described, &plan, &devices)?;
+    let said = Said::new(options.process, processes);
+    let mut progress = Timed::new(said, &folder, options.process);
     let ran = match lines {
         Some(lines) if arguments.stepped => {
             let turns = &mut Stepped(lines);
@@ -87,8 +95,9 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         }
         _ => terrafill_study::run(&plan, &folder, &devices, &options, &mut progress),
     };
-    drop(progress);
+    let timed = progress.end();
     ran.map_err(failure)?;
+    timed.map_err(Failure::bad_input)?;
     if options.process > 0 {
         return Ok(Outcome::Done);
     }
@@ -141,6 +150,38 @@ fn studies(arguments: &BenchArguments, depth: Depth) -> Result<Vec<&'static dyn 
         chosen.extend(belongs);
     }
     Ok(chosen)
+}
+
+/// How groups are shared among shards, and the option that every shard of a run has in common: `merge`
+/// refuses shards that were shared in another way, or by another run.
+fn share(arguments: &BenchArguments) -> Result<(Share, Option<String>), Failure> {
+    match &arguments.shard_by {
+        Sharing::Turns => Ok((Share::Turns, None)),
+        Sharing::Hash => Ok((Share::Hash, Some("shard-by=hash".to_owned()))),
+        Sharing::Duration(run) => {
+            let rows = read_durations(run).map_err(Failure::bad_input)?;
+            if rows.is_empty() {
+                let run = run.display();
+                return Err(Failure::bad_input(format!(
+                    "--shard-by: found no durations.csv in {run}, needs a run of this version"
+                )));
+            }
+            let mut seconds: BTreeMap<String, f64> = BTreeMap::new();
+            for row in rows {
+                *seconds.entry(row.first_case).or_default() += row.seconds;
+            }
+            let text = format!("{seconds:?}");
+            let mark = format!("shard-by=duration:{:016x}", fingerprint(&text));
+            Ok((Share::Durations(seconds), Some(mark)))
+        }
+    }
+}
+
+/// Tells texts apart (FNV-1a; Fowler, Noll and Vo, 1991).
+fn fingerprint(text: &str) -> u64 {
+    text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    })
 }
 
 fn request(arguments: &BenchArguments, depth: Depth) -> Request {
@@ -199,7 +240,7 @@ fn open_folder(
     arguments: &BenchArguments,
     studies: &[&dyn Study],
     request: &Request,
-    options: &RunOptions,
+    mut described: Vec<String>,
     plan: &terrafill_study::Plan,
     devices: &Devices,
 ) -> Result<RunFolder, Failure> {
@@ -212,14 +253,13 @@ fn open_folder(
         Err(_) => None,
     };
     let facts = gpu.as_ref().map(|gpu| &gpu.facts);
-    let mut described = describe(studies, request, options);
     if (arguments.frames_per_sample, arguments.extra_frames) != (1, 0) {
         let (frames, extra) = (arguments.frames_per_sample, arguments.extra_frames);
         described.push(format!("frames={frames}+{extra}"));
     }
     let environment = environment(facts, request.size, described);
     let (path, run_plan) = (&arguments.out, plan.run_plan());
-    if options.process > 0 || arguments.resume {
+    if arguments.process > 0 || arguments.resume {
         return RunFolder::resume(path, &environment, run_plan).map_err(Failure::bad_input);
     }
     RunFolder::create(path, environment, run_plan.clone(), metrics()).map_err(Failure::bad_input)

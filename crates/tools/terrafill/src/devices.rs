@@ -266,6 +266,7 @@ mod tests {
             device_id: 0,
             driver: "d".to_owned(),
             driver_info: "1".to_owned(),
+            driver_uuid: String::new(),
             features: terrafill_gpu::Features {
                 timestamps: true,
                 pipeline_statistics: true,
@@ -282,6 +283,7 @@ mod tests {
             device_id: 0,
             driver: "d".to_owned(),
             driver_info: "1".to_owned(),
+            driver_uuid: String::new(),
             features: Features {
                 geometry_shader: true,
                 pipeline_statistics: true,

@@ -45,6 +45,7 @@ pub(crate) fn environment(
         device_id: device.map_or(0, |device| device.device_id),
         driver: text(|device| &device.driver),
         driver_info: text(|device| &device.driver_info),
+        driver_uuid: device.map_or_else(String::new, driver_uuid),
         mesa_version: mesa_version(device.map_or("", |device| &device.driver_info)),
         api: concat!(
             "Vulkan through wgpu ",
@@ -65,6 +66,17 @@ pub(crate) fn environment(
         .to_owned(),
         options,
     }
+}
+
+/// UUID of the driver's build, which Vulkan itself says and wgpu does not; empty where neither does.
+fn driver_uuid(device: &DeviceFacts) -> String {
+    let adapters = terrafill_vulkan::list_adapters().unwrap_or_default();
+    let mut same = adapters.into_iter().filter(|other| {
+        (&other.name, other.vendor_id, other.device_id)
+            == (&device.name, device.vendor_id, device.device_id)
+    });
+    same.next()
+        .map_or_else(String::new, |adapter| adapter.driver_uuid)
 }
 
 /// `6.18.44-build-x` → `6.18.44`: builds differ between machines of one kind.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! `gate`, `bless` and `compare`.
+//! `gate` and `bless`.
 
-use crate::arguments::{BlessArguments, CompareArguments, GateArguments, SelfTestKind};
+use crate::arguments::{BlessArguments, GateArguments, SelfTestKind};
 use crate::outcome::{Failure, Outcome, print};
 use crate::registry::chapters;
 use std::ffi::OsString;
@@ -34,7 +34,8 @@ impl From<GateError> for Failure {
     }
 }
 
-fn primary(study: &str, clock: Clock) -> Option<&'static str> {
+/// The metric that a study is ranked by.
+pub(crate) fn primary(study: &str, clock: Clock) -> Option<&'static str> {
     let chapters = chapters();
     let chapter = chapters.iter().find(|chapter| chapter.study() == study)?;
     chapter.primary_metric(clock)
@@ -349,22 +350,4 @@ pub(crate) fn bless(arguments: &BlessArguments) -> Result<Outcome, Failure> {
         ))?;
     }
     Ok(Outcome::Done)
-}
-
-pub(crate) fn compare(arguments: &CompareArguments) -> Result<Outcome, Failure> {
-    let (base, new) = (load(&arguments.base)?, load(&arguments.new)?);
-    let limits = shipped_limits()?;
-    let rules = Rules {
-        limits: &limits,
-        blessings: &[],
-    };
-    let names = [&base.path, &new.path].map(|path| path.display().to_string());
-    let report = GateReport::of_runs(names, &base, &new, &rules)?;
-    if arguments.json {
-        let json = serde_json::to_string_pretty(&report).map_err(Failure::bad_input)?;
-        print(json + "\n")?;
-    } else {
-        print(markdown(&report))?;
-    }
-    Ok(Outcome::from_code(report.exit_code))
 }

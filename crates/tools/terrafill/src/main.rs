@@ -12,6 +12,7 @@ mod devices;
 mod environment;
 mod fit;
 mod gate;
+mod history;
 mod input;
 mod inspect;
 mod locate;
@@ -51,7 +52,8 @@ fn run(verb: &Verb) -> Result<Outcome, Failure> {
         Verb::Merge(arguments) => bench::merge(arguments),
         Verb::Gate(arguments) => gate::run(arguments),
         Verb::Bless(arguments) => gate::bless(arguments),
-        Verb::Compare(arguments) => gate::compare(arguments),
+        Verb::Compare(arguments) => history::compare(arguments),
+        Verb::History(arguments) => history::run(arguments),
         Verb::Render(arguments) => render::run(arguments),
         Verb::Mesh(arguments) => mesh::run(arguments),
         Verb::Locate(arguments) => locate::run(arguments),

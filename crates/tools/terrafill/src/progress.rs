@@ -6,7 +6,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal as _;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
+use terrafill_results::{GroupDuration, RunError, RunFolder, append_durations};
 use terrafill_study::Progress;
 
 /// Longest silence where there is no terminal: what watches a job takes longer ones for a hang.
@@ -45,7 +46,7 @@ impl Said {
 fn write_lines(prefix: &str, said: &Receiver<String>) {
     let mut newest = "starting".to_owned();
     loop {
-        let silent_since = std::time::Instant::now();
+        let silent_since = Instant::now();
         loop {
             let left = LONGEST_SILENCE.saturating_sub(silent_since.elapsed());
             match said.recv_timeout(left) {
@@ -72,6 +73,50 @@ impl Progress for Said {
                     drop(steps.send(format!("step {done} of {all}: {what}")));
                 }
             }
+        }
+    }
+}
+
+/// Says what a run is doing, and writes down how long each group took.
+pub(crate) struct Timed<'a> {
+    said: Said,
+    folder: &'a RunFolder,
+    process: u32,
+    since: Instant,
+    written: Result<(), RunError>,
+}
+
+impl<'a> Timed<'a> {
+    pub(crate) fn new(said: Said, folder: &'a RunFolder, process: u32) -> Self {
+        Self {
+            said,
+            folder,
+            process,
+            since: Instant::now(),
+            written: Ok(()),
+        }
+    }
+
+    /// Ends what it says; the first table row that could not be written, if any.
+    pub(crate) fn end(self) -> Result<(), RunError> {
+        self.written
+    }
+}
+
+impl Progress for Timed<'_> {
+    fn step(&mut self, done: usize, all: usize, what: &str) {
+        self.said.step(done, all, what);
+    }
+
+    fn measured(&mut self, first: &str) {
+        let row = GroupDuration {
+            first_case: first.to_owned(),
+            process: self.process,
+            seconds: self.since.elapsed().as_secs_f64(),
+        };
+        self.since = Instant::now();
+        if self.written.is_ok() {
+            self.written = append_durations(self.folder.path(), &[row]);
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::harness::{Desk, NAMED, collection, has_device, polygon, rectangle};
 use std::collections::{BTreeMap, BTreeSet};
-use terrafill_results::{Case, Outcome, Run};
+use terrafill_results::{Case, Outcome, REPEATS, Run};
 
 /// Columns that scripts and the gate rely on, in this order.
 const STABLE_COLUMNS: &str = "scene,view,backend,variant,status,reason,surface_gpu_ms,fill_gpu_ms,\
@@ -15,8 +15,9 @@ const STABLE_COLUMNS: &str = "scene,view,backend,variant,status,reason,surface_g
 const REGION_COUNTS: usize = 12;
 
 /// Every file of a run and its report.
-const FILES: [&str; 11] = [
+const FILES: [&str; 12] = [
     "cases.csv",
+    "durations.csv",
     "environment.json",
     "index.html",
     "measurements.csv",
@@ -355,6 +356,50 @@ fn shards_together_are_the_whole_run_and_nothing_less_is_merged() {
     );
     refused(&["whole", "one"], &["whole: a whole run, allowed: shards"]);
     refused(&["one", "lost"], &["lost/schema.json"]);
+
+    // Balanced by how long that run took, both at once, as on two machines.
+    let by = [
+        "--technique",
+        "vertex",
+        "--samples",
+        "1",
+        "--shard-by",
+        "duration:whole",
+    ];
+    let shard = |out: &str, shard: &str| {
+        let options = [&by[..], &["--shard", shard]].concat();
+        desk.command(&quick(out, &options))
+            .spawn()
+            .expect("the program starts")
+    };
+    for child in [shard("long", "1/2"), shard("rest", "2/2")] {
+        let ended = child.wait_with_output().expect("ends");
+        assert!(
+            ended.status.success(),
+            "{}",
+            String::from_utf8_lossy(&ended.stderr)
+        );
+    }
+    desk.run(&["merge", "long", "rest", "--out", "balanced"])
+        .succeeded();
+    let balanced = load(&desk, "balanced");
+    assert_eq!(names(&balanced), names(&whole));
+    assert_eq!(balanced.environment.options, whole.environment.options);
+    for run in [load(&desk, "long"), load(&desk, "rest")] {
+        for twin in run.cases.iter().filter(|case| case.is_twin()) {
+            let original = run.case(twin.condition(REPEATS));
+            assert!(
+                original.is_some(),
+                "{}: its pair is in another shard",
+                twin.id()
+            );
+        }
+    }
+    // Twins: shards that were shared in two ways, and a run that says no durations.
+    refused(&["one", "rest"], &["shard-by=duration"]);
+    std::fs::remove_file(desk.path("whole/durations.csv")).expect("there");
+    desk.run(&quick("none", &[&by[..], &["--shard", "1/2"]].concat()))
+        .refused(&[&["--shard-by", "durations.csv"]]);
 }
 
 #[test]
@@ -388,4 +433,76 @@ fn a_growth_sample_is_two_numbers_of_the_region_of_a_file() {
             wrong.stderr
         );
     }
+}
+
+/// What stands for Slurm: runs each task of an array at once, or a single job, and prints a job's number.
+const SBATCH: &str = r#"#!/usr/bin/env bash
+set -eu
+count=0
+for argument in "$@"; do
+    case "$argument" in
+        --array=1-*) count=${argument#--array=1-} ;;
+        --wrap=*) work=${argument#--wrap=} ;;
+    esac
+done
+if [ "$count" = 0 ]; then
+    bash -c "$work" >&2
+fi
+tasks=
+for task in $(seq "$count"); do
+    SLURM_ARRAY_TASK_ID=$task bash -c "$work" >&2 &
+    tasks+=" $!"
+done
+for task in $tasks; do
+    wait "$task"
+done
+echo 7
+"#;
+
+#[test]
+#[cfg(unix)]
+fn the_slurm_example_measures_its_shards_at_once_and_joins_them() {
+    use std::os::unix::fs::PermissionsExt as _;
+    if !has_device() {
+        return;
+    }
+    let desk = Desk::new();
+    desk.write("bin/sbatch", SBATCH);
+    let executable = std::fs::Permissions::from_mode(0o755);
+    std::fs::set_permissions(desk.path("bin/sbatch"), executable).expect("ours");
+    let repository = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..");
+    let path = std::env::var("PATH").unwrap_or_default();
+    let output = std::process::Command::new("bash")
+        .arg(repository.join("ci/examples/shards-slurm.sh"))
+        .arg("2")
+        .arg(desk.path("out of 2"))
+        .args([
+            "california",
+            "--quick",
+            "--size",
+            "48",
+            "--samples",
+            "1",
+            "--technique",
+            "vertex",
+        ])
+        .env("TERRAFILL", env!("CARGO_BIN_EXE_terrafill"))
+        .env("PATH", format!("{}:{path}", desk.path("bin").display()))
+        .env_remove("TERRAFILL_DATA")
+        .output()
+        .expect("bash");
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let parts = ["shard-1", "shard-2"].map(|part| names(&load(&desk, &format!("out of 2/{part}"))));
+    let all = names(&load(&desk, "out of 2/all"));
+    assert!(
+        parts
+            .iter()
+            .all(|part| !part.is_empty() && part.len() < all.len())
+    );
+    let joined: BTreeSet<String> = parts.into_iter().flatten().collect();
+    assert_eq!(joined, all);
 }

@@ -14,7 +14,7 @@ const FULL: &str = "/dev/full";
 
 /// Command lines of every verb, each of which prints something. `OUT` is a folder that is new each
 /// time. `GPU`: only where there is a device.
-const COMMANDS: [&str; 22] = [
+const COMMANDS: [&str; 31] = [
     "--help",
     "--version",
     "help",
@@ -25,6 +25,15 @@ const COMMANDS: [&str; 22] = [
     "gate --base-run run --new-run next --out OUT",
     "bless filling/moon/globe/vertex/doubled --reason meant --gate gated --blessed OUT",
     "compare run next",
+    "compare run next --csv --html OUT",
+    "compare run next --by device --html OUT",
+    "history add run --store OUT --repository .",
+    "history list --store kept",
+    "history changes --store kept",
+    "history report --store kept --out OUT",
+    "history bisect filling/moon/globe/vertex/doubled --store kept",
+    "history export --store kept --csv OUT",
+    "history import tables --store OUT",
     "render --list-switches",
     "render --help",
     "mesh r.geojson",
@@ -50,6 +59,7 @@ fn desk() -> Desk {
     desk.write("points.csv", "lon,lat\n0.5,0.5\n");
     for (name, mismatched_px) in [("run", 3.0), ("part", 3.0), ("next", 4.0)] {
         let mut run = MadeUpRun::default();
+        run.environment.commit = format!("{:040x}", name.len());
         let conditions = [
             ("scene", "moon"),
             ("view", "globe"),
@@ -65,6 +75,13 @@ fn desk() -> Desk {
     let part = plan.replace("\"shard\": null", "\"shard\": {\"index\": 1, \"count\": 1}");
     assert_ne!(part, plan, "a whole run became a shard");
     desk.write("part/plan.json", part);
+    // What `history` reads.
+    for line in [
+        "history add run --store kept --repository .",
+        "history export --store kept --csv tables",
+    ] {
+        assert_eq!(ran(&mut command(&desk, line, "")).code, 0, "{line}");
+    }
     // What `bless` accepts.
     let runs = ["--base-run", "run", "--new-run", "next"];
     let gated = ran(&mut desk.command(&[&["gate"][..], &runs, &["--out", "gated"]].concat()));

@@ -9,6 +9,7 @@ mod failed_writes;
 mod folders;
 mod gate;
 mod harness;
+mod history;
 mod killed;
 mod locate;
 mod mesh;

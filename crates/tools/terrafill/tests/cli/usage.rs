@@ -41,6 +41,7 @@ fn help_of_every_verb_fits_a_screen_and_shows_an_example() {
         "gate",
         "bless",
         "compare",
+        "history",
         "render",
         "mesh",
         "locate",
@@ -56,6 +57,11 @@ fn help_of_every_verb_fits_a_screen_and_shows_an_example() {
         let example = format!("terrafill {verb}");
         assert_eq!(check_help(&text, &example), Ok(()), "{text}");
         assert_eq!(desk.run(&["help", verb]).succeeded(), text);
+        for inner in self::verbs(&text) {
+            let text = desk.run(&[verb, &inner, "--help"]).succeeded();
+            let example = format!("terrafill {verb} {inner}");
+            assert_eq!(check_help(&text, &example), Ok(()), "{text}");
+        }
     }
 }
 
@@ -92,7 +98,7 @@ fn exit_codes_are_listed_and_the_version_is_the_packages() {
 #[test]
 fn a_wrong_value_gets_one_line_with_what_is_allowed() {
     let desk = Desk::new();
-    let cases: [(&[&str], &str); 14] = [
+    let cases: [(&[&str], &str); 15] = [
         (
             &["mesh", "f", "--edges", "rhumb"],
             "--edges: found \"rhumb\", allowed: planar, great-ellipse",
@@ -136,6 +142,10 @@ fn a_wrong_value_gets_one_line_with_what_is_allowed() {
         (
             &["bench", "--processes", "0"],
             "--processes: found \"0\", allowed: 1 … 1000",
+        ),
+        (
+            &["bench", "--shard", "1/2", "--shard-by", "duration:"],
+            "--shard-by: found \"duration:\", allowed: turns, hash or duration:RUN",
         ),
         (
             &["bench", "--shard", "3/2"],

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+
+use super::*;
+use terrafill_results::Kind;
+
+/// Uniform and normal numbers from a seed (SplitMix64; Box and Muller, 1958).
+struct Random(u64);
+
+impl Random {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
+        radius * (std::f64::consts::TAU * self.uniform()).cos()
+    }
+
+    /// Noise of one run: this much scatter, and one run in ten is later by four times as much on average.
+    fn noise(&mut self, scatter: f64) -> f64 {
+        let late = if self.uniform() < 0.1 {
+            -4.0 * scatter * (1.0 - self.uniform()).ln()
+        } else {
+            0.0
+        };
+        (scatter * self.normal()).exp() * (1.0 + late)
+    }
+}
+
+fn series(case: &str, kind: Kind, values: &[f64]) -> Series {
+    let points = values.iter().enumerate().map(|(place, value)| Point {
+        place,
+        commit: format!("c{place:03}"),
+        value: *value,
+    });
+    Series {
+        machine: 1,
+        case: case.to_owned(),
+        metric: MetricRow {
+            name: "fill_cpu_ms".to_owned(),
+            unit: "ms".to_owned(),
+            kind,
+            better: Direction::Less,
+            meaning: String::new(),
+        },
+        points: points.collect(),
+    }
+}
+
+/// A time of 10 ms under noise of 2 %, times a factor by commit.
+fn noisy(random: &mut Random, case: &str, commits: usize, factor: impl Fn(usize) -> f64) -> Series {
+    under(random, case, 0.02, commits, factor)
+}
+
+/// As [`noisy`], under noise of this size.
+fn under(
+    random: &mut Random,
+    case: &str,
+    scatter: f64,
+    commits: usize,
+    factor: impl Fn(usize) -> f64,
+) -> Series {
+    let values: Vec<f64> = (0..commits)
+        .map(|at| 10.0 * factor(at) * random.noise(scatter))
+        .collect();
+    series(case, Kind::Time, &values)
+}
+
+/// Histories of nothing but noise: 100 series each.
+fn alarms(histories: usize, commits: usize) -> (usize, usize) {
+    let mut random = Random(7);
+    let (mut alarms, mut with_any) = (0, 0);
+    for _ in 0..histories {
+        let all: Vec<Series> = (0..100)
+            .map(|case| noisy(&mut random, &format!("f/{case}"), commits, |_| 1.0))
+            .collect();
+        let found = changes(&all).changes.len();
+        alarms += found;
+        with_any += usize::from(found > 0);
+    }
+    (alarms, with_any)
+}
+
+#[test]
+fn unchanged_work_gives_no_more_alarms_than_stated() {
+    let histories = 40;
+    let (alarms, with_any) = alarms(histories, 40);
+    // With no change at all, at most this share of histories may have any (Benjamini and Hochberg).
+    let allowed = FALSE_DISCOVERY_RATE * histories as f64;
+    assert!(with_any as f64 <= allowed, "{with_any} of {histories}");
+    assert!(
+        alarms <= 4,
+        "{alarms} in {histories} histories of 100 series"
+    );
+}
+
+/// Of 60 histories with a step of 5 % at the 22nd of 40 commits, up and down by turns, under noise of this
+/// size: those in which it is named a step, and is placed within two commits.
+fn steps_found(scatter: f64) -> [usize; 2] {
+    let mut random = Random(11);
+    let mut found = [0, 0];
+    for trial in 0..60 {
+        let factor = if trial % 2 == 0 { 1.05 } else { 1.0 / 1.05 };
+        let mut all: Vec<Series> = (0..9)
+            .map(|case| under(&mut random, &format!("f/{case}"), scatter, 40, |_| 1.0))
+            .collect();
+        let step = |at: usize| if at < 22 { 1.0 } else { factor };
+        all.push(under(&mut random, "f/stepped", scatter, 40, step));
+        let changes = changes(&all);
+        assert_eq!((changes.times, changes.too_short), (10, 0));
+        let is_step =
+            |change: &&Change| change.case == "f/stepped" && change.kind == ChangeKind::Step;
+        for change in changes.changes.iter().filter(is_step) {
+            found[0] += 1;
+            found[1] += usize::from(change.at.abs_diff(21) <= 2);
+            assert_eq!(change.is_better, Some(factor < 1.0));
+            let size = change.percent().expect("not from 0") / 100.0 + 1.0;
+            assert!((size / factor - 1.0).abs() < 0.03, "{size}");
+        }
+    }
+    found
+}
+
+#[test]
+fn a_step_of_five_percent_is_found_at_its_commit_both_ways() {
+    let [found, near] = steps_found(0.01);
+    assert!(
+        found >= 57 && near >= 57,
+        "{found} found, {near} near, of 60"
+    );
+    // Under twice the noise the scatter's threshold is as large as the step: most are found.
+    let [found, near] = steps_found(0.02);
+    assert!(
+        found >= 40 && near >= 38,
+        "{found} found, {near} near, of 60"
+    );
+}
+
+#[test]
+fn a_quiet_step_is_found_at_the_very_commit_and_named_once() {
+    let wave = |at: usize| 1.0 + 0.001 * f64::from(u8::from(at.is_multiple_of(2)));
+    for at in [5, 12, 19] {
+        let values: Vec<f64> = (0..24)
+            .map(|place| 10.0 * wave(place) * if place < at { 1.0 } else { 1.05 })
+            .collect();
+        let found = changes(&[series("f/a", Kind::Time, &values)]).changes;
+        let [change] = &found[..] else {
+            panic!("{found:?}");
+        };
+        assert_eq!(change.kind, ChangeKind::Step);
+        assert_eq!(
+            (&change.good, &change.bad),
+            (&format!("c{:03}", at - 1), &format!("c{at:03}"))
+        );
+        assert_eq!(change.is_better, Some(false));
+    }
+    // Twins: below the floor, too near an end, and too few commits.
+    let values = |commits: usize, at: usize, factor: f64| -> Vec<f64> {
+        (0..commits)
+            .map(|place| 10.0 * wave(place) * if place < at { 1.0 } else { factor })
+            .collect()
+    };
+    for (commits, at, factor) in [(24, 12, 1.025), (24, 21, 1.05), (9, 4, 2.0)] {
+        let found = changes(&[series("f/a", Kind::Time, &values(commits, at, factor))]);
+        assert_eq!(found.changes, [], "{commits} {at} {factor}");
+        assert_eq!(found.too_short, usize::from(commits < MIN_POINTS));
+    }
+}
+
+#[test]
+fn two_steps_are_two_changes() {
+    let mut random = Random(3);
+    let level = |at: usize| match at {
+        0..15 => 1.0,
+        15..30 => 1.2,
+        _ => 0.9,
+    };
+    let found = changes(&[noisy(&mut random, "f/a", 45, level)]).changes;
+    let [up, down] = &found[..] else {
+        panic!("{found:?}");
+    };
+    // Late runs beside a step may hide a commit or two of it.
+    assert!(
+        up.at.abs_diff(14) <= 2 && down.at.abs_diff(29) <= 2,
+        "{found:?}"
+    );
+    assert_eq!(found[0].is_better, Some(false));
+    assert_eq!(found[1].is_better, Some(true));
+}
+
+#[test]
+fn spikes_are_no_change() {
+    let mut random = Random(5);
+    let spike = |at: usize| if at == 17 || at == 30 { 3.0 } else { 1.0 };
+    assert_eq!(changes(&[noisy(&mut random, "f/a", 40, spike)]).changes, []);
+    // Twin: as many in a row as a side needs, and with the level kept.
+    let step = |at: usize| if at >= 35 { 3.0 } else { 1.0 };
+    assert_eq!(
+        changes(&[noisy(&mut random, "f/a", 40, step)])
+            .changes
+            .len(),
+        1
+    );
+}
+
+#[test]
+fn slow_drift_is_found_and_is_no_step() {
+    let mut random = Random(13);
+    for (grow, is_better) in [(1.004_f64, false), (1.0 / 1.004, true)] {
+        let drift = |at: usize| grow.powi(i32::try_from(at).expect("small"));
+        let found = changes(&[noisy(&mut random, "f/a", 40, drift)]).changes;
+        let [change] = &found[..] else {
+            panic!("{found:?}");
+        };
+        assert_eq!(
+            (change.kind, change.is_better),
+            (ChangeKind::Drift, Some(is_better))
+        );
+        let percent = change.percent().expect("a time");
+        assert!(
+            (percent - 100.0 * (grow.powi(39) - 1.0)).abs() < 6.0,
+            "{percent}"
+        );
+    }
+    // Twin: a drift below the floor over all commits.
+    let slower = |at: usize| 1.0003_f64.powi(i32::try_from(at).expect("small"));
+    assert_eq!(
+        changes(&[noisy(&mut random, "f/a", 40, slower)]).changes,
+        []
+    );
+}
+
+#[test]
+fn exact_figures_change_wherever_they_differ() {
+    let found = changes(&[
+        series("f/a", Kind::Counter, &[134.0, 134.0, 135.0, 134.0]),
+        series("f/b", Kind::Bytes, &[7.0, 7.0]),
+        series("f/c", Kind::Error, &[0.0]),
+    ]);
+    assert_eq!((found.exact, found.times, found.tests), (2, 0, 0));
+    let places: Vec<(&str, usize, Option<bool>)> = found
+        .changes
+        .iter()
+        .map(|change| (change.case.as_str(), change.at, change.is_better))
+        .collect();
+    assert_eq!(places, [("f/a", 1, Some(false)), ("f/a", 2, Some(true))]);
+    assert_eq!(found.changes[0].probability, None);
+}
+
+#[test]
+fn more_series_ask_for_more_evidence() {
+    // The smallest step that ten commits can show has a probability of 2 in 252.
+    let values: Vec<f64> = (0..10)
+        .map(|at| if at < 5 { 10.0 } else { 11.0 } + 0.01 * at as f64)
+        .collect();
+    let stepped = series("f/stepped", Kind::Time, &values);
+    assert_eq!(changes(std::slice::from_ref(&stepped)).changes.len(), 1);
+    let mut random = Random(17);
+    let mut all: Vec<Series> = (0..50)
+        .map(|case| noisy(&mut random, &format!("f/{case}"), 10, |_| 1.0))
+        .collect();
+    all.push(stepped);
+    assert_eq!(changes(&all).changes, []);
+}
+
+#[test]
+fn values_that_are_no_times_are_left_out() {
+    let mut values = vec![10.0; 12];
+    values[3] = f64::NAN;
+    values[4] = 0.0;
+    let found = changes(&[series("f/a", Kind::Time, &values)]);
+    assert_eq!((found.times, found.changes.len()), (1, 0));
+    values[5] = -1.0;
+    assert_eq!(changes(&[series("f/a", Kind::Time, &values)]).too_short, 1);
+}

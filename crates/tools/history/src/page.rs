@@ -1,0 +1,649 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Comparisons and histories as blocks of a page; `report` says how they look.
+
+use crate::compare::{CaseTimes, Comparison, StudyTimes, TimeStanding};
+use crate::device::{DeviceCell, DeviceTable};
+use crate::record::{Machine, clean};
+use crate::store::{Absent, Overview};
+use crate::threshold::{COMMON_SHARE, FALSE_DISCOVERY_RATE, FLOOR_PERCENT, MIN_POINTS};
+use crate::{Change, ChangeKind, Changes, Series};
+use std::collections::BTreeMap;
+use terrafill_gate::{Finding, Severity};
+use terrafill_plot::Sparkline;
+use terrafill_plot::number::{bytes, significant, utc};
+use terrafill_results::{Block, Cell, CellClass, Heading, Row, Table};
+
+/// Rows of a table: with its sparkline a row takes up to 1 kB, and a page at most 300.
+const MAX_ROWS: usize = 60;
+
+/// Rows of the table of all cases.
+const MAX_CASES: usize = 120;
+
+/// Newest points of a sparkline: two pixels each.
+const MAX_DRAWN: usize = 100;
+
+/// Digits of a commit that tell it from others.
+const SHORT: usize = 10;
+
+fn short(commit: &str) -> String {
+    let hash: String = clean(commit).chars().take(SHORT).collect();
+    match commit.len() > clean(commit).len() {
+        true => hash + "+dirty",
+        false => hash,
+    }
+}
+
+fn value(value: f64, unit: &str) -> String {
+    match unit {
+        "bytes" if value >= 0.0 => {
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "bytes are whole and not negative"
+            )]
+            let whole = value as u64;
+            bytes(whole)
+        }
+        "" if value.fract().abs() < f64::EPSILON => format!("{value}"),
+        "" => significant(value),
+        unit => format!("{} {unit}", significant(value)),
+    }
+}
+
+fn table(caption: &str, headings: &[(&str, &str)], rows: Vec<Row>) -> Block {
+    let heading = |(text, meaning): &(&str, &str)| Heading::explained(*text, *meaning);
+    Block::Table(Table {
+        caption: caption.to_owned(),
+        headings: headings.iter().map(heading).collect(),
+        rows,
+        ..Table::default()
+    })
+}
+
+/// The first rows, and a remark on how many more there are.
+fn first_rows(
+    blocks: &mut Vec<Block>,
+    caption: &str,
+    headings: &[(&str, &str)],
+    rows: impl ExactSizeIterator<Item = Row>,
+    (limit, where_else): (usize, &str),
+) {
+    let more = rows.len().saturating_sub(limit);
+    blocks.push(table(caption, headings, rows.take(limit).collect()));
+    if more > 0 {
+        blocks.push(Block::Remark(format!("{more} more: {where_else}.")));
+    }
+}
+
+/// Two runs as a page.
+#[must_use]
+pub fn comparison_page(of: &Comparison) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    let [base, new] = &of.sides;
+    let counts = [
+        (of.findings(Severity::Worse, false).count(), "figures worse"),
+        (
+            of.findings(Severity::Better, false).count(),
+            "figures better",
+        ),
+        (
+            of.findings(Severity::Worse, true).count(),
+            "cases gone or no longer right",
+        ),
+    ];
+    let counts: Vec<String> = counts
+        .iter()
+        .map(|(n, what)| format!("{n} {what}"))
+        .collect();
+    let (figures, cases) = (of.exact.figures, of.exact.compared.len());
+    blocks.push(Block::Text(format!(
+        "{figures} figures of {cases} cases compared exactly: {}.",
+        counts.join(", ")
+    )));
+    blocks.push(Block::List(of.sentences()));
+    let sides = [("base", base), ("new", new)].map(|(name, side)| {
+        Row::new(vec![
+            Cell::name(name),
+            Cell::name(&side.path),
+            Cell::plain(short(&side.commit)),
+            Cell::plain(side.processes.to_string()),
+            Cell::name(&side.machine),
+        ])
+    });
+    let headings = [
+        ("", ""),
+        ("run", ""),
+        ("commit", ""),
+        ("processes", ""),
+        ("machine", ""),
+    ];
+    blocks.push(table("", &headings, sides.to_vec()));
+
+    let sections = [
+        ("Regressions", Severity::Worse, TimeStanding::Slower),
+        ("Improvements", Severity::Better, TimeStanding::Faster),
+    ];
+    for (title, severity, standing) in sections {
+        blocks.push(Block::section(title));
+        let is_bad = severity == Severity::Worse;
+        let findings: Vec<&Finding> = of.findings(severity, false).collect();
+        exact_table(&mut blocks, &findings, is_bad);
+        times_table(&mut blocks, &of.standing(standing), Some(is_bad));
+        if findings.is_empty() && of.standing(standing).is_empty() {
+            blocks.push(Block::Text("None.".to_owned()));
+        }
+    }
+    blocks.push(Block::section("Missing and new"));
+    let status = [Severity::Worse, Severity::Unknown, Severity::Note].map(|severity| {
+        let rows: Vec<&Finding> = of.findings(severity, true).collect();
+        (severity == Severity::Worse, rows)
+    });
+    match status.iter().all(|(_, rows)| rows.is_empty()) {
+        true => blocks.push(Block::Text("None.".to_owned())),
+        false => status
+            .iter()
+            .for_each(|(is_bad, rows)| exact_table(&mut blocks, rows, *is_bad)),
+    }
+    let unknown: Vec<&Finding> = of.findings(Severity::Unknown, false).collect();
+    let unsure = of.standing(TimeStanding::Inconclusive);
+    if !unknown.is_empty() || !unsure.is_empty() {
+        blocks.push(Block::section("Inconclusive"));
+        exact_table(&mut blocks, &unknown, false);
+        times_table(&mut blocks, &unsure, None);
+    }
+    blocks.push(Block::section("Unchanged"));
+    let unchanged: Vec<String> = of.unchanged().into_iter().map(str::to_owned).collect();
+    blocks.push(Block::Text(format!(
+        "{} cases differ in nothing that counts.",
+        unchanged.len()
+    )));
+    let shown: Vec<String> = unchanged.iter().take(10 * MAX_ROWS).cloned().collect();
+    let summary = format!("{} of them by name", shown.len());
+    blocks.extend((!shown.is_empty()).then(|| Block::Folded {
+        summary,
+        is_open: false,
+        blocks: vec![Block::List(shown)],
+    }));
+    blocks
+}
+
+fn exact_table(blocks: &mut Vec<Block>, findings: &[&Finding], is_bad: bool) {
+    if findings.is_empty() {
+        return;
+    }
+    let row = |finding: &&Finding| {
+        let mut case = Cell::name(&finding.case);
+        case.command = finding.command().unwrap_or_default();
+        let mut words = Cell::name(&finding.words);
+        if is_bad {
+            words.class = CellClass::Bad;
+        }
+        let or_none = |text: &str| Cell::or_absent((!text.is_empty()).then(|| text.to_owned()), "");
+        Row::new(vec![
+            case,
+            Cell::plain(&finding.metric),
+            or_none(&finding.from),
+            or_none(&finding.to),
+            words,
+        ])
+    };
+    let headings = [
+        ("case", ""),
+        ("figure", ""),
+        ("base", ""),
+        ("new", ""),
+        ("difference", ""),
+    ];
+    let rows = findings.iter().map(row);
+    let more = "terrafill compare --csv lists all";
+    first_rows(blocks, "", &headings, rows, (MAX_ROWS, more));
+}
+
+fn ratio(ratio: f64, interval: Option<[f64; 2]>) -> String {
+    let interval = interval.map_or(String::new(), |[low, high]| {
+        format!(" [{}, {}]", significant(low), significant(high))
+    });
+    format!("{}{interval}", significant(ratio))
+}
+
+fn times_table(blocks: &mut Vec<Block>, times: &[(&StudyTimes, &CaseTimes)], is_bad: Option<bool>) {
+    if times.is_empty() {
+        return;
+    }
+    let row = |(of, case): &(&StudyTimes, &CaseTimes)| {
+        let mut change = Cell::plain(ratio(case.ratio, case.interval));
+        change.class = match is_bad {
+            Some(true) => CellClass::Bad,
+            Some(false) => CellClass::Good,
+            None => CellClass::Plain,
+        };
+        Row::new(vec![
+            Cell::name(&case.case),
+            Cell::plain(&of.metric),
+            Cell::plain(value(case.from, &of.unit)),
+            Cell::plain(value(case.to, &of.unit)),
+            change,
+        ])
+    };
+    let headings = [
+        ("case", ""),
+        ("time", ""),
+        ("base", "median over processes"),
+        ("new", "median over processes"),
+        (
+            "new ÷ base",
+            "median over all pairs of processes, with its 95 % interval",
+        ),
+    ];
+    let more = "terrafill compare --csv lists all";
+    let rows = times.iter().map(row);
+    let caption = "Times of two jobs: advice.";
+    first_rows(blocks, caption, &headings, rows, (MAX_ROWS, more));
+}
+
+/// Cases by device as a page.
+#[must_use]
+pub fn device_page(of: &DeviceTable) -> Vec<Block> {
+    let mut blocks = vec![Block::Text(format!(
+        "Times over the {} of the same scene, view and run. A device's times are compared with its own \
+         control alone, so a slow device is no regression.",
+        of.control
+    ))];
+    let devices = of.devices.iter().map(|device| {
+        let runs: Vec<String> = device
+            .runs
+            .iter()
+            .map(|(path, commit)| format!("{path} ({})", short(commit)))
+            .collect();
+        let cells = [
+            Cell::name(&device.name),
+            Cell::plain(&device.clock),
+            Cell::name(runs.join(", ")),
+        ];
+        Row::new(cells.to_vec())
+    });
+    let headings = [("device", ""), ("clock", ""), ("runs", "")];
+    blocks.push(table("", &headings, devices.collect()));
+    blocks.push(Block::section("Cases"));
+    let cell = |cell: &DeviceCell| match cell {
+        DeviceCell::Ratio {
+            ratio: of,
+            interval,
+            time,
+            unit,
+        } => Cell {
+            detail: value(*time, unit),
+            ..Cell::plain(ratio(*of, *interval))
+        },
+        DeviceCell::None { outcome, reason } => {
+            let known = ["", "ok"].contains(&outcome.as_str());
+            Cell {
+                text: if known {
+                    "–".to_owned()
+                } else {
+                    outcome.clone()
+                },
+                ..Cell::absent(reason)
+            }
+        }
+    };
+    let rows = of.rows.iter().map(|row| {
+        let cells = row.cells.iter().map(cell);
+        Row::new(
+            std::iter::once(Cell::name(&row.case))
+                .chain(cells)
+                .collect(),
+        )
+    });
+    let mut headings = vec![("case", "")];
+    headings.extend(
+        of.devices
+            .iter()
+            .map(|device| (device.name.as_str(), device.clock.as_str())),
+    );
+    let more = "terrafill compare --by device --csv lists all";
+    first_rows(&mut blocks, "", &headings, rows, (200, more));
+    blocks
+}
+
+/// What a history has, found in a store.
+#[derive(Debug, Clone, Copy)]
+pub struct Trends<'a> {
+    /// Runs, machines and commits.
+    pub overview: &'a Overview,
+    /// Every series.
+    pub series: &'a [Series],
+    /// Changes among them.
+    pub changes: &'a Changes,
+    /// Cases that no longer give a result.
+    pub absent: &'a [Absent],
+}
+
+/// A history as a page: for each machine regressions, improvements, what is missing, and every case
+/// with the course of its time.
+#[must_use]
+pub fn history_page(of: &Trends<'_>) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    let found = of.changes;
+    blocks.push(Block::Text(format!(
+        "{}. {} figures without noise followed over the commits, and changes looked for in {} times; {} \
+         times have fewer than {MIN_POINTS} commits.",
+        runs_in_words(of.overview),
+        found.exact,
+        found.times,
+        found.too_short
+    )));
+    blocks.push(Block::Remark(format!(
+        "A time's change is named from {FLOOR_PERCENT} % on; of those named, {:.0} % are expected to be \
+         false. Times of different jobs are not paired, so all of this is advice; `terrafill gate` \
+         decides.",
+        100.0 * FALSE_DISCOVERY_RATE
+    )));
+    if !of.overview.is_by_ancestry && of.overview.commits.len() > 1 {
+        blocks.push(Block::Remark(
+            "Commits are in the order of their times, since not every one's ancestry is known."
+                .to_owned(),
+        ));
+    }
+    for (number, machine) in &of.overview.machines {
+        machine_blocks(&mut blocks, of, *number, machine);
+    }
+    runs_table(&mut blocks, of.overview);
+    blocks
+}
+
+/// How many runs, commits and machines there are.
+#[must_use]
+pub fn runs_in_words(of: &Overview) -> String {
+    let left_out = of.runs.iter().filter(|run| !run.counts()).count();
+    let left_out = match left_out {
+        0 => String::new(),
+        some => format!(" ({some} of edited sources or continued later, left out)"),
+    };
+    let machines = match of.machines.len() {
+        1 => "1 kind of machine".to_owned(),
+        some => format!("{some} kinds of machines"),
+    };
+    format!(
+        "{}{left_out} of {} on {machines}",
+        plural(of.runs.len(), "run"),
+        plural(of.commits.len(), "commit")
+    )
+}
+
+/// `1 run`, `2 runs`.
+pub(crate) fn plural(count: usize, noun: &str) -> String {
+    let ending = if count == 1 { "" } else { "s" };
+    format!("{count} {noun}{ending}")
+}
+
+fn machine_blocks(blocks: &mut Vec<Block>, of: &Trends<'_>, number: i64, machine: &Machine) {
+    blocks.push(Block::section(format!("Machine {number}: {}", machine.gpu)));
+    let options = machine.options.join(" ");
+    blocks.push(Block::Text(format!("{}; {options}", machine.label())));
+    let series: Vec<&Series> = of.series.iter().filter(|s| s.machine == number).collect();
+    let changes: Vec<&Change> = of
+        .changes
+        .changes
+        .iter()
+        .filter(|c| c.machine == number)
+        .collect();
+    blocks.extend(common(&series, &changes).into_iter().map(Block::Alarm));
+    for (title, is_better) in [
+        ("Regressions", Some(false)),
+        ("Improvements", Some(true)),
+        ("Other changes", None),
+    ] {
+        let mut some: Vec<&&Change> = changes
+            .iter()
+            .filter(|c| c.is_better == is_better)
+            .collect();
+        if some.is_empty() && is_better.is_none() {
+            continue;
+        }
+        blocks.push(Block::Heading {
+            level: 4,
+            text: title.to_owned(),
+        });
+        if some.is_empty() {
+            blocks.push(Block::Text("None.".to_owned()));
+            continue;
+        }
+        // The newest first: those are what a reader can still do something about.
+        let place = |change: &Change| of.overview.commits.iter().position(|c| *c == change.bad);
+        some.sort_by_key(|change| std::cmp::Reverse(place(change)));
+        let rows = some
+            .iter()
+            .map(|change| change_row(change, &series, &changes));
+        let headings = [
+            ("case", ""),
+            ("figure", ""),
+            (
+                "course",
+                "from the oldest commit to the newest; ▲ worse, ▼ better, ◆ neither",
+            ),
+            ("before", "of a step the median of its side"),
+            ("after", ""),
+            ("change", ""),
+            (
+                "how",
+                "exact: a figure without noise; step: from one commit on; drift: little by little",
+            ),
+            ("first commit", "of a drift the newest one"),
+        ];
+        let more = "terrafill history changes --json lists all";
+        first_rows(blocks, "", &headings, rows, (MAX_ROWS, more));
+    }
+    let absent: Vec<&Absent> = of.absent.iter().filter(|a| a.machine == number).collect();
+    blocks.push(Block::Heading {
+        level: 4,
+        text: "Missing at the newest commit".to_owned(),
+    });
+    if absent.is_empty() {
+        blocks.push(Block::Text("None.".to_owned()));
+    } else {
+        let rows = absent.iter().map(|absent| {
+            Row::new(vec![
+                Cell::name(&absent.case),
+                Cell::plain(&absent.outcome),
+                Cell::name(&absent.reason),
+                Cell::plain(short(&absent.last)),
+            ])
+        });
+        let headings = [
+            ("case", ""),
+            ("ended", ""),
+            ("why", ""),
+            ("last result", ""),
+        ];
+        let more = "terrafill history changes --json lists all";
+        first_rows(blocks, "", &headings, rows, (MAX_ROWS, more));
+    }
+    cases_table(blocks, &series, &changes);
+}
+
+/// Commits at which most times of a machine changed together.
+#[must_use]
+pub(crate) fn common(series: &[&Series], changes: &[&Change]) -> Vec<String> {
+    let times = series
+        .iter()
+        .filter(|series| !series.metric.kind.is_exact())
+        .count();
+    let mut by_commit: BTreeMap<&str, usize> = BTreeMap::new();
+    for change in changes
+        .iter()
+        .filter(|change| change.kind == ChangeKind::Step)
+    {
+        *by_commit.entry(change.bad.as_str()).or_default() += 1;
+    }
+    let is_common =
+        |(_, count): &(&str, usize)| *count > 1 && *count as f64 >= COMMON_SHARE * times as f64;
+    let common = by_commit.into_iter().filter(is_common);
+    common
+        .map(|(commit, count)| {
+            format!(
+                "{count} of {times} times changed at {}: rather the machine than the code.",
+                short(commit)
+            )
+        })
+        .collect()
+}
+
+fn spark(series: &Series, changes: &[&Change]) -> Cell {
+    let skipped = series.points.len().saturating_sub(MAX_DRAWN);
+    let values: Vec<f64> = series.points[skipped..]
+        .iter()
+        .map(|point| point.value)
+        .collect();
+    let of_series = changes.iter().filter(|change| {
+        (&change.case, &change.metric) == (&series.case, &series.metric.name)
+            && change.kind != ChangeKind::Drift
+    });
+    let marks: Vec<(usize, Option<bool>)> = of_series
+        .filter_map(|change| {
+            let at = series
+                .points
+                .iter()
+                .position(|point| point.commit == change.bad)?;
+            Some((at.checked_sub(skipped)?, change.is_better))
+        })
+        .collect();
+    let title = match (values.first(), values.last()) {
+        (Some(first), Some(last)) => format!(
+            "{} commits, from {} to {}",
+            values.len(),
+            value(*first, &series.metric.unit),
+            value(*last, &series.metric.unit)
+        ),
+        _ => "no value".to_owned(),
+    };
+    let drawing = Sparkline {
+        title: &title,
+        values: &values,
+        marks: &marks,
+    };
+    Cell {
+        marker: drawing.svg(),
+        title,
+        ..Cell::plain("")
+    }
+}
+
+fn change_row(change: &Change, series: &[&Series], changes: &[&Change]) -> Row {
+    let of_change = series
+        .iter()
+        .find(|series| (&series.case, &series.metric.name) == (&change.case, &change.metric));
+    let percent = change.percent();
+    let size = percent.map_or_else(
+        || format!("{:+}", change.to - change.from),
+        |p| format!("{p:+.1} %"),
+    );
+    let mut size = Cell::plain(size);
+    size.class = match change.is_better {
+        Some(true) => CellClass::Good,
+        Some(false) => CellClass::Bad,
+        None => CellClass::Plain,
+    };
+    let how = match (change.kind, change.probability) {
+        (ChangeKind::Exact, _) | (_, None) => "exact".to_owned(),
+        (ChangeKind::Step, Some(p)) => format!("step, p {}", significant(p)),
+        (ChangeKind::Drift, Some(p)) => format!("drift, p {}", significant(p)),
+    };
+    let mut case = Cell::name(&change.case);
+    case.command = format!(
+        "terrafill history bisect {} --metric {} --machine {}",
+        change.case, change.metric, change.machine
+    );
+    Row::new(vec![
+        case,
+        Cell::plain(&change.metric),
+        of_change.map_or_else(
+            || Cell::absent("no series"),
+            |series| spark(series, changes),
+        ),
+        Cell::plain(value(change.from, &change.unit)),
+        Cell::plain(value(change.to, &change.unit)),
+        size,
+        Cell::plain(how),
+        Cell::plain(short(&change.bad)),
+    ])
+}
+
+/// Every case with its time over the commits.
+fn cases_table(blocks: &mut Vec<Block>, series: &[&Series], changes: &[&Change]) {
+    blocks.push(Block::Heading {
+        level: 4,
+        text: "All times".to_owned(),
+    });
+    let times: Vec<&&Series> = series
+        .iter()
+        .filter(|s| !s.metric.kind.is_exact())
+        .collect();
+    if times.is_empty() {
+        blocks.push(Block::Text("None.".to_owned()));
+        return;
+    }
+    let rows = times.iter().map(|series| {
+        let newest = series.points.last();
+        Row::new(vec![
+            Cell::name(&series.case),
+            spark(series, changes),
+            Cell::or_absent(
+                newest.map(|p| value(p.value, &series.metric.unit)),
+                "no value",
+            ),
+            Cell::plain(newest.map_or(String::new(), |p| short(&p.commit))),
+            Cell::plain(series.points.len().to_string()),
+        ])
+    });
+    let headings = [
+        ("case", ""),
+        (
+            "course",
+            "from the oldest commit to the newest; ▲ worse, ▼ better",
+        ),
+        ("newest", "median over the runs of the newest commit"),
+        ("at", "newest commit with a value"),
+        ("commits", ""),
+    ];
+    let more = "terrafill history export --csv has all";
+    first_rows(blocks, "", &headings, rows, (MAX_CASES, more));
+}
+
+fn runs_table(blocks: &mut Vec<Block>, overview: &Overview) {
+    blocks.push(Block::section("Runs"));
+    let rows = overview.runs.iter().rev().map(|run| {
+        let mut commit = Cell::plain(short(&run.commit));
+        if !run.counts() {
+            commit.class = CellClass::Void;
+            commit.title = match run.is_superseded {
+                true => "continued later: the later state counts".to_owned(),
+                false => "of edited sources: its commit does not tell what was measured".to_owned(),
+            };
+        }
+        let started = u64::try_from(run.started_unix_s)
+            .map(utc)
+            .unwrap_or_default();
+        Row::new(vec![
+            Cell::name(started),
+            commit,
+            Cell::plain(run.machine.to_string()),
+            Cell::plain(run.cases.to_string()),
+            Cell::plain(run.missing.to_string()),
+            Cell::plain(run.wrong.to_string()),
+        ])
+    });
+    let headings = [
+        ("started", ""),
+        ("commit", ""),
+        ("machine", ""),
+        ("cases", ""),
+        ("missing", "planned, and not reached"),
+        ("wrong", "wrong or broken off"),
+    ];
+    let more = "terrafill history list lists all";
+    first_rows(blocks, "", &headings, rows, (MAX_ROWS, more));
+}
+
+#[cfg(test)]
+mod tests;

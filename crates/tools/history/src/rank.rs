@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Rank statistics with exact null distributions, and no random generator.
+//!
+//! Two groups are compared by the number of pairs in which the second is larger (Mann and Whitney, 1947);
+//! a trend by the number of pairs in order (Mann, 1945; Kendall, 1938), its slope by the median of all
+//! pairwise slopes (Theil, 1950; Sen, 1968). Ties count half and are rounded towards no difference, which
+//! makes probabilities larger, never smaller. Many tests share a rate of false discoveries (Benjamini and
+//! Hochberg, 1995).
+
+use std::collections::BTreeMap;
+use terrafill_results::median;
+
+/// Null distributions that were counted before.
+#[derive(Debug, Default)]
+pub(crate) struct Nulls {
+    groups: BTreeMap<(usize, usize), Vec<f64>>,
+    orders: BTreeMap<usize, Vec<f64>>,
+}
+
+impl Nulls {
+    /// Two-sided probability that two groups of equal distribution differ by as much as these.
+    pub(crate) fn groups(&mut self, before: &[f64], after: &[f64]) -> f64 {
+        let (m, n) = (before.len(), after.len());
+        let sizes = (m.min(n), m.max(n));
+        let counts = self
+            .groups
+            .entry(sizes)
+            .or_insert_with(|| larger_pairs(sizes.0, sizes.1));
+        two_sided(counts, pairs_larger(before, after), (m * n) as f64)
+    }
+
+    /// Two-sided probability that values in random order are as ordered as these.
+    pub(crate) fn order(&mut self, values: &[f64]) -> f64 {
+        let n = values.len();
+        let counts = self.orders.entry(n).or_insert_with(|| ordered_pairs(n));
+        let ordered: f64 = (0..n)
+            .map(|i| pairs_larger(&values[i..=i], &values[i + 1..]))
+            .sum();
+        two_sided(counts, ordered, (n * n.saturating_sub(1) / 2) as f64)
+    }
+}
+
+/// Pairs of which the second is larger, ties counting half.
+fn pairs_larger(before: &[f64], after: &[f64]) -> f64 {
+    let pair = |a: &f64, b: &f64| match a.total_cmp(b) {
+        std::cmp::Ordering::Less => 1.0,
+        std::cmp::Ordering::Equal => 0.5,
+        std::cmp::Ordering::Greater => 0.0,
+    };
+    let pairs = before
+        .iter()
+        .flat_map(|a| after.iter().map(move |b| (a, b)));
+    pairs.map(|(a, b)| pair(a, b)).sum()
+}
+
+/// Probability that a value of `after` is above one of `before`, or below where that is more probable.
+pub(crate) fn separation(before: &[f64], after: &[f64]) -> f64 {
+    let share = pairs_larger(before, after) / (before.len() * after.len()) as f64;
+    share.max(1.0 - share)
+}
+
+/// Twice the tail of a symmetric null distribution, at most 1.
+fn two_sided(counts: &[f64], statistic: f64, all: f64) -> f64 {
+    let total: f64 = counts.iter().sum();
+    let least = statistic.min(all - statistic).ceil();
+    let below = (0..)
+        .zip(counts)
+        .take_while(|(at, _): &(u32, _)| f64::from(*at) <= least);
+    let tail: f64 = below.map(|(_, count)| count).sum();
+    (2.0 * tail / total).min(1.0)
+}
+
+/// How many of the choices of `m` ranks of `m + n` have each number of larger pairs.
+fn larger_pairs(m: usize, n: usize) -> Vec<f64> {
+    let all = m * n;
+    // By the number of ranks chosen so far.
+    let mut counts = vec![vec![0.0; all + 1]; m + 1];
+    counts[0][0] = 1.0;
+    for rank in 1..=m + n {
+        for chosen in (1..=m.min(rank)).rev() {
+            // The chosen rank is above so many that were not.
+            let pairs = rank - chosen;
+            if pairs > n {
+                continue;
+            }
+            let (fewer, more) = counts.split_at_mut(chosen);
+            for (to, from) in more[0][pairs..].iter_mut().zip(&fewer[chosen - 1]) {
+                *to += from;
+            }
+        }
+    }
+    counts.swap_remove(m)
+}
+
+/// How many of the orders of `n` values have each number of ordered pairs.
+fn ordered_pairs(n: usize) -> Vec<f64> {
+    let mut counts = vec![1.0];
+    for place in 1..n {
+        let mut next = vec![0.0; counts.len() + place];
+        for (at, count) in counts.iter().enumerate() {
+            for to in &mut next[at..=at + place] {
+                // Divided, so that 100! does not overflow.
+                *to += count / (place + 1) as f64;
+            }
+        }
+        counts = next;
+    }
+    counts
+}
+
+/// Median of all slopes between two values, for each step of the place.
+pub(crate) fn slope(values: &[f64]) -> Option<f64> {
+    let pairs = (0..values.len()).flat_map(|i| (i + 1..values.len()).map(move |j| (i, j)));
+    let slopes: Vec<f64> = pairs
+        .map(|(i, j)| (values[j] - values[i]) / (j - i) as f64)
+        .collect();
+    median(&slopes)
+}
+
+/// Median difference of two groups with the interval that inverts the exact test (Hodges and Lehmann,
+/// 1963); no interval with too few values.
+pub(crate) fn difference(
+    before: &[f64],
+    after: &[f64],
+    coverage: f64,
+) -> Option<(f64, Option<[f64; 2]>)> {
+    let pairs = before.iter().flat_map(|a| after.iter().map(move |b| b - a));
+    let mut differences: Vec<f64> = pairs.collect();
+    differences.sort_by(f64::total_cmp);
+    let middle = median(&differences)?;
+    let counts = larger_pairs(before.len().min(after.len()), before.len().max(after.len()));
+    let total: f64 = counts.iter().sum();
+    let tail = 0.5 * (1.0 - coverage);
+    let mut below = 0.0;
+    let within = counts.iter().take_while(|count| {
+        below += **count;
+        below / total <= tail
+    });
+    let cut = within.count().checked_sub(1);
+    let interval = cut.map(|cut| [differences[cut], differences[differences.len() - 1 - cut]]);
+    Some((middle, interval))
+}
+
+/// Which of these probabilities are discoveries at this rate of false ones.
+pub(crate) fn discoveries(probabilities: &[f64], rate: f64) -> Vec<bool> {
+    let mut sorted = probabilities.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let tests = sorted.len() as f64;
+    let within = (1_u32..).zip(&sorted);
+    let cut = within
+        .filter(|(rank, p)| **p <= rate * f64::from(*rank) / tests)
+        .last();
+    let cut = cut.map(|(_, p)| *p);
+    let is_within = |p: &f64| cut.is_some_and(|cut| *p <= cut);
+    probabilities.iter().map(is_within).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn numbers(range: std::ops::RangeInclusive<u32>) -> Vec<f64> {
+        range.map(f64::from).collect()
+    }
+
+    #[test]
+    fn probabilities_are_those_of_printed_tables() {
+        let mut nulls = Nulls::default();
+        // 2 of C(10, 5) = 252 choices are as far apart; swapped operands are no other case.
+        let (low, high) = (numbers(1..=5), numbers(6..=10));
+        for p in [nulls.groups(&low, &high), nulls.groups(&high, &low)] {
+            assert!((p - 2.0 / 252.0).abs() < 1e-12, "{p}");
+        }
+        // The critical value of U at 0.05 two-sided for 8 and 8 is 13: P(U ≤ 13) ≤ 0.025 < P(U ≤ 14).
+        let counts = larger_pairs(8, 8);
+        let total: f64 = counts.iter().sum();
+        let tail = |to: usize| counts[..=to].iter().sum::<f64>() / total;
+        assert!((total - 12_870.0).abs() < 1e-6);
+        assert!(tail(13) <= 0.025 && tail(14) > 0.025);
+        // Kendall: one of 4! orders is complete in each direction.
+        assert!((nulls.order(&numbers(1..=4)) - 2.0 / 24.0).abs() < 1e-12);
+        // Twin: mixed values are no difference and no trend.
+        assert!(nulls.groups(&[1.0, 4.0, 5.0, 8.0], &[2.0, 3.0, 6.0, 7.0]) > 0.9);
+        assert!(nulls.order(&[2.0, 1.0, 4.0, 3.0, 2.5]) > 0.3);
+    }
+
+    #[test]
+    fn ties_are_no_evidence() {
+        let mut nulls = Nulls::default();
+        assert_eq!(nulls.groups(&[1.0; 6], &[1.0; 6]), 1.0);
+        assert_eq!(nulls.order(&[1.0; 12]), 1.0);
+        assert_eq!(separation(&[1.0; 3], &[1.0; 4]), 0.5);
+        assert_eq!(separation(&[1.0; 3], &[2.0; 4]), 1.0);
+        assert_eq!(separation(&[2.0; 3], &[1.0; 4]), 1.0);
+    }
+
+    #[test]
+    fn a_difference_has_an_interval_from_four_on_each_side() {
+        let (a, b) = ([1.0, 2.0, 3.0, 4.0], [11.0, 12.0, 13.0, 14.0]);
+        let (middle, interval) = difference(&a, &b, 0.95).expect("values");
+        assert_eq!((middle, interval), (10.0, Some([7.0, 13.0])));
+        let (swapped, interval) = difference(&b, &a, 0.95).expect("values");
+        assert_eq!((swapped, interval), (-10.0, Some([-13.0, -7.0])));
+        // Twins: three say too little, and none nothing.
+        assert_eq!(difference(&a[..3], &b, 0.95).map(|(_, i)| i), Some(None));
+        assert_eq!(difference(&[], &b, 0.95), None);
+    }
+
+    #[test]
+    fn one_wild_value_does_not_tilt_a_slope() {
+        let mut values = numbers(1..=9);
+        assert_eq!(slope(&values), Some(1.0));
+        values[4] = 500.0;
+        assert_eq!(slope(&values), Some(1.0));
+        assert_eq!(slope(&[3.0]), None);
+    }
+
+    #[test]
+    fn discoveries_are_those_of_the_worked_example() {
+        // Benjamini and Hochberg (1995), section 3.2: at 0.05 the first four of fifteen.
+        let p = [
+            0.0001, 0.0004, 0.0019, 0.0095, 0.0201, 0.0278, 0.0298, 0.0344, 0.0459, 0.3240, 0.4262,
+            0.5719, 0.6528, 0.7590, 1.0,
+        ];
+        let found = discoveries(&p, 0.05);
+        assert_eq!(found.iter().filter(|f| **f).count(), 4);
+        assert!(found[..4].iter().all(|f| *f));
+        // Twins: a rate of nothing, and no tests.
+        assert!(!discoveries(&p, 1e-6).contains(&true));
+        assert_eq!(discoveries(&[], 0.1), [false; 0]);
+    }
+}

@@ -1,0 +1,765 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The file of a history: SQLite, appended to and never edited.
+//!
+//! Each run is one transaction, so that a full disk or a kill leaves the store as it was. Triggers refuse
+//! every update and deletion. The file says what it is (`application_id`) and its schema
+//! (`user_version`), and is checked whole before it is written to.
+
+use crate::change::{Point, Series};
+use crate::record::{CaseRecord, Machine, Record, clean, is_dirty};
+use crate::{HistoryError, Position};
+use rusqlite::{Connection, OpenFlags, OptionalExtension as _, Transaction, params};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+use terrafill_results::{Clock, MetricRow, Outcome, median};
+
+/// Version of the store's tables.
+pub const STORE_SCHEMA: i64 = 1;
+
+/// `tfhi` in ASCII: what `file` and SQLite know the store by.
+const APPLICATION_ID: i64 = 0x7466_6869;
+
+/// How long another process that is writing is waited for.
+const MAX_WAIT: Duration = Duration::from_secs(20);
+
+const TABLES: &str = "
+CREATE TABLE machines (id INTEGER PRIMARY KEY, facts TEXT NOT NULL UNIQUE);
+CREATE TABLE metrics (id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, unit TEXT NOT NULL,
+    kind TEXT NOT NULL, better TEXT NOT NULL, meaning TEXT NOT NULL);
+CREATE TABLE cases (id INTEGER PRIMARY KEY, name TEXT NOT NULL UNIQUE, conditions TEXT NOT NULL);
+CREATE TABLE runs (id INTEGER PRIMARY KEY, digest TEXT NOT NULL UNIQUE, identity TEXT NOT NULL,
+    commit_id TEXT NOT NULL, ordinal INTEGER, committed_unix_s INTEGER,
+    started_unix_s INTEGER NOT NULL, shader_hash TEXT NOT NULL,
+    machine INTEGER NOT NULL REFERENCES machines);
+CREATE TABLE outcomes (run INTEGER NOT NULL REFERENCES runs, case_id INTEGER NOT NULL REFERENCES cases,
+    outcome TEXT NOT NULL, reason TEXT NOT NULL, PRIMARY KEY (run, case_id)) WITHOUT ROWID;
+CREATE TABLE figures (run INTEGER NOT NULL REFERENCES runs, case_id INTEGER NOT NULL REFERENCES cases,
+    metric INTEGER NOT NULL REFERENCES metrics, process INTEGER NOT NULL, value REAL NOT NULL,
+    PRIMARY KEY (run, case_id, metric, process)) WITHOUT ROWID;
+";
+
+const TABLE_NAMES: [&str; 6] = [
+    "machines", "metrics", "cases", "runs", "outcomes", "figures",
+];
+
+/// A history on disk.
+#[derive(Debug)]
+pub struct Store {
+    connection: Connection,
+    path: PathBuf,
+}
+
+/// What became of a run that was added.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Added {
+    /// It is stored.
+    New,
+    /// It is stored, and counts instead of an earlier state of the same run.
+    Continued,
+    /// It was there already: nothing was done.
+    Known,
+}
+
+/// A run of the store, without its figures.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Entry {
+    /// Number in the store.
+    pub id: i64,
+    /// Hash over everything in it.
+    pub digest: String,
+    /// Its commit.
+    pub commit: String,
+    /// See [`Position::ordinal`]; absent where no repository knew the commit.
+    pub ordinal: Option<i64>,
+    /// See [`Position::unix_s`].
+    pub committed_unix_s: Option<i64>,
+    /// Seconds since 1970 at its start.
+    pub started_unix_s: i64,
+    /// Number of its machine.
+    pub machine: i64,
+    /// Cases.
+    pub cases: i64,
+    /// Of these, without a result for want of time.
+    pub missing: i64,
+    /// Of these, wrong or broken off.
+    pub wrong: i64,
+    /// Whether a later state of the same run counts instead.
+    pub is_superseded: bool,
+    #[serde(skip)]
+    identity: String,
+}
+
+impl Entry {
+    /// Whether it takes part in trends: its commit tells what was measured.
+    #[must_use]
+    pub fn counts(&self) -> bool {
+        !self.is_superseded && !is_dirty(&self.commit)
+    }
+}
+
+/// Runs, machines and the order of commits.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Overview {
+    /// By number.
+    pub machines: BTreeMap<i64, Machine>,
+    /// In the order in which they were added.
+    pub runs: Vec<Entry>,
+    /// Commits of the runs that count, the oldest first.
+    pub commits: Vec<String>,
+    /// Whether ancestry gave their order; else the time of the commit, or of the run.
+    pub is_by_ancestry: bool,
+}
+
+/// A case of the newest commit of a machine that gave no result, or is gone.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Absent {
+    /// Number of the machine.
+    pub machine: i64,
+    /// [`terrafill_results::CaseId::key`].
+    pub case: String,
+    /// `missing`, `wrong`, `failed`, `skipped` or `gone`.
+    pub outcome: String,
+    /// Why.
+    pub reason: String,
+    /// Newest commit with a result.
+    pub last: String,
+}
+
+/// The metric that a study is ranked by, by the clock of the machine.
+pub type Primary<'a> = &'a dyn Fn(&str, Clock) -> Option<&'static str>;
+
+impl Store {
+    /// Opens a store, or begins one where there is no file.
+    ///
+    /// # Errors
+    /// [`HistoryError`] for another file, another schema, a damaged store, a folder that is not there.
+    pub fn create_or_open(path: &Path) -> Result<Self, HistoryError> {
+        let is_new = !path.exists() || std::fs::metadata(path).is_ok_and(|file| file.len() == 0);
+        if !is_new {
+            return Self::open(path);
+        }
+        let failed = HistoryError::sql(path);
+        let mut connection = Connection::open(path).map_err(&failed)?;
+        connection.busy_timeout(MAX_WAIT).map_err(&failed)?;
+        let begun = begin(&mut connection).map_err(&failed);
+        if let Err(error) = begun {
+            drop(connection);
+            // Of a file that was begun here and holds nothing.
+            drop(std::fs::remove_file(path));
+            return Err(error);
+        }
+        Self::open(path)
+    }
+
+    /// Opens a store that is there.
+    ///
+    /// # Errors
+    /// As [`Store::create_or_open`]; [`HistoryError::NoStore`].
+    pub fn open(path: &Path) -> Result<Self, HistoryError> {
+        let owned = path.to_owned();
+        if !path.exists() {
+            return Err(HistoryError::NoStore { path: owned });
+        }
+        let failed = HistoryError::sql(path);
+        let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+        let connection = Connection::open_with_flags(path, flags).map_err(&failed)?;
+        connection.busy_timeout(MAX_WAIT).map_err(&failed)?;
+        let number = |pragma: &str| {
+            connection
+                .pragma_query_value(None, pragma, |row| row.get::<_, i64>(0))
+                .map_err(&failed)
+        };
+        let application = number("application_id")?;
+        if application != APPLICATION_ID {
+            return Err(HistoryError::NotAStore {
+                path: owned,
+                found: format!("a database of another program ({application:#x})"),
+            });
+        }
+        let found = number("user_version")?;
+        if found != STORE_SCHEMA {
+            return Err(HistoryError::Schema {
+                path: owned,
+                found,
+                allowed: STORE_SCHEMA,
+            });
+        }
+        let check: String = connection
+            .pragma_query_value(None, "quick_check", |row| row.get(0))
+            .map_err(&failed)?;
+        if check != "ok" {
+            return Err(HistoryError::Damaged {
+                path: owned,
+                message: check,
+            });
+        }
+        connection
+            .pragma_update(None, "foreign_keys", true)
+            .map_err(&failed)?;
+        Ok(Self {
+            connection,
+            path: owned,
+        })
+    }
+
+    /// Stores runs, all of them or none.
+    ///
+    /// - `records`: each with the place of its commit, where a repository knows it
+    ///
+    /// # Errors
+    /// [`HistoryError`]; nothing is stored then.
+    pub fn add(
+        &mut self,
+        records: &[(Record, Option<Position>)],
+    ) -> Result<Vec<Added>, HistoryError> {
+        let failed = HistoryError::sql(&self.path);
+        let behaviour = rusqlite::TransactionBehavior::Immediate;
+        let transaction = self
+            .connection
+            .transaction_with_behavior(behaviour)
+            .map_err(&failed)?;
+        let mut added = Vec::new();
+        for (record, position) in records {
+            added.push(add_one(&transaction, &self.path, record, *position)?);
+        }
+        transaction.commit().map_err(&failed)?;
+        Ok(added)
+    }
+
+    /// Runs, machines and commits.
+    ///
+    /// # Errors
+    /// [`HistoryError`] where the file cannot be read.
+    pub fn overview(&self) -> Result<Overview, HistoryError> {
+        let failed = HistoryError::sql(&self.path);
+        let mut overview = Overview::default();
+        let mut statement = self
+            .connection
+            .prepare("SELECT id, facts FROM machines")
+            .map_err(&failed)?;
+        let mut rows = statement.query([]).map_err(&failed)?;
+        while let Some(row) = rows.next().map_err(&failed)? {
+            let facts: String = row.get(1).map_err(&failed)?;
+            let id = row.get(0).map_err(&failed)?;
+            overview.machines.insert(id, self.json(&facts)?);
+        }
+        overview.runs = entries(&self.connection).map_err(&failed)?;
+        let mut newest = BTreeSet::new();
+        for run in overview.runs.iter_mut().rev() {
+            run.is_superseded = !newest.insert(run.identity.clone());
+        }
+        (overview.commits, overview.is_by_ancestry) = in_order(&overview.runs);
+        Ok(overview)
+    }
+
+    fn json<T: DeserializeOwned>(&self, text: &str) -> Result<T, HistoryError> {
+        serde_json::from_str(text).map_err(|error| HistoryError::Damaged {
+            path: self.path.clone(),
+            message: error.to_string(),
+        })
+    }
+
+    /// Every figure without noise, and the times that studies are ranked by, as series over the commits.
+    ///
+    /// - `metrics`: names of times to look at instead of the studies' own; empty for those
+    ///
+    /// # Errors
+    /// [`HistoryError`] where the file cannot be read.
+    pub fn series(
+        &self,
+        overview: &Overview,
+        primary: Primary<'_>,
+        metrics: &[String],
+    ) -> Result<Vec<Series>, HistoryError> {
+        let failed = HistoryError::sql(&self.path);
+        let places: BTreeMap<&str, usize> = overview
+            .commits
+            .iter()
+            .enumerate()
+            .map(|(place, commit)| (commit.as_str(), place))
+            .collect();
+        let runs: BTreeMap<i64, (i64, usize)> = overview
+            .runs
+            .iter()
+            .filter(|run| run.counts())
+            .filter_map(|run| Some((run.id, (run.machine, *places.get(run.commit.as_str())?))))
+            .collect();
+        let cases = names(&self.connection).map_err(&failed)?;
+        let declared = declared(&self.connection).map_err(&failed)?;
+        let is_wanted = |case: &str, metric: &MetricRow, machine: i64| {
+            if metric.kind.is_exact() {
+                return metrics.is_empty() || metrics.contains(&metric.name);
+            }
+            let study = case.split('/').next().unwrap_or_default();
+            let clock = overview.machines.get(&machine).map(Machine::clock);
+            match metrics {
+                [] => clock.and_then(|clock| primary(study, clock)) == Some(metric.name.as_str()),
+                named => named.contains(&metric.name),
+            }
+        };
+        // Values of a run at a place, by machine, case and metric.
+        let mut values: BTreeMap<(i64, i64, i64), Vec<(usize, i64, Vec<f64>)>> = BTreeMap::new();
+        let mut statement = self
+            .connection
+            .prepare(
+                "SELECT run, case_id, metric, value FROM figures ORDER BY run, case_id, metric",
+            )
+            .map_err(&failed)?;
+        let mut rows = statement.query([]).map_err(&failed)?;
+        while let Some(row) = rows.next().map_err(&failed)? {
+            let get = |column: usize| row.get::<_, i64>(column).map_err(&failed);
+            let (run, case, metric) = (get(0)?, get(1)?, get(2)?);
+            let value: f64 = row.get(3).map_err(&failed)?;
+            let Some(&(machine, place)) = runs.get(&run) else {
+                continue;
+            };
+            let of_series = values.entry((machine, case, metric)).or_default();
+            match of_series.last_mut() {
+                Some((_, last, all)) if *last == run => all.push(value),
+                _ => of_series.push((place, run, vec![value])),
+            }
+        }
+        let mut all = Vec::new();
+        for ((machine, case, metric), of_runs) in values {
+            let (Some(case), Some(metric)) = (cases.get(&case), declared.get(&metric)) else {
+                continue;
+            };
+            if is_wanted(case, metric, machine) {
+                all.push(Series {
+                    machine,
+                    case: case.clone(),
+                    points: points(metric, of_runs, &overview.commits),
+                    metric: metric.clone(),
+                });
+            }
+        }
+        all.sort_by(|a, b| {
+            (a.machine, &a.case, &a.metric.name).cmp(&(b.machine, &b.case, &b.metric.name))
+        });
+        Ok(all)
+    }
+
+    /// Cases of each machine that had a result once, and have none at its newest commit.
+    ///
+    /// # Errors
+    /// [`HistoryError`] where the file cannot be read.
+    pub fn absent(&self, overview: &Overview) -> Result<Vec<Absent>, HistoryError> {
+        let failed = HistoryError::sql(&self.path);
+        let place = |commit: &str| overview.commits.iter().position(|known| known == commit);
+        let mut found = Vec::new();
+        for machine in overview.machines.keys() {
+            let of_machine = overview
+                .runs
+                .iter()
+                .filter(|r| r.machine == *machine && r.counts());
+            let mut runs: Vec<&Entry> = of_machine.collect();
+            runs.sort_by_key(|run| place(&run.commit));
+            let Some(newest) = runs.last().map(|run| run.commit.clone()) else {
+                continue;
+            };
+            let mut last_good: BTreeMap<String, &str> = BTreeMap::new();
+            let mut now: BTreeMap<String, (String, String)> = BTreeMap::new();
+            for run in &runs {
+                for (case, outcome, reason) in
+                    outcomes(&self.connection, run.id).map_err(&failed)?
+                {
+                    let is_ok = outcome == Outcome::Ok.name();
+                    if is_ok {
+                        last_good.insert(case.clone(), &run.commit);
+                    }
+                    if run.commit == newest && (is_ok || !now.contains_key(&case)) {
+                        now.insert(case, (outcome, reason));
+                    }
+                }
+            }
+            for (case, last) in last_good {
+                let (outcome, reason) = match now.get(&case) {
+                    Some((outcome, _)) if outcome == Outcome::Ok.name() => continue,
+                    Some(now) => now.clone(),
+                    None => ("gone".to_owned(), "not planned any more".to_owned()),
+                };
+                found.push(Absent {
+                    machine: *machine,
+                    case,
+                    outcome,
+                    reason,
+                    last: last.to_owned(),
+                });
+            }
+        }
+        Ok(found)
+    }
+
+    /// Conditions of a case; `None` where no run has it.
+    ///
+    /// # Errors
+    /// [`HistoryError`] where the file cannot be read.
+    pub fn conditions(&self, case: &str) -> Result<Option<BTreeMap<String, String>>, HistoryError> {
+        let failed = HistoryError::sql(&self.path);
+        let found: Option<String> = self
+            .connection
+            .query_row(
+                "SELECT conditions FROM cases WHERE name = ?1",
+                [case],
+                |row| row.get(0),
+            )
+            .optional()
+            .map_err(&failed)?;
+        found.map(|text| self.json(&text)).transpose()
+    }
+
+    /// A run with everything, and the place of its commit.
+    ///
+    /// # Errors
+    /// [`HistoryError`] where the file cannot be read.
+    pub fn record(&self, run: &Entry) -> Result<(Record, Option<Position>), HistoryError> {
+        let record = record(&self.connection, &self.path, run.id)?;
+        let position = run.ordinal.zip(run.committed_unix_s);
+        Ok((
+            record,
+            position.map(|(ordinal, unix_s)| Position { ordinal, unix_s }),
+        ))
+    }
+}
+
+fn begin(connection: &mut Connection) -> rusqlite::Result<()> {
+    let transaction = connection.transaction()?;
+    transaction.execute_batch(TABLES)?;
+    for table in TABLE_NAMES {
+        for what in ["UPDATE", "DELETE"] {
+            transaction.execute_batch(&format!(
+                "CREATE TRIGGER {table}_{what} BEFORE {what} ON {table}
+                 BEGIN SELECT RAISE(ABORT, 'a history is appended to and never edited'); END;"
+            ))?;
+        }
+    }
+    transaction.pragma_update(None, "application_id", APPLICATION_ID)?;
+    transaction.pragma_update(None, "user_version", STORE_SCHEMA)?;
+    transaction.commit()
+}
+
+fn add_one(
+    transaction: &Transaction<'_>,
+    path: &Path,
+    record: &Record,
+    position: Option<Position>,
+) -> Result<Added, HistoryError> {
+    let failed = HistoryError::sql(path);
+    let (digest, identity) = (record.digest(), record.identity());
+    let known: Option<i64> = transaction
+        .query_row("SELECT id FROM runs WHERE digest = ?1", [&digest], |row| {
+            row.get(0)
+        })
+        .optional()
+        .map_err(&failed)?;
+    if known.is_some() {
+        return Ok(Added::Known);
+    }
+    let earlier: Option<i64> = transaction
+        .query_row(
+            "SELECT max(id) FROM runs WHERE identity = ?1",
+            [&identity],
+            |row| row.get(0),
+        )
+        .map_err(&failed)?;
+    // Two machines of one kind may begin the same run in the same second.
+    let is_continued = match earlier {
+        None => false,
+        Some(earlier) => record.continues(&self::record(transaction, path, earlier)?),
+    };
+    let identity = match earlier {
+        Some(_) if !is_continued => digest.clone(),
+        _ => identity,
+    };
+    for metric in &record.metrics {
+        check_metric(transaction, path, metric)?;
+    }
+    insert(transaction, record, &digest, &identity, position).map_err(&failed)?;
+    Ok(if is_continued {
+        Added::Continued
+    } else {
+        Added::New
+    })
+}
+
+/// Refuses a metric that another run declares otherwise: its figures cannot stand in one series.
+fn check_metric(
+    transaction: &Transaction<'_>,
+    path: &Path,
+    metric: &MetricRow,
+) -> Result<(), HistoryError> {
+    let failed = HistoryError::sql(path);
+    let stored = declared(transaction).map_err(&failed)?;
+    let key = |of: &MetricRow| (of.unit.clone(), of.kind, of.better);
+    match stored.values().find(|stored| stored.name == metric.name) {
+        Some(stored) if key(stored) != key(metric) => Err(HistoryError::Run {
+            run: path.display().to_string(),
+            message: format!(
+                "metric {}: found {:?}, the store has {:?}; begin another store",
+                metric.name,
+                key(metric),
+                key(stored)
+            ),
+        }),
+        Some(_) => Ok(()),
+        None => {
+            let word = |value: &serde_json::Value| value.as_str().unwrap_or_default().to_owned();
+            let row = serde_json::to_value(metric).unwrap_or_default();
+            transaction
+                .execute(
+                    "INSERT INTO metrics (name, unit, kind, better, meaning)
+                     VALUES (?1, ?2, ?3, ?4, ?5)",
+                    params![
+                        metric.name,
+                        metric.unit,
+                        word(&row["kind"]),
+                        word(&row["better"]),
+                        metric.meaning
+                    ],
+                )
+                .map_err(&failed)?;
+            Ok(())
+        }
+    }
+}
+
+/// Number of the row with this text, which is made where there is none.
+fn number(
+    transaction: &Transaction<'_>,
+    table: &str,
+    column: &str,
+    text: &str,
+) -> rusqlite::Result<i64> {
+    let mut insert = transaction.prepare(&format!(
+        "INSERT OR IGNORE INTO {table} ({column}) VALUES (?1)"
+    ))?;
+    insert.execute([text])?;
+    let mut select = transaction.prepare(&format!("SELECT id FROM {table} WHERE {column} = ?1"))?;
+    select.query_row([text], |row| row.get(0))
+}
+
+fn insert(
+    transaction: &Transaction<'_>,
+    record: &Record,
+    digest: &str,
+    identity: &str,
+    position: Option<Position>,
+) -> rusqlite::Result<()> {
+    let facts = serde_json::to_string(&record.machine).unwrap_or_default();
+    let machine = number(transaction, "machines", "facts", &facts)?;
+    transaction.execute(
+        "INSERT INTO runs (digest, identity, commit_id, ordinal, committed_unix_s, started_unix_s,
+             shader_hash, machine) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)",
+        params![
+            digest,
+            identity,
+            record.commit,
+            position.map(|at| at.ordinal),
+            position.map(|at| at.unix_s),
+            i64::try_from(record.started_unix_s).unwrap_or(i64::MAX),
+            record.shader_hash,
+            machine
+        ],
+    )?;
+    let run = transaction.last_insert_rowid();
+    let metrics: BTreeMap<String, i64> = declared(transaction)?
+        .into_iter()
+        .map(|(id, metric)| (metric.name, id))
+        .collect();
+    let mut new_case =
+        transaction.prepare("INSERT OR IGNORE INTO cases (name, conditions) VALUES (?1, ?2)")?;
+    let mut find_case = transaction.prepare("SELECT id FROM cases WHERE name = ?1")?;
+    let mut outcome = transaction
+        .prepare("INSERT INTO outcomes (run, case_id, outcome, reason) VALUES (?1, ?2, ?3, ?4)")?;
+    let mut figure = transaction.prepare(
+        "INSERT INTO figures (run, case_id, metric, process, value) VALUES (?1, ?2, ?3, ?4, ?5)",
+    )?;
+    for case in &record.cases {
+        let conditions = serde_json::to_string(&case.conditions).unwrap_or_default();
+        new_case.execute([&case.case, &conditions])?;
+        let id: i64 = find_case.query_row([&case.case], |row| row.get(0))?;
+        outcome.execute(params![run, id, case.outcome, case.reason])?;
+        for (metric, process, value) in &case.figures {
+            figure.execute(params![run, id, metrics.get(metric), process, value])?;
+        }
+    }
+    Ok(())
+}
+
+fn declared(connection: &Connection) -> rusqlite::Result<BTreeMap<i64, MetricRow>> {
+    let mut statement =
+        connection.prepare("SELECT id, name, unit, kind, better, meaning FROM metrics")?;
+    let mut rows = statement.query([])?;
+    let mut all = BTreeMap::new();
+    while let Some(row) = rows.next()? {
+        let text = |column: usize| row.get::<_, String>(column).map(serde_json::Value::String);
+        let metric = serde_json::json!({
+            "name": text(1)?, "unit": text(2)?, "kind": text(3)?, "better": text(4)?, "meaning": text(5)?,
+        });
+        if let Ok(metric) = serde_json::from_value(metric) {
+            all.insert(row.get(0)?, metric);
+        }
+    }
+    Ok(all)
+}
+
+fn names(connection: &Connection) -> rusqlite::Result<BTreeMap<i64, String>> {
+    let mut statement = connection.prepare("SELECT id, name FROM cases")?;
+    let rows = statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?;
+    rows.collect()
+}
+
+type CaseOutcome = (String, String, String);
+
+fn outcomes(connection: &Connection, run: i64) -> rusqlite::Result<Vec<CaseOutcome>> {
+    let mut statement = connection.prepare(
+        "SELECT cases.name, outcome, reason FROM outcomes JOIN cases ON cases.id = case_id
+         WHERE run = ?1 ORDER BY cases.name",
+    )?;
+    let rows = statement.query_map([run], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)))?;
+    rows.collect()
+}
+
+fn entries(connection: &Connection) -> rusqlite::Result<Vec<Entry>> {
+    let mut statement = connection.prepare(
+        "SELECT id, digest, identity, commit_id, ordinal, committed_unix_s, started_unix_s, machine,
+             (SELECT count(*) FROM outcomes WHERE run = runs.id),
+             (SELECT count(*) FROM outcomes WHERE run = runs.id AND outcome = 'missing'),
+             (SELECT count(*) FROM outcomes WHERE run = runs.id AND outcome IN ('wrong', 'failed'))
+         FROM runs ORDER BY id",
+    )?;
+    let rows = statement.query_map([], |row| {
+        Ok(Entry {
+            id: row.get(0)?,
+            digest: row.get(1)?,
+            identity: row.get(2)?,
+            commit: row.get(3)?,
+            ordinal: row.get(4)?,
+            committed_unix_s: row.get(5)?,
+            started_unix_s: row.get(6)?,
+            machine: row.get(7)?,
+            cases: row.get(8)?,
+            missing: row.get(9)?,
+            wrong: row.get(10)?,
+            is_superseded: false,
+        })
+    })?;
+    rows.collect()
+}
+
+fn record(connection: &Connection, path: &Path, run: i64) -> Result<Record, HistoryError> {
+    let failed = HistoryError::sql(path);
+    let damaged = |error: serde_json::Error| HistoryError::Damaged {
+        path: path.to_owned(),
+        message: error.to_string(),
+    };
+    let (commit, started, shader_hash, facts): (String, i64, String, String) = connection
+        .query_row(
+            "SELECT commit_id, started_unix_s, shader_hash, facts FROM runs
+             JOIN machines ON machines.id = machine WHERE runs.id = ?1",
+            [run],
+            |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?)),
+        )
+        .map_err(&failed)?;
+    let declared = declared(connection).map_err(&failed)?;
+    let mut statement = connection
+        .prepare(
+            "SELECT cases.name, conditions, outcome, reason, case_id FROM outcomes
+             JOIN cases ON cases.id = case_id WHERE run = ?1 ORDER BY cases.name",
+        )
+        .map_err(&failed)?;
+    let mut figures = connection
+        .prepare(
+            "SELECT metrics.name, process, value, metric FROM figures
+             JOIN metrics ON metrics.id = metric WHERE run = ?1 AND case_id = ?2
+             ORDER BY metrics.name, process",
+        )
+        .map_err(&failed)?;
+    let mut used = BTreeSet::new();
+    let mut cases = Vec::new();
+    let mut rows = statement.query([run]).map_err(&failed)?;
+    while let Some(row) = rows.next().map_err(&failed)? {
+        let text = |column: usize| row.get::<_, String>(column).map_err(&failed);
+        let case: i64 = row.get(4).map_err(&failed)?;
+        let of_case = figures
+            .query_map([run, case], |row| {
+                used.insert(row.get::<_, i64>(3)?);
+                Ok((row.get(0)?, row.get(1)?, row.get(2)?))
+            })
+            .map_err(&failed)?;
+        cases.push(CaseRecord {
+            case: text(0)?,
+            conditions: serde_json::from_str(&text(1)?).map_err(damaged)?,
+            outcome: text(2)?,
+            reason: text(3)?,
+            figures: of_case.collect::<Result<_, _>>().map_err(&failed)?,
+        });
+    }
+    let mut metrics: Vec<MetricRow> = declared
+        .into_iter()
+        .filter(|(id, _)| used.contains(id))
+        .map(|(_, metric)| metric)
+        .collect();
+    metrics.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(Record {
+        commit,
+        started_unix_s: u64::try_from(started).unwrap_or(0),
+        shader_hash,
+        machine: serde_json::from_str(&facts).map_err(damaged)?,
+        metrics,
+        cases,
+    })
+}
+
+/// Commits of the runs that count, the oldest first: by ancestry where every one has a place there, else
+/// by the time of the commit, and of the run where that is not known.
+fn in_order(runs: &[Entry]) -> (Vec<String>, bool) {
+    let runs: Vec<&Entry> = runs.iter().filter(|run| run.counts()).collect();
+    let is_by_ancestry = !runs.is_empty() && runs.iter().all(|run| run.ordinal.is_some());
+    let mut commits: BTreeMap<&str, (i64, i64)> = BTreeMap::new();
+    for run in runs {
+        let time = run.committed_unix_s.unwrap_or(run.started_unix_s);
+        let key = match run.ordinal.filter(|_| is_by_ancestry) {
+            Some(ordinal) => (ordinal, time),
+            None => (time, 0),
+        };
+        let known = commits.entry(clean(&run.commit)).or_insert(key);
+        *known = key.min(*known);
+    }
+    let mut ordered: Vec<(&str, (i64, i64))> = commits.into_iter().collect();
+    ordered.sort_by_key(|(_, key)| *key);
+    let ordered = ordered.into_iter().map(|(commit, _)| commit.to_owned());
+    (ordered.collect(), is_by_ancestry)
+}
+
+/// One point a commit: the median over its runs of a time; of an exact figure what the last run found.
+fn points(
+    metric: &MetricRow,
+    of_runs: Vec<(usize, i64, Vec<f64>)>,
+    commits: &[String],
+) -> Vec<Point> {
+    let mut by_place: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    for (place, _, values) in of_runs {
+        let all = by_place.entry(place).or_default();
+        if metric.kind.is_exact() {
+            all.clear();
+        }
+        all.extend(median(&values));
+    }
+    by_place
+        .into_iter()
+        .filter_map(|(place, values)| {
+            Some(Point {
+                place,
+                commit: commits.get(place)?.clone(),
+                value: median(&values)?,
+            })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests;
