@@ -100,7 +100,9 @@ pub fn comparison_page(of: &Comparison) -> Vec<Block> {
         "{figures} figures of {cases} cases compared exactly: {}.",
         counts.join(", ")
     )));
-    blocks.push(Block::List(of.sentences()));
+    // Backticks are Markdown's.
+    let sentences = of.sentences().into_iter().map(|line| line.replace('`', ""));
+    blocks.push(Block::List(sentences.collect()));
     let sides = [("base", base), ("new", new)].map(|(name, side)| {
         Row::new(vec![
             Cell::name(name),
@@ -334,8 +336,8 @@ pub fn history_page(of: &Trends<'_>) -> Vec<Block> {
         found.too_short
     )));
     blocks.push(Block::Remark(format!(
-        "A time's change is named from {FLOOR_PERCENT} % on; of those named, {:.0} % are expected to be \
-         false. Times of different jobs are not paired, so all of this is advice; `terrafill gate` \
+        "A time's change is named from {FLOOR_PERCENT} % on; of those named, up to {:.0} % are expected to be \
+         false. Times of different jobs are not paired, so all of this is advice; terrafill gate \
          decides.",
         100.0 * FALSE_DISCOVERY_RATE
     )));

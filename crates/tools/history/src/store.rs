@@ -131,6 +131,9 @@ pub struct Absent {
 /// The metric that a study is ranked by, by the clock of the machine.
 pub type Primary<'a> = &'a dyn Fn(&str, Clock) -> Option<&'static str>;
 
+/// Place of a run's commit, number of the run, and its values of one figure.
+type ValuesOfRun = (usize, i64, Vec<f64>);
+
 impl Store {
     /// Opens a store, or begins one where there is no file.
     ///
@@ -301,7 +304,7 @@ impl Store {
             }
         };
         // Values of a run at a place, by machine, case and metric.
-        let mut values: BTreeMap<(i64, i64, i64), Vec<(usize, i64, Vec<f64>)>> = BTreeMap::new();
+        let mut values: BTreeMap<(i64, i64, i64), Vec<ValuesOfRun>> = BTreeMap::new();
         let mut statement = self
             .connection
             .prepare(
@@ -736,11 +739,7 @@ fn in_order(runs: &[Entry]) -> (Vec<String>, bool) {
 }
 
 /// One point a commit: the median over its runs of a time; of an exact figure what the last run found.
-fn points(
-    metric: &MetricRow,
-    of_runs: Vec<(usize, i64, Vec<f64>)>,
-    commits: &[String],
-) -> Vec<Point> {
+fn points(metric: &MetricRow, of_runs: Vec<ValuesOfRun>, commits: &[String]) -> Vec<Point> {
     let mut by_place: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for (place, _, values) in of_runs {
         let all = by_place.entry(place).or_default();

@@ -48,7 +48,7 @@ document.addEventListener("DOMContentLoaded", () => {
   }
   for (const cell of document.querySelectorAll("[data-command]:not(.spot)")) {
     cell.tabIndex = 0;
-    says(cell, "Draw it again:");
+    says(cell, cell.dataset.command.startsWith("terrafill render") ? "Draw it again:" : "To see more:");
   }
   document.addEventListener("keydown", (event) => { if (event.key === "Escape") hide(); });
   document.addEventListener("pointerdown", (event) => {

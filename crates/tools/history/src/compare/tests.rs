@@ -145,8 +145,10 @@ fn times_of_other_machines_are_not_compared() {
 fn a_wrong_case_has_no_time() {
     let folder = tempfile::tempdir().expect("a folder");
     let base = run(folder.path(), "base", "gpu", &[("a", &[10.0; 5])]);
-    let mut wrong = MadeUpRun::default();
-    wrong.environment = base.environment.clone();
+    let mut wrong = MadeUpRun {
+        environment: base.environment.clone(),
+        ..MadeUpRun::default()
+    };
     wrong
         .case(case_id("filling", "a", &[("scene", "moon")]))
         .timed(METRIC, &[1.0; 5])
