@@ -293,8 +293,9 @@ pub(crate) const CLAIMS: [Claimed; 61] = [
         SILHOUETTE,
         Anticipated,
         "",
-        "the step one-volume: stencil fragments before ÷ after, at least 2",
-        Counter("one-volume", "stencil_fragments", AtLeast(2.0), EVERY_VIEW),
+        "the step one-volume along the horizon, where the document sees the problem: stencil fragments before ÷ \
+         after, at least 2",
+        Counter("one-volume", "stencil_fragments", AtLeast(2.0), HORIZON),
     ),
     claimed(
         "The primary boost in fill rate performance will be from the silhouette edge detection.",
