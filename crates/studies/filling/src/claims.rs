@@ -611,9 +611,14 @@ pub(crate) const CLAIMS: [Claimed; 61] = [
         TEXTURED,
         Observed,
         "",
-        "first-pass-program, a costly program whose writes are disabled: time; first-pass-program-colour \
-         is its control",
-        Step("first-pass-program", NoDifference, EVERY_VIEW),
+        "first-pass-program, a costly program whose writes are disabled: fragments that the driver counts as \
+         shaded, without ÷ with; no difference where it does not run",
+        Counter(
+            "first-pass-program",
+            "fragment_shader_invocations",
+            NoDifference,
+            EVERY_VIEW,
+        ),
     ),
     claimed(
         "actually slowed things down!",
