@@ -293,8 +293,9 @@ pub(crate) const CLAIMS: [Claimed; 61] = [
         SILHOUETTE,
         Anticipated,
         "",
-        "the step one-volume: stencil fragments before ÷ after, at least 2",
-        Counter("one-volume", "stencil_fragments", AtLeast(2.0), EVERY_VIEW),
+        "the step one-volume along the horizon, where the document sees the problem: stencil fragments before ÷ \
+         after, at least 2",
+        Counter("one-volume", "stencil_fragments", AtLeast(2.0), HORIZON),
     ),
     claimed(
         "The primary boost in fill rate performance will be from the silhouette edge detection.",
@@ -610,9 +611,14 @@ pub(crate) const CLAIMS: [Claimed; 61] = [
         TEXTURED,
         Observed,
         "",
-        "first-pass-program, a costly program whose writes are disabled: time; first-pass-program-colour \
-         is its control",
-        Step("first-pass-program", NoDifference, EVERY_VIEW),
+        "first-pass-program, a costly program whose writes are disabled: fragments that the driver counts as \
+         shaded, without ÷ with; no difference where it does not run",
+        Counter(
+            "first-pass-program",
+            "fragment_shader_invocations",
+            NoDifference,
+            EVERY_VIEW,
+        ),
     ),
     claimed(
         "actually slowed things down!",

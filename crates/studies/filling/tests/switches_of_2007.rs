@@ -138,7 +138,7 @@ fn fragments_of_the_first_pass_need_an_interface_that_can_leave_them_out() {
         NativeBackend::new(targets.vulkan(), native)
     };
     assert!(open("stencil").is_ok());
-    let error = open("colour").err().expect("refused").to_string();
+    let error = open("colour").expect_err("refused").to_string();
     assert!(
         error.contains("lacks fragment programs in the first pass"),
         "{error}"

@@ -24,6 +24,9 @@ const ON_TERRAIN: [&str; 1] = ["hills"];
 /// Bytes of a vertex of the document's meshes: a position and a normal.
 const VERTEX_BYTES_2007: f64 = 24.0;
 
+/// Half of the document's smallest gain, 5.4 %: a wider band of no difference would hide it.
+const MAX_BAND: f64 = 1.027;
+
 /// What came out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Verdict {
@@ -545,10 +548,10 @@ fn tally(all: &[(&'static Claimed, Judged)]) -> String {
     });
     let verdicts = Verdict::ALL.map(|verdict| {
         let ended = all.iter().filter(|(_, judged)| judged.verdict == verdict);
-        format!("{} {}", ended.count(), verdict.name())
+        format!("{}: {}", verdict.name(), ended.count())
     });
     format!(
-        "{} claims: {}. Of them {}.",
+        "{} claims: {}. Verdicts: {}.",
         all.len(),
         bases.join(", "),
         verdicts.join(", ")
@@ -585,7 +588,8 @@ pub(super) fn of_ladder(data: &Data<'_>, ladder: &Ladder<'_>) -> Vec<Finding> {
     findings.collect()
 }
 
-/// Keys of the cases whose steps further processes may decide.
+/// Keys of the cases whose steps further processes may decide: what is undecided, or all while noise is
+/// larger than [`MAX_BAND`].
 pub(super) fn undecided(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<String> {
     let mut keys: Vec<String> = Vec::new();
     for ladder in documents(ladders) {
@@ -594,7 +598,10 @@ pub(super) fn undecided(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<String> 
                 continue;
             };
             for (_, rung) in steps(&[ladder], step, views) {
-                let is_open = standing(data, ladder, rung, claim) == Standing::CannotTell;
+                let noise = data.ladder_noise(ladder.scene);
+                let is_noisy = noise.is_some_and(|noise| noise.max_factor() > MAX_BAND);
+                let is_open = standing(data, ladder, rung, claim) == Standing::CannotTell
+                    || (is_noisy && rung.gain.is_some());
                 let cases = rung.before.into_iter().chain([rung.case]);
                 keys.extend(cases.filter(|_| is_open).map(|case| case.id().key()));
             }

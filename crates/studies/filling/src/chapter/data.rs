@@ -163,7 +163,9 @@ impl<'a> Data<'a> {
         noise.map_or(MIN_DIFFERENCE, |noise| noise.max_factor().max(MIN_BAND))
     }
 
-    fn ladder_noise(&self, scene: &str) -> Option<Noise> {
+    /// By how much identical work differed on a scene's ladder; anywhere in the scene where none of the
+    /// ladder was measured twice.
+    pub(super) fn ladder_noise(&self, scene: &str) -> Option<Noise> {
         let own = || {
             self.run
                 .cases

@@ -120,10 +120,7 @@ pub(super) fn counters(before: &Case, after: &Case) -> String {
     let metrics = [
         ("vertices", "vertices"),
         ("stencil fragments", "stencil_fragments"),
-        (
-            "fragments shaded in the second pass",
-            "fragment_shader_invocations",
-        ),
+        ("fragments shaded", "fragment_shader_invocations"),
         ("draws", "draws"),
         ("geometry bytes", "geometry_bytes"),
         ("bytes handed over a frame", "upload_bytes"),

@@ -379,8 +379,13 @@ fn every_claim_has_a_row_and_what_was_not_run_an_empty_cell() {
 
 #[test]
 fn more_processes_are_wanted_for_what_is_undecided_and_for_nothing_else() {
-    let keys = |strips_ms: &[f64]| {
+    let keys_beside = |strips_ms: &[f64], again_ms: Option<f64>| {
         let mut run = climbed("globe", &[("start", 100.0)]);
+        if let Some(ms) = again_ms {
+            let twin = run.cases[1].id.twin();
+            run.case(twin)
+                .timed(TIME, &PROCESSES.map(|factor| factor * ms));
+        }
         let more = [("role", "ladder"), ("rung", "2"), ("step", "strips")];
         let times: Vec<f64> = PROCESSES
             .iter()
@@ -391,6 +396,7 @@ fn more_processes_are_wanted_for_what_is_undecided_and_for_nothing_else() {
         let (_folder, run) = written(&run);
         FillingChapter.undecided(&run)
     };
+    let keys = |strips_ms: &[f64]| keys_beside(strips_ms, None);
     let open = keys(&[90.0, 110.0, 80.0, 120.0, 100.0, 95.0, 130.0, 70.0]);
     assert_eq!(
         open,
@@ -402,6 +408,9 @@ fn more_processes_are_wanted_for_what_is_undecided_and_for_nothing_else() {
     assert!(keys(&[100.0; 8]).is_empty());
     // Too few processes leave everything open.
     assert_eq!(keys(&[100.0; 3]).len(), 2);
+    // So does noise that would hide what the document measured; the twins are measured with it.
+    assert!(keys_beside(&[100.0; 8], Some(101.0)).is_empty());
+    assert_eq!(keys_beside(&[100.0; 8], Some(104.0)).len(), 3);
 }
 
 /// The document as plain text, where a copy lies beside the repository.
