@@ -165,9 +165,8 @@ struct Row {
     words: String,
 }
 
-/// A worktree to make mistakes in. Third-party crates come from the repository's own target folder.
+/// A worktree to make mistakes in, with a target folder that stays, so that third-party crates are built once.
 struct Place {
-    root: PathBuf,
     folder: PathBuf,
     tree: PathBuf,
     commit: String,
@@ -185,7 +184,6 @@ impl Place {
             .output()?;
         let commit = String::from_utf8(output.stdout)?.trim().to_owned();
         let place = Self {
-            root: root.to_owned(),
             folder,
             tree,
             commit,
@@ -219,7 +217,9 @@ impl Place {
     fn build(&self, program: &Path) -> Result<()> {
         let mut cargo = Command::new("cargo");
         cargo.args(["build", "--locked", "--package", "terrafill"]);
-        let target = self.root.join("target");
+        // Not the repository's own: cargo tells the crates of two worktrees apart by no path, so that what is
+        // built here would be taken for what is built there.
+        let target = self.folder.join("target");
         // Warnings are errors elsewhere; a mistake may leave something unused.
         cargo
             .current_dir(&self.tree)

@@ -8,7 +8,7 @@
 //! Timing processes go in lock-step where both programs can, see `lockstep`, and else one after another.
 
 use crate::cores::Cores;
-use crate::lockstep::{Ended, MAX_FRAMES, Stepped, step};
+use crate::lockstep::{Ended, Stepped, step};
 use crate::{GateError, Program, Side, Sides, Times, Trio, Way};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
@@ -28,8 +28,6 @@ pub struct Workload {
     pub arguments: Vec<OsString>,
     /// Timed samples of a case in each process that runs by itself; 1 where no time is compared.
     pub samples: u32,
-    /// Bursts of a case in each block of processes in lock-step.
-    pub bursts: u32,
     /// Frames that a sample is the mean of.
     pub frames: u32,
     /// Frames whose cost is added to each sample of a side: base, new. For the self-test.
@@ -240,25 +238,15 @@ impl Sides for Job<'_> {
 
     fn run_together(&mut self, trio: Trio, cases: &BTreeSet<String>) -> Result<(), GateError> {
         let sides = trio.processes();
-        let mut started = Vec::new();
-        for (side, process) in sides {
-            let block = trio.base / 3;
-            let mut command = self.timing(side, process, block, cases)?;
+        let start = |(side, process): (Side, u32)| -> Result<Stepped, GateError> {
+            let mut command = self.timing(side, process, trio.base / 3, cases)?;
             command.arg("--stepped");
-            let stepped = Stepped::start(command);
-            started.push(stepped.map_err(|error| self.failed(side, error.to_string()))?);
-        }
-        let Ok(mut processes) = <[Stepped; 3]>::try_from(started) else {
-            return Ok(());
+            Stepped::start(command).map_err(|error| self.failed(side, error.to_string()))
         };
-        // Samples that are means of many frames are long already.
-        let max_frames = if self.workload.frames > 1 {
-            1
-        } else {
-            MAX_FRAMES
-        };
+        let [base, null, new] = sides;
+        let mut processes = [start(base)?, start(null)?, start(new)?];
         let seed = u64::from(trio.base);
-        let stepped = step(&mut processes, self.workload.bursts, max_frames, seed);
+        let stepped = step(&mut processes, self.workload.frames.max(1), seed);
         let failed = stepped.err();
         for (index, (process, (side, _))) in processes.into_iter().zip(sides).enumerate() {
             match &failed {

@@ -16,12 +16,23 @@ use terrafill_results::SplitMix64;
 /// pipelines settle.
 const WARM_UP_ROUNDS: u32 = 1;
 
-/// A sample lasts at least so long, as the median of as many frames: on a busy machine frames of less than a
-/// millisecond differ by a fifth, and a process that gets its turn has cold caches.
-const SAMPLE_TIME: Duration = Duration::from_millis(8);
+/// A sample lasts at least so long, as the median of as many frames. What disturbs a busy machine changes
+/// every few milliseconds, so many short bursts tell more than a few long ones: on two busy cores bursts of
+/// samples of 1 ms and of 8 ms both spread by 10 %.
+const SAMPLE_TIME: Duration = Duration::from_micros(1500);
 
 /// Most frames of a sample.
-pub(crate) const MAX_FRAMES: u32 = 32;
+const MAX_FRAMES: u32 = 8;
+
+/// All samples of a case in a block last about so long, where that is within [`BURSTS`].
+const CASE_TIME: Duration = Duration::from_millis(350);
+
+/// Fewest and most bursts of a case in a block. A burst is two samples of each process; six go once through
+/// every order of the three.
+const BURSTS: [u32; 2] = [6, 36];
+
+/// Rounds between two blocks of the processes, see `bench`.
+const ROUNDS_PER_BLOCK: u32 = 6;
 
 /// Every order of three processes. A burst goes through one of them and back, so that an even drift falls
 /// out; six bursts go through all, so that nobody always follows the same other one.
@@ -144,15 +155,13 @@ fn unexpected(line: &str) -> io::Error {
 
 /// Steps three processes through all groups of their cases.
 ///
-/// - `bursts`: of each case; a burst is six samples, two of each process
-/// - `max_frames`: most frames of a sample
+/// - `frames`: that the processes themselves make a sample of; where it is 1, short frames get more
 ///
 /// # Errors
 /// Which process failed, and how.
 pub(crate) fn step(
     processes: &mut [Stepped; 3],
-    bursts: u32,
-    max_frames: u32,
+    frames: u32,
     seed: u64,
 ) -> Result<(), (usize, io::Error)> {
     let mut random = SplitMix64::new(seed);
@@ -165,7 +174,7 @@ pub(crate) fn step(
         let ready = first.ready.iter().flat_map(BTreeMap::keys);
         let in_all = ready.filter(|case| others.iter().all(|other| is_in(case, other)));
         let cases: Vec<String> = in_all.cloned().collect();
-        step_group(processes, cases, [bursts, max_frames], &mut random)?;
+        step_group(processes, cases, frames, &mut random)?;
         for (index, process) in processes.iter_mut().enumerate() {
             if process.ready.is_some() {
                 process.next_group().map_err(|error| (index, error))?;
@@ -178,44 +187,76 @@ pub(crate) fn step(
 /// A case that all three have ready.
 struct Stepping {
     key: String,
-    /// The shortest turn so far.
+    /// Which of [`ORDERS`] it begins with.
+    first_order: usize,
+    /// The shortest turn of the rounds that warm up, of one frame.
     shortest: Duration,
-    /// Frames of a sample, the same in all processes.
-    frames: u32,
+    schedule: Schedule,
+}
+
+/// How often a case is measured, the same in all processes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Schedule {
+    /// Measurements that a sample is the median of.
+    of: u32,
+    bursts: u32,
+}
+
+impl Schedule {
+    /// - `frame`: how long one lasts
+    /// - `frames`: of a measurement
+    fn new(frame: Duration, frames: u32) -> Self {
+        let measurement = frame.saturating_mul(frames).as_nanos().max(1);
+        let in_range = |count: u128, [least, most]: [u32; 2]| {
+            u32::try_from(count).map_or(most, |count| count.clamp(least, most))
+        };
+        let most = if frames > 1 { 1 } else { MAX_FRAMES };
+        let of = in_range(SAMPLE_TIME.as_nanos().div_ceil(measurement), [1, most]);
+        let burst = 6 * u128::from(of) * measurement;
+        Self {
+            of,
+            bursts: in_range(CASE_TIME.as_nanos().div_ceil(burst), BURSTS),
+        }
+    }
 }
 
 fn step_group(
     processes: &mut [Stepped; 3],
     cases: Vec<String>,
-    [bursts, max_frames]: [u32; 2],
+    frames: u32,
     random: &mut SplitMix64,
 ) -> Result<(), (usize, io::Error)> {
+    let warm_up = Schedule {
+        of: 1,
+        bursts: WARM_UP_ROUNDS,
+    };
     let mut cases: Vec<Stepping> = cases
         .into_iter()
-        .map(|key| Stepping {
+        .zip(0..)
+        .map(|(key, first_order)| Stepping {
             key,
+            first_order,
             shortest: Duration::MAX,
-            frames: 1,
+            schedule: warm_up,
         })
         .collect();
     let orders = random.shuffled(ORDERS.len());
-    let rounds = if cases.is_empty() {
-        0
-    } else {
-        WARM_UP_ROUNDS + bursts
-    };
-    for round in 0..rounds {
+    let mut round = 0;
+    while !cases.is_empty() {
         let counts = round >= WARM_UP_ROUNDS;
-        for (index, process) in processes.iter_mut().enumerate() {
-            process.turn("block").map_err(|error| (index, error))?;
+        if round < WARM_UP_ROUNDS || (round - WARM_UP_ROUNDS).is_multiple_of(ROUNDS_PER_BLOCK) {
+            for (index, process) in processes.iter_mut().enumerate() {
+                process.turn("block").map_err(|error| (index, error))?;
+            }
         }
         let mut broken = Vec::new();
         for place in random.shuffled(cases.len()) {
-            let order = ORDERS[orders[(round as usize + place) % ORDERS.len()]];
             let case = &mut cases[place];
+            let turn = round as usize + case.first_order;
+            let order = ORDERS[orders[turn % ORDERS.len()]];
             for index in order.into_iter().chain(order.into_iter().rev()) {
                 let started = Instant::now();
-                let sampled = processes[index].sample(&case.key, case.frames, counts);
+                let sampled = processes[index].sample(&case.key, case.schedule.of, counts);
                 if !sampled.map_err(|error| (index, error))? {
                     broken.push(case.key.clone());
                     break;
@@ -223,18 +264,15 @@ fn step_group(
                 case.shortest = case.shortest.min(started.elapsed());
             }
             if round + 1 == WARM_UP_ROUNDS {
-                case.frames = frames_of(case.shortest).min(max_frames);
+                let Schedule { of, bursts } = Schedule::new(case.shortest, frames);
+                let bursts = WARM_UP_ROUNDS + bursts;
+                case.schedule = Schedule { of, bursts };
             }
         }
-        cases.retain(|case| !broken.contains(&case.key));
+        round += 1;
+        cases.retain(|case| case.schedule.bursts > round && !broken.contains(&case.key));
     }
     Ok(())
-}
-
-/// Frames that last as long as a sample should.
-fn frames_of(frame: Duration) -> u32 {
-    let frames = SAMPLE_TIME.as_nanos().div_ceil(frame.as_nanos().max(1));
-    u32::try_from(frames).map_or(MAX_FRAMES, |frames| frames.clamp(1, MAX_FRAMES))
 }
 
 #[cfg(test)]
@@ -263,7 +301,7 @@ mod tests {
             start("null", null, "echo over"),
             start("new", new, answer),
         ];
-        let ended = step(&mut processes, 6, MAX_FRAMES, 1).map_err(|(index, _)| index);
+        let ended = step(&mut processes, 1, 1).map_err(|(index, _)| index);
         let log = std::fs::read_to_string(&log).unwrap_or_default();
         (log.lines().map(str::to_owned).collect(), ended, processes)
     }
@@ -276,7 +314,11 @@ mod tests {
         let of = |line: &&String| line.contains("sample");
         let words = |line: &String| line.rsplit_once(' ').map(|(words, _)| words.to_owned());
         let samples: Vec<String> = log.iter().filter(of).filter_map(words).collect();
-        assert_eq!(samples.len(), 36);
+        let bursts = samples.len() / 6;
+        assert!(
+            samples.len().is_multiple_of(6) && (6..=36).contains(&bursts),
+            "{bursts}"
+        );
         let orders: std::collections::BTreeSet<&[String]> = samples.chunks(6).collect();
         assert_eq!(orders.len(), 6, "{orders:?}");
         for burst in &orders {
@@ -286,7 +328,8 @@ mod tests {
             assert!(has("null sample 1") && has("new sample 0"), "{burst:?}");
         }
         assert_eq!(log.iter().filter(|line| line.contains("warm")).count(), 6);
-        assert_eq!(log.iter().filter(|line| line.contains("block")).count(), 21);
+        let blocks = log.iter().filter(|line| line.contains("block")).count();
+        assert_eq!(blocks, 3 * (1 + bursts.div_ceil(6)));
         for process in processes {
             let ended = process.end().expect("ended");
             assert!(ended.status.success());
@@ -295,13 +338,17 @@ mod tests {
     }
 
     #[test]
-    fn samples_last_so_long_and_have_a_frame_at_least() {
-        let of = |ms: f64| frames_of(Duration::from_secs_f64(1e-3 * ms));
-        assert_eq!([of(100.0), of(8.0), of(3.0), of(0.3)], [1, 1, 3, 27]);
-        assert_eq!(
-            [frames_of(Duration::ZERO), frames_of(Duration::MAX)],
-            [32, 1]
-        );
+    fn short_frames_are_measured_more_often_and_long_ones_often_enough() {
+        let of = |ms: f64, frames| {
+            let schedule = Schedule::new(Duration::from_secs_f64(1e-3 * ms), frames);
+            (schedule.of, schedule.bursts)
+        };
+        assert_eq!([of(100.0, 1), of(3.0, 1)], [(1, 6), (1, 20)]);
+        assert_eq!([of(0.5, 1), of(0.01, 1)], [(3, 36), (8, 36)]);
+        // Samples that are means of many frames are long already.
+        assert_eq!([of(0.5, 20), of(0.1, 20)], [(1, 6), (1, 30)]);
+        assert_eq!(Schedule::new(Duration::ZERO, 1).of, 8);
+        assert_eq!(Schedule::new(Duration::MAX, 100).bursts, 6);
     }
 
     #[test]

@@ -102,57 +102,44 @@ fn weights(report: &GateReport) -> BTreeMap<String, f64> {
 /// as [`crate::read_json`].
 pub fn merge_gates(folders: &[PathBuf]) -> Result<GateReport, GateError> {
     let mut parts: BTreeMap<usize, (&Path, GateReport, GateShard)> = BTreeMap::new();
-    let mut foreign: Option<(GateShard, Vec<String>, &Path)> = None;
+    let mut first: Option<(&Path, Vec<String>)> = None;
+    let mut count = 0;
     for folder in folders {
-        let path = folder.join("gate.json");
+        let (report, part) = read_part(folder)?;
+        let Shard { index, count: of } = part.shard;
+        let mut identity = report.identity();
+        identity.extend([
+            format!("{of} shards"),
+            format!("over {}", part.all.join(" ")),
+        ]);
         let wrong = |message: String| {
-            Err(GateError::BadInput(format!(
-                "{}: {message}",
-                folder.display()
-            )))
+            let folder = folder.display();
+            Err(GateError::BadInput(format!("{folder}: {message}")))
         };
-        if !path.is_file() {
-            return wrong("found no gate.json: this gate did not come to a verdict".to_owned());
-        }
-        let report = crate::read_json(&path)?;
-        let Some(part) = report.part.clone() else {
-            return wrong("a whole gate, allowed: parts made with --shard m/n".to_owned());
-        };
-        let identity = report.identity();
-        if let Some((first, expected, of)) = &foreign {
-            let is_one = first.all == part.all && first.shard.count == part.shard.count;
-            let differs = expected.iter().zip(&identity).find(|(a, b)| a != b);
-            match (is_one, differs) {
-                (true, None) => {}
-                (false, _) => {
-                    return wrong(format!(
-                        "shard of {} over {}, expected one of {} over {} as {} is",
-                        part.shard.count,
-                        part.all.join(" "),
-                        first.shard.count,
-                        first.all.join(" "),
-                        of.display()
-                    ));
-                }
-                (_, Some((expected, found))) => {
-                    return wrong(format!(
-                        "found {found:?}, expected {expected:?} as in {}",
-                        of.display()
-                    ));
-                }
+        match &first {
+            None => first = Some((folder, identity)),
+            Some((other, expected)) if *expected != identity => {
+                let only = |of: &[String], others: &[String]| -> String {
+                    let of = of.iter().filter(|word| !others.contains(word));
+                    of.cloned().collect::<Vec<_>>().join(", ")
+                };
+                return wrong(format!(
+                    "found {:?}, expected {:?} as in {}",
+                    only(&identity, expected),
+                    only(expected, &identity),
+                    other.display()
+                ));
             }
-        } else {
-            foreign = Some((part.clone(), identity, folder));
+            Some(_) => {}
         }
-        let Shard { index, count } = part.shard;
+        count = of;
         if let Some((other, ..)) = parts.insert(index, (folder, report, part)) {
             return wrong(format!(
-                "shard {index}/{count} is {} too, allowed: once",
+                "shard {index}/{of} is {} too, allowed: once",
                 other.display()
             ));
         }
     }
-    let count = foreign.map_or(0, |(first, ..)| first.shard.count);
     let missing: Vec<String> = (1..=count)
         .filter(|index| !parts.contains_key(index))
         .map(|index| index.to_string())
@@ -165,6 +152,24 @@ pub fn merge_gates(folders: &[PathBuf]) -> Result<GateReport, GateError> {
     }
     all_scenes(parts.values().map(|(_, _, part)| part))?;
     Ok(join(parts.into_values().map(|(_, report, _)| report)))
+}
+
+/// The report of a part.
+fn read_part(folder: &Path) -> Result<(GateReport, GateShard), GateError> {
+    let wrong = |message: &str| {
+        let folder = folder.display();
+        GateError::BadInput(format!("{folder}: {message}"))
+    };
+    let path = folder.join("gate.json");
+    if !path.is_file() {
+        return Err(wrong(
+            "found no gate.json: this gate did not come to a verdict",
+        ));
+    }
+    let report = crate::read_json(&path)?;
+    let part = report.part.clone();
+    let part = part.ok_or_else(|| wrong("a whole gate, allowed: parts made with --shard m/n"))?;
+    Ok((report, part))
 }
 
 /// Every scene is in one part: parts packed by different earlier gates overlap.

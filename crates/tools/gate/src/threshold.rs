@@ -7,10 +7,6 @@ use terrafill_results::Clock;
 /// move.
 pub const SCREEN_BLOCKS: u32 = 5;
 
-/// Bursts of a case in a block of processes in lock-step: once through every order of the three. A burst
-/// is two samples of each.
-pub const BURSTS: u32 = 6;
-
 /// Cases whose median moved by this much in the first look are measured again. Below the floor, so
 /// that a change of the floor's size is hardly ever passed over.
 pub const SCREEN_RATIO: f64 = 1.02;

@@ -8,7 +8,6 @@ use std::ffi::OsString;
 use std::io::Write as _;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use terrafill_gate::threshold::BURSTS;
 use terrafill_gate::{
     Blessing, Finding, GateError, GateOptions, GateReport, GateShard, Injection, Job, Program,
     Rates, Rules, SelfTest, Side, Workload, add_blessings, annotations, load_baseline, markdown,
@@ -247,7 +246,6 @@ fn workload(arguments: &GateArguments, scenes: &[String], is_timed: bool) -> Wor
     Workload {
         arguments: of_bench,
         samples: if is_timed { SAMPLES } else { 1 },
-        bursts: BURSTS,
         frames: 1,
         extra: [0, 0],
     }

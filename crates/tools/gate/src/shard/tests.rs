@@ -145,12 +145,17 @@ fn missing_repeated_and_foreign_parts_are_refused() {
             part.scenes = scenes(&["a", "b"]);
         }
     });
-    let cases: [(&[&GateReport], &str); 10] = [
+    let longer = of(&|other| other.options.push("more=1".to_owned()));
+    let cases: [(&[&GateReport], &str); 11] = [
         (&[], "are missing"),
         (&[&first], "shards 2 of 2 are missing"),
         (&[&first, &second, &second], "part-1 too, allowed: once"),
         (&[&first, &report(None)], "a whole gate"),
-        (&[&first, &of_three], "expected one of 2"),
+        (
+            &[&first, &of_three],
+            "found \"3 shards\", expected \"2 shards\"",
+        ),
+        (&[&first, &longer], "\"more=1\""),
         (&[&first, &of_others], "over a b"),
         (&[&first, &commit], "found \"c\", expected \"b\""),
         (&[&first, &device], "\"another\""),

@@ -56,6 +56,9 @@ impl MadeUp {
     }
 }
 
+/// Bursts of a case in a block: the fewest that there are.
+const BURSTS: u32 = 6;
+
 /// Spread of samples in lock-step, and by how much each process differs.
 const SAMPLE_SPREAD: f64 = 0.03;
 const PROCESS_SPREAD: f64 = 0.01;
@@ -104,7 +107,7 @@ impl Sides for MadeUp {
     fn run_together(&mut self, trio: Trio, cases: &BTreeSet<String>) -> Result<(), GateError> {
         for case in cases {
             let levels = trio.processes().map(|_| self.spread * self.random.normal());
-            for burst in 0..crate::threshold::BURSTS {
+            for burst in 0..BURSTS {
                 let slowed = if self.random.uniform() < 0.5 {
                     0.22
                 } else {

@@ -310,13 +310,16 @@ fn times_are_taken_in_lock_step_and_by_turns_of_a_program_that_cannot() {
     let desk = Desk::new();
     twin(&desk);
     let this = env!("CARGO_BIN_EXE_terrafill");
-    let ran = timed(&desk, "twin", this, "together", "40");
+    let ran = timed(&desk, "twin", this, "together", "20");
     let said = format!("{}{}", ran.stdout, ran.stderr);
-    // A busy machine may leave it inconclusive; nothing is slower and nothing is an error.
-    assert!(matches!(ran.code, 0 | 3), "{said}");
-    let json = desk.read_text("together/gate.json");
-    assert!(json.contains("\"way\": \"lock-step\""), "{json}");
+    // A busy machine may leave it inconclusive, and a slow one end before the first look does; nothing is
+    // slower and nothing is an error.
+    assert!(matches!(ran.code, 0 | 3 | 4), "{said}");
     assert!(!said.contains("whole processes by turns"), "{said}");
+    let options = desk.read_text("together/base/environment.json");
+    assert!(options.contains("samples=1\""), "{options}");
+    let rows = desk.read_text("together/base/measurements.csv");
+    assert!(rows.contains(",2,12,"), "the second process has samples");
 
     // Twin: one that was built before.
     let before = "case \" $* \" in *' --stepped '*) echo unexpected >&2; exit 2;; esac";
