@@ -113,7 +113,7 @@ pub(crate) struct BenchArguments {
     /// Every study, variant, ladder, matrix and sweep
     #[arg(long)]
     pub(crate) full: bool,
-    /// Processes to measure in, each a replicate [default: 3, quick 1; up to 12 for what a ladder leaves undecided]
+    /// Processes, each a replicate [default: 3, quick 1, ladders to 12]
     #[arg(long, value_parser = parse_processes)]
     pub(crate) processes: Option<u32>,
     /// Which of the processes this is: `bench` starts the others with it
