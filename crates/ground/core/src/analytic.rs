@@ -337,7 +337,7 @@ impl Region {
     ) -> Result<AnalyticRegion, AnalyticError> {
         check_cone(body, cone)?;
         let sight = Sight::new(body, cone);
-        let boundary = sight.boundary(body).ok_or_else(|| sight.misses(body))?;
+        let boundary = sight.boundary(body).ok_or_else(|| misses(body, &sight))?;
         finish(name, body, &boundary, tolerance_m)
     }
 }
@@ -404,6 +404,14 @@ fn too_narrow(body: &Ellipsoid, found_m: f64) -> AnalyticError {
         body: body.name(),
         found_m,
         smallest_m: SMALLEST_SHARE * body.equatorial_radius_m(),
+    }
+}
+
+fn misses(body: &Ellipsoid, sight: &Sight) -> AnalyticError {
+    AnalyticError::Misses {
+        body: body.name(),
+        found_deg: sight.horizon_off_axis_rad().to_degrees(),
+        half_angle_deg: sight.half_angle_rad.to_degrees(),
     }
 }
 

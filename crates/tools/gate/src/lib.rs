@@ -19,6 +19,7 @@ mod job;
 mod limits;
 mod lockstep;
 mod output;
+mod part;
 mod program;
 mod report;
 mod self_test;
@@ -35,10 +36,11 @@ pub use finding::{Finding, Gate, Severity, Verdict, verdict};
 pub use job::{Job, PrimaryMetric, Workload, timed_cases};
 pub use limits::{Limit, read_limits, shipped_limits};
 pub use output::{annotations, junit, markdown, read_json, text, write_files};
+pub use part::GateShard;
 pub use program::{Program, refuse_equal_programs};
 pub use report::{GATE_SCHEMA, GateOptions, GateReport, Rules, gate};
 pub use self_test::{Injection, Rates, SelfTest, self_test};
-pub use shard::{GateShard, merge_gates};
+pub use shard::merge_gates;
 pub use time::{
     Block, CaseTime, Pace, Side, Sides, TimeGate, TimeOptions, Times, Trio, Way, compare_times,
 };

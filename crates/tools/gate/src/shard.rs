@@ -5,22 +5,10 @@
 //! new is ever of two machines.
 
 use crate::report::sort;
-use crate::{GateError, GateReport, verdict};
-use serde::{Deserialize, Serialize};
+use crate::{GateError, GateReport, GateShard, verdict};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use terrafill_results::Shard;
-
-/// Which part of a gate a report is.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct GateShard {
-    /// Which of how many.
-    pub shard: Shard,
-    /// Its scenes.
-    pub scenes: Vec<String>,
-    /// Scenes of the whole gate.
-    pub all: Vec<String>,
-}
 
 impl GateShard {
     /// The scenes of one part, packed by what they cost an earlier gate: the heaviest first, each to the

@@ -10,7 +10,6 @@
 //! A cone of less than 90° is convex, so is the one of the rays that touch, and so is what both
 //! hold: the footprint is in one piece, bounded by arcs of the two in turn.
 
-use super::AnalyticError;
 use super::boundary::{Band, Boundary, Curve, Leg, pieces_of_turn};
 use crate::edge::Degrees;
 use crate::{Ellipsoid, Geodetic};
@@ -56,7 +55,7 @@ pub(super) struct Sight {
     /// counter-clockwise as the apex sees it.
     right: DVec3,
     forward: DVec3,
-    half_angle_rad: f64,
+    pub(super) half_angle_rad: f64,
 }
 
 /// Where the cone's edge crosses the horizon, or its mirror image behind the apex.
@@ -177,15 +176,6 @@ impl Sight {
     /// Whether every ray of the cone's edge meets the body.
     pub(super) fn meets_all_round(&self) -> bool {
         matches!(self.outline(), Some(Outline::Cone))
-    }
-
-    /// What is wrong with a cone that meets nothing.
-    pub(super) fn misses(&self, body: &Ellipsoid) -> AnalyticError {
-        AnalyticError::Misses {
-            body: body.name(),
-            found_deg: self.horizon_off_axis_rad().to_degrees(),
-            half_angle_deg: self.half_angle_rad.to_degrees(),
-        }
     }
 
     /// Where the ray of a cone that meets the body all round meets it, by cosine and sine of its angle.

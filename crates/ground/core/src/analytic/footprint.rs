@@ -11,7 +11,7 @@
 //! ([`RegionMesh::volume_heights`]).
 
 use super::cone::Sight;
-use super::{AnalyticError, SensorCone, check_cone};
+use super::{AnalyticError, SensorCone, check_cone, misses};
 use crate::edge::area::{ZoneArea, compensated_sum};
 use crate::edge::{Degrees, edge_bounds_m};
 use crate::mesh::{index_u32, sagitta_m};
@@ -80,7 +80,7 @@ impl FootprintMesher {
                     body: self.body.name(),
                     why: "the horizon cuts it off",
                 },
-                None => sight.misses(&self.body),
+                None => misses(&self.body, &sight),
             });
         }
         let vertices_ecef: Vec<DVec3> = self

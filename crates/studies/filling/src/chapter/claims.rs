@@ -6,7 +6,7 @@
 //! ladder's scene. A claim whose rows are not in the run has an empty cell.
 
 use super::data::{Data, counter, distinct, has_role, is_baseline};
-use super::ladder::{Ladder, Rung, SOURCE, counters};
+use super::rungs::{Ladder, Rung, SOURCE, counters};
 use super::{fill_rate, memory, subdivision, textured};
 use crate::claims::{Basis, CLAIMS, Claimed, EVERY_VIEW, Test};
 use terrafill_plot::number::{count, significant, times};

@@ -7,7 +7,7 @@
 //! that change nothing else, and of these the one that changes the work most.
 
 use super::data::Data;
-use super::ladder::{Ladder, Rung};
+use super::rungs::{Ladder, Rung};
 use terrafill_plot::number::{figure, significant};
 use terrafill_results::{Block, Cell, Estimate, Finding, Heading, Row, Standing, Table};
 

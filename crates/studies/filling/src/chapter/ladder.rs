@@ -2,10 +2,10 @@
 //! The ladder: what each switch gives on the way from the method of 2007 to the full plan, and whether
 //! what was found then is still found.
 //!
-//! A rung is compared with the last one before it on the way whose picture is right; what stands aside is
-//! on no way. Claims are compared with the measured interval; nothing here knows what came out.
+//! Claims are compared with the measured interval; nothing here knows what came out.
 
-use super::data::{Data, counter, distinct, name};
+use super::data::{Data, counter, name};
+use super::rungs::{Ladder, Rung, SOURCE, counters};
 use super::{claims, fill_rate};
 use terrafill_plot::number::{bytes, count, significant};
 use terrafill_plot::{RatioAxis, Step, Steps};
@@ -13,33 +13,8 @@ use terrafill_results::{
     Block, Case, Cell, ChapterError, Estimate, Heading, Outcome, Plot, Row, Table,
 };
 
-/// Where the findings come from, as printed.
-pub(super) const SOURCE: &str = "Cozzi (2007)";
-
 /// Ratios of this chapter's axes.
 pub(super) const AXIS_ONE: &str = "depth-pass = 1";
-
-/// One rung as measured.
-pub(super) struct Rung<'a> {
-    number: u32,
-    pub(super) step: &'a str,
-    pub(super) case: &'a Case,
-    /// Beside the way: nothing is compared with it.
-    pub(super) is_aside: bool,
-    /// The last right rung before it on the way.
-    pub(super) before: Option<&'a Case>,
-    /// Time of that rung over this one's.
-    pub(super) gain: Option<Estimate>,
-}
-
-/// A ladder on one view.
-pub(super) struct Ladder<'a> {
-    pub(super) title: String,
-    pub(super) scene: &'a str,
-    pub(super) view: &'a str,
-    pub(super) technique: &'a str,
-    pub(super) rungs: Vec<Rung<'a>>,
-}
 
 /// Every ladder of the run.
 pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<Vec<Block>, ChapterError> {
@@ -64,82 +39,6 @@ pub(super) fn blocks(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Result<Vec<Bloc
         blocks.extend(ladder_blocks(data, ladder)?);
     }
     Ok(blocks)
-}
-
-/// Every ladder of the run.
-pub(super) fn ladders<'a>(data: &Data<'a>) -> Vec<Ladder<'a>> {
-    let rungs = || {
-        data.cases
-            .iter()
-            .copied()
-            .filter(|case| !case.condition("rung").is_empty())
-    };
-    let key = |case: &'a Case| ["scene", "view", "technique"].map(|key| case.condition(key));
-    let ladder = |of: [&'a str; 3]| {
-        let [scene, view, technique] = of;
-        Ladder {
-            title: format!("{scene}, {view}: {technique}"),
-            scene,
-            view,
-            technique,
-            rungs: climb(data, rungs().filter(|case| key(case) == of)),
-        }
-    };
-    distinct(rungs().map(key)).into_iter().map(ladder).collect()
-}
-
-/// Rungs by number, each with its gain.
-fn climb<'a>(data: &Data<'a>, cases: impl Iterator<Item = &'a Case>) -> Vec<Rung<'a>> {
-    let numbered = cases.filter_map(|case| Some((case.condition("rung").parse().ok()?, case)));
-    let mut cases: Vec<(u32, &Case)> = numbered.collect();
-    cases.sort_by_key(|(number, _)| *number);
-    let mut before: Option<&Case> = None;
-    let mut rungs = Vec::new();
-    for (number, case) in cases {
-        rungs.push(Rung {
-            number,
-            step: case.condition("step"),
-            case,
-            is_aside: is_aside(case),
-            before,
-            gain: before.and_then(|before| data.over(before, case)),
-        });
-        before = Some(case)
-            .filter(|case| case.counts() && !is_aside(case))
-            .or(before);
-    }
-    rungs
-}
-
-fn is_aside(case: &Case) -> bool {
-    case.condition("aside") == "yes"
-}
-
-/// What a step changes of the work that is done, in a sentence: why its gain may be what it is.
-pub(super) fn counters(before: &Case, after: &Case) -> String {
-    let metrics = [
-        ("vertices", "vertices"),
-        ("stencil fragments", "stencil_fragments"),
-        ("fragments shaded", "fragment_shader_invocations"),
-        ("draws", "draws"),
-        ("geometry bytes", "geometry_bytes"),
-        ("bytes handed over a frame", "upload_bytes"),
-    ];
-    let changed = metrics.iter().filter_map(|(name, metric)| {
-        let values = [counter(before, metric)?, counter(after, metric)?];
-        let print = if metric.ends_with("bytes") {
-            bytes
-        } else {
-            count
-        };
-        (values[0] != values[1])
-            .then(|| format!("{name} {} → {}", print(values[0]), print(values[1])))
-    });
-    let changed: Vec<String> = changed.collect();
-    match changed.is_empty() {
-        true => "the same vertices, fragments, draws and bytes".to_owned(),
-        false => changed.join(", "),
-    }
 }
 
 fn ladder_blocks(data: &Data<'_>, ladder: &Ladder<'_>) -> Result<Vec<Block>, ChapterError> {

@@ -2,7 +2,7 @@
 //! Memory: bytes of every layout by formula and as allocated, beside the figures of 2007.
 
 use super::data::{Data, counter, distinct, headings};
-use super::ladder::SOURCE;
+use super::rungs::SOURCE;
 use terrafill_plot::number::{bytes, count, significant};
 use terrafill_plot::{Line, LinePanel, Lines, Palette};
 use terrafill_results::{

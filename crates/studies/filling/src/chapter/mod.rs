@@ -17,6 +17,7 @@ mod matrix;
 mod memory;
 mod pairs;
 mod published;
+mod rungs;
 mod scenes;
 mod subdivision;
 mod summary;
@@ -57,7 +58,7 @@ impl Chapter for FillingChapter {
         blocks.extend(pictures_sentence(&data));
         blocks.extend(scenes::overview(&data));
         blocks.extend(fronts::section(&data)?);
-        let ladders = ladder::ladders(&data);
+        let ladders = rungs::ladders(&data);
         blocks.extend(claims::blocks(&data, &ladders));
         blocks.extend(ladder::blocks(&data, &ladders)?);
         blocks.extend(pairs::blocks(&data));
@@ -91,7 +92,7 @@ impl Chapter for FillingChapter {
         if data.cases.is_empty() {
             return Ok(Vec::new());
         }
-        let ladders = ladder::ladders(&data);
+        let ladders = rungs::ladders(&data);
         Ok(vec![
             summary::table(&data)?,
             claims::table(&data, &ladders)?,
@@ -100,7 +101,7 @@ impl Chapter for FillingChapter {
 
     fn undecided(&self, run: &Run) -> Vec<String> {
         let data = self.data(run);
-        claims::undecided(&data, &ladder::ladders(&data))
+        claims::undecided(&data, &rungs::ladders(&data))
     }
 }
 
