@@ -20,9 +20,9 @@ pub(crate) fn write_rgb(
     let path = folder.join(&relative);
     // In memory first: a buffered file hides that its last bytes were not written.
     let mut encoded = Cursor::new(Vec::new());
-    // Regions are flat: at the usual level their pictures take several times as many bytes.
+    // Regions are flat: at the fastest level their pictures take several times as many bytes.
     let encoder =
-        PngEncoder::new_with_quality(&mut encoded, CompressionType::Best, FilterType::Adaptive);
+        PngEncoder::new_with_quality(&mut encoded, CompressionType::Default, FilterType::Adaptive);
     let (width, height) = (size.width, size.height);
     let written = encoder.write_image(rgb, width, height, ExtendedColorType::Rgb8);
     written.map_err(|error| StudyError::Broken {
