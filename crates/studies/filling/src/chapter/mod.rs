@@ -21,6 +21,7 @@ mod rungs;
 mod scenes;
 mod subdivision;
 mod summary;
+mod techniques;
 #[cfg(test)]
 mod tests;
 mod textured;
@@ -68,6 +69,7 @@ impl Chapter for FillingChapter {
         blocks.extend(subdivision::blocks(&data)?);
         blocks.extend(textured::blocks(&data));
         blocks.extend(scenes::blocks(&data)?);
+        blocks.extend(techniques::blocks(&data));
         Ok(blocks)
     }
 

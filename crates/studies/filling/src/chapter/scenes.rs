@@ -136,14 +136,17 @@ pub(super) fn overview(data: &Data<'_>) -> Option<Block> {
     })
 }
 
-/// The points of a sweep draw coarser boundaries on purpose, so that they do not compete.
+/// Whether a fill competes with others: the points of a sweep draw coarser boundaries on purpose.
+pub(super) fn competes(case: &&Case) -> bool {
+    !has_role(case, "sweep") || has_role(case, "main")
+}
+
 fn overview_row(data: &Data<'_>, scene: &str, view: &View<'_>) -> Option<Row> {
-    let competes = |case: &&&Case| !has_role(case, "sweep") || has_role(case, "main");
-    let all = view.cases.iter().filter(competes);
+    let all = view.cases.iter().copied().filter(competes);
     let right = all.clone().filter(|case| case.counts());
     let timed = right
         .clone()
-        .filter_map(|case| Some((*case, data.right_time(case)?)));
+        .filter_map(|case| Some((case, data.right_time(case)?)));
     let (fastest, time) = timed.min_by(|a, b| a.1.median.total_cmp(&b.1.median))?;
     let ties = right
         .clone()
@@ -271,11 +274,10 @@ fn ratio_row(data: &Data<'_>, case: &Case, ratio: Option<Estimate>) -> RatioRow 
     }
 }
 
-/// The fastest right fill of a view. The points of a sweep draw coarser boundaries on purpose.
-fn best<'a>(data: &Data<'a>, view: &View<'a>) -> Option<&'a Case> {
-    let competes = |case: &&&Case| !has_role(case, "sweep") || has_role(case, "main");
-    let timed = view.cases.iter().filter(competes);
-    let timed = timed.filter_map(|case| Some((*case, data.right_time(case)?.median)));
+/// The fastest right fill of a view.
+pub(super) fn best<'a>(data: &Data<'a>, view: &View<'a>) -> Option<&'a Case> {
+    let timed = view.cases.iter().copied().filter(competes);
+    let timed = timed.filter_map(|case| Some((case, data.right_time(case)?.median)));
     let best = timed.min_by(|a, b| a.1.total_cmp(&b.1));
     best.map(|(case, _)| case)
 }

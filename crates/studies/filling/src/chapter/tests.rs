@@ -741,7 +741,8 @@ fn a_run_without_them_has_none_of_these_sections() {
             _ => None,
         })
         .collect();
-    assert_eq!(headings, ["california"], "a case of no role is listed");
+    let known = ["california", "Technique vertex"];
+    assert_eq!(headings, known, "a case of no role is listed");
     assert_eq!(blocks(&MadeUpRun::default()), []);
 }
 
@@ -1380,4 +1381,31 @@ fn every_wrong_case_is_pictured_with_its_worst_pixel() {
     assert!(last.notes[0].contains("(wrong): 9 px differ, 3 of them outside the band"));
     // Twin: a right rung has no picture beside those of its scene.
     assert_eq!(pictured(Status::Ok).len(), wrong.len() - 1);
+}
+
+#[test]
+fn a_technique_has_its_best_fill_of_each_view_and_what_it_could_not_draw() {
+    let main = [("role", "main")];
+    let mut run = on_cpu();
+    timed(&mut run, "s/globe/vertex/doubled", &main, 4.0);
+    timed(&mut run, "s/globe/native/triangles", &main, 2.0);
+    timed(&mut run, "s/globe/native/strips", &main, 3.0);
+    timed(&mut run, "s/near/vertex/doubled", &main, 4.0);
+    let wrong = timed(&mut run, "s/near/native/triangles", &main, 1.0);
+    wrong.ended(Status::Wrong, "9 px outside the band");
+    let native = section(&run, "Technique native");
+    assert!(words(&native).contains("2 of 3 fills are right. Layouts: triangles, strips."));
+    let table = tables(&native)[0];
+    let own = texts(table, 0);
+    assert_eq!(own[..2], ["s, globe", "native/triangles"]);
+    assert_eq!(own[3], "1.00 × [1.00–1.00]");
+    // A wrong picture is no fill of the view, however fast.
+    assert_eq!(texts(table, 1)[1..], ["–"; 7]);
+    let wrong = "s, near, native/triangles: wrong: 9 px outside the band";
+    assert!(words(&native).contains(wrong));
+    let vertex = section(&run, "Technique vertex");
+    let own = texts(tables(&vertex)[0], 0);
+    assert_eq!(own[3..5], ["2.00 × [2.00–2.00]", "native/triangles"]);
+    assert!(!words(&vertex).contains("without a right picture"));
+    assert!(section(&run, "Technique depth-pass").is_empty());
 }
