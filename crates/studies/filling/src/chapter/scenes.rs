@@ -2,7 +2,8 @@
 //! Every scene with its views: plots, tables of all cases, and pictures beside the reference's.
 
 use super::data::{
-    DEPTH_PASS, Data, STENCIL_PASS, Scene, View, counter, has_role, is_baseline, name,
+    DEPTH_PASS, Data, STENCIL_PASS, Scene, View, competes, counter, has_role, is_approximate,
+    is_baseline, name, standing,
 };
 use super::ladder::no_ratio;
 use super::{error_time, memory, published};
@@ -138,7 +139,7 @@ pub(super) fn overview(data: &Data<'_>) -> Option<Block> {
 
 /// The points of a sweep draw coarser boundaries on purpose, so that they do not compete.
 fn overview_row(data: &Data<'_>, scene: &str, view: &View<'_>) -> Option<Row> {
-    let competes = |case: &&&Case| !has_role(case, "sweep") || has_role(case, "main");
+    let competes = |case: &&&Case| competes(case);
     let all = view.cases.iter().filter(competes);
     let right = all.clone().filter(|case| case.counts());
     let timed = right
@@ -273,7 +274,7 @@ fn ratio_row(data: &Data<'_>, case: &Case, ratio: Option<Estimate>) -> RatioRow 
 
 /// The fastest right fill of a view. The points of a sweep draw coarser boundaries on purpose.
 fn best<'a>(data: &Data<'a>, view: &View<'a>) -> Option<&'a Case> {
-    let competes = |case: &&&Case| !has_role(case, "sweep") || has_role(case, "main");
+    let competes = |case: &&&Case| competes(case);
     let timed = view.cases.iter().filter(competes);
     let timed = timed.filter_map(|case| Some((*case, data.right_time(case)?.median)));
     let best = timed.min_by(|a, b| a.1.total_cmp(&b.1));
@@ -363,8 +364,8 @@ fn view_blocks(
             caption: format!(
                 "Error against run time; one curve per layout through its boundary tolerance, which \
                  labels the points. Zero errors stand on the line at the bottom; wrong and failed cases \
-                 (crosses) are pinned to the upper edge, except those of the sweep, which stand at \
-                 their error. Ringed and joined by dashes: the Pareto front, where at least 95 % of \
+                 (crosses) are pinned to the upper edge, except those whose error is the question, \
+                 which stand at it; open marks are approximate fills. Ringed and joined by dashes: the Pareto front, where at least 95 % of \
                  bootstrap resamples of the processes keep it.{not_drawn}"
             ),
             svg,
@@ -422,7 +423,7 @@ fn row(data: &Data<'_>, palette: &Palette, case: &Case, other_metric: &str) -> R
             },
             ..Cell::name(data.label(case))
         },
-        Cell::plain(case.outcome.name()),
+        Cell::plain(standing(case)),
         time_cell(case, data.time(case).map(spread), "no frame was timed"),
         over(DEPTH_PASS),
         over(STENCIL_PASS),
@@ -446,7 +447,7 @@ fn row(data: &Data<'_>, palette: &Palette, case: &Case, other_metric: &str) -> R
     }));
     Row {
         cells,
-        status: case.outcome.name().to_owned(),
+        status: standing(case).to_owned(),
         remark: case.reason.clone(),
     }
 }
@@ -454,6 +455,11 @@ fn row(data: &Data<'_>, palette: &Palette, case: &Case, other_metric: &str) -> R
 /// A time, which counts for nothing when the picture is wrong.
 fn time_cell(case: &Case, text: Option<String>, why: &str) -> Cell {
     match text {
+        Some(text) if is_approximate(case) => Cell {
+            title: "approximate: its picture differs by nature, and it competes with none"
+                .to_owned(),
+            ..Cell::plain(text)
+        },
         Some(text) if case.outcome == Outcome::Wrong => Cell {
             class: CellClass::Void,
             title: "the picture is wrong: this time counts for nothing".to_owned(),
@@ -537,7 +543,7 @@ fn caption(case: &Case) -> String {
         name(case),
         match case.outcome {
             Outcome::Ok => String::new(),
-            outcome => format!(" ({})", outcome.name()),
+            _ => format!(" ({})", standing(case)),
         },
         counted("mismatched_px"),
         counted("mismatched_px_outside_band"),
