@@ -39,6 +39,18 @@ pub trait Technique: Sync + Debug {
     /// Parameters of its own; the first one is the layout.
     fn parameters(&self) -> &'static [Parameter];
 
+    /// Whether the pictures of `variant` differ from the reference by its nature, such as from a mask of
+    /// coarse texels. How far is a result then: such a case is timed, its rows say "approximate", it
+    /// never counts as right and is no failure.
+    fn is_approximate(&self, _variant: &Variant) -> bool {
+        false
+    }
+
+    /// Whether [`crate::Switches`] mean anything to it; otherwise they are none of its conditions.
+    fn has_stencil_switches(&self) -> bool {
+        true
+    }
+
     /// The variant to start from on scenes of this kind.
     fn main(&self, overlap: Overlap) -> Variant {
         Variant::new(self.name(), self.parameters(), overlap)
@@ -47,7 +59,8 @@ pub trait Technique: Sync + Debug {
     /// Variants for this role on `scene`.
     fn variants(&self, scene: &Scene, role: Role) -> Vec<Variant>;
 
-    /// From the un-optimised method to the full plan, one switch at a time ([`crate::Climb`]).
+    /// From the un-optimised method to the full plan, one switch at a time ([`crate::Climb`]); empty
+    /// for a technique that does not come from it.
     fn ladder(&self, overlap: Overlap) -> Vec<Rung>;
 
     /// `base` with each parameter of its own away from its default, alone. What is not allowed is

@@ -331,6 +331,16 @@ impl Canvas<'_> {
         self.sized_marker(at, stroke, MARKER_PX, 1.0)
     }
 
+    /// The same with the page's colour inside.
+    pub(crate) fn outlined_marker(&self, at: [f64; 2], stroke: Stroke) -> Result<(), PlotError> {
+        self.marker(at, stroke)?;
+        let inside = Stroke {
+            colour: PAPER,
+            ..stroke
+        };
+        self.sized_marker(at, inside, 0.5 * MARKER_PX, 1.0)
+    }
+
     /// The same with half its size in pixels, and its opacity.
     pub(crate) fn sized_marker(
         &self,

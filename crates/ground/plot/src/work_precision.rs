@@ -6,7 +6,7 @@
 //! point without error stands on a line of its own at the bottom and a failed one on the upper edge:
 //! neither has a place on a logarithm, and neither may vanish. A wrong one whose figures are known is
 //! the exception, since its error may be the answer: it stands where its figures put it, on its curve,
-//! with a cross. The Pareto front joins only right points that keep their place when processes
+//! with a cross; of a method that is approximate by nature, with an open mark. The Pareto front joins only right points that keep their place when processes
 //! are drawn again (see [`terrafill_results::front_survival`]).
 
 use crate::PlotError;
@@ -99,6 +99,9 @@ pub enum PointStanding {
     Right,
     /// They are known, and too bad: a cross where they put it, and no place on the front.
     Wrong,
+    /// They are known, and off by the nature of the method: an open mark where they put it, and no
+    /// place on the front.
+    Approximate,
     /// There are none, or they count for nothing.
     Failed,
 }
@@ -474,10 +477,10 @@ impl<'a> Panel<'a> {
             canvas.open_marker(below, stroke.colour)?;
         }
         self.add_spot(canvas, placed);
-        if point.standing == PointStanding::Right {
-            canvas.marker(at, stroke)
-        } else {
-            canvas.cross(at, stroke.colour)
+        match point.standing {
+            PointStanding::Right => canvas.marker(at, stroke),
+            PointStanding::Approximate if !placed.is_pinned => canvas.outlined_marker(at, stroke),
+            _ => canvas.cross(at, stroke.colour),
         }
     }
 
@@ -746,6 +749,32 @@ mod tests {
         assert!(a > panel.points[1].at[0] && (a - b).abs() > 2.0 * MARKER_PX);
         assert_eq!(panel.front, [panel.points[0].at]);
         assert!(panel.paths().is_empty(), "one point is no curve");
+    }
+
+    #[test]
+    fn an_approximate_point_is_open_and_on_no_front() {
+        let with = |standing| {
+            let best = Point {
+                standing,
+                ..point(1.0, 0.5, 1e-6)
+            };
+            plot(Upwards::Error, &[("route", &[best, point(2.0, 1.0, 1e-3)])])
+        };
+        let approximate = with(PointStanding::Approximate);
+        let panel = Panel::new(&approximate, FRAME).expect("something to draw");
+        assert_eq!(panel.front, [panel.points[1].at]);
+        assert!(
+            panel.points[0].at[1] > FRAME.top,
+            "where its figures put it"
+        );
+        assert_eq!(drawn(&approximate).matches("var(--paper)").count(), 1);
+        // Twins: a right one is full and on the front, a wrong one a cross.
+        let right = with(PointStanding::Right);
+        let panel = Panel::new(&right, FRAME).expect("something to draw");
+        assert_eq!(panel.front, [panel.points[0].at]);
+        for standing in [PointStanding::Right, PointStanding::Wrong] {
+            assert!(!drawn(&with(standing)).contains("var(--paper)"));
+        }
     }
 
     #[test]

@@ -19,7 +19,10 @@ pub use boundary::{boundary_band, boundary_pixels, checks_nothing};
 pub use compare::{CompareError, MAX_PROBED, compare, compare_closely, filled_only};
 pub use difference::{difference_rgb, worst_pixel};
 pub use figures::ErrorFigures;
-pub use moved::{MAX_MEASURED, Movement, boundary_movement, with_movement};
+pub use moved::{
+    MAX_MEASURED, MAX_PICTURE_SEARCH_PX, Movement, boundary_movement, movement_in_picture,
+    with_movement,
+};
 pub use texture::{TextureErrors, compare_texture, silhouette_band};
 pub use tolerance::{
     BAND_RADIUS_PX, DEPTH_JUMP, MAX_FOREIGN_PX, MAX_HAUSDORFF_PX, MAX_MISMATCHED_OUTSIDE_BAND_PX,

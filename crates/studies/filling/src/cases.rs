@@ -13,6 +13,9 @@ use terrafill_results::{CaseId, PlannedCase};
 use terrafill_scene::{Overlap, PlanOptions, Scene, View, WallHeights};
 use terrafill_study::Depth;
 
+/// Condition of fills whose pictures differ from the reference by nature: `yes`.
+pub(crate) const APPROXIMATE: &str = "approximate";
+
 /// What a case is measured for; it may be several things at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Purpose {
@@ -179,7 +182,10 @@ impl Builder<'_> {
         };
         for technique in &wishes.techniques {
             for variant in technique.variants(scene, role) {
-                self.add(Subject::Fill(*technique, variant), Purpose::Main, frames);
+                let subject = Subject::Fill(*technique, variant);
+                if !subject.is_approximate() || wishes.wants_approximate(&scene.name) {
+                    self.add(subject, Purpose::Main, frames);
+                }
             }
             if wishes.depth != Depth::Quick {
                 for variant in full_plans(*technique, scene.overlap) {
@@ -249,6 +255,9 @@ impl Builder<'_> {
 
     /// - `frames`: of the two routes, which are held against a limit, and of what varies them
     fn add_textured(&mut self, technique: &'static dyn Technique, frames: [u32; 2]) {
+        if !technique.has_stencil_switches() {
+            return;
+        }
         let plain = technique.main(self.scene.overlap);
         let first = self.wishes.all_techniques.first();
         let is_first = first.is_some_and(|first| first.name() == technique.name());
@@ -312,8 +321,10 @@ impl Builder<'_> {
         let mut layouts: Vec<(&str, String)> = Vec::new();
         let mut cases = Vec::new();
         for case in &self.cases {
+            // What an approximate fill holds follows from the view, or is no geometry.
             let is_plain = case.mesh.is_none()
                 && !case.is(Purpose::Texture)
+                && !case.subject.is_approximate()
                 && case.subject.plan() == PlanOptions::default();
             let layout = (case.subject.backend(), case.subject.layout());
             if !is_plain || layout.1.is_empty() || layouts.contains(&layout) {
@@ -354,7 +365,9 @@ impl Builder<'_> {
         PlannedCase {
             id: CaseId::new(STUDY, name, conditions),
             samples: case.frames,
-            may_be_wrong: case.is(Purpose::Sweep) || has_tall_walls(case),
+            may_be_wrong: case.is(Purpose::Sweep)
+                || has_tall_walls(case)
+                || case.subject.is_approximate(),
         }
     }
 
@@ -401,6 +414,9 @@ impl Builder<'_> {
             if case.is(Purpose::Texture) {
                 conditions.push(condition("picture", picture.to_owned()));
             }
+        }
+        if case.subject.is_approximate() {
+            conditions.push(condition(APPROXIMATE, "yes".to_owned()));
         }
         if let Some(place) = case.place {
             conditions.extend([

@@ -4,7 +4,7 @@
 use terrafill_results::{Kind, Metric};
 
 /// Times first, then bytes, counters, errors, textured fills and bytes of layouts.
-pub(crate) const METRICS: [Metric; 63] = [
+pub(crate) const METRICS: [Metric; 64] = [
     Metric::less(
         "fill_cpu_ms",
         "ms",
@@ -48,6 +48,12 @@ pub(crate) const METRICS: [Metric; 63] = [
         "Process CPU time of planning one frame: culling, cap heights and screen rectangles of every region. Not part of the fill's times, since an unchanged view is not planned again.",
     ),
     Metric::less(
+        "prepare_cpu_ms",
+        "ms",
+        Kind::Time,
+        "Process CPU time of making the probe frame ready, once: pipelines, geometry, uploads, a mesh cut along the surface, a mask drawn. Not part of the fill's times, since an unchanged view needs it once.",
+    ),
+    Metric::less(
         "geometry_bytes",
         "bytes",
         Kind::Bytes,
@@ -75,7 +81,7 @@ pub(crate) const METRICS: [Metric; 63] = [
         "target_bytes",
         "bytes",
         Kind::Bytes,
-        "Bytes of further targets that the technique draws into, such as numbers that regions add up in.",
+        "Bytes of further targets that the technique draws into, such as numbers that regions add up in, or a mask of ids.",
     ),
     Metric::less(
         "texture_bytes",
@@ -220,7 +226,7 @@ pub(crate) const METRICS: [Metric; 63] = [
         "boundary_moved_px",
         "px",
         Kind::Error,
-        "How far boundaries moved that levels of detail simplify on purpose: the farthest that the centre of a mismatched pixel is from a place where the reference shows the id of the frame, pixels, found in steps of 1/16.",
+        "How far boundaries moved that levels of detail simplify on purpose: the farthest that the centre of a mismatched pixel is from a place where the reference shows the id of the frame, pixels, found in steps of 1/16. Of approximate fills: to the centre of such a pixel, and empty beyond 64 pixels.",
     ),
     Metric::less(
         "foreign_px",

@@ -23,6 +23,7 @@ pub(crate) struct Probe {
     wall_height_m: Option<f64>,
     cap_triangles: u64,
     pub(crate) plan_cpu_ms: Option<f64>,
+    pub(crate) prepare_cpu_ms: Option<f64>,
     pub(crate) image: String,
     pub(crate) difference_image: String,
     pub(crate) reference_image: String,
@@ -69,6 +70,16 @@ impl Probe {
             Status::Wrong
         };
         self.reason = reasons.join("; ");
+    }
+
+    /// An approximate fill is never right: that its picture matches here promises nothing elsewhere.
+    pub(crate) fn set_approximate(&mut self, reasons: &[String]) {
+        let found = match reasons {
+            [] => "within the tolerances in this view, which it does not promise".to_owned(),
+            some => some.join("; "),
+        };
+        self.status = Status::Wrong;
+        self.reason = format!("approximate: {found}");
     }
 
     /// How a case ends of which the driver is known to lose pixels.
@@ -201,6 +212,7 @@ impl Probe {
         let figures = self.figures.as_ref();
         let measures = [
             ("plan_cpu_ms", self.plan_cpu_ms),
+            ("prepare_cpu_ms", self.prepare_cpu_ms),
             ("boundary_deviation_m", self.boundary_deviation_m),
             ("wall_height_m", self.wall_height_m),
             (

@@ -21,6 +21,10 @@ const LADDER_SCENE: &str = "planet-134";
 /// and neighbours that share borders.
 const MATRIX_SCENES: [&str; 3] = ["planet-134", "california", "countries-110m"];
 
+/// The scene on which approximate fills stand beside the others in a run that is not full: it needs no
+/// data, and its terrain is what they are off by.
+const APPROXIMATE_SCENE: &str = "hills";
+
 /// Timed frames of a case in a process. Few: a process is one number, and more processes say more than
 /// more frames of one.
 const FRAMES: u32 = 4;
@@ -43,6 +47,8 @@ pub(crate) struct Wishes {
     pub(crate) size: ImageSize,
     pub(crate) data_dir: Option<PathBuf>,
     samples: Option<u32>,
+    /// Techniques were asked for by name.
+    has_named_techniques: bool,
     pub(crate) ladder: Option<Vec<String>>,
     pub(crate) matrix: Option<Vec<String>>,
 }
@@ -79,6 +85,7 @@ impl Wishes {
             size: ImageSize { width, height },
             data_dir: request.data_dir.clone(),
             samples: request.samples,
+            has_named_techniques: !request.techniques.is_empty(),
             ladder: request.settings.get("ladder").cloned(),
             matrix: request.settings.get("matrix").cloned(),
         })
@@ -98,6 +105,11 @@ impl Wishes {
     /// Timed frames of a rung, or of one of many variants of a textured fill.
     pub(crate) fn few_frames(&self) -> u32 {
         self.frames().min(LADDER_FRAMES)
+    }
+
+    /// Whether approximate fills of this scene are wanted.
+    pub(crate) fn wants_approximate(&self, scene: &str) -> bool {
+        self.is_full() || self.has_named_techniques || scene == APPROXIMATE_SCENE
     }
 
     /// Whether the ladder of this scene is wanted.

@@ -18,8 +18,8 @@ use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_conformance::{
     BAND_RADIUS_PX, ErrorFigures, Verdict as Comparison, boundary_band, boundary_movement,
-    checks_nothing, compare_closely, difference_rgb, filled_only, verdict_of_moved, with_movement,
-    worst_pixel,
+    checks_nothing, compare_closely, difference_rgb, filled_only, movement_in_picture,
+    verdict_of_moved, with_movement, worst_pixel,
 };
 use terrafill_core::{MeshOptions, RegionMesh};
 use terrafill_fill::{
@@ -219,19 +219,22 @@ impl<'a> ViewSession<'a> {
         let drawn = technique
             .open(&self.targets, variant)
             .and_then(|mut backend| {
+                let watch = CpuStopwatch::start();
                 let memory = backend.prepare(&input)?;
+                let prepare_cpu_ms = watch.cpu_ms();
                 let frame = backend.render(&input)?;
-                Ok((backend, memory, frame))
+                Ok((backend, memory, frame, prepare_cpu_ms))
             });
-        let memory = drawn.as_ref().ok().map(|(_, memory, _)| *memory);
+        let memory = drawn.as_ref().ok().map(|(_, memory, ..)| *memory);
         self.allocated.insert(allocated_by(case), memory);
         Ok(match drawn {
-            Ok((backend, memory, frame)) => Ok(Drawn {
+            Ok((backend, memory, frame, prepare_cpu_ms)) => Ok(Drawn {
                 backend,
                 memory,
                 frame,
                 input,
                 plan_cpu_ms,
+                prepare_cpu_ms,
             }),
             Err(error) => Err(failed(&error)),
         })
@@ -258,6 +261,7 @@ impl<'a> ViewSession<'a> {
         self.reference()?;
         let mut probe = Probe::new(drawn.memory, &drawn.input, &drawn.frame);
         probe.plan_cpu_ms = drawn.plan_cpu_ms;
+        probe.prepare_cpu_ms = Some(drawn.prepare_cpu_ms);
         // What is timed is a frame like the one before it.
         if case.frames > 0 {
             match drawn.backend.render(&drawn.input) {
@@ -267,9 +271,23 @@ impl<'a> ViewSession<'a> {
         }
         let (mask_hash, ids_hash) = hashes(&*drawn.backend, &drawn.frame);
         let texture_route = drawn.backend.note().unwrap_or_default();
+        let is_approximate = case.subject.is_approximate();
         let moved_px = case.subject.plan().boundary_lod_px.unwrap_or(0.0);
         let hash = (mask_hash.as_str(), ids_hash.as_str());
-        match self.figures(hash, &drawn.frame, moved_px > 0.0) {
+        let is_moved = moved_px > 0.0 && !is_approximate;
+        match self.figures(hash, &drawn.frame, is_moved) {
+            Ok(figures) if is_approximate => {
+                let reasons = match verdict_of_moved(&figures, 0.0) {
+                    Comparison::Pass => Vec::new(),
+                    Comparison::Fail(reasons) => reasons,
+                };
+                let moved = movement_in_picture(&self.reference()?.frame, &drawn.frame);
+                probe.figures = Some(ErrorFigures {
+                    boundary_moved_px: moved.ok().flatten(),
+                    ..figures
+                });
+                probe.set_approximate(&reasons);
+            }
             Ok(figures) => {
                 let mut reasons = match verdict_of_moved(&figures, moved_px) {
                     Comparison::Pass => Vec::new(),
@@ -301,7 +319,8 @@ impl<'a> ViewSession<'a> {
             probe.remark(ALTERNATING);
         }
         let is_plain_main = case.is(Purpose::Main) && !case.variant_name().contains('=');
-        let is_wrong = probe.status == Status::Wrong;
+        // Of an approximate fill one picture a view shows what it is like.
+        let is_wrong = probe.status == Status::Wrong && !is_approximate;
         if is_plain_main || is_wrong {
             self.write_pictures(case, drawn, ids_hash.is_empty(), &mut probe)?;
         }
@@ -672,6 +691,7 @@ struct Drawn {
     frame: Frame,
     input: Rc<FillInput>,
     plan_cpu_ms: Option<f64>,
+    prepare_cpu_ms: f64,
 }
 
 /// What is drawn for bytes: a technique and its variant.

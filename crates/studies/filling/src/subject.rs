@@ -47,8 +47,17 @@ impl Subject {
         }
     }
 
-    /// Every choice with its value, defaults included. The first of a technique's own parameters is
-    /// called `layout`, whatever it is called there, so that it is one column for all.
+    /// Whether its pictures differ from the reference by nature, so that how far is the question.
+    pub(crate) fn is_approximate(&self) -> bool {
+        match self {
+            Self::Baseline(_) => false,
+            Self::Fill(technique, variant) => technique.is_approximate(variant),
+        }
+    }
+
+    /// Every choice with its value, defaults included, but for switches that mean nothing to the
+    /// technique. The first of its own parameters is called `layout`, whatever it is called there, so
+    /// that it is one column for all.
     pub(crate) fn settings(&self) -> Vec<(String, String)> {
         let Self::Fill(technique, variant) = self else {
             return Vec::new();
@@ -60,6 +69,11 @@ impl Subject {
         let layout = ("layout".to_owned(), variant.layout().to_owned());
         let others = variant.settings().into_iter();
         let others = others.filter(|(key, _)| Some(key.as_str()) != first);
+        let of_stencil = match technique.has_stencil_switches() {
+            true => Vec::new(),
+            false => variant.switches.settings().to_vec(),
+        };
+        let others = others.filter(|(key, _)| of_stencil.iter().all(|(own, _)| own != key));
         [layout].into_iter().chain(others).collect()
     }
 

@@ -8,6 +8,7 @@ use terrafill_compute::ComputeTechnique;
 use terrafill_fill::Devices;
 use terrafill_filling::{FillingStudy, STUDY, Surfaces, Techniques};
 use terrafill_native::{Extrusion, NativeTechnique};
+use terrafill_overlays::{DRAPED_MESH, FLAT_MESH, MASK_TEXTURE};
 use terrafill_results::{
     Case, Outcome, PlannedCase, Run, RunEnvironment, RunFolder, SCHEMA, Status,
 };
@@ -619,4 +620,68 @@ fn a_scene_whose_picture_is_missing_is_skipped_for_it() {
     let mut cases = plan.run_plan().cases.iter();
     assert!(cases.all(|case| case.id.study == STUDY && case.id.condition("scene") == "california"));
     assert!(!plan.run_plan().cases.is_empty());
+}
+
+#[test]
+fn an_approximate_fill_is_timed_never_right_and_no_failure() {
+    static WITH_APPROXIMATE: Techniques =
+        &[&VertexTechnique, &FLAT_MESH, &DRAPED_MESH, &MASK_TEXTURE];
+    if !has_device() {
+        return;
+    }
+    let study = FillingStudy {
+        techniques: WITH_APPROXIMATE,
+        surfaces: SURFACES,
+    };
+    let named = ["vertex", "flat-mesh", "draped-mesh", "mask-texture"];
+    let request = Request {
+        techniques: named.map(str::to_owned).to_vec(),
+        ..request(&["california"])
+    };
+    let plan = plan(&[&study], &request, &OPTIONS).expect("planned");
+    let out = tempfile::tempdir().expect("a folder");
+    let metrics = study.metrics();
+    let folder = RunFolder::create(
+        &out.path().join("run"),
+        environment(),
+        plan.run_plan().clone(),
+        metrics,
+    );
+    let folder = folder.expect("a new folder");
+    let run = measure(&plan, &folder);
+    let of = |technique: &'static str| {
+        let own = run.cases.iter();
+        own.filter(move |case| case.condition("technique") == technique)
+    };
+    for technique in &named[1..] {
+        assert!(of(technique).count() >= 3, "{technique}");
+        for case in of(technique) {
+            let id = case.id();
+            assert_eq!(case.outcome, Outcome::Wrong, "{id}");
+            assert!(case.reason.starts_with("approximate: "), "{}", case.reason);
+            assert!(case.planned.may_be_wrong && !case.counts(), "{id}");
+            assert_eq!(case.condition("approximate"), "yes", "{id}");
+            assert_eq!(case.condition("colour"), "", "no stencil, no switch of one");
+            for metric in ["fill_cpu_ms", "prepare_cpu_ms", "mismatched_px"] {
+                assert!(case.value(metric).is_some(), "{id}: {metric}");
+            }
+        }
+    }
+    let ended = terrafill_study::RunOutcome::of(folder.path()).expect("a run");
+    assert_eq!((ended.wrong, ended.failed), (0, 0));
+    assert!(ended.wrong_on_purpose >= 15, "{ended:?}");
+    // Twin: volumes have to be right, and a wrong picture of theirs would end the run so.
+    for case in of("vertex") {
+        let swept = case.condition("role").contains("sweep");
+        assert!(swept || !case.planned.may_be_wrong, "{}", case.id());
+        assert_eq!(case.condition("approximate"), "", "{}", case.id());
+    }
+    // Twin: unless they are named, they stand on one scene alone.
+    let unnamed = Request {
+        techniques: Vec::new(),
+        ..request
+    };
+    let plan = terrafill_study::plan(&[&study], &unnamed, &OPTIONS).expect("planned");
+    let mut cases = plan.run_plan().cases.iter();
+    assert!(cases.all(|case| case.id.condition("approximate").is_empty()));
 }

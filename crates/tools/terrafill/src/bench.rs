@@ -114,7 +114,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         some => format!("; {some} differ by a known driver fault"),
     };
     let counts = format!(
-        "{} right, {} wrong, {} failed, {} skipped; in sweeps {} wrong on purpose{driver_fault}\n",
+        "{} right, {} wrong, {} failed, {} skipped; {} wrong where the error is the question{driver_fault}\n",
         outcome.ok, outcome.wrong, outcome.failed, outcome.skipped, outcome.wrong_on_purpose
     );
     print_report(

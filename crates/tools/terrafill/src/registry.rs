@@ -9,6 +9,7 @@ use terrafill_growth::GrowthStudy;
 use terrafill_instanced::InstancedTechnique;
 use terrafill_moving::MovingStudy;
 use terrafill_native::NativeTechnique;
+use terrafill_overlays::{DRAPED_MESH, FLAT_MESH, MASK_TEXTURE};
 use terrafill_precision::PrecisionStudy;
 use terrafill_readback::ReadbackStudy;
 use terrafill_results::{Chapter, Metric};
@@ -26,6 +27,9 @@ pub(crate) static TECHNIQUES: &[&dyn Technique] = &[
     &ComputeTechnique,
     &InstancedTechnique,
     &NativeTechnique,
+    &FLAT_MESH,
+    &DRAPED_MESH,
+    &MASK_TEXTURE,
 ];
 
 /// Surfaces that scenes can name.
@@ -163,16 +167,43 @@ mod tests {
                     }
                     let names: BTreeSet<String> = variants.iter().map(|v| v.name()).collect();
                     assert_eq!(names.len(), variants.len(), "{role:?}");
-                    assert!(role == Role::Sweep || !variants.is_empty(), "{role:?}");
+                    let may_be_none = role == Role::Sweep
+                        || role == Role::Layouts && !technique.has_stencil_switches();
+                    assert!(may_be_none || !variants.is_empty(), "{role:?}");
                 }
             }
         }
     }
 
+    /// Techniques with a ladder and a matrix.
+    fn by_stencil() -> impl Iterator<Item = &'static &'static dyn Technique> {
+        let all = TECHNIQUES.iter();
+        all.filter(|technique| technique.has_stencil_switches())
+    }
+
+    #[test]
+    fn without_a_stencil_there_is_no_ladder_and_every_variant_is_approximate() {
+        let without = TECHNIQUES.iter().filter(|t| !t.has_stencil_switches());
+        let mut names = Vec::new();
+        for technique in without {
+            names.push(technique.name());
+            for overlap in OVERLAPS {
+                let main = technique.main(overlap);
+                assert!(technique.ladder(overlap).is_empty());
+                assert!(technique.is_approximate(&main));
+                assert_eq!(matrix_row(*technique, &main, overlap).len(), 5);
+            }
+        }
+        assert_eq!(names, ["flat-mesh", "draped-mesh", "mask-texture"]);
+        // Twin: volumes have to be right.
+        let volumes = |t: &&dyn Technique| t.is_approximate(&t.main(Overlap::Disjoint));
+        assert!(!by_stencil().any(volumes));
+    }
+
     #[test]
     fn no_cell_of_a_matrix_stands_twice_and_all_are_right() {
         for overlap in OVERLAPS {
-            for technique in TECHNIQUES {
+            for technique in by_stencil() {
                 for base in layouts(*technique, overlap) {
                     let row = matrix_row(*technique, &base, overlap);
                     let names: BTreeSet<String> = row.iter().map(|v| v.name()).collect();
@@ -197,7 +228,7 @@ mod tests {
 
     #[test]
     fn every_rung_changes_one_thing() {
-        for technique in TECHNIQUES {
+        for technique in by_stencil() {
             for overlap in OVERLAPS {
                 let rungs = technique.ladder(overlap);
                 let backend = technique.name();

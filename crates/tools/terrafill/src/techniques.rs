@@ -36,6 +36,8 @@ struct Switch {
 struct ListedTechnique {
     name: &'static str,
     api: &'static str,
+    /// Its pictures differ from the reference by nature.
+    approximate: bool,
     switches: Vec<Switch>,
 }
 
@@ -59,6 +61,7 @@ impl ListedTechnique {
         Self {
             name: technique.name(),
             api: technique.api().name,
+            approximate: technique.is_approximate(&main),
             switches: switches.collect(),
         }
     }
@@ -108,14 +111,19 @@ pub(crate) fn text() -> String {
     let mut text = String::new();
     for technique in &listed {
         text += &format!(
-            "{} ({})\n{}",
+            "{} ({}{})\n{}",
             technique.name,
             technique.api,
+            if technique.approximate {
+                ", approximate"
+            } else {
+                ""
+            },
             technique.lines(true)
         );
     }
     if let Some(first) = listed.first() {
-        text += &format!("every technique\n{}", first.lines(false));
+        text += &format!("every technique with volumes\n{}", first.lines(false));
     }
     text += "reference (CPU)\n    texture                on|off, of scenes with a texture; default off\n";
     text

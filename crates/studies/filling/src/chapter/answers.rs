@@ -5,7 +5,7 @@
 //! Everything is computed from the rows. A fill is a technique with its switches; it competes where its
 //! picture is right and its time was measured.
 
-use super::data::{Data, View, counter, distinct, has_role};
+use super::data::{Data, View, competes, counter, distinct, has_role, is_approximate};
 use super::{fronts, memory, textured};
 use terrafill_plot::Palette;
 use terrafill_plot::number::{bytes, count, figure, significant, spread};
@@ -40,12 +40,10 @@ pub(super) fn answers(data: &Data<'_>) -> Result<Answers, ChapterError> {
     })
 }
 
-/// Fills that compete in a view, each with its median time. The points of a sweep draw coarser
-/// boundaries on purpose.
+/// Fills that compete in a view, each with its median time.
 fn candidates<'a>(data: &Data<'a>, view: &View<'a>) -> Vec<(&'a Case, f64)> {
     let timed = view.cases.iter().filter_map(|case| {
-        let is_point = has_role(case, "sweep") && !has_role(case, "main");
-        let time = data.right_time(case).filter(|_| !is_point)?;
+        let time = data.right_time(case).filter(|_| competes(case))?;
         Some((*case, time.median))
     });
     let mut timed: Vec<(&Case, f64)> = timed.collect();
@@ -118,7 +116,7 @@ fn matrix(data: &Data<'_>) -> Option<Block> {
                         candidates.len(),
                         view.cases
                             .iter()
-                            .filter(|case| !has_role(case, "sweep"))
+                            .filter(|case| !has_role(case, "sweep") && !is_approximate(case))
                             .count()
                     ),
                     picture: picture.max().unwrap_or_default().to_owned(),
@@ -420,17 +418,25 @@ fn scope(data: &Data<'_>) -> Option<String> {
     let wrong = must_match
         .filter(|case| outside(case) != Some(0) || case.outcome == super::Outcome::Wrong)
         .count();
-    let meant = meant.count() as u64;
+    let approximate = meant.clone().filter(|case| is_approximate(case)).count() as u64;
+    let points = meant.count() as u64 - approximate;
+    let meant = points + approximate;
     Some(format!(
         "{} of {} pictures compared with the reference; {}{}. {}",
         count(compared.len() as u64),
         count(drawn.len() as u64),
-        match meant {
-            0 => "none is meant to be wrong".to_owned(),
-            1 => "1 sweep point may be wrong: its error is the question".to_owned(),
-            some => format!(
+        match (points, approximate) {
+            (0, 0) => "none is meant to be wrong".to_owned(),
+            (1, 0) => "1 sweep point may be wrong: its error is the question".to_owned(),
+            (some, 0) => format!(
                 "{} sweep points may be wrong: their error is the question",
                 count(some)
+            ),
+            (0, some) => format!("{} approximate: their error is the question", count(some)),
+            (some, more) => format!(
+                "{} sweep points may be wrong and {} are approximate: their error is the question",
+                count(some),
+                count(more)
             ),
         },
         match faults {

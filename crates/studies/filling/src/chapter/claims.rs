@@ -5,7 +5,7 @@
 //! no difference is taken from the run: the largest gap between two measurements of identical work in the
 //! ladder's scene. A claim whose rows are not in the run has an empty cell.
 
-use super::data::{Data, counter, distinct, has_role, is_baseline};
+use super::data::{Data, counter, distinct, has_role, is_approximate, is_baseline};
 use super::rungs::{Ladder, Rung, SOURCE, counters};
 use super::{fill_rate, memory, subdivision, textured};
 use crate::claims::{Basis, CLAIMS, Claimed, EVERY_VIEW, Test};
@@ -431,7 +431,10 @@ fn no_normals(data: &Data<'_>) -> Judged {
 
 fn surface_independence(data: &Data<'_>) -> Judged {
     let plain = |case: &&&Case| {
-        !is_baseline(case) && !textured::is_textured(case) && !has_role(case, "sweep")
+        !is_baseline(case)
+            && !textured::is_textured(case)
+            && !has_role(case, "sweep")
+            && !is_approximate(case)
     };
     let cases = || data.cases.iter().filter(plain);
     let tally = |on_terrain: bool| {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The study's cases as its chapter reads them, in scenes and views, with the run's clock.
 
+use crate::cases::APPROXIMATE;
 use crate::request::STUDY;
 use std::collections::{BTreeMap, BTreeSet};
 use terrafill_plot::number::{significant, times};
 use terrafill_results::threshold::MIN_DIFFERENCE;
 use terrafill_results::{
-    Case, Cell, Estimate, Heading, Noise, REPEATS, Run, Spread, process_medians, ratio,
+    Case, Cell, Estimate, Heading, Noise, Outcome, REPEATS, Run, Spread, process_medians, ratio,
     sample_spread,
 };
 
@@ -25,8 +26,9 @@ const DEFAULT_SIZE: (u32, u32) = (1024, 1024);
 const LEVELS: &str = "boundary-lod-px";
 
 /// Conditions that say which case it is and not how its technique is set.
-const NO_SWITCHES: [&str; 10] = [
+const NO_SWITCHES: [&str; 11] = [
     "aside",
+    APPROXIMATE,
     "scene",
     "view",
     "technique",
@@ -345,7 +347,10 @@ struct Curve {
 
 impl Curve {
     fn of(case: &Case) -> Self {
-        let set = switches(case).into_iter().filter(|(key, _)| *key != KNOB);
+        // Whatever is chosen of an approximate fill says how far it is off.
+        let is_knob = |key: &str| key == KNOB || is_approximate(case);
+        let set = switches(case).into_iter();
+        let set = set.filter(|(key, _)| !is_knob(key));
         Self {
             technique: case.condition("technique").to_owned(),
             layout: case.condition("layout").to_owned(),
@@ -372,6 +377,39 @@ pub(super) fn title(case: &Case) -> String {
 
 pub(super) fn has_role(case: &Case, role: &str) -> bool {
     case.condition("role").split('+').any(|own| own == role)
+}
+
+/// Whether a case's picture differs from the reference by the nature of its technique.
+pub(super) fn is_approximate(case: &Case) -> bool {
+    case.condition(APPROXIMATE) == "yes"
+}
+
+/// Whether a case is there to be the best of its view: not a point of a sweep, which draws coarser
+/// boundaries on purpose, nor an approximate fill.
+pub(super) fn competes(case: &Case) -> bool {
+    let is_point = has_role(case, "sweep") && !has_role(case, "main");
+    !is_point && !is_approximate(case)
+}
+
+/// The value by which an approximate case differs from the others of its technique in a view.
+pub(super) fn setting<'a>(case: &'a Case, view: &View<'_>) -> Option<&'a str> {
+    let technique = case.condition("technique");
+    let differs = |(key, value): &(&str, &str)| {
+        let mut others = view.cases.iter();
+        others.any(|other| {
+            other.condition("technique") == technique && other.condition(key) != *value
+        })
+    };
+    let chosen = switches(case).into_iter().find(differs);
+    chosen.map(|(_, value)| value)
+}
+
+/// How a case ended, as a reader is to see it: an approximate fill is not right, and is no failure.
+pub(super) fn standing(case: &Case) -> &'static str {
+    match case.outcome {
+        Outcome::Wrong if is_approximate(case) => "approximate",
+        outcome => outcome.name(),
+    }
 }
 
 pub(super) fn is_baseline(case: &Case) -> bool {

@@ -4,7 +4,7 @@
 //! One curve per layout through its knob, the boundary tolerance. A wrong case whose error is the
 //! question stands where its figures put it; any other wrong or failed case stands on the edge.
 
-use super::data::{Data, View, has_role, knob_m, name};
+use super::data::{Data, View, has_role, is_approximate, knob_m, name, setting, standing};
 use std::collections::BTreeMap;
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, length,
@@ -59,23 +59,27 @@ pub(super) fn curves(data: &Data<'_>, view: &View<'_>, metric: &str) -> Vec<Curv
         };
         if is_shown {
             let points = curves.entry(data.series(case)).or_default();
-            points.push(point(data, case, metric));
+            points.push(point(data, view, case, metric));
         }
     }
     let curve = |(name, points)| Curve { name, points };
     curves.into_iter().map(curve).collect()
 }
 
-fn point(data: &Data<'_>, case: &Case, metric: &str) -> Point {
+/// A case by its time and an error.
+pub(super) fn point(data: &Data<'_>, view: &View<'_>, case: &Case, metric: &str) -> Point {
     let time = |spread| Reading::sampled(spread, &data.replicates(case));
+    let setting = setting(case, view).filter(|_| is_approximate(case));
+    let number = setting.and_then(|value| value.parse().ok());
     Point {
-        knob: knob_m(case).unwrap_or(0.0),
-        label: label(case),
+        knob: number.or(knob_m(case)).unwrap_or(0.0),
+        label: setting.map_or_else(|| label(case), str::to_owned),
         x: data.time(case).map(time),
         y: case.value(metric).map(Reading::exact),
         y_rms: None,
         standing: match case.outcome {
             _ if case.counts() => PointStanding::Right,
+            Outcome::Wrong if is_approximate(case) => PointStanding::Approximate,
             Outcome::Wrong if has_role(case, "sweep") => PointStanding::Wrong,
             _ => PointStanding::Failed,
         },
@@ -87,9 +91,9 @@ fn point(data: &Data<'_>, case: &Case, metric: &str) -> Point {
 fn label(case: &Case) -> String {
     match (knob_m(case).map(length), case.outcome) {
         (Some(knob), Outcome::Ok) => knob,
-        (Some(knob), outcome) => format!("{knob} {}", outcome.name()),
+        (Some(knob), _) if !is_approximate(case) => format!("{knob} {}", standing(case)),
         (None, Outcome::Ok) => "default".to_owned(),
-        (None, outcome) => outcome.name().to_owned(),
+        _ => standing(case).to_owned(),
     }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Error against cost, one panel a scene: the sum over the scene's views, by each clock and by work.
 
-use super::data::{Data, Scene, counter, distinct, has_role};
+use super::data::{Data, Scene, competes, counter, distinct};
 use terrafill_plot::{FrontPanel, FrontPoint, Fronts, Palette};
 use terrafill_results::{Block, Case, ChapterError, Choice, Plot, process_medians};
 
@@ -82,7 +82,7 @@ fn caption(cost: &str) -> String {
 }
 
 fn panel(data: &Data<'_>, scene: &Scene<'_>, metric: &str) -> FrontPanel {
-    let competes = |case: &&&Case| !has_role(case, "sweep") || has_role(case, "main");
+    let competes = |case: &&&Case| competes(case);
     let cases = scene.views.iter().flat_map(|view| &view.cases);
     let names = distinct(cases.filter(competes).map(|case| data.label(case)));
     let points = names.into_iter().filter_map(|name| {

@@ -4,7 +4,7 @@
 //!
 //! Claims are compared with the measured interval; nothing here knows what came out.
 
-use super::data::{Data, counter, name};
+use super::data::{Data, counter, name, standing};
 use super::rungs::{Ladder, Rung, SOURCE, counters};
 use super::{claims, fill_rate};
 use terrafill_plot::number::{bytes, count, significant};
@@ -192,7 +192,7 @@ pub(super) fn no_ratio(data: &Data<'_>, case: &Case) -> String {
     let why = match case.outcome {
         Outcome::Ok if data.time(case).is_none() => "no fill time",
         Outcome::Ok => "no depth-pass measured",
-        outcome => outcome.name(),
+        _ => standing(case),
     };
     why.to_owned()
 }

@@ -6,6 +6,7 @@
 //! run's clock: [`Run::clock`].
 
 mod answers;
+mod approximate;
 mod claims;
 mod data;
 mod error_time;
@@ -59,6 +60,7 @@ impl Chapter for FillingChapter {
         blocks.extend(pictures_sentence(&data));
         blocks.extend(scenes::overview(&data));
         blocks.extend(fronts::section(&data)?);
+        blocks.extend(approximate::blocks(&data)?);
         let ladders = rungs::ladders(&data);
         blocks.extend(claims::blocks(&data, &ladders));
         blocks.extend(ladder::blocks(&data, &ladders)?);

@@ -2,7 +2,8 @@
 //! Every scene with its views: plots, tables of all cases, and pictures beside the reference's.
 
 use super::data::{
-    DEPTH_PASS, Data, STENCIL_PASS, Scene, View, counter, has_role, is_baseline, name,
+    DEPTH_PASS, Data, STENCIL_PASS, Scene, View, competes, counter, has_role, is_approximate,
+    is_baseline, name, standing,
 };
 use super::ladder::no_ratio;
 use super::{error_time, memory, published};
@@ -136,13 +137,8 @@ pub(super) fn overview(data: &Data<'_>) -> Option<Block> {
     })
 }
 
-/// Whether a fill competes with others: the points of a sweep draw coarser boundaries on purpose.
-pub(super) fn competes(case: &&Case) -> bool {
-    !has_role(case, "sweep") || has_role(case, "main")
-}
-
 fn overview_row(data: &Data<'_>, scene: &str, view: &View<'_>) -> Option<Row> {
-    let all = view.cases.iter().copied().filter(competes);
+    let all = view.cases.iter().copied().filter(|case| competes(case));
     let right = all.clone().filter(|case| case.counts());
     let timed = right
         .clone()
@@ -276,7 +272,7 @@ fn ratio_row(data: &Data<'_>, case: &Case, ratio: Option<Estimate>) -> RatioRow 
 
 /// The fastest right fill of a view.
 pub(super) fn best<'a>(data: &Data<'a>, view: &View<'a>) -> Option<&'a Case> {
-    let timed = view.cases.iter().copied().filter(competes);
+    let timed = view.cases.iter().copied().filter(|case| competes(case));
     let timed = timed.filter_map(|case| Some((case, data.right_time(case)?.median)));
     let best = timed.min_by(|a, b| a.1.total_cmp(&b.1));
     best.map(|(case, _)| case)
@@ -365,8 +361,8 @@ fn view_blocks(
             caption: format!(
                 "Error against run time; one curve per layout through its boundary tolerance, which \
                  labels the points. Zero errors stand on the line at the bottom; wrong and failed cases \
-                 (crosses) are pinned to the upper edge, except those of the sweep, which stand at \
-                 their error. Ringed and joined by dashes: the Pareto front, where at least 95 % of \
+                 (crosses) are pinned to the upper edge, except those whose error is the question, \
+                 which stand at it; open marks are approximate fills. Ringed and joined by dashes: the Pareto front, where at least 95 % of \
                  bootstrap resamples of the processes keep it.{not_drawn}"
             ),
             svg,
@@ -424,7 +420,7 @@ fn row(data: &Data<'_>, palette: &Palette, case: &Case, other_metric: &str) -> R
             },
             ..Cell::name(data.label(case))
         },
-        Cell::plain(case.outcome.name()),
+        Cell::plain(standing(case)),
         time_cell(case, data.time(case).map(spread), "no frame was timed"),
         over(DEPTH_PASS),
         over(STENCIL_PASS),
@@ -448,7 +444,7 @@ fn row(data: &Data<'_>, palette: &Palette, case: &Case, other_metric: &str) -> R
     }));
     Row {
         cells,
-        status: case.outcome.name().to_owned(),
+        status: standing(case).to_owned(),
         remark: case.reason.clone(),
     }
 }
@@ -456,6 +452,11 @@ fn row(data: &Data<'_>, palette: &Palette, case: &Case, other_metric: &str) -> R
 /// A time, which counts for nothing when the picture is wrong.
 fn time_cell(case: &Case, text: Option<String>, why: &str) -> Cell {
     match text {
+        Some(text) if is_approximate(case) => Cell {
+            title: "approximate: its picture differs by nature, and it competes with none"
+                .to_owned(),
+            ..Cell::plain(text)
+        },
         Some(text) if case.outcome == Outcome::Wrong => Cell {
             class: CellClass::Void,
             title: "the picture is wrong: this time counts for nothing".to_owned(),
@@ -539,7 +540,7 @@ fn caption(case: &Case) -> String {
         name(case),
         match case.outcome {
             Outcome::Ok => String::new(),
-            outcome => format!(" ({})", outcome.name()),
+            _ => format!(" ({})", standing(case)),
         },
         counted("mismatched_px"),
         counted("mismatched_px_outside_band"),

@@ -2,8 +2,8 @@
 //! One section a technique: its best fill of every view beside the view's fastest, and what it could not
 //! draw rightly.
 
-use super::data::{Data, Scene, View, counter, distinct, name, title};
-use super::scenes::{best, competes};
+use super::data::{Data, Scene, View, competes, counter, distinct, name, title};
+use super::scenes::best;
 use terrafill_plot::Palette;
 use terrafill_plot::number::{bytes, count, significant, spread};
 use terrafill_results::{Block, Case, Cell, Heading, Outcome, Row, Table, ratio};
@@ -14,6 +14,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Vec<Block> {
     let palette = Palette::new(data.all_series());
     let views = || scenes.iter().flat_map(|scene| &scene.views);
     let cases = views().flat_map(|view| &view.cases);
+    let cases = cases.filter(|case| competes(case));
     let names = distinct(cases.map(|case| case.condition("technique")));
     let section = |technique| section(data, &scenes, &palette, technique);
     names.into_iter().flat_map(section).collect()
@@ -35,7 +36,7 @@ fn section(
                 baselines: Vec::new(),
                 cases: view.cases.iter().filter(is_own).copied().collect(),
             };
-            own.extend(of_view.cases.iter().copied().filter(competes));
+            own.extend(of_view.cases.iter().copied().filter(|case| competes(case)));
             rows.extend(row(data, palette, best(data, view), &of_view));
         }
     }

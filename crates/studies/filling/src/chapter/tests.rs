@@ -1409,3 +1409,63 @@ fn a_technique_has_its_best_fill_of_each_view_and_what_it_could_not_draw() {
     assert!(!words(&vertex).contains("without a right picture"));
     assert!(section(&run, "Technique depth-pass").is_empty());
 }
+
+#[test]
+fn an_approximate_fill_is_shown_as_such_and_wins_nothing() {
+    let made = |more: &[(&str, &str)]| {
+        let mut run = on_cpu();
+        for (name, ms) in [("vertex/doubled", 20.0), ("compute/input", 30.0)] {
+            timed(
+                &mut run,
+                &format!("s/globe/{name}"),
+                &[("role", "main")],
+                ms,
+            );
+        }
+        let conditions: Vec<(&str, &str)> =
+            [("role", "main")].iter().chain(more).copied().collect();
+        for (size, ms) in [("1024", 2.0), ("2048", 3.0)] {
+            let key = format!("s/globe/mask-texture/texture,size={size}");
+            let case = timed(&mut run, &key, &conditions, ms);
+            case.figure("hausdorff_px", 7.0);
+            if !more.is_empty() {
+                case.ended(Status::Wrong, "approximate: 9 mismatched pixels");
+                case.may_be_wrong = true;
+            }
+        }
+        run
+    };
+    let title = "Volumes against approximate fills";
+    let best = |run: &MadeUpRun| {
+        let found = answers(run);
+        let table = found.blocks.iter().find_map(|block| match block {
+            Block::Table(table) => Some(table.rows[0].cells[2].text.clone()),
+            _ => None,
+        });
+        table.expect("a table of answers")
+    };
+    let run = made(&[("approximate", "yes")]);
+    assert_eq!(best(&run), "vertex/doubled");
+    let own = section(&run, title);
+    let rows = &tables(&own)[0].rows;
+    let shown: Vec<[&str; 2]> = rows
+        .iter()
+        .map(|row| [0, 1].map(|cell| row.cells[cell].text.as_str()))
+        .collect();
+    assert_eq!(
+        shown,
+        [
+            ["vertex/doubled", "ok"],
+            ["compute/input", "ok"],
+            ["mask-texture/texture,size=1024", "approximate"],
+            ["mask-texture/texture,size=2048", "approximate"],
+        ]
+    );
+    let plots = own.iter().filter(|block| matches!(block, Block::Plot(_)));
+    assert_eq!(plots.count(), 1);
+    assert!(answers(&run).scope[0].contains("2 approximate"));
+    // Twin: what does not say so competes, and has no such section.
+    let run = made(&[]);
+    assert_eq!(best(&run), "mask-texture/texture,size=1024");
+    assert!(section(&run, title).is_empty());
+}

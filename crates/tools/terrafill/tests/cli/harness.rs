@@ -208,11 +208,24 @@ impl Ran {
 
 /// Names of every technique of the program.
 pub(crate) fn techniques() -> Vec<String> {
+    listed_techniques(|_| true)
+}
+
+/// Names of those whose pictures have to be right.
+pub(crate) fn exact_techniques() -> Vec<String> {
+    let exact = listed_techniques(|technique| technique["approximate"] == false);
+    // Twin: some are none of them.
+    assert!(exact.len() < techniques().len(), "{exact:?}");
+    exact
+}
+
+fn listed_techniques(is_wanted: impl Fn(&serde_json::Value) -> bool) -> Vec<String> {
     let json = Desk::new().run(&["techniques", "--json"]).succeeded();
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     let listed = json["techniques"].as_array().expect("a list");
     let names = listed
         .iter()
+        .filter(|technique| is_wanted(technique))
         .filter_map(|technique| technique["name"].as_str());
     let names: Vec<String> = names.map(str::to_owned).collect();
     assert!(names.len() >= 4, "{names:?}");

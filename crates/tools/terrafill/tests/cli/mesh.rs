@@ -84,7 +84,7 @@ const TOTAL_KEYS: [&str; 9] = [
     "bytes",
     "shared_bytes",
 ];
-const LAYOUTS: [&str; 16] = [
+const LAYOUTS: [&str; 17] = [
     "vertex/doubled",
     "vertex/separate",
     "vertex/per-triangle",
@@ -101,6 +101,7 @@ const LAYOUTS: [&str; 16] = [
     "native/gs-adjacency",
     "native/gs-adjacency/list",
     "native/gs-per-triangle",
+    "flat-mesh/flat",
 ];
 
 /// Whether every layout's total is the sum of the regions' bytes, none of which is 0.

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The flat mesh: a region's triangles at a stated height above the ellipsoid, tested against the
+//! surface's depth. It does not follow the terrain.
+//!
+//! 12 bytes a vertex in fixed point as the volumes' (`FixedPoint`), each stored once, and one list of
+//! indices, 16 bits where a region's vertices fit. Source: the "original fill" of Cozzi (2007, 2.1.1).
+
+use crate::backend::Overlay;
+use crate::buffer::HeldBuffer;
+use crate::pipeline::OverlayPipeline;
+use terrafill_core::{RegionMesh, VolumeHeights};
+use terrafill_fill::{
+    Colours, Counters, DeviceError, FillInput, FixedPoint, GeometryBytes, IndexLists, MemoryUse,
+    PositionFormat, SwitchError, Variant, VolumeConstants, VolumePlace,
+};
+use terrafill_gpu::{Gpu, RenderTargets};
+use terrafill_scene::PlannedRegion;
+
+/// Largest number of vertices that 16 bits tell apart.
+const MAX_SHORT_VERTICES: usize = 0x1_0000;
+
+/// Key of the height at which meshes lie.
+pub(crate) const HEIGHT: &str = "height-m";
+
+/// Its values: the top that the frame plan gives a region's volume, so that nothing drawn is higher;
+/// or metres above the ellipsoid.
+pub(crate) const HEIGHTS: &[&str] = &["top", "0", "100", "1000", "10000"];
+
+/// Where meshes lie.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Height {
+    /// At the top of the region's volume.
+    Top,
+    /// Metres above the ellipsoid, at the vertices; between them triangles hang through.
+    Metres(f64),
+}
+
+impl Height {
+    pub(crate) fn of(variant: &Variant) -> Result<Self, SwitchError> {
+        let choices = [
+            ("top", Self::Top),
+            ("0", Self::Metres(0.0)),
+            ("100", Self::Metres(100.0)),
+            ("1000", Self::Metres(1000.0)),
+            ("10000", Self::Metres(10_000.0)),
+        ];
+        variant.choice(HEIGHT, &choices)
+    }
+}
+
+/// Bytes that `mesh` takes, by formula: 12 a vertex, and 3 indices of 2 or 4 bytes a triangle.
+pub(crate) fn flat_bytes(mesh: &RegionMesh) -> GeometryBytes {
+    let index_size = if has_short_indices(mesh) { 2 } else { 4 };
+    GeometryBytes {
+        vertex_bytes: 12 * mesh.vertices_ecef.len() as u64,
+        index_bytes: index_size * 3 * mesh.triangles.len() as u64,
+    }
+}
+
+fn has_short_indices(mesh: &RegionMesh) -> bool {
+    mesh.vertices_ecef.len() <= MAX_SHORT_VERTICES
+}
+
+/// Meshes of a scene on the device.
+#[derive(Debug)]
+struct SceneMeshes {
+    revision: u64,
+    places: Vec<VolumePlace>,
+    vertices: wgpu::Buffer,
+    short_indices: wgpu::Buffer,
+    long_indices: wgpu::Buffer,
+    bytes: GeometryBytes,
+}
+
+impl SceneMeshes {
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "buffers are refused by the device long before 2^32 elements"
+    )]
+    fn upload(gpu: &Gpu, input: &FillInput) -> Result<Self, DeviceError> {
+        let mut vertices: Vec<[i32; 3]> = Vec::new();
+        let mut indices = IndexLists::default();
+        let mut places = Vec::new();
+        for mesh in input.scene.meshes.iter() {
+            let fixed = FixedPoint::for_mesh(mesh);
+            let is_short = has_short_indices(mesh);
+            places.push(VolumePlace {
+                fixed,
+                first_vertex: vertices.len() as u32,
+                first_triangle_index: indices.count(is_short),
+                first_loop_index: 0,
+                triangle_count: mesh.triangles.len() as u32,
+                has_short_indices: is_short,
+            });
+            let stored = mesh.vertices_ecef.iter();
+            vertices.extend(stored.map(|&ecef| fixed.quantize(ecef).to_array()));
+            for &corner in mesh.triangles.as_flattened() {
+                indices.push(is_short, corner);
+            }
+        }
+        let bytes = GeometryBytes {
+            vertex_bytes: size_of_val(vertices.as_slice()) as u64,
+            index_bytes: indices.bytes(),
+        };
+        let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
+        let upload = |label, bytes, usage| gpu.upload(label, bytes, usage);
+        let vertices = bytemuck::cast_slice(&vertices);
+        let short = bytemuck::cast_slice(&indices.short);
+        let long = bytemuck::cast_slice(&indices.long);
+        Ok(Self {
+            revision: input.scene.meshes.revision(),
+            places,
+            vertices: upload("flat meshes", vertices, vertex)?,
+            short_indices: upload("16-bit indices", short, index)?,
+            long_indices: upload("32-bit indices", long, index)?,
+            bytes,
+        })
+    }
+}
+
+/// Flat meshes of a scene, and the pipeline that draws them.
+#[derive(Debug)]
+pub(crate) struct FlatMesh {
+    height: Height,
+    layout: wgpu::BindGroupLayout,
+    pipeline: wgpu::RenderPipeline,
+    scene: Option<SceneMeshes>,
+    constants: HeldBuffer,
+    bind_group: Option<wgpu::BindGroup>,
+    /// Meshes to be drawn, in the plan's order.
+    planned: Vec<usize>,
+}
+
+impl FlatMesh {
+    pub(crate) fn new(gpu: &Gpu, variant: &Variant) -> Result<Self, DeviceError> {
+        let storage = wgpu::BufferBindingType::Storage { read_only: true };
+        let layout = gpu.buffer_layout(
+            "view and regions",
+            wgpu::ShaderStages::VERTEX_FRAGMENT,
+            &[wgpu::BufferBindingType::Uniform, storage],
+        );
+        let shader = gpu.shader("overlays/flat.wgsl")?;
+        let pipeline_layout = gpu.pipeline_layout("flat mesh", &[Some(&layout)]);
+        let entries = ["vertex_main", "region_colour"];
+        let pipeline = OverlayPipeline {
+            depth: Some(wgpu::CompareFunction::Greater),
+            // Seen from below, a mesh is behind the surface, or the eye under it.
+            cull_mode: Some(wgpu::Face::Back),
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: 12,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &wgpu::vertex_attr_array![0 => Sint32x3],
+            })],
+            ..OverlayPipeline::coloured("flat mesh", &shader, &pipeline_layout, entries)
+        };
+        Ok(Self {
+            height: Height::of(variant)?,
+            pipeline: pipeline.make(gpu),
+            layout,
+            scene: None,
+            constants: HeldBuffer::default(),
+            bind_group: None,
+            planned: Vec::new(),
+        })
+    }
+
+    fn heights(&self, planned: &PlannedRegion) -> VolumeHeights {
+        match self.height {
+            Height::Top => planned.heights,
+            Height::Metres(height_m) => VolumeHeights {
+                top_m: height_m,
+                bottom_m: height_m,
+            },
+        }
+    }
+}
+
+impl Overlay for FlatMesh {
+    const TECHNIQUE: &'static str = "flat-mesh";
+    const READS_DEPTH: bool = false;
+
+    fn load(
+        &mut self,
+        targets: &RenderTargets,
+        input: &FillInput,
+        colours: Colours,
+    ) -> Result<(), DeviceError> {
+        let gpu = targets.gpu();
+        let revision = input.scene.meshes.revision();
+        let held = self.scene.take().filter(|held| held.revision == revision);
+        let scene = match held {
+            Some(scene) => scene,
+            None => SceneMeshes::upload(gpu, input)?,
+        };
+        let eye = input.camera.eye_ecef;
+        let constants = input.plan.regions.iter().map(|planned| {
+            let (place, colour) = (&scene.places[planned.mesh], colours.of(planned.region));
+            let heights = self.heights(planned);
+            VolumeConstants::new(eye, place, heights, PositionFormat::Fixed, colour)
+        });
+        let mut constants: Vec<VolumeConstants> = constants.collect();
+        self.planned = input.plan.regions.iter().map(|p| p.mesh).collect();
+        if constants.is_empty() {
+            // A storage binding may not be empty.
+            constants.push(bytemuck::Zeroable::zeroed());
+        }
+        let bytes = bytemuck::cast_slice(&constants).to_vec();
+        let storage = wgpu::BufferUsages::STORAGE;
+        let is_new = self
+            .constants
+            .hold(gpu, "region constants", bytes, storage)?;
+        if let Some(buffer) = self.constants.buffer().filter(|_| is_new) {
+            let buffers = [targets.view_constants(), buffer];
+            let bound = gpu.bind_buffers("view and regions", &self.layout, &buffers);
+            self.bind_group = Some(bound);
+        }
+        self.scene = Some(scene);
+        Ok(())
+    }
+
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, counters: &mut Counters) {
+        let Some(scene) = &self.scene else {
+            return;
+        };
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.bind_group, &[]);
+        pass.set_vertex_buffer(0, scene.vertices.slice(..));
+        let mut bound = None;
+        for (instance, &mesh) in (0..).zip(&self.planned) {
+            let place = &scene.places[mesh];
+            if bound != Some(place.has_short_indices) {
+                let (indices, format) = match place.has_short_indices {
+                    true => (&scene.short_indices, wgpu::IndexFormat::Uint16),
+                    false => (&scene.long_indices, wgpu::IndexFormat::Uint32),
+                };
+                pass.set_index_buffer(indices.slice(..), format);
+                bound = Some(place.has_short_indices);
+            }
+            let first = place.first_triangle_index;
+            let count = 3 * place.triangle_count;
+            let base_vertex = i32::try_from(place.first_vertex).unwrap_or(i32::MAX);
+            pass.draw_indexed(first..first + count, base_vertex, instance..instance + 1);
+            counters.draws += 1;
+            counters.vertices += u64::from(count);
+        }
+    }
+
+    fn memory(&self) -> MemoryUse {
+        let Some(scene) = &self.scene else {
+            return MemoryUse::default();
+        };
+        MemoryUse {
+            constant_bytes: (self.planned.len() * size_of::<VolumeConstants>()) as u64,
+            buffers: 4,
+            ..scene.bytes.into()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_fixtures::by_hand::{circle_deg, mesh};
+
+    #[test]
+    fn a_vertex_more_is_twelve_bytes_and_a_triangle() {
+        let disc = |count: u32| {
+            let mut vertices_deg = circle_deg(count, 1.0);
+            vertices_deg.push([10.0, 50.0]);
+            let fan = (0..count).map(|i| [i, (i + 1) % count, count]).collect();
+            flat_bytes(&mesh(vertices_deg, fan, vec![(0..count).collect()]))
+        };
+        let (five, six, many) = (disc(5), disc(6), disc(65_536));
+        assert_eq!((five.vertex_bytes, five.index_bytes), (72, 30));
+        assert_eq!(six.vertex_bytes - five.vertex_bytes, 12);
+        assert_eq!(six.index_bytes - five.index_bytes, 6);
+        // Twin: beyond 16 bits indices are twice as long.
+        assert_eq!(many.index_bytes, 65_536 * 12);
+    }
+}

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The techniques as the contract knows them.
+
+use crate::backend::OverlayBackend;
+use crate::draped::{self, DrapedMesh};
+use crate::flat::{self, FlatMesh, flat_bytes};
+use crate::mask::{self, MaskTexture};
+use terrafill_core::RegionMesh;
+use terrafill_fill::{
+    Api, DeviceError, FillBackend, GeometryBytes, Parameter, Role, Rung, SwitchError, Switches,
+    Targets, Technique, Variant,
+};
+use terrafill_gpu::{SharedTargets, shared_targets};
+use terrafill_scene::{Overlap, Scene};
+
+type Open = fn(&SharedTargets, &Variant) -> Result<Box<dyn FillBackend>, DeviceError>;
+
+/// A technique that draws one kind of overlay, on wgpu.
+#[derive(Debug)]
+pub struct OverlayTechnique {
+    name: &'static str,
+    /// The first is the kind, the second the knob.
+    parameters: &'static [Parameter; 2],
+    /// Values of the knob that are compared everywhere.
+    main: &'static [&'static str],
+    /// The same in a run that is not full.
+    quick: &'static [&'static str],
+    /// Bytes of a region by formula, where there is one.
+    bytes: Option<fn(&RegionMesh) -> GeometryBytes>,
+    open: Open,
+}
+
+/// Regions' triangles at a stated height.
+pub static FLAT_MESH: OverlayTechnique = OverlayTechnique {
+    name: "flat-mesh",
+    parameters: &[
+        Parameter::one_of("mesh", &["flat"]),
+        Parameter::one_of(flat::HEIGHT, flat::HEIGHTS),
+    ],
+    main: flat::HEIGHTS,
+    quick: &["top"],
+    bytes: Some(flat_bytes),
+    open: |targets, variant| {
+        let overlay = FlatMesh::new(targets.borrow().gpu(), variant)?;
+        Ok(Box::new(OverlayBackend::new(targets, overlay)))
+    },
+};
+
+/// Regions cut along the surface's triangles.
+pub static DRAPED_MESH: OverlayTechnique = OverlayTechnique {
+    name: "draped-mesh",
+    parameters: &[
+        Parameter::one_of("mesh", &["draped"]),
+        Parameter::one_of(draped::OFFSET, draped::OFFSETS),
+    ],
+    main: draped::OFFSETS,
+    quick: &["2^-10"],
+    bytes: None,
+    open: |targets, variant| {
+        let overlay = DrapedMesh::new(targets.borrow().gpu(), variant)?;
+        Ok(Box::new(OverlayBackend::new(targets, overlay)))
+    },
+};
+
+/// Regions drawn into a texture that is looked up by depth.
+pub static MASK_TEXTURE: OverlayTechnique = OverlayTechnique {
+    name: "mask-texture",
+    parameters: &[
+        Parameter::one_of("mask", &["texture"]),
+        Parameter::one_of(mask::SIZE, mask::SIZES),
+    ],
+    main: mask::SIZES,
+    quick: mask::SIZES,
+    bytes: None,
+    open: |targets, variant| {
+        let overlay = MaskTexture::new(targets.borrow().gpu(), variant)?;
+        Ok(Box::new(OverlayBackend::new(targets, overlay)))
+    },
+};
+
+impl OverlayTechnique {
+    fn check_own(&self, variant: &Variant) -> Result<(), SwitchError> {
+        if variant.technique() == self.name {
+            return Ok(());
+        }
+        Err(SwitchError {
+            switch: "technique",
+            found: variant.technique().to_owned(),
+            allowed: self.name.to_owned(),
+        })
+    }
+}
+
+impl Technique for OverlayTechnique {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn api(&self) -> Api {
+        terrafill_gpu::API
+    }
+
+    fn parameters(&self) -> &'static [Parameter] {
+        self.parameters
+    }
+
+    fn is_approximate(&self, _variant: &Variant) -> bool {
+        true
+    }
+
+    fn has_stencil_switches(&self) -> bool {
+        false
+    }
+
+    fn variants(&self, scene: &Scene, role: Role) -> Vec<Variant> {
+        let values = match role {
+            Role::Main => self.main,
+            Role::Quick => self.quick,
+            Role::Layouts | Role::Sweep => &[],
+        };
+        let key = self.parameters[1].key;
+        let main = self.main(scene.overlap);
+        values
+            .iter()
+            .map(|value| main.clone().with(key, value))
+            .collect()
+    }
+
+    /// There is no way here from the method of 2007.
+    fn ladder(&self, _overlap: Overlap) -> Vec<Rung> {
+        Vec::new()
+    }
+
+    fn matrix_row(&self, _base: &Variant) -> Vec<Variant> {
+        Vec::new()
+    }
+
+    /// No switch of a stencil fill means anything here.
+    fn check(&self, variant: &Variant, overlap: Overlap) -> Result<(), SwitchError> {
+        self.check_own(variant)?;
+        match variant.switches == Switches::for_overlap(overlap) {
+            true => Ok(()),
+            false => Err(SwitchError {
+                switch: "technique",
+                found: format!("{} with a switch of stencil fills", variant.name()),
+                allowed: format!("none of them: {} has no stencil", self.name),
+            }),
+        }
+    }
+
+    fn bytes(
+        &self,
+        variant: &Variant,
+        mesh: &RegionMesh,
+        _is_drawn: bool,
+    ) -> Result<GeometryBytes, SwitchError> {
+        self.check_own(variant)?;
+        let bytes = self.bytes.ok_or_else(|| SwitchError {
+            switch: "technique",
+            found: format!("{}, whose bytes follow from the view", self.name),
+            allowed: "one whose bytes a region has by itself".to_owned(),
+        })?;
+        Ok(bytes(mesh))
+    }
+
+    fn open(
+        &self,
+        targets: &Targets,
+        variant: &Variant,
+    ) -> Result<Box<dyn FillBackend>, DeviceError> {
+        self.check_own(variant)?;
+        (self.open)(&shared_targets(targets)?, variant)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_switch_of_stencil_fills_is_refused() {
+        for technique in [&FLAT_MESH, &DRAPED_MESH, &MASK_TEXTURE] {
+            for overlap in [Overlap::Disjoint, Overlap::Ordered] {
+                let main = technique.main(overlap);
+                assert_eq!(technique.check(&main, overlap), Ok(()));
+                assert!(technique.is_approximate(&main));
+                // Twins: a switch, and a variant of another technique.
+                let scissor = main.with_switches(|switches| switches.scissor ^= true);
+                assert!(technique.check(&scissor, overlap).is_err());
+                let other = Variant::new("other", technique.parameters(), overlap);
+                assert!(technique.check(&other, overlap).is_err());
+            }
+        }
+    }
+}
