@@ -120,6 +120,12 @@ fn a_flat_mesh_is_off_by_no_more_than_its_height_is_seen() {
     );
 }
 
+/// Whether no more pixels are wrong outside the boundary band than the offset may let through or hide at
+/// silhouettes, such as the limb: one in a thousand of those filled.
+fn follows_the_terrain(figures: &ErrorFigures) -> bool {
+    figures.mismatched_px_outside_band * 1000 <= figures.filled_px
+}
+
 #[test]
 fn a_draped_mesh_follows_the_terrain() {
     if !has_device() {
@@ -130,15 +136,34 @@ fn a_draped_mesh_follows_the_terrain() {
             let input = seen(scene, view);
             let reference = reference(&input);
             let draped = figures(&reference, &draw(&DRAPED_MESH, &input, "2^-10"));
-            let outside = draped.mismatched_px_outside_band;
-            assert_eq!(outside, 0, "{scene}/{view}: {draped:?}");
+            assert!(follows_the_terrain(&draped), "{scene}/{view}: {draped:?}");
         }
     }
     // Twin: at the surface's own depth the two fight.
     let input = seen("hills", "horizon");
     let reference = reference(&input);
     let fighting = figures(&reference, &draw(&DRAPED_MESH, &input, "0"));
-    assert!(fighting.mismatched_px_outside_band > 0, "{fighting:?}");
+    assert!(!follows_the_terrain(&fighting), "{fighting:?}");
+}
+
+/// The longer side of the rectangle around all regions, radians.
+fn longer_side_rad(input: &FillInput) -> f64 {
+    let extents = || input.scene.meshes.iter().map(|mesh| mesh.extent);
+    if extents().any(|extent| extent.west_deg > extent.east_deg) {
+        return std::f64::consts::TAU;
+    }
+    let span = |ends: fn(&terrafill_core::Extent) -> [f64; 2]| {
+        let low = extents()
+            .map(|extent| ends(&extent)[0])
+            .fold(f64::INFINITY, f64::min);
+        let high = extents()
+            .map(|extent| ends(&extent)[1])
+            .fold(f64::NEG_INFINITY, f64::max);
+        high - low
+    };
+    let width = span(|extent| [extent.west_deg, extent.east_deg]);
+    let height = span(|extent| [extent.south_deg, extent.north_deg]);
+    width.max(height).to_radians()
 }
 
 #[test]
@@ -146,27 +171,29 @@ fn a_mask_is_off_by_no_more_than_half_a_texel() {
     if !has_device() {
         return;
     }
-    let input = seen("planet-134", "top-down");
-    let reference = reference(&input);
-    let eye = input.scene.body.ecef_to_geodetic(input.camera.eye_ecef);
-    let pixel_m = input.camera.pixel_size_m(SIZE, eye.height_m);
-    let off_px = |size: &str| moved_px(&reference, &draw(&MASK_TEXTURE, &input, size));
-    let allowed_px = |texels: f64| {
-        // Regions lie all around the body; half a texel along either axis.
-        let texel_m = std::f64::consts::TAU * input.scene.body.equatorial_radius_m() / texels;
-        texel_m * 0.5_f64.sqrt() / pixel_m + PICTURE_PX
-    };
-    for (size, texels) in [
-        ("1024", 1024.0),
-        ("2048", 2048.0),
-        ("4096", 4096.0),
-        ("8192", 8192.0),
-    ] {
-        let (found, allowed) = (off_px(size), allowed_px(texels));
-        assert!(found <= allowed, "{size}: {found} of {allowed}");
+    // Angles from the middle of a narrow rectangle, and all around the body.
+    for scene in ["california", "planet-134"] {
+        let input = seen(scene, "top-down");
+        let reference = reference(&input);
+        let body = &input.scene.body;
+        let eye = body.ecef_to_geodetic(input.camera.eye_ecef);
+        let pixel_m = input.camera.pixel_size_m(SIZE, eye.height_m);
+        let off_px = |size: &str| moved_px(&reference, &draw(&MASK_TEXTURE, &input, size));
+        let allowed_px = |texels: f64| {
+            let texel_m = longer_side_rad(&input) * body.equatorial_radius_m() / texels;
+            texel_m * 0.5_f64.sqrt() / pixel_m + PICTURE_PX
+        };
+        for (size, texels) in [("1024", 1024.0), ("2048", 2048.0), ("8192", 8192.0)] {
+            let (found, allowed) = (off_px(size), allowed_px(texels));
+            assert!(found <= allowed, "{scene}, {size}: {found} of {allowed}");
+        }
+        // Twin: an eighth of the texels is not within the bound of all.
+        let coarse = off_px("1024");
+        assert!(
+            scene == "california" || coarse > allowed_px(8192.0),
+            "{coarse}"
+        );
     }
-    // Twin: an eighth of the texels is not within the bound of all.
-    assert!(off_px("1024") > allowed_px(8192.0));
 }
 
 #[test]

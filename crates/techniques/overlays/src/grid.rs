@@ -120,7 +120,7 @@ mod tests {
         let mut grid = Grid::new(boxes.clone());
         for wanted in [
             cube(-4.0, 3.0, 0.5),
-            cube(-40.0, -20.0, 90.0),
+            cube(-20.0, -20.0, 60.0),
             cube(1.0, 1.0, 7.0),
         ] {
             let one_by_one: Vec<usize> = (0..boxes.len())

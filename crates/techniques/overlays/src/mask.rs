@@ -499,6 +499,47 @@ impl Overlay for MaskTexture {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::mem::offset_of;
+    use terrafill_shaders::struct_layout;
+
+    #[test]
+    fn constants_lie_as_the_shader_reads_them() {
+        macro_rules! offsets {
+            ($($field:ident),*) => {
+                [$((stringify!($field), offset_of!(MaskConstants, $field))),*]
+            };
+        }
+        let rust = offsets!(
+            meridian_from_view,
+            eye_m,
+            axis_distance_m,
+            sine,
+            cosine,
+            curvature_m,
+            curvature_growth_m,
+            half_rad,
+            latitude_rad,
+            plane_distance_m,
+            equatorial_m,
+            polar_m,
+            eccentricity_squared,
+            second_eccentricity_squared,
+            clip_scale,
+            near_m,
+            is_local
+        );
+        let layout = struct_layout("overlays/mask.wgsl", "MaskConstants").expect("in the shader");
+        let members = layout.members.iter();
+        let shader: Vec<(&str, usize)> = members
+            .map(|(name, offset, _)| (name.as_str(), *offset as usize))
+            .collect();
+        assert_eq!(shader, rust);
+        assert_eq!(layout.stride as usize, size_of::<MaskConstants>());
+        // Twin: two that are exchanged are noticed.
+        let mut exchanged = rust;
+        exchanged.swap(4, 5);
+        assert_ne!(shader, exchanged);
+    }
 
     fn extent(west_deg: f64, east_deg: f64) -> Extent {
         Extent {
