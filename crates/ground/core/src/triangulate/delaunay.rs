@@ -758,12 +758,20 @@ fn orient(a: Point, b: Point, c: Point) -> f64 {
 fn is_certainly_in_circle(a: Point, b: Point, c: Point, p: Point) -> bool {
     let [a, b, c] = [a, b, c].map(|[x, y]| [x - p[0], y - p[1]]);
     let lift = |[x, y]: Point| x * x + y * y;
-    let (mut det, mut permanent) = (0.0, 0.0);
-    for (lifted, from, to) in [(a, b, c), (b, c, a), (c, a, b)] {
+    let minors = [(a, b, c), (b, c, a), (c, a, b)].map(|(lifted, from, to)| {
         let (plus, minus) = (from[0] * to[1], to[0] * from[1]);
-        det += lift(lifted) * (plus - minus);
-        permanent += lift(lifted) * (plus.abs() + minus.abs());
+        (lift(lifted), plus, minus)
+    });
+    let det = minors.iter().fold(0.0, |det, (lifted, plus, minus)| {
+        det + lifted * (plus - minus)
+    });
+    // Most are outside, whatever the bound.
+    if det <= 0.0 {
+        return false;
     }
+    let permanent = minors.iter().fold(0.0, |permanent, (lifted, plus, minus)| {
+        permanent + lifted * (plus.abs() + minus.abs())
+    });
     det > INCIRCLE_BOUND * permanent
 }
 
