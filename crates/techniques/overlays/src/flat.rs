@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The flat mesh: a region's triangles at a stated height above the ellipsoid, tested against the
-//! surface's depth. It does not follow the terrain.
+//! surface's depth. It does not follow the terrain. An eye below it sees nothing of it.
 //!
 //! 12 bytes a vertex in fixed point as the volumes' (`FixedPoint`), each stored once, and one list of
 //! indices, 16 bits where a region's vertices fit. Source: the "original fill" of Cozzi (2007, 2.1.1).
