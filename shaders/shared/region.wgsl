@@ -5,6 +5,7 @@
 //     ((v >> shift) − eye) · scale − eye_remainder,   scale = unit · 2^shift,
 // with one shift per region and frame so that the eye fits: 0 close up, where every bit counts. The
 // difference of neighbouring vertices is therefore exact up to one rounding to f32 of the result.
+#import shared/footprint.wgsl
 
 struct VolumeConstants {
     eye: vec3<i32>,
@@ -22,11 +23,19 @@ struct VolumeConstants {
     triangle_count: u32,
     // Bits of an index in the packed lists: 16 or 32.
     index_bits: u32,
-    padding: u32,
+    // Where the volume's `Footprint` begins in `footprints`, in elements; 0: it has none.
+    footprint: u32,
     colour: vec4<f32>,
 };
 
 @group(0) @binding(1) var<storage, read> regions: array<VolumeConstants>;
+// The same buffer: behind the constants of all volumes lie the footprints of those that move.
+@group(0) @binding(2) var<storage, read> footprints: array<vec4<f32>>;
+
+// Whether any volume has a footprint. Its stored positions are then the cosine and sine of each vertex's
+// angle about the cone's axis, in units of 2⁻³⁰, and its origin is the apex.
+override FOOTPRINTS: bool = false;
+const CIRCLE_UNIT: f32 = 9.313225746154785e-10;
 
 // How positions are stored: three i32 in units. The others are for comparison only: three f32 metres
 // from the region's origin; three f32 metres from the body's centre; those and three more f32 for
@@ -37,7 +46,25 @@ const ECEF_F32: u32 = 2u;
 const TWO_FLOAT: u32 = 3u;
 override POSITIONS: u32 = FIXED;
 
+fn footprint_at(first: u32) -> Footprint {
+    return Footprint(
+        footprints[first],
+        footprints[first + 1u],
+        footprints[first + 2u],
+        footprints[first + 3u],
+    );
+}
+
 fn eye_relative_m(stored: vec3<i32>, region_index: u32, height_m: f32) -> vec3<f32> {
+    if FOOTPRINTS {
+        let first = regions[region_index].footprint;
+        if first != 0u {
+            let cos_sin = vec2<f32>(stored.xy) * CIRCLE_UNIT;
+            let from_apex = footprint_from_apex_m(cos_sin, footprint_at(first));
+            let normal = normal_at(regions[region_index].origin_ecef_m + from_apex);
+            return from_apex - regions[region_index].eye_remainder_m + normal * height_m;
+        }
+    }
     let shift = vec3<u32>(regions[region_index].shift);
     let origin = regions[region_index].origin_ecef_m;
     var relative: vec3<f32>;

@@ -2,9 +2,9 @@
 //! What goes in: the same bytes for every backend.
 
 use crate::{DeviceError, MAX_REGIONS, NoSuchRegion, RegionSet, ViewId};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
-use terrafill_core::{EdgeRule, Ellipsoid, Extent, Region, RegionMesh};
+use terrafill_core::{EdgeRule, Ellipsoid, Extent, MovingFootprint, Region, RegionMesh};
 use terrafill_scene::{
     Camera, FramePlan, HeightRange, ImageSize, LevelTable, LeveledMeshes, Overlap, PlanOptions,
     RegionBounds, Scene, SceneTexture, View,
@@ -33,6 +33,11 @@ pub struct PreparedScene {
     /// Bounds of `meshes` over the surface, made once for all views; narrower in the input of a view
     /// that draws the surface between closer heights.
     pub bounds: Arc<[RegionBounds]>,
+    /// Meshes that the vertex stage bends: discs ([`FootprintMesher::disc`]) and the cones' edges that
+    /// they are bent into, by their place among `meshes`. Mostly empty.
+    ///
+    /// [`FootprintMesher::disc`]: terrafill_core::FootprintMesher::disc
+    pub footprints: Arc<BTreeMap<usize, MovingFootprint>>,
     /// What lies under the fill.
     pub surface: Arc<dyn Surface>,
     /// What a textured fill shows; plain fills never look at it.
@@ -52,6 +57,7 @@ impl PreparedScene {
             bounds: bounds(&scene.body, &meshes, &*surface, None),
             meshes,
             levels: Arc::default(),
+            footprints: Arc::default(),
             surface,
             texture: scene.texture.clone(),
         }
@@ -85,6 +91,30 @@ impl PreparedScene {
         Ok(Self {
             bounds: bounds.into(),
             meshes,
+            ..self.clone()
+        })
+    }
+
+    /// The same scene with its footprints elsewhere: those of all that move. Bounds are made anew for
+    /// these only; the meshes stay as they are, discs at these places.
+    ///
+    /// # Errors
+    /// [`NoSuchRegion`] for a place that it does not have.
+    pub fn with_footprints(
+        &self,
+        footprints: BTreeMap<usize, MovingFootprint>,
+    ) -> Result<Self, NoSuchRegion> {
+        let mut bounds = self.bounds.to_vec();
+        let regions = bounds.len();
+        let everywhere = self.surface.heights(&WHOLE_BODY);
+        for (&found, footprint) in &footprints {
+            let place = bounds.get_mut(found);
+            *place.ok_or(NoSuchRegion { found, regions })? =
+                RegionBounds::of_footprint(&self.body, footprint, everywhere);
+        }
+        Ok(Self {
+            bounds: bounds.into(),
+            footprints: footprints.into(),
             ..self.clone()
         })
     }
@@ -272,8 +302,12 @@ fn drawn_between(scene: &PreparedScene, drawn: HeightRange) -> PreparedScene {
     if everywhere == drawn {
         return scene.clone();
     }
+    let mut bounds = bounds(&scene.body, &scene.meshes, &*scene.surface, Some(drawn)).to_vec();
+    for (&place, footprint) in &*scene.footprints {
+        bounds[place] = RegionBounds::of_footprint(&scene.body, footprint, drawn);
+    }
     PreparedScene {
-        bounds: bounds(&scene.body, &scene.meshes, &*scene.surface, Some(drawn)),
+        bounds: bounds.into(),
         ..scene.clone()
     }
 }
@@ -302,6 +336,8 @@ fn plan(
         &scene.levels,
         options,
     );
-    plan.settle_near_plane(&scene.body, camera, size, &scene.meshes);
+    plan.settle_near_plane(&scene.body, camera, size, &scene.meshes, |mesh| {
+        !scene.footprints.contains_key(&mesh)
+    });
     plan
 }

@@ -48,7 +48,9 @@ pub use adapter::{
 pub use backend::{Capabilities, FillBackend, Uploaded};
 pub use batches::{VolumeClasses, XOR_NUMBERS, XorBatches, overlap_depth};
 pub use clock::CpuStopwatch;
-pub use constants::{ViewConstants, VolumeConstants, VolumePlace};
+pub use constants::{
+    FootprintConstants, ViewConstants, VolumeConstants, VolumePlace, changed_words,
+};
 pub use depth_range::DepthRange;
 pub use devices::Devices;
 pub use error::DeviceError;

@@ -180,6 +180,8 @@ pub struct Switches {
     pub position: Option<PositionRoute>,
     /// A textured fill's fragments normalise their unit normal once more, as the shaders of 2007 did.
     pub superfluous_normalize: bool,
+    /// The vertex stage bends discs into the footprints of sensors' cones, for scenes that have some.
+    pub bends_footprints: bool,
 }
 
 /// Switches that do not go together, or not with the scene.
@@ -200,7 +202,8 @@ impl Switches {
         colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes|id-accumulation, \
         cover-faces=both|culled, depth-bounds=off|on, depth-rule=zfail|zpass|automatic, faces=two-sided|two-pass, \
         first-pass=stencil|colour|program|program-colour, normalize=needed|superfluous, position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
-        stencil-clear=at-start|by-colour, texture=plain|chosen|floor|a route such as gnomonic-3";
+        stencil-clear=at-start|by-colour, texture=plain|chosen|floor|a route such as gnomonic-3, \
+        vertices=stored|bent";
 
     /// What is right and usually cheapest for a scene of this kind.
     #[must_use]
@@ -216,7 +219,7 @@ impl Switches {
 
     /// Every switch with its value, in alphabetical order.
     #[must_use]
-    pub fn settings(&self) -> [(&'static str, String); 12] {
+    pub fn settings(&self) -> [(&'static str, String); 13] {
         let either = |is_second: bool, [first, second]: [&str; 2]| {
             if is_second { second } else { first }.to_owned()
         };
@@ -260,6 +263,10 @@ impl Switches {
             (
                 "texture",
                 texture.map_or_else(|| "plain".to_owned(), RouteChoice::name),
+            ),
+            (
+                "vertices",
+                either(self.bends_footprints, ["stored", "bent"]),
             ),
         ]
     }
@@ -356,6 +363,10 @@ impl Switches {
                     ],
                 )?;
             }
+            "vertices" => {
+                self.bends_footprints =
+                    pick("vertices", value, &[("stored", false), ("bent", true)])?;
+            }
             _ => return Ok(false),
         }
         Ok(true)
@@ -386,6 +397,13 @@ impl Switches {
                     self.colour.name()
                 ),
                 allowed: "plain, or colour=xor or bit-planes".to_owned(),
+            });
+        }
+        if self.bends_footprints && self.texture.is_some() {
+            return Err(SwitchError {
+                switch: "vertices",
+                found: "bent with a picture, whose place is that of stored vertices".to_owned(),
+                allowed: "stored, or texture=plain".to_owned(),
             });
         }
         if let Some(position) = self.position.filter(|_| self.texture.is_none()) {
@@ -475,6 +493,7 @@ mod tests {
             texture: Some(RouteChoice::Chosen),
             position: Some(PositionRoute::EyeEcef),
             superfluous_normalize: true,
+            bends_footprints: true,
         }
     }
 
@@ -483,7 +502,7 @@ mod tests {
         assert_eq!(Switches::default().names(), Vec::<String>::new());
         let changed = all_changed();
         let names = changed.names();
-        assert_eq!(names.len(), 12);
+        assert_eq!(names.len(), 13);
         assert!(names.is_sorted());
         let mut read = Switches::default();
         for name in &names {
@@ -558,6 +577,12 @@ mod tests {
         assert_eq!(error.switch, "normalize");
         normalised.texture = Some(RouteChoice::Chosen);
         assert!(normalised.check(Overlap::Disjoint).is_ok());
+        let bent = Switches {
+            bends_footprints: true,
+            ..normalised
+        };
+        let error = bent.check(Overlap::Disjoint).expect_err("textured");
+        assert_eq!(error.switch, "vertices");
     }
 
     #[test]

@@ -173,6 +173,16 @@ impl<V: RegionVolumes> VolumeBackend<V> {
         colours: Colours,
         blends: bool,
     ) -> Result<(), DeviceError> {
+        let is_bent = self.switches.bends_footprints
+            && self.volumes.positions() == PositionFormat::Fixed
+            && self.switches.texture.is_none();
+        if !input.scene.footprints.is_empty() && !is_bent {
+            let adapter = &self.capabilities.adapter;
+            return Err(DeviceError::unsupported(
+                "bending footprints without vertices=bent and positions=fixed",
+                adapter,
+            ));
+        }
         let list = VolumeList::from(input);
         let program = FillProgram::new(&list.volumes, &self.switches, input.scene.overlap)?;
         self.view = None;

@@ -18,7 +18,7 @@ use crate::level::DrawnRegion;
 use crate::near_plane::{NearPlane, ViewVolume};
 use crate::{Camera, ImageSize, LevelTable};
 use glam::DVec3;
-use terrafill_core::{Ellipsoid, OrientedBox, RegionMesh, VolumeHeights};
+use terrafill_core::{Ellipsoid, MovingFootprint, OrientedBox, RegionMesh, VolumeHeights};
 
 /// Caps are moved away from the terrain by at least this many pixels at the eye's distance, so
 /// that rounding of depth (2⁻²⁴ of the distance) can never lift terrain through a cap: 1/64 of a
@@ -199,6 +199,20 @@ impl RegionBounds {
         }
     }
 
+    /// Bounds of a cone's footprint over `terrain`.
+    #[must_use]
+    pub fn of_footprint(
+        body: &Ellipsoid,
+        footprint: &MovingFootprint,
+        terrain: HeightRange,
+    ) -> Self {
+        let heights = footprint.volume_heights(terrain.lowest_m, terrain.highest_m);
+        Self {
+            heights,
+            bounds: footprint.oriented_box(body, heights),
+        }
+    }
+
     /// The same with its caps so much farther from the terrain, the top one `up_m` and the bottom one
     /// `down_m`. No vertex moves by more, so a box grown by as much on all sides holds them.
     fn grown(self, up_m: f64, down_m: f64) -> Self {
@@ -369,6 +383,7 @@ impl FramePlan {
     /// Asks the volumes themselves where only their boxes were known to meet the near rectangle.
     ///
     /// - `meshes`: what [`PlannedRegion::mesh`] points into
+    /// - `lies_there`: whether a mesh's vertices are where they will be drawn; a box decides otherwise
     /// - cost: O(triangles) for each planned region whose box the near rectangle meets, else none
     pub fn settle_near_plane(
         &mut self,
@@ -376,9 +391,10 @@ impl FramePlan {
         camera: &Camera,
         size: ImageSize,
         meshes: &[RegionMesh],
+        lies_there: impl Fn(usize) -> bool,
     ) {
         for planned in &mut self.regions {
-            if planned.near_plane_meets_volume {
+            if planned.near_plane_meets_volume && lies_there(planned.mesh) {
                 let mesh = &meshes[planned.mesh];
                 let volume = ViewVolume::new(body, camera, mesh, planned.heights);
                 planned.near_plane_meets_volume = volume.meets_near_rectangle(camera, size);

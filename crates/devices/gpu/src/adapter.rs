@@ -148,10 +148,23 @@ impl Gpu {
     /// # Errors
     /// [`DeviceError::Shader`].
     pub fn shader(&self, path: &str) -> Result<wgpu::ShaderModule, DeviceError> {
+        self.volume_shader(path, false)
+    }
+
+    /// - `bends_footprints`: [`terrafill_shaders::with_footprints`]
+    pub(crate) fn volume_shader(
+        &self,
+        path: &str,
+        bends_footprints: bool,
+    ) -> Result<wgpu::ShaderModule, DeviceError> {
         let source = terrafill_shaders::compose(path).map_err(|error| DeviceError::Shader {
             name: path.to_owned(),
             message: error.to_string(),
         })?;
+        let source = match bends_footprints {
+            true => terrafill_shaders::with_footprints(&source),
+            false => source,
+        };
         let descriptor = wgpu::ShaderModuleDescriptor {
             label: Some(path),
             source: wgpu::ShaderSource::Wgsl(source.into()),

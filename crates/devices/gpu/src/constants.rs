@@ -4,7 +4,7 @@
 #[cfg(test)]
 mod tests {
     use std::mem::{offset_of, size_of};
-    use terrafill_fill::{TexturedRegion, ViewConstants, VolumeConstants};
+    use terrafill_fill::{FootprintConstants, TexturedRegion, ViewConstants, VolumeConstants};
     use terrafill_shaders::{RouteText, TexturedParts, TexturedPlacement, struct_layout};
 
     /// Offsets by name of the Rust struct, to be found again in the shader's.
@@ -44,7 +44,7 @@ mod tests {
     fn region_constants_lie_as_the_shader_reads_them() {
         let rust = offsets!(VolumeConstants: eye, shift, eye_remainder_m, scale_m, origin_ecef_m,
             unit_m, top_m, bottom_m, first_vertex, first_triangle_index, first_loop_index,
-            triangle_count, index_bits, padding, colour);
+            triangle_count, index_bits, footprint, colour);
         for path in [
             "vertex/doubled.wgsl",
             "vertex/pulled.wgsl",
@@ -54,6 +54,19 @@ mod tests {
             assert_eq!(rust, shader);
             assert_eq!(size_of::<VolumeConstants>(), stride);
         }
+    }
+
+    #[test]
+    fn footprints_lie_as_the_shader_reads_them() {
+        let rust = offsets!(FootprintConstants: axis_and_power, right_and_inverse_a,
+            forward_and_inverse_b, scaled_apex);
+        let (shader, stride) = shader_offsets("vertex/doubled.wgsl", "Footprint");
+        assert_eq!(rust, shader);
+        assert_eq!(size_of::<FootprintConstants>(), stride);
+        // Twin: another order is noticed.
+        let swapped = offsets!(FootprintConstants: right_and_inverse_a, axis_and_power,
+            forward_and_inverse_b, scaled_apex);
+        assert_ne!(swapped, shader);
     }
 
     #[test]

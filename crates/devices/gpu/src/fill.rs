@@ -16,7 +16,7 @@ use std::sync::Arc;
 use terrafill_fill::{
     Capabilities, Counters, CpuStopwatch, DeviceError, FillPass, FillStep, FirstPass, FrameTimes,
     MemoryUse, Picture, Probed, StencilExecutor, StencilWork, SurfaceView, Switches, TexturedPlan,
-    ViewId, VolumeDraw, VolumeList, VolumeState, WorkDone,
+    ViewId, VolumeDraw, VolumeList, VolumeState, WorkDone, changed_words,
 };
 use terrafill_scene::MipChain;
 
@@ -56,6 +56,8 @@ pub trait Volumes {
 #[derive(Debug)]
 pub struct VolumeFill {
     targets: SharedTargets,
+    /// Shaders bend discs into footprints.
+    bends_footprints: bool,
     frame_layout: wgpu::BindGroupLayout,
     covers: Covers,
     /// Covers of a textured fill, which stand where the plain ones would.
@@ -107,9 +109,10 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         let frame_layout = gpu.buffer_layout(
             "view and volumes",
             wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE,
-            &[wgpu::BufferBindingType::Uniform, storage],
+            &[wgpu::BufferBindingType::Uniform, storage, storage],
         );
         Ok(Self {
+            bends_footprints: switches.bends_footprints,
             targets: SharedTargets::clone(targets),
             covers: Covers::new(&gpu, &frame_layout)?,
             textured: None,
@@ -164,15 +167,17 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         let fits = held.filter(|(_, written, _)| written.len() == work.constants.len());
         let (constants, bind_group) = match fits {
             Some((buffer, written, bind_group)) => {
-                if written != work.constants {
-                    gpu.write_buffer(&buffer, 0, &work.constants);
+                if let Some(changed) = changed_words(&written, &work.constants) {
+                    let first_byte = changed.start as u64;
+                    gpu.write_buffer(&buffer, first_byte, &work.constants[changed]);
                 }
                 (buffer, bind_group)
             }
             None => {
                 let usage = wgpu::BufferUsages::STORAGE;
                 let buffer = gpu.upload("volume constants", &work.constants, usage)?;
-                let buffers = [targets.view_constants(), &buffer];
+                // Footprints lie behind the volumes' constants.
+                let buffers = [targets.view_constants(), &buffer, &buffer];
                 let label = "view and volumes";
                 let bind_group = gpu.bind_buffers(label, &self.frame_layout, &buffers);
                 (buffer, bind_group)
@@ -359,7 +364,15 @@ impl VolumeFill {
         Arc::clone(self.targets.borrow().gpu())
     }
 
-    /// Layout of group 0: the view, and the volumes' constants.
+    /// A shader of volumes, as the switches ask for it.
+    ///
+    /// # Errors
+    /// [`DeviceError::Shader`].
+    pub fn shader(&self, path: &str) -> Result<wgpu::ShaderModule, DeviceError> {
+        self.gpu().volume_shader(path, self.bends_footprints)
+    }
+
+    /// Layout of group 0: the view, the volumes' constants, and their footprints.
     #[must_use]
     pub fn frame_layout(&self) -> &wgpu::BindGroupLayout {
         &self.frame_layout

@@ -108,6 +108,7 @@ fn input(eye: Eye, bounds: Bounds, placement: TexturePlacement) -> FillInput {
         regions: regions.into(),
         meshes: RegionSet::default(),
         levels: Arc::default(),
+        footprints: Arc::default(),
         bounds: Arc::new([]),
         surface: EllipsoidKind::surface(&BODY, 720),
         texture: Some(Arc::new(SceneTexture {

@@ -7,7 +7,8 @@ use ash::vk;
 use std::sync::Arc;
 use terrafill_fill::DeviceError;
 
-/// View constants at binding 0 and, for fills, region constants at binding 1.
+/// View constants at binding 0 and, for fills, region constants at binding 1 and the footprints that lie
+/// behind them at binding 2.
 #[derive(Debug)]
 pub struct BindGroup {
     gpu: Arc<Gpu>,
@@ -42,6 +43,7 @@ impl BindGroup {
         let kinds = [
             vk::DescriptorType::UNIFORM_BUFFER,
             vk::DescriptorType::STORAGE_BUFFER,
+            vk::DescriptorType::STORAGE_BUFFER,
         ];
         let group = Self {
             gpu: Arc::clone(gpu),
@@ -62,8 +64,9 @@ impl BindGroup {
         let writes = [
             write(0, kinds[0], &view_info),
             write(1, kinds[1], &region_info),
+            write(2, kinds[2], &region_info),
         ];
-        let used = if group.has_regions { 2 } else { 1 };
+        let used = if group.has_regions { 3 } else { 1 };
         // SAFETY: the buffers are of the kinds written and live as long as the group.
         unsafe { gpu.device.update_descriptor_sets(&writes[..used], &[]) };
         Ok(group)

@@ -83,6 +83,7 @@ fn full_screen(path: &'static str, state: PipelineState) -> PipelineDescriptor {
         vertex: VertexStage {
             path,
             entry_point: "vertex_main",
+            bends_footprints: false,
         },
         geometry: None,
         fragments: Fragments::Shader {

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use terrafill_fill::{
     Capabilities, Counters, CpuStopwatch, DeviceError, FillPass, FillStep, FirstPass, FrameTimes,
     MemoryUse, NUMBER_BYTES, Picture, Probed, StencilExecutor, StencilWork, SurfaceView, Switches,
-    TexturedPlan, ViewId, VolumeDraw, WorkDone,
+    TexturedPlan, ViewId, VolumeDraw, WorkDone, changed_words,
 };
 use terrafill_scene::MipChain;
 
@@ -124,8 +124,10 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         let view_constants = view_constants.ok_or(DeviceError::Missing("view of a surface"))?;
         let constants = match &before {
             Some(held) if held.work.constants.len() == work.constants.len() => {
-                if held.work.constants != work.constants {
-                    held.constants.rewrite(&work.constants)?;
+                if let Some(changed) = changed_words(&held.work.constants, &work.constants) {
+                    let first_byte = changed.start as u64;
+                    held.constants
+                        .rewrite(first_byte, &work.constants[changed])?;
                 }
                 Arc::clone(&held.constants)
             }

@@ -42,7 +42,7 @@ pub(crate) struct Fixtures {
     pub(crate) textured: vk::RenderPass,
     /// Into the probe's targets, which the second clears.
     probes: [vk::RenderPass; 2],
-    /// Set 0: binding 0 is view constants, 1 region constants.
+    /// Set 0: binding 0 is view constants, 1 region constants, 2 footprints.
     pub(crate) set_layout: vk::DescriptorSetLayout,
     /// Set 1: binding 0 is the image of accumulated numbers.
     pub(crate) number_set_layout: vk::DescriptorSetLayout,
@@ -113,6 +113,7 @@ impl Fixtures {
         let bindings = [
             entry(0, vk::DescriptorType::UNIFORM_BUFFER, both),
             entry(1, vk::DescriptorType::STORAGE_BUFFER, both),
+            entry(2, vk::DescriptorType::STORAGE_BUFFER, both),
         ];
         let number_bindings = [entry(
             0,

@@ -188,14 +188,15 @@ impl Buffer {
         Ok(buffer)
     }
 
-    /// Overwrites the start of a buffer that was uploaded; meant for constants.
+    /// Overwrites whole words of a buffer that was uploaded; meant for constants.
     ///
     /// # Errors
     /// [`DeviceError::OverCapacity`] when the bytes do not fit or are no whole words,
     /// [`DeviceError::DeviceLost`].
-    pub fn rewrite(&self, bytes: &[u8]) -> Result<(), DeviceError> {
-        let found = bytes.len() as u64;
-        if found > self.size || !found.is_multiple_of(4) || self.use_for.is_none() {
+    pub fn rewrite(&self, first_byte: u64, bytes: &[u8]) -> Result<(), DeviceError> {
+        let found = first_byte.saturating_add(bytes.len() as u64);
+        let is_whole = first_byte.is_multiple_of(4) && found.is_multiple_of(4);
+        if found > self.size || !is_whole || self.use_for.is_none() {
             return Err(DeviceError::OverCapacity {
                 what: "bytes written into a buffer, in whole words".to_owned(),
                 found,
@@ -206,7 +207,7 @@ impl Buffer {
         // words of at most 65,536 bytes, the most that a command may carry.
         unsafe {
             self.gpu.submit(|device, commands| {
-                for (offset, chunk) in (0..).step_by(CHUNK).zip(bytes.chunks(CHUNK)) {
+                for (offset, chunk) in (first_byte..).step_by(CHUNK).zip(bytes.chunks(CHUNK)) {
                     device.cmd_update_buffer(commands, self.raw, offset, chunk);
                 }
                 let_be_read(device, commands);
@@ -216,35 +217,44 @@ impl Buffer {
         Ok(())
     }
 
-    /// Overwrites a part of a buffer that was uploaded, at any byte: copies need no alignment.
+    /// Overwrites parts of a buffer that was uploaded, at any bytes: copies need no alignment. One
+    /// submission takes them all, since each of its own costs as much as a frame's worth of copies.
+    ///
+    /// - `parts`: the first byte of each, and its bytes
     ///
     /// # Errors
-    /// [`DeviceError::OverCapacity`] when the bytes do not fit, [`DeviceError::OutOfMemory`],
+    /// [`DeviceError::OverCapacity`] when a part does not fit, [`DeviceError::OutOfMemory`],
     /// [`DeviceError::DeviceLost`].
-    pub fn rewrite_part(&self, first_byte: u64, bytes: &[u8]) -> Result<(), DeviceError> {
-        if bytes.is_empty() {
+    pub fn rewrite_parts(&self, parts: &[(u64, &[u8])]) -> Result<(), DeviceError> {
+        let mut staged: Vec<u8> = Vec::new();
+        let mut regions = Vec::with_capacity(parts.len());
+        for &(first_byte, bytes) in parts.iter().filter(|(_, bytes)| !bytes.is_empty()) {
+            let size = bytes.len() as u64;
+            let found = first_byte.saturating_add(size);
+            if found > self.size || self.use_for.is_none() {
+                return Err(DeviceError::OverCapacity {
+                    what: "bytes written into a part of a buffer".to_owned(),
+                    found,
+                    allowed: self.size,
+                });
+            }
+            let region = vk::BufferCopy::default().src_offset(staged.len() as u64);
+            regions.push(region.dst_offset(first_byte).size(size));
+            staged.extend_from_slice(bytes);
+        }
+        if regions.is_empty() {
             return Ok(());
         }
-        let size = bytes.len() as u64;
-        let found = first_byte.saturating_add(size);
-        if found > self.size || self.use_for.is_none() {
-            return Err(DeviceError::OverCapacity {
-                what: "bytes written into a part of a buffer".to_owned(),
-                found,
-                allowed: self.size,
-            });
-        }
-        let staging = Self::staging(&self.gpu, "rewritten part", bytes)?;
-        let region = [vk::BufferCopy::default().dst_offset(first_byte).size(size)];
-        // SAFETY: the part lies inside the buffer, which was made to be copied into, and the staging
-        // buffer has at least its size; both live until the submission is done.
+        let staging = Self::staging(&self.gpu, "rewritten parts", &staged)?;
+        // SAFETY: the parts lie inside the buffer, which was made to be copied into, and in the staging
+        // buffer, which holds all of them; both live until the submission is done.
         unsafe {
             self.gpu.submit(|device, commands| {
-                device.cmd_copy_buffer(commands, staging.raw, self.raw, &region);
+                device.cmd_copy_buffer(commands, staging.raw, self.raw, &regions);
                 let_be_read(device, commands);
             })?;
         }
-        self.gpu.work.count_upload(size);
+        self.gpu.work.count_upload(staged.len() as u64);
         Ok(())
     }
 

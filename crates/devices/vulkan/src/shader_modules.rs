@@ -6,7 +6,10 @@ use ash::vk;
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 use terrafill_fill::DeviceError;
-use terrafill_shaders::{HandsOn, SpirvStage, geometry_spirv, wgsl_to_spirv};
+use terrafill_shaders::{
+    HandsOn, ShaderError, SpirvStage, compose, composed_to_spirv, geometry_spirv, wgsl_to_spirv,
+    with_footprints,
+};
 
 /// A vertex shader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -15,6 +18,25 @@ pub struct VertexStage {
     pub path: &'static str,
     /// Its entry point.
     pub entry_point: &'static str,
+    /// [`terrafill_shaders::with_footprints`].
+    pub bends_footprints: bool,
+}
+
+impl VertexStage {
+    fn spirv(&self) -> Result<Vec<u32>, ShaderError> {
+        let source = compose(self.path)?;
+        let source = match self.bends_footprints {
+            true => with_footprints(&source),
+            false => source,
+        };
+        composed_to_spirv(
+            self.path,
+            &source,
+            SpirvStage::Vertex,
+            self.entry_point,
+            &[],
+        )
+    }
 }
 
 /// What a shader module was made from.
@@ -40,10 +62,7 @@ impl ShaderModules {
             return Ok(*module);
         }
         let (path, spirv) = match key {
-            ModuleKey::Vertex(VertexStage { path, entry_point }) => (
-                path,
-                wgsl_to_spirv(path, SpirvStage::Vertex, entry_point, &[]),
-            ),
+            ModuleKey::Vertex(stage) => (stage.path, stage.spirv()),
             ModuleKey::Geometry(path, hands_on) => (path, geometry_spirv(path, hands_on)),
             ModuleKey::Fragment(path, entry_point) => (
                 path,

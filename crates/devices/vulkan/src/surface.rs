@@ -14,6 +14,7 @@ const SURFACE: PipelineDescriptor = PipelineDescriptor {
     vertex: VertexStage {
         path: "surface/surface.wgsl",
         entry_point: "vertex_main",
+        bends_footprints: false,
     },
     geometry: None,
     fragments: Fragments::Shader {

@@ -96,7 +96,7 @@ impl TexturedFill {
         let (constants, bindings) = match self.view.take() {
             Some(view) if (view.written.len(), view.stride) == (written.len(), stride) => {
                 if view.written != written {
-                    view.constants.rewrite(bytes)?;
+                    view.constants.rewrite(0, bytes)?;
                 }
                 (view.constants, view.bindings)
             }

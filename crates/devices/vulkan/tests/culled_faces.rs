@@ -97,6 +97,7 @@ fn samples(gpu: &Arc<Gpu>, targets: &RenderTargets) -> [u64; 3] {
             vertex: VertexStage {
                 path: "vertex/doubled.wgsl",
                 entry_point: "vertex_main",
+                bends_footprints: false,
             },
             geometry: None,
             fragments: Fragments::None,

@@ -121,10 +121,19 @@ fn buffers_have_the_size_asked_for_and_give_their_memory_back() {
         (now.buffer_creations, now.uploads, now.upload_bytes),
         (3, 2, 1004)
     );
-    let too_much = buffers[2].rewrite(&[0; 1004]).expect_err("larger");
+    let too_much = buffers[2].rewrite(0, &[0; 1004]).expect_err("larger");
     assert!(too_much.to_string().contains("found 1004, allowed 1001"));
-    assert!(buffers[2].rewrite(&[0; 3]).is_err(), "no whole word");
-    buffers[2].rewrite(&[0; 1000]).expect("fits");
+    assert!(buffers[2].rewrite(0, &[0; 3]).is_err(), "no whole word");
+    assert!(buffers[2].rewrite(2, &[0; 4]).is_err(), "no whole word");
+    assert!(
+        buffers[2].rewrite(4, &[0; 1000]).is_err(),
+        "one word behind"
+    );
+    buffers[2].rewrite(0, &[0; 1000]).expect("fits");
+    let parts: [(u64, &[u8]); 3] = [(1, &[7; 5]), (4, &[]), (998, &[8; 2])];
+    buffers[2].rewrite_parts(&parts).expect("they fit");
+    let beyond: [(u64, &[u8]); 2] = [(0, &[7; 4]), (998, &[8; 4])];
+    assert!(buffers[2].rewrite_parts(&beyond).is_err(), "a byte behind");
     drop(buffers);
     assert_eq!(gpu.allocated_bytes(), allocated);
 }
@@ -147,6 +156,7 @@ fn cover_descriptor(test: StencilTest) -> PipelineDescriptor {
         vertex: VertexStage {
             path: "vertex/cover.wgsl",
             entry_point: "vertex_main",
+            bends_footprints: false,
         },
         geometry: None,
         fragments: Fragments::Shader {
@@ -257,6 +267,7 @@ fn a_draw_that_does_not_fit_is_refused_and_nothing_is_drawn() {
         vertex: VertexStage {
             path: "vertex/doubled.wgsl",
             entry_point: "vertex_main",
+            bends_footprints: false,
         },
         fragments: Fragments::None,
         format: VertexFormat::FixedAndFlag,
@@ -334,6 +345,7 @@ fn a_draw_that_does_not_fit_is_refused_and_nothing_is_drawn() {
         vertex: VertexStage {
             path: "vertex/resolve.wgsl",
             entry_point: "vertex_main",
+            bends_footprints: false,
         },
         fragments: Fragments::Shader {
             path: "vertex/resolve.wgsl",
@@ -381,6 +393,7 @@ fn what_the_device_lacks_is_named() {
         vertex: VertexStage {
             path: "vertex/nothing.wgsl",
             entry_point: "vertex_main",
+            bends_footprints: false,
         },
         ..cover_descriptor(EVERYWHERE)
     };

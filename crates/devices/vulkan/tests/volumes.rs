@@ -68,6 +68,7 @@ fn descriptor(state: VolumeState) -> PipelineDescriptor {
         vertex: VertexStage {
             path: PATH,
             entry_point,
+            bends_footprints: false,
         },
         geometry: None,
         fragments,

@@ -13,6 +13,7 @@
 
 mod boundary;
 mod cone;
+mod cone_edge;
 mod footprint;
 mod geodesic;
 
@@ -20,6 +21,7 @@ use crate::{EdgeRule, Ellipsoid, Geodetic, Inside, Region};
 use boundary::{Band, Boundary, Curve, Leg, pieces_of_turn};
 pub use cone::SensorCone;
 use cone::Sight;
+pub use cone_edge::{ConeEdge, MovingFootprint};
 pub use footprint::{Footprint, FootprintMesher};
 use geodesic::{Geodesic, shortest_cut_m};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

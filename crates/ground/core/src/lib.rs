@@ -32,8 +32,8 @@ mod sweep;
 mod triangulate;
 
 pub use analytic::{
-    AnalyticError, AnalyticRegion, Footprint, FootprintMesher, GeodesicSector, SensorCone,
-    SurfaceEllipse,
+    AnalyticError, AnalyticRegion, ConeEdge, Footprint, FootprintMesher, GeodesicSector,
+    MovingFootprint, SensorCone, SurfaceEllipse,
 };
 pub use body::{Ellipsoid, Geodetic};
 pub use geojson::{

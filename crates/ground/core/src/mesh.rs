@@ -50,6 +50,37 @@ pub struct OrientedBox {
 }
 
 impl OrientedBox {
+    /// Around these vertices at both heights; see [`RegionMesh::oriented_box`].
+    ///
+    /// - `normals`: of the vertices, in their order
+    pub(crate) fn around(
+        body: &Ellipsoid,
+        vertices_ecef: &[DVec3],
+        normals: impl Iterator<Item = DVec3>,
+        heights: VolumeHeights,
+    ) -> Self {
+        let sum: DVec3 = vertices_ecef.iter().copied().sum();
+        let middle = body.ecef_to_geodetic(sum / vertices_ecef.len().max(1) as f64);
+        let up = body.geodetic_surface_normal(middle.longitude_rad, middle.latitude_rad);
+        let east = DVec3::new(-middle.longitude_rad.sin(), middle.longitude_rad.cos(), 0.0);
+        let axes = DMat3::from_cols(east, up.cross(east), up);
+        let to_local = axes.transpose();
+        let mut low = DVec3::INFINITY;
+        let mut high = DVec3::NEG_INFINITY;
+        for (vertex, normal) in vertices_ecef.iter().zip(normals) {
+            for height in [heights.top_m, heights.bottom_m] {
+                let local = to_local * (*vertex + normal * height);
+                low = low.min(local);
+                high = high.max(local);
+            }
+        }
+        Self {
+            center_ecef: axes * ((low + high) * 0.5),
+            axes,
+            half_extents_m: (high - low) * 0.5,
+        }
+    }
+
     /// The eight corners, ECEF metres.
     #[must_use]
     pub fn corners_ecef(&self) -> [DVec3; 8] {
@@ -131,15 +162,7 @@ impl RegionMesh {
     /// height.
     #[must_use]
     pub fn volume_heights(&self, lowest_m: f64, highest_m: f64) -> VolumeHeights {
-        let span = (highest_m - lowest_m).max(self.cap_sagitta_m);
-        let margin = span * 1e-3;
-        let radius_m = self.vertices_ecef.first().map_or(1.0, |v| v.length());
-        let raised_m = highest_m.max(0.0) + self.cap_sagitta_m;
-        let sagitta_m = self.cap_sagitta_m * (1.0 + 2.0 * raised_m / radius_m);
-        VolumeHeights {
-            top_m: highest_m + sagitta_m + margin,
-            bottom_m: lowest_m - margin,
-        }
+        volume_heights(&self.vertices_ecef, self.cap_sagitta_m, lowest_m, highest_m)
     }
 
     /// A box around the volume between `heights`, aligned with the local vertical at its middle.
@@ -147,28 +170,29 @@ impl RegionMesh {
     /// Holds every vertex at both heights, hence their convex hull, hence the volume.
     #[must_use]
     pub fn oriented_box(&self, body: &Ellipsoid, heights: VolumeHeights) -> OrientedBox {
-        let sum: DVec3 = self.vertices_ecef.iter().copied().sum();
-        let middle = body.ecef_to_geodetic(sum / self.vertices_ecef.len().max(1) as f64);
-        let up = body.geodetic_surface_normal(middle.longitude_rad, middle.latitude_rad);
-        let east = DVec3::new(-middle.longitude_rad.sin(), middle.longitude_rad.cos(), 0.0);
-        let axes = DMat3::from_cols(east, up.cross(east), up);
-        let to_local = axes.transpose();
-        let mut low = DVec3::INFINITY;
-        let mut high = DVec3::NEG_INFINITY;
-        for (vertex, degrees) in self.vertices_ecef.iter().zip(&self.vertices_deg) {
-            let normal =
-                body.geodetic_surface_normal(degrees[0].to_radians(), degrees[1].to_radians());
-            for height in [heights.top_m, heights.bottom_m] {
-                let local = to_local * (*vertex + normal * height);
-                low = low.min(local);
-                high = high.max(local);
-            }
-        }
-        OrientedBox {
-            center_ecef: axes * ((low + high) * 0.5),
-            axes,
-            half_extents_m: (high - low) * 0.5,
-        }
+        let normal = |degrees: &[f64; 2]| {
+            body.geodetic_surface_normal(degrees[0].to_radians(), degrees[1].to_radians())
+        };
+        let normals = self.vertices_deg.iter().map(normal);
+        OrientedBox::around(body, &self.vertices_ecef, normals, heights)
+    }
+}
+
+/// See [`RegionMesh::volume_heights`].
+pub(crate) fn volume_heights(
+    vertices_ecef: &[DVec3],
+    cap_sagitta_m: f64,
+    lowest_m: f64,
+    highest_m: f64,
+) -> VolumeHeights {
+    let span = (highest_m - lowest_m).max(cap_sagitta_m);
+    let margin = span * 1e-3;
+    let radius_m = vertices_ecef.first().map_or(1.0, |v| v.length());
+    let raised_m = highest_m.max(0.0) + cap_sagitta_m;
+    let sagitta_m = cap_sagitta_m * (1.0 + 2.0 * raised_m / radius_m);
+    VolumeHeights {
+        top_m: highest_m + sagitta_m + margin,
+        bottom_m: lowest_m - margin,
     }
 }
 

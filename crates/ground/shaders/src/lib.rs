@@ -15,7 +15,8 @@ pub use spirv::{
 };
 pub use textured::{RouteText, TEXTURED_COVER, TexturedParts, TexturedPlacement};
 pub use wgsl::{
-    ShaderError, ShaderSource, StructLayout, check_all, compose, modules, struct_layout, validate,
+    ShaderError, ShaderSource, StructLayout, check_all, compose, modules, shared_text,
+    struct_layout, validate, with_footprints,
 };
 
 use wgsl::{MODULES, SHARED};

@@ -23,8 +23,9 @@ pub(crate) use shader_sources;
 pub(crate) const MODULES: &[ShaderSource] = include!(concat!(env!("OUT_DIR"), "/modules.rs"));
 
 /// Files that others import.
-pub(crate) const SHARED: [ShaderSource; 4] = shader_sources![
+pub(crate) const SHARED: [ShaderSource; 5] = shader_sources![
     "shared/view.wgsl",
+    "shared/footprint.wgsl",
     "shared/region.wgsl",
     "shared/volume.wgsl",
     "shared/draw.wgsl",
@@ -92,13 +93,33 @@ pub(crate) fn compose_text(path: &str, text: &str) -> Result<String, ShaderError
                     path: path.to_owned(),
                     import: import.trim().to_owned(),
                 })?;
-            composed.push_str(shared.text);
+            composed.push_str(&compose_text(shared.path, shared.text)?);
         } else {
             composed.push_str(line);
         }
         composed.push('\n');
     }
     Ok(composed)
+}
+
+/// Text of a file that others import, such as one of pure functions that a test evaluates.
+///
+/// # Errors
+/// [`ShaderError::Unknown`].
+pub fn shared_text(path: &str) -> Result<&'static str, ShaderError> {
+    let shared = SHARED.iter().find(|source| source.path == path);
+    let shared = shared.ok_or_else(|| ShaderError::Unknown(path.to_owned()))?;
+    Ok(shared.text)
+}
+
+/// A composed source for scenes in which sensors' footprints move: volumes that have one are bent into
+/// it by the vertex stage. The text stays as it is where it reads no volumes.
+#[must_use]
+pub fn with_footprints(composed: &str) -> String {
+    composed.replace(
+        "override FOOTPRINTS: bool = false;",
+        "const FOOTPRINTS: bool = true;",
+    )
 }
 
 /// Parses and validates one composed source.
@@ -203,6 +224,21 @@ mod tests {
         assert_ne!(broken, composed);
         let error = validate("vertex/doubled.wgsl", &broken).expect_err("types differ");
         assert!(error.to_string().contains("vertex/doubled.wgsl"), "{error}");
+    }
+
+    #[test]
+    fn modules_that_draw_volumes_bend_footprints_when_asked_to() {
+        let mut bent = 0;
+        for source in MODULES {
+            let composed = compose(source.path).expect("exists");
+            let other = with_footprints(&composed);
+            let draws = source.text.contains("eye_relative_m(");
+            assert!(!draws || other != composed, "{}", source.path);
+            bent += usize::from(other != composed);
+            validate(source.path, &other).expect("valid both ways");
+        }
+        // Twin: what reads no volumes stays.
+        assert!(bent >= 5 && bent < MODULES.len(), "{bent}");
     }
 
     #[test]

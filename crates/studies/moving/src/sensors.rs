@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Sensors that fly and sweep: cones by frame, from a seed, and their footprints.
 
+use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, TAU};
 use terrafill_core::{
-    AnalyticError, EdgeRule, Ellipsoid, Footprint, FootprintMesher, Geodetic, Region, RegionMesh,
-    SensorCone,
+    AnalyticError, EdgeRule, Ellipsoid, Footprint, FootprintMesher, Geodetic, MovingFootprint,
+    Region, RegionMesh, SensorCone,
 };
 use terrafill_study::SplitMix64;
 
@@ -111,6 +112,37 @@ impl Sensors {
                 })
             })
             .collect()
+    }
+
+    /// The discs that a device bends into the footprints.
+    ///
+    /// - `first`: as in [`Sensors::regions`]
+    pub(crate) fn discs(&self, first: usize) -> Vec<RegionMesh> {
+        let indices = 0..self.sensors.len();
+        indices
+            .map(|index| self.mesher.disc(name(index), first + index))
+            .collect()
+    }
+
+    /// What a device bends them by at `frame`, by place in the scene.
+    ///
+    /// - `first`: as in [`Sensors::regions`]
+    pub(crate) fn bent(
+        &self,
+        frame: u32,
+        first: usize,
+    ) -> Result<BTreeMap<usize, MovingFootprint>, AnalyticError> {
+        let sensors = (first..).zip(&self.sensors);
+        sensors
+            .map(|(place, sensor)| Ok((place, self.mesher.moving(&Self::cone(sensor, frame))?)))
+            .collect()
+    }
+
+    /// How far a device may be off in f32 for any of these, metres from the apex.
+    pub(crate) fn rounding_bound_m(&self, bent: &BTreeMap<usize, MovingFootprint>) -> f64 {
+        let steps = self.mesher.steps();
+        let bounds = bent.values().map(|bent| bent.edge.rounding_bound_m(steps));
+        bounds.fold(0.0, f64::max)
     }
 
     /// Strips at `frame`.

@@ -2,6 +2,7 @@
 //! The scene that sensors move over, and how it goes from one frame to the next.
 
 use crate::sensors::Sensors;
+use std::collections::BTreeMap;
 use terrafill_core::{AnalyticError, MeshError, MeshOptions, Region, RegionMesh};
 use terrafill_fill::{
     CpuStopwatch, DeviceError, FillBackend, FillInput, NoSuchRegion, PreparedScene, RegionSet,
@@ -9,11 +10,17 @@ use terrafill_fill::{
 use terrafill_scene::{ImageSize, Overlap, PlanOptions, Scene, View};
 use terrafill_surface::{SurfaceError, SurfaceKind, open_surface};
 
+/// The eye from the apex, what is left of it, and the difference of the two, each rounded to f32 and
+/// no longer than the way from the eye to the far side of the body; along three axes.
+const SUBTRACTION_F32: f64 = 3.0 * 1.733 / (1 << 24) as f64;
+
 /// How a scene is brought up to date.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Upkeep {
     /// Strips with the same vertices and triangles, rewritten where they lie.
     Rewrite,
+    /// Discs that never change: the vertex stage bends them by a few numbers a cone.
+    Bend,
     /// The same strips, and everything is uploaded again.
     Reload,
     /// The general mesher, whose numbers of vertices change with the shape.
@@ -21,12 +28,13 @@ pub(crate) enum Upkeep {
 }
 
 impl Upkeep {
-    pub(crate) const ALL: [Self; 3] = [Self::Rewrite, Self::Reload, Self::Remesh];
+    pub(crate) const ALL: [Self; 4] = [Self::Rewrite, Self::Bend, Self::Reload, Self::Remesh];
 
     /// As a condition of a case.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Rewrite => "rewrite",
+            Self::Bend => "bend",
             Self::Reload => "reload",
             Self::Remesh => "remesh",
         }
@@ -104,12 +112,38 @@ impl Stage {
     pub(crate) fn start(&self, upkeep: Upkeep) -> Result<FillInput, StageError> {
         match upkeep {
             Upkeep::Rewrite | Upkeep::Reload => Ok(self.start.clone()),
+            Upkeep::Bend => {
+                let first = self.still.len();
+                let mut meshes = self.start.scene.meshes[..first].to_vec();
+                meshes.extend(self.sensors.discs(first));
+                let discs = PreparedScene {
+                    meshes: meshes.into(),
+                    ..self.start.scene.clone()
+                };
+                let scene = discs.with_footprints(self.sensors.bent(0, first)?)?;
+                Ok(self.start.remeshed(&scene, PlanOptions::default()))
+            }
             Upkeep::Remesh => {
                 let changed = self.meshes(0, upkeep)?;
                 let scene = self.start.scene.with_changed(changed)?;
                 Ok(self.start.remeshed(&scene, PlanOptions::default()))
             }
         }
+    }
+
+    /// How far vertices that the device computes in f32 may be off at `frame`, in metres and in pixels of
+    /// this view: the footprint's bound, and what subtracting the eye in f32 rounds away.
+    pub(crate) fn bound(&self, frame: u32) -> Result<[f64; 2], StageError> {
+        let bent = self.sensors.bent(frame, self.still.len())?;
+        let (camera, body) = (&self.start.camera, &self.start.scene.body);
+        let eye_m = camera.eye_ecef.length();
+        let farthest_m = eye_m + body.equatorial_radius_m();
+        let bound_m = self.sensors.rounding_bound_m(&bent) + SUBTRACTION_F32 * farthest_m;
+        // Nothing on the ground is nearer.
+        let nearest_m = eye_m - body.equatorial_radius_m();
+        let rows = f64::from(self.start.size.height);
+        let pixel_m = nearest_m * 2.0 * camera.tan_half_fov() / rows;
+        Ok([bound_m, bound_m / pixel_m])
     }
 
     /// What the reference draws at `frame`.
@@ -124,6 +158,7 @@ impl Stage {
         let first = self.still.len();
         let meshes = match upkeep {
             Upkeep::Rewrite | Upkeep::Reload => self.sensors.strips(frame, first, rule)?,
+            Upkeep::Bend => Vec::new(),
             Upkeep::Remesh => {
                 let regions = self.sensors.regions(frame, first)?;
                 let meshed = regions
@@ -147,11 +182,16 @@ impl Stage {
         let mut cost = StepCost::default();
         let watch = CpuStopwatch::start();
         let changed = self.meshes(frame, upkeep)?;
+        let bent = match upkeep {
+            Upkeep::Bend => self.sensors.bent(frame, self.still.len())?,
+            _ => BTreeMap::new(),
+        };
         cost.mesh_cpu_ms = watch.cpu_ms();
         let places: Vec<usize> = changed.iter().map(|(place, _)| *place).collect();
         let watch = CpuStopwatch::start();
         let scene = match upkeep {
             Upkeep::Rewrite | Upkeep::Remesh => before.scene.with_changed(changed)?,
+            Upkeep::Bend => before.scene.with_footprints(bent)?,
             Upkeep::Reload => {
                 let mut meshes = before.scene.meshes.to_vec();
                 for (place, mesh) in changed {
@@ -168,6 +208,8 @@ impl Stage {
                 let uploaded = backend.update(&input, &places)?;
                 (cost.upload_bytes, cost.regions) = (uploaded.bytes, uploaded.regions.len());
             }
+            // The meshes are those that it holds, so only constants are handed over.
+            Upkeep::Bend => cost.upload_bytes = backend.prepare(&input)?.upload_bytes,
             Upkeep::Reload => {
                 cost.upload_bytes = backend.prepare(&input)?.upload_bytes;
                 cost.regions = input.scene.meshes.len();

@@ -5,7 +5,7 @@ use crate::STUDY;
 use crate::chapter::MovingChapter;
 use crate::sensors::{FRAMES, Sensors};
 use crate::stage::{Stage, StageError, StepCost, Upkeep};
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use terrafill_conformance::{
@@ -14,7 +14,7 @@ use terrafill_conformance::{
 use terrafill_fill::{
     CpuStopwatch, DeviceError, FillBackend, FillInput, Frame, Role, Targets, Technique, Variant,
 };
-use terrafill_reference::ReferenceBackend;
+use terrafill_reference::{CloseLook, ReferenceBackend};
 use terrafill_results::{
     CaseId, Chapter, Kind, Metric, PlannedCase, RunError, Skipped, Status, Verdict,
 };
@@ -35,7 +35,7 @@ const FEW_FRAMES: u32 = 3;
 /// Wrong frames that a reason names.
 const MAX_NAMED: usize = 5;
 
-const METRICS: [Metric; 12] = [
+const METRICS: [Metric; 14] = [
     Metric::less(
         "moving_mesh_cpu_ms",
         "ms",
@@ -107,6 +107,18 @@ const METRICS: [Metric; 12] = [
         "px",
         Kind::Error,
         "Pixels outside the boundary band that differ from the reference; largest of all frames.",
+    ),
+    Metric::less(
+        "moving_bound_m",
+        "m",
+        Kind::Error,
+        "Upper bound on how far vertices that the device computes are off; largest of all frames.",
+    ),
+    Metric::less(
+        "moving_bound_px",
+        "px",
+        Kind::Error,
+        "The same in pixels at the distance of the nearest ground.",
     ),
 ];
 
@@ -214,12 +226,16 @@ impl Sweep {
                 let is_first = cases
                     .iter()
                     .all(|case: &MovingCase| case.technique.name() != technique.name());
-                // The two other ways are the same for all layouts: one of each technique shows them.
-                let ways = if is_first && !is_quick { 3 } else { 1 };
-                cases.extend(Upkeep::ALL[..ways].iter().map(|&upkeep| MovingCase {
-                    technique,
-                    variant: variant.clone(),
-                    upkeep,
+                // The last two ways are the same for all layouts: one of each technique shows them.
+                let ways = if is_first && !is_quick { 4 } else { 2 };
+                cases.extend(Upkeep::ALL[..ways].iter().map(|&upkeep| {
+                    MovingCase {
+                        technique,
+                        variant: variant
+                            .clone()
+                            .with_switches(|s| s.bends_footprints = upkeep == Upkeep::Bend),
+                        upkeep,
+                    }
                 }));
             }
         }
@@ -299,6 +315,8 @@ struct Compared {
     outside_px: u64,
     upload_bytes: u64,
     regions: usize,
+    /// Of vertices that the device computes, metres and pixels.
+    bound: Option<[f64; 2]>,
 }
 
 impl Compared {
@@ -334,13 +352,18 @@ impl Compared {
                 false => Status::Wrong,
             },
             reason,
-            figures: vec![
+            figures: [
                 ("moving_upload_bytes", self.upload_bytes as f64),
                 ("moving_uploaded_regions", self.regions as f64),
                 ("moving_frames_compared", f64::from(self.frames)),
                 ("moving_frames_wrong", self.wrong.len() as f64),
                 ("moving_outside_px", self.outside_px as f64),
-            ],
+            ]
+            .into_iter()
+            .chain(self.bound.into_iter().flat_map(|[metres, pixels]| {
+                [("moving_bound_m", metres), ("moving_bound_px", pixels)]
+            }))
+            .collect(),
             notes: vec![("image", image)],
         }
     }
@@ -390,12 +413,19 @@ impl<'a> SweepSession<'a> {
     ) -> Result<ErrorFigures, String> {
         let as_mask = !backend.tells_regions_apart();
         let reference = self.reference(frame).map_err(|error| error.to_string())?;
-        let rings = self.stage.as_rings(frame);
-        let rings = rings.map_err(|error| error.to_string())?;
-        let look = ReferenceBackend::new().look_closely(&rings).ok();
+        // Hardly any frame is asked about closely, and to get ready for it takes longer than to draw.
+        let rings: OnceCell<Option<FillInput>> = OnceCell::new();
+        let look: OnceCell<Option<CloseLook<'_>>> = OnceCell::new();
+        let closely = || {
+            let rings = rings
+                .get_or_init(|| self.stage.as_rings(frame).ok())
+                .as_ref()?;
+            let look = look.get_or_init(|| ReferenceBackend::new().look_closely(rings).ok());
+            look.as_ref()
+        };
         let as_compared = |id: u32| if as_mask { id.min(1) } else { id };
         let shows = |pixel: usize, id: u32| {
-            look.as_ref().is_some_and(|look| {
+            closely().is_some_and(|look| {
                 let mut ids = look.ids_within(pixel, BAND_RADIUS_PX).into_iter();
                 ids.any(|shown| as_compared(shown) == id)
             })
@@ -423,6 +453,11 @@ impl<'a> SweepSession<'a> {
                     step.1
                 }
             };
+            if case.upkeep == Upkeep::Bend {
+                let [metres, pixels] = self.stage.bound(frame)?;
+                let [most_m, most_px] = compared.bound.unwrap_or_default();
+                compared.bound = Some([most_m.max(metres), most_px.max(pixels)]);
+            }
             let drawn = backend.render(&input)?;
             compared.add(frame, self.figures(&*backend, &drawn, frame), cost);
         }
@@ -444,7 +479,7 @@ impl<'a> SweepSession<'a> {
             Err(error) => return Ok(Verdict::failed(error.to_string())),
         };
         let image = match case.upkeep {
-            Upkeep::Rewrite => self.write_picture(index, &mut flight)?,
+            Upkeep::Rewrite | Upkeep::Bend => self.write_picture(index, &mut flight)?,
             Upkeep::Reload | Upkeep::Remesh => String::new(),
         };
         self.flights.insert(index, flight);
@@ -596,10 +631,11 @@ mod tests {
         };
         assert_eq!(ways(Depth::Main, Upkeep::Remesh), 2);
         assert_eq!(ways(Depth::Quick, Upkeep::Remesh), 0);
-        assert_eq!(
-            ways(Depth::Main, Upkeep::Rewrite),
-            ways(Depth::Quick, Upkeep::Rewrite)
-        );
+        for of_every_layout in [Upkeep::Rewrite, Upkeep::Bend] {
+            let expected = ways(Depth::Quick, Upkeep::Rewrite);
+            assert_eq!(ways(Depth::Main, of_every_layout), expected);
+            assert_eq!(ways(Depth::Quick, of_every_layout), expected);
+        }
     }
 
     #[test]
@@ -624,6 +660,15 @@ mod tests {
                 match case.upkeep {
                     Upkeep::Rewrite => assert_eq!(regions, Some(4.0), "{name}"),
                     Upkeep::Reload => assert!(regions > Some(100.0), "{name}"),
+                    Upkeep::Bend => {
+                        assert_eq!(regions, Some(0.0), "{name}");
+                        // Constants of volumes and footprints of the four, and of nothing else.
+                        let bytes = figure("moving_upload_bytes").expect("counted");
+                        assert!((600.0..=4.0 * 160.0).contains(&bytes), "{name}: {bytes}");
+                        let [metres, pixels] = ["moving_bound_m", "moving_bound_px"].map(figure);
+                        assert!(metres.is_some_and(|metres| 0.1 < metres && metres < 10.0));
+                        assert!(pixels.is_some_and(|pixels| pixels < 0.01), "{pixels:?}");
+                    }
                     Upkeep::Remesh => {}
                 }
                 let key = (case.technique.name(), case.upkeep.name());

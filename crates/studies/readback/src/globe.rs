@@ -43,6 +43,7 @@ pub(crate) fn globe(size: ImageSize) -> Result<FillInput, SurfaceError> {
         regions: Arc::new([]),
         meshes: RegionSet::default(),
         levels: Arc::default(),
+        footprints: Arc::default(),
         bounds: Arc::new([]),
         surface: EllipsoidKind::surface(&body, ROWS),
         texture: None,

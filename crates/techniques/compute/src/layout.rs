@@ -107,10 +107,10 @@ impl MeshSlice {
         (counts(self) == counts(other)).then_some(Self { place, ..*self })
     }
 
-    /// First byte of its indices.
-    pub(crate) fn first_index_byte(&self) -> u64 {
-        let index_bytes = if self.place.has_short_indices { 2 } else { 4 };
-        u64::from(self.place.first_triangle_index) * index_bytes
+    /// First word of its indices.
+    pub(crate) fn first_index_word(&self) -> usize {
+        let in_a_word = if self.place.has_short_indices { 2 } else { 1 };
+        self.place.first_triangle_index as usize / in_a_word
     }
 
     /// Indices that the region's volume takes.

@@ -62,16 +62,17 @@ impl<'a> Groups<'a> {
 }
 
 fn compute_pipeline(
-    gpu: &Gpu,
+    fill: &VolumeFill,
     (path, entry_point): (&str, &str),
     groups: &[Option<&wgpu::BindGroupLayout>],
     constants: &[(&str, f64)],
 ) -> Result<wgpu::ComputePipeline, DeviceError> {
+    let gpu = fill.gpu();
     Ok(
         gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some(entry_point),
             layout: Some(&gpu.pipeline_layout("compute", groups)),
-            module: &gpu.shader(path)?,
+            module: &fill.shader(path)?,
             entry_point: Some(entry_point),
             compilation_options: wgpu::PipelineCompilationOptions {
                 constants,
@@ -83,7 +84,7 @@ fn compute_pipeline(
 }
 
 fn expand_pipeline(
-    gpu: &Gpu,
+    fill: &VolumeFill,
     Groups(all): &Groups<'_>,
     variant: ComputeVariant,
 ) -> Result<wgpu::ComputePipeline, DeviceError> {
@@ -94,11 +95,11 @@ fn expand_pipeline(
         (Expansion::PerFrame, GpuCulling::Regions) => ("expand_drawn", &all[..]),
         (Expansion::PerFrame, GpuCulling::Triangles) => ("expand_visible", &all[..]),
     };
-    compute_pipeline(gpu, ("compute/expand.wgsl", entry_point), groups, &[])
+    compute_pipeline(fill, ("compute/expand.wgsl", entry_point), groups, &[])
 }
 
 fn cull_pipeline(
-    gpu: &Gpu,
+    fill: &VolumeFill,
     Groups(all): &Groups<'_>,
     culling: GpuCulling,
 ) -> Result<wgpu::ComputePipeline, DeviceError> {
@@ -107,7 +108,7 @@ fn cull_pipeline(
     // again where a layout has a gap.
     let tests_pieces = f64::from(u8::from(culling == GpuCulling::Triangles));
     let constants = [("TESTS_PIECES", tests_pieces)];
-    compute_pipeline(gpu, ("compute/cull.wgsl", "cull_main"), all, &constants)
+    compute_pipeline(fill, ("compute/cull.wgsl", "cull_main"), all, &constants)
 }
 
 impl Pipelines {
@@ -117,21 +118,21 @@ impl Pipelines {
         let groups = Groups::new(fill.frame_layout(), &bindings);
         let cull = match variant.culling {
             GpuCulling::Off => None,
-            culling => Some(cull_pipeline(&gpu, &groups, culling)?),
+            culling => Some(cull_pipeline(fill, &groups, culling)?),
         };
         let place = match variant.transform {
             Transform::VertexStage => None,
             Transform::ComputeStage => {
                 let entry_point = ("compute/expand.wgsl", "place_corners");
-                Some(compute_pipeline(&gpu, entry_point, &groups.0[..3], &[])?)
+                Some(compute_pipeline(fill, entry_point, &groups.0[..3], &[])?)
             }
         };
         Ok(Self {
             place,
             transform: variant.transform,
-            expand: expand_pipeline(&gpu, &groups, variant)?,
+            expand: expand_pipeline(fill, &groups, variant)?,
             cull,
-            volume_shader: gpu.shader("compute/fill.wgsl")?,
+            volume_shader: fill.shader("compute/fill.wgsl")?,
             volume_layout: gpu.pipeline_layout("compute", &groups.0[..2]),
             volumes: HashMap::new(),
             bindings,

@@ -34,6 +34,8 @@ pub(crate) struct SceneBuffers {
     meshes: Vec<MeshSlice>,
     positions: wgpu::Buffer,
     indices: wgpu::Buffer,
+    /// What that holds.
+    index_words: Vec<u32>,
     /// Both of them.
     pub(crate) bind_group: wgpu::BindGroup,
     bytes: ComputeBytes,
@@ -57,8 +59,14 @@ impl SceneBuffers {
             let first_byte = 12 * u64::from(slice.place.first_vertex);
             let positions = bytemuck::cast_slice(&geometry.positions);
             gpu.write_buffer(&self.positions, first_byte, positions);
-            let indices = bytemuck::cast_slice(&geometry.indices);
-            gpu.write_buffer(&self.indices, slice.first_index_byte(), indices);
+            let first_word = slice.first_index_word();
+            let held = &mut self.index_words[first_word..][..geometry.indices.len()];
+            // Where triangles stay as they are, so do their indices.
+            if held != geometry.indices {
+                held.copy_from_slice(&geometry.indices);
+                let indices = bytemuck::cast_slice(&geometry.indices);
+                gpu.write_buffer(&self.indices, 4 * first_word as u64, indices);
+            }
             self.meshes[mesh] = slice;
         }
         true
@@ -226,6 +234,7 @@ impl RegionVolumes for ComputeVolumes {
             meshes: geometry.meshes,
             positions,
             indices,
+            index_words: geometry.indices,
             bind_group,
             bytes,
             expanded,

@@ -55,7 +55,7 @@ impl Pipelines {
     pub(crate) fn new(fill: &VolumeFill) -> Result<Self, DeviceError> {
         let gpu = fill.gpu();
         Ok(Self {
-            shader: gpu.shader("instanced/fill.wgsl")?,
+            shader: fill.shader("instanced/fill.wgsl")?,
             layout: gpu.pipeline_layout("instanced", &[Some(fill.frame_layout())]),
             volumes: HashMap::new(),
         })

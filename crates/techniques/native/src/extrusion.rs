@@ -170,7 +170,11 @@ impl Extrusion {
             _ => "native/volume.wgsl",
         };
         PipelineDescriptor {
-            vertex: VertexStage { path, entry_point },
+            vertex: VertexStage {
+                path,
+                entry_point,
+                bends_footprints: false,
+            },
             geometry: self.geometry_path(part).map(|path| GeometryStage {
                 path,
                 hands_on,

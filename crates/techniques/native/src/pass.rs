@@ -8,8 +8,8 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 use terrafill_fill::{
-    DeviceError, FillInput, GeometryBytes, MemoryUse, RegionVolumes, Switches, VolumeBackend,
-    VolumeDraw, VolumeList, VolumePlace, VolumeState,
+    DeviceError, FillInput, GeometryBytes, IndexLists, MemoryUse, RegionVolumes, Switches,
+    VolumeBackend, VolumeDraw, VolumeList, VolumePlace, VolumeState,
 };
 use terrafill_vulkan::{
     Buffer, BufferUse, Geometry, Gpu, IndexWidth, Pipeline, PipelineDescriptor, VolumeFill,
@@ -40,6 +40,8 @@ struct SceneBuffers {
     vertices: Buffer,
     short_indices: Buffer,
     long_indices: Buffer,
+    /// What the two hold.
+    indices: IndexLists,
     bytes: GeometryBytes,
 }
 
@@ -103,18 +105,25 @@ impl RegionVolumes for NativeVolumes {
             };
             rewritten.push((mesh, slice, geometry));
         }
-        for (mesh, slice, geometry) in rewritten {
-            let vertex_bytes = 4 * words_per_vertex(technique) as u64;
+        let vertex_bytes = 4 * words_per_vertex(technique) as u64;
+        let mut vertices: Vec<(u64, &[u8])> = Vec::new();
+        let (mut short, mut long) = (vertices.clone(), vertices.clone());
+        for (mesh, slice, geometry) in &rewritten {
             let first_byte = u64::from(slice.first_vertex) * vertex_bytes;
-            let vertices = bytemuck::cast_slice(&geometry.vertices);
-            scene.vertices.rewrite_part(first_byte, vertices)?;
-            let first_index = u64::from(slice.first_index);
-            let short = bytemuck::cast_slice(&geometry.indices.short);
-            scene.short_indices.rewrite_part(2 * first_index, short)?;
-            let long = bytemuck::cast_slice(&geometry.indices.long);
-            scene.long_indices.rewrite_part(4 * first_index, long)?;
-            scene.regions[mesh] = slice;
+            vertices.push((first_byte, bytemuck::cast_slice(&geometry.vertices)));
+            let (first, indices) = (slice.first_index as usize, &geometry.indices);
+            // Where triangles stay as they are, so do their indices.
+            if replace(&mut scene.indices.short, first, &indices.short) {
+                short.push((2 * first as u64, bytemuck::cast_slice(&indices.short)));
+            }
+            if replace(&mut scene.indices.long, first, &indices.long) {
+                long.push((4 * first as u64, bytemuck::cast_slice(&indices.long)));
+            }
+            scene.regions[*mesh] = *slice;
         }
+        scene.vertices.rewrite_parts(&vertices)?;
+        scene.short_indices.rewrite_parts(&short)?;
+        scene.long_indices.rewrite_parts(&long)?;
         Ok(true)
     }
 }
@@ -146,6 +155,7 @@ impl NativeVolumes {
                 BufferUse::Index,
             )?,
             regions: geometry.regions,
+            indices: geometry.indices,
             bytes,
         });
         Ok(())
@@ -161,8 +171,9 @@ impl NativeVolumes {
         variant.technique.parts().iter().map(move |&part| {
             let (indices, depth_bounds) = (variant.indices(), variant.switches.depth_bounds);
             let technique = variant.technique;
-            let pipeline =
+            let mut pipeline =
                 technique.volume_pipeline(part, indices, state, without_bottom, depth_bounds);
+            pipeline.vertex.bends_footprints = variant.switches.bends_footprints;
             (part, pipeline)
         })
     }
@@ -243,6 +254,18 @@ impl Volumes for NativeVolumes {
             }
         }
     }
+}
+
+/// Writes a part of a list; whether that changes it.
+fn replace<T: Copy + PartialEq>(list: &mut [T], first: usize, part: &[T]) -> bool {
+    if part.is_empty() {
+        // Of the other width, where `first` counts in another list.
+        return false;
+    }
+    let held = &mut list[first..][..part.len()];
+    let differs = held != part;
+    held.copy_from_slice(part);
+    differs
 }
 
 /// Whether every vertex has a number of its own in the geometry shader.

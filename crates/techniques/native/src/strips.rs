@@ -193,7 +193,6 @@ enum Upward {
 }
 
 impl Upward {
-    const ALL: [Self; 4] = [Self::Ends, Self::Turns(1), Self::Turns(2), Self::Closed];
     const OPEN: [Self; 3] = [Self::Ends, Self::Turns(1), Self::Turns(2)];
 
     fn place(self) -> usize {
@@ -299,13 +298,13 @@ impl Forest {
         // By side: what the child's path costs less its own when closed, whatever this triangle's turn,
         // with a turn of 1, and with one of 2.
         let mut joined: [Option<[i64; 3]>; 3] = [None; 3];
-        for side in 0..3 {
+        for (side, joined) in joined.iter_mut().enumerate() {
             let Some(child) = self.child(triangle, side) else {
                 continue;
             };
             let [ends, first, second, closed] = self.costs[child];
             apart += closed;
-            joined[side] = Some(
+            *joined = Some(
                 [
                     ends.min(first).min(second),
                     ends.min(first + 1).min(second),
@@ -537,6 +536,14 @@ mod tests {
     use crate::layout::tests::{annulus, planar, real_meshes};
     use std::collections::BTreeSet;
 
+    /// In the order of [`Upward::place`].
+    const WAYS: [Upward; 4] = [
+        Upward::Ends,
+        Upward::Turns(1),
+        Upward::Turns(2),
+        Upward::Closed,
+    ];
+
     /// Triangles of strips as Vulkan makes them ("Triangle Strips"), those with equal corners left
     /// out; `odd` are the places of the last two corners in every second one.
     fn triangles_of(strips: &Strips, odd: [usize; 2]) -> Vec<[u32; 3]> {
@@ -593,7 +600,7 @@ mod tests {
             assert_eq!(counts.corners(), strips.corners.len(), "{}", mesh.name);
             let forest = Forest::over(&neighbours);
             for triangle in 0..mesh.triangle_count() {
-                let best = Upward::ALL.map(|upward| forest.links(triangle).best(upward).0);
+                let best = WAYS.map(|upward| forest.links(triangle).best(upward).0);
                 assert_eq!(forest.costs[triangle], best, "{}", mesh.name);
             }
             // Twin: by the paths' cost alone a first turn that is free from neither end is missing.

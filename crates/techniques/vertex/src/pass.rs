@@ -217,7 +217,8 @@ impl SceneBuffers {
             let long = bytemuck::cast_slice(&indices.long);
             gpu.write_buffer(&self.long_indices, first_byte, long);
         }
-        if !indices.short.is_empty() {
+        // Where triangles stay as they are, so do their indices.
+        if !indices.short.is_empty() && self.short[range.clone()] != indices.short {
             self.short[range.clone()].copy_from_slice(&indices.short);
             let (first_byte, words) = whole_words(&self.short, range);
             let words = bytemuck::cast_slice(&words);

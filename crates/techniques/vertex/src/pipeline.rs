@@ -73,7 +73,7 @@ impl Pipelines {
         };
         Ok(Self {
             variant,
-            shader: gpu.shader(path)?,
+            shader: fill.shader(path)?,
             layout,
             volumes: HashMap::new(),
             geometry_layout,

@@ -44,17 +44,17 @@ pub struct SensorCone {
 
 /// A cone and the body it looks at, ready for intersection.
 pub(super) struct Sight {
-    radii_m: DVec3,
-    apex_ecef: DVec3,
+    pub(super) radii_m: DVec3,
+    pub(super) apex_ecef: DVec3,
     /// Apex divided by the radii.
-    p: DVec3,
+    pub(super) p: DVec3,
     /// `|p|² − 1`, from the height: taken from `p` it would lose a low apex.
-    g: f64,
-    axis: DVec3,
+    pub(super) g: f64,
+    pub(super) axis: DVec3,
     /// With the axis: `right × forward = −axis`, so that the cone's edge is traversed
     /// counter-clockwise as the apex sees it.
-    right: DVec3,
-    forward: DVec3,
+    pub(super) right: DVec3,
+    pub(super) forward: DVec3,
     pub(super) half_angle_rad: f64,
 }
 

@@ -11,6 +11,7 @@
 //! ([`RegionMesh::volume_heights`]).
 
 use super::cone::Sight;
+use super::cone_edge::{MovingFootprint, faces_inwards};
 use super::{AnalyticError, SensorCone, check_cone, misses};
 use crate::edge::area::{ZoneArea, compensated_sum};
 use crate::edge::{Degrees, edge_bounds_m};
@@ -72,17 +73,7 @@ impl FootprintMesher {
     /// [`AnalyticError`] for values out of range, a cone that misses the body,
     /// [`AnalyticError::NotAllRound`] for one whose edge meets it in part only or that holds a pole.
     pub fn footprint(&self, cone: &SensorCone) -> Result<Footprint, AnalyticError> {
-        check_cone(&self.body, cone)?;
-        let sight = Sight::new(&self.body, cone);
-        if !sight.meets_all_round() {
-            return Err(match sight.boundary(&self.body) {
-                Some(_) => AnalyticError::NotAllRound {
-                    body: self.body.name(),
-                    why: "the horizon cuts it off",
-                },
-                None => misses(&self.body, &sight),
-            });
-        }
+        let sight = self.sight(cone)?;
         let vertices_ecef: Vec<DVec3> = self
             .steps
             .iter()
@@ -107,6 +98,67 @@ impl FootprintMesher {
             vertices_deg,
             vertices_ecef,
         })
+    }
+
+    /// # Errors
+    /// As [`FootprintMesher::footprint`], poles aside.
+    fn sight(&self, cone: &SensorCone) -> Result<Sight, AnalyticError> {
+        check_cone(&self.body, cone)?;
+        let sight = Sight::new(&self.body, cone);
+        if sight.meets_all_round() {
+            return Ok(sight);
+        }
+        Err(match sight.boundary(&self.body) {
+            Some(_) => AnalyticError::NotAllRound {
+                body: self.body.name(),
+                why: "the horizon cuts it off",
+            },
+            None => misses(&self.body, &sight),
+        })
+    }
+
+    /// The edge of a cone for a device that makes the vertices itself, from [`FootprintMesher::disc`].
+    ///
+    /// # Errors
+    /// As [`FootprintMesher::footprint`], and as [`FootprintMesher::mesh`]; a footprint may hold a pole.
+    pub fn moving(&self, cone: &SensorCone) -> Result<MovingFootprint, AnalyticError> {
+        let edge = self.sight(cone)?.edge();
+        MovingFootprint::new(&self.body, edge, &self.steps, &self.triangles)
+    }
+
+    /// The mesh that a device bends into any footprint: vertices, triangles and boundary as of
+    /// [`FootprintMesher::mesh`], but a vertex's position is `(cos, sin, 0)` of its angle about the
+    /// axis. It lies on no body.
+    ///
+    /// - `index`: [`RegionMesh::region_index`]
+    #[must_use]
+    pub fn disc(&self, name: impl Into<String>, index: usize) -> RegionMesh {
+        let vertices = self.steps.iter();
+        RegionMesh {
+            region_index: index,
+            name: name.into(),
+            vertices_ecef: vertices.map(|&[x, y]| DVec3::new(x, y, 0.0)).collect(),
+            vertices_deg: vec![[0.0; 2]; self.steps.len()],
+            triangles: self.triangles.clone(),
+            boundary_loops: vec![(0..self.steps.len()).map(index_u32).collect()],
+            holes: 0,
+            area_m2: 0.0,
+            extent: Extent {
+                west_deg: -180.0,
+                south_deg: -90.0,
+                east_deg: 180.0,
+                north_deg: 90.0,
+            },
+            boundary_deviation_m: 0.0,
+            cap_sagitta_m: 0.0,
+            warnings: Vec::new(),
+        }
+    }
+
+    /// Cosine and sine of each vertex's angle about the axis.
+    #[must_use]
+    pub fn steps(&self) -> &[[f64; 2]] {
+        &self.steps
     }
 
     /// The footprint as a region, for whoever reads rings.
@@ -146,11 +198,7 @@ impl FootprintMesher {
         } = footprint;
         let triangles = self.triangles.iter();
         let facets = triangles.map(|triangle| triangle.map(|i| vertices_ecef[i as usize]));
-        let faces_inwards = |facet: [DVec3; 3]| {
-            let [a, b, c] = facet.map(|corner| corner / body.radii_m());
-            a.dot(b.cross(c)) <= 0.0
-        };
-        if facets.clone().any(faces_inwards) {
+        if facets.clone().any(|facet| faces_inwards(body, facet)) {
             return Err(AnalyticError::Folded { body: body.name() });
         }
         let cap_sagitta_m = sagitta_m(body, facets);

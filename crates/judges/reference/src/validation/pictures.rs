@@ -48,6 +48,7 @@ fn input(body: Ellipsoid, pose: &CameraPose, size: u32, rows: u32) -> FillInput 
             regions: Arc::from([]),
             meshes: RegionSet::default(),
             levels: Arc::default(),
+            footprints: Arc::default(),
             bounds: Arc::from([]),
             surface,
             texture: None,

@@ -116,6 +116,7 @@ impl Shot {
                 regions: regions(self.coordinates).into(),
                 meshes: RegionSet::default(),
                 levels: Arc::default(),
+                footprints: Arc::default(),
                 bounds: Arc::from([]),
                 surface,
                 texture: Some(Arc::new(checker(self.placement))),

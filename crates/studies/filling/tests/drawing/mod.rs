@@ -239,6 +239,7 @@ pub(crate) fn scene_within(
         regions: regions.into(),
         meshes: RegionSet::default(),
         levels: Arc::default(),
+        footprints: Arc::default(),
         bounds: Arc::new([]),
         surface: EllipsoidKind::surface(&body, rows),
         texture: None,
