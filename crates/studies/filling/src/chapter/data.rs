@@ -74,6 +74,8 @@ pub(super) struct View<'a> {
     pub(super) baselines: Vec<&'a Case>,
     /// Techniques.
     pub(super) cases: Vec<&'a Case>,
+    /// What users would pick instead; they compete with nothing.
+    pub(super) rivals: Vec<&'a Case>,
 }
 
 impl<'a> Data<'a> {
@@ -236,10 +238,13 @@ impl<'a> Data<'a> {
                     name: view,
                     baselines: Vec::new(),
                     cases: Vec::new(),
+                    rivals: Vec::new(),
                 },
             );
             if is_baseline(case) {
                 view.baselines.push(case);
+            } else if is_rival(case) {
+                view.rivals.push(case);
             } else {
                 view.cases.push(case);
             }
@@ -282,6 +287,7 @@ impl<'a> Data<'a> {
     pub(super) fn command(&self, case: &Case) -> String {
         let is_drawn = !is_baseline(case)
             && !has_role(case, "subdivision")
+            && !is_rival(case)
             && ["", "scene"].contains(&case.condition("picture"));
         if !is_drawn {
             return String::new();
@@ -376,6 +382,11 @@ pub(super) fn has_role(case: &Case, role: &str) -> bool {
 
 pub(super) fn is_baseline(case: &Case) -> bool {
     [DEPTH_PASS, STENCIL_PASS].contains(&case.condition("technique"))
+}
+
+/// Whether it is what users would pick instead.
+pub(super) fn is_rival(case: &Case) -> bool {
+    has_role(case, "rival")
 }
 
 fn is_listed(case: &Case) -> bool {

@@ -17,6 +17,7 @@ mod matrix;
 mod memory;
 mod pairs;
 mod published;
+mod rivals;
 mod rungs;
 mod scenes;
 mod subdivision;
@@ -61,6 +62,7 @@ impl Chapter for FillingChapter {
         let ladders = rungs::ladders(&data);
         blocks.extend(claims::blocks(&data, &ladders));
         blocks.extend(ladder::blocks(&data, &ladders)?);
+        blocks.extend(rivals::blocks(&data));
         blocks.extend(pairs::blocks(&data));
         blocks.extend(matrix::blocks(&data));
         blocks.extend(memory::blocks(&data)?);

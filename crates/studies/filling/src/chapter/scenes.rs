@@ -2,7 +2,7 @@
 //! Every scene with its views: plots, tables of all cases, and pictures beside the reference's.
 
 use super::data::{
-    DEPTH_PASS, Data, STENCIL_PASS, Scene, View, counter, has_role, is_baseline, name,
+    DEPTH_PASS, Data, STENCIL_PASS, Scene, View, counter, has_role, is_baseline, is_rival, name,
 };
 use super::ladder::no_ratio;
 use super::{error_time, memory, published};
@@ -271,8 +271,8 @@ fn ratio_row(data: &Data<'_>, case: &Case, ratio: Option<Estimate>) -> RatioRow 
     }
 }
 
-/// The fastest right fill of a view. The points of a sweep draw coarser boundaries on purpose.
-fn best<'a>(data: &Data<'a>, view: &View<'a>) -> Option<&'a Case> {
+/// The fastest right fill of a view, of the techniques. The points of a sweep draw coarser boundaries on purpose.
+pub(super) fn best<'a>(data: &Data<'a>, view: &View<'a>) -> Option<&'a Case> {
     let competes = |case: &&&Case| !has_role(case, "sweep") || has_role(case, "main");
     let timed = view.cases.iter().filter(competes);
     let timed = timed.filter_map(|case| Some((*case, data.right_time(case)?.median)));
@@ -395,6 +395,7 @@ fn table(data: &Data<'_>, palette: &Palette, view: &View<'_>) -> Table {
     ];
     headings.extend(COLUMNS.map(|(text, metric, ..)| Heading::metric(text, metric)));
     let cases = view.baselines.iter().chain(&view.cases);
+    let cases = cases.chain(&view.rivals);
     Table {
         rows: cases
             .map(|case| row(data, palette, case, other.1))
@@ -454,7 +455,8 @@ fn row(data: &Data<'_>, palette: &Palette, case: &Case, other_metric: &str) -> R
 /// A time, which counts for nothing when the picture is wrong.
 fn time_cell(case: &Case, text: Option<String>, why: &str) -> Cell {
     match text {
-        Some(text) if case.outcome == Outcome::Wrong => Cell {
+        // A rival's error is part of the answer, and stands beside its time.
+        Some(text) if case.outcome == Outcome::Wrong && !is_rival(case) => Cell {
             class: CellClass::Void,
             title: "the picture is wrong: this time counts for nothing".to_owned(),
             ..Cell::plain(text)
@@ -483,16 +485,16 @@ fn pictures(data: &Data<'_>, scene: &Scene<'_>, view: &View<'_>) -> Option<Pictu
             caption,
         })
     };
-    let listed = view.cases.iter().copied();
+    let listed: Vec<&Case> = view.cases.iter().chain(&view.rivals).copied().collect();
     let wrong = data.cases.iter().copied().filter(|case| {
         let is_here = case.condition("scene") == scene.name && case.condition("view") == view.name;
         // Textured fills have their pictures in their own section.
         is_here
             && case.outcome == Outcome::Wrong
             && !has_role(case, "texture")
-            && !view.cases.iter().any(|listed| listed.id() == case.id())
+            && !listed.iter().any(|listed| listed.id() == case.id())
     });
-    let cases: Vec<&Case> = listed.chain(wrong).collect();
+    let cases: Vec<&Case> = listed.iter().copied().chain(wrong).collect();
     let reference = cases
         .iter()
         .find_map(|case| picture(case, "reference_image", "reference".to_owned()))
