@@ -46,8 +46,9 @@ struct TexturedRegion {
 override FADES: bool = false;
 // Whether nothing is drawn beyond the picture's edges; otherwise the sampler says what is there.
 override ENDS_AT_EDGES: bool = false;
-// Whether a vector of length 1 is normalised once more, for its price to be measured (Cozzi, 2007).
-override NORMALIZES_TWICE: bool = false;
+// Whether the position is normalised before its angles are taken, which no angle needs, for the price to
+// be measured (Cozzi, 2007, 4.5).
+override NORMALIZES_POSITION: bool = false;
 
 // Whether no pixel of the region spans more than a texel: its level is 0 without looking.
 override IS_MAGNIFIED: bool = false;
@@ -78,10 +79,7 @@ fn angles_per_pixel(offset_m: vec3<f32>, depth: f32) -> vec4<f32> {
     let q = offset_m - textured.eye_m;
     let distance = view.near_m / depth;
     // On the ellipsoid this is along the geodetic normal; at 10 km height it is 5e-6 rad off.
-    var n = normalize(p * view.normal_scale);
-    if NORMALIZES_TWICE {
-        n = normalize(n);
-    }
+    let n = normalize(p * view.normal_scale);
     // Seen edge on, a pixel's footprint has no end, and the coarsest level is right for it.
     let facing = min(dot(q, n), -1e-6 * distance);
     let right = textured.right * distance;
@@ -152,7 +150,12 @@ fn find(pixel: vec2<f32>) -> Found {
         let uv = vec2<f32>(depth) + pixel / vec2<f32>(textureDimensions(surface_depth));
         return Found(Place(uv, 0.0, 0.0, 0.0), 0.0);
     }
-    let offset_m = offset_of(pixel, depth);
+    var offset_m = offset_of(pixel, depth);
+    if NORMALIZES_POSITION {
+        // Back to its length, since routes take offsets: one product and one difference more than then.
+        let p = textured.anchor_m + offset_m;
+        offset_m = normalize(p) * length(p) - textured.anchor_m;
+    }
     let angles = angles_of(offset_m);
     let distance_m = length(offset_m - textured.eye_m);
     if IS_MAGNIFIED {

@@ -178,7 +178,7 @@ pub struct Switches {
     pub texture: Option<RouteChoice>,
     /// How a textured fill's fragments find their position; by way of the region's frame without.
     pub position: Option<PositionRoute>,
-    /// A textured fill's fragments normalise their unit normal once more, as the shaders of 2007 did.
+    /// A textured fill's fragments normalise their position, which no angle needs, as those of 2007 did.
     pub superfluous_normalize: bool,
     /// The vertex stage bends discs into the footprints of sensors' cones, for scenes that have some.
     pub bends_footprints: bool,
@@ -416,7 +416,7 @@ impl Switches {
         if self.superfluous_normalize && self.texture.is_none() {
             return Err(SwitchError {
                 switch: "normalize",
-                found: "superfluous for a plain fill, which has no normal".to_owned(),
+                found: "superfluous for a plain fill, which looks for no position".to_owned(),
                 allowed: "needed, or texture=chosen or a route".to_owned(),
             });
         }

@@ -11,7 +11,7 @@ use crate::{
     Variant,
 };
 use std::fmt::Debug;
-use terrafill_core::RegionMesh;
+use terrafill_core::{EdgeRule, RegionMesh};
 use terrafill_scene::{Overlap, Scene};
 
 /// What variants are wanted for.
@@ -35,6 +35,23 @@ pub trait Technique: Sync + Debug {
 
     /// The graphics interface. Techniques of one share a device and a set of render targets.
     fn api(&self) -> Api;
+
+    /// What this machine lacks for any of its variants; `None` where nothing is known to be missing.
+    fn missing(&self) -> Option<String> {
+        None
+    }
+
+    /// What a ring edge is to `variant` where the scene says `scene`: its picture is compared with a
+    /// reference that takes edges for the same.
+    fn edge_rule(&self, _variant: &Variant, scene: EdgeRule) -> EdgeRule {
+        scene
+    }
+
+    /// Whether it draws a surface of its own and not the input's: its picture is then compared with the body
+    /// itself.
+    fn draws_own_surface(&self) -> bool {
+        false
+    }
 
     /// Parameters of its own; the first one is the layout.
     fn parameters(&self) -> &'static [Parameter];

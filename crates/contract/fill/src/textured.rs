@@ -81,8 +81,8 @@ pub struct TexturedCover {
     /// Whether no pixel of it spans more than a texel of the picture, by a bound: the level of detail
     /// is 0 everywhere, and the shader need not look for it.
     pub is_magnified: bool,
-    /// Whether a normal of length 1 is normalised once more, for its price to be measured.
-    pub normalizes_twice: bool,
+    /// Whether the position is normalised before its angles are taken, for the price to be measured.
+    pub normalizes_position: bool,
     /// Whether it is [`RouteChoice::Floor`]: the route is not taken.
     pub is_floor: bool,
 }
@@ -93,7 +93,7 @@ pub struct CoverOverrides {
     fades: bool,
     ends_at_edges: bool,
     is_magnified: bool,
-    normalizes_twice: bool,
+    normalizes_position: bool,
     is_floor: bool,
 }
 
@@ -105,7 +105,7 @@ impl CoverOverrides {
             fades: false,
             ends_at_edges: false,
             is_magnified: false,
-            normalizes_twice: false,
+            normalizes_position: self.normalizes_position,
             is_floor: self.is_floor,
         }
     }
@@ -117,7 +117,7 @@ impl CoverOverrides {
             ("FADES", self.fades),
             ("ENDS_AT_EDGES", self.ends_at_edges),
             ("IS_MAGNIFIED", self.is_magnified),
-            ("NORMALIZES_TWICE", self.normalizes_twice),
+            ("NORMALIZES_POSITION", self.normalizes_position),
             ("IS_FLOOR", self.is_floor),
         ]
         .map(|(name, is_so)| (name, f64::from(u8::from(is_so))))
@@ -138,7 +138,7 @@ impl TexturedCover {
             fades: self.texture.fade_m.is_some(),
             ends_at_edges: self.ends_at_edges(),
             is_magnified: self.is_magnified,
-            normalizes_twice: self.normalizes_twice,
+            normalizes_position: self.normalizes_position,
             is_floor: self.is_floor,
         }
     }
@@ -236,7 +236,7 @@ impl TexturedPlan {
                     scene_texture.image.size_px(),
                     sight.farthest_m,
                 ),
-                normalizes_twice: false,
+                normalizes_position: false,
                 is_floor: choice == RouteChoice::Floor,
             });
         }

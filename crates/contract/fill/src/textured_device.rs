@@ -85,31 +85,20 @@ impl TexturedPlan {
     /// The textured fill that `switches` ask for; `None` for a plain one.
     ///
     /// # Errors
-    /// As [`TexturedPlan::new`], and where a normal is to be normalised twice that no cover computes.
+    /// As [`TexturedPlan::new`].
     pub fn of_switches(
         input: &FillInput,
         switches: &Switches,
     ) -> Result<Option<Self>, SwitchError> {
         let position = switches.position.unwrap_or(PositionRoute::EyeRegion);
-        let plan = |choice| Self::new(input, choice, position)?.normalizing(switches);
-        switches.texture.map(plan).transpose()
-    }
-
-    /// Only levels of detail need a normal: without any there is nothing to measure.
-    fn normalizing(mut self, switches: &Switches) -> Result<Self, SwitchError> {
-        let has_normal = |cover: &TexturedCover| !cover.is_magnified && !cover.is_floor;
-        if switches.superfluous_normalize && !self.covers.iter().any(has_normal) {
-            return Err(SwitchError {
-                switch: "normalize",
-                found: "superfluous where no normal is computed: no pixel spans more than a texel"
-                    .to_owned(),
-                allowed: "needed".to_owned(),
-            });
+        let Some(choice) = switches.texture else {
+            return Ok(None);
+        };
+        let mut plan = Self::new(input, choice, position)?;
+        for cover in &mut plan.covers {
+            cover.normalizes_position = switches.superfluous_normalize;
         }
-        for cover in &mut self.covers {
-            cover.normalizes_twice = switches.superfluous_normalize;
-        }
-        Ok(self)
+        Ok(Some(plan))
     }
 
     /// WGSL of the position route.

@@ -10,7 +10,8 @@ use crate::procedural::Islands;
 use crate::scene::{Overlap, Scene, SurfaceChoice, View};
 use crate::shipped;
 use crate::texture::{
-    ImageSource, MAX_SIDE_PX, Outside, SceneTexture, TextureAnchor, TexturePlacement, TextureShare,
+    ImageSource, MAX_SIDE_PX, MIN_HATCH_PERIOD, Outside, SceneTexture, TextureAnchor,
+    TexturePlacement, TextureShare,
 };
 use crate::{CameraPose, LevelChoice, RegionLoadError, SceneError};
 use serde::Deserialize;
@@ -256,6 +257,7 @@ struct RawVary {
 struct RawTexture {
     image: Option<RawImage>,
     checker: Option<RawChecker>,
+    hatch: Option<RawHatch>,
     share: Option<String>,
     alpha: Option<f64>,
     placement: RawPlacement,
@@ -268,6 +270,13 @@ struct RawImage {
     path: String,
     sha256: String,
     how: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawHatch {
+    size: i64,
+    lines: i64,
 }
 
 #[derive(Deserialize)]
@@ -560,7 +569,7 @@ impl Check<'_> {
 
     fn texture(&self, raw: RawTexture) -> Result<UnreadTexture, SceneError> {
         Ok(UnreadTexture {
-            image: self.image_source(raw.image, raw.checker)?,
+            image: self.image_source(raw.image, raw.checker, raw.hatch)?,
             share: self.choice(
                 "texture.share",
                 raw.share.as_deref(),
@@ -577,9 +586,10 @@ impl Check<'_> {
         &self,
         image: Option<RawImage>,
         checker: Option<RawChecker>,
+        hatch: Option<RawHatch>,
     ) -> Result<ImageSource, SceneError> {
-        match (image, checker) {
-            (Some(image), None) => {
+        match (image, checker, hatch) {
+            (Some(image), None, None) => {
                 self.data_path("texture.image.path", &image.path)?;
                 self.hash("texture.image.sha256", &image.sha256)?;
                 Ok(ImageSource::File {
@@ -590,7 +600,7 @@ impl Check<'_> {
                     sha256: image.sha256,
                 })
             }
-            (None, Some(checker)) => {
+            (None, Some(checker), None) => {
                 // A cell has a colour of its own in steps of 8 bits: 64 are three apart.
                 let cells = self.count("texture.checker.cells", checker.cells, 2..=64)?;
                 let key = "texture.checker.size";
@@ -600,9 +610,25 @@ impl Check<'_> {
                 }
                 Ok(ImageSource::Checker { size, cells })
             }
-            (image, _) => {
-                let found = if image.is_some() { "both" } else { "none" };
-                Err(self.refuse("texture", found, "exactly one of image, checker"))
+            (None, None, Some(hatch)) => {
+                let size =
+                    self.count("texture.hatch.size", hatch.size, 4..=i64::from(MAX_SIDE_PX))?;
+                let most = i64::from(size / MIN_HATCH_PERIOD);
+                let lines = self.count("texture.hatch.lines", hatch.lines, 1..=most)?;
+                if !size.is_multiple_of(lines) {
+                    let allowed = format!("a multiple of {lines} lines");
+                    return Err(self.refuse("texture.hatch.size", size, allowed));
+                }
+                Ok(ImageSource::Hatch { size, lines })
+            }
+            (image, checker, hatch) => {
+                let given = [image.is_some(), checker.is_some(), hatch.is_some()];
+                let found = if given.contains(&true) {
+                    "several"
+                } else {
+                    "none"
+                };
+                Err(self.refuse("texture", found, "exactly one of image, checker, hatch"))
             }
         }
     }

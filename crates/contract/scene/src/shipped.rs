@@ -22,6 +22,11 @@ const SCENES: &[(&str, &str)] = &[
     file!("countries-50m.toml"),
     file!("us-states.toml"),
     file!("blue-marble.toml"),
+    file!("fade.toml"),
+    file!("hatching.toml"),
+    file!("shared-picture.toml"),
+    file!("window-west.toml"),
+    file!("window-east.toml"),
 ];
 
 /// Region files that scenes name by `embedded`.
@@ -29,6 +34,8 @@ const DATA: &[(&str, &str)] = &[
     file!("california.geojson"),
     file!("square-10m.geojson"),
     file!("square-200km.geojson"),
+    file!("window-west.geojson"),
+    file!("window-east.geojson"),
 ];
 
 /// Names of the scenes that ship with the program, those without need of data first.

@@ -324,6 +324,30 @@ pub fn checker(size: u32, cells: u32) -> Option<MipChain> {
     MipChain::new(size, size, texels.into_flattened())
 }
 
+/// Texels from one line of a hatch to the next at least: a line of one and a gap of three.
+pub(crate) const MIN_HATCH_PERIOD: u32 = 4;
+
+/// Diagonal lines, a quarter of their distance wide, with nothing between them: every side meets the
+/// opposite one where the picture is repeated.
+///
+/// - `size`: texels of a side, a multiple of `lines`
+/// - returns: `None` where it is none, or the lines are nearer than four texels
+#[must_use]
+pub(crate) fn hatch(size: u32, lines: u32) -> Option<MipChain> {
+    let period = size.checked_div(lines)?;
+    if period < MIN_HATCH_PERIOD || !size.is_multiple_of(lines) {
+        return None;
+    }
+    let texels: Vec<[u8; 4]> = (0..size)
+        .flat_map(|y| (0..size).map(move |x| x + y))
+        .map(|diagonal| {
+            let is_line = diagonal % period < period / MIN_HATCH_PERIOD;
+            [20, 45, 110, if is_line { 255 } else { 0 }]
+        })
+        .collect();
+    MipChain::new(size, size, texels.into_flattened())
+}
+
 /// Where a scene's picture comes from; checked.
 pub(crate) enum ImageSource {
     /// A file of the data folder.
@@ -334,6 +358,8 @@ pub(crate) enum ImageSource {
     },
     /// Made by [`checker`].
     Checker { size: u32, cells: u32 },
+    /// Made by [`hatch`].
+    Hatch { size: u32, lines: u32 },
 }
 
 impl ImageSource {
@@ -341,6 +367,7 @@ impl ImageSource {
         match self {
             Self::File { path, .. } => path.clone(),
             Self::Checker { size, cells } => format!("checker {size}² of {cells}² cells"),
+            Self::Hatch { size, lines } => format!("hatch {size}² of {lines} lines"),
         }
     }
 
@@ -357,6 +384,10 @@ impl ImageSource {
                     message: format!("{size} texels cannot be cut into {cells} cells"),
                 })
             }
+            Self::Hatch { size, lines } => hatch(size, lines).ok_or_else(|| SceneError::Image {
+                file: format!("{scene} (hatch)"),
+                message: format!("{size} texels cannot be cut into {lines} lines"),
+            }),
             Self::File { path, sha256, how } => {
                 match read_verified(data_dir, &path, &sha256).map_err(unreadable)? {
                     Verified::Bytes(bytes) => decode(&path, &bytes),
@@ -415,6 +446,26 @@ mod tests {
             }
         }
         sums.map(|sum| sum / f64::from(level.width * level.height))
+    }
+
+    #[test]
+    fn a_hatch_is_lines_on_nothing_that_go_on_where_it_is_repeated() {
+        let picture = hatch(64, 8).expect("eight texels from line to line");
+        let texels = &picture.levels()[0].rgba;
+        let alpha = |x: usize, y: usize| texels[4 * (64 * (y % 64) + x % 64) + 3];
+        let filled = texels
+            .chunks_exact(4)
+            .filter(|texel| texel[3] == 255)
+            .count();
+        assert_eq!(filled, 64 * 64 / 4);
+        for at in 0..64 {
+            assert_eq!(alpha(63, at + 1), alpha(64, at), "across the edge");
+        }
+        // Twins: lines that are none, too near, or do not fit.
+        assert_eq!(
+            [hatch(64, 0), hatch(64, 32), hatch(64, 7)],
+            [None, None, None]
+        );
     }
 
     fn noise(width: u32, height: u32) -> MipChain {

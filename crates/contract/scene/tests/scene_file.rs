@@ -395,7 +395,7 @@ fn wrong_textures_name_the_key_the_value_and_what_is_allowed() {
         (
             "checker = { size = 64, cells = 4 }\n",
             "",
-            "t.toml: texture: found none, allowed: exactly one of image, checker",
+            "t.toml: texture: found none, allowed: exactly one of image, checker, hatch",
         ),
         (
             "size = 64",

@@ -256,6 +256,7 @@ fn view_count(scene: &str) -> usize {
     match scene {
         "blue-marble" => 6,
         "square-200km" => 4,
+        "window-west" | "window-east" => 1,
         _ => 3,
     }
 }

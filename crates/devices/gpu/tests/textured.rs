@@ -701,38 +701,45 @@ fn a_magnified_region_looks_the_same_without_looking_for_levels() {
 }
 
 #[test]
-fn a_second_normalize_is_priced_only_where_there_is_a_first() {
-    let mut switches = Switches {
-        texture: RouteChoice::parse("chosen"),
-        superfluous_normalize: true,
-        ..Switches::default()
+fn a_superfluous_normalize_moves_texels_by_rounding_alone() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
     };
-    let mut told = Vec::new();
-    for height_m in [1e4, 5e6] {
-        let sight = Sight::new(
-            "closer",
-            eye(10.0, 45.0, height_m, -90.0),
-            bounds(8.0, 43.0, 12.0, 47.0),
-            TexturePlacement::Extents,
-        );
-        let planned = TexturedPlan::of_switches(&sight.input, &switches);
-        told.push(match planned.map(|plan| plan.expect("textured").covers) {
-            Ok(covers) => Ok(covers[0].overrides().constants()),
-            Err(error) => Err(error.to_string()),
-        });
-        // Twin: without it both are planned.
-        switches.superfluous_normalize = false;
-        let once = TexturedPlan::of_switches(&sight.input, &switches).expect("planned");
-        let once = once.expect("textured").covers[0].overrides().constants();
-        assert!(once.contains(&("NORMALIZES_TWICE", 0.0)), "{once:?}");
-        switches.superfluous_normalize = true;
+    let sight = Sight::new(
+        "far",
+        eye(10.0, 45.0, 2e6, -90.0),
+        bounds(8.0, 43.0, 12.0, 47.0),
+        TexturePlacement::Extents,
+    );
+    let [once, more] = [false, true].map(|superfluous_normalize| {
+        let switches = Switches {
+            texture: RouteChoice::parse("atan2-native+geocentric"),
+            position: Some(PositionRoute::InverseEcef),
+            superfluous_normalize,
+            ..Switches::default()
+        };
+        let plan = TexturedPlan::of_switches(&sight.input, &switches);
+        let plan = plan.expect("planned").expect("textured");
+        let value = f64::from(u8::from(superfluous_normalize));
+        let constants = plan.covers[0].overrides().constants();
+        assert!(constants.contains(&("NORMALIZES_POSITION", value)));
+        draw(&gpu, &sight.input, &plan).expect("draws")
+    });
+    let (mut compared, mut moved) = (0, 0);
+    for (a, b) in once.probed.iter().zip(&more.probed) {
+        let (Some(a), Some(b)) = (a, b) else {
+            assert_eq!(a.is_some(), b.is_some(), "the same pixels");
+            continue;
+        };
+        let [a, b] = [a.place.uv, b.place.uv];
+        let apart = (a[0] - b[0]).hypot(a[1] - b[1]);
+        // 400 km of extent: a few metres of f32 about the centre are 1e-5 of it.
+        assert!(apart < 1e-4, "{apart}");
+        compared += 1;
+        moved += usize::from(apart > 0.0);
     }
-    let refused = told[0].as_ref().expect_err("no normal");
-    assert!(refused.contains("no normal is computed"), "{refused}");
-    let twice = told[1].as_ref().expect("a normal");
-    for constant in [("IS_MAGNIFIED", 0.0), ("NORMALIZES_TWICE", 1.0)] {
-        assert!(twice.contains(&constant), "{twice:?}");
-    }
+    // Twin: were it not drawn at all, nothing would move.
+    assert!(compared > 50 && moved > 0, "{moved} of {compared}");
 }
 
 /// A region that goes on beyond the horizon, and sky above it.

@@ -16,6 +16,8 @@ use terrafill_fill::{DeviceError, FillInput, Frame, NO_REGION, TexturePixel, pai
 pub struct ReferenceBackend {
     /// Whether frames are verified with the scene's texture.
     is_textured: bool,
+    /// Whether rays meet the body itself and not the surface as drawn.
+    is_on_body: bool,
 }
 
 /// A verified frame.
@@ -42,14 +44,27 @@ impl ReferenceBackend {
     /// A reference, ready to judge.
     #[must_use]
     pub fn new() -> Self {
-        Self { is_textured: false }
+        Self::default()
+    }
+
+    /// A reference whose rays meet the body itself: for what draws a surface of its own, which may lie closer
+    /// to the body than the input's triangles.
+    #[must_use]
+    pub fn on_body() -> Self {
+        Self {
+            is_on_body: true,
+            ..Self::default()
+        }
     }
 
     /// A reference that fills with the scene's texture where it has one: frames say where their
     /// texels come from, and there is a picture.
     #[must_use]
     pub fn textured() -> Self {
-        Self { is_textured: true }
+        Self {
+            is_textured: true,
+            ..Self::default()
+        }
     }
 
     /// Judges `input`; the same input gives the same frame whatever the number of threads.
@@ -62,7 +77,9 @@ impl ReferenceBackend {
         } else {
             None
         };
-        Ok(judge(input, &self.locator(input)?, texturing.as_ref()))
+        let surface = self.surface(input);
+        let locator = self.locator(input)?;
+        Ok(judge_on(input, &locator, &surface, texturing.as_ref()))
     }
 
     /// Looks at `input` between the centres of pixels.
@@ -73,8 +90,15 @@ impl ReferenceBackend {
         Ok(CloseLook {
             input,
             locator: self.locator(input)?,
-            surface: SurfaceTriangles::new(&input.surface),
+            surface: self.surface(input),
         })
+    }
+
+    fn surface(&self, input: &FillInput) -> SurfaceTriangles {
+        match self.is_on_body {
+            true => SurfaceTriangles::of_body(&input.scene.body, input.camera.eye_ecef),
+            false => SurfaceTriangles::new(&input.surface),
+        }
     }
 
     fn locator(&self, input: &FillInput) -> Result<Locator, DeviceError> {
@@ -178,7 +202,20 @@ pub(crate) fn judge(
     locator: &Locator,
     texturing: Option<&Texturing<'_>>,
 ) -> ReferenceFrame {
-    let surface = SurfaceTriangles::new(&input.surface);
+    judge_on(
+        input,
+        locator,
+        &SurfaceTriangles::new(&input.surface),
+        texturing,
+    )
+}
+
+fn judge_on(
+    input: &FillInput,
+    locator: &Locator,
+    surface: &SurfaceTriangles,
+    texturing: Option<&Texturing<'_>>,
+) -> ReferenceFrame {
     let width = input.size.width as usize;
     let mut pixels = vec![Pixel::default(); input.size.pixel_count()];
     if width > 0 {
@@ -187,7 +224,7 @@ pub(crate) fn judge(
             .zip(0..input.size.height)
             .for_each(|(pixels, row)| {
                 for (pixel, column) in pixels.iter_mut().zip(0..) {
-                    *pixel = judge_pixel(input, locator, &surface, texturing, column, row);
+                    *pixel = judge_pixel(input, locator, surface, texturing, column, row);
                 }
             });
     }

@@ -12,6 +12,7 @@
 
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
+use terrafill_core::Ellipsoid;
 use terrafill_surface::SurfaceFrame;
 
 /// Triangles in a leaf.
@@ -27,6 +28,33 @@ pub(crate) struct SurfaceTriangles {
     /// The first one holds all.
     nodes: Vec<Node>,
     non_finite: u64,
+    /// Met in place of triangles.
+    body: Option<Body>,
+}
+
+/// A body as rays see it: in the space where it is the unit sphere.
+#[derive(Debug, Clone, Copy)]
+struct Body {
+    /// 1 / radii along the axes.
+    scale: DVec3,
+    eye: DVec3,
+}
+
+impl Body {
+    /// The smaller root of |eye + t direction| = 1 that is not closer than `near_m`, by the form of the
+    /// quadratic formula in which nothing cancels near the body (Press et al., 2007, 5.6).
+    fn hit(&self, direction: DVec3, near_m: f64) -> Option<f64> {
+        let d = direction * self.scale;
+        let (dd, ed) = (d.dot(d), self.eye.dot(d));
+        let height = self.eye.dot(self.eye) - 1.0;
+        let discriminant = ed * ed - dd * height;
+        // Seen from outside, the body lies ahead.
+        if ed >= 0.0 || discriminant < 0.0 {
+            return None;
+        }
+        let t = height / (-ed + discriminant.sqrt());
+        (t >= near_m).then_some(t)
+    }
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -58,6 +86,22 @@ impl SurfaceTriangles {
             triangles: all,
             nodes,
             non_finite,
+            body: None,
+        }
+    }
+
+    /// The body itself instead of triangles, seen from outside.
+    pub(crate) fn of_body(body: &Ellipsoid, eye_ecef: DVec3) -> Self {
+        let (a, b) = (body.equatorial_radius_m(), body.polar_radius_m());
+        let scale = DVec3::new(1.0 / a, 1.0 / a, 1.0 / b);
+        Self {
+            triangles: Vec::new(),
+            nodes: Vec::new(),
+            non_finite: 0,
+            body: Some(Body {
+                scale,
+                eye: eye_ecef * scale,
+            }),
         }
     }
 
@@ -68,6 +112,9 @@ impl SurfaceTriangles {
 
     /// View depth of the nearest hit not closer than `near_m`.
     pub(crate) fn hit(&self, direction: DVec3, near_m: f64) -> Option<f64> {
+        if let Some(body) = &self.body {
+            return body.hit(direction, near_m);
+        }
         let ray = Ray::new(direction);
         let mut nearest = f64::INFINITY;
         let mut pending = Vec::with_capacity(64);
@@ -205,4 +252,32 @@ fn exact_side(a: DVec3, b: DVec3, direction: DVec3) -> f64 {
         coordinate(direction),
         coordinate(DVec3::ZERO),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rays_meet_the_body_itself_and_the_sky_beside_it() {
+        let body = Ellipsoid::WGS84;
+        let (a, b) = (body.equatorial_radius_m(), body.polar_radius_m());
+        // 2 km up, looking along the ground, and 8,000 km up.
+        for (height_m, down) in [(2e3, 0.05), (8e6, 1.0)] {
+            let eye = DVec3::new(a + height_m, 0.0, 0.0);
+            let surface = SurfaceTriangles::of_body(&body, eye);
+            let direction = DVec3::new(-down, 0.3, 1.0 - down);
+            let depth = surface.hit(direction, 1.0).expect("the body");
+            let hit = eye + direction * depth;
+            let off = (hit * DVec3::new(1.0 / a, 1.0 / a, 1.0 / b)).length() - 1.0;
+            assert!((off * a).abs() < 1e-6, "{off}");
+            // Nothing lies between: a step back is outside.
+            let before = eye + direction * (depth - 1.0);
+            assert!((before * DVec3::new(1.0 / a, 1.0 / a, 1.0 / b)).length() > 1.0);
+            // Twins: the sky, what is behind, and what is nearer than allowed.
+            assert_eq!(surface.hit(DVec3::new(0.1, 0.0, 1.0), 1.0), None);
+            assert_eq!(surface.hit(-direction, 1.0), None);
+            assert_eq!(surface.hit(direction, depth + 1.0), None);
+        }
+    }
 }

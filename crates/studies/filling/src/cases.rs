@@ -4,7 +4,7 @@
 use crate::memory::{LayoutOfScene, REGION_COUNTS};
 use crate::request::{STUDY, Wishes};
 use crate::subject::Subject;
-use crate::textured::{ShownPicture, is_picture_scene, textured_variants};
+use crate::textured::{ShownPicture, is_of_2007, is_picture_scene, textured_variants};
 use std::sync::Arc;
 use terrafill_core::{MeshOptions, RegionMesh};
 use terrafill_fill::{Role, Technique, Variant, matrix_row};
@@ -38,6 +38,8 @@ pub(crate) enum Purpose {
     Texture,
     /// Bytes of a layout, by formula and as allocated.
     Memory,
+    /// What a user would pick instead: its error is part of the answer.
+    Rival,
 }
 
 impl Purpose {
@@ -52,6 +54,7 @@ impl Purpose {
             Self::Matrix => "matrix",
             Self::Texture => "texture",
             Self::Memory => "memory",
+            Self::Rival => "rival",
         }
     }
 }
@@ -198,6 +201,12 @@ impl Builder<'_> {
                 self.add_sweeps(*technique, frames);
             }
         }
+        for rival in &wishes.rivals {
+            for variant in rival.variants(scene, role) {
+                let subject = Subject::Fill(*rival, variant);
+                self.add(subject, Purpose::Rival, wishes.few_frames());
+            }
+        }
         if wishes.wants_ladder(&scene.name) {
             for technique in &wishes.techniques {
                 for (rung, number) in technique.ladder(scene.overlap).into_iter().zip(1..) {
@@ -265,7 +274,7 @@ impl Builder<'_> {
         let variants = textured_variants(&plain, is_first, self.scene, self.view, !is_full);
         for (variant, shown) in variants {
             let is_varied =
-                shown != ShownPicture::Scene || !is_first || variant.switches.superfluous_normalize;
+                shown != ShownPicture::Scene || !is_first || is_of_2007(&variant.switches);
             self.cases.push(FillCase {
                 subject: Subject::Fill(technique, variant),
                 mesh: None,
@@ -325,6 +334,7 @@ impl Builder<'_> {
             let is_plain = case.mesh.is_none()
                 && !case.is(Purpose::Texture)
                 && !case.subject.is_approximate()
+                && !case.is(Purpose::Rival)
                 && case.subject.plan() == PlanOptions::default();
             let layout = (case.subject.backend(), case.subject.layout());
             if !is_plain || layout.1.is_empty() || layouts.contains(&layout) {
@@ -366,6 +376,8 @@ impl Builder<'_> {
             id: CaseId::new(STUDY, name, conditions),
             samples: case.frames,
             may_be_wrong: case.is(Purpose::Sweep)
+                || case.is(Purpose::Rival)
+                || case.subject.switches().is_some_and(is_of_2007)
                 || has_tall_walls(case)
                 || case.subject.is_approximate(),
         }
@@ -390,13 +402,18 @@ impl Builder<'_> {
     fn conditions(&self, case: &FillCase, variant: &str) -> Vec<(String, String)> {
         let condition = |key: &str, value: String| (key.to_owned(), value);
         let mut conditions = case.subject.settings();
+        if let (true, Subject::Fill(rival, _)) = (case.is(Purpose::Rival), &case.subject) {
+            // Nothing of our switches, plans and meshes is its own.
+            let own = |key: &str| rival.parameters().iter().any(|own| own.key == key);
+            conditions.retain(|(key, _)| key == "layout" || own(key));
+        }
         conditions.extend([
             condition("scene", self.scene.name.clone()),
             condition("view", self.view.name.clone()),
             condition("technique", case.subject.backend().to_owned()),
             condition("variant", variant.to_owned()),
         ]);
-        if !case.is(Purpose::Baseline) {
+        if !case.is(Purpose::Baseline) && !case.is(Purpose::Rival) {
             let own = case.mesh.as_ref().map(|(mesh, _)| *mesh);
             let mesh = own.unwrap_or(self.scene.mesh);
             let picture = match case.shown {

@@ -17,11 +17,11 @@ pub(crate) struct Probe {
     /// Of the same frame drawn once more; `None` of a case that is not timed.
     pub(crate) steady: Option<Counters>,
     pub(crate) figures: Option<ErrorFigures>,
-    regions: [u64; 2],
+    regions: Option<[u64; 2]>,
     left_out: String,
     boundary_deviation_m: Option<f64>,
     wall_height_m: Option<f64>,
-    cap_triangles: u64,
+    cap_triangles: Option<u64>,
     pub(crate) plan_cpu_ms: Option<f64>,
     pub(crate) prepare_cpu_ms: Option<f64>,
     pub(crate) image: String,
@@ -43,14 +43,23 @@ impl Probe {
         Self {
             memory,
             counters: frame.counters,
-            regions: [
+            regions: Some([
                 input.plan.regions.len() as u64,
                 input.plan.left_out.len() as u64,
-            ],
+            ]),
             left_out: input.plan.left_out_summary(meshes),
             boundary_deviation_m: largest_deviation(meshes),
             wall_height_m: tallest_wall(input),
-            cap_triangles: cap_triangles(input),
+            cap_triangles: Some(cap_triangles(input)),
+            ..Self::default()
+        }
+    }
+
+    /// Of a rival, which makes no use of our plans and meshes.
+    pub(crate) fn of_rival(memory: MemoryUse, frame: &Frame) -> Self {
+        Self {
+            memory,
+            counters: frame.counters,
             ..Self::default()
         }
     }
@@ -144,9 +153,12 @@ impl Probe {
                 Some(memory.texture_bytes).filter(|_| is_textured),
             ),
             ("buffers", Some(memory.buffers)),
-            ("regions_drawn", Some(self.regions[0])),
-            ("regions_left_out", Some(self.regions[1])),
-            ("cap_triangles", Some(self.cap_triangles)),
+            ("regions_drawn", self.regions.map(|[drawn, _]| drawn)),
+            (
+                "regions_left_out",
+                self.regions.map(|[_, left_out]| left_out),
+            ),
+            ("cap_triangles", self.cap_triangles),
         ];
         if let Some(counters) = &self.counters {
             counts.extend([

@@ -4,6 +4,7 @@
 use crate::subject::{Surfaces, Techniques};
 use std::path::PathBuf;
 use terrafill_fill::Technique;
+use terrafill_results::Skipped;
 use terrafill_scene::ImageSize;
 use terrafill_study::{Depth, Request, StudyError};
 
@@ -43,6 +44,10 @@ pub(crate) struct Wishes {
     pub(crate) all_techniques: Techniques,
     pub(crate) surfaces: Surfaces,
     pub(crate) techniques: Vec<&'static dyn Technique>,
+    /// Rivals to measure beside them.
+    pub(crate) rivals: Vec<&'static dyn Technique>,
+    /// Rivals that this machine lacks something for.
+    missing_rivals: Vec<Skipped>,
     pub(crate) depth: Depth,
     pub(crate) size: ImageSize,
     pub(crate) data_dir: Option<PathBuf>,
@@ -54,26 +59,43 @@ pub(crate) struct Wishes {
 }
 
 impl Wishes {
+    /// A rival takes part where it is named, or where no technique is and this machine has it.
+    ///
+    /// - `all`, `all_rivals`: those that there are
+    ///
     /// # Errors
     /// [`StudyError::BadInput`] for a technique that there is not.
     pub(crate) fn new(
         request: &Request,
-        all: Techniques,
+        [all, all_rivals]: [Techniques; 2],
         surfaces: Surfaces,
     ) -> Result<Self, StudyError> {
-        let mut techniques = Vec::new();
-        for name in &request.techniques {
-            let found = all.iter().find(|technique| technique.name() == name);
-            techniques.push(*found.ok_or_else(|| {
-                let allowed: Vec<&str> = all.iter().map(|technique| technique.name()).collect();
-                StudyError::BadInput(format!(
-                    "technique {name:?}, allowed: {}",
-                    allowed.join(", ")
-                ))
-            })?);
+        let known = || all.iter().chain(all_rivals).map(|known| known.name());
+        let unknown = |name: &&String| known().all(|known| known != *name);
+        if let Some(name) = request.techniques.iter().find(unknown) {
+            let allowed = known().collect::<Vec<_>>().join(", ");
+            return Err(StudyError::BadInput(format!(
+                "technique {name:?}, allowed: {allowed}"
+            )));
         }
-        if techniques.is_empty() {
+        let named = |list: Techniques| {
+            let names = request.techniques.iter();
+            let found = names.filter_map(|name| list.iter().find(|known| known.name() == name));
+            found.copied().collect::<Vec<_>>()
+        };
+        let (mut techniques, mut rivals) = (named(all), named(all_rivals));
+        let mut missing_rivals = Vec::new();
+        if request.techniques.is_empty() {
             techniques = all.to_vec();
+            for rival in all_rivals {
+                match rival.missing() {
+                    None => rivals.push(*rival),
+                    Some(what) => missing_rivals.push(Skipped {
+                        what: format!("technique {}", rival.name()),
+                        reason: format!("this machine lacks {what}"),
+                    }),
+                }
+            }
         }
         let [width, height] = request.size;
         Ok(Self {
@@ -81,6 +103,8 @@ impl Wishes {
             all_techniques: all,
             surfaces,
             techniques,
+            rivals,
+            missing_rivals,
             depth: request.depth,
             size: ImageSize { width, height },
             data_dir: request.data_dir.clone(),
@@ -89,6 +113,11 @@ impl Wishes {
             ladder: request.settings.get("ladder").cloned(),
             matrix: request.settings.get("matrix").cloned(),
         })
+    }
+
+    /// What a report says of rivals that were not measured.
+    pub(crate) fn missing_rivals(&self) -> Vec<Skipped> {
+        self.missing_rivals.clone()
     }
 
     /// Whether sweeps are wanted, and all textured fills.

@@ -21,7 +21,7 @@ use terrafill_conformance::{
     checks_nothing, compare_closely, difference_rgb, filled_only, movement_in_picture,
     verdict_of_moved, with_movement, worst_pixel,
 };
-use terrafill_core::{MeshOptions, RegionMesh};
+use terrafill_core::{EdgeRule, MeshOptions, RegionMesh};
 use terrafill_fill::{
     Api, ColourWay, DeviceError, FillBackend, FillInput, Frame, FrameTimes, MemoryUse,
     PositionFormat, PreparedScene, RouteChoice, Targets, paint,
@@ -76,15 +76,16 @@ pub(crate) struct ViewSession<'a> {
     wgpu: SharedTargets,
     /// What the scene's mesh options give; other inputs share its surface.
     input: Rc<FillInput>,
-    /// Drawn when the first picture is compared: a process that only measures again needs none.
-    reference: OnceCell<Reference>,
+    /// Drawn when the first picture is compared: a process that only measures again needs none. By the
+    /// scene's edge rule on its surface, and by what else a rival has.
+    references: [OnceCell<Reference>; 4],
     /// The reference with pictures.
     textured_references: TexturedReferences,
     /// Inputs of other mesh or plan options, with how long their plans take.
     inputs: Vec<(InputKey, PlannedInput)>,
     leveled: Option<PreparedScene>,
     /// What the comparison of each picture found: equal pictures get equal figures.
-    compared: BTreeMap<(String, u64, bool), Compared>,
+    compared: BTreeMap<(String, u64, bool, usize), Compared>,
     /// What each technique's variants allocated, for the cases about memory; `None` for what could
     /// not be drawn.
     allocated: BTreeMap<(&'static str, String), Option<MemoryUse>>,
@@ -114,7 +115,7 @@ impl<'a> ViewSession<'a> {
             targets,
             wgpu,
             input: Rc::new(input),
-            reference: OnceCell::new(),
+            references: Default::default(),
             textured_references: TexturedReferences::default(),
             inputs: Vec::new(),
             leveled: None,
@@ -133,21 +134,49 @@ impl<'a> ViewSession<'a> {
         }
     }
 
-    fn reference(&self) -> Result<&Reference, StudyError> {
-        if let Some(reference) = self.reference.get() {
+    /// What a case's picture is compared with.
+    fn against(&self, case: &FillCase) -> Against {
+        let scene = self.group.scene.edge_rule;
+        match &case.subject {
+            Subject::Baseline(_) => Against::scene(scene),
+            Subject::Fill(technique, variant) => Against {
+                edges: technique.edge_rule(variant, scene),
+                is_on_body: technique.draws_own_surface(),
+            },
+        }
+    }
+
+    /// The scene's input with edges of this rule, for the reference.
+    fn input_of(&self, edges: EdgeRule) -> FillInput {
+        let mut input = FillInput::clone(&self.input);
+        input.scene.edge_rule = edges;
+        input
+    }
+
+    /// Its place among the references.
+    fn place(&self, against: Against) -> usize {
+        let is_others = against.edges != self.group.scene.edge_rule;
+        2 * usize::from(against.is_on_body) + usize::from(is_others)
+    }
+
+    fn reference(&self, against: Against) -> Result<&Reference, StudyError> {
+        let place = self.place(against);
+        let cell = &self.references[place];
+        if let Some(reference) = cell.get() {
             return Ok(reference);
         }
-        let drawn = ReferenceBackend::new().judge(&self.input);
+        let drawn = against.reference().judge(&self.input_of(against.edges));
         let drawn = drawn.map_err(|error| self.broken(&error))?;
         let band = boundary_band(&drawn.frame);
         let disagree = drawn.disagreements.iter().zip(&band);
         let outside = disagree.filter(|&(&differ, &near)| differ && !near).count() as u64;
-        let name = format!(
-            "{}_{}_reference",
-            self.group.scene.name, self.group.view.name
-        );
+        let (scene, view) = (&self.group.scene.name, &self.group.view.name);
+        let mut name = format!("{scene}_{view}_reference");
+        if place > 0 {
+            name.push_str(&format!("_{place}"));
+        }
         let image = write_rgb(self.folder, &name, self.group.size, &paint(&drawn.frame))?;
-        Ok(self.reference.get_or_init(|| Reference {
+        Ok(cell.get_or_init(|| Reference {
             disagreements: (drawn.disagreement_px(), outside),
             filled: filled_only(&drawn.frame),
             frame: drawn.frame,
@@ -258,10 +287,16 @@ impl<'a> ViewSession<'a> {
 
     /// Holds a probe frame against the reference.
     fn compare(&mut self, case: &FillCase, drawn: &mut Drawn) -> Result<Verdict, StudyError> {
-        self.reference()?;
-        let mut probe = Probe::new(drawn.memory, &drawn.input, &drawn.frame);
-        probe.plan_cpu_ms = drawn.plan_cpu_ms;
-        probe.prepare_cpu_ms = Some(drawn.prepare_cpu_ms);
+        let against = self.against(case);
+        self.reference(against)?;
+        let is_rival = case.is(Purpose::Rival);
+        let mut probe = if is_rival {
+            Probe::of_rival(drawn.memory, &drawn.frame)
+        } else {
+            Probe::new(drawn.memory, &drawn.input, &drawn.frame)
+        };
+        probe.plan_cpu_ms = drawn.plan_cpu_ms.filter(|_| !is_rival);
+        probe.prepare_cpu_ms = Some(drawn.prepare_cpu_ms).filter(|_| !is_rival);
         // What is timed is a frame like the one before it.
         if case.frames > 0 {
             match drawn.backend.render(&drawn.input) {
@@ -275,13 +310,14 @@ impl<'a> ViewSession<'a> {
         let moved_px = case.subject.plan().boundary_lod_px.unwrap_or(0.0);
         let hash = (mask_hash.as_str(), ids_hash.as_str());
         let is_moved = moved_px > 0.0 && !is_approximate;
-        match self.figures(hash, &drawn.frame, is_moved) {
+        match self.figures(hash, &drawn.frame, is_moved, against) {
             Ok(figures) if is_approximate => {
                 let reasons = match verdict_of_moved(&figures, 0.0) {
                     Comparison::Pass => Vec::new(),
                     Comparison::Fail(reasons) => reasons,
                 };
-                let moved = movement_in_picture(&self.reference()?.frame, &drawn.frame);
+                let reference = &self.reference(against)?.frame;
+                let moved = movement_in_picture(reference, &drawn.frame);
                 probe.figures = Some(ErrorFigures {
                     boundary_moved_px: moved.ok().flatten(),
                     ..figures
@@ -318,7 +354,8 @@ impl<'a> ViewSession<'a> {
         if case.frames > 0 && one_at_a_time(&case.subject) {
             probe.remark(ALTERNATING);
         }
-        let is_plain_main = case.is(Purpose::Main) && !case.variant_name().contains('=');
+        let is_shown = case.is(Purpose::Main) || case.is(Purpose::Rival);
+        let is_plain_main = is_shown && !case.variant_name().contains('=');
         // Of an approximate fill one picture a view shows what it is like.
         let is_wrong = probe.status == Status::Wrong && !is_approximate;
         if is_plain_main || is_wrong {
@@ -327,7 +364,7 @@ impl<'a> ViewSession<'a> {
         if is_textured(&case.subject) && (is_wrong || shows_chosen(case)) {
             self.write_textured_pictures(case, drawn, &mut probe)?;
         }
-        let reference = self.reference()?;
+        let reference = self.reference(against)?;
         probe.disagreements = Some(reference.disagreements);
         if probe.reference_image.is_empty() {
             probe.reference_image.clone_from(&reference.image);
@@ -373,8 +410,9 @@ impl<'a> ViewSession<'a> {
         frame: &Frame,
     ) -> Result<(Status, String), StudyError> {
         let as_mask = ids_hash.is_empty();
-        let (excused, differing) = fault.excused(frame, &self.reference()?.frame, as_mask);
-        let figures = self.compare_pixels(&excused, as_mask, moved_px > 0.0);
+        let against = Against::scene(self.group.scene.edge_rule);
+        let (excused, differing) = fault.excused(frame, &self.reference(against)?.frame, as_mask);
+        let figures = self.compare_pixels(&excused, as_mask, moved_px > 0.0, against);
         let against = match figures.map(|figures| verdict_of_moved(&figures, moved_px)) {
             Ok(Comparison::Pass) => Vec::new(),
             Ok(Comparison::Fail(reasons)) => reasons,
@@ -387,11 +425,13 @@ impl<'a> ViewSession<'a> {
     ///
     /// - `hashes`: of its mask and of its ids, the latter empty for a fill in one colour
     /// - `is_moved`: boundaries are simplified on purpose, and how far they moved is measured
+    /// - `against`: which reference
     fn figures(
         &mut self,
         (mask_hash, ids_hash): (&str, &str),
         frame: &Frame,
         is_moved: bool,
+        against: Against,
     ) -> Compared {
         let as_mask = ids_hash.is_empty();
         let hash = if as_mask {
@@ -399,21 +439,29 @@ impl<'a> ViewSession<'a> {
         } else {
             format!("ids {ids_hash}")
         };
-        let key = (hash, frame.non_finite, is_moved);
+        let key = (hash, frame.non_finite, is_moved, self.place(against));
         if let Some(known) = self.compared.get(&key) {
             return known.clone();
         }
-        let compared = self.compare_pixels(frame, as_mask, is_moved);
+        let compared = self.compare_pixels(frame, as_mask, is_moved, against);
         self.compared.insert(key, compared.clone());
         compared
     }
 
-    fn compare_pixels(&self, frame: &Frame, as_mask: bool, is_moved: bool) -> Compared {
-        let reference = self.reference().map_err(|error| error.to_string())?;
+    fn compare_pixels(
+        &self,
+        frame: &Frame,
+        as_mask: bool,
+        is_moved: bool,
+        against: Against,
+    ) -> Compared {
+        let reference = self.reference(against);
+        let reference = reference.map_err(|error| error.to_string())?;
+        let input = self.input_of(against.edges);
         // Needed for hardly any picture, so made only then.
         let look = OnceCell::new();
         let look = || {
-            let made = || ReferenceBackend::new().look_closely(&self.input).ok();
+            let made = || against.reference().look_closely(&input).ok();
             look.get_or_init(made).as_ref()
         };
         let as_compared = |id: u32| if as_mask { id.min(1) } else { id };
@@ -464,7 +512,7 @@ impl<'a> ViewSession<'a> {
         if let Ok(picture) = drawn.backend.picture(&drawn.input) {
             probe.image = self.write_once(&stem, size, &drop_alpha(&picture.rgba))?;
         }
-        let reference = self.reference()?;
+        let reference = self.reference(self.against(case))?;
         let filled;
         let (expected, frame) = match as_mask {
             true => {
@@ -684,6 +732,32 @@ impl Session for ViewSession<'_> {
     }
 }
 
+/// What a picture is compared with.
+#[derive(Debug, Clone, Copy)]
+struct Against {
+    /// What a ring edge is.
+    edges: EdgeRule,
+    /// The body itself, and not the scene's surface as drawn.
+    is_on_body: bool,
+}
+
+impl Against {
+    /// What the scene says.
+    fn scene(edges: EdgeRule) -> Self {
+        Self {
+            edges,
+            is_on_body: false,
+        }
+    }
+
+    fn reference(self) -> ReferenceBackend {
+        match self.is_on_body {
+            true => ReferenceBackend::on_body(),
+            false => ReferenceBackend::new(),
+        }
+    }
+}
+
 /// A probe frame with what drew it.
 struct Drawn {
     backend: Box<dyn FillBackend>,
@@ -768,7 +842,7 @@ mod tests {
             settings: BTreeMap::from([("matrix".to_owned(), vec![scene.to_owned()])]),
             ..Request::default()
         };
-        let wishes = Wishes::new(&request, TECHNIQUES, &[&EllipsoidKind]).expect("wishes");
+        let wishes = Wishes::new(&request, [TECHNIQUES, &[]], &[&EllipsoidKind]).expect("wishes");
         let scene = Arc::new(Scene::shipped(scene, None).expect("it ships"));
         let meshes = build_meshes(&scene, &scene.mesh).expect("it meshes");
         let view = scene.views.iter().find(|known| known.name == view);

@@ -16,6 +16,8 @@ use terrafill_study::{Context, Group, Planned, Request, Session, Study, StudyErr
 pub struct FillingStudy {
     /// Techniques that it compares, in the order in which they are measured.
     pub techniques: Techniques,
+    /// What users would pick instead: timed whether their pictures are right or not.
+    pub rivals: Techniques,
     /// Surfaces that scenes may lie on.
     pub surfaces: Surfaces,
 }
@@ -34,8 +36,9 @@ impl Study for FillingStudy {
     }
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
-        let wishes = Wishes::new(request, self.techniques, self.surfaces)?;
-        let (groups, skipped) = plan_scenes(&wishes)?;
+        let wishes = Wishes::new(request, [self.techniques, self.rivals], self.surfaces)?;
+        let (groups, mut skipped) = plan_scenes(&wishes)?;
+        skipped.extend(wishes.missing_rivals());
         let groups = groups.into_iter();
         Ok(Planned {
             groups: groups

@@ -2,10 +2,14 @@
 //! What is measured of textured fill: the comparisons of the 2007 document, and how far each frame's
 //! texture coordinates are from the reference's.
 //!
-//! The document compares a plain fill with textured ones: both angles by the device's own arctangent
-//! or by something cheaper, one picture for all regions or one each, a large picture or a small one,
-//! and with a normalisation that nothing needs. Each is a row beside the plain fill of the same
-//! rounds. Errors in texels; colours of 0 to 255.
+//! The document compares a plain fill with its textured one: the world position by an inverse
+//! view-projection in `f32`, normalised though nothing needs it, and both angles at the body's centre by
+//! the device's own arctangent; then with one picture for all regions or one each, a large picture or a
+//! small one, without the normalisation, and, proposed and never built, with arctangents from a 1D
+//! texture or a series, or with a texture of spherical coordinates. Each is a row beside the plain fill of
+//! the same rounds, and so is this project's route. Angles at the centre are not those by which the
+//! picture lies, so that the document's rows may be wrong and are timed all the same. Errors in texels;
+//! colours of 0 to 255.
 
 use crate::images::{cut_out, write_rgb};
 use std::cell::RefCell;
@@ -13,19 +17,38 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_conformance::{TextureErrors, Verdict, compare_texture, texture_verdict};
-use terrafill_fill::{FillInput, Frame, NO_REGION, Picture, RouteChoice, Variant};
+use terrafill_fill::{FillInput, Frame, NO_REGION, Picture, RouteChoice, Switches, Variant};
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{ImageSize, Scene, SceneTexture, TextureShare, View, checker};
 use terrafill_study::StudyError;
+use terrafill_texture::PositionRoute;
 
 /// Scenes that are about pictures: only textured fills are drawn of them, each once.
-pub(crate) const PICTURE_SCENES: [&str; 1] = ["blue-marble"];
+pub(crate) const PICTURE_SCENES: [&str; 6] = [
+    "blue-marble",
+    "fade",
+    "hatching",
+    "shared-picture",
+    "window-west",
+    "window-east",
+];
 
 /// The one scene and view that a quick run measures textured.
 const QUICK: (&str, &str) = ("california", "top-down");
 
-/// The document's angles: the device's own arctangent, from the position itself.
+/// The device's own arctangent, and geodetic latitude.
 const NATIVE_ROUTE: &str = "atan2-native";
+
+/// The document's angles.
+const ROUTE_OF_2007: &str = "atan2-native+geocentric";
+
+/// What the document proposes instead: a 1D texture, a series, and a texture of spherical coordinates. That
+/// one is a cube about the body's centre, which is made once, in place of one that every frame makes anew.
+const PROPOSALS_OF_2007: [&str; 3] = [
+    "lut-256-r16-linear+geocentric",
+    "odd-7+geocentric",
+    "cube-512",
+];
 
 /// Texels along the side of the document's small picture, and cells of a checker of that size.
 const SMALL_PX: u32 = 32;
@@ -118,19 +141,39 @@ pub(crate) fn textured_variants(
         let both = [chosen].into_iter().chain(native);
         return both.filter(|_| is_quick_view && is_first).collect();
     }
-    let mut variants = vec![chosen.clone()];
-    if let Some((variant, shown)) = native {
-        let normalized = variant.clone();
-        let normalized = normalized.with_switches(|s| s.superfluous_normalize = true);
-        variants.extend([
-            (variant, shown),
-            by(RouteChoice::Floor),
-            (normalized, shown),
-            (chosen.0.clone(), ShownPicture::Each),
-            (chosen.0, ShownPicture::Small),
-        ]);
+    let mut variants = vec![chosen];
+    if let Some(native) = native {
+        variants.extend([native, by(RouteChoice::Floor)]);
+        variants.extend(document_variants(plain));
     }
     variants
+}
+
+/// The document's fill, as it was and with each of its changes.
+fn document_variants(plain: &Variant) -> Vec<(Variant, ShownPicture)> {
+    let by = |route: &str| {
+        plain.clone().with_switches(|switches| {
+            switches.texture = RouteChoice::parse(route);
+            switches.position = Some(PositionRoute::InverseEcef);
+        })
+    };
+    let needed = by(ROUTE_OF_2007);
+    let as_it_was = needed
+        .clone()
+        .with_switches(|s| s.superfluous_normalize = true);
+    let proposals = PROPOSALS_OF_2007.map(|route| (by(route), ShownPicture::Scene));
+    let changes = [
+        (as_it_was.clone(), ShownPicture::Scene),
+        (as_it_was.clone(), ShownPicture::Each),
+        (as_it_was, ShownPicture::Small),
+        (needed, ShownPicture::Scene),
+    ];
+    changes.into_iter().chain(proposals).collect()
+}
+
+/// Whether a case is one of the document's textured fills.
+pub(crate) fn is_of_2007(switches: &Switches) -> bool {
+    switches.position.is_some()
 }
 
 /// The reference's textured frames of one view: one for each size of picture, drawn when first asked
@@ -323,9 +366,13 @@ mod tests {
                 "doubled,texture=chosen",
                 "doubled,texture=atan2-native+bowring-1",
                 "doubled,texture=floor",
-                "doubled,normalize=superfluous,texture=atan2-native+bowring-1",
-                "doubled,texture=chosen,picture=each",
-                "doubled,texture=chosen,picture=32",
+                "doubled,normalize=superfluous,position=inverse-ecef,texture=atan2-native+geocentric",
+                "doubled,normalize=superfluous,position=inverse-ecef,texture=atan2-native+geocentric,picture=each",
+                "doubled,normalize=superfluous,position=inverse-ecef,texture=atan2-native+geocentric,picture=32",
+                "doubled,position=inverse-ecef,texture=atan2-native+geocentric",
+                "doubled,position=inverse-ecef,texture=lut-256-r16-linear+geocentric",
+                "doubled,position=inverse-ecef,texture=odd-7+geocentric",
+                "doubled,position=inverse-ecef,texture=cube-512",
             ]
         );
         assert_eq!(names("planet-134", 0, false), all);

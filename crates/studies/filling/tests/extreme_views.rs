@@ -265,6 +265,7 @@ fn the_study_sweeps_through_the_formats_where_a_scene_asks_for_it() {
         let scene = open_scene(name, None).expect("ships with the project");
         let study = FillingStudy {
             techniques: TECHNIQUES,
+            rivals: &[],
             surfaces: &[&EllipsoidKind],
         };
         let request = Request {

@@ -161,7 +161,15 @@ fn shipped_scenes_show_their_picture_where_the_reference_does() {
     let Some(gpu) = open_for_test(&GpuOptions::default()) else {
         return;
     };
-    for name in ["california", "blue-marble"] {
+    for name in [
+        "california",
+        "shared-picture",
+        "window-west",
+        "window-east",
+        "hatching",
+        "fade",
+        "blue-marble",
+    ] {
         let Some((scene, prepared)) = shipped(name) else {
             continue;
         };
@@ -180,12 +188,70 @@ fn shipped_scenes_show_their_picture_where_the_reference_does() {
             let note = backend.note().expect("routes");
             let what = format!("{name}/{}: {note}", view.name);
             assert_right(&what, &reference.frame, &frame);
+            let texture = scene.texture.as_ref().expect("a picture");
+            if texture.fade_m.is_some() || name == "hatching" {
+                // What lies under shows, which the reference paints in one colour.
+                continue;
+            }
             let picture = backend.picture(&input).expect("draws");
             let (largest, mean) = colours_apart(&reference, &frame, &picture.rgba);
             eprintln!("{what}: colours {largest} at most, {mean:.3} in the mean");
             assert!(mean < 1.0, "{what}: {largest} {mean}");
         }
     }
+}
+
+#[test]
+fn a_region_that_moves_uncovers_a_picture_that_lies_still() {
+    let Some(gpu) = open_for_test(&GpuOptions::default()) else {
+        return;
+    };
+    let drawn = |name: &str, placement: Option<TexturePlacement>| {
+        let (scene, prepared) = shipped(name).expect("needs no data");
+        let texture = SceneTexture {
+            placement: placement.unwrap_or(scene.texture.as_ref().expect("a picture").placement),
+            ..SceneTexture::clone(scene.texture.as_deref().expect("a picture"))
+        };
+        let prepared = PreparedScene {
+            texture: Some(Arc::new(texture)),
+            ..prepared
+        };
+        let plan = PlanOptions::default();
+        let input = FillInput::new(&prepared, &scene.views[0], SIZE, plan).expect("a surface");
+        let targets = targets(&gpu, &input);
+        let mut backend = vertex(
+            &targets,
+            Layout::Doubled,
+            switches("chosen", ColourWay::Xor),
+        );
+        draw(&mut *backend, &input)
+            .texture
+            .expect("textured")
+            .pixels
+    };
+    // Farthest apart that a pixel of both shows the picture, and pixels of both and of one.
+    let compared = |placement: Option<TexturePlacement>| {
+        let pair = ["window-west", "window-east"].map(|name| drawn(name, placement));
+        let (mut apart, mut both, mut one) = (0.0_f64, 0, 0);
+        for pixels in pair[0].iter().zip(&pair[1]) {
+            match pixels {
+                (Some(a), Some(b)) => {
+                    both += 1;
+                    apart = apart.max((a.uv[0] - b.uv[0]).hypot(a.uv[1] - b.uv[1]));
+                }
+                (None, None) => {}
+                _ => one += 1,
+            }
+        }
+        (apart, both, one)
+    };
+    let (apart, both, one) = compared(None);
+    // Half a texel of 512: the tolerance of a place.
+    assert!(apart < 0.5 / 512.0, "{apart}");
+    assert!(both > 100 && one > 100, "{both} {one}");
+    // Twin: a picture that lies over the region's extent moves with it.
+    let (apart, ..) = compared(Some(TexturePlacement::Extents));
+    assert!(apart > 0.1, "{apart}");
 }
 
 fn checker(columns: u32, rows: u32) -> MipChain {

@@ -2,6 +2,7 @@
 //! The techniques, surfaces and studies there are. Adding one takes a crate and a line here.
 
 use std::sync::OnceLock;
+use terrafill_cesium::CesiumTechnique;
 use terrafill_compute::ComputeTechnique;
 use terrafill_fill::Technique;
 use terrafill_filling::FillingStudy;
@@ -35,10 +36,14 @@ pub(crate) static TECHNIQUES: &[&dyn Technique] = &[
 /// Surfaces that scenes can name.
 pub(crate) static SURFACES: &[&dyn SurfaceKind] = &[&EllipsoidKind, &terrafill_grid::GridKind];
 
+/// What a user would pick instead of these techniques: measured beside them where this machine has it.
+pub(crate) static RIVALS: &[&dyn Technique] = &[&CesiumTechnique];
+
 /// Every study, in the order in which they are measured and reported.
 pub(crate) static STUDIES: &[&dyn Study] = &[
     &FillingStudy {
         techniques: TECHNIQUES,
+        rivals: RIVALS,
         surfaces: SURFACES,
     },
     &PrecisionStudy,

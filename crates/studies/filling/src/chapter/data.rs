@@ -76,6 +76,8 @@ pub(super) struct View<'a> {
     pub(super) baselines: Vec<&'a Case>,
     /// Techniques.
     pub(super) cases: Vec<&'a Case>,
+    /// What users would pick instead; they compete with nothing.
+    pub(super) rivals: Vec<&'a Case>,
 }
 
 impl<'a> Data<'a> {
@@ -238,10 +240,13 @@ impl<'a> Data<'a> {
                     name: view,
                     baselines: Vec::new(),
                     cases: Vec::new(),
+                    rivals: Vec::new(),
                 },
             );
             if is_baseline(case) {
                 view.baselines.push(case);
+            } else if is_rival(case) {
+                view.rivals.push(case);
             } else {
                 view.cases.push(case);
             }
@@ -284,6 +289,7 @@ impl<'a> Data<'a> {
     pub(super) fn command(&self, case: &Case) -> String {
         let is_drawn = !is_baseline(case)
             && !has_role(case, "subdivision")
+            && !is_rival(case)
             && ["", "scene"].contains(&case.condition("picture"));
         if !is_drawn {
             return String::new();
@@ -414,6 +420,11 @@ pub(super) fn standing(case: &Case) -> &'static str {
 
 pub(super) fn is_baseline(case: &Case) -> bool {
     [DEPTH_PASS, STENCIL_PASS].contains(&case.condition("technique"))
+}
+
+/// Whether it is what users would pick instead.
+pub(super) fn is_rival(case: &Case) -> bool {
+    has_role(case, "rival")
 }
 
 fn is_listed(case: &Case) -> bool {

@@ -18,6 +18,7 @@ mod matrix;
 mod memory;
 mod pairs;
 mod published;
+mod rivals;
 mod rungs;
 mod scenes;
 mod subdivision;
@@ -64,6 +65,7 @@ impl Chapter for FillingChapter {
         let ladders = rungs::ladders(&data);
         blocks.extend(claims::blocks(&data, &ladders));
         blocks.extend(ladder::blocks(&data, &ladders)?);
+        blocks.extend(rivals::blocks(&data));
         blocks.extend(pairs::blocks(&data));
         blocks.extend(matrix::blocks(&data));
         blocks.extend(memory::blocks(&data)?);

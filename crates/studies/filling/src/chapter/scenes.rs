@@ -3,7 +3,7 @@
 
 use super::data::{
     DEPTH_PASS, Data, STENCIL_PASS, Scene, View, competes, counter, has_role, is_approximate,
-    is_baseline, name, standing,
+    is_baseline, is_rival, name, standing,
 };
 use super::ladder::no_ratio;
 use super::{error_time, memory, published};
@@ -393,6 +393,7 @@ fn table(data: &Data<'_>, palette: &Palette, view: &View<'_>) -> Table {
     ];
     headings.extend(COLUMNS.map(|(text, metric, ..)| Heading::metric(text, metric)));
     let cases = view.baselines.iter().chain(&view.cases);
+    let cases = cases.chain(&view.rivals);
     Table {
         rows: cases
             .map(|case| row(data, palette, case, other.1))
@@ -457,7 +458,8 @@ fn time_cell(case: &Case, text: Option<String>, why: &str) -> Cell {
                 .to_owned(),
             ..Cell::plain(text)
         },
-        Some(text) if case.outcome == Outcome::Wrong => Cell {
+        // A rival's error is part of the answer, and stands beside its time.
+        Some(text) if case.outcome == Outcome::Wrong && !is_rival(case) => Cell {
             class: CellClass::Void,
             title: "the picture is wrong: this time counts for nothing".to_owned(),
             ..Cell::plain(text)
@@ -486,16 +488,16 @@ fn pictures(data: &Data<'_>, scene: &Scene<'_>, view: &View<'_>) -> Option<Pictu
             caption,
         })
     };
-    let listed = view.cases.iter().copied();
+    let listed: Vec<&Case> = view.cases.iter().chain(&view.rivals).copied().collect();
     let wrong = data.cases.iter().copied().filter(|case| {
         let is_here = case.condition("scene") == scene.name && case.condition("view") == view.name;
         // Textured fills have their pictures in their own section.
         is_here
             && case.outcome == Outcome::Wrong
             && !has_role(case, "texture")
-            && !view.cases.iter().any(|listed| listed.id() == case.id())
+            && !listed.iter().any(|listed| listed.id() == case.id())
     });
-    let cases: Vec<&Case> = listed.chain(wrong).collect();
+    let cases: Vec<&Case> = listed.iter().copied().chain(wrong).collect();
     let reference = cases
         .iter()
         .find_map(|case| picture(case, "reference_image", "reference".to_owned()))

@@ -71,6 +71,10 @@ fn sweeps<'a>(data: &Data<'a>) -> Vec<Sweep<'a>> {
     let sweeps = titles.into_iter().map(|of| {
         let mut cases: Vec<(f64, &Case)> = swept().filter(|(_, case)| title(case) == of).collect();
         cases.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // A step that cuts nothing gives the mesh of a finer one, and says nothing of steps.
+        cases.dedup_by_key(|(_, case)| {
+            counter(case, "cap_triangles").ok_or_else(|| case.id().key())
+        });
         Sweep { title: of, cases }
     });
     sweeps.filter(|sweep| sweep.cases.len() >= 2).collect()

@@ -34,6 +34,7 @@ fn section(
             let of_view = View {
                 name: view.name,
                 baselines: Vec::new(),
+                rivals: Vec::new(),
                 cases: view.cases.iter().filter(is_own).copied().collect(),
             };
             own.extend(of_view.cases.iter().copied().filter(|case| competes(case)));
