@@ -29,7 +29,11 @@ pub(crate) static TECHNIQUES: &[&dyn Technique] = &[
 ];
 
 /// Surfaces that scenes can name.
-pub(crate) static SURFACES: &[&dyn SurfaceKind] = &[&EllipsoidKind, &terrafill_grid::GridKind];
+pub(crate) static SURFACES: &[&dyn SurfaceKind] = &[
+    &EllipsoidKind,
+    &terrafill_grid::GridKind,
+    &terrafill_tiles::TilesKind,
+];
 
 /// Every study, in the order in which they are measured and reported.
 pub(crate) static STUDIES: &[&dyn Study] = &[
