@@ -38,6 +38,7 @@ const LAYERS: &[(&str, &[&str])] = &[
 /// What a crate may need within its own layer.
 const WITHIN: &[(&str, &[&str])] = &[
     ("texture", &["core"]),
+    ("elevation", &["core"]),
     ("shaders", &["texture"]),
     ("plot", &["results"]),
     ("surface", &["scene"]),

@@ -136,7 +136,7 @@ fn bounds(
     body: &Ellipsoid,
     meshes: &RegionSet,
     surface: &dyn Surface,
-    drawn: Option<HeightRange>,
+    drawn: Option<&SurfaceFrame>,
 ) -> Arc<[RegionBounds]> {
     let meshes = meshes.iter();
     meshes
@@ -148,11 +148,10 @@ fn bounds_of(
     body: &Ellipsoid,
     mesh: &RegionMesh,
     surface: &dyn Surface,
-    drawn: Option<HeightRange>,
+    drawn: Option<&SurfaceFrame>,
 ) -> RegionBounds {
     let stated = surface.heights(&mesh.extent);
-    // Where the two have nothing in common, the view draws nothing over the region.
-    let drawn = drawn.and_then(|drawn| stated.intersection(drawn));
+    let drawn = drawn.map(|frame| frame.heights_over(&mesh.extent, stated));
     RegionBounds::new(body, mesh, drawn.unwrap_or(stated))
 }
 
@@ -188,7 +187,7 @@ impl FillInput {
     ) -> Result<Self, SurfaceError> {
         let camera = view.camera(&scene.body);
         let surface = scene.surface.frame(&camera, size)?;
-        let scene = drawn_between(scene, surface.heights);
+        let scene = drawn_in(scene, &surface);
         Ok(Self {
             plan: plan(&scene, &camera, size, surface.heights, options),
             scene,
@@ -205,7 +204,7 @@ impl FillInput {
     #[must_use]
     pub fn remeshed(&self, scene: &PreparedScene, options: PlanOptions) -> Self {
         let terrain = self.surface.heights;
-        let scene = drawn_between(scene, terrain);
+        let scene = drawn_in(scene, &self.surface);
         Self {
             plan: plan(&scene, &self.camera, self.size, terrain, options),
             scene,
@@ -296,10 +295,10 @@ impl FillInput {
     }
 }
 
-/// The scene with the bounds of a view that draws the surface between these heights.
-fn drawn_between(scene: &PreparedScene, drawn: HeightRange) -> PreparedScene {
+/// The scene with the bounds of a view that draws the surface so.
+fn drawn_in(scene: &PreparedScene, drawn: &SurfaceFrame) -> PreparedScene {
     let everywhere = scene.surface.heights(&WHOLE_BODY);
-    if everywhere == drawn {
+    if everywhere == drawn.heights && drawn.parts.is_empty() {
         return scene.clone();
     }
     let mut bounds = bounds(&scene.body, &scene.meshes, &*scene.surface, Some(drawn)).to_vec();

@@ -7,7 +7,7 @@
 
 use crate::data::{Verified, read_verified};
 use crate::procedural::Islands;
-use crate::scene::{Overlap, Scene, SurfaceChoice, View};
+use crate::scene::{Overlap, Scene, SurfaceChoice, SurfaceFile, View};
 use crate::shipped;
 use crate::texture::{
     ImageSource, MAX_SIDE_PX, MIN_HATCH_PERIOD, Outside, SceneTexture, TextureAnchor,
@@ -115,6 +115,7 @@ impl Scene {
             return Err(check.refuse("vary.positions", true, allowed));
         }
         let texture = raw.texture.map(|raw| check.texture(raw)).transpose()?;
+        let surface_files = check.surface_files(raw.surface.files)?;
         // Last, so that a wrong scene is reported as wrong even where its data is missing.
         let mut regions = source.regions(&name, data_dir, reading)?;
         if repair {
@@ -126,6 +127,10 @@ impl Scene {
             Some(texture) => Some(Arc::new(texture.load(&name, data_dir)?)),
             None => None,
         };
+        let surface_files = surface_files.into_iter();
+        let surface_files = surface_files
+            .map(|file| load_surface_file(file, &name, data_dir))
+            .collect::<Result<Vec<_>, _>>()?;
         Ok(Self {
             name,
             description: raw.description,
@@ -141,6 +146,7 @@ impl Scene {
                     .surface
                     .kind
                     .unwrap_or_else(|| DEFAULT_SURFACE.to_owned()),
+                files: surface_files,
                 parameters: raw.surface.parameters,
             },
             views,
@@ -210,6 +216,8 @@ struct RawProcedural {
 #[derive(Deserialize, Default)]
 struct RawSurface {
     kind: Option<String>,
+    #[serde(default)]
+    files: Vec<RawImage>,
     #[serde(flatten)]
     parameters: toml::Table,
 }
@@ -567,6 +575,15 @@ impl Check<'_> {
         ))
     }
 
+    /// A file and its way to the user, checked.
+    fn surface_files(&self, raw: Vec<RawImage>) -> Result<Vec<RawImage>, SceneError> {
+        for (i, file) in raw.iter().enumerate() {
+            self.data_path(&format!("surface.files[{i}].path"), &file.path)?;
+            self.hash(&format!("surface.files[{i}].sha256"), &file.sha256)?;
+        }
+        Ok(raw)
+    }
+
     fn texture(&self, raw: RawTexture) -> Result<UnreadTexture, SceneError> {
         Ok(UnreadTexture {
             image: self.image_source(raw.image, raw.checker, raw.hatch)?,
@@ -814,6 +831,27 @@ impl Check<'_> {
         places
             .map(|(i, value)| allowed(format!("vary.{knob}[{i}]"), *value))
             .collect()
+    }
+}
+
+/// The bytes of a file that a surface is made from.
+fn load_surface_file(
+    raw: RawImage,
+    scene: &str,
+    data_dir: Option<&Path>,
+) -> Result<SurfaceFile, SceneError> {
+    match read_verified(data_dir, &raw.path, &raw.sha256)? {
+        Verified::Bytes(bytes) => Ok(SurfaceFile {
+            path: raw.path,
+            bytes: bytes.into(),
+        }),
+        Verified::Absent(why) => Err(SceneError::DataMissing {
+            scene: scene.to_owned(),
+            how: (raw.how).unwrap_or_else(|| format!("put {} into the data folder", raw.path)),
+            file: raw.path,
+            sha256: raw.sha256,
+            why,
+        }),
     }
 }
 

@@ -25,7 +25,7 @@ pub use plan::{
     PixelRect, PlanOptions, PlannedRegion, RegionBounds, WallHeights,
 };
 pub use procedural::Islands;
-pub use scene::{LevelChoice, Overlap, Scene, SurfaceChoice, View};
+pub use scene::{LevelChoice, Overlap, Scene, SurfaceChoice, SurfaceFile, View};
 pub use shipped::shipped_scene_names;
 pub use terrafill_core::ShapeFamily;
 pub use texture::{

@@ -41,8 +41,19 @@ pub struct SurfaceChoice {
     pub file: String,
     /// Which surface.
     pub kind: String,
+    /// Files that it is made from, in their order; their hashes are right.
+    pub files: Vec<SurfaceFile>,
     /// All other keys.
     pub parameters: toml::Table,
+}
+
+/// A file that a scene's surface is made from. What is in it is known to the surface alone.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SurfaceFile {
+    /// Path in the data folder.
+    pub path: String,
+    /// All of it.
+    pub bytes: Arc<[u8]>,
 }
 
 /// Which levels a scene has.

@@ -531,3 +531,57 @@ fn formats_are_swept_through_tolerances_and_not_without() {
     let text = with("positions = false");
     assert!(Scene::from_toml(&text, "t.toml", None).is_ok());
 }
+
+#[test]
+fn files_of_a_surface_are_read_by_their_hash_in_their_order() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let hash = |bytes: &[u8]| -> String {
+        let digest = Sha256::digest(bytes);
+        digest.iter().map(|byte| format!("{byte:02x}")).collect()
+    };
+    let file = |path: &str, sha256: &str| {
+        format!("[[surface.files]]\npath = \"{path}\"\nsha256 = \"{sha256}\"\nhow = \"ask\"\n")
+    };
+    std::fs::write(folder.path().join("a.tif"), b"first").expect("writable");
+    std::fs::write(folder.path().join("b.tif"), b"second").expect("writable");
+    let both = [
+        file("b.tif", &hash(b"second")),
+        file("a.tif", &hash(b"first")),
+    ]
+    .concat();
+    let kind = "kind = \"ellipsoid\"\n";
+    let load = |files: &str| {
+        let text = GOOD.replace(kind, &format!("{kind}rows = 90\n{files}"));
+        Scene::from_toml(&text, "t.toml", Some(folder.path()))
+    };
+    let surface = load(&both).expect("both are there").surface;
+    let found: Vec<(&str, &[u8])> = surface
+        .files
+        .iter()
+        .map(|f| (f.path.as_str(), &*f.bytes))
+        .collect();
+    assert_eq!(found, [("b.tif", &b"second"[..]), ("a.tif", &b"first"[..])]);
+    assert!(surface.parameters.contains_key("rows") && surface.parameters.len() == 1);
+    // Twins: other bytes, no file, no hash, a place outside.
+    for (files, expected) in [
+        (file("a.tif", &hash(b"other")), "has sha256"),
+        (file("c.tif", &hash(b"other")), "c.tif is not there; ask"),
+    ] {
+        let error = load(&files).expect_err("no data");
+        assert!(matches!(error, SceneError::DataMissing { .. }), "{error}");
+        assert!(error.to_string().contains(expected), "{error}");
+    }
+    for (files, expected) in [
+        (
+            file("a.tif", "0"),
+            "t.toml: surface.files[0].sha256: found \"0\"",
+        ),
+        (
+            file("../a.tif", ""),
+            "t.toml: surface.files[0].path: found \"../a.tif\"",
+        ),
+    ] {
+        let error = load(&files).expect_err("wrong").to_string();
+        assert!(error.starts_with(expected), "{error}");
+    }
+}

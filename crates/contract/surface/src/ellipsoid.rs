@@ -66,7 +66,7 @@ impl Surface for EllipsoidSurface {
 mod tests {
     use super::*;
     use crate::open_surface;
-    use terrafill_scene::Scene;
+    use terrafill_scene::{Scene, SurfaceFile};
 
     fn opened(surface: &str) -> Result<Arc<dyn Surface>, String> {
         let text = format!(
@@ -116,5 +116,25 @@ mod tests {
         ] {
             assert_eq!(opened(text).expect_err(text), expected);
         }
+    }
+
+    #[test]
+    fn files_that_a_kind_does_not_take_are_refused() {
+        let text = "name = \"t\"\ndescription = \"d\"\nbody = \"wgs84\"\n\
+             [regions]\nembedded = \"california.geojson\"\n\
+             [[views]]\nname = \"a\"\nlongitude_deg = 0\nlatitude_deg = 0\nheight_m = 1\n\
+             heading_deg = 0\npitch_deg = 0\n";
+        let mut scene = Scene::from_toml(text, "t.toml", None).expect("a scene");
+        assert!(open_surface(&[&EllipsoidKind], &scene).is_ok());
+        scene.surface.files = vec![SurfaceFile {
+            path: "a.tif".to_owned(),
+            bytes: Arc::default(),
+        }];
+        let error = open_surface(&[&EllipsoidKind], &scene).expect_err("files");
+        assert_eq!(
+            error.to_string(),
+            "t.toml: surface.files: found 1, allowed: none, since surfaces of the kind ellipsoid are \
+             made from no file"
+        );
     }
 }

@@ -6,7 +6,7 @@ use std::fmt::{Debug, Display};
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 use terrafill_core::Ellipsoid;
-use terrafill_scene::{Scene, SurfaceChoice};
+use terrafill_scene::{Scene, SurfaceChoice, SurfaceFile};
 use toml::Value;
 
 /// A kind of surface that scenes can name.
@@ -17,7 +17,7 @@ pub trait SurfaceKind: Debug + Sync {
     /// Opens a surface of this kind on `body`. Keys that are not read are refused afterwards.
     ///
     /// # Errors
-    /// [`SurfaceError::Value`].
+    /// [`SurfaceError::Value`], [`SurfaceError::Data`].
     fn open(
         &self,
         body: &Ellipsoid,
@@ -40,6 +40,7 @@ pub fn open_surface(
     let mut parameters = Parameters {
         choice,
         read: Vec::new(),
+        are_files_read: false,
     };
     let Some(kind) = kinds.iter().find(|kind| kind.name() == choice.kind) else {
         let names: Vec<&str> = kinds.iter().map(|kind| kind.name()).collect();
@@ -57,6 +58,8 @@ pub struct Parameters<'a> {
     choice: &'a SurfaceChoice,
     /// Keys that the kind knows.
     read: Vec<&'static str>,
+    /// Whether the kind takes files.
+    are_files_read: bool,
 }
 
 impl Parameters<'_> {
@@ -104,6 +107,37 @@ impl Parameters<'_> {
             .ok_or_else(|| self.refuse(key, value, format!("{} to {}", range.start(), range.end())))
     }
 
+    /// One of a few words.
+    ///
+    /// # Errors
+    /// [`SurfaceError::Value`] when it is none of `allowed`.
+    pub fn word(
+        &mut self,
+        key: &'static str,
+        default: &'static str,
+        allowed: &[&'static str],
+    ) -> Result<&'static str, SurfaceError> {
+        let Some(value) = self.value(key) else {
+            return Ok(default);
+        };
+        let known = allowed.iter().find(|word| Some(**word) == value.as_str());
+        known
+            .copied()
+            .ok_or_else(|| self.refuse(key, value, allowed.join(", ")))
+    }
+
+    /// Yes or no.
+    ///
+    /// # Errors
+    /// [`SurfaceError::Value`] when it is neither.
+    pub fn flag(&mut self, key: &'static str, default: bool) -> Result<bool, SurfaceError> {
+        let Some(value) = self.value(key) else {
+            return Ok(default);
+        };
+        let flag = value.as_bool();
+        flag.ok_or_else(|| self.refuse(key, value, "true, false"))
+    }
+
     /// `key` has a value that is not allowed.
     #[must_use]
     pub fn refuse(
@@ -127,7 +161,25 @@ impl<'a> Parameters<'a> {
         self.choice.parameters.get(key)
     }
 
+    /// Files that the scene's surface is made from, in the scene's order. A kind that never asks is
+    /// given none: a scene that names any is refused.
+    pub fn files(&mut self) -> &'a [SurfaceFile] {
+        self.are_files_read = true;
+        &self.choice.files
+    }
+
+    /// The scene file, for messages.
+    #[must_use]
+    pub fn scene_file(&self) -> &'a str {
+        &self.choice.file
+    }
+
     fn refuse_unread(&self) -> Result<(), SurfaceError> {
+        if !(self.are_files_read || self.choice.files.is_empty()) {
+            let (found, kind) = (self.choice.files.len(), &self.choice.kind);
+            let allowed = format!("none, since surfaces of the kind {kind} are made from no file");
+            return Err(self.refuse("files", found, allowed));
+        }
         let mut stray = self.choice.parameters.iter();
         match stray.find(|(key, _)| !self.read.contains(&key.as_str())) {
             None => Ok(()),

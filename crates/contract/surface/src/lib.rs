@@ -9,12 +9,14 @@
 //! A surface that leaves depth without triangles, such as a screen grid, needs another form of
 //! frame, in which the reference reads depth back. There is none yet.
 
+mod elevation;
 mod ellipsoid;
 mod kind;
 mod mesh;
 mod surface;
 
+pub use elevation::read_elevation;
 pub use ellipsoid::EllipsoidKind;
 pub use kind::{Parameters, SurfaceKind, open_surface};
 pub use mesh::SurfaceMesh;
-pub use surface::{Surface, SurfaceError, SurfaceFrame, SurfaceRenderer};
+pub use surface::{Surface, SurfaceError, SurfaceFrame, SurfacePart, SurfaceRenderer};

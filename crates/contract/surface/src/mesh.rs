@@ -153,6 +153,7 @@ impl SurfaceMesh {
             vertices_rte: self.vertices_ecef.iter().map(to_rte).collect(),
             triangles: Arc::clone(&self.triangles),
             heights: self.heights,
+            parts: Arc::default(),
         })
     }
 

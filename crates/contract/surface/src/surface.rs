@@ -32,6 +32,60 @@ pub struct SurfaceFrame {
     pub triangles: Arc<[[u32; 3]]>,
     /// Heights of the triangles as drawn in this view, metres above the ellipsoid.
     pub heights: HeightRange,
+    /// The same for parts of the surface, which together hold every triangle that can be seen; none where
+    /// the surface has the same heights in every view.
+    pub parts: Arc<[SurfacePart]>,
+}
+
+/// A part of a surface as one view draws it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfacePart {
+    /// No point of its triangles lies outside.
+    pub extent: Extent,
+    /// Heights of its triangles as drawn, metres above the ellipsoid.
+    pub heights: HeightRange,
+}
+
+impl SurfaceFrame {
+    /// Heights of what this view draws over `extent`.
+    ///
+    /// - `stated`: of the surface there in whatever view, [`Surface::heights`]
+    #[must_use]
+    pub fn heights_over(&self, extent: &Extent, stated: HeightRange) -> HeightRange {
+        let parts = self.parts.iter();
+        let here = parts.filter(|part| overlaps(&part.extent, extent));
+        let drawn = here.map(|part| part.heights).reduce(HeightRange::union);
+        // Over what is not drawn in parts, and where the two have nothing in common, nothing is seen.
+        let drawn = drawn.unwrap_or(self.heights);
+        stated.intersection(drawn).unwrap_or(stated)
+    }
+}
+
+/// Whether two extents have a place in common, edges included.
+fn overlaps(one: &Extent, other: &Extent) -> bool {
+    let is_between = |at: f64, extent: &Extent| match extent.west_deg <= extent.east_deg {
+        true => (extent.west_deg..=extent.east_deg).contains(&at),
+        false => at >= extent.west_deg || at <= extent.east_deg,
+    };
+    // ±180° is one meridian.
+    let begins_in = |one: &Extent, other: &Extent| {
+        let opposite = if one.west_deg >= 180.0 {
+            -180.0
+        } else {
+            one.west_deg
+        };
+        is_between(one.west_deg, other) || is_between(opposite, other)
+    };
+    let touch = |one: &Extent, other: &Extent| {
+        let is_meridian = |degrees: f64| degrees.abs() >= 180.0;
+        is_meridian(one.east_deg) && is_meridian(other.west_deg)
+    };
+    one.south_deg <= other.north_deg
+        && other.south_deg <= one.north_deg
+        && (begins_in(one, other)
+            || begins_in(other, one)
+            || touch(one, other)
+            || touch(other, one))
 }
 
 /// Draws surfaces through one API.
@@ -67,6 +121,14 @@ pub enum SurfaceError {
         /// What it may be.
         allowed: String,
     },
+    /// A file of the surface's that cannot be used.
+    #[error("{file}: surface.files: {message}")]
+    Data {
+        /// The scene file.
+        file: String,
+        /// What is wrong with which file.
+        message: String,
+    },
     /// Seen from inside, a surface hides nothing, and there is nothing to fill.
     #[error(
         "the eye is {eye_height_m:.1} m above the ellipsoid, allowed: above the {kind} surface, \
@@ -78,4 +140,66 @@ pub enum SurfaceError {
         /// Height of the eye above the ellipsoid, metres.
         eye_height_m: f64,
     },
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn extent(west_deg: f64, east_deg: f64) -> Extent {
+        Extent {
+            west_deg,
+            south_deg: 0.0,
+            east_deg,
+            north_deg: 10.0,
+        }
+    }
+
+    fn range(lowest_m: f64, highest_m: f64) -> HeightRange {
+        HeightRange {
+            lowest_m,
+            highest_m,
+        }
+    }
+
+    #[test]
+    fn heights_over_an_extent_are_those_of_the_parts_that_meet_it() {
+        let part = |west, east, lowest, highest| SurfacePart {
+            extent: extent(west, east),
+            heights: range(lowest, highest),
+        };
+        let frame = SurfaceFrame {
+            vertices_rte: Arc::default(),
+            triangles: Arc::default(),
+            heights: range(-50.0, 500.0),
+            parts: [
+                part(0.0, 10.0, 0.0, 100.0),
+                part(10.0, 20.0, -50.0, 60.0),
+                part(170.0, 180.0, 300.0, 500.0),
+            ]
+            .into(),
+        };
+        let stated = range(-1000.0, 1000.0);
+        for (west, east, expected) in [
+            (2.0, 3.0, range(0.0, 100.0)),
+            (12.0, 13.0, range(-50.0, 60.0)),
+            (5.0, 12.0, range(-50.0, 100.0)),
+            (-10.0, 200.0 - 21.0, range(-50.0, 500.0)),
+            (175.0, -170.0, range(300.0, 500.0)),
+            (-180.0, -179.0, range(300.0, 500.0)),
+            (100.0, 101.0, range(-50.0, 500.0)),
+        ] {
+            let found = frame.heights_over(&extent(west, east), stated);
+            assert_eq!(found, expected, "{west} {east}");
+        }
+        let high = frame.heights_over(&extent(2.0, 3.0), range(700.0, 800.0));
+        assert_eq!(high, range(700.0, 800.0));
+        // Twin: further north nothing of the parts is met.
+        let north = Extent {
+            south_deg: 11.0,
+            north_deg: 12.0,
+            ..extent(2.0, 3.0)
+        };
+        assert_eq!(frame.heights_over(&north, stated), frame.heights);
+    }
 }

@@ -2,12 +2,12 @@
 //! The surface: triangles of a longitude/latitude grid, the same in every view, and their heights by
 //! extent.
 
-use crate::heights::Heights;
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Extent};
+use terrafill_elevation::Elevation;
 use terrafill_scene::{Camera, HeightRange, ImageSize};
 use terrafill_surface::{
-    Parameters, Surface, SurfaceError, SurfaceFrame, SurfaceKind, SurfaceMesh,
+    Parameters, Surface, SurfaceError, SurfaceFrame, SurfaceKind, SurfaceMesh, read_elevation,
 };
 
 /// Name in scene files.
@@ -15,15 +15,8 @@ const KIND: &str = "grid";
 
 /// Rows where a scene names none: 1°, 128,000 triangles.
 const DEFAULT_ROWS: u32 = 180;
-/// Highest or deepest that terrain may be, metres: the Mariana Trench.
-const MAX_AMPLITUDE_M: f64 = 11_000.0;
-/// The same on small bodies, share of the smallest curvature radius: beyond it hills overhang.
-const MAX_AMPLITUDE_SHARE: f64 = 0.1;
-/// Highest or deepest where a scene says nothing, metres: the Himalayas.
-const DEFAULT_AMPLITUDE_M: f64 = 8_000.0;
-
-/// Scenes over terrain that is grown from a seed: `kind = "grid"`, `rows` from pole to pole, `seed`, and
-/// `amplitude_m`, the highest or deepest that a vertex may be.
+/// Scenes over one uniform grid: `kind = "grid"`, `rows` from pole to pole, and the elevation as
+/// [`read_elevation`] knows it.
 #[derive(Debug, Clone, Copy)]
 pub struct GridKind;
 
@@ -38,12 +31,8 @@ impl SurfaceKind for GridKind {
         parameters: &mut Parameters<'_>,
     ) -> Result<Arc<dyn Surface>, SurfaceError> {
         let rows = parameters.count("rows", DEFAULT_ROWS, 4..=2048)?;
-        let seed = parameters.count("seed", 1, 0..=u32::MAX)?;
-        let most_m = MAX_AMPLITUDE_SHARE * body.smallest_curvature_radius_m();
-        let most_m = most_m.min(MAX_AMPLITUDE_M);
-        let default_m = most_m.min(DEFAULT_AMPLITUDE_M);
-        let amplitude_m = parameters.number("amplitude_m", default_m, 0.0..=most_m)?;
-        Ok(Arc::new(GridSurface::new(body, rows, seed, amplitude_m)))
+        let elevation = read_elevation(body, parameters)?;
+        Ok(Arc::new(GridSurface::new(body, rows, &elevation)))
     }
 }
 
@@ -56,12 +45,11 @@ struct GridSurface {
 }
 
 impl GridSurface {
-    fn new(body: &Ellipsoid, rows: u32, seed: u32, amplitude_m: f64) -> Self {
-        let heights = Heights { seed };
+    fn new(body: &Ellipsoid, rows: u32, elevation: &Elevation) -> Self {
         let half_turn = f64::from(rows);
         let mesh = SurfaceMesh::grid(body, rows, |row, column| {
             let east = f64::from(column) / half_turn;
-            amplitude_m * heights.share(east, f64::from(row) / half_turn)
+            elevation.height_at_half_turns(east, f64::from(row) / half_turn)
         });
         let mut cells = vec![None; 2 * (rows * rows) as usize];
         for triangle in mesh.triangles.iter() {
@@ -129,8 +117,18 @@ impl Surface for GridSurface {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use terrafill_elevation::{Base, Relief};
     use terrafill_scene::Scene;
     use terrafill_surface::{EllipsoidKind, open_surface};
+
+    fn grown(rows: u32) -> GridSurface {
+        let base = Base::Relief {
+            relief: Relief { seed: 3 },
+            amplitude_m: 11e3,
+        };
+        let elevation = Elevation::new(Vec::new(), base, 0.05, 1.0);
+        GridSurface::new(&Ellipsoid::WGS84, rows, &elevation)
+    }
 
     const WHOLE: Extent = Extent {
         west_deg: -180.0,
@@ -194,7 +192,7 @@ mod tests {
             (
                 "wgs84",
                 "height_m = 3",
-                "t.toml: surface.height_m: found 3, allowed: only the keys kind, rows, seed, amplitude_m",
+                "t.toml: surface.height_m: found 3, allowed: only the keys kind, rows, vertical_exaggeration, feather, base, seed, amplitude_m",
             ),
         ] {
             assert_eq!(opened(body, text).expect_err(text), expected);
@@ -221,7 +219,7 @@ mod tests {
 
     #[test]
     fn every_point_over_an_extent_lies_between_its_heights() {
-        let grid = GridSurface::new(&Ellipsoid::WGS84, 24, 3, 11e3);
+        let grid = grown(24);
         let extents = [
             (170.0, -170.0, -20.0, 10.0),
             (-180.0, 180.0, 70.0, 90.0),
@@ -263,7 +261,7 @@ mod tests {
 
     #[test]
     fn ranges_of_small_extents_are_narrow() {
-        let grid = GridSurface::new(&Ellipsoid::WGS84, 180, 3, 11e3);
+        let grid = grown(180);
         let span = |range: HeightRange| range.highest_m - range.lowest_m;
         let small = grid.heights(&Extent {
             west_deg: 40.2,

@@ -83,6 +83,7 @@ pub(crate) fn scene_of(path: &Path, size: ImageSize) -> Result<Scene, Failure> {
         surface: SurfaceChoice {
             file: path.display().to_string(),
             kind: "ellipsoid".to_owned(),
+            files: Vec::new(),
             parameters: toml::Table::from_iter([("rows".to_owned(), rows.into())]),
         },
         views: vec![View {

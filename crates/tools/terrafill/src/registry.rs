@@ -34,7 +34,11 @@ pub(crate) static TECHNIQUES: &[&dyn Technique] = &[
 ];
 
 /// Surfaces that scenes can name.
-pub(crate) static SURFACES: &[&dyn SurfaceKind] = &[&EllipsoidKind, &terrafill_grid::GridKind];
+pub(crate) static SURFACES: &[&dyn SurfaceKind] = &[
+    &EllipsoidKind,
+    &terrafill_grid::GridKind,
+    &terrafill_tiles::TilesKind,
+];
 
 /// What a user would pick instead of these techniques: measured beside them where this machine has it.
 pub(crate) static RIVALS: &[&dyn Technique] = &[&CesiumTechnique];

@@ -25,6 +25,9 @@ fn clone() -> Desk {
     let desk = Desk::new();
     for entry in std::fs::read_dir(repository().join("bench-scenes")).expect("scenes") {
         let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            continue;
+        }
         let name = path.file_name().expect("a name").to_string_lossy();
         let content = std::fs::read(&path).expect("readable");
         desk.write(&format!("bench-scenes/{name}"), content);

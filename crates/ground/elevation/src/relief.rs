@@ -25,16 +25,20 @@ const BROAD_SHARE: f64 = 0.35;
 /// uses the whole range.
 const CONTRAST: f64 = 1.6;
 
-/// Shares of the amplitude by place.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Heights {
-    pub(crate) seed: u32,
+/// A planet's relief: shares of the amplitude by place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Relief {
+    /// Another number is another planet.
+    pub seed: u32,
 }
 
-impl Heights {
+impl Relief {
+    /// Height as a share of the amplitude, −1 … 1.
+    ///
     /// - `east`: half turns of longitude, any number of turns
     /// - `north`: half turns from the south pole, 0 … 1
-    pub(crate) fn share(self, east: f64, north: f64) -> f64 {
+    #[must_use]
+    pub fn share(self, east: f64, north: f64) -> f64 {
         let from_axis = half_turn_sine(north);
         let direction = [
             from_axis * half_turn_sine(east + 0.5),
@@ -122,7 +126,7 @@ mod tests {
 
     #[test]
     fn heights_are_what_they_were_to_the_last_bit() {
-        let bits = |seed, east, north| Heights { seed }.share(east, north).to_bits();
+        let bits = |seed, east, north| Relief { seed }.share(east, north).to_bits();
         let found = [
             bits(1, 0.0, 0.5),
             bits(1, 0.3, 0.7),
@@ -143,7 +147,7 @@ mod tests {
 
     #[test]
     fn terrain_is_seamless_and_goes_high_and_low() {
-        let heights = Heights { seed: 7 };
+        let heights = Relief { seed: 7 };
         let (mut lowest, mut highest, mut rising) = (1.0_f64, -1.0_f64, 0);
         for row in 0..=200 {
             let north = f64::from(row) / 200.0;

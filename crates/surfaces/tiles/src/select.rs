@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Which tiles a view draws: the one with the largest error on the screen is split first, until none
+//! is above what is allowed or the triangles are used up.
+
+use crate::bounds::{Ball, Sight};
+use crate::tile::{CELLS, MAX_LEVEL, TileId};
+use crate::tree::{Node, Tree};
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+use terrafill_core::Ellipsoid;
+
+/// A tile that is drawn unless it turns out to be out of sight.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Chosen {
+    pub(crate) id: TileId,
+    /// Distance of its triangles from the full resolution, metres; the bend of the body included.
+    pub(crate) error_m: f64,
+    /// The same on the screen where it is nearest, pixels; 0 out of sight.
+    pub(crate) error_px: f64,
+    root: usize,
+    node: Node,
+}
+
+impl Chosen {
+    fn new(body: &Ellipsoid, sight: &Sight, id: TileId, root: usize, node: Node) -> Self {
+        let error_m = node.error_m + bend_m(body, id);
+        let ball = Ball::around(body, &id.extent(), node.heights);
+        let is_seen = sight.may_see(&ball);
+        Self {
+            id,
+            error_m,
+            error_px: if is_seen {
+                sight.pixels(&ball, error_m)
+            } else {
+                0.0
+            },
+            root,
+            node,
+        }
+    }
+}
+
+/// How far a tile's flat triangles hang below a level ground, metres: a circle's arc over an edge `c` long
+/// is `c² / 8R` high, and over a triangle with edges of that length 4/3 as much.
+pub(crate) fn bend_m(body: &Ellipsoid, id: TileId) -> f64 {
+    let extent = id.extent();
+    // The longest parallel of the tile is the nearest to the equator.
+    let latitude = match extent.south_deg >= 0.0 {
+        true => extent.south_deg,
+        false => extent.north_deg.min(0.0),
+    };
+    let step_m = id.step_deg().to_radians() * body.equatorial_radius_m();
+    let east_m = step_m * latitude.to_radians().cos();
+    (step_m * step_m + east_m * east_m) / (6.0 * body.smallest_curvature_radius_m())
+}
+
+/// In a heap: the largest error on the screen first, then the first tile.
+#[derive(Debug, Clone, Copy)]
+struct Candidate(Chosen);
+
+impl Ord for Candidate {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let by_error = self.0.error_px.total_cmp(&other.0.error_px);
+        by_error.then_with(|| other.0.id.cmp(&self.0.id))
+    }
+}
+
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Candidate {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Candidate {}
+
+/// Tiles that cover the body, sorted.
+///
+/// - `allowed_px`: error on the screen
+/// - `max_triangles`: of tiles that may be seen, skirts not counted
+pub(crate) fn choose(
+    body: &Ellipsoid,
+    tree: &Tree,
+    sight: &Sight,
+    allowed_px: f64,
+    max_triangles: u32,
+) -> Vec<Chosen> {
+    let roots = TileId::roots().enumerate();
+    let mut heap: BinaryHeap<Candidate> = roots
+        .map(|(root, id)| Candidate(Chosen::new(body, sight, id, root, tree.root(root))))
+        .collect();
+    let mut seen = heap.iter().filter(|c| c.0.error_px > 0.0).count();
+    let most = (max_triangles / (2 * CELLS * CELLS)) as usize;
+    let mut done = Vec::new();
+    while let Some(Candidate(tile)) = heap.pop() {
+        let is_good = tile.error_px <= allowed_px || seen + 3 > most;
+        if is_good || tile.id.level >= MAX_LEVEL {
+            done.push(tile);
+            continue;
+        }
+        let nodes = tree.children(tile.root, tile.node).unwrap_or_else(|| {
+            // Below the full resolution only kinks between samples are left, which halve with the cells.
+            [Node {
+                error_m: 0.5 * tile.node.error_m,
+                ..tile.node
+            }; 4]
+        });
+        seen -= 1;
+        for (id, node) in tile.id.children().into_iter().zip(nodes) {
+            let child = Chosen::new(body, sight, id, tile.root, node);
+            seen += usize::from(child.error_px > 0.0);
+            heap.push(Candidate(child));
+        }
+    }
+    done.sort_unstable_by_key(|tile| tile.id);
+    done
+}

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The surface: tiles chosen for each view anew, from nothing but the view, so that whatever way a
+//! camera came, it sees the same triangles.
+
+use crate::bounds::Sight;
+use crate::mesh::{draw, skirts};
+use crate::select::{Chosen, bend_m, choose};
+use crate::tile::TileId;
+use crate::tree::Tree;
+use std::sync::Arc;
+use terrafill_core::{Ellipsoid, Extent};
+use terrafill_elevation::Elevation;
+use terrafill_scene::{Camera, HeightRange, ImageSize};
+use terrafill_surface::{
+    Parameters, Surface, SurfaceError, SurfaceFrame, SurfaceKind, read_elevation,
+};
+
+/// Name in scene files.
+const KIND: &str = "tiles";
+
+/// Error on the screen where a scene names none, pixels: what CesiumJS draws terrain with.
+const DEFAULT_ERROR_PX: f64 = 2.0;
+/// Triangles of a view where a scene names no limit: 12 MB of indices and vertices.
+const DEFAULT_MAX_TRIANGLES: u32 = 600_000;
+
+/// Scenes over height tiles: `kind = "tiles"`, the elevation as [`read_elevation`] knows it, and
+///
+/// - `error_px`: how far from the full resolution the surface may be on the screen
+/// - `max_triangles`: of a view, skirts not counted; beyond it the error grows
+/// - `skirts`: whether gaps between tiles of different sizes are closed; without them there are cracks
+#[derive(Debug, Clone, Copy)]
+pub struct TilesKind;
+
+impl SurfaceKind for TilesKind {
+    fn name(&self) -> &'static str {
+        KIND
+    }
+
+    fn open(
+        &self,
+        body: &Ellipsoid,
+        parameters: &mut Parameters<'_>,
+    ) -> Result<Arc<dyn Surface>, SurfaceError> {
+        let error_px = parameters.number("error_px", DEFAULT_ERROR_PX, 0.1..=1000.0)?;
+        // The roots alone are 16,384.
+        let limit = 32_768..=8_000_000;
+        let max_triangles = parameters.count("max_triangles", DEFAULT_MAX_TRIANGLES, limit)?;
+        let skirts = parameters.flag("skirts", true)?;
+        let elevation = read_elevation(body, parameters)?;
+        Ok(Arc::new(Tiles {
+            error_px,
+            max_triangles,
+            skirts,
+            ..Tiles::new(body, elevation)
+        }))
+    }
+}
+
+#[derive(Debug)]
+pub(crate) struct Tiles {
+    body: Ellipsoid,
+    elevation: Elevation,
+    tree: Tree,
+    error_px: f64,
+    max_triangles: u32,
+    skirts: bool,
+}
+
+impl Tiles {
+    pub(crate) fn new(body: &Ellipsoid, elevation: Elevation) -> Self {
+        Self {
+            tree: Tree::new(&elevation),
+            elevation,
+            body: *body,
+            error_px: DEFAULT_ERROR_PX,
+            max_triangles: DEFAULT_MAX_TRIANGLES,
+            skirts: true,
+        }
+    }
+
+    /// How far triangles of any tile, skirts included, may hang below the heights around them, metres.
+    fn hang_m(&self) -> f64 {
+        let bends = TileId::roots().map(|id| bend_m(&self.body, id));
+        let bend_m = bends.fold(0.0, f64::max);
+        // A facet hangs by its own bend; a skirt by two errors, each with its bend, and the rounding.
+        let skirt_m = 2.0 * (self.tree.max_error_m() + bend_m);
+        bend_m + skirt_m + 3e-6 * self.body.equatorial_radius_m()
+    }
+
+    fn sight(&self, camera: &Camera, size: ImageSize) -> Sight {
+        let lowest_m = self.heights(&WHOLE).lowest_m;
+        Sight::new(&self.body, camera, size, lowest_m)
+    }
+
+    fn chosen(&self, sight: &Sight) -> Vec<Chosen> {
+        choose(
+            &self.body,
+            &self.tree,
+            sight,
+            self.error_px,
+            self.max_triangles,
+        )
+    }
+}
+
+const WHOLE: Extent = Extent {
+    west_deg: -180.0,
+    south_deg: -90.0,
+    east_deg: 180.0,
+    north_deg: 90.0,
+};
+
+impl Surface for Tiles {
+    fn kind(&self) -> &'static str {
+        KIND
+    }
+
+    /// Of the coarsest tiles and of the finest, whichever a view draws.
+    fn heights(&self, extent: &Extent) -> HeightRange {
+        // A triangle of the coarsest tiles reaches a cell beyond the place that it is over.
+        let cell = TileId {
+            level: 0,
+            x: 0,
+            y: 0,
+        }
+        .step_deg()
+            * 1.25;
+        let (south_deg, north_deg) = (extent.south_deg - cell, extent.north_deg + cell);
+        let mut east = extent.east_deg;
+        if east < extent.west_deg {
+            east += 360.0;
+        }
+        let is_round = east - extent.west_deg + 2.0 * cell >= 360.0;
+        let wide = match is_round || south_deg <= -90.0 || north_deg >= 90.0 {
+            true => (-180.0, 180.0),
+            false => (wrapped(extent.west_deg - cell), wrapped(east + cell)),
+        };
+        let range = self.elevation.range(&Extent {
+            west_deg: wide.0,
+            south_deg: south_deg.max(-90.0),
+            east_deg: wide.1,
+            north_deg: north_deg.min(90.0),
+        });
+        HeightRange {
+            lowest_m: range.lowest_m - self.hang_m(),
+            highest_m: range.highest_m,
+        }
+    }
+
+    fn frame(&self, camera: &Camera, size: ImageSize) -> Result<SurfaceFrame, SurfaceError> {
+        let sight = self.sight(camera, size);
+        let chosen = self.chosen(&sight);
+        let depths = match self.skirts {
+            true => skirts(&chosen),
+            false => vec![[0.0; 4]; chosen.len()],
+        };
+        let drawn = draw(&self.body, &self.elevation, &sight, &chosen, &depths);
+        Ok(SurfaceFrame {
+            parts: drawn.parts.into(),
+            ..drawn.mesh.frame(KIND, camera)?
+        })
+    }
+}
+
+/// −180 … 180.
+fn wrapped(longitude_deg: f64) -> f64 {
+    match longitude_deg {
+        l if l > 180.0 => l - 360.0,
+        l if l < -180.0 => l + 360.0,
+        l => l,
+    }
+}
+
+#[cfg(test)]
+mod tests;

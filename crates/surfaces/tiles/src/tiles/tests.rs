@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Tiles hold what the contract promises: closed, close enough to the full resolution, within their
+//! stated heights; and each check fails where it must.
+
+use super::*;
+use glam::DVec3;
+use terrafill_core::Geodetic;
+use terrafill_elevation::{Base, Grid, HeightField, Projection, Registration, Relief};
+use terrafill_scene::{CameraPose, Scene};
+use terrafill_surface::{EllipsoidKind, open_surface};
+
+const SIZE: ImageSize = ImageSize {
+    width: 96,
+    height: 96,
+};
+
+/// Ridges of 2 km on 1° × 1° of 300 × 300 samples over a bare ellipsoid.
+fn ridges() -> Elevation {
+    let samples = (0..90_000_u32).map(|i| {
+        let [x, y] = [i % 300, i / 300].map(f64::from);
+        let ridge = (x * 0.21).sin() * (y * 0.13 + x * 0.05).cos();
+        let spike = if (i.wrapping_mul(2_654_435_761) >> 20).is_multiple_of(37) {
+            150.0
+        } else {
+            0.0
+        };
+        #[allow(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
+        let sample = (1000.0 + 900.0 * ridge + spike) as f32;
+        sample
+    });
+    let grid = Grid {
+        projection: Projection::Geographic,
+        registration: Registration::Point,
+        columns: 300,
+        rows: 300,
+        first: [10.0, 47.0],
+        step: [1.0 / 299.0; 2],
+    };
+    let field = HeightField::new("ridges", grid, samples.collect()).expect("a field");
+    Elevation::new(vec![field], Base::Flat, 0.05, 1.0)
+}
+
+fn grown() -> Elevation {
+    let base = Base::Relief {
+        relief: Relief { seed: 3 },
+        amplitude_m: 9e3,
+    };
+    Elevation::new(Vec::new(), base, 0.05, 1.0)
+}
+
+fn camera(place: [f64; 3], heading_deg: f64, pitch_deg: f64) -> Camera {
+    let [longitude, latitude, height_m] = place;
+    let pose = CameraPose {
+        eye: Geodetic::from_degrees(longitude, latitude, height_m),
+        heading_rad: heading_deg.to_radians(),
+        pitch_rad: pitch_deg.to_radians(),
+        fov_y_rad: 60_f64.to_radians(),
+        near_m: 0.5,
+    };
+    Camera::new(&Ellipsoid::WGS84, &pose)
+}
+
+/// Nearest hit of each pixel's ray with a triangle's front, as the multiple of its direction.
+fn hits(frame: &SurfaceFrame, camera: &Camera) -> Vec<Option<f64>> {
+    let mut nearest: Vec<Option<f64>> = vec![None; SIZE.pixel_count()];
+    let directions: Vec<DVec3> = (0..SIZE.height)
+        .flat_map(|row| (0..SIZE.width).map(move |column| (column, row)))
+        .map(|(column, row)| camera.pixel_direction_ecef(SIZE, column, row))
+        .collect();
+    let scale = f64::from(SIZE.height) / (2.0 * camera.tan_half_fov());
+    for triangle in frame.triangles.iter() {
+        let corners = triangle.map(|i| DVec3::from(frame.vertices_rte[i as usize].map(f64::from)));
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a);
+        if normal.dot(a) >= 0.0 {
+            continue;
+        }
+        let view = corners.map(|corner| camera.view_from_ecef * corner);
+        let mut low = [0.0; 2];
+        let mut high = [f64::from(SIZE.width), f64::from(SIZE.height)];
+        if view.iter().all(|v| v.z < -camera.near_m) {
+            let px = view.map(|v| [v.x / -v.z * scale, -v.y / -v.z * scale]);
+            for axis in 0..2 {
+                let middle = high[axis] * 0.5;
+                let at = px.map(|p| p[axis] + middle);
+                low[axis] = (at.into_iter().fold(f64::MAX, f64::min) - 1.0).max(0.0);
+                high[axis] = (at.into_iter().fold(f64::MIN, f64::max) + 1.0).min(high[axis]);
+            }
+        } else if view.iter().all(|v| v.z > 0.0) {
+            continue;
+        }
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "cut to the picture"
+        )]
+        let [columns, rows] =
+            [0, 1].map(|axis| low[axis] as usize..high[axis].max(0.0).ceil() as usize);
+        for row in rows {
+            for column in columns.clone() {
+                let pixel = row * SIZE.width as usize + column;
+                let direction = directions[pixel];
+                let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| p.cross(q).dot(direction));
+                if sides.iter().all(|&side| side <= 0.0) {
+                    let t = normal.dot(a) / normal.dot(direction);
+                    let old = nearest[pixel].unwrap_or(f64::INFINITY);
+                    if t > 0.0 && t.is_finite() {
+                        nearest[pixel] = Some(old.min(t));
+                    }
+                }
+            }
+        }
+    }
+    nearest
+}
+
+/// Pixels whose ray enters the body and meets no triangle.
+fn cracks(tiles: &Tiles, camera: &Camera) -> usize {
+    let frame = tiles.frame(camera, SIZE).expect("above");
+    let body = &tiles.body;
+    let deep = 1.0 + tiles.heights(&WHOLE).lowest_m.min(0.0) / body.polar_radius_m();
+    let a = body.equatorial_radius_m() * deep;
+    let inverse = DVec3::new(a, a, body.polar_radius_m() * deep).recip();
+    let eye = camera.eye_ecef * inverse;
+    let enters = |pixel: usize| {
+        let index = u32::try_from(pixel).expect("small");
+        let direction = camera.pixel_direction_ecef(SIZE, index % SIZE.width, index / SIZE.width);
+        let direction = (direction * inverse).normalize();
+        let along = -eye.dot(direction);
+        along > 0.0 && (eye + direction * along).length() < 1.0
+    };
+    let hits = hits(&frame, camera);
+    assert!(
+        hits.iter().flatten().count() > 500,
+        "hardly any ground is seen"
+    );
+    (0..hits.len())
+        .filter(|&pixel| hits[pixel].is_none() && enters(pixel))
+        .count()
+}
+
+#[test]
+fn no_ray_passes_between_tiles_unless_the_skirts_are_left_out() {
+    let mut found = 0;
+    for error_px in [2.0, 12.0] {
+        for (elevation, views) in [
+            (
+                ridges(),
+                [
+                    ([10.5, 46.5, 2500.0], 30.0, -8.0),
+                    ([10.02, 46.02, 2000.0], 45.0, -4.0),
+                ],
+            ),
+            (
+                grown(),
+                [
+                    ([15.0, 20.0, 40e3], 60.0, -12.0),
+                    ([15.0, 20.0, 8e6], 0.0, -90.0),
+                ],
+            ),
+        ] {
+            let mut tiles = Tiles {
+                error_px,
+                ..Tiles::new(&Ellipsoid::WGS84, elevation)
+            };
+            for (place, heading, pitch) in views {
+                let camera = camera(place, heading, pitch);
+                tiles.skirts = true;
+                assert_eq!(cracks(&tiles, &camera), 0, "{error_px} {place:?}");
+                tiles.skirts = false;
+                found += cracks(&tiles, &camera);
+            }
+        }
+    }
+    assert!(found > 0, "the check finds no cracks where there are some");
+}
+
+/// The largest distance of what is seen from the full resolution, in pixels of the place where it is.
+fn worst_px(tiles: &Tiles, camera: &Camera) -> f64 {
+    let frame = tiles.frame(camera, SIZE).expect("above");
+    let seen = hits(&frame, camera);
+    let distances = seen.iter().enumerate().filter_map(|(pixel, t)| {
+        let index = u32::try_from(pixel).expect("small");
+        let direction = camera.pixel_direction_ecef(SIZE, index % SIZE.width, index / SIZE.width);
+        let place = tiles
+            .body
+            .ecef_to_geodetic(camera.eye_ecef + direction * (*t)?);
+        let [longitude, latitude] = [place.longitude_rad, place.latitude_rad].map(f64::to_degrees);
+        let off_m = (place.height_m - tiles.elevation.height_m(longitude, latitude)).abs();
+        Some(off_m / camera.pixel_size_m(SIZE, (*t)?))
+    });
+    distances.fold(0.0, f64::max)
+}
+
+#[test]
+fn what_is_seen_is_within_the_stated_pixels_of_the_full_resolution() {
+    let mut tiles = Tiles::new(&Ellipsoid::WGS84, ridges());
+    let views = [
+        camera([10.5, 46.5, 2100.0], 30.0, -10.0),
+        camera([10.5, 46.5, 5000.0], 120.0, -30.0),
+        camera([10.5, 46.5, 100e3], 0.0, -90.0),
+        camera([10.5, 46.5, 8e6], 0.0, -90.0),
+    ];
+    let mut coarse = 0.0_f64;
+    for camera in &views {
+        tiles.error_px = DEFAULT_ERROR_PX;
+        let worst = worst_px(&tiles, camera);
+        // A skirt that closes a gap hangs between the two tiles' heights.
+        assert!(worst <= DEFAULT_ERROR_PX, "{worst}");
+        tiles.error_px = 40.0;
+        coarse = coarse.max(worst_px(&tiles, camera));
+    }
+    assert!(
+        coarse > DEFAULT_ERROR_PX,
+        "{coarse}: the check sees no error where there is some"
+    );
+}
+
+#[test]
+fn triangles_are_limited_and_what_is_out_of_sight_is_left_out() {
+    let camera = camera([10.5, 46.5, 2500.0], 30.0, -8.0);
+    let mut tiles = Tiles::new(&Ellipsoid::WGS84, ridges());
+    let count = |tiles: &Tiles| tiles.frame(&camera, SIZE).expect("above").triangles.len();
+    let all = count(&tiles);
+    tiles.max_triangles = 40_000;
+    let few = count(&tiles);
+    assert!(all > 60_000 && few < 50_000, "{all} {few}");
+    // A tile has 512, and the whole body's are 16,384 at the least.
+    let chosen = tiles.chosen(&tiles.sight(&camera, SIZE));
+    let seen = chosen.iter().filter(|tile| tile.error_px > 0.0).count();
+    assert!(
+        seen * 512 <= 40_000 && seen < chosen.len(),
+        "{seen} of {}",
+        chosen.len()
+    );
+    assert!(tiles.tree.node_count() > 1000);
+}
+
+#[test]
+fn every_point_drawn_lies_within_the_heights_of_its_view_and_of_all_views() {
+    let (mut elsewhere, mut points) = (0, 0);
+    for (elevation, camera) in [
+        (ridges(), camera([10.5, 46.5, 2500.0], 30.0, -8.0)),
+        (grown(), camera([178.0, 70.0, 3e6], 0.0, -80.0)),
+    ] {
+        let tiles = Tiles::new(&Ellipsoid::WGS84, elevation);
+        let frame = tiles.frame(&camera, SIZE).expect("above");
+        for triangle in frame.triangles.iter() {
+            let corners = triangle.map(|i| {
+                camera.eye_ecef + DVec3::from(frame.vertices_rte[i as usize].map(f64::from))
+            });
+            for point in [
+                corners[0],
+                (corners[0] + corners[1]) * 0.5,
+                (corners[0] + corners[1] + corners[2]) / 3.0,
+            ] {
+                let place = tiles.body.ecef_to_geodetic(point);
+                let [longitude, latitude] =
+                    [place.longitude_rad, place.latitude_rad].map(f64::to_degrees);
+                let here = Extent {
+                    west_deg: longitude,
+                    east_deg: longitude,
+                    south_deg: latitude,
+                    north_deg: latitude,
+                };
+                // Vertices are rounded to f32 by their distance from the eye.
+                let rounding = 1e-3 + 2e-7 * (point - camera.eye_ecef).length();
+                let holds = |range: HeightRange| {
+                    (range.lowest_m - rounding..=range.highest_m + rounding)
+                        .contains(&place.height_m)
+                };
+                let stated = tiles.heights(&here);
+                assert!(holds(stated), "{here:?}: {} {stated:?}", place.height_m);
+                assert!(
+                    holds(frame.heights_over(&here, stated)),
+                    "{here:?}: {}",
+                    place.height_m
+                );
+                // Twin: the heights of a place beside do not hold it.
+                let beside = Extent {
+                    west_deg: longitude - 0.15,
+                    east_deg: longitude - 0.15,
+                    ..here
+                };
+                elsewhere += usize::from(!holds(frame.heights_over(&beside, stated)));
+                points += 1;
+            }
+        }
+    }
+    assert!(elsewhere * 100 > points, "{elsewhere} of {points}");
+}
+
+fn opened(surface: &str) -> Result<Arc<dyn Surface>, String> {
+    let text = format!(
+        "name = \"t\"\ndescription = \"d\"\nbody = \"wgs84\"\n\
+         [regions]\nembedded = \"california.geojson\"\n[surface]\nkind = \"tiles\"\n{surface}\n\
+         [[views]]\nname = \"a\"\nlongitude_deg = 0\nlatitude_deg = 0\nheight_m = 1\n\
+         heading_deg = 0\npitch_deg = 0\n"
+    );
+    let scene = Scene::from_toml(&text, "t.toml", None).map_err(|error| error.to_string())?;
+    open_surface(&[&EllipsoidKind, &TilesKind], &scene).map_err(|error| error.to_string())
+}
+
+#[test]
+fn a_scene_names_its_tiles_and_what_is_wrong_is_named() {
+    let flat = opened("base = \"flat\"\nskirts = false\nerror_px = 4").expect("tiles");
+    assert_eq!(flat.kind(), "tiles");
+    let file = "[[surface.files]]\npath = \"../a.tif\"\nsha256 = \"0\"";
+    for (text, expected) in [
+        (
+            "error_px = 0",
+            "t.toml: surface.error_px: found 0, allowed: 0.1 to 1000",
+        ),
+        (
+            "skirts = 1",
+            "t.toml: surface.skirts: found 1, allowed: true, false",
+        ),
+        (
+            "base = \"sea\"",
+            "t.toml: surface.base: found \"sea\", allowed: flat, relief",
+        ),
+        (
+            "base = \"flat\"\nseed = 3",
+            "t.toml: surface.seed: found 3, allowed: only the keys",
+        ),
+        (
+            "max_triangles = 9",
+            "t.toml: surface.max_triangles: found 9, allowed: 32768 to 8000000",
+        ),
+        (
+            file,
+            "t.toml: surface.files[0].path: found \"../a.tif\", allowed: a path inside the data folder",
+        ),
+    ] {
+        let error = opened(text).expect_err(text);
+        assert!(error.starts_with(expected), "{error}");
+    }
+}
+
+#[test]
+fn an_eye_below_the_ground_is_refused_and_one_in_a_valley_is_not() {
+    let tiles = Tiles::new(&Ellipsoid::WGS84, ridges());
+    let ground = tiles.elevation.height_m(10.31, 46.47);
+    let frame = |height_m: f64| tiles.frame(&camera([10.31, 46.47, height_m], 0.0, 0.0), SIZE);
+    assert!(frame(ground + 2.0).is_ok());
+    let error = frame(ground - 2.0)
+        .map(|frame| frame.heights)
+        .expect_err("below");
+    assert!(error.to_string().contains("tiles"), "{error}");
+}
