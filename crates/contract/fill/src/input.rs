@@ -303,7 +303,7 @@ fn drawn_in(scene: &PreparedScene, drawn: &SurfaceFrame) -> PreparedScene {
     }
     let mut bounds = bounds(&scene.body, &scene.meshes, &*scene.surface, Some(drawn)).to_vec();
     for (&place, footprint) in &*scene.footprints {
-        bounds[place] = RegionBounds::of_footprint(&scene.body, footprint, drawn);
+        bounds[place] = RegionBounds::of_footprint(&scene.body, footprint, drawn.heights);
     }
     PreparedScene {
         bounds: bounds.into(),
