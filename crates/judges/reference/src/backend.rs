@@ -197,6 +197,7 @@ impl Blend {
 }
 
 /// [`ReferenceBackend::judge`] by a given locator.
+#[cfg(test)]
 pub(crate) fn judge(
     input: &FillInput,
     locator: &Locator,
