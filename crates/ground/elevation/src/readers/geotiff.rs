@@ -45,11 +45,13 @@ pub(super) fn read(
         return Err(complaints.value("size", found, allowed));
     }
     let mut limits = Limits::default();
-    // A sample has up to eight bytes, and a strip is unpacked before it is copied.
-    limits.decoding_buffer_size = usize::try_from(count * 8).unwrap_or(usize::MAX);
+    // A sample has up to eight bytes, and a strip is unpacked before it is copied. A number of a tag takes
+    // up to 64 times its bytes while it is read.
+    let for_samples = usize::try_from(count * 8).unwrap_or(usize::MAX);
+    let for_tags = bytes.len().saturating_mul(64);
+    limits.decoding_buffer_size = for_samples.max(for_tags);
     limits.intermediate_buffer_size = limits.decoding_buffer_size;
-    // A number of a tag takes up to 64 times its bytes while it is read.
-    limits.ifd_value_size = bytes.len().saturating_mul(64);
+    limits.ifd_value_size = for_tags;
     decoder = decoder.with_limits(limits);
     let place = Place::read(complaints, &mut decoder)?;
     let no_data = no_data(complaints, &mut decoder)?;

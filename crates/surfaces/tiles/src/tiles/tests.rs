@@ -219,7 +219,10 @@ fn what_is_seen_is_within_the_stated_pixels_of_the_full_resolution() {
 #[test]
 fn triangles_are_limited_and_what_is_out_of_sight_is_left_out() {
     let camera = camera([10.5, 46.5, 2500.0], 30.0, -8.0);
-    let mut tiles = Tiles::new(&Ellipsoid::WGS84, ridges());
+    let mut tiles = Tiles {
+        error_px: 0.2,
+        ..Tiles::new(&Ellipsoid::WGS84, ridges())
+    };
     let count = |tiles: &Tiles| tiles.frame(&camera, SIZE).expect("above").triangles.len();
     let all = count(&tiles);
     tiles.max_triangles = 40_000;
@@ -257,6 +260,10 @@ fn every_point_drawn_lies_within_the_heights_of_its_view_and_of_all_views() {
                 let place = tiles.body.ecef_to_geodetic(point);
                 let [longitude, latitude] =
                     [place.longitude_rad, place.latitude_rad].map(f64::to_degrees);
+                // Rounded to f32, a pole has whatever longitude.
+                if latitude.abs() > 89.99 {
+                    continue;
+                }
                 let here = Extent {
                     west_deg: longitude,
                     east_deg: longitude,
