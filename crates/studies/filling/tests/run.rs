@@ -686,6 +686,7 @@ fn an_approximate_fill_is_timed_never_right_and_no_failure() {
     }
     let study = FillingStudy {
         techniques: WITH_APPROXIMATE,
+        rivals: &[],
         surfaces: SURFACES,
     };
     let named = ["vertex", "flat-mesh", "draped-mesh", "mask-texture"];

@@ -103,13 +103,13 @@ pub(crate) fn choose(
             done.push(tile);
             continue;
         }
-        let nodes = tree.children(tile.root, tile.node).unwrap_or_else(|| {
-            // Below the full resolution only kinks between samples are left, which halve with the cells.
-            [Node {
-                error_m: 0.5 * tile.node.error_m,
-                ..tile.node
-            }; 4]
-        });
+        // Below the full resolution only kinks between samples are left, which halve with the cells.
+        let halved = Node {
+            error_m: 0.5 * tile.node.error_m,
+            ..tile.node
+        };
+        let nodes = tree.children(tile.root, tile.node);
+        let nodes = nodes.unwrap_or([halved; 4]);
         seen -= 1;
         for (id, node) in tile.id.children().into_iter().zip(nodes) {
             let child = Chosen::new(body, sight, id, tile.root, node);

@@ -153,7 +153,7 @@ fn overview_row(data: &Data<'_>, scene: &str, view: &View<'_>) -> Option<Row> {
                 .zip(data.noise)
                 .is_some_and(|(ratio, noise)| noise.is_tie(ratio.middle))
         });
-    let ties: Vec<String> = ties.map(|case| name(case)).collect();
+    let ties: Vec<String> = ties.map(name).collect();
     let over = |technique| {
         let ratio = data.over_baseline(fastest, technique);
         data.ratio_cell(ratio.as_ref(), "this pass was not measured")
