@@ -201,10 +201,10 @@ fn what_is_wrong_with_a_geotiff_is_named() {
         ),
         (
             Said {
-                tie: &[0.0, 0.0, 0.0, 10.0, 95.0, 0.0],
+                tie: &[0.0, 0.0, 0.0, 10.0, 90.5, 0.0],
                 ..Said::default()
             },
-            "w.tif: northern edge: found 95, allowed: -90 to 90",
+            "w.tif: northern edge: found 90.5, allowed: -90 to 90",
         ),
         (
             Said {

@@ -236,7 +236,7 @@ fn triangles_are_limited_and_what_is_out_of_sight_is_left_out() {
         "{seen} of {}",
         chosen.len()
     );
-    assert!(tiles.tree.node_count() > 1000);
+    assert!(tiles.tree.node_count() > 500);
 }
 
 #[test]
@@ -294,7 +294,7 @@ fn every_point_drawn_lies_within_the_heights_of_its_view_and_of_all_views() {
             }
         }
     }
-    assert!(elsewhere * 100 > points, "{elsewhere} of {points}");
+    assert!(elsewhere > 500, "{elsewhere} of {points}");
 }
 
 fn opened(surface: &str) -> Result<Arc<dyn Surface>, String> {
