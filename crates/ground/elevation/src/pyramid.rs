@@ -91,7 +91,7 @@ impl Pyramid {
             let level = (0..self.levels.len()).find(fits);
             let level = level.unwrap_or(self.levels.len() - 1);
             let (across, blocks) = &self.levels[level];
-            let block = |sample: usize| sample / FINEST_BLOCK >> level;
+            let block = |sample: usize| (sample / FINEST_BLOCK) >> level;
             for row in block(first[1])..=block(last[1]) {
                 for &range in
                     &blocks[row * across + block(first[0])..=row * across + block(last[0])]
