@@ -137,7 +137,7 @@ impl FlatMesh {
         let layout = gpu.buffer_layout(
             "view and regions",
             wgpu::ShaderStages::VERTEX_FRAGMENT,
-            &[wgpu::BufferBindingType::Uniform, storage],
+            &[wgpu::BufferBindingType::Uniform, storage, storage],
         );
         let shader = gpu.shader("overlays/flat.wgsl")?;
         let pipeline_layout = gpu.pipeline_layout("flat mesh", &[Some(&layout)]);
@@ -210,7 +210,8 @@ impl Overlay for FlatMesh {
             .constants
             .hold(gpu, "region constants", bytes, storage)?;
         if let Some(buffer) = self.constants.buffer().filter(|_| is_new) {
-            let buffers = [targets.view_constants(), buffer];
+            // The footprints of those that move lie behind the constants; a flat mesh bends none.
+            let buffers = [targets.view_constants(), buffer, buffer];
             let bound = gpu.bind_buffers("view and regions", &self.layout, &buffers);
             self.bind_group = Some(bound);
         }

@@ -8,17 +8,17 @@ use crate::environment::environment;
 use crate::gate::finish;
 use crate::outcome::{Failure, Outcome, complain, print};
 use crate::progress::{Said, Timed};
-use crate::registry::{STUDIES, chapters, metrics};
+use crate::registry::{RIVALS, STUDIES, chapters, metrics};
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::rc::Rc;
 use std::sync::mpsc::Receiver;
-use terrafill_fill::Devices;
+use terrafill_fill::{Devices, Technique as _};
 use terrafill_gpu::shared_gpu;
 use terrafill_report::{ReportError, WrittenReport};
-use terrafill_results::{Run, RunFolder, read_durations};
+use terrafill_results::{Run, RunFolder, Skipped, read_durations};
 use terrafill_scene::data_dir_from_env;
 use terrafill_study::{
     Depth, FramesPerSample, Request, RunOptions, RunOutcome, Share, Study, StudyError, Turn, Turns,
@@ -69,7 +69,13 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         plan = plan.timing_only(keys).map_err(failure)?;
     }
     if options.process == 0 {
-        for skipped in &plan.run_plan().skipped {
+        // Whoever did not ask for a rival reads in the report what it takes.
+        let is_rival = |skipped: &&Skipped| {
+            let mut rivals = RIVALS.iter();
+            rivals.any(|rival| skipped.what == format!("technique {}", rival.name()))
+        };
+        let skipped = plan.run_plan().skipped.iter();
+        for skipped in skipped.filter(|skipped| !is_rival(skipped)) {
             complain(format!("skipped: {}: {}", skipped.what, skipped.reason));
         }
     }
