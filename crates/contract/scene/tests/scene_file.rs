@@ -79,7 +79,7 @@ fn keys_of_the_surface_are_kept_and_not_read() {
     assert_eq!(scene.surface.kind, "ellipsoid");
     let text = broken(
         "kind = \"ellipsoid\"",
-        "kind = \"any\"\nseed = 7\nfiles = [\"a\"]",
+        "kind = \"any\"\nseed = 7\nfolders = [\"a\"]",
     );
     let surface = Scene::from_toml(&text, "t.toml", None)
         .expect("valid")
@@ -198,7 +198,7 @@ fn region_sources_that_are_not_exactly_one() {
         (
             broken(embedded, "embedded = \"nevada.geojson\""),
             "t.toml: regions.embedded: found \"nevada.geojson\", allowed: california.geojson, \
-             square-10m.geojson, square-200km.geojson",
+             square-10m.geojson, square-200km.geojson, window-west.geojson, window-east.geojson",
         ),
         (
             broken(embedded, &FILE_SOURCE.replace("a.geojson", "../a.geojson")),

@@ -446,7 +446,7 @@ fn cap_steps_are_swept_in_cases_of_their_own() {
         .iter()
         .map(|case| case.id.condition("cap-step-deg"))
         .collect();
-    assert_eq!(steps, ["0.3", "1", "3", "10"]);
+    assert_eq!(steps, ["0.1", "0.3", "1", "3"]);
     let scene = terrafill_filling::open_scene("california", None).expect("it ships");
     for case in swept {
         let own = format!(",cap-step-deg={}", case.id.condition("cap-step-deg"));

@@ -15,7 +15,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::rc::Rc;
 use std::sync::mpsc::Receiver;
-use terrafill_fill::{Devices, Technique as _};
+use terrafill_fill::Devices;
 use terrafill_gpu::shared_gpu;
 use terrafill_report::{ReportError, WrittenReport};
 use terrafill_results::{Run, RunFolder, Skipped, read_durations};

@@ -33,6 +33,9 @@ const VIEWS: [(&str, [f64; 5]); 7] = [
     ("pole", [20.0, 89.0, 4e6, 0.0, -90.0]),
 ];
 
+/// Those in which tiles are looked at: they take their time in a build without optimisation.
+const TILES_VIEWS: [&str; 3] = ["orbit", "ridge", "pole"];
+
 /// Regions round a ridge, behind the horizon, across ±180° and over a pole.
 fn write_scenes(desk: &Desk) {
     let regions = [
@@ -113,7 +116,10 @@ fn is_right(reference: &Frame, frame: &Frame) -> Result<(), String> {
 fn references(desk: &Desk, scenes: &[&str]) -> BTreeMap<(String, &'static str), Frame> {
     let mut found = BTreeMap::new();
     for scene in scenes {
-        for (view, _) in VIEWS {
+        let views = VIEWS
+            .iter()
+            .filter(|(view, _)| *scene != "tiles.toml" || TILES_VIEWS.contains(view));
+        for &(view, _) in views {
             let frame = drawn(desk, scene, view, "reference", &[]);
             assert!(frame.filled_px() > 100, "{scene}/{view}: nothing to see");
             found.insert(((*scene).to_owned(), view), frame);
@@ -145,7 +151,7 @@ fn every_backend_fills_rightly_over_terrain_and_over_the_bare_body() {
         }
     }
     // From straight above, terrain moves what it carries by less than a pixel.
-    assert!(over_the_other >= 8 * techniques.len(), "{over_the_other}");
+    assert!(over_the_other >= 5 * techniques.len(), "{over_the_other}");
 }
 
 #[test]
