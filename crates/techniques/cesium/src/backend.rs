@@ -3,7 +3,7 @@
 
 use crate::browser::Browser;
 use crate::pose::{MAX_APART_PX, Matrices, Pose, apart_px};
-use crate::technique::Way;
+use crate::way::{NAME, Way};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use terrafill_core::Region;
@@ -97,7 +97,7 @@ impl CesiumBackend {
             browser,
             way,
             capabilities: Capabilities {
-                backend: crate::technique::NAME,
+                backend: NAME,
                 adapter: opened.renderer,
                 gpu_timestamps: false,
                 pipeline_statistics: false,

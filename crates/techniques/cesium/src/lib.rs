@@ -18,5 +18,6 @@ mod backend;
 mod browser;
 mod pose;
 mod technique;
+mod way;
 
 pub use technique::{CesiumTechnique, FOLDER};

@@ -3,6 +3,7 @@
 
 use crate::backend::CesiumBackend;
 use crate::browser::Browser;
+use crate::way::{NAME, Way};
 use std::path::{Path, PathBuf};
 use terrafill_core::{EdgeRule, Ellipsoid, RegionMesh};
 use terrafill_fill::{
@@ -22,8 +23,6 @@ const CHROMIUM: &str = "CHROMIUM";
 /// Browsers to look for where none is named.
 const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
 
-pub(crate) const NAME: &str = "cesium";
-
 const API: Api = Api {
     name: "webgl",
     has_depth_bounds_test: false,
@@ -37,29 +36,6 @@ const PARAMETERS: &[Parameter] = &[
 /// Error that its tiles may show, pixels (`Globe.maximumScreenSpaceError`): CesiumJS's own default, and two
 /// levels finer, by which what is left of an error is told apart from that of the tiles.
 const TILES: [(&str, f64); 2] = [("default", 2.0), ("fine", 0.5)];
-
-/// How CesiumJS fills.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Way {
-    Volumes,
-    Lookup,
-}
-
-impl Way {
-    const ALL: [(&'static str, Self); 2] = [("volumes", Self::Volumes), ("lookup", Self::Lookup)];
-
-    fn of(variant: &Variant) -> Result<Self, SwitchError> {
-        variant.choice("path", &Self::ALL)
-    }
-
-    /// Name in rows, and of the page's function.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Volumes => "volumes",
-            Self::Lookup => "lookup",
-        }
-    }
-}
 
 /// CesiumJS in headless Chromium.
 #[derive(Debug)]
