@@ -28,7 +28,7 @@ const APPROXIMATE_SCENE: &str = "hills";
 
 /// Timed frames of a case in a process. Few: a process is one number, and more processes say more than
 /// more frames of one.
-const FRAMES: u32 = 4;
+const FRAMES: u32 = 3;
 /// The same in a full run, whose intervals are to be narrow.
 const FULL_FRAMES: u32 = 10;
 /// Timed frames of a rung in a process: few, since the first rungs take seconds where the last take
