@@ -40,7 +40,8 @@ const MUTATIONS: [Mutation; 11] = [
         file: "crates/contract/scene/src/plan.rs",
         from: "                screen_rect,\n                near_plane",
         to: "                screen_rect: PixelRect::full(size),\n                near_plane",
-        counter: "stencil_fragments",
+        // Regions whose rectangles overlap share no pass, and each pass has pipelines of its own.
+        counter: "pipeline_creations",
     },
     Mutation {
         name: "walls-too-tall",
