@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT OR Apache-2.0
 #
 # Makes this machine able to build terrafill and to run it: a C compiler, a Vulkan driver, and for
-# tests the validation layer, the tools that check geometry shaders, and cargo-nextest. Installs
+# tests the validation layer, the tools that check geometry shaders, curl, and cargo-nextest. Installs
 # only what is missing, and touches no driver where a Vulkan device works already. Says nothing when
 # there is nothing to do, except, in the last line, which device was found.
 #
@@ -149,6 +149,10 @@ if [ "$purpose" = test ]; then
     if ! has_manifest explicit_layer.d 'VkLayer_khronos_validation*.json'; then
         require_apt "the Vulkan validation layer" "VK_LAYER_KHRONOS_validation"
         apt_install vulkan-validationlayers
+    fi
+    if ! command -v curl >/dev/null; then
+        require_apt "curl, which \`terrafill data get\` fetches with," "curl"
+        apt_install curl ca-certificates
     fi
     # Wanted, not needed: what they check is checked in, and check-shaders names what is missing.
     if ! command -v glslangValidator >/dev/null || ! command -v spirv-val >/dev/null; then

@@ -45,19 +45,20 @@ const WITHIN: &[(&str, &[&str])] = &[
     ("fill", &["scene", "surface"]),
     ("study", &["fill"]),
     ("history", &["gate"]),
-    ("terrafill", &["gate", "history", "report"]),
+    ("terrafill", &["data", "gate", "history", "report"]),
 ];
 
 /// Crates that may need less than their layer: the reference finds texture coordinates by itself and
 /// shares no meshing, projection or fill with what it verifies. `report` opens no device, so it sees
 /// results and the kit that plots are drawn with. `gate` starts programs that do, and sees results alone.
-/// `history` compares runs as `gate` does.
+/// `history` compares runs as `gate` does. `data` reads what scenes need.
 const LESS: &[(&str, &[&str])] = &[
     ("core", &[]),
     ("results", &[]),
     ("scene", &["core", "texture"]),
     ("reference", &["core", "scene", "surface", "fill"]),
     ("report", &["results", "plot"]),
+    ("data", &["scene"]),
     ("gate", &["results"]),
     ("history", &["results", "plot", "gate"]),
     ("xtask", &["shaders"]),

@@ -4,7 +4,8 @@
 //! A scene names its data by a path relative to the data folder and by the hash of the bytes. A
 //! file that is not there, or has other bytes, is no wrong input: the scene is skipped, with a line
 //! on how to get the file. A measurement on other data would carry the same name and mean
-//! something else.
+//! something else. A scene may name the published file beside a trimmed one: either will do, as
+//! both hold the same regions.
 
 use sha2::{Digest, Sha256};
 use std::io;
@@ -20,6 +21,47 @@ pub fn data_dir_from_env() -> Option<PathBuf> {
     std::env::var_os(DATA_DIR_VARIABLE)
         .filter(|value| !value.is_empty())
         .map(PathBuf::from)
+}
+
+/// The data folder where [`DATA_DIR_VARIABLE`] is not set: in the current folder, as runs are.
+pub const DEFAULT_DATA_DIR: &str = "data";
+
+/// The data folder: the `given` one, else that of [`DATA_DIR_VARIABLE`], else [`DEFAULT_DATA_DIR`]
+/// where that is a folder.
+#[must_use]
+pub fn data_dir(given: Option<&Path>) -> Option<PathBuf> {
+    let default = || Some(PathBuf::from(DEFAULT_DATA_DIR)).filter(|folder| folder.is_dir());
+    given
+        .map(Path::to_owned)
+        .or_else(data_dir_from_env)
+        .or_else(default)
+}
+
+/// A file of the data folder.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DataFile {
+    /// Path in the data folder.
+    pub path: String,
+    /// SHA-256 of its bytes, lower-case hexadecimal.
+    pub sha256: String,
+}
+
+/// A file that a scene reads.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DataNeed {
+    /// Looked for first.
+    pub file: DataFile,
+    /// The published file with the same regions, which will do as well.
+    pub source: Option<DataFile>,
+}
+
+/// What a scene reads from the data folder.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SceneNeeds {
+    /// Name of a shipped scene, or path of a scene file in the repository.
+    pub scene: String,
+    /// In the order of the scene file; none where the scene needs no data.
+    pub files: Vec<DataNeed>,
 }
 
 /// Why a file gave no regions.
@@ -95,7 +137,8 @@ pub(crate) fn read_verified(
 ) -> Result<Verified, RegionLoadError> {
     let Some(data_dir) = data_dir else {
         return Ok(Verified::Absent(format!(
-            "no data folder is given ({DATA_DIR_VARIABLE} is not set)"
+            "no data folder is given ({DATA_DIR_VARIABLE} is not set, and there is no folder \
+             {DEFAULT_DATA_DIR})"
         )));
     };
     let path = data_dir.join(file);
@@ -116,7 +159,8 @@ pub(crate) fn read_verified(
 }
 
 /// SHA-256 in lower-case hexadecimal.
-pub(crate) fn sha256_hex(bytes: &[u8]) -> String {
+#[must_use]
+pub fn sha256_hex(bytes: &[u8]) -> String {
     Sha256::digest(bytes)
         .iter()
         .map(|byte| format!("{byte:02x}"))
@@ -190,6 +234,14 @@ mod tests {
             panic!("other bytes were taken for the scene's");
         };
         assert!(why.contains(&sha256_hex(b"ab")), "{why}");
+    }
+
+    #[test]
+    fn the_given_data_folder_goes_before_the_default_one() {
+        let given = Path::new("there");
+        assert_eq!(data_dir(Some(given)).as_deref(), Some(given));
+        // Twin: tests run in the crate's folder, which has no data.
+        assert_eq!(data_dir(None), data_dir_from_env());
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::texture::{
     ImageSource, MAX_SIDE_PX, MIN_HATCH_PERIOD, Outside, SceneTexture, TextureAnchor,
     TexturePlacement, TextureShare,
 };
-use crate::{CameraPose, LevelChoice, RegionLoadError, SceneError};
+use crate::{CameraPose, DataFile, DataNeed, LevelChoice, RegionLoadError, SceneError};
 use serde::Deserialize;
 use std::ops::RangeInclusive;
 use std::path::{Component, Path};
@@ -158,6 +158,30 @@ impl Scene {
     }
 }
 
+/// The files of the data folder that the text of a scene file names; `file` is for messages.
+///
+/// # Errors
+/// [`SceneError::Syntax`]. Values are not checked: [`Scene::from_toml`] does that.
+pub fn scene_needs(text: &str, file: &str) -> Result<Vec<DataNeed>, SceneError> {
+    let raw: RawScene = toml::from_str(text).map_err(|error| syntax_error(text, file, &error))?;
+    let regions = raw.regions.file.map(|path| DataNeed {
+        file: DataFile {
+            path,
+            sha256: raw.regions.sha256.unwrap_or_default(),
+        },
+        source: raw.regions.source.map(DataFile::from),
+    });
+    let image = raw.texture.and_then(|texture| texture.image);
+    let others = raw.surface.files.into_iter().chain(image).map(|file| {
+        let RawImage { path, sha256, .. } = file;
+        DataNeed {
+            file: DataFile { path, sha256 },
+            source: None,
+        }
+    });
+    Ok(regions.into_iter().chain(others).collect())
+}
+
 impl Overlap {
     /// Name in scene files.
     #[must_use]
@@ -193,12 +217,29 @@ struct RawScene {
 struct RawRegions {
     file: Option<String>,
     sha256: Option<String>,
+    source: Option<RawDataFile>,
     how: Option<String>,
     embedded: Option<String>,
     procedural: Option<RawProcedural>,
     repair: Option<String>,
     unwrap: Option<String>,
     inside: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawDataFile {
+    file: String,
+    sha256: String,
+}
+
+impl From<RawDataFile> for DataFile {
+    fn from(raw: RawDataFile) -> Self {
+        Self {
+            path: raw.file,
+            sha256: raw.sha256,
+        }
+    }
 }
 
 #[derive(Deserialize)]
@@ -356,15 +397,8 @@ impl UnreadTexture {
 
 /// Where a scene's regions come from.
 enum RegionSource {
-    File {
-        file: String,
-        sha256: String,
-        how: String,
-    },
-    Embedded {
-        name: String,
-        text: &'static str,
-    },
+    File { need: DataNeed, how: String },
+    Embedded { name: String, text: &'static str },
     Procedural(Islands),
 }
 
@@ -387,16 +421,24 @@ impl RegionSource {
                 islands.geojson().as_bytes(),
                 &format!("{scene} (procedural)"),
             ),
-            Self::File { file, sha256, how } => match read_verified(data_dir, &file, &sha256)? {
-                Verified::Bytes(bytes) => parse(&bytes, &file),
-                Verified::Absent(why) => Err(SceneError::DataMissing {
+            Self::File { need, how } => {
+                let mut reasons = Vec::new();
+                for candidate in std::iter::once(&need.file).chain(&need.source) {
+                    match read_verified(data_dir, &candidate.path, &candidate.sha256)? {
+                        Verified::Bytes(bytes) => return parse(&bytes, &candidate.path),
+                        Verified::Absent(why) => reasons.push(why),
+                    }
+                }
+                // That there is no folder is said once.
+                reasons.dedup();
+                Err(SceneError::DataMissing {
                     scene: scene.to_owned(),
-                    file,
-                    sha256,
-                    why,
+                    file: need.file.path,
+                    sha256: need.file.sha256,
+                    why: reasons.join(", and "),
                     how,
-                }),
-            },
+                })
+            }
         }
     }
 }
@@ -502,8 +544,12 @@ impl Check<'_> {
         .filter_map(|(key, is_given)| is_given.then_some(key))
         .collect();
         if raw.file.is_none() {
-            let stray = [("sha256", &raw.sha256), ("how", &raw.how)];
-            if let Some((key, _)) = stray.into_iter().find(|(_, value)| value.is_some()) {
+            let stray = [
+                ("sha256", raw.sha256.is_some()),
+                ("source", raw.source.is_some()),
+                ("how", raw.how.is_some()),
+            ];
+            if let Some((key, _)) = stray.into_iter().find(|(_, is_given)| *is_given) {
                 return Err(self.refuse(
                     format!("regions.{key}"),
                     "a value",
@@ -512,7 +558,9 @@ impl Check<'_> {
             }
         }
         match (raw.file, raw.embedded, raw.procedural) {
-            (Some(file), None, None) => self.file_source(file, raw.sha256, raw.how),
+            (Some(file), None, None) => {
+                self.file_source(file, raw.sha256, raw.source.map(DataFile::from), raw.how)
+            }
             (None, Some(name), None) => match shipped::data_text(&name) {
                 Some(text) => Ok(RegionSource::Embedded { name, text }),
                 None => Err(self.refuse(
@@ -543,16 +591,23 @@ impl Check<'_> {
         &self,
         file: String,
         sha256: Option<String>,
+        source: Option<DataFile>,
         how: Option<String>,
     ) -> Result<RegionSource, SceneError> {
         self.data_path("regions.file", &file)?;
         let sha256 = sha256.unwrap_or_default();
         self.hash("regions.sha256", &sha256)?;
+        if let Some(source) = &source {
+            self.data_path("regions.source.file", &source.path)?;
+            self.hash("regions.source.sha256", &source.sha256)?;
+        }
         let how = how.unwrap_or_default();
         if how.trim().is_empty() {
             return Err(self.refuse("regions.how", "nothing", "how to get the file"));
         }
-        Ok(RegionSource::File { file, sha256, how })
+        let file = DataFile { path: file, sha256 };
+        let need = DataNeed { file, source };
+        Ok(RegionSource::File { need, how })
     }
 
     fn data_path(&self, key: &str, file: &str) -> Result<(), SceneError> {

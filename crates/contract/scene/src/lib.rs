@@ -15,8 +15,12 @@ mod shipped;
 mod texture;
 
 pub use camera::{Camera, CameraPose, ImageSize};
-pub use data::{DATA_DIR_VARIABLE, RegionLoadError, data_dir_from_env, load_regions};
+pub use data::{
+    DATA_DIR_VARIABLE, DEFAULT_DATA_DIR, DataFile, DataNeed, RegionLoadError, SceneNeeds, data_dir,
+    data_dir_from_env, load_regions, sha256_hex,
+};
 pub use error::SceneError;
+pub use file::scene_needs;
 pub use level::{
     FEWEST_VERTICES_FOR_LEVELS, LEVEL_GROWTH, LEVEL_VERTEX_SHARE, Level, LevelTable, LeveledMeshes,
 };
@@ -26,7 +30,7 @@ pub use plan::{
 };
 pub use procedural::Islands;
 pub use scene::{LevelChoice, Overlap, Scene, SurfaceChoice, SurfaceFile, View};
-pub use shipped::shipped_scene_names;
+pub use shipped::{shipped_scene_names, shipped_scene_needs};
 pub use terrafill_core::ShapeFamily;
 pub use texture::{
     MipChain, MipLevel, Outside, SceneTexture, TextureAnchor, TexturePlacement, TextureShare,

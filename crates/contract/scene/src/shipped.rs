@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The scenes of `bench-scenes/`, built into the program so that it works from any folder.
 
+use crate::{SceneError, SceneNeeds, scene_needs};
+
 /// One file of `bench-scenes/` with its name.
 macro_rules! file {
     ($name:literal) => {
@@ -29,6 +31,14 @@ const SCENES: &[(&str, &str)] = &[
     file!("window-east.toml"),
 ];
 
+/// Scenes that are named by their path and read data: known here for what they need alone.
+const BY_PATH: &[(&str, &str)] = &[
+    file!("terrain/countries-over-etopo.toml"),
+    file!("terrain/everest.toml"),
+    file!("terrain/grand-canyon.toml"),
+    file!("terrain/san-francisco.toml"),
+];
+
 /// Region files that scenes name by `embedded`.
 const DATA: &[(&str, &str)] = &[
     file!("california.geojson"),
@@ -44,6 +54,26 @@ pub fn shipped_scene_names() -> Vec<&'static str> {
     SCENES
         .iter()
         .map(|(file, _)| file.trim_end_matches(".toml"))
+        .collect()
+}
+
+/// What each scene of `bench-scenes/` reads from the data folder; those of subfolders by their path.
+///
+/// # Errors
+/// [`SceneError::Syntax`] if a scene is no scene file, which a test rules out.
+pub fn shipped_scene_needs() -> Result<Vec<SceneNeeds>, SceneError> {
+    let by_name = SCENES
+        .iter()
+        .map(|scene| (scene, scene.0.trim_end_matches(".toml").to_owned()));
+    let by_path = BY_PATH
+        .iter()
+        .map(|scene| (scene, format!("bench-scenes/{}", scene.0)));
+    by_name
+        .chain(by_path)
+        .map(|((file, text), scene)| {
+            let files = scene_needs(text, &format!("bench-scenes/{file}"))?;
+            Ok(SceneNeeds { scene, files })
+        })
         .collect()
 }
 

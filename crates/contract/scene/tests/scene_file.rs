@@ -4,7 +4,8 @@
 use sha2::{Digest, Sha256};
 use terrafill_core::{EdgeRule, Inside};
 use terrafill_scene::{
-    LevelChoice, Outside, Overlap, Scene, SceneError, SceneTexture, TexturePlacement, TextureShare,
+    DataNeed, LevelChoice, Outside, Overlap, Scene, SceneError, SceneTexture, TexturePlacement,
+    TextureShare, scene_needs, sha256_hex,
 };
 
 const GOOD: &str = r#"name = "test"
@@ -214,10 +215,92 @@ fn region_sources_that_are_not_exactly_one() {
             broken(embedded, &format!("{embedded}\nhow = \"buy it\"")),
             "t.toml: regions.how: found a value, allowed: only together with file",
         ),
+        (
+            broken(
+                embedded,
+                &format!("{embedded}\nsource = {{ file = \"b\", sha256 = \"\" }}"),
+            ),
+            "t.toml: regions.source: found a value, allowed: only together with file",
+        ),
+        (
+            broken(
+                embedded,
+                &format!("{FILE_SOURCE}\nsource = {{ file = \"/b\", sha256 = \"\" }}"),
+            ),
+            "t.toml: regions.source.file: found \"/b\", allowed: a path inside the data folder",
+        ),
+        (
+            broken(
+                embedded,
+                &format!("{FILE_SOURCE}\nsource = {{ file = \"b\", sha256 = \"0\" }}"),
+            ),
+            "t.toml: regions.source.sha256: found \"0\", allowed: 64 lower-case hexadecimal digits",
+        ),
     ];
     for (text, expected) in cases {
         assert_eq!(message(&text), expected);
     }
+}
+
+#[test]
+fn the_published_file_will_do_where_the_trimmed_one_is_not_there() {
+    let square = |side: u32| {
+        format!(
+            "{{\"type\":\"Polygon\",\"coordinates\":[[[0,0],[{side},0],[{side},{side}],[0,0]]]}}"
+        )
+    };
+    let (trimmed, published) = (square(1), square(2));
+    let text = broken(
+        "embedded = \"california.geojson\"",
+        &format!(
+            "file = \"a.geojson\"\nsha256 = \"{}\"\n\
+             source = {{ file = \"b.json\", sha256 = \"{}\" }}\nhow = \"draw it\"",
+            sha256_hex(trimmed.as_bytes()),
+            sha256_hex(published.as_bytes())
+        ),
+    );
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let write = |name: &str, content: &str| {
+        std::fs::write(folder.path().join(name), content).expect("writable");
+    };
+    // Longitude of the second vertex: which of the files was read.
+    let read = || match Scene::from_toml(&text, "t.toml", Some(folder.path())) {
+        Ok(scene) => Ok(scene.regions[0].polygons[0].shell.vertices_deg()[1][0].to_string()),
+        Err(error) => Err(error.to_string()),
+    };
+    let error = read().expect_err("neither");
+    for part in [
+        "a.geojson is not there, and ",
+        "b.json is not there; draw it",
+    ] {
+        assert!(error.contains(part), "{error}");
+    }
+    write("b.json", &published);
+    assert_eq!(read(), Ok("2".to_owned()));
+    write("a.geojson", &trimmed);
+    assert_eq!(read(), Ok("1".to_owned()));
+    // Twins: one that has other bytes is not read, whichever it is.
+    write("a.geojson", &square(3));
+    assert_eq!(read(), Ok("2".to_owned()));
+    write("b.json", &trimmed);
+    let error = read().expect_err("the trimmed file under the other's name");
+    assert_eq!(error.matches("has sha256").count(), 2, "{error}");
+    let error = Scene::from_toml(&text, "t.toml", None).expect_err("no folder");
+    let error = error.to_string();
+    assert_eq!(error.matches("no data folder").count(), 1, "{error}");
+    let needs = scene_needs(&text, "t.toml").expect("a scene");
+    let paths = |need: &DataNeed| {
+        [&need.file, need.source.as_ref()?]
+            .map(|f| f.path.clone())
+            .into()
+    };
+    assert_eq!(
+        needs
+            .iter()
+            .map(paths)
+            .collect::<Vec<Option<[String; 2]>>>(),
+        [Some(["a.geojson".to_owned(), "b.json".to_owned()])]
+    );
 }
 
 #[test]

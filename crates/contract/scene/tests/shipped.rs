@@ -5,8 +5,12 @@
 //! What a view shows is found here by arithmetic of its own, a ray and a count of crossings per
 //! sampled pixel, so that no code under test judges itself.
 
+use std::path::{Path, PathBuf};
 use terrafill_core::{Ellipsoid, Region};
-use terrafill_scene::{ImageSize, Scene, SceneError, View, data_dir_from_env, shipped_scene_names};
+use terrafill_scene::{
+    ImageSize, Scene, SceneError, View, data_dir_from_env, scene_needs, shipped_scene_names,
+    shipped_scene_needs,
+};
 
 /// Samples along each side of a view.
 const SIZE: ImageSize = ImageSize {
@@ -320,6 +324,83 @@ fn data_scenes_without_data_name_file_hash_and_source() {
         "github.com/d3/d3-geo",
     ] {
         assert!(text.contains(part), "{text}");
+    }
+}
+
+/// Every scene file under `folder`, by its path under `bench-scenes`.
+fn scene_files(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).expect("scenes") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            scene_files(&path, found);
+        } else if path.extension().is_some_and(|end| end == "toml") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn what_every_scene_of_the_repository_reads_is_known() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..");
+    let mut files = Vec::new();
+    scene_files(&root.join("bench-scenes"), &mut files);
+    let known = shipped_scene_needs().expect("scenes");
+    let mut needed = 0;
+    for file in &files {
+        let text = std::fs::read_to_string(file).expect("readable");
+        let needs = scene_needs(&text, "a scene").expect("a scene");
+        let path = file
+            .strip_prefix(&root)
+            .expect("under it")
+            .display()
+            .to_string();
+        let name = path
+            .trim_start_matches("bench-scenes/")
+            .trim_end_matches(".toml");
+        let known = known
+            .iter()
+            .find(|known| known.scene == name || known.scene == path)
+            .map(|known| known.files.clone());
+        needed += needs.len();
+        assert_eq!(
+            known.unwrap_or_default(),
+            needs,
+            "{path}: a scene that reads data belongs into shipped.rs"
+        );
+    }
+    assert!(files.len() >= 18 && needed >= 20, "{needed}");
+}
+
+#[test]
+fn the_published_files_hold_the_same_regions_as_the_trimmed_ones() {
+    let Some(data) = data_dir_from_env() else {
+        eprintln!("skipped: TERRAFILL_DATA is not set");
+        return;
+    };
+    for name in ["countries-110m", "countries-50m"] {
+        let Some(trimmed) = load_or_skip(name) else {
+            continue;
+        };
+        let needs = shipped_scene_needs().expect("scenes");
+        let need = needs.into_iter().find(|needs| needs.scene == name);
+        let source = need.expect("it is shipped").files[0].source.clone();
+        let source = source.expect("a published file").path;
+        let folder = tempfile::tempdir().expect("temporary folder");
+        std::fs::create_dir(folder.path().join("sources")).expect("writable");
+        if let Err(error) = std::fs::copy(data.join(&source), folder.path().join(&source)) {
+            eprintln!("skipped: {source}: {error}");
+            continue;
+        }
+        // Names too: they are all that is read of the properties.
+        let published = Scene::shipped(name, Some(folder.path())).expect("the published file");
+        assert!(published.regions == trimmed.regions, "{name}");
+        // Twins: another name, and another ring.
+        let mut renamed = published.regions.to_vec();
+        renamed[0].name += "x";
+        assert!(renamed[..] != trimmed.regions[..]);
+        let mut without = published.regions.to_vec();
+        without[0].polygons[0].shell = without[1].polygons[0].shell.clone();
+        assert!(without[..] != trimmed.regions[..]);
     }
 }
 

@@ -6,6 +6,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use terrafill_core::{EdgeRule, Ellipsoid, Inside, Reading, Unwrap};
+use terrafill_data::{Mirror, WrongMirror};
 use terrafill_results::Shard;
 
 const EXIT_CODES: &str = "\
@@ -65,6 +66,9 @@ pub(crate) enum Verb {
     /// Say which regions hold which points, by the reference's tests
     #[command(after_help = LOCATE_AFTER_HELP)]
     Locate(LocateArguments),
+    /// List the data sets that scenes need, and get them from where they are published
+    #[command(after_help = DATA_EXAMPLE)]
+    Data(DataArguments),
     /// List the shipped scenes and whether they can run
     #[command(after_help = "Example: terrafill scenes --data natural-earth")]
     Scenes(ScenesArguments),
@@ -137,7 +141,7 @@ pub(crate) struct BenchArguments {
     /// Go on with a run that was killed
     #[arg(long)]
     pub(crate) resume: bool,
-    /// Folder with real data [default: $TERRAFILL_DATA]
+    /// Folder with real data [default: $TERRAFILL_DATA, or data]
     #[arg(long)]
     pub(crate) data: Option<PathBuf>,
     /// Timed samples of a case in each process [default: each study's]
@@ -273,7 +277,7 @@ pub(crate) struct GateArguments {
     /// Folder that keeps built revisions
     #[arg(long, value_name = "DIR", default_value = "target/gate")]
     pub(crate) cache: PathBuf,
-    /// Folder with real data [default: $TERRAFILL_DATA]
+    /// Folder with real data [default: $TERRAFILL_DATA, or data]
     #[arg(long)]
     pub(crate) data: Option<PathBuf>,
     /// Part of the adapter's name
@@ -518,7 +522,7 @@ pub(crate) struct RenderArguments {
     /// Counters, memory and what was left out, JSON
     #[arg(long)]
     pub(crate) stats: Option<PathBuf>,
-    /// Folder with real data [default: $TERRAFILL_DATA]
+    /// Folder with real data [default: $TERRAFILL_DATA, or data]
     #[arg(long)]
     pub(crate) data: Option<PathBuf>,
     /// Image size, WIDTHxHEIGHT or one number for both
@@ -683,12 +687,54 @@ pub(crate) struct DevicesArguments {
     pub(crate) json: bool,
 }
 
+const DATA_EXAMPLE: &str = "\
+The data folder is that of TERRAFILL_DATA, or data in the current folder.
+Example: terrafill data get natural-earth-110m && terrafill bench countries-110m --quick";
+
+#[derive(Debug, Args)]
+pub(crate) struct DataArguments {
+    #[command(subcommand)]
+    pub(crate) verb: DataVerb,
+}
+
+/// What to do about data sets.
+#[derive(Debug, Subcommand)]
+pub(crate) enum DataVerb {
+    /// List every set: licence, source, size, whether it is here, and who reads it
+    #[command(after_help = "Example: terrafill data list --json | jq .sets[].name")]
+    List {
+        /// Print one JSON object instead of a list
+        #[arg(long)]
+        json: bool,
+        /// Folder with real data [default: $TERRAFILL_DATA, or data]
+        #[arg(long, value_name = "DIR")]
+        data: Option<PathBuf>,
+    },
+    /// Fetch sets with curl, verify them, and make what is made of them
+    #[command(after_help = "Example: terrafill data get natural-earth-110m us-10m")]
+    Get {
+        /// Sets by their names, or what begins one name alone
+        #[arg(required = true, value_name = "NAME")]
+        names: Vec<String>,
+        /// Folder to put them into [default: $TERRAFILL_DATA, or data]
+        #[arg(long, value_name = "DIR")]
+        to: Option<PathBuf>,
+        /// Host that has the same paths, instead of the sources'
+        #[arg(long, value_name = "BASE_URL", value_parser = parse_mirror)]
+        from: Option<Mirror>,
+    },
+}
+
+fn parse_mirror(text: &str) -> Result<Mirror, WrongMirror> {
+    text.parse()
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct ScenesArguments {
     /// Print one JSON object instead of a list
     #[arg(long)]
     pub(crate) json: bool,
-    /// Folder with real data [default: $TERRAFILL_DATA]
+    /// Folder with real data [default: $TERRAFILL_DATA, or data]
     #[arg(long)]
     pub(crate) data: Option<PathBuf>,
 }

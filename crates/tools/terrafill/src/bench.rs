@@ -19,7 +19,7 @@ use terrafill_fill::Devices;
 use terrafill_gpu::shared_gpu;
 use terrafill_report::{ReportError, WrittenReport};
 use terrafill_results::{Run, RunFolder, Skipped, read_durations};
-use terrafill_scene::data_dir_from_env;
+use terrafill_scene::data_dir;
 use terrafill_study::{
     Depth, FramesPerSample, Request, RunOptions, RunOutcome, Share, Study, StudyError, Turn, Turns,
     plan_shared,
@@ -197,7 +197,7 @@ fn request(arguments: &BenchArguments, depth: Depth) -> Request {
         depth,
         samples: arguments.samples,
         size: [arguments.size.0, arguments.size.1],
-        data_dir: arguments.data.clone().or_else(data_dir_from_env),
+        data_dir: data_dir(arguments.data.as_deref()),
         ..Request::default()
     };
     for (key, scenes) in [("ladder", &arguments.ladder), ("matrix", &arguments.matrix)] {

@@ -15,6 +15,7 @@ use terrafill_gate::{
     shipped_limits, text, write_files,
 };
 use terrafill_results::{Clock, Run};
+use terrafill_scene::data_dir;
 
 /// Timed samples of a case in each process, of one frame each: the median of 30 frames is not moved by
 /// those that were held up.
@@ -234,8 +235,8 @@ fn workload(arguments: &GateArguments, scenes: &[String], is_timed: bool) -> Wor
     }
     let (width, height) = arguments.size;
     option("--size", &format!("{width}x{height}"));
-    if let Some(data) = &arguments.data {
-        option("--data", data);
+    if let Some(data) = data_dir(arguments.data.as_deref()) {
+        option("--data", &data);
     }
     if let Some(adapter) = &arguments.adapter {
         option("--adapter", adapter);

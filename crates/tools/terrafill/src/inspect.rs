@@ -6,7 +6,7 @@ use crate::outcome::{Failure, Outcome, print, print_json};
 use crate::registry::STUDIES;
 use serde::Serialize;
 use terrafill_results::MetricRow;
-use terrafill_scene::{Scene, SceneError, data_dir_from_env, shipped_scene_names};
+use terrafill_scene::{Scene, SceneError, data_dir, shipped_scene_names};
 
 /// A scene as it is listed.
 #[derive(Serialize)]
@@ -107,7 +107,7 @@ impl ListedScene {
 }
 
 pub(crate) fn scenes(arguments: &ScenesArguments) -> Result<Outcome, Failure> {
-    let data = arguments.data.clone().or_else(data_dir_from_env);
+    let data = data_dir(arguments.data.as_deref());
     let scenes: Vec<ListedScene> = shipped_scene_names()
         .into_iter()
         .map(|name| ListedScene::new(name, Scene::shipped(name, data.as_deref())))

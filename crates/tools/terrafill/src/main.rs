@@ -8,6 +8,7 @@
 
 mod arguments;
 mod bench;
+mod data;
 mod devices;
 mod environment;
 mod fit;
@@ -57,6 +58,7 @@ fn run(verb: &Verb) -> Result<Outcome, Failure> {
         Verb::Render(arguments) => render::run(arguments),
         Verb::Mesh(arguments) => mesh::run(arguments),
         Verb::Locate(arguments) => locate::run(arguments),
+        Verb::Data(arguments) => data::run(arguments),
         Verb::Scenes(arguments) => inspect::scenes(arguments),
         Verb::Studies(arguments) => inspect::studies(arguments),
         Verb::Techniques(arguments) => techniques::run(arguments),

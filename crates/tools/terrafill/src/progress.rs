@@ -25,7 +25,11 @@ pub(crate) enum Said {
 impl Said {
     /// - `process`, `processes`: which of how many, from 0
     pub(crate) fn new(process: u32, processes: u32) -> Self {
-        let prefix = format!("process {}/{processes}", process + 1);
+        Self::titled(format!("process {}/{processes}", process + 1))
+    }
+
+    /// - `prefix`: what every line begins with
+    pub(crate) fn titled(prefix: String) -> Self {
         if std::io::stderr().is_terminal() {
             let bar = ProgressBar::new(0).with_prefix(prefix);
             let style = "{prefix} {bar:30} {pos}/{len} · {eta} · {msg}";

@@ -20,7 +20,7 @@ use terrafill_fill::{
 };
 use terrafill_filling::open_scene;
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{ImageSize, LeveledMeshes, PlanOptions, Scene, View, data_dir_from_env};
+use terrafill_scene::{ImageSize, LeveledMeshes, PlanOptions, Scene, View, data_dir};
 use terrafill_surface::open_surface;
 
 /// What one backend drew.
@@ -79,7 +79,7 @@ fn scene(name: &str, arguments: &RenderArguments) -> Result<Scene, Failure> {
     if arguments.fit {
         return fit::scene_of(Path::new(name), size(arguments));
     }
-    let data = arguments.data.clone().or_else(data_dir_from_env);
+    let data = data_dir(arguments.data.as_deref());
     open_scene(name, data.as_deref()).map_err(Failure::bad_input)
 }
 

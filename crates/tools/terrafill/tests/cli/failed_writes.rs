@@ -14,7 +14,7 @@ const FULL: &str = "/dev/full";
 
 /// Command lines of every verb, each of which prints something. `OUT` is a folder that is new each
 /// time. `GPU`: only where there is a device.
-const COMMANDS: [&str; 31] = [
+const COMMANDS: [&str; 34] = [
     "--help",
     "--version",
     "help",
@@ -39,6 +39,10 @@ const COMMANDS: [&str; 31] = [
     "mesh r.geojson",
     "mesh r.geojson --json",
     "locate r.geojson --points points.csv",
+    "data list",
+    "data list --json",
+    // What it takes is said before the transfer, which fails: there is no such port.
+    "data get blue-marble --to OUT --from http://127.0.0.1:65536",
     "scenes",
     "scenes --json",
     "studies",

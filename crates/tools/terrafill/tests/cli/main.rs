@@ -5,6 +5,7 @@
 mod bad_input;
 mod bench;
 mod committed;
+mod data;
 mod failed_writes;
 mod folders;
 mod gate;

@@ -78,6 +78,7 @@ fn every_command_of_the_readme_runs_as_written() {
     let readme = std::fs::read_to_string(repository().join("README.md")).expect("README.md");
     let commands = commands(&readme);
     for verb in [
+        "data",
         "scenes",
         "studies",
         "techniques",

@@ -203,7 +203,8 @@ fn scenes_says_what_there_is_and_what_the_rest_needs() {
         "square-10m\n",
         "square-200km\n",
         "views globe, top-down, horizon",
-        "countries-110m\n    skipped: no data folder is given (TERRAFILL_DATA is not set)\n",
+        "countries-110m\n    skipped: no data folder is given (TERRAFILL_DATA is not set, and there is no folder \
+         data)\n",
         "needs vectors/ne_110m_admin_0_countries.geojson\n",
     ] {
         assert!(text.contains(phrase), "{phrase:?} is not in {text}");
