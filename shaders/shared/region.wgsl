@@ -46,6 +46,14 @@ const ECEF_F32: u32 = 2u;
 const TWO_FLOAT: u32 = 3u;
 override POSITIONS: u32 = FIXED;
 
+// Along what vertices are moved to their caps: the geodetic normal made here from the position; the
+// direction from the body's centre, which leaves out how oblate the body is, as Cozzi (2007, 2.1.7.3)
+// proposed; or a normal stored with each vertex, as his meshes had it. The latter two are for comparison.
+const GEODETIC_NORMALS: u32 = 0u;
+const CENTRIC_NORMALS: u32 = 1u;
+const STORED_NORMALS: u32 = 2u;
+override NORMALS: u32 = GEODETIC_NORMALS;
+
 fn footprint_at(first: u32) -> Footprint {
     return Footprint(
         footprints[first],
@@ -55,14 +63,22 @@ fn footprint_at(first: u32) -> Footprint {
     );
 }
 
-fn eye_relative_m(stored: vec3<i32>, region_index: u32, height_m: f32) -> vec3<f32> {
+// A vertex at height 0: from the eye, and from the body's centre.
+struct OnEllipsoid {
+    relative_m: vec3<f32>,
+    ecef_m: vec3<f32>,
+};
+
+fn on_ellipsoid(stored: vec3<i32>, region_index: u32) -> OnEllipsoid {
     if FOOTPRINTS {
         let first = regions[region_index].footprint;
         if first != 0u {
             let cos_sin = vec2<f32>(stored.xy) * CIRCLE_UNIT;
             let from_apex = footprint_from_apex_m(cos_sin, footprint_at(first));
-            let normal = normal_at(regions[region_index].origin_ecef_m + from_apex);
-            return from_apex - regions[region_index].eye_remainder_m + normal * height_m;
+            return OnEllipsoid(
+                from_apex - regions[region_index].eye_remainder_m,
+                regions[region_index].origin_ecef_m + from_apex,
+            );
         }
     }
     let shift = vec3<u32>(regions[region_index].shift);
@@ -82,11 +98,34 @@ fn eye_relative_m(stored: vec3<i32>, region_index: u32, height_m: f32) -> vec3<f
             - regions[region_index].eye_remainder_m;
         ecef = origin + vec3<f32>(stored) * regions[region_index].unit_m;
     }
-    return relative + normal_at(ecef) * height_m;
+    return OnEllipsoid(relative, ecef);
+}
+
+fn eye_relative_m(stored: vec3<i32>, region_index: u32, height_m: f32) -> vec3<f32> {
+    let vertex = on_ellipsoid(stored, region_index);
+    return vertex.relative_m + normal_at(vertex.ecef_m) * height_m;
+}
+
+// The same along a normal that was stored. The disc of a footprint is stored, not its vertices: they take
+// the normal of the place that they are bent to.
+fn stored_normal_relative_m(
+    stored: vec3<i32>,
+    normal: vec3<f32>,
+    region_index: u32,
+    height_m: f32,
+) -> vec3<f32> {
+    let vertex = on_ellipsoid(stored, region_index);
+    if FOOTPRINTS && regions[region_index].footprint != 0u {
+        return vertex.relative_m + normal_at(vertex.ecef_m) * height_m;
+    }
+    return vertex.relative_m + normal * height_m;
 }
 
 // The vertex lies on the ellipsoid, where (x, y, z a²/b²) is parallel to the geodetic normal.
 fn normal_at(ecef: vec3<f32>) -> vec3<f32> {
+    if NORMALS == CENTRIC_NORMALS {
+        return normalize(ecef);
+    }
     return normalize(ecef * view.normal_scale);
 }
 

@@ -1,5 +1,5 @@
 // Volumes of `vertex/doubled`, `separate` and `per-triangle`: one invocation moves one of a vertex's
-// two copies along the geodetic normal, the unflagged one to the top cap, the flagged one to the
+// two copies along a normal, the unflagged one to the top cap, the flagged one to the
 // bottom cap. Cozzi (2007) stored two copies and moved the flagged one down in the vertex shader.
 #import shared/view.wgsl
 #import shared/region.wgsl
@@ -17,12 +17,17 @@ fn cap_height_m(is_bottom: u32, region_index: u32) -> f32 {
     );
 }
 
-fn extrude(position: vec3<i32>, is_bottom: u32, region_index: u32) -> vec4<f32> {
-    var height_m = cap_height_m(is_bottom, region_index);
+fn height_m(position: vec3<i32>, is_bottom: u32, region_index: u32) -> f32 {
+    let planned_m = cap_height_m(is_bottom, region_index);
     if BOTTOM_PX > 0.0 && is_bottom != 0u {
-        let distance_m = length(eye_relative_m(position, region_index, 0.0));
-        height_m = min(height_m, -distance_m * view.pixel_per_distance * BOTTOM_PX);
+        let distance_m = length(on_ellipsoid(position, region_index).relative_m);
+        return min(planned_m, -distance_m * view.pixel_per_distance * BOTTOM_PX);
     }
+    return planned_m;
+}
+
+fn extrude(position: vec3<i32>, is_bottom: u32, region_index: u32) -> vec4<f32> {
+    let height_m = height_m(position, is_bottom, region_index);
     return clip_from_eye_relative(eye_relative_m(position, region_index, height_m));
 }
 
@@ -97,4 +102,48 @@ fn numbered_two_float(
     @builtin(instance_index) region_index: u32,
 ) -> Numbered {
     return numbered(extrude_two_float(high, low, is_bottom, region_index), region_index);
+}
+
+// The same along normals that are stored, an attribute more.
+fn extrude_along(
+    position: vec3<i32>,
+    normal: vec3<f32>,
+    is_bottom: u32,
+    region_index: u32,
+) -> vec4<f32> {
+    let height_m = height_m(position, is_bottom, region_index);
+    let relative_m = stored_normal_relative_m(position, normal, region_index, height_m);
+    return clip_from_eye_relative(relative_m);
+}
+
+@vertex
+fn normal_main(
+    @location(0) position: vec3<i32>,
+    @location(1) is_bottom: u32,
+    @location(3) normal: vec3<f32>,
+    @builtin(instance_index) region_index: u32,
+) -> @invariant @builtin(position) vec4<f32> {
+    return extrude_along(position, normal, is_bottom, region_index);
+}
+
+@vertex
+fn coloured_normal(
+    @location(0) position: vec3<i32>,
+    @location(1) is_bottom: u32,
+    @location(3) normal: vec3<f32>,
+    @builtin(instance_index) region_index: u32,
+) -> Coloured {
+    let clip = extrude_along(position, normal, is_bottom, region_index);
+    return Coloured(clip, regions[region_index].colour);
+}
+
+@vertex
+fn numbered_normal(
+    @location(0) position: vec3<i32>,
+    @location(1) is_bottom: u32,
+    @location(3) normal: vec3<f32>,
+    @builtin(instance_index) region_index: u32,
+) -> Numbered {
+    let clip = extrude_along(position, normal, is_bottom, region_index);
+    return numbered(clip, region_index);
 }

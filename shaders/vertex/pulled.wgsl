@@ -11,7 +11,8 @@
 #import shared/region.wgsl
 #import shared/volume.wgsl
 
-// x, y, z of vertex i at 3i, 3i + 1, 3i + 2; of two floats the high parts at 6i, then the low ones.
+// x, y, z of vertex i at 3i, 3i + 1, 3i + 2; of two floats the high parts at 6i, then the low ones;
+// with stored normals the position at 6i, then the normal.
 @group(1) @binding(0) var<storage, read> positions: array<i32>;
 // 32-bit indices, or two 16-bit ones a word, low half first.
 @group(1) @binding(1) var<storage, read> indices: array<u32>;
@@ -42,6 +43,13 @@ fn extrude(region_index: u32, vertex: u32, is_bottom: bool) -> vec4<f32> {
         let high = bitcast<vec3<f32>>(fetch_words(6u * stored));
         let low = bitcast<vec3<f32>>(fetch_words(6u * stored + 3u));
         return clip_from_eye_relative(two_float_relative_m(high, low, region_index, height_m));
+    }
+    if NORMALS == STORED_NORMALS {
+        let normal = bitcast<vec3<f32>>(fetch_words(6u * stored + 3u));
+        let position = fetch_words(6u * stored);
+        return clip_from_eye_relative(
+            stored_normal_relative_m(position, normal, region_index, height_m),
+        );
     }
     let position = fetch_words(3u * stored);
     return clip_from_eye_relative(eye_relative_m(position, region_index, height_m));

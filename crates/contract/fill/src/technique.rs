@@ -63,6 +63,12 @@ pub trait Technique: Sync + Debug {
         false
     }
 
+    /// Whether the picture of `variant` may differ from the reference although its other pictures must not:
+    /// an experiment of which the error is part of the answer. Where its picture is right it counts.
+    fn may_be_wrong(&self, _variant: &Variant) -> bool {
+        false
+    }
+
     /// Whether [`crate::Switches`] mean anything to it; otherwise they are none of its conditions.
     fn has_stencil_switches(&self) -> bool {
         true

@@ -27,8 +27,6 @@ const DEFAULT_FOV_DEG: f64 = 60.0;
 /// Distance of the near plane where a view names none, share of the eye's height: far below
 /// anything a camera above the surface can see, and reversed depth keeps its precision.
 const DEFAULT_NEAR_SHARE: f64 = 1e-3;
-/// The surface where a scene names none: the bare body.
-const DEFAULT_SURFACE: &str = "ellipsoid";
 /// Largest edge of a cap triangle, degrees: beyond 30° a facet sags by hundreds of kilometres.
 const CAP_STEP_LIMIT_DEG: f64 = 30.0;
 
@@ -145,7 +143,7 @@ impl Scene {
                 kind: raw
                     .surface
                     .kind
-                    .unwrap_or_else(|| DEFAULT_SURFACE.to_owned()),
+                    .unwrap_or_else(|| SurfaceChoice::BARE.to_owned()),
                 files: surface_files,
                 parameters: raw.surface.parameters,
             },

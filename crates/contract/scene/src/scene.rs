@@ -47,6 +47,17 @@ pub struct SurfaceChoice {
     pub parameters: toml::Table,
 }
 
+impl SurfaceChoice {
+    /// What a scene has that names no surface: the bare body.
+    pub(crate) const BARE: &str = "ellipsoid";
+
+    /// Whether nothing rises above the body.
+    #[must_use]
+    pub fn is_bare(&self) -> bool {
+        self.kind == Self::BARE
+    }
+}
+
 /// A file that a scene's surface is made from. What is in it is known to the surface alone.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SurfaceFile {

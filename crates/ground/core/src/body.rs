@@ -151,6 +151,12 @@ impl Ellipsoid {
         self.polar_radius_m * self.polar_radius_m / self.equatorial_radius_m
     }
 
+    /// Largest radius of curvature anywhere on the body, metres: that of every direction at a pole, `a²/b`.
+    #[must_use]
+    pub fn largest_curvature_radius_m(&self) -> f64 {
+        self.equatorial_radius_m * self.equatorial_radius_m / self.polar_radius_m
+    }
+
     /// Unit outward normal of the surface, ECEF.
     #[must_use]
     pub fn geodetic_surface_normal(&self, longitude_rad: f64, latitude_rad: f64) -> DVec3 {

@@ -4,6 +4,7 @@
 //! This is what every backend extrudes: caps from the triangles, walls from the boundary.
 
 use crate::Ellipsoid;
+use crate::triangulate::LONGEST_INTERIOR_EDGE_STEPS;
 use glam::{DMat3, DVec3};
 
 /// How finely a region is meshed; both are knobs of the error-against-time plots.
@@ -11,9 +12,26 @@ use glam::{DMat3, DVec3};
 pub struct MeshOptions {
     /// Largest distance between a boundary edge as drawn and the edge by its rule, metres.
     pub boundary_tolerance_m: f64,
-    /// Largest edge of a cap triangle, degrees of arc: bounds the facets' sagitta and with it the
-    /// height of the walls.
+    /// Largest edge of a cap triangle, degrees between the normals at its ends; edges inside the region may
+    /// have half as many more. Bounds the facets' sagitta and with it the height of the walls:
+    /// [`MeshOptions::sagitta_bound_m`].
     pub cap_step_deg: f64,
+}
+
+impl MeshOptions {
+    /// The largest [`RegionMesh::cap_sagitta_m`] that the cap step allows on `body`, metres.
+    ///
+    /// A step s, radians, bounds the angle between the normals at an edge's ends: s for boundary edges,
+    /// 3/2 s for edges inside. Where no radius of curvature is above ρ = a²/b, points whose normals are θ
+    /// apart are at most ρ θ apart, so no side of a facet is longer than 3/2 ρ s. A triangle fits in a circle
+    /// whose radius is its longest side over √3 (Jung, 1901): r = √3/2 ρ s. In the ball of the smallest radius
+    /// of curvature, R = b²/a, such a circle lies R − √(R² − r²) deep.
+    #[must_use]
+    pub fn sagitta_bound_m(&self, body: &Ellipsoid) -> f64 {
+        let longest_rad = LONGEST_INTERIOR_EDGE_STEPS * self.cap_step_deg.to_radians();
+        let longest_m = longest_rad * body.largest_curvature_radius_m();
+        sagitta_of_circle_m(body, longest_m * longest_m / 3.0)
+    }
 }
 
 impl Default for MeshOptions {
@@ -165,6 +183,17 @@ impl RegionMesh {
         volume_heights(&self.vertices_ecef, self.cap_sagitta_m, lowest_m, highest_m)
     }
 
+    /// The same for facets that hang `sagitta_m` deep, such as those of [`MeshOptions::sagitta_bound_m`].
+    #[must_use]
+    pub fn volume_heights_of_sagitta(
+        &self,
+        sagitta_m: f64,
+        lowest_m: f64,
+        highest_m: f64,
+    ) -> VolumeHeights {
+        volume_heights(&self.vertices_ecef, sagitta_m, lowest_m, highest_m)
+    }
+
     /// A box around the volume between `heights`, aligned with the local vertical at its middle.
     ///
     /// Holds every vertex at both heights, hence their convex hull, hence the volume.
@@ -202,7 +231,6 @@ pub(crate) fn volume_heights(
 /// hangs deeper than in that ball: `R − √(R² − r²)`, with r the radius of the smallest circle that
 /// holds the facet.
 pub(crate) fn sagitta_m(body: &Ellipsoid, facets: impl Iterator<Item = [DVec3; 3]>) -> f64 {
-    let largest = body.smallest_curvature_radius_m();
     let widest = facets.fold(0.0, |widest: f64, corners| {
         let sides = squared_sides(corners);
         // No acute triangle needs a circle of more than a third of its longest side squared, and
@@ -213,9 +241,15 @@ pub(crate) fn sagitta_m(body: &Ellipsoid, facets: impl Iterator<Item = [DVec3; 3
         }
         widest.max(enclosing_radius_squared(corners))
     });
-    let squared = widest.min(largest * largest);
+    sagitta_of_circle_m(body, widest)
+}
+
+/// Depth of a circle of this squared radius in the ball of the body's smallest curvature radius.
+fn sagitta_of_circle_m(body: &Ellipsoid, radius_squared: f64) -> f64 {
+    let ball_m = body.smallest_curvature_radius_m();
+    let squared = radius_squared.min(ball_m * ball_m);
     // Without the cancellation of R − √(R² − r²).
-    squared / (largest + (largest * largest - squared).sqrt())
+    squared / (ball_m + (ball_m * ball_m - squared).sqrt())
 }
 
 fn squared_sides([a, b, c]: [DVec3; 3]) -> [f64; 3] {

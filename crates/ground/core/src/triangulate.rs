@@ -20,7 +20,7 @@ use delaunay::{Blocked, Delaunay, FRAME_CORNERS, Place};
 use insertion_order::{Corners, in_order, odd_edges};
 
 /// Interior edges longer than this many steps are halved.
-const LONGEST_INTERIOR_EDGE_STEPS: f64 = 1.5;
+pub(crate) const LONGEST_INTERIOR_EDGE_STEPS: f64 = 1.5;
 /// Interior edges that span more longitude than this are halved: beyond it, close to a pole, a
 /// triangle that is small on the body can still be turned over.
 pub(crate) const WIDEST_INTERIOR_EDGE_DEG: f64 = 45.0;

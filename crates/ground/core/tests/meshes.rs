@@ -541,6 +541,64 @@ fn raised_caps_stay_above_the_terrain() {
     }
 }
 
+#[test]
+fn no_facet_hangs_deeper_than_its_step_allows() {
+    let shapes = [
+        "[[[-180,-90],[180,-90],[180,90],[-180,90]]]",
+        "[[[0,0],[40,5],[35,50],[-5,40]]]",
+        "[[[-180,60],[180,60],[180,90],[-180,90]]]",
+        "[[[170,-30],[200,-30],[200,20],[170,25]]]",
+        // Thin, so that facets have long sides of the boundary.
+        "[[[0,45],[90,46],[90,47],[0,47]]]",
+    ];
+    for body in [Ellipsoid::WGS84, Ellipsoid::SATURN_LIKE] {
+        for rule in [EdgeRule::Planar, EdgeRule::GreatEllipse] {
+            let mut deepest_share = 0.0_f64;
+            for cap_step_deg in [1.0, 3.0, 10.0, 30.0] {
+                let options = MeshOptions {
+                    boundary_tolerance_m: 1e-3 * body.equatorial_radius_m(),
+                    cap_step_deg,
+                };
+                let bound_m = options.sagitta_bound_m(&body);
+                // Twin: what it would be if the step bounded the edges inside as well.
+                let smaller_m = MeshOptions {
+                    cap_step_deg: cap_step_deg / 1.5,
+                    ..options
+                }
+                .sagitta_bound_m(&body);
+                for shape in shapes {
+                    let Ok(mesh) = RegionMesh::build(&region(shape), &body, rule, &options) else {
+                        // A great ellipse cannot go round a parallel.
+                        assert_eq!(rule, EdgeRule::GreatEllipse, "{shape}");
+                        continue;
+                    };
+                    let found_m = mesh.cap_sagitta_m;
+                    assert!(
+                        found_m <= bound_m,
+                        "{} {cap_step_deg} {shape}: {found_m} over {bound_m}",
+                        body.name()
+                    );
+                    deepest_share = deepest_share.max(found_m / smaller_m);
+                }
+            }
+            let is_round = body.name() == Ellipsoid::WGS84.name();
+            assert!(
+                deepest_share > 1.0 || !is_round,
+                "never deeper: {deepest_share}"
+            );
+        }
+    }
+    // On a sphere, as in the usual estimate with 3/2 of the step.
+    let options = MeshOptions {
+        cap_step_deg: 1.0,
+        ..MeshOptions::default()
+    };
+    let chord = 1.5_f64.to_radians();
+    let estimate = 1.0 - (1.0 - chord * chord / 3.0).sqrt();
+    let bound = options.sagitta_bound_m(&Ellipsoid::UNIT_SPHERE);
+    assert!((bound / estimate - 1.0).abs() < 1e-9, "{bound} {estimate}");
+}
+
 /// Lowest height of the cap raised to `height_m`, sampled over every facet.
 fn lowest_of_cap(body: &Ellipsoid, mesh: &RegionMesh, height_m: f64) -> f64 {
     let mut lowest = f64::INFINITY;

@@ -379,6 +379,7 @@ impl Builder<'_> {
                 || case.is(Purpose::Rival)
                 || case.subject.switches().is_some_and(is_of_2007)
                 || has_tall_walls(case)
+                || case.subject.may_be_wrong()
                 || case.subject.is_approximate(),
         }
     }

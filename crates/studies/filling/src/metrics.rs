@@ -4,7 +4,7 @@
 use terrafill_results::{Kind, Metric};
 
 /// Times first, then bytes, counters, errors, textured fills and bytes of layouts.
-pub(crate) const METRICS: [Metric; 64] = [
+pub(crate) const METRICS: [Metric; 65] = [
     Metric::less(
         "fill_cpu_ms",
         "ms",
@@ -197,6 +197,12 @@ pub(crate) const METRICS: [Metric; 64] = [
         "m",
         Kind::Counter,
         "Tallest wall of the regions drawn, from bottom cap to top cap, metres: terrain and what the caps' triangles bend away from it.",
+    ),
+    Metric::less(
+        "wall_shift_m",
+        "m",
+        Kind::Error,
+        "How far at most walls that lead away from the body's centre are from walls along geodetic normals, where they meet the surface drawn, metres. Not measured of walls along geodetic normals.",
     ),
     Metric::neither(
         "filled_px",

@@ -21,6 +21,8 @@ pub(crate) struct Probe {
     left_out: String,
     boundary_deviation_m: Option<f64>,
     wall_height_m: Option<f64>,
+    /// How far walls are from those along geodetic normals, where they are no such walls.
+    pub(crate) wall_shift_m: Option<f64>,
     cap_triangles: Option<u64>,
     pub(crate) plan_cpu_ms: Option<f64>,
     pub(crate) prepare_cpu_ms: Option<f64>,
@@ -227,6 +229,7 @@ impl Probe {
             ("prepare_cpu_ms", self.prepare_cpu_ms),
             ("boundary_deviation_m", self.boundary_deviation_m),
             ("wall_height_m", self.wall_height_m),
+            ("wall_shift_m", self.wall_shift_m),
             (
                 "hausdorff_px",
                 figures.and_then(|figures| figures.hausdorff_px),

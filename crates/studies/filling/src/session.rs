@@ -296,6 +296,7 @@ impl<'a> ViewSession<'a> {
             Probe::new(drawn.memory, &drawn.input, &drawn.frame)
         };
         probe.plan_cpu_ms = drawn.plan_cpu_ms.filter(|_| !is_rival);
+        probe.wall_shift_m = case.subject.figure("wall_shift_m", &drawn.input);
         probe.prepare_cpu_ms = Some(drawn.prepare_cpu_ms).filter(|_| !is_rival);
         // What is timed is a frame like the one before it.
         if case.frames > 0 {

@@ -2,7 +2,7 @@
 //! What draws a case: a full-screen pass, or a variant of a technique.
 
 use terrafill_core::RegionMesh;
-use terrafill_fill::{Api, GeometryBytes, PositionFormat, Switches, Technique, Variant};
+use terrafill_fill::{Api, FillInput, GeometryBytes, PositionFormat, Switches, Technique, Variant};
 use terrafill_gpu::BaselineKind;
 use terrafill_scene::PlanOptions;
 use terrafill_surface::SurfaceKind;
@@ -53,6 +53,23 @@ impl Subject {
             Self::Baseline(_) => false,
             Self::Fill(technique, variant) => technique.is_approximate(variant),
         }
+    }
+
+    /// Whether its error is part of the answer.
+    pub(crate) fn may_be_wrong(&self) -> bool {
+        match self {
+            Self::Baseline(_) => false,
+            Self::Fill(technique, variant) => technique.may_be_wrong(variant),
+        }
+    }
+
+    /// One of the technique's own figures about a frame.
+    pub(crate) fn figure(&self, name: &str, input: &FillInput) -> Option<f64> {
+        let Self::Fill(technique, variant) = self else {
+            return None;
+        };
+        let mut figures = technique.figures(variant, input).into_iter();
+        figures.find(|(found, _)| *found == name)?.1
     }
 
     /// Every choice with its value, defaults included, but for switches that mean nothing to the

@@ -337,7 +337,11 @@ fn check_matrix(run: &Run) {
     let of = |case: &&Case| !case.is_twin() && roles(case).contains(&"matrix");
     let cells: Vec<&Case> = run.cases.iter().filter(of).collect();
     assert!(cells.len() > 150, "{}", cells.len());
-    let defaults = [("boundary-lod-px", "off"), ("positions", "fixed")];
+    let defaults = [
+        ("boundary-lod-px", "off"),
+        ("normals", "geodetic"),
+        ("positions", "fixed"),
+    ];
     let asks_the_same = |case: &&&Case| {
         let is_default = |(key, value)| ["", value].contains(&case.condition(key));
         case.outcome == Outcome::Ok && defaults.into_iter().all(is_default)

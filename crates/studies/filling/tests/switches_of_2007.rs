@@ -4,7 +4,12 @@
 
 mod drawing;
 
-use drawing::{AllTargets, Devices, SIZE, Technique, checks, counters, sights::square_from};
+use drawing::{
+    AllTargets, Devices, SIZE, Technique, checks, counters, draw, figures, input, judge, polygon,
+    sights::square_from,
+};
+use terrafill_conformance::{filled_only, verdict};
+use terrafill_core::Ellipsoid;
 use terrafill_fill::{Counters, FillInput, Technique as _, Variant};
 use terrafill_native::{NativeBackend, NativeTechnique, NativeVariant};
 use terrafill_scene::{Overlap, PlanOptions, WallHeights};
@@ -23,7 +28,7 @@ fn technique(settings: &[(&str, &str)]) -> Technique {
 }
 
 /// Every value that is not the default, and what it goes with.
-const SETTINGS: [&[(&str, &str)]; 14] = [
+const SETTINGS: [&[(&str, &str)]; 19] = [
     &[("buffers", "streamed")],
     &[("buffers", "streamed"), ("layout", "per-triangle")],
     &[("buffers", "streamed"), ("layout", "pulled")],
@@ -41,6 +46,11 @@ const SETTINGS: [&[(&str, &str)]; 14] = [
         ("depth-rule", "automatic"),
     ],
     &[("bottom", "pixels"), ("layout", "separate")],
+    &[("normals", "stored")],
+    &[("normals", "stored"), ("layout", "separate")],
+    &[("normals", "stored"), ("layout", "per-triangle")],
+    &[("normals", "stored"), ("layout", "pulled")],
+    &[("normals", "stored"), ("bottom", "pixels")],
 ];
 
 #[test]
@@ -143,4 +153,50 @@ fn fragments_of_the_first_pass_need_an_interface_that_can_leave_them_out() {
         error.contains("lacks fragment programs in the first pass"),
         "{error}"
     );
+}
+
+/// A square far from equator and poles, where both normals differ most, along its southern edge, between
+/// the rows of the surface, where that hangs lowest.
+fn tilted(body: Ellipsoid) -> FillInput {
+    let text = polygon("square", "[[0,45.5],[10,45.5],[10,55.5],[0,55.5],[0,45.5]]");
+    input(&text, body, 180, (5.5, 45.5, 2e4, 0.0, -90.0))
+}
+
+#[test]
+fn centric_walls_are_right_on_the_earth_as_drawn_and_wrong_where_pixels_are_smaller_than_their_shift()
+ {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    let shift_m = |input: &FillInput, normals: &str| {
+        let variant = variant(&[("normals", normals)]);
+        let mut figures = VertexTechnique.figures(&variant, input).into_iter();
+        figures
+            .find(|(name, _)| *name == "wall_shift_m")
+            .and_then(|(_, shift_m)| shift_m)
+    };
+    // 20 km above, a pixel is 60 m wide.
+    for (body, right, px) in [
+        (Ellipsoid::WGS84, true, 0.0..0.5),
+        (Ellipsoid::SATURN_LIKE, false, 4.0..20.0),
+    ] {
+        let input = tilted(body);
+        let judged = filled_only(&judge(&input));
+        for normals in ["geodetic", "stored", "centric"] {
+            let is_centric = normals == "centric";
+            let frame = draw(&devices, &input, technique(&[("normals", normals)]));
+            let found = figures(&judged, &filled_only(&frame));
+            let is_right = verdict(&found).is_pass();
+            assert_eq!(is_right, right || !is_centric, "{normals}: {found:?}");
+            let shift_px = shift_m(&input, normals).map(|shift_m| shift_m / 60.0);
+            assert_eq!(shift_px.is_some(), is_centric);
+            assert!(
+                shift_px.is_none_or(|shift_px| px.contains(&shift_px)),
+                "{shift_px:?}"
+            );
+            // What was found is no more than what was said, but for the pixel's own width.
+            let distance_px = found.hausdorff_px.unwrap_or(0.0);
+            assert!(!is_centric || distance_px <= px.end + 1.5, "{distance_px}");
+        }
+    }
 }

@@ -3,7 +3,7 @@
 //!
 //! Indices are 16 bits where a region's vertices fit and 32 where they do not, region by region.
 
-use crate::{IndexOrder, Layout, VertexOrder, VertexVariant, cache_ordered};
+use crate::{IndexOrder, Layout, Normals, VertexOrder, VertexVariant, cache_ordered};
 use glam::{DVec3, IVec3, Vec3};
 use std::borrow::Cow;
 use std::collections::HashSet;
@@ -47,8 +47,8 @@ pub fn layout_bytes(layout: Layout, mesh: &RegionMesh) -> GeometryBytes {
 ///   counts them, though its text says 24) and 21 with them;
 /// - `pulled`: 12·v + i·(3t + e + 2l), the loops closed and followed by a separator.
 ///
-/// Positions of two floats take 24 bytes for 12: 12·v more where vertices are stored once, 2·12·v
-/// where they are stored twice.
+/// Positions of two floats take 24 bytes for 12, and a stored normal takes 12: 12·v more where vertices
+/// are stored once, 2·12·v where they are stored twice.
 #[must_use]
 pub fn variant_bytes(variant: &VertexVariant, mesh: &RegionMesh) -> GeometryBytes {
     let (vertices, triangles) = (mesh.vertices_ecef.len(), mesh.triangles.len());
@@ -181,9 +181,13 @@ impl SceneGeometry {
         };
         let fixed = FixedPoint::for_mesh(mesh);
         let first_vertex = (self.vertices.len() / variant.vertex_words()) as u32;
-        for vertex in &mesh.vertices_ecef {
+        for (vertex, degrees) in mesh.vertices_ecef.iter().zip(&mesh.vertices_deg) {
             let stored = store(&fixed, variant.positions, *vertex);
-            self.push_vertex(variant, &stored[..variant.positions.words()]);
+            let mut words = stored[..variant.positions.words()].to_vec();
+            if variant.normals == Normals::Stored {
+                words.extend(bits(geodetic_normal(*degrees).as_vec3()).to_array());
+            }
+            self.push_vertex(variant, &words);
         }
         let triangles = match (variant.index_order, variant.vertex_order) {
             (IndexOrder::Cache, VertexOrder::Mesh) => {
@@ -220,21 +224,22 @@ impl SceneGeometry {
         });
     }
 
-    fn push_vertex(&mut self, variant: &VertexVariant, position: &[i32]) {
-        let padding = variant.vertex_words().saturating_sub(position.len() + 1);
+    /// - `words`: position, and normal where that is stored
+    fn push_vertex(&mut self, variant: &VertexVariant, words: &[i32]) {
+        let padding = variant.vertex_words().saturating_sub(words.len() + 1);
         match variant.layout {
             Layout::Doubled | Layout::PerTriangle => {
                 for flag in [0, 1] {
-                    self.vertices.extend(position);
+                    self.vertices.extend(words);
                     self.vertices.push(flag);
                     self.vertices.extend(std::iter::repeat_n(0, padding));
                 }
             }
             Layout::Separate => {
-                self.vertices.extend(position);
-                self.vertices.extend(position);
+                self.vertices.extend(words);
+                self.vertices.extend(words);
             }
-            Layout::Pulled => self.vertices.extend(position),
+            Layout::Pulled => self.vertices.extend(words),
         }
     }
 
@@ -372,6 +377,32 @@ fn first_use_ordered(mesh: &RegionMesh, order: IndexOrder) -> RegionMesh {
         *vertex = moved(*vertex);
     }
     ordered
+}
+
+/// The geodetic normal at a longitude and latitude, which by definition are its angles.
+fn geodetic_normal([longitude_deg, latitude_deg]: [f64; 2]) -> DVec3 {
+    let (sin_longitude, cos_longitude) = longitude_deg.to_radians().sin_cos();
+    let (sin_latitude, cos_latitude) = latitude_deg.to_radians().sin_cos();
+    DVec3::new(
+        cos_latitude * cos_longitude,
+        cos_latitude * sin_longitude,
+        sin_latitude,
+    )
+}
+
+/// How far at most a wall by centric normals is from one by geodetic normals, where it meets a surface that
+/// reaches `height_m` above or below the ellipsoid, metres.
+///
+/// Both go through the same vertex. At height h they are |h| sin δ apart, with δ the angle between the two
+/// normals: at most 0.192° on the Earth, at 45° of latitude, which is 37 m at a height of 11 km.
+#[must_use]
+pub fn centric_shift_m(mesh: &RegionMesh, height_m: f64) -> f64 {
+    let vertices = mesh.vertices_ecef.iter().zip(&mesh.vertices_deg);
+    let sines = vertices.map(|(ecef, degrees)| {
+        let geodetic = geodetic_normal(*degrees);
+        geodetic.cross(ecef.normalize_or_zero()).length()
+    });
+    height_m.abs() * sines.fold(0.0, f64::max)
 }
 
 /// The two triangles that a strip of 2·start, 2·start + 1, 2·end, 2·end + 1 has.
@@ -593,6 +624,76 @@ mod tests {
             assert_eq!(pair, [[0, 0, 0, 0], [255, 0, 0, 0]]);
         }
         assert_eq!(geometry.flags.len(), 8);
+    }
+
+    #[test]
+    fn a_stored_normal_takes_twelve_bytes_and_lies_behind_its_position() {
+        let mesh = disc(5);
+        let vertices = mesh.vertices_ecef.len() as u64;
+        for layout in Layout::ALL {
+            let [geodetic, stored, centric] =
+                [Normals::Geodetic, Normals::Stored, Normals::Centric].map(|normals| {
+                    VertexVariant {
+                        layout,
+                        normals,
+                        ..VertexVariant::default()
+                    }
+                });
+            let bytes = |variant: &VertexVariant| variant_bytes(variant, &mesh);
+            assert_eq!(bytes(&centric), bytes(&geodetic));
+            let copies = if layout.is_doubled() { 2 } else { 1 };
+            let more = bytes(&stored).vertex_bytes - bytes(&geodetic).vertex_bytes;
+            assert_eq!(more, 12 * copies * vertices);
+            let meshes = [mesh.clone(), disc(7)];
+            let built = SceneGeometry::build(&stored, &meshes);
+            let mut formula: GeometryBytes = meshes.iter().map(|m| variant_bytes(&stored, m)).sum();
+            formula.vertex_bytes += shared_flag_bytes(layout, &meshes);
+            assert_eq!(built.bytes(), formula, "{layout:?}");
+            let plain = SceneGeometry::build(&geodetic, &meshes);
+            let (words, plain_words) = (stored.vertex_words(), geodetic.vertex_words());
+            let both = built
+                .vertices
+                .chunks(words)
+                .zip(plain.vertices.chunks(plain_words));
+            for (with, without) in both {
+                assert_eq!((&with[..3], &with[6..]), (&without[..3], &without[3..]));
+            }
+            // The normal itself, by the body's own formula.
+            let part = |word: &i32| f64::from(f32::from_bits(word.cast_unsigned()));
+            let found = DVec3::from_array([0, 1, 2].map(|i| part(&built.vertices[3 + i])));
+            let place = terrafill_core::Ellipsoid::WGS84.ecef_to_geodetic(mesh.vertices_ecef[0]);
+            let (longitude, latitude) = (place.longitude_rad, place.latitude_rad);
+            let wanted =
+                terrafill_core::Ellipsoid::WGS84.geodetic_surface_normal(longitude, latitude);
+            assert!(found.distance(wanted) < 1e-7, "{found} {wanted}");
+            // Twin: the direction from the centre is farther off than rounding.
+            assert!(found.distance(mesh.vertices_ecef[0].normalize()) > 1e-4);
+        }
+    }
+
+    #[test]
+    fn centric_walls_are_off_by_what_the_flattening_says() {
+        use terrafill_core::Ellipsoid;
+        let at = |body: &Ellipsoid, latitude: f64| {
+            let place = terrafill_core::Geodetic::from_degrees(10.0, latitude, 0.0);
+            RegionMesh {
+                vertices_ecef: vec![body.geodetic_to_ecef(place)],
+                vertices_deg: vec![[10.0, latitude]],
+                ..disc(3)
+            }
+        };
+        let earth = Ellipsoid::WGS84;
+        // tan ψ = (1 − f)² tan φ gives the greatest difference of both latitudes.
+        let ratio = (earth.polar_radius_m() / earth.equatorial_radius_m()).powi(2);
+        let delta = 45_f64.to_radians() - ratio.atan();
+        let found = centric_shift_m(&at(&earth, 45.0), -11_000.0);
+        assert!((found - 11_000.0 * delta.sin()).abs() < 1e-3, "{found}");
+        assert!((36.5..37.5).contains(&found), "{found}");
+        assert!(centric_shift_m(&at(&earth, 0.0), 11_000.0) < 1e-6);
+        assert!(centric_shift_m(&at(&earth, 45.0), 0.0) < 1e-9);
+        // Twin: a body that is more oblate is off by more.
+        let saturn = centric_shift_m(&at(&Ellipsoid::SATURN_LIKE, 45.0), -11_000.0);
+        assert!(saturn > 20.0 * found, "{saturn}");
     }
 
     #[test]

@@ -18,11 +18,12 @@ mod volume_invariants;
 
 pub use cache_order::{CACHE_SIZE, acmr, cache_ordered};
 pub use layout::{
-    FLAG_BYTES, layout_bytes, per_triangle_volume_bytes, shared_flag_bytes, shared_mesh_bytes,
-    variant_bytes,
+    FLAG_BYTES, centric_shift_m, layout_bytes, per_triangle_volume_bytes, shared_flag_bytes,
+    shared_mesh_bytes, variant_bytes,
 };
 pub use pass::VertexBackend;
 pub use technique::VertexTechnique;
 pub use variant::{
-    BOTTOM_PX, Bottom, Buffers, IndexOrder, Layout, VertexOrder, VertexSize, VertexVariant, Walls,
+    BOTTOM_PX, Bottom, Buffers, IndexOrder, Layout, Normals, VertexOrder, VertexSize,
+    VertexVariant, Walls,
 };

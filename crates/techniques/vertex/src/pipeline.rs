@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Pipelines that draw volumes.
 
-use crate::{BOTTOM_PX, Bottom, FLAG_BYTES, Layout, VertexVariant};
+use crate::{BOTTOM_PX, Bottom, FLAG_BYTES, Layout, Normals, VertexVariant};
 use std::collections::HashMap;
 use terrafill_fill::{DeviceError, FaceSet, PositionFormat, VolumeState};
 use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
@@ -108,7 +108,13 @@ impl Pipelines {
         let has_low_part = self.variant.positions == PositionFormat::TwoFloat;
         let short = wgpu::vertex_attr_array![0 => Sint32x3, 1 => Uint32];
         let long = wgpu::vertex_attr_array![0 => Sint32x3, 2 => Sint32x3, 1 => Uint32];
-        let attributes: &[wgpu::VertexAttribute] = if has_low_part { &long } else { &short };
+        let with_normal = wgpu::vertex_attr_array![0 => Sint32x3, 3 => Float32x3, 1 => Uint32];
+        let has_normal = self.variant.normals == Normals::Stored;
+        let attributes: &[wgpu::VertexAttribute] = match (has_low_part, has_normal) {
+            (true, _) => &long,
+            (false, true) => &with_normal,
+            (false, false) => &short,
+        };
         // Without the flag, which comes last.
         let position = &attributes[..attributes.len() - 1];
         let buffer = |stride: usize, attributes| {
@@ -125,23 +131,25 @@ impl Pipelines {
             Layout::Separate => vec![buffer(stride, position), buffer(FLAG_BYTES, &flags)],
             Layout::Doubled | Layout::PerTriangle => vec![buffer(stride, attributes)],
         };
-        let vertices = match (self.variant.layout.is_doubled(), has_low_part) {
-            (true, false) => Vertices::Stored,
-            (true, true) => Vertices::StoredTwoFloat,
-            (false, _) => Vertices::Pulled,
+        let vertices = match self.variant.layout.is_doubled() {
+            false => Vertices::Pulled,
+            true if has_low_part => Vertices::StoredTwoFloat,
+            true if has_normal => Vertices::StoredNormal,
+            true => Vertices::Stored,
         };
         let positions = ("POSITIONS", positions_number(self.variant.positions));
         let bottom = match self.variant.bottom {
             Bottom::Planned => 0.0,
             Bottom::Pixels => BOTTOM_PX,
         };
-        let constants = [positions, ("BOTTOM_PX", bottom)];
-        let of_layout = usize::from(vertices == Vertices::Stored);
+        let normals = ("NORMALS", normals_number(self.variant.normals));
+        let constants = [positions, normals, ("BOTTOM_PX", bottom)];
+        let of_layout = usize::from(vertices != Vertices::Pulled);
         let shader = VolumeShader {
             module: &self.shader,
             layout: &self.layout,
             vertex_entry: entry_point(vertices, key.part, HandedOn::of(key.state)),
-            constants: &constants[..1 + of_layout],
+            constants: &constants[..2 + of_layout],
             buffers: &buffers,
             strip_index_format: self.strip_format(key.part),
             front_face: match key.part {
@@ -163,6 +171,15 @@ fn positions_number(positions: PositionFormat) -> f64 {
     }
 }
 
+/// `NORMALS` of `shared/region.wgsl`.
+fn normals_number(normals: Normals) -> f64 {
+    match normals {
+        Normals::Geodetic => 0.0,
+        Normals::Centric => 1.0,
+        Normals::Stored => 2.0,
+    }
+}
+
 /// What hands vertices to the shader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Vertices {
@@ -170,12 +187,14 @@ enum Vertices {
     Stored,
     /// Attributes, one more of them.
     StoredTwoFloat,
+    /// Another one more.
+    StoredNormal,
     /// The shader takes them from buffers.
     Pulled,
 }
 
 fn entry_point(vertices: Vertices, part: Part, handed_on: HandedOn) -> &'static str {
-    use Vertices::{Pulled, Stored, StoredTwoFloat};
+    use Vertices::{Pulled, Stored, StoredNormal, StoredTwoFloat};
     match (vertices, part, handed_on) {
         (Stored, _, HandedOn::Nothing) => "vertex_main",
         (Stored, _, HandedOn::Colour) => "coloured_main",
@@ -183,6 +202,9 @@ fn entry_point(vertices: Vertices, part: Part, handed_on: HandedOn) -> &'static 
         (StoredTwoFloat, _, HandedOn::Nothing) => "two_float_main",
         (StoredTwoFloat, _, HandedOn::Colour) => "coloured_two_float",
         (StoredTwoFloat, _, HandedOn::Number) => "numbered_two_float",
+        (StoredNormal, _, HandedOn::Nothing) => "normal_main",
+        (StoredNormal, _, HandedOn::Colour) => "coloured_normal",
+        (StoredNormal, _, HandedOn::Number) => "numbered_normal",
         (Pulled, Part::Caps, HandedOn::Nothing) => "caps_main",
         (Pulled, Part::Caps, HandedOn::Colour) => "coloured_caps",
         (Pulled, Part::Caps, HandedOn::Number) => "numbered_caps",

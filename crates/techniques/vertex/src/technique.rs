@@ -2,8 +2,8 @@
 //! The technique as the contract knows it.
 
 use crate::{
-    CACHE_SIZE, IndexOrder, VertexBackend, VertexVariant, acmr, cache_ordered, shared_flag_bytes,
-    variant_bytes,
+    CACHE_SIZE, IndexOrder, Normals, VertexBackend, VertexVariant, acmr, cache_ordered,
+    centric_shift_m, shared_flag_bytes, variant_bytes,
 };
 use terrafill_core::RegionMesh;
 use terrafill_fill::{
@@ -12,7 +12,7 @@ use terrafill_fill::{
     layouts,
 };
 use terrafill_gpu::shared_targets;
-use terrafill_scene::{Overlap, Scene};
+use terrafill_scene::{Overlap, PlannedRegion, Scene};
 
 /// Volumes extruded in the vertex shader, on wgpu.
 #[derive(Debug)]
@@ -30,6 +30,7 @@ const PARAMETERS: &[Parameter] = &[
     Parameter::one_of("vertex-order", &["mesh", "first-use"]),
     Parameter::one_of("buffers", &["kept", "streamed"]),
     Parameter::one_of("bottom", &["planned", "pixels"]),
+    Parameter::one_of("normals", &["geodetic", "stored", "centric"]),
     Parameter {
         key: "opacity",
         values: Values::Percent,
@@ -67,6 +68,12 @@ impl Technique for VertexTechnique {
                 if Switches::for_overlap(scene.overlap).colour != ColourWay::Rectangle {
                     let rectangle = main.clone();
                     variants.push(rectangle.with_switches(|s| s.colour = ColourWay::Rectangle));
+                }
+                // Where the surface is the ellipsoid, walls through its vertices meet it at these, whatever
+                // their direction.
+                if !scene.surface.is_bare() {
+                    variants.push(main.clone().with("normals", "stored"));
+                    variants.push(main.clone().with("normals", "centric"));
                 }
                 // A scene that sweeps through the formats has it there, where it may be wrong.
                 if !scene.sweep_positions {
@@ -132,6 +139,16 @@ impl Technique for VertexTechnique {
             "flags in a buffer that all regions share instead of beside each position",
             &[("layout", "separate")],
         )
+        .own_aside(
+            "normals-stored",
+            "a normal of 12 bytes stored with each vertex instead of one made in the shader",
+            &[("normals", "stored")],
+        )
+        .own_aside(
+            "normals-centric",
+            "vertices moved away from the body's centre instead of along the geodetic normal",
+            &[("normals", "centric")],
+        )
         .caps()
         .experiments()
         .own_aside(
@@ -157,6 +174,8 @@ impl Technique for VertexTechnique {
             ("positions", "local-f32"),
             ("positions", "ecef-f32"),
             ("positions", "two-float"),
+            ("normals", "stored"),
+            ("normals", "centric"),
         ]
         .map(|(key, value)| base.clone().with(key, value))
         .into()
@@ -187,12 +206,21 @@ impl Technique for VertexTechnique {
         })
     }
 
-    /// `cap_acmr`: transformed vertices per triangle of all caps drawn, through a cache of
-    /// [`CACHE_SIZE`].
+    /// Centric normals: how far off they are is the question.
+    fn may_be_wrong(&self, variant: &Variant) -> bool {
+        VertexVariant::of(variant).is_ok_and(|variant| variant.normals == Normals::Centric)
+    }
+
+    /// - `cap_acmr`: transformed vertices per triangle of all caps drawn, through a cache of
+    ///   [`CACHE_SIZE`]
+    /// - `wall_shift_m`: how far walls are from those along geodetic normals where they meet the
+    ///   surface as drawn, at most; only of centric normals
     fn figures(&self, variant: &Variant, input: &FillInput) -> Vec<(&'static str, Option<f64>)> {
-        let order = VertexVariant::of(variant).map(|variant| variant.index_order);
-        let ratio = order.ok().and_then(|order| cap_acmr(input, order));
-        vec![("cap_acmr", ratio)]
+        let variant = VertexVariant::of(variant).ok();
+        let ratio = variant.and_then(|variant| cap_acmr(input, variant.index_order));
+        let is_centric = variant.is_some_and(|variant| variant.normals == Normals::Centric);
+        let shift_m = is_centric.then(|| ("wall_shift_m", wall_shift_m(input)));
+        [("cap_acmr", ratio)].into_iter().chain(shift_m).collect()
     }
 
     fn open(
@@ -206,6 +234,17 @@ impl Technique for VertexTechnique {
             vertex,
         )?))
     }
+}
+
+/// Over all vertices of the regions drawn, at the heights of the surface over each.
+fn wall_shift_m(input: &FillInput) -> Option<f64> {
+    let of_region = |planned: &PlannedRegion| {
+        let mesh = &input.scene.meshes[planned.mesh];
+        let stated = input.scene.surface.heights(&mesh.extent);
+        let drawn = input.surface.heights_over(&mesh.extent, stated);
+        centric_shift_m(mesh, drawn.highest_m.abs().max(drawn.lowest_m.abs()))
+    };
+    input.plan.regions.iter().map(of_region).reduce(f64::max)
 }
 
 /// Over all triangles of the regions drawn.
@@ -282,6 +321,8 @@ mod tests {
             "frustum-culling=off",
             "horizon-culling=off",
             "index-order=cache",
+            "normals=centric",
+            "normals=stored",
             "positions=ecef-f32",
             "positions=local-f32",
             "positions=two-float",

@@ -117,6 +117,40 @@ pub enum Bottom {
     Pixels,
 }
 
+/// Along what a vertex is moved to its cap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Normals {
+    /// The geodetic normal, which the vertex shader makes from the position.
+    #[default]
+    Geodetic,
+    /// The same normal, stored: 12 bytes more a stored vertex, as in the meshes of the 2007 document.
+    Stored,
+    /// The direction from the body's centre, which takes the body for a sphere, as the 2007 document
+    /// proposed so that no normals are stored. Walls then leave the geodetic ones by
+    /// [`crate::centric_shift_m`].
+    Centric,
+}
+
+impl Normals {
+    /// All.
+    pub const ALL: [Self; 3] = [Self::Geodetic, Self::Stored, Self::Centric];
+
+    /// Name in variants and reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Geodetic => "geodetic",
+            Self::Stored => "stored",
+            Self::Centric => "centric",
+        }
+    }
+
+    /// Words of 4 bytes that each stored vertex has for them.
+    pub(crate) fn words(self) -> usize {
+        if self == Self::Stored { 3 } else { 0 }
+    }
+}
+
 /// Pixels of [`Bottom::Pixels`]: the larger of the two that the 2007 document names as usual.
 pub const BOTTOM_PX: f64 = 2.0;
 
@@ -137,6 +171,8 @@ pub struct VertexVariant {
     pub buffers: Buffers,
     /// Where flagged vertices go.
     pub bottom: Bottom,
+    /// Along what vertices are moved.
+    pub normals: Normals,
     /// Bytes of a vertex.
     pub vertex_size: VertexSize,
     /// Opacity of regions in pictures for people, percent: below 100 they are blended over what
@@ -156,6 +192,7 @@ impl Default for VertexVariant {
             vertex_order: VertexOrder::default(),
             buffers: Buffers::default(),
             bottom: Bottom::default(),
+            normals: Normals::default(),
             vertex_size: VertexSize::default(),
             opacity_percent: 100,
             switches: Switches::default(),
@@ -197,6 +234,10 @@ impl VertexVariant {
             bottom: variant.choice(
                 "bottom",
                 &[("planned", Bottom::Planned), ("pixels", Bottom::Pixels)],
+            )?,
+            normals: variant.choice(
+                "normals",
+                &Normals::ALL.map(|normals| (normals.name(), normals)),
             )?,
             vertex_size: variant.choice(
                 "vertex-bytes",
@@ -243,6 +284,7 @@ impl VertexVariant {
                     .to_owned(),
             });
         }
+        self.check_normals()?;
         if self.buffers == Buffers::Streamed && self.layout == Layout::Separate {
             return Err(SwitchError {
                 switch: "buffers",
@@ -267,19 +309,45 @@ impl VertexVariant {
         Ok(())
     }
 
+    /// Whether a vertex has room for a normal.
+    fn check_normals(&self) -> Result<(), SwitchError> {
+        let what_else = if self.positions.words() > 3 {
+            format!("positions={}", self.positions.name())
+        } else if self.vertex_size == VertexSize::Bytes20 {
+            "vertex-bytes=20".to_owned()
+        } else {
+            return Ok(());
+        };
+        if self.normals != Normals::Stored {
+            return Ok(());
+        }
+        Err(SwitchError {
+            switch: "normals",
+            found: format!("stored with {what_else}"),
+            allowed: "geodetic or centric, or positions of 12 bytes without padding".to_owned(),
+        })
+    }
+
     /// Whether volumes lie where the plan knows them to be: it allows for a share of a region's
-    /// extent, and `ecef-f32` moves them by a share of the body's radius.
+    /// extent, and `ecef-f32` moves them by a share of the body's radius, centric normals by one of
+    /// their heights.
     fn check_depth_rule(&self) -> Result<(), SwitchError> {
-        let is_known = self.positions != PositionFormat::EcefF32;
-        if is_known || self.switches.depth_rule != DepthRuleChoice::Automatic {
+        let what_moves = if self.positions == PositionFormat::EcefF32 {
+            "positions=ecef-f32"
+        } else if self.normals == Normals::Centric {
+            "normals=centric"
+        } else {
+            return Ok(());
+        };
+        if self.switches.depth_rule != DepthRuleChoice::Automatic {
             return Ok(());
         }
         Err(SwitchError {
             switch: "depth-rule",
-            found:
-                "automatic with positions=ecef-f32, whose volumes are not where the plan has them"
-                    .to_owned(),
-            allowed: "zfail or zpass, or other positions".to_owned(),
+            found: format!(
+                "automatic with {what_moves}, whose volumes are not where the plan has them"
+            ),
+            allowed: "zfail or zpass, or other positions and normals".to_owned(),
         })
     }
 
@@ -315,14 +383,14 @@ impl VertexVariant {
         self.layout.has_wall_choice() && self.walls == Walls::Strip
     }
 
-    /// Words of 4 bytes of a stored vertex.
+    /// Words of 4 bytes of a stored vertex: its position, its normal where that is stored, its flag.
     pub(crate) fn vertex_words(&self) -> usize {
         let flag_and_padding = match (self.layout, self.vertex_size) {
             (Layout::Doubled, VertexSize::Bytes20) => 2,
             (Layout::Doubled | Layout::PerTriangle, _) => 1,
             (Layout::Separate | Layout::Pulled, _) => 0,
         };
-        self.positions.words() + flag_and_padding
+        self.positions.words() + self.normals.words() + flag_and_padding
     }
 }
 
@@ -347,6 +415,36 @@ mod tests {
             variant.vertex_size = VertexSize::Bytes20;
             let has_room = variant.check(Overlap::Disjoint).is_ok();
             assert_eq!(has_room, positions != PositionFormat::TwoFloat);
+        }
+    }
+
+    #[test]
+    fn normals_refuse_what_they_cannot_have() {
+        for normals in Normals::ALL {
+            let plain = VertexVariant {
+                normals,
+                ..VertexVariant::default()
+            };
+            let is_allowed = |change: fn(&mut VertexVariant)| {
+                let mut variant = plain;
+                change(&mut variant);
+                variant.check(Overlap::Disjoint).is_ok()
+            };
+            assert!(is_allowed(|_| ()));
+            assert!(is_allowed(|v| v.positions = PositionFormat::EcefF32));
+            let has_room = normals != Normals::Stored;
+            assert_eq!(
+                is_allowed(|v| v.positions = PositionFormat::TwoFloat),
+                has_room
+            );
+            assert_eq!(
+                is_allowed(|v| v.vertex_size = VertexSize::Bytes20),
+                has_room
+            );
+            let is_placed = normals != Normals::Centric;
+            let automatic =
+                |v: &mut VertexVariant| v.switches.depth_rule = DepthRuleChoice::Automatic;
+            assert_eq!(is_allowed(automatic), is_placed);
         }
     }
 

@@ -21,9 +21,6 @@ const TECHNIQUE: &str = "vertex";
 /// Scenes whose surface is terrain, which is made by another crate than the bare ellipsoid.
 const ON_TERRAIN: [&str; 1] = ["hills"];
 
-/// Bytes of a vertex of the document's meshes: a position and a normal.
-const VERTEX_BYTES_2007: f64 = 24.0;
-
 /// Half of the document's smallest gain, 5.4 %: a wider band of no difference would hide it.
 const MAX_BAND: f64 = 1.027;
 
@@ -172,7 +169,7 @@ pub(super) fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed) 
             reason: formula.to_owned(),
         },
         Test::GeometryShaderBytes(claim) => of_geometry_shader(data, claim),
-        Test::NoNormals => no_normals(data),
+        Test::CentricNormals => centric_normals(data),
         Test::SurfaceIndependence => surface_independence(data),
         Test::Subdivision => {
             let found = subdivision::finest_over_coarsest(data);
@@ -399,34 +396,28 @@ fn of_geometry_shader(data: &Data<'_>, claim: Claim) -> Judged {
     Judged::new(parts, memory::why_strips_are_smaller())
 }
 
-fn no_normals(data: &Data<'_>) -> Judged {
-    let once = data.memory.iter().find(|case| {
-        let of = |key| case.condition(key);
-        (of("technique"), of("layout")) == (TECHNIQUE, "pulled")
-    });
-    let bytes = once
-        .and_then(|case| Some(case.value("formula_vertex_bytes")? / case.value("mesh_vertices")?));
-    let Some(bytes) = bytes else {
-        return Judged::not_measured("no bytes of layouts are in this run");
-    };
-    let compared = data
+fn centric_normals(data: &Data<'_>) -> Judged {
+    let own = data
         .cases
         .iter()
-        .filter(|case| case.condition("layout") == "pulled");
-    let wrong = compared
-        .clone()
-        .filter(|case| case.outcome == Outcome::Wrong)
-        .count();
-    let standing = Standing::holds_if(bytes < VERTEX_BYTES_2007);
-    let text = format!(
-        "{} B a vertex for {VERTEX_BYTES_2007} B",
-        significant(bytes)
-    );
-    let reason = format!(
-        "the geodetic normal follows from the position: {wrong} of {} pictures are wrong",
-        compared.count()
-    );
-    Judged::new(vec![(text, standing)], reason)
+        .filter(|case| case.condition("normals") == "centric" && has_role(case, "main"));
+    let parts = own.map(|case| {
+        let (pixels, standing) = picture(case.condition("view"), case);
+        let shift = case
+            .value("wall_shift_m")
+            .map_or("–".to_owned(), significant);
+        let scene = case.condition("scene");
+        (
+            format!("{scene} {pixels}, walls off by up to {shift} m"),
+            standing,
+        )
+    });
+    Judged::new(
+        parts.collect(),
+        "walls through the same vertices are |h| sin δ apart at height h, δ the angle between both normals: \
+         on the Earth 0.34 % of the height at most"
+            .to_owned(),
+    )
 }
 
 fn surface_independence(data: &Data<'_>) -> Judged {

@@ -8,9 +8,14 @@
 use super::data::{Data, counter, distinct, has_role, is_same, name, switches};
 use terrafill_results::{Block, Case, Cell, CellClass, Heading, Outcome, Row, Table, TableLayout};
 
-/// Switches that draw another boundary or other positions: their pictures are compared among
+/// Switches that draw another boundary, other positions or other walls: their pictures are compared among
 /// themselves.
-const GEOMETRY_SWITCHES: [&str; 3] = ["boundary-lod-px", "boundary-tolerance-m", "positions"];
+const GEOMETRY_SWITCHES: [&str; 4] = [
+    "boundary-lod-px",
+    "boundary-tolerance-m",
+    "normals",
+    "positions",
+];
 
 /// What is said of one case.
 #[derive(Debug, Clone, PartialEq, Eq)]

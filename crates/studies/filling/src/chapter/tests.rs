@@ -378,6 +378,40 @@ fn every_claim_has_a_row_and_what_was_not_run_an_empty_cell() {
 }
 
 #[test]
+fn centric_normals_are_reasonable_where_every_picture_on_terrain_is_right() {
+    const EARTH: &str = "I will have to test this for earth to see if it is reasonable.";
+    const STORED: &str = "reduced by not storing any normals for the mesh";
+    let with = |outside: f64, status: Status| {
+        let mut run = climbed("globe", &[("one-volume", 100.0), ("normals-stored", 100.0)]);
+        for (case, bytes) in [(1, 1_600.0), (2, 2_800.0)] {
+            run.cases[case].figure("vertex_bytes", bytes);
+        }
+        let more = [("role", "main"), ("normals", "centric")];
+        for view in ["globe", "horizon"] {
+            let key = format!("hills/{view}/vertex/doubled,normals=centric");
+            let case = drawn(&mut run, &key, &more).figure("wall_shift_m", 28.5);
+            if view == "horizon" {
+                case.figure("mismatched_px_outside_band", outside)
+                    .ended(status, "");
+            }
+        }
+        run
+    };
+    let right = with(0.0, Status::Ok);
+    let row = claim_row(&right, EARTH);
+    let first = "hills globe: 0 px outside the band, walls off by up to 28.5 m";
+    assert!(row[4].starts_with(first), "{row:?}");
+    assert_eq!(row[5], "agrees");
+    let bytes = claim_row(&right, STORED);
+    assert_eq!(bytes[4..6], ["globe 0.571 ×", "agrees"]);
+    // Twin: one view that is wrong.
+    let wrong = with(9.0, Status::Wrong);
+    let row = claim_row(&wrong, EARTH);
+    assert!(row[4].contains("horizon: 9 px outside the band"), "{row:?}");
+    assert_eq!(row[5], "disagrees");
+}
+
+#[test]
 fn more_processes_are_wanted_for_what_is_undecided_and_for_nothing_else() {
     let keys_beside = |strips_ms: &[f64], again_ms: Option<f64>| {
         let mut run = climbed("globe", &[("start", 100.0)]);
