@@ -6,9 +6,11 @@
 //! measure the default under another name.
 
 use crate::data::{Verified, read_verified};
+use crate::generated::{Cells, Coast, Nested};
 use crate::procedural::Islands;
 use crate::scene::{Overlap, Scene, SurfaceChoice, SurfaceFile, View};
 use crate::shipped;
+use crate::suite::Expectation;
 use crate::texture::{
     ImageSource, MAX_SIDE_PX, MIN_HATCH_PERIOD, Outside, SceneTexture, TextureAnchor,
     TexturePlacement, TextureShare,
@@ -66,6 +68,7 @@ impl Scene {
             toml::from_str(text).map_err(|error| syntax_error(text, file, &error))?;
         let check = Check { file };
         let name = check.name("name", raw.name)?;
+        check.expectations(raw.expect.as_deref(), &raw.views)?;
         let body = check.body(&raw.body)?;
         let edge_rule = check.choice(
             "edges",
@@ -208,6 +211,10 @@ struct RawScene {
     views: Vec<RawView>,
     vary: Option<RawVary>,
     texture: Option<RawTexture>,
+    /// Read by [`crate::SuiteScene`].
+    #[serde(rename = "reason")]
+    _reason: Option<String>,
+    expect: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -218,6 +225,7 @@ struct RawRegions {
     source: Option<RawDataFile>,
     how: Option<String>,
     embedded: Option<String>,
+    inline: Option<String>,
     procedural: Option<RawProcedural>,
     repair: Option<String>,
     unwrap: Option<String>,
@@ -240,10 +248,50 @@ impl From<RawDataFile> for DataFile {
     }
 }
 
+/// Each kind has keys of its own.
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
 struct RawProcedural {
     kind: String,
+    #[serde(flatten)]
+    keys: toml::Table,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawNested {
+    count: i64,
+    vertices: i64,
+    longitude_deg: f64,
+    latitude_deg: f64,
+    radius_deg: f64,
+    #[serde(default)]
+    as_one: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawCells {
+    columns: i64,
+    rows: i64,
+    west_deg: f64,
+    south_deg: f64,
+    width_deg: f64,
+    height_deg: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawCoast {
+    seed: i64,
+    vertices: i64,
+    longitude_deg: f64,
+    latitude_deg: f64,
+    radius_deg: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawIslands {
     seed: i64,
     count: i64,
     min_vertices: i64,
@@ -256,7 +304,7 @@ struct RawProcedural {
 struct RawSurface {
     kind: Option<String>,
     #[serde(default)]
-    files: Vec<RawImage>,
+    files: Vec<RawSurfaceFile>,
     #[serde(flatten)]
     parameters: toml::Table,
 }
@@ -286,6 +334,13 @@ struct RawView {
     fov_deg: Option<f64>,
     near_m: Option<f64>,
     note: Option<String>,
+    projection: Option<String>,
+    expect: Option<String>,
+    /// Read by [`crate::SuiteScene`].
+    #[serde(rename = "size")]
+    _size: Option<toml::Value>,
+    #[serde(rename = "set")]
+    _set: Option<toml::Value>,
 }
 
 #[derive(Deserialize, Default)]
@@ -317,6 +372,22 @@ struct RawImage {
     path: String,
     sha256: String,
     how: Option<String>,
+}
+
+/// Either what [`RawImage`] has, or a file that ships.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawSurfaceFile {
+    path: Option<String>,
+    sha256: Option<String>,
+    how: Option<String>,
+    embedded: Option<String>,
+}
+
+/// A file that a surface is made from, checked.
+enum SurfaceSource {
+    Data(RawImage),
+    Shipped(SurfaceFile),
 }
 
 #[derive(Deserialize)]
@@ -395,9 +466,17 @@ impl UnreadTexture {
 
 /// Where a scene's regions come from.
 enum RegionSource {
-    File { need: DataNeed, how: String },
-    Embedded { name: String, text: &'static str },
-    Procedural(Islands),
+    File {
+        need: DataNeed,
+        how: String,
+    },
+    Embedded {
+        name: String,
+        text: &'static str,
+    },
+    Inline(String),
+    /// GeoJSON that the program makes.
+    Generated(Box<dyn Fn() -> String>),
 }
 
 impl RegionSource {
@@ -415,10 +494,10 @@ impl RegionSource {
             Self::Embedded { name, text } => {
                 parse(text.as_bytes(), &format!("bench-scenes/{name}"))
             }
-            Self::Procedural(islands) => parse(
-                islands.geojson().as_bytes(),
-                &format!("{scene} (procedural)"),
-            ),
+            Self::Inline(text) => parse(text.as_bytes(), &format!("{scene} (inline)")),
+            Self::Generated(geojson) => {
+                parse(geojson().as_bytes(), &format!("{scene} (procedural)"))
+            }
             Self::File { need, how } => {
                 let mut reasons = Vec::new();
                 for candidate in std::iter::once(&need.file).chain(&need.source) {
@@ -536,6 +615,7 @@ impl Check<'_> {
         let given: Vec<&str> = [
             ("file", raw.file.is_some()),
             ("embedded", raw.embedded.is_some()),
+            ("inline", raw.inline.is_some()),
             ("procedural", raw.procedural.is_some()),
         ]
         .into_iter()
@@ -555,11 +635,11 @@ impl Check<'_> {
                 ));
             }
         }
-        match (raw.file, raw.embedded, raw.procedural) {
-            (Some(file), None, None) => {
+        match (raw.file, raw.embedded, raw.inline, raw.procedural) {
+            (Some(file), None, None, None) => {
                 self.file_source(file, raw.sha256, raw.source.map(DataFile::from), raw.how)
             }
-            (None, Some(name), None) => match shipped::data_text(&name) {
+            (None, Some(name), None, None) => match shipped::data_text(&name) {
                 Some(text) => Ok(RegionSource::Embedded { name, text }),
                 None => Err(self.refuse(
                     "regions.embedded",
@@ -567,8 +647,9 @@ impl Check<'_> {
                     shipped::data_names().join(", "),
                 )),
             },
-            (None, None, Some(procedural)) => {
-                Ok(RegionSource::Procedural(self.islands(&procedural)?))
+            (None, None, Some(text), None) => Ok(RegionSource::Inline(text)),
+            (None, None, None, Some(procedural)) => {
+                Ok(RegionSource::Generated(self.procedural(procedural)?))
             }
             _ => {
                 let found = if given.is_empty() {
@@ -579,7 +660,7 @@ impl Check<'_> {
                 Err(self.refuse(
                     "regions",
                     found,
-                    "exactly one of file, embedded, procedural",
+                    "exactly one of file, embedded, inline, procedural",
                 ))
             }
         }
@@ -628,13 +709,47 @@ impl Check<'_> {
         ))
     }
 
-    /// A file and its way to the user, checked.
-    fn surface_files(&self, raw: Vec<RawImage>) -> Result<Vec<RawImage>, SceneError> {
-        for (i, file) in raw.iter().enumerate() {
-            self.data_path(&format!("surface.files[{i}].path"), &file.path)?;
-            self.hash(&format!("surface.files[{i}].sha256"), &file.sha256)?;
+    /// Files with their way to the user, checked.
+    fn surface_files(&self, raw: Vec<RawSurfaceFile>) -> Result<Vec<SurfaceSource>, SceneError> {
+        let files = raw.into_iter().enumerate();
+        let files = files.map(|(i, file)| self.surface_file(&format!("surface.files[{i}]"), file));
+        files.collect()
+    }
+
+    fn surface_file(&self, key: &str, raw: RawSurfaceFile) -> Result<SurfaceSource, SceneError> {
+        match (raw.path, raw.embedded) {
+            (Some(path), None) => {
+                let sha256 = raw.sha256.unwrap_or_default();
+                self.data_path(&format!("{key}.path"), &path)?;
+                self.hash(&format!("{key}.sha256"), &sha256)?;
+                Ok(SurfaceSource::Data(RawImage {
+                    path,
+                    sha256,
+                    how: raw.how,
+                }))
+            }
+            (None, Some(name)) => {
+                if raw.sha256.is_some() || raw.how.is_some() {
+                    let allowed = "sha256 and how only together with path";
+                    return Err(self.refuse(key, "embedded with them", allowed));
+                }
+                match shipped::height_bytes(&name) {
+                    Some(bytes) => Ok(SurfaceSource::Shipped(SurfaceFile {
+                        path: name,
+                        bytes: bytes.into(),
+                    })),
+                    None => Err(self.refuse(
+                        format!("{key}.embedded"),
+                        format!("{name:?}"),
+                        shipped::height_names().join(", "),
+                    )),
+                }
+            }
+            (path, _) => {
+                let found = if path.is_some() { "both" } else { "neither" };
+                Err(self.refuse(key, found, "exactly one of path, embedded"))
+            }
         }
-        Ok(raw)
     }
 
     fn texture(&self, raw: RawTexture) -> Result<UnreadTexture, SceneError> {
@@ -766,13 +881,98 @@ impl Check<'_> {
         Ok([begin_m, raw.end_m])
     }
 
-    fn islands(&self, raw: &RawProcedural) -> Result<Islands, SceneError> {
-        if raw.kind != "islands" {
-            let found = format!("{:?}", raw.kind);
-            return Err(self.refuse("regions.procedural.kind", found, "islands"));
+    /// What a generator makes of its keys.
+    fn procedural(&self, raw: RawProcedural) -> Result<Box<dyn Fn() -> String>, SceneError> {
+        match raw.kind.as_str() {
+            "islands" => {
+                let islands = self.islands(&self.keys(raw.keys)?)?;
+                Ok(Box::new(move || islands.geojson()))
+            }
+            "nested" => {
+                let nested = self.nested(&self.keys(raw.keys)?)?;
+                Ok(Box::new(move || nested.geojson()))
+            }
+            "cells" => {
+                let cells = self.cells(&self.keys(raw.keys)?)?;
+                Ok(Box::new(move || cells.geojson()))
+            }
+            "coast" => {
+                let coast = self.coast(&self.keys(raw.keys)?)?;
+                Ok(Box::new(move || coast.geojson()))
+            }
+            other => Err(self.refuse(
+                "regions.procedural.kind",
+                format!("{other:?}"),
+                "islands, nested, cells, coast",
+            )),
         }
-        let seed = u64::try_from(raw.seed)
-            .map_err(|_| self.refuse("regions.procedural.seed", raw.seed, "0 or more"))?;
+    }
+
+    /// The keys of a generator of one kind.
+    fn keys<T: serde::de::DeserializeOwned>(&self, keys: toml::Table) -> Result<T, SceneError> {
+        let found = keys.keys().cloned().collect::<Vec<_>>().join(", ");
+        keys.try_into().map_err(|error: toml::de::Error| {
+            self.refuse("regions.procedural", found, error.message().to_owned())
+        })
+    }
+
+    fn seed(&self, seed: i64) -> Result<u64, SceneError> {
+        u64::try_from(seed).map_err(|_| self.refuse("regions.procedural.seed", seed, "0 or more"))
+    }
+
+    /// Longitude, latitude and radius, degrees, of what keeps clear of the poles and of half the
+    /// body's girth.
+    fn disc(&self, [longitude, latitude, radius]: [f64; 3]) -> Result<[f64; 3], SceneError> {
+        let key = |name: &str| format!("regions.procedural.{name}");
+        let latitude = self.within(key("latitude_deg"), latitude, -80.0..=80.0)?;
+        let room = 85.0 - latitude.abs();
+        Ok([
+            self.within(key("longitude_deg"), longitude, -180.0..=180.0)?,
+            latitude,
+            self.within(key("radius_deg"), radius, 1e-6..=room)?,
+        ])
+    }
+
+    fn nested(&self, raw: &RawNested) -> Result<Nested, SceneError> {
+        let [longitude_deg, latitude_deg, radius_deg] =
+            self.disc([raw.longitude_deg, raw.latitude_deg, raw.radius_deg])?;
+        Ok(Nested {
+            count: self.count("regions.procedural.count", raw.count, 1..=4_096)?,
+            vertices: self.count("regions.procedural.vertices", raw.vertices, 3..=1_000)?,
+            longitude_deg,
+            latitude_deg,
+            radius_deg,
+            as_one: raw.as_one,
+        })
+    }
+
+    fn cells(&self, raw: &RawCells) -> Result<Cells, SceneError> {
+        let key = |name: &str| format!("regions.procedural.{name}");
+        let south_deg = self.within(key("south_deg"), raw.south_deg, -89.0..=89.0)?;
+        Ok(Cells {
+            columns: self.count(&key("columns"), raw.columns, 1..=1_000)?,
+            rows: self.count(&key("rows"), raw.rows, 1..=1_000)?,
+            west_deg: self.within(key("west_deg"), raw.west_deg, -180.0..=180.0)?,
+            south_deg,
+            width_deg: self.within(key("width_deg"), raw.width_deg, 1e-9..=180.0)?,
+            height_deg: self.within(key("height_deg"), raw.height_deg, 1e-9..=89.0 - south_deg)?,
+        })
+    }
+
+    fn coast(&self, raw: &RawCoast) -> Result<Coast, SceneError> {
+        let [longitude_deg, latitude_deg, radius_deg] =
+            self.disc([raw.longitude_deg, raw.latitude_deg, raw.radius_deg])?;
+        Ok(Coast {
+            seed: self.seed(raw.seed)?,
+            vertices: self.count("regions.procedural.vertices", raw.vertices, 32..=4_000_000)?,
+            longitude_deg,
+            latitude_deg,
+            radius_deg,
+        })
+    }
+
+    fn islands(&self, raw: &RawIslands) -> Result<Islands, SceneError> {
+        let seed = self.seed(raw.seed)?;
         let key = |name: &str| format!("regions.procedural.{name}");
         let min_vertices = self.count(&key("min_vertices"), raw.min_vertices, 32..=100_000)?;
         Ok(Islands {
@@ -846,8 +1046,28 @@ impl Check<'_> {
         Ok(views)
     }
 
+    /// What a suite expects of the scene and of its views is what it may expect.
+    fn expectations(&self, scene: Option<&str>, views: &[RawView]) -> Result<(), SceneError> {
+        let views = views.iter().enumerate();
+        let views = views.map(|(i, view)| (format!("views[{i}].expect"), view.expect.as_deref()));
+        for (key, found) in std::iter::once(("expect".to_owned(), scene)).chain(views) {
+            if let Some(found) = found.filter(|found| Expectation::parse(found).is_none()) {
+                return Err(self.refuse(key, format!("{found:?}"), Expectation::ALLOWED));
+            }
+        }
+        Ok(())
+    }
+
     fn view(&self, index: usize, raw: &RawView) -> Result<View, SceneError> {
         let key = |name: &str| format!("views[{index}].{name}");
+        // An image plane without a vanishing point needs other rays, other depths and other culls.
+        if let Some(found) = raw
+            .projection
+            .as_ref()
+            .filter(|&found| found != "perspective")
+        {
+            return Err(self.refuse(key("projection"), format!("{found:?}"), "perspective"));
+        }
         let longitude_deg = self.within(key("longitude_deg"), raw.longitude_deg, -180.0..=180.0)?;
         let latitude_deg = self.within(key("latitude_deg"), raw.latitude_deg, -90.0..=90.0)?;
         let height_m = self.positive(key("height_m"), raw.height_m)?;
@@ -889,10 +1109,14 @@ impl Check<'_> {
 
 /// The bytes of a file that a surface is made from.
 fn load_surface_file(
-    raw: RawImage,
+    source: SurfaceSource,
     scene: &str,
     data_dir: Option<&Path>,
 ) -> Result<SurfaceFile, SceneError> {
+    let raw = match source {
+        SurfaceSource::Shipped(file) => return Ok(file),
+        SurfaceSource::Data(raw) => raw,
+    };
     match read_verified(data_dir, &raw.path, &raw.sha256)? {
         Verified::Bytes(bytes) => Ok(SurfaceFile {
             path: raw.path,
@@ -909,7 +1133,7 @@ fn load_surface_file(
 }
 
 /// The parser's complaint with its place, on one line.
-fn syntax_error(text: &str, file: &str, error: &toml::de::Error) -> SceneError {
+pub(crate) fn syntax_error(text: &str, file: &str, error: &toml::de::Error) -> SceneError {
     let start = error.span().map_or(0, |span| span.start.min(text.len()));
     let before = &text.as_bytes()[..start];
     let line_start = before

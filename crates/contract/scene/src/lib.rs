@@ -6,12 +6,14 @@ mod camera;
 mod data;
 mod error;
 mod file;
+mod generated;
 mod level;
 mod near_plane;
 mod plan;
 mod procedural;
 mod scene;
 mod shipped;
+mod suite;
 mod texture;
 
 pub use camera::{Camera, CameraPose, ImageSize};
@@ -21,6 +23,7 @@ pub use data::{
 };
 pub use error::SceneError;
 pub use file::scene_needs;
+pub use generated::{Cells, Coast, Nested};
 pub use level::{
     FEWEST_VERTICES_FOR_LEVELS, LEVEL_GROWTH, LEVEL_VERTEX_SHARE, Level, LevelTable, LeveledMeshes,
 };
@@ -30,7 +33,8 @@ pub use plan::{
 };
 pub use procedural::Islands;
 pub use scene::{LevelChoice, Overlap, Scene, SurfaceChoice, SurfaceFile, View};
-pub use shipped::{shipped_scene_names, shipped_scene_needs};
+pub use shipped::{shipped_scene_names, shipped_scene_needs, suite_names, suite_scenes};
+pub use suite::{Expectation, SuiteScene, SuiteView};
 pub use terrafill_core::ShapeFamily;
 pub use texture::{
     MipChain, MipLevel, Outside, SceneTexture, TextureAnchor, TexturePlacement, TextureShare,

@@ -117,7 +117,7 @@ impl Islands {
 }
 
 /// Middle of an island.
-struct Centre {
+pub(crate) struct Centre {
     longitude_deg: f64,
     latitude_deg: f64,
     cos_latitude: f64,
@@ -125,7 +125,7 @@ struct Centre {
 }
 
 impl Centre {
-    fn new(longitude_deg: f64, latitude_deg: f64) -> Self {
+    pub(crate) fn new(longitude_deg: f64, latitude_deg: f64) -> Self {
         let (longitude, latitude) = (longitude_deg * PI / 180.0, latitude_deg * PI / 180.0);
         let cos_latitude = cosine(latitude);
         Self {
@@ -153,7 +153,7 @@ impl Centre {
     }
 
     /// The coast with radii `shape` × `radius_deg`, degrees.
-    fn ring(&self, shape: &[f64], radius_deg: f64) -> Vec<[f64; 2]> {
+    pub(crate) fn ring(&self, shape: &[f64], radius_deg: f64) -> Vec<[f64; 2]> {
         let step = TAU / shape.len() as f64;
         shape
             .iter()
@@ -207,7 +207,7 @@ fn largest_radius_deg(index: usize, centres: &[Centre]) -> f64 {
 }
 
 /// `count` radii round a coast, between `smallest` and 1, both reached.
-fn coast(count: usize, smallest: f64, random: &mut SplitMix64) -> Vec<f64> {
+pub(crate) fn coast(count: usize, smallest: f64, random: &mut SplitMix64) -> Vec<f64> {
     let mut radii = vec![0.0; count];
     let mut points = COARSEST_OCTAVE;
     let mut strength = 1.0;
@@ -235,7 +235,7 @@ fn coast(count: usize, smallest: f64, random: &mut SplitMix64) -> Vec<f64> {
 
 /// Random numbers after Steele, Lea & Flood (2014), "Fast splittable pseudorandom number
 /// generators": 64 bits of state, integer arithmetic only.
-struct SplitMix64(u64);
+pub(crate) struct SplitMix64(pub(crate) u64);
 
 impl SplitMix64 {
     fn next(&mut self) -> u64 {

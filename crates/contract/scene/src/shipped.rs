@@ -39,6 +39,68 @@ const BY_PATH: &[(&str, &str)] = &[
     file!("terrain/san-francisco.toml"),
 ];
 
+/// Suites: scenes that are there to break a fill, with what must come of each.
+const SUITES: &[(&str, &[(&str, &str)])] = &[("extreme", EXTREME)];
+
+/// What globes break at, by the risk of it.
+const EXTREME: &[(&str, &str)] = &[
+    file!("extreme/poles.toml"),
+    file!("extreme/antimeridian.toml"),
+    file!("extreme/hemisphere.toml"),
+    file!("extreme/strips-170.toml"),
+    file!("extreme/world-minus-hole.toml"),
+    file!("extreme/nested-255.toml"),
+    file!("extreme/nested-256.toml"),
+    file!("extreme/nested-257.toml"),
+    file!("extreme/nested-512.toml"),
+    file!("extreme/rings-512.toml"),
+    file!("extreme/eye-in-volume.toml"),
+    file!("extreme/cliffs.toml"),
+    file!("extreme/horizon.toml"),
+    file!("extreme/strips-half-metre.toml"),
+    file!("extreme/shared-borders.toml"),
+    file!("extreme/bow-tie.toml"),
+    file!("extreme/bow-tie-repaired.toml"),
+    file!("extreme/degenerate.toml"),
+    file!("extreme/terrain-x1.toml"),
+    file!("extreme/terrain-x10.toml"),
+    file!("extreme/voids.toml"),
+    file!("extreme/flattened.toml"),
+    file!("extreme/asteroid.toml"),
+    file!("extreme/field-of-view.toml"),
+    file!("extreme/viewports.toml"),
+    file!("extreme/sky.toml"),
+    file!("extreme/smaller-than-a-pixel.toml"),
+    file!("extreme/five-thousand.toml"),
+    file!("extreme/million-vertices.toml"),
+    file!("extreme/nothing-in-view.toml"),
+    file!("extreme/under-and-far.toml"),
+    file!("extreme/below-the-ellipsoid.toml"),
+    file!("extreme/nan-heights.toml"),
+    file!("extreme/orthographic.toml"),
+    file!("extreme/too-wide.toml"),
+    file!("extreme/empty.toml"),
+    file!("extreme/nan-coordinates.toml"),
+    file!("extreme/beyond-the-pole.toml"),
+    file!("extreme/antipodal-edge.toml"),
+];
+
+/// Height files that scenes name by `embedded`; ours.
+const HEIGHTS: &[(&str, &[u8])] = &[
+    (
+        "extreme/cliffs.tif",
+        include_bytes!("../../../../bench-scenes/extreme/cliffs.tif"),
+    ),
+    (
+        "extreme/nan-heights.tif",
+        include_bytes!("../../../../bench-scenes/extreme/nan-heights.tif"),
+    ),
+    (
+        "extreme/voids.tif",
+        include_bytes!("../../../../bench-scenes/extreme/voids.tif"),
+    ),
+];
+
 /// Region files that scenes name by `embedded`.
 const DATA: &[(&str, &str)] = &[
     file!("california.geojson"),
@@ -75,6 +137,32 @@ pub fn shipped_scene_needs() -> Result<Vec<SceneNeeds>, SceneError> {
             Ok(SceneNeeds { scene, files })
         })
         .collect()
+}
+
+/// Names of the suites.
+#[must_use]
+pub fn suite_names() -> Vec<&'static str> {
+    SUITES.iter().map(|(name, _)| *name).collect()
+}
+
+/// File and text of each scene of a suite; `None` for a name that is none.
+#[must_use]
+pub fn suite_scenes(suite: &str) -> Option<&'static [(&'static str, &'static str)]> {
+    let mut suites = SUITES.iter();
+    suites
+        .find(|(name, _)| *name == suite)
+        .map(|(_, scenes)| *scenes)
+}
+
+pub(crate) fn height_bytes(name: &str) -> Option<&'static [u8]> {
+    let mut files = HEIGHTS.iter();
+    files
+        .find(|(file, _)| *file == name)
+        .map(|(_, bytes)| *bytes)
+}
+
+pub(crate) fn height_names() -> Vec<&'static str> {
+    HEIGHTS.iter().map(|(name, _)| *name).collect()
 }
 
 pub(crate) fn scene_text(name: &str) -> Option<&'static str> {

@@ -190,11 +190,11 @@ fn region_sources_that_are_not_exactly_one() {
         (
             broken(embedded, &format!("{embedded}\n{FILE_SOURCE}")),
             "t.toml: regions: found file and embedded, allowed: exactly one of file, embedded, \
-             procedural",
+             inline, procedural",
         ),
         (
             broken(embedded, ""),
-            "t.toml: regions: found none, allowed: exactly one of file, embedded, procedural",
+            "t.toml: regions: found none, allowed: exactly one of file, embedded, inline, procedural",
         ),
         (
             broken(embedded, "embedded = \"nevada.geojson\""),

@@ -40,10 +40,12 @@ pub(crate) enum Purpose {
     Memory,
     /// What a user would pick instead: its error is part of the answer.
     Rival,
+    /// A view of a suite.
+    Suite,
 }
 
 impl Purpose {
-    fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Baseline => "baseline",
             Self::Main => "main",
@@ -55,6 +57,7 @@ impl Purpose {
             Self::Texture => "texture",
             Self::Memory => "memory",
             Self::Rival => "rival",
+            Self::Suite => "suite",
         }
     }
 }

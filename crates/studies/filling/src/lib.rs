@@ -25,6 +25,7 @@ mod scenes;
 mod session;
 mod study;
 mod subject;
+mod suite;
 mod textured;
 
 pub use chapter::FillingChapter;
@@ -32,6 +33,7 @@ pub use request::STUDY;
 pub use scenes::open_scene;
 pub use study::FillingStudy;
 pub use subject::{Surfaces, Techniques};
+pub use suite::{EXTREME, ExtremeChapter, ExtremeStudy, IN_HAND, extreme_sentence};
 
 #[cfg(test)]
 mod tests {

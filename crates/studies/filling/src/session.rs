@@ -103,8 +103,18 @@ impl<'a> ViewSession<'a> {
         let surface = open_surface(group.surfaces, scene).map_err(|error| bad(&error))?;
         let meshes = build_meshes(scene, &scene.mesh)?;
         let prepared = PreparedScene::new(scene, meshes, surface);
+        Self::of_scene(group, &prepared, context)
+    }
+
+    /// Of a scene that is ready to be drawn already.
+    pub(crate) fn of_scene(
+        group: &'a ViewGroup,
+        prepared: &PreparedScene,
+        context: Context<'a>,
+    ) -> Result<Self, StudyError> {
+        let bad = |error: &dyn std::fmt::Display| StudyError::BadInput(error.to_string());
         let plan = PlanOptions::default();
-        let input = FillInput::new(&prepared, &group.view, group.size, plan);
+        let input = FillInput::new(prepared, &group.view, group.size, plan);
         let input = input.map_err(|error| bad(&error))?;
         let targets = Targets::new(context.devices, group.size);
         let wgpu =
@@ -357,6 +367,7 @@ impl<'a> ViewSession<'a> {
         }
         let is_shown = case.is(Purpose::Main) || case.is(Purpose::Rival);
         let is_plain_main = is_shown && !case.variant_name().contains('=');
+        let is_plain_main = is_plain_main || case.is(Purpose::Suite);
         // Of an approximate fill one picture a view shows what it is like.
         let is_wrong = probe.status == Status::Wrong && !is_approximate;
         if is_plain_main || is_wrong {

@@ -108,6 +108,13 @@ pub(crate) struct BenchArguments {
     pub(crate) scenes: Vec<String>,
     #[arg(long, help = STUDY_HELP)]
     pub(crate) study: Vec<String>,
+    /// Run a suite of scenes that globes break at instead: extreme
+    #[arg(long, value_name = "NAME", value_parser = parse_suite,
+        conflicts_with_all = ["study", "quick", "full", "processes", "shard", "ladder", "matrix"])]
+    pub(crate) suite: Option<String>,
+    /// This process runs the suite's scenes: another one started it and outlives its crashes
+    #[arg(long, hide = true, requires = "suite")]
+    pub(crate) in_suite: bool,
     /// Technique to run; may be repeated [default: all]
     #[arg(long, alias = "backend")]
     pub(crate) technique: Vec<String>,
@@ -147,8 +154,10 @@ pub(crate) struct BenchArguments {
     /// Timed samples of a case in each process [default: each study's]
     #[arg(long, alias = "frames", value_parser = parse_samples)]
     pub(crate) samples: Option<u32>,
-    /// Image size, WIDTHxHEIGHT or one number for both
-    #[arg(long, default_value = "1024", value_parser = parse_size)]
+    /// Image size, WIDTHxHEIGHT or one number for both [default: 1024, of a suite 256]
+    #[arg(long, default_value = "1024", hide_default_value = true,
+        default_value_if("suite", clap::builder::ArgPredicate::IsPresent, "256"),
+        value_parser = parse_size)]
     pub(crate) size: (u32, u32),
     /// Part m of n of the run
     #[arg(long, value_name = "M/N", value_parser = parse_shard)]
@@ -166,6 +175,14 @@ pub(crate) struct BenchArguments {
     pub(crate) ladder: Vec<String>,
     #[arg(long, value_name = "SCENE", help = MATRIX_HELP)]
     pub(crate) matrix: Vec<String>,
+}
+
+fn parse_suite(text: &str) -> Result<String, String> {
+    let suites = terrafill_scene::suite_names();
+    match suites.contains(&text) {
+        true => Ok(text.to_owned()),
+        false => Err(format!("allowed: {}", suites.join(", "))),
+    }
 }
 
 /// How groups of cases are shared among shards.

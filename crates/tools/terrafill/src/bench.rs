@@ -36,6 +36,9 @@ const MAX_PROCESSES: u32 = 12;
 const WARM_UP: u32 = 2;
 
 pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
+    if arguments.suite.is_some() && !arguments.in_suite {
+        return crate::suite::run(arguments);
+    }
     let depth = match (arguments.quick, arguments.full) {
         (true, _) => Depth::Quick,
         (_, true) => Depth::Full,
@@ -44,6 +47,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     let studies = studies(arguments, depth)?;
     let request = request(arguments, depth);
     let processes = arguments.processes.unwrap_or(match depth {
+        _ if arguments.in_suite => 1,
         Depth::Quick => 1,
         Depth::Main | Depth::Full => PROCESSES,
     });
@@ -104,7 +108,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     let timed = progress.end();
     ran.map_err(failure)?;
     timed.map_err(Failure::bad_input)?;
-    if options.process > 0 {
+    if options.process > 0 || arguments.in_suite {
         return Ok(Outcome::Done);
     }
     drop(devices);
@@ -132,7 +136,8 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
 /// Studies by name, or those that belong to a run of this depth.
 fn studies(arguments: &BenchArguments, depth: Depth) -> Result<Vec<&'static dyn Study>, Failure> {
     let mut chosen: Vec<&'static dyn Study> = Vec::new();
-    for name in &arguments.study {
+    // A suite is a study of the same name.
+    for name in arguments.study.iter().chain(&arguments.suite) {
         let found = STUDIES.iter().find(|study| study.name() == name);
         let study = found.ok_or_else(|| {
             let allowed: Vec<&str> = STUDIES.iter().map(|study| study.name()).collect();
@@ -408,7 +413,7 @@ fn is_gate(folder: &Path) -> bool {
 }
 
 /// Prints `heading` and where the report is, names what is missing, and gives the run's verdict.
-fn print_report(
+pub(crate) fn print_report(
     report: Result<WrittenReport, ReportError>,
     heading: &str,
 ) -> Result<Outcome, Failure> {

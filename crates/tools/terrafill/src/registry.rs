@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use terrafill_cesium::CesiumTechnique;
 use terrafill_compute::ComputeTechnique;
 use terrafill_fill::Technique;
-use terrafill_filling::FillingStudy;
+use terrafill_filling::{ExtremeStudy, FillingStudy};
 use terrafill_growth::GrowthStudy;
 use terrafill_instanced::InstancedTechnique;
 use terrafill_moving::MovingStudy;
@@ -56,6 +56,10 @@ pub(crate) static STUDIES: &[&dyn Study] = &[
     },
     &ReadbackStudy,
     &MovingStudy {
+        techniques: TECHNIQUES,
+        surfaces: SURFACES,
+    },
+    &ExtremeStudy {
         techniques: TECHNIQUES,
         surfaces: SURFACES,
     },

@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The chapter on extreme scenes: how many passed, were refused rightly or failed, and a row for each
+//! view with its picture and with what its frame plan left out.
+
+use super::EXTREME;
+use super::plan::WHOLE;
+use super::session::REFUSED;
+use terrafill_plot::number::{count, significant};
+use terrafill_results::{
+    Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, Finding, Heading, Outcome,
+    Picture, PictureFigure, Pictures, Row, Run, Standing, Table, median, process_medians,
+};
+
+/// What came of scenes that globes usually break at.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ExtremeChapter;
+
+/// How a view ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Came {
+    Passed,
+    Refused,
+    Skipped,
+    Missing,
+    Failed,
+}
+
+impl Came {
+    fn of(case: &Case) -> Self {
+        match case.outcome {
+            Outcome::Ok if case.note(REFUSED).is_empty() => Self::Passed,
+            Outcome::Ok => Self::Refused,
+            Outcome::Skipped => Self::Skipped,
+            Outcome::Missing => Self::Missing,
+            Outcome::Wrong | Outcome::Failed | Outcome::DriverFault => Self::Failed,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Passed => "passed",
+            Self::Refused => "refused rightly",
+            Self::Skipped => "skipped",
+            Self::Missing => "missing",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+/// One view with what each technique made of it.
+struct View<'a> {
+    scene: &'a str,
+    name: &'a str,
+    cases: Vec<&'a Case>,
+}
+
+impl View<'_> {
+    /// The worst of its techniques.
+    fn came(&self) -> Came {
+        let came = self.cases.iter().map(|case| Came::of(case));
+        came.max().unwrap_or(Came::Missing)
+    }
+}
+
+/// Views in the plan's order.
+fn views(run: &Run) -> Vec<View<'_>> {
+    let mut views: Vec<View<'_>> = Vec::new();
+    for case in run.of_study(EXTREME).filter(|case| !case.is_twin()) {
+        let (scene, name) = (case.condition("scene"), case.condition("view"));
+        match views.last_mut() {
+            Some(last) if (last.scene, last.name) == (scene, name) => last.cases.push(case),
+            _ => views.push(View {
+                scene,
+                name,
+                cases: vec![case],
+            }),
+        }
+    }
+    views
+}
+
+/// How many scenes and views there are and how they ended; `None` for a run without the suite.
+#[must_use]
+pub fn extreme_sentence(run: &Run) -> Option<String> {
+    let views = views(run);
+    if views.is_empty() {
+        return None;
+    }
+    let mut scenes: Vec<&str> = views.iter().map(|view| view.scene).collect();
+    scenes.dedup();
+    let ended = |came: Came| views.iter().filter(|view| view.came() == came).count();
+    let mut text = format!(
+        "Extreme suite: {} scenes, {} views: {} passed, {} refused rightly, {} failed",
+        scenes.len(),
+        views.len(),
+        ended(Came::Passed),
+        ended(Came::Refused),
+        ended(Came::Failed),
+    );
+    for came in [Came::Skipped, Came::Missing] {
+        if ended(came) > 0 {
+            text.push_str(&format!(", {} {}", ended(came), came.name()));
+        }
+    }
+    text.push('.');
+    Some(text)
+}
+
+impl Chapter for ExtremeChapter {
+    fn study(&self) -> &'static str {
+        EXTREME
+    }
+
+    fn title(&self) -> &'static str {
+        "Extreme scenes"
+    }
+
+    fn primary_metric(&self, _clock: Clock) -> Option<&'static str> {
+        None
+    }
+
+    fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
+        let Some(sentence) = extreme_sentence(run) else {
+            return Ok(Answers::default());
+        };
+        let failed = views(run)
+            .iter()
+            .filter(|view| view.came() == Came::Failed)
+            .count();
+        Ok(Answers {
+            blocks: vec![Block::Text(sentence.clone())],
+            requirements: vec![Finding {
+                claim: "Every scene of the extreme suite is right, or refused as it should be"
+                    .to_owned(),
+                standing: Standing::holds_if(failed == 0),
+                because: sentence,
+            }],
+            ..Answers::default()
+        })
+    }
+
+    fn has_long_sections(&self) -> bool {
+        true
+    }
+
+    fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
+        let Some(sentence) = extreme_sentence(run) else {
+            return Ok(Vec::new());
+        };
+        let views = views(run);
+        let metric = run.clock().pick("fill_gpu_ms", "fill_cpu_ms");
+        let unit = run.clock().pick("GPU ms", "process CPU ms");
+        let mut blocks = vec![Block::Text(sentence), Block::Remark(KEY.to_owned())];
+        let failed: Vec<String> = views.iter().flat_map(failures).collect();
+        if !failed.is_empty() {
+            let summary = format!("{} cases failed", failed.len());
+            blocks.push(Block::Alarm(summary));
+            blocks.push(Block::List(failed));
+        }
+        let headings = |first: &str| {
+            vec![
+                Heading::plain(first),
+                Heading::plain("expected"),
+                Heading::explained("result", "the worst of the techniques"),
+                Heading::explained(
+                    "mismatches",
+                    "pixels that differ from the reference, most of the techniques",
+                ),
+                Heading::explained(
+                    "outside the band",
+                    "farther than one pixel from a boundary; 0 allowed",
+                ),
+                Heading::explained(format!("fill, {unit}"), "one frame of the first technique"),
+                Heading::explained(
+                    "all, s",
+                    "wall clock of the whole view: reading, meshing, reference, every technique",
+                ),
+                Heading::explained("drawn", "regions in the frame plan"),
+                Heading::explained("left out and why", "what the frame plan leaves out"),
+                Heading::plain("picture"),
+            ]
+        };
+        let mut rest = &views[..];
+        while let Some(first) = rest.first() {
+            let count = rest
+                .iter()
+                .take_while(|view| view.scene == first.scene)
+                .count();
+            let (scene, others) = rest.split_at(count);
+            rest = others;
+            blocks.push(Block::section(first.scene));
+            let reason = first
+                .cases
+                .first()
+                .map_or("", |case| case.condition("scene-reason"));
+            blocks.push(Block::Text(format!("{reason}.")));
+            blocks.push(Block::Table(Table {
+                headings: headings("view"),
+                rows: scene.iter().map(|view| row(view, metric)).collect(),
+                ..Table::default()
+            }));
+            blocks.extend(pictures(scene));
+        }
+        Ok(blocks)
+    }
+
+    fn contradictions(&self, run: &Run) -> Vec<String> {
+        let cases = run.of_study(EXTREME).filter(|case| !case.is_twin());
+        let passed = cases.filter(|case| Came::of(case) == Came::Passed);
+        let found = passed.filter_map(|case| {
+            let name = case.id();
+            match case.value("mismatched_px_outside_band") {
+                None => Some(format!("{name}: ok, but never compared with the reference")),
+                Some(px) if px > 0.0 => Some(format!(
+                    "{name}: ok, though {px} pixels outside the boundary band are wrong"
+                )),
+                Some(_) => None,
+            }
+        });
+        found.collect()
+    }
+}
+
+const KEY: &str = "Passed: every technique's picture matches the reference outside the 1-pixel boundary \
+                   band, no figure is NaN or infinite, and the validation layer said nothing where it \
+                   was on. Refused rightly: refused with the words that the scene expects.";
+
+/// A line for each technique that failed.
+fn failures(view: &View<'_>) -> Vec<String> {
+    let failed = view
+        .cases
+        .iter()
+        .filter(|case| Came::of(case) == Came::Failed);
+    failed
+        .map(|case| {
+            let reason = match case.reason.as_str() {
+                "" => "no reason was recorded",
+                reason => reason,
+            };
+            format!("{}: {} ({reason})", case.id(), case.outcome.name())
+        })
+        .collect()
+}
+
+fn row(view: &View<'_>, metric: &str) -> Row {
+    let came = view.came();
+    let first = view.cases.first().copied();
+    let most = |name: &str| {
+        let values = view.cases.iter().filter_map(|case| case.value(name));
+        values.reduce(f64::max)
+    };
+    let figure = |value: Option<f64>| match value {
+        Some(value) => Cell::plain(count(value as u64)),
+        None => Cell::absent(match came {
+            Came::Refused => "refused: nothing was drawn",
+            _ => "nothing was compared",
+        }),
+    };
+    let time = first.and_then(|case| {
+        let replicates: Vec<f64> = process_medians(case, metric).into_values().collect();
+        median(&replicates)
+    });
+    let seconds: f64 = view
+        .cases
+        .iter()
+        .filter_map(|case| case.value("suite_case_s"))
+        .sum();
+    let expected = first.map_or("", |case| case.condition("expected"));
+    let left_out = first.map_or("", |case| case.note("left_out"));
+    let drawn = first.and_then(|case| case.value("regions_drawn"));
+    let mut result = Cell::name(came.name());
+    result.class = match came {
+        Came::Failed => CellClass::Bad,
+        _ => CellClass::Name,
+    };
+    result.detail = first.map_or("", |case| case.note(REFUSED)).to_owned();
+    let picture = first.map_or("", |case| case.note("image"));
+    let whole = if view.name == WHOLE {
+        "the whole scene"
+    } else {
+        view.name
+    };
+    let remarks = first.map_or("", |case| case.reason.as_str());
+    Row {
+        cells: vec![
+            Cell {
+                detail: match came {
+                    Came::Failed => String::new(),
+                    _ => remarks.to_owned(),
+                },
+                ..Cell::name(whole)
+            },
+            Cell::name(expected),
+            result,
+            figure(most("mismatched_px")),
+            figure(most("mismatched_px_outside_band")),
+            Cell::or_absent(time.map(significant), "no frame was timed"),
+            Cell::plain(significant(seconds)),
+            figure(drawn),
+            match (left_out, drawn) {
+                ("", Some(_)) => Cell::name("nothing"),
+                ("", None) => Cell::absent("no frame was planned"),
+                (text, _) => Cell::name(text),
+            },
+            Cell {
+                picture: picture.to_owned(),
+                ..Cell::default()
+            },
+        ],
+        status: came.name().to_owned(),
+        remark: failures(view).join("; "),
+    }
+}
+
+/// Each view's picture, and where a technique failed what differs.
+fn pictures(scene: &[View<'_>]) -> Option<Block> {
+    let mut figures = Vec::new();
+    for view in scene {
+        let shown = |case: &Case, note: &str, caption: &str| {
+            let path = case.note(note);
+            (!path.is_empty()).then(|| Picture {
+                path: path.to_owned(),
+                caption: caption.to_owned(),
+            })
+        };
+        let mut pictures = Vec::new();
+        if let Some(first) = view.cases.first() {
+            pictures.extend(shown(first, "image", "picture"));
+        }
+        for case in view
+            .cases
+            .iter()
+            .filter(|case| Came::of(case) == Came::Failed)
+        {
+            pictures.extend(shown(case, "reference_image", "reference"));
+            pictures.extend(shown(case, "difference_image", "difference"));
+            pictures.extend(shown(case, "worst_image", "worst pixel"));
+        }
+        if !pictures.is_empty() {
+            figures.push(PictureFigure {
+                pictures,
+                notes: vec![format!("{}: {}", view.name, view.came().name())],
+            });
+        }
+    }
+    (!figures.is_empty()).then(|| {
+        Block::Pictures(Pictures {
+            figures,
+            ..Pictures::default()
+        })
+    })
+}

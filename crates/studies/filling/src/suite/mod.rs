@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Study `extreme`: scenes that globes usually break at, each with what must come of it.
+//!
+//! Every view is drawn by each technique as it should be used, and compared with the reference before
+//! one frame is timed: the sessions are those of the study `filling`. Around them stands what a suite
+//! needs more. A scene is read, meshed and drawn only when its turn comes, and a panic is its own
+//! verdict, so that one scene loses nothing of another. A refusal is a result: right where the scene
+//! asks for it with these words, else a failure; a picture where a refusal is due is a failure too.
+
+mod chapter;
+mod plan;
+mod session;
+
+pub use chapter::{ExtremeChapter, extreme_sentence};
+pub use session::IN_HAND;
+
+use crate::subject::{Surfaces, Techniques};
+use terrafill_results::{Chapter, Kind, Metric};
+use terrafill_study::{Depth, Planned, Request, Study, StudyError};
+
+/// Name of the suite and of its study.
+pub const EXTREME: &str = "extreme";
+
+const METRICS: [Metric; 2] = [
+    Metric::less(
+        "suite_case_s",
+        "s",
+        Kind::Time,
+        "Wall clock of one technique in one view of a suite, with its part of reading, meshing and the reference.",
+    ),
+    Metric::less(
+        "validation_messages",
+        "",
+        Kind::Error,
+        "Messages of the Vulkan validation layer while a case was drawn and compared. Absent where the layer was off.",
+    ),
+];
+
+/// What must come of scenes that globes usually break at.
+#[derive(Debug, Clone, Copy)]
+pub struct ExtremeStudy {
+    /// Techniques that draw them: those with volumes, whose pictures have to be right.
+    pub techniques: Techniques,
+    /// Surfaces that scenes may lie on.
+    pub surfaces: Surfaces,
+}
+
+impl Study for ExtremeStudy {
+    fn name(&self) -> &'static str {
+        EXTREME
+    }
+
+    fn question(&self) -> &'static str {
+        "Does every technique survive what globes usually break at: right, or refused as it should be?"
+    }
+
+    fn metrics(&self) -> &'static [Metric] {
+        &METRICS
+    }
+
+    fn least_depth(&self) -> Depth {
+        Depth::Full
+    }
+
+    fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
+        plan::plan(self, request)
+    }
+
+    fn chapter(&self) -> &dyn Chapter {
+        &ExtremeChapter
+    }
+}

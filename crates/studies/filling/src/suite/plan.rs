@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Which cases a suite has: each technique in each view, or one for a scene that must be refused whole.
+//!
+//! Only reasons and expectations are read here. The scenes themselves are opened by their groups.
+
+use super::session::SuiteSession;
+use super::{EXTREME, ExtremeStudy};
+use crate::cases::{FillCase, Purpose, ViewGroup};
+use crate::scenes::build_meshes;
+use crate::subject::{Subject, Surfaces};
+use crate::textured::ShownPicture;
+use std::cell::{OnceCell, RefCell};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::sync::Arc;
+use terrafill_fill::{PreparedScene, Technique};
+use terrafill_results::{CaseId, PlannedCase};
+use terrafill_scene::{
+    Expectation, ImageSize, Scene, SceneError, SuiteScene, SuiteView, suite_scenes,
+};
+use terrafill_study::{Context, Group, Planned, Request, Session, StudyError};
+use terrafill_surface::open_surface;
+
+/// Timed frames of a case: correctness is the question, and one time says what a scene is like.
+const FRAMES: u32 = 1;
+
+/// View of a scene that must be refused whole.
+pub(super) const WHOLE: &str = "whole-scene";
+
+/// Why a scene has nothing to draw.
+#[derive(Debug, Clone)]
+pub(super) enum Closed {
+    /// Its data is not here.
+    Missing(String),
+    /// Scene, regions or surface are refused with this message.
+    Refused(String),
+    /// Opening it panicked.
+    Crashed(String),
+}
+
+/// A scene that is ready to be drawn.
+pub(super) struct Opened {
+    pub(super) scene: Arc<Scene>,
+    pub(super) prepared: PreparedScene,
+}
+
+/// The scene opened last: views of a scene follow each other, and a million vertices are meshed once.
+#[derive(Default)]
+struct LastOpened(RefCell<Option<(usize, OpenResult)>>);
+
+type OpenResult = Result<Rc<Opened>, Closed>;
+
+impl LastOpened {
+    fn get(&self, place: usize, open: impl FnOnce() -> OpenResult) -> OpenResult {
+        if let Some((known, opened)) = &*self.0.borrow()
+            && *known == place
+        {
+            return opened.clone();
+        }
+        // Freed before the next one is opened.
+        *self.0.borrow_mut() = None;
+        let opened = open();
+        *self.0.borrow_mut() = Some((place, opened.clone()));
+        opened
+    }
+}
+
+/// One view of a scene, or a scene that must be refused whole.
+pub(super) struct SuiteGroup {
+    /// Place among the scenes.
+    place: usize,
+    file: String,
+    text: String,
+    header: Rc<SuiteScene>,
+    /// `None` for a scene that must be refused whole.
+    pub(super) view: Option<SuiteView>,
+    techniques: Vec<&'static dyn Technique>,
+    surfaces: Surfaces,
+    size: ImageSize,
+    data_dir: Option<PathBuf>,
+    planned: Vec<PlannedCase>,
+    last: Rc<LastOpened>,
+    /// Made when the group is opened.
+    drawn: OnceCell<ViewGroup>,
+}
+
+pub(super) fn plan(study: &ExtremeStudy, request: &Request) -> Result<Planned, StudyError> {
+    let techniques = techniques(study, request)?;
+    let scenes = scenes(request)?;
+    let last = Rc::new(LastOpened::default());
+    let mut groups: Vec<Box<dyn Group>> = Vec::new();
+    let mut names: Vec<String> = Vec::new();
+    for (place, (file, text)) in scenes.into_iter().enumerate() {
+        let header = SuiteScene::from_toml(&text, &file).map_err(bad_input)?;
+        if names.contains(&header.name) {
+            let message = format!("scene {:?} is given twice, allowed: once", header.name);
+            return Err(StudyError::BadInput(message));
+        }
+        names.push(header.name.clone());
+        let header = Rc::new(header);
+        let views: Vec<Option<SuiteView>> = match &header.expect {
+            Expectation::Refused(_) => vec![None],
+            Expectation::Fills => header.views.iter().cloned().map(Some).collect(),
+        };
+        for view in views {
+            let [width, height] = request.size;
+            let size = view.as_ref().and_then(|view| view.size);
+            let mut group = SuiteGroup {
+                place,
+                file: file.clone(),
+                text: text.clone(),
+                header: Rc::clone(&header),
+                view,
+                techniques: techniques.clone(),
+                surfaces: study.surfaces,
+                size: size.unwrap_or(ImageSize { width, height }),
+                data_dir: request.data_dir.clone(),
+                planned: Vec::new(),
+                last: Rc::clone(&last),
+                drawn: OnceCell::new(),
+            };
+            group.planned = group.planned_cases();
+            groups.push(Box::new(group));
+        }
+    }
+    Ok(Planned {
+        groups,
+        skipped: Vec::new(),
+    })
+}
+
+/// Those whose pictures have to be right, or of these the ones that are named.
+fn techniques(
+    study: &ExtremeStudy,
+    request: &Request,
+) -> Result<Vec<&'static dyn Technique>, StudyError> {
+    let all = study.techniques.iter().copied();
+    let exact: Vec<&'static dyn Technique> = all
+        .filter(|technique| technique.has_stencil_switches())
+        .collect();
+    if request.techniques.is_empty() {
+        return Ok(exact);
+    }
+    let find = |name: &String| {
+        let mut known = exact.iter().copied();
+        known.find(|known| known.name() == name).ok_or_else(|| {
+            let allowed: Vec<&str> = exact.iter().map(|known| known.name()).collect();
+            let allowed = allowed.join(", ");
+            StudyError::BadInput(format!(
+                "technique {name:?} of {EXTREME}, allowed: {allowed}"
+            ))
+        })
+    };
+    request.techniques.iter().map(find).collect()
+}
+
+/// File and text of those asked for, by the name of one in the suite or by a path; all where none is.
+fn scenes(request: &Request) -> Result<Vec<(String, String)>, StudyError> {
+    let suite = suite_scenes(EXTREME).unwrap_or_default();
+    let owned = |(file, text): &(&str, &str)| (format!("bench-scenes/{file}"), (*text).to_owned());
+    if request.scenes.is_empty() {
+        return Ok(suite.iter().map(owned).collect());
+    }
+    let find = |name: &String| {
+        if name.contains('/') || name.ends_with(".toml") {
+            let read = std::fs::read_to_string(name);
+            let read = read.map_err(|source| SceneError::Unreadable {
+                path: PathBuf::from(name),
+                source,
+            });
+            return Ok((name.clone(), read.map_err(bad_input)?));
+        }
+        let is_it = |(file, _): &&(&str, &str)| *file == format!("{EXTREME}/{name}.toml");
+        suite.iter().find(is_it).map(owned).ok_or_else(|| {
+            let stem = |(file, _): &(&str, &str)| {
+                let stem = Path::new(file).file_stem().unwrap_or_default();
+                stem.to_string_lossy().into_owned()
+            };
+            let allowed = suite.iter().map(stem).collect::<Vec<_>>().join(", ");
+            StudyError::BadInput(format!("scene {name:?} of {EXTREME}, allowed: {allowed}"))
+        })
+    };
+    request.scenes.iter().map(find).collect()
+}
+
+fn bad_input(error: impl std::fmt::Display) -> StudyError {
+    StudyError::BadInput(error.to_string())
+}
+
+impl SuiteGroup {
+    /// What must come of it.
+    pub(super) fn expect(&self) -> &Expectation {
+        match &self.view {
+            Some(view) => &view.expect,
+            None => &self.header.expect,
+        }
+    }
+
+    fn planned_cases(&self) -> Vec<PlannedCase> {
+        let view = self.view.as_ref().map_or(WHOLE, |view| view.name.as_str());
+        let scene = &self.header.name;
+        let case = |technique: &str, samples: u32| {
+            let conditions = [
+                ("scene", scene.clone()),
+                ("view", view.to_owned()),
+                ("technique", technique.to_owned()),
+                ("role", Purpose::Suite.name().to_owned()),
+                ("expected", self.expect().text()),
+                ("scene-reason", self.header.reason.clone()),
+            ];
+            PlannedCase {
+                id: CaseId::new(EXTREME, format!("{scene}/{view}/{technique}"), conditions),
+                samples,
+                may_be_wrong: false,
+            }
+        };
+        if self.view.is_none() {
+            return vec![case("none", 0)];
+        }
+        let techniques = self.techniques.iter();
+        let frames = match self.expect() {
+            Expectation::Fills => FRAMES,
+            Expectation::Refused(_) => 0,
+        };
+        techniques
+            .map(|technique| case(technique.name(), frames))
+            .collect()
+    }
+
+    /// Reads, meshes and lays on its surface; whatever goes wrong is the scene's own.
+    fn open_scene(&self) -> OpenResult {
+        let opened = catch_unwind(AssertUnwindSafe(|| -> OpenResult {
+            let scene = Scene::from_toml(&self.text, &self.file, self.data_dir.as_deref());
+            let scene = Arc::new(scene.map_err(|error| match error {
+                SceneError::DataMissing { .. } => Closed::Missing(error.to_string()),
+                other => Closed::Refused(other.to_string()),
+            })?);
+            let refused = |error: &dyn std::fmt::Display| Closed::Refused(error.to_string());
+            let meshes = build_meshes(&scene, &scene.mesh).map_err(|error| refused(&error))?;
+            let surface = open_surface(self.surfaces, &scene).map_err(|error| refused(&error))?;
+            let prepared = PreparedScene::new(&scene, meshes, surface);
+            Ok(Rc::new(Opened { scene, prepared }))
+        }));
+        opened.unwrap_or_else(|panic| Err(Closed::Crashed(words_of(&*panic))))
+    }
+
+    /// The cases of this view of the opened scene.
+    fn view_group(&self, opened: &Opened, wanted: &SuiteView) -> Result<ViewGroup, String> {
+        let scene = &opened.scene;
+        let view = scene.views.iter().find(|view| view.name == wanted.name);
+        let view = view.ok_or_else(|| format!("view {:?} is not in the scene", wanted.name))?;
+        let mut cases = Vec::new();
+        for &technique in &self.techniques {
+            let mut variant = technique.main(scene.overlap);
+            for (key, value) in &wanted.set {
+                match variant.set(key, value) {
+                    Ok(true) => {}
+                    Ok(false) => return Err(format!("{} has no {key}", technique.name())),
+                    Err(error) => return Err(error.to_string()),
+                }
+            }
+            cases.push(FillCase {
+                subject: Subject::Fill(technique, variant),
+                mesh: None,
+                shown: ShownPicture::Scene,
+                purposes: vec![Purpose::Suite],
+                place: None,
+                regions: None,
+                frames: FRAMES,
+            });
+        }
+        Ok(ViewGroup {
+            scene: Arc::clone(scene),
+            view: view.clone(),
+            surfaces: self.surfaces,
+            size: self.size,
+            cases,
+            planned: self.planned.clone(),
+        })
+    }
+}
+
+impl Group for SuiteGroup {
+    fn name(&self) -> String {
+        let view = self.view.as_ref().map_or(WHOLE, |view| view.name.as_str());
+        format!("{}/{view}", self.header.name)
+    }
+
+    fn cases(&self) -> &[PlannedCase] {
+        &self.planned
+    }
+
+    fn warm_up(&self) -> Option<u32> {
+        Some(0)
+    }
+
+    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
+        let session = SuiteSession::begin(self.expect(), &self.planned, context.folder)?;
+        let opened = match self.last.get(self.place, || self.open_scene()) {
+            Ok(opened) => opened,
+            Err(closed) => return Ok(Box::new(session.closed(closed))),
+        };
+        let Some(view) = &self.view else {
+            return Ok(Box::new(session.accepted()));
+        };
+        let drawn = match self.drawn.get() {
+            Some(drawn) => Ok(drawn),
+            None => self
+                .view_group(&opened, view)
+                .map(|group| self.drawn.get_or_init(|| group)),
+        };
+        Ok(Box::new(match drawn {
+            Ok(drawn) => session.drawing(drawn, &opened.prepared, context)?,
+            Err(message) => session.closed(Closed::Refused(message)),
+        }))
+    }
+}
+
+/// What a panic said.
+pub(super) fn words_of(panic: &(dyn std::any::Any + Send)) -> String {
+    let words = panic.downcast_ref::<String>().map(String::as_str);
+    let words = words.or_else(|| panic.downcast_ref::<&str>().copied());
+    format!("panicked: {}", words.unwrap_or("without words"))
+}

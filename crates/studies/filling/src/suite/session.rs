@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! One view of a suite being verified: what came of it is held against what must.
+
+use super::plan::{Closed, words_of};
+use crate::cases::ViewGroup;
+use crate::session::ViewSession;
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use terrafill_fill::PreparedScene;
+use terrafill_results::{PlannedCase, RunError, Status, Verdict};
+use terrafill_scene::Expectation;
+use terrafill_study::{Context, Session, StudyError};
+
+/// File of a run's folder that holds the key of the case in hand: what a process leaves that crashes.
+pub const IN_HAND: &str = "in-hand.txt";
+
+/// Messages of the validation layer that are known to be false, by the start of the id and what the
+/// text holds. `cargo xtask check-validation` says why of each.
+const FALSE_MESSAGES: [(&str, &str); 3] = [
+    (
+        "UNASSIGNED-CoreValidation-Shader-InconsistentSpirv",
+        "Invalid source language operand: 10",
+    ),
+    ("VUID-vkCmdDraw", "LINE_WIDTH"),
+    (
+        "wgpu-stores-read-only-depth",
+        "VK_ATTACHMENT_STORE_OP_STORE",
+    ),
+];
+
+/// Id of the message that there is no layer.
+const NO_LAYER: &str = "validation-layer-missing";
+
+/// What a refusal that is right is told by, in the case's notes.
+pub(super) const REFUSED: &str = "refused";
+
+enum State<'a> {
+    Closed(Closed),
+    /// The scene that must be refused whole was not.
+    Accepted,
+    Drawing(Box<ViewSession<'a>>),
+}
+
+pub(super) struct SuiteSession<'a> {
+    expect: &'a Expectation,
+    planned: &'a [PlannedCase],
+    in_hand: PathBuf,
+    state: State<'a>,
+    /// Since opening began, until the first case has it.
+    since: Instant,
+    /// Why no frame can be timed.
+    broken: Option<String>,
+}
+
+impl<'a> SuiteSession<'a> {
+    /// Before the scene is opened: opening is part of the first case.
+    pub(super) fn begin(
+        expect: &'a Expectation,
+        planned: &'a [PlannedCase],
+        folder: &Path,
+    ) -> Result<Self, StudyError> {
+        let session = Self {
+            expect,
+            planned,
+            in_hand: folder.join(IN_HAND),
+            state: State::Accepted,
+            since: Instant::now(),
+            broken: None,
+        };
+        session.take_in_hand(0)?;
+        Ok(session)
+    }
+
+    pub(super) fn closed(mut self, closed: Closed) -> Self {
+        self.state = State::Closed(closed);
+        self
+    }
+
+    pub(super) fn accepted(mut self) -> Self {
+        self.state = State::Accepted;
+        self
+    }
+
+    pub(super) fn drawing(
+        self,
+        group: &'a ViewGroup,
+        prepared: &PreparedScene,
+        context: Context<'a>,
+    ) -> Result<Self, StudyError> {
+        let opened = catch_unwind(AssertUnwindSafe(|| {
+            ViewSession::of_scene(group, prepared, context)
+        }));
+        let state = match opened {
+            Ok(Ok(session)) => State::Drawing(Box::new(session)),
+            // Without a device nothing of the suite can go on.
+            Ok(Err(error @ StudyError::NoDevice(_))) => return Err(error),
+            Ok(Err(error)) => State::Closed(Closed::Refused(error.to_string())),
+            Err(panic) => State::Closed(Closed::Crashed(words_of(&*panic))),
+        };
+        Ok(Self { state, ..self })
+    }
+
+    /// Writes down which case is in hand, for whoever finds this process dead.
+    fn take_in_hand(&self, case: usize) -> Result<(), StudyError> {
+        let key = self.planned[case].id.key();
+        std::fs::write(&self.in_hand, key).map_err(|source| {
+            StudyError::Run(RunError::Io {
+                path: self.in_hand.clone(),
+                source,
+            })
+        })
+    }
+
+    fn drawn(
+        &mut self,
+        draw: impl FnOnce(&mut ViewSession<'a>) -> Result<Verdict, StudyError>,
+    ) -> Came {
+        match &mut self.state {
+            State::Closed(Closed::Missing(message)) => Came::Missing(message.clone()),
+            State::Closed(Closed::Refused(message)) => Came::Refused(message.clone()),
+            State::Closed(Closed::Crashed(message)) => Came::Crashed(message.clone()),
+            State::Accepted => Came::Drawn(Verdict::default()),
+            State::Drawing(session) => {
+                let drawn = catch_unwind(AssertUnwindSafe(|| draw(session)));
+                match drawn {
+                    Ok(Ok(verdict)) => Came::Drawn(verdict),
+                    Ok(Err(error)) => Came::Crashed(error.to_string()),
+                    Err(panic) => Came::Crashed(words_of(&*panic)),
+                }
+            }
+        }
+    }
+}
+
+/// What came of a case.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Came {
+    Missing(String),
+    Refused(String),
+    Crashed(String),
+    Drawn(Verdict),
+}
+
+/// Holds what came of a case against what must.
+pub(super) fn settle(expect: &Expectation, came: Came) -> Verdict {
+    // A technique that cannot draw something says so as its case breaks off or is skipped.
+    let came = match came {
+        Came::Drawn(verdict)
+            if matches!(expect, Expectation::Refused(_))
+                && matches!(verdict.status, Status::Failed | Status::Skipped) =>
+        {
+            Came::Refused(verdict.reason)
+        }
+        other => other,
+    };
+    match (expect, came) {
+        (_, Came::Missing(message)) => Verdict::skipped(message),
+        (_, Came::Crashed(message)) => Verdict::failed(message),
+        (Expectation::Fills, Came::Drawn(verdict)) => verdict,
+        (Expectation::Fills, Came::Refused(message)) => {
+            Verdict::failed(format!("refused, expected to be filled: {message}"))
+        }
+        (Expectation::Refused(words), Came::Refused(message)) if message.contains(words) => {
+            Verdict {
+                status: Status::Ok,
+                notes: vec![(REFUSED, message)],
+                ..Verdict::default()
+            }
+        }
+        (Expectation::Refused(words), Came::Refused(message)) => Verdict::failed(format!(
+            "refused with other words than {words:?}: {message}"
+        )),
+        (Expectation::Refused(words), Came::Drawn(verdict)) => Verdict {
+            status: Status::Failed,
+            reason: format!("accepted, expected to be refused with {words:?}"),
+            ..verdict
+        },
+    }
+}
+
+impl Session for SuiteSession<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
+        self.take_in_hand(case)?;
+        let before = Heard::so_far();
+        let came = self.drawn(|session| session.verify(case));
+        let mut verdict = settle(self.expect, came);
+        if let Some(heard) = Heard::so_far().since(&before) {
+            verdict
+                .figures
+                .push(("validation_messages", heard.len() as f64));
+            if let Some(first) = heard.first() {
+                let words = format!("{} validation messages, the first: {first}", heard.len());
+                verdict.reason = match verdict.reason.as_str() {
+                    "" => words,
+                    reason => format!("{reason}; {words}"),
+                };
+                verdict.status = Status::Failed;
+            }
+        }
+        let seconds = self.since.elapsed().as_secs_f64();
+        self.since = Instant::now();
+        verdict.figures.push(("suite_case_s", seconds));
+        Ok(verdict)
+    }
+
+    fn recheck(
+        &mut self,
+        case: usize,
+        status: Status,
+        notes: &BTreeMap<String, String>,
+    ) -> Result<Verdict, StudyError> {
+        self.take_in_hand(case)?;
+        let came = self.drawn(|session| session.recheck(case, status, notes));
+        Ok(settle(self.expect, came))
+    }
+
+    fn begin_block(&mut self) -> Result<(), StudyError> {
+        if let State::Drawing(session) = &mut self.state {
+            let begun = catch_unwind(AssertUnwindSafe(|| session.begin_block()));
+            self.broken = match begun {
+                Ok(Ok(())) => None,
+                Ok(Err(error)) => Some(error.to_string()),
+                Err(panic) => Some(words_of(&*panic)),
+            };
+        }
+        Ok(())
+    }
+
+    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+        self.take_in_hand(case).map_err(|error| error.to_string())?;
+        if let Some(message) = &self.broken {
+            return Err(message.clone());
+        }
+        let State::Drawing(session) = &mut self.state else {
+            return Err("there is nothing to time".to_owned());
+        };
+        let sampled = catch_unwind(AssertUnwindSafe(|| session.sample(case)));
+        sampled.unwrap_or_else(|panic| Err(words_of(&*panic)))
+    }
+}
+
+/// What the validation layer has said in this process, through wgpu and through Vulkan itself.
+struct Heard {
+    /// `None` where nobody asked for it, or there is none.
+    messages: Option<[Vec<String>; 2]>,
+}
+
+impl Heard {
+    fn so_far() -> Self {
+        let gpu = terrafill_gpu::messages().into_iter();
+        let vulkan = terrafill_vulkan::messages().into_iter();
+        let all: [Vec<(String, String)>; 2] = [
+            gpu.map(|message| (message.id, message.text)).collect(),
+            vulkan.map(|message| (message.id, message.text)).collect(),
+        ];
+        let is_on = std::env::var("TERRAFILL_VALIDATION").is_ok_and(|value| value != "0");
+        let has_layer = all.iter().flatten().all(|(id, _)| id != NO_LAYER);
+        let is_true = |(id, text): &(String, String)| {
+            let mut known = FALSE_MESSAGES.iter();
+            id != terrafill_gpu::POSITIVE_CONTROL
+                && !known.any(|(start, part)| id.starts_with(start) && text.contains(part))
+        };
+        let messages = all.map(|all| {
+            let all = all.into_iter().filter(is_true);
+            all.map(|(id, text)| format!("{id}: {text}")).collect()
+        });
+        Self {
+            messages: (is_on && has_layer).then_some(messages),
+        }
+    }
+
+    /// What was said after `before`: both lists grow at their ends alone.
+    fn since(self, before: &Self) -> Option<Vec<String>> {
+        let known = before.messages.as_ref();
+        let known = known.map_or([0; 2], |messages| messages.each_ref().map(Vec::len));
+        let messages = self.messages?.into_iter().zip(known);
+        let new = messages.flat_map(|(messages, known)| messages.into_iter().skip(known));
+        Some(new.collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn right() -> Verdict {
+        Verdict {
+            status: Status::Ok,
+            ..Verdict::default()
+        }
+    }
+
+    #[test]
+    fn what_came_is_held_against_what_must() {
+        let fills = Expectation::Fills;
+        let refused = Expectation::Refused("allowed 255".to_owned());
+        let message = "volumes: found 256, allowed 255".to_owned();
+        let status = |expect, came: Came| settle(expect, came).status;
+        assert_eq!(status(&fills, Came::Drawn(right())), Status::Ok);
+        assert_eq!(status(&refused, Came::Refused(message.clone())), Status::Ok);
+        let by_technique = Verdict::failed(message.clone());
+        assert_eq!(
+            status(&refused, Came::Drawn(by_technique.clone())),
+            Status::Ok
+        );
+        // Twins: turned round, each is a failure; so are other words and a crash.
+        assert_eq!(status(&refused, Came::Drawn(right())), Status::Failed);
+        assert_eq!(status(&fills, Came::Refused(message)), Status::Failed);
+        assert_eq!(status(&fills, Came::Drawn(by_technique)), Status::Failed);
+        let other = Came::Refused("no such file".to_owned());
+        assert_eq!(status(&refused, other), Status::Failed);
+        for expect in [&fills, &refused] {
+            let crashed = Came::Crashed("panicked: allowed 255".to_owned());
+            assert_eq!(status(expect, crashed), Status::Failed);
+            let missing = Came::Missing("no data".to_owned());
+            assert_eq!(status(expect, missing), Status::Skipped);
+        }
+        // A wrong picture stays wrong.
+        let wrong = Verdict {
+            status: Status::Wrong,
+            ..Verdict::default()
+        };
+        assert_eq!(status(&fills, Came::Drawn(wrong)), Status::Wrong);
+    }
+}

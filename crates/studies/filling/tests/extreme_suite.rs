@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A chosen half of the extreme suite in small pictures, and the suite's own verdicts: each expectation
+//! that is turned round must fail.
+//!
+//! Left to `bench --suite extreme`: what takes a second or more to mesh, to draw or to judge. Skipped
+//! without a device; see `vertex_against_reference.rs`.
+
+use std::path::Path;
+use std::rc::Rc;
+use terrafill_compute::ComputeTechnique;
+use terrafill_fill::Devices;
+use terrafill_filling::{EXTREME, ExtremeStudy, FillingStudy, Techniques, extreme_sentence};
+use terrafill_native::NativeTechnique;
+use terrafill_results::{Chapter as _, Outcome, Run, RunEnvironment, RunFolder, SCHEMA};
+use terrafill_scene::{Expectation, Scene, SuiteScene, suite_names, suite_scenes};
+use terrafill_study::{Request, RunOptions, Silent, Study, plan, run};
+use terrafill_surface::EllipsoidKind;
+use terrafill_vertex::VertexTechnique;
+
+const TECHNIQUES: Techniques = &[&VertexTechnique, &ComputeTechnique, &NativeTechnique];
+
+const SUITE: ExtremeStudy = ExtremeStudy {
+    techniques: TECHNIQUES,
+    surfaces: &[&EllipsoidKind],
+};
+
+/// Scenes of the bare body that mesh and draw in a moment.
+const FAST_HALF: [&str; 17] = [
+    "poles",
+    "antimeridian",
+    "hemisphere",
+    "strips-170",
+    "world-minus-hole",
+    "rings-512",
+    "horizon",
+    "strips-half-metre",
+    "shared-borders",
+    "bow-tie",
+    "bow-tie-repaired",
+    "degenerate",
+    "smaller-than-a-pixel",
+    "nothing-in-view",
+    "below-the-ellipsoid",
+    "empty",
+    "antipodal-edge",
+];
+
+const OPTIONS: RunOptions = RunOptions {
+    processes: 1,
+    process: 0,
+    warm_up: 0,
+    seed: 1,
+    shard: None,
+};
+
+fn request(scenes: &[&str], size: u32) -> Request {
+    Request {
+        scenes: scenes.iter().map(ToString::to_string).collect(),
+        techniques: vec!["vertex".to_owned()],
+        size: [size, size],
+        ..Request::default()
+    }
+}
+
+fn measured(out: &Path, request: &Request) -> Run {
+    let planned = plan(&[&SUITE], request, &OPTIONS).expect("planned");
+    let environment = RunEnvironment {
+        schema: SCHEMA,
+        ..RunEnvironment::default()
+    };
+    // Most figures are those of the study `filling`.
+    let filling = FillingStudy {
+        techniques: TECHNIQUES,
+        rivals: &[],
+        surfaces: &[],
+    };
+    let metrics = [filling.metrics(), SUITE.metrics()].concat();
+    let folder = RunFolder::create(out, environment, planned.run_plan().clone(), &metrics);
+    let devices = Rc::new(Devices::default());
+    let folder = folder.expect("a new folder");
+    run(&planned, &folder, &devices, &OPTIONS, &mut Silent).expect("measured");
+    Run::load(out).expect("a run")
+}
+
+fn has_device() -> bool {
+    terrafill_gpu::open_for_test(&Default::default()).is_some()
+}
+
+#[test]
+fn the_fast_half_is_right_or_refused_as_it_should_be() {
+    if !has_device() {
+        return;
+    }
+    let place = tempfile::tempdir().expect("a folder");
+    let run = measured(place.path(), &request(&FAST_HALF, 96));
+    eprintln!("{}", extreme_sentence(&run).expect("cases"));
+    for case in &run.cases {
+        assert_eq!(case.outcome, Outcome::Ok, "{}: {}", case.id(), case.reason);
+        // Whoever sees no boundary says why, after the remark.
+        let remark = case.reason.split_once("this view checks nothing");
+        assert!(
+            remark.is_none_or(|(_, note)| !note.is_empty()),
+            "{}",
+            case.id()
+        );
+    }
+    let chapter = SUITE.chapter();
+    assert_eq!(chapter.contradictions(&run), Vec::<String>::new());
+    assert!(!chapter.blocks(&run).expect("blocks").is_empty());
+}
+
+/// The twin: the same scenes with what they expect turned round.
+#[test]
+fn an_expectation_turned_round_fails_whichever_way() {
+    if !has_device() {
+        return;
+    }
+    let place = tempfile::tempdir().expect("a folder");
+    let text = |name: &str| {
+        let scenes = suite_scenes(EXTREME).expect("a suite");
+        let file = format!("extreme/{name}.toml");
+        let found = scenes.iter().find(|(known, _)| *known == file);
+        found.expect("in the suite").1
+    };
+    let mut scenes = Vec::new();
+    for (name, from, to) in [
+        (
+            "bow-tie-repaired",
+            "expect = \"fills\"",
+            "expect = \"refused: cross\"",
+        ),
+        (
+            "bow-tie",
+            "expect = \"refused: cross\"",
+            "expect = \"fills\"",
+        ),
+        ("empty", "refused: no features", "refused: no such words"),
+        // One pixel of a view is enough: the region is elsewhere in the picture than in the reference's.
+        (
+            "nothing-in-view",
+            "name = \"low\"",
+            "name = \"low\"\nset = [\"colour=no-way\"]",
+        ),
+    ] {
+        let turned = text(name).replacen(from, to, 1);
+        assert_ne!(turned, text(name), "{name}");
+        let path = place.path().join(format!("{name}.toml"));
+        std::fs::write(&path, turned).expect("writable");
+        scenes.push(path.to_string_lossy().into_owned());
+    }
+    let names: Vec<&str> = scenes.iter().map(String::as_str).collect();
+    let run = measured(&place.path().join("run"), &request(&names, 32));
+    let ended = |scene: &str, view: &str| {
+        let case = run.cases.iter().find(|case| {
+            case.condition("scene") == scene && (view.is_empty() || case.condition("view") == view)
+        });
+        let case = case.expect("planned");
+        (case.outcome, case.reason.clone())
+    };
+    let (outcome, reason) = ended("bow-tie-repaired", "");
+    assert_eq!(outcome, Outcome::Failed);
+    assert_eq!(reason, "accepted, expected to be refused with \"cross\"");
+    let (outcome, reason) = ended("bow-tie", "");
+    assert_eq!(outcome, Outcome::Failed);
+    assert!(
+        reason.starts_with("refused, expected to be filled: "),
+        "{reason}"
+    );
+    let (outcome, reason) = ended("empty", "");
+    assert_eq!(outcome, Outcome::Failed);
+    assert!(
+        reason.starts_with("refused with other words than "),
+        "{reason}"
+    );
+    let (outcome, reason) = ended("nothing-in-view", "low");
+    assert_eq!(outcome, Outcome::Failed);
+    assert!(reason.contains("colour: found no-way"), "{reason}");
+    // One scene loses nothing of another, and one view nothing of its neighbour.
+    assert_eq!(ended("nothing-in-view", "other-side").0, Outcome::Ok);
+    let sentence = extreme_sentence(&run).expect("cases");
+    assert!(
+        sentence.contains("1 passed, 0 refused rightly"),
+        "{sentence}"
+    );
+}
+
+/// Every scene says why it is there and what must come of it, and those that must fill load as far as
+/// scenes go.
+#[test]
+fn every_scene_of_the_suite_is_read() {
+    assert_eq!(suite_names(), [EXTREME]);
+    let scenes = suite_scenes(EXTREME).expect("a suite");
+    let mut refused = 0;
+    for (file, text) in scenes {
+        let header = SuiteScene::from_toml(text, file).expect("a header");
+        assert_eq!(*file, format!("extreme/{}.toml", header.name));
+        if matches!(header.expect, Expectation::Refused(_)) {
+            refused += 1;
+            continue;
+        }
+        // A million vertices take a second, and have a test of their own.
+        if header.name == "million-vertices" {
+            continue;
+        }
+        let scene = Scene::from_toml(text, file, None).expect("loads");
+        let views: Vec<&str> = scene.views.iter().map(|view| view.name.as_str()).collect();
+        let known: Vec<&str> = header.views.iter().map(|view| view.name.as_str()).collect();
+        assert_eq!(views, known);
+    }
+    assert!(
+        refused >= 7 && scenes.len() > 30,
+        "{refused} of {}",
+        scenes.len()
+    );
+    assert!(suite_scenes("gentle").is_none());
+}
+
+#[test]
+fn names_that_are_none_of_the_suite_are_refused() {
+    for (scenes, technique, expected) in [
+        (
+            "polls",
+            "vertex",
+            "scene \"polls\" of extreme, allowed: poles, ",
+        ),
+        (
+            "poles",
+            "vortex",
+            "technique \"vortex\" of extreme, allowed: vertex, ",
+        ),
+    ] {
+        let wanted = Request {
+            techniques: vec![technique.to_owned()],
+            ..request(&[scenes], 64)
+        };
+        let Err(error) = SUITE.plan(&wanted) else {
+            panic!("accepted {scenes} {technique}");
+        };
+        assert!(error.to_string().starts_with(expected), "{error}");
+    }
+}
