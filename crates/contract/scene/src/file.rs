@@ -173,12 +173,13 @@ pub fn scene_needs(text: &str, file: &str) -> Result<Vec<DataNeed>, SceneError> 
         source: raw.regions.source.map(DataFile::from),
     });
     let image = raw.texture.and_then(|texture| texture.image);
-    let others = raw.surface.files.into_iter().chain(image).map(|file| {
-        let RawImage { path, sha256, .. } = file;
-        DataNeed {
-            file: DataFile { path, sha256 },
-            source: None,
-        }
+    let image = image.map(|image| (image.path, image.sha256));
+    // What ships with the program is needed from nowhere.
+    let heights = raw.surface.files.into_iter();
+    let heights = heights.filter_map(|file| Some((file.path?, file.sha256.unwrap_or_default())));
+    let others = heights.chain(image).map(|(path, sha256)| DataNeed {
+        file: DataFile { path, sha256 },
+        source: None,
     });
     Ok(regions.into_iter().chain(others).collect())
 }

@@ -11,7 +11,7 @@ use terrafill_compute::ComputeTechnique;
 use terrafill_fill::Devices;
 use terrafill_filling::{EXTREME, ExtremeStudy, FillingStudy, Techniques, extreme_sentence};
 use terrafill_native::NativeTechnique;
-use terrafill_results::{Chapter as _, Outcome, Run, RunEnvironment, RunFolder, SCHEMA};
+use terrafill_results::{Outcome, Run, RunEnvironment, RunFolder, SCHEMA};
 use terrafill_scene::{Expectation, Scene, SuiteScene, suite_names, suite_scenes};
 use terrafill_study::{Request, RunOptions, Silent, Study, plan, run};
 use terrafill_surface::EllipsoidKind;

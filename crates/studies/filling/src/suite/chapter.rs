@@ -5,7 +5,7 @@
 use super::EXTREME;
 use super::plan::WHOLE;
 use super::session::REFUSED;
-use terrafill_plot::number::{count, significant};
+use terrafill_plot::number::significant;
 use terrafill_results::{
     Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, Finding, Heading, Outcome,
     Picture, PictureFigure, Pictures, Row, Run, Standing, Table, median, process_medians,
@@ -250,7 +250,7 @@ fn row(view: &View<'_>, metric: &str) -> Row {
         values.reduce(f64::max)
     };
     let figure = |value: Option<f64>| match value {
-        Some(value) => Cell::plain(count(value as u64)),
+        Some(value) => Cell::plain(format!("{value:.0}")),
         None => Cell::absent(match came {
             Came::Refused => "refused: nothing was drawn",
             _ => "nothing was compared",
