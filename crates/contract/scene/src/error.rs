@@ -75,3 +75,19 @@ pub enum SceneError {
     #[error(transparent)]
     Regions(#[from] RegionLoadError),
 }
+
+/// The parser's complaint with its place, on one line.
+pub(crate) fn syntax_error(text: &str, file: &str, error: &toml::de::Error) -> SceneError {
+    let start = error.span().map_or(0, |span| span.start.min(text.len()));
+    let before = &text.as_bytes()[..start];
+    let line_start = before
+        .iter()
+        .rposition(|&b| b == b'\n')
+        .map_or(0, |i| i + 1);
+    SceneError::Syntax {
+        file: file.to_owned(),
+        line: before.iter().filter(|&&b| b == b'\n').count() + 1,
+        column: start - line_start + 1,
+        message: error.message().replace('\n', ", "),
+    }
+}

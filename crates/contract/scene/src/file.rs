@@ -6,6 +6,7 @@
 //! measure the default under another name.
 
 use crate::data::{Verified, read_verified};
+use crate::error::syntax_error;
 use crate::generated::{Cells, Coast, Nested};
 use crate::procedural::Islands;
 use crate::scene::{Overlap, Scene, SurfaceChoice, SurfaceFile, View};
@@ -1130,21 +1131,5 @@ fn load_surface_file(
             sha256: raw.sha256,
             why,
         }),
-    }
-}
-
-/// The parser's complaint with its place, on one line.
-pub(crate) fn syntax_error(text: &str, file: &str, error: &toml::de::Error) -> SceneError {
-    let start = error.span().map_or(0, |span| span.start.min(text.len()));
-    let before = &text.as_bytes()[..start];
-    let line_start = before
-        .iter()
-        .rposition(|&b| b == b'\n')
-        .map_or(0, |i| i + 1);
-    SceneError::Syntax {
-        file: file.to_owned(),
-        line: before.iter().filter(|&&b| b == b'\n').count() + 1,
-        column: start - line_start + 1,
-        message: error.message().replace('\n', ", "),
     }
 }

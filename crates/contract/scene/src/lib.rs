@@ -9,6 +9,7 @@ mod file;
 mod generated;
 mod level;
 mod near_plane;
+mod needs;
 mod plan;
 mod procedural;
 mod scene;
@@ -27,13 +28,14 @@ pub use generated::{Cells, Coast, Nested};
 pub use level::{
     FEWEST_VERTICES_FOR_LEVELS, LEVEL_GROWTH, LEVEL_VERTEX_SHARE, Level, LevelTable, LeveledMeshes,
 };
+pub use needs::shipped_scene_needs;
 pub use plan::{
     CAP_CLEARANCE_PX, FramePlan, GLOBAL_HEIGHT_M, HeightRange, LeftOutReason, LeftOutRegion,
     PixelRect, PlanOptions, PlannedRegion, RegionBounds, WallHeights,
 };
 pub use procedural::Islands;
 pub use scene::{LevelChoice, Overlap, Scene, SurfaceChoice, SurfaceFile, View};
-pub use shipped::{shipped_scene_names, shipped_scene_needs, suite_names, suite_scenes};
+pub use shipped::{shipped_scene_names, suite_names, suite_scenes};
 pub use suite::{Expectation, SuiteScene, SuiteView};
 pub use terrafill_core::ShapeFamily;
 pub use texture::{

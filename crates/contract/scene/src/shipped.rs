@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The scenes of `bench-scenes/`, built into the program so that it works from any folder.
 
-use crate::{SceneError, SceneNeeds, scene_needs};
-
 /// One file of `bench-scenes/` with its name.
 macro_rules! file {
     ($name:literal) => {
@@ -14,7 +12,7 @@ macro_rules! file {
 }
 
 /// Scenes that need nothing else first, then those that need data.
-const SCENES: &[(&str, &str)] = &[
+pub(crate) const SCENES: &[(&str, &str)] = &[
     file!("planet-134.toml"),
     file!("california.toml"),
     file!("square-10m.toml"),
@@ -32,7 +30,7 @@ const SCENES: &[(&str, &str)] = &[
 ];
 
 /// Scenes that are named by their path and read data: known here for what they need alone.
-const BY_PATH: &[(&str, &str)] = &[
+pub(crate) const BY_PATH: &[(&str, &str)] = &[
     file!("terrain/countries-over-etopo.toml"),
     file!("terrain/everest.toml"),
     file!("terrain/grand-canyon.toml"),
@@ -116,26 +114,6 @@ pub fn shipped_scene_names() -> Vec<&'static str> {
     SCENES
         .iter()
         .map(|(file, _)| file.trim_end_matches(".toml"))
-        .collect()
-}
-
-/// What each scene of `bench-scenes/` reads from the data folder; those of subfolders by their path.
-///
-/// # Errors
-/// [`SceneError::Syntax`] if a scene is no scene file, which a test rules out.
-pub fn shipped_scene_needs() -> Result<Vec<SceneNeeds>, SceneError> {
-    let by_name = SCENES
-        .iter()
-        .map(|scene| (scene, scene.0.trim_end_matches(".toml").to_owned()));
-    let by_path = BY_PATH
-        .iter()
-        .map(|scene| (scene, format!("bench-scenes/{}", scene.0)));
-    by_name
-        .chain(by_path)
-        .map(|((file, text), scene)| {
-            let files = scene_needs(text, &format!("bench-scenes/{file}"))?;
-            Ok(SceneNeeds { scene, files })
-        })
         .collect()
 }
 

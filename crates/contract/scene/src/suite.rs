@@ -100,7 +100,7 @@ impl SuiteScene {
     /// expectation, a size or a switch that is none.
     pub fn from_toml(text: &str, file: &str) -> Result<Self, SceneError> {
         let raw: RawSuiteScene =
-            toml::from_str(text).map_err(|error| crate::file::syntax_error(text, file, &error))?;
+            toml::from_str(text).map_err(|error| crate::error::syntax_error(text, file, &error))?;
         let refuse = |key: String, found: String, allowed: &str| SceneError::Value {
             file: file.to_owned(),
             key,

@@ -9,6 +9,7 @@ use crate::gate::finish;
 use crate::outcome::{Failure, Outcome, complain, print};
 use crate::progress::{Said, Timed};
 use crate::registry::{RIVALS, STUDIES, chapters, metrics};
+use crate::report::print_report;
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::Path;
@@ -17,7 +18,6 @@ use std::rc::Rc;
 use std::sync::mpsc::Receiver;
 use terrafill_fill::Devices;
 use terrafill_gpu::shared_gpu;
-use terrafill_report::{ReportError, WrittenReport};
 use terrafill_results::{Run, RunFolder, Skipped, read_durations};
 use terrafill_scene::data_dir;
 use terrafill_study::{
@@ -410,23 +410,4 @@ fn is_gate(folder: &Path) -> bool {
     ["gate.json", "base", "new"]
         .iter()
         .any(|name| folder.join(name).exists())
-}
-
-/// Prints `heading` and where the report is, names what is missing, and gives the run's verdict.
-pub(crate) fn print_report(
-    report: Result<WrittenReport, ReportError>,
-    heading: &str,
-) -> Result<Outcome, Failure> {
-    let report = report.map_err(Failure::bad_input)?;
-    if !report.missing.is_empty() {
-        complain(format!(
-            "{} planned cases are missing:",
-            report.missing.len()
-        ));
-        for case in &report.missing {
-            complain(format!("  {case}"));
-        }
-    }
-    print(format!("{heading}report: {}\n", report.path.display()))?;
-    Ok(Outcome::from_code(report.verdict.exit_code()))
 }

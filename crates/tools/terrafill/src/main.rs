@@ -24,6 +24,7 @@ mod progress;
 mod regions;
 mod registry;
 mod render;
+mod report;
 mod suite;
 mod techniques;
 mod usage;

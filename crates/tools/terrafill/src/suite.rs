@@ -6,9 +6,9 @@
 //! with the next.
 
 use crate::arguments::BenchArguments;
-use crate::bench::print_report;
 use crate::outcome::{Failure, Outcome, complain};
 use crate::registry::chapters;
+use crate::report::print_report;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus};
 use std::time::{Duration, Instant};

@@ -2,8 +2,7 @@
 //! The chapter on extreme scenes: how many passed, were refused rightly or failed, and a row for each
 //! view with its picture and with what its frame plan left out.
 
-use super::EXTREME;
-use super::plan::WHOLE;
+use super::plan::{EXTREME, WHOLE};
 use super::session::REFUSED;
 use terrafill_plot::number::significant;
 use terrafill_results::{

@@ -12,14 +12,12 @@ mod plan;
 mod session;
 
 pub use chapter::{ExtremeChapter, extreme_sentence};
+pub use plan::EXTREME;
 pub use session::IN_HAND;
 
 use crate::subject::{Surfaces, Techniques};
 use terrafill_results::{Chapter, Kind, Metric};
 use terrafill_study::{Depth, Planned, Request, Study, StudyError};
-
-/// Name of the suite and of its study.
-pub const EXTREME: &str = "extreme";
 
 const METRICS: [Metric; 2] = [
     Metric::less(
@@ -63,7 +61,7 @@ impl Study for ExtremeStudy {
     }
 
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
-        plan::plan(self, request)
+        plan::plan(self.techniques, self.surfaces, request)
     }
 
     fn chapter(&self) -> &dyn Chapter {

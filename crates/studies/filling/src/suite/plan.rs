@@ -3,11 +3,10 @@
 //!
 //! Only reasons and expectations are read here. The scenes themselves are opened by their groups.
 
-use super::session::SuiteSession;
-use super::{EXTREME, ExtremeStudy};
+use super::session::{Closed, SuiteSession, words_of};
 use crate::cases::{FillCase, Purpose, ViewGroup};
 use crate::scenes::build_meshes;
-use crate::subject::{Subject, Surfaces};
+use crate::subject::{Subject, Surfaces, Techniques};
 use crate::textured::ShownPicture;
 use std::cell::{OnceCell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -22,22 +21,14 @@ use terrafill_scene::{
 use terrafill_study::{Context, Group, Planned, Request, Session, StudyError};
 use terrafill_surface::open_surface;
 
+/// Name of the suite and of its study.
+pub const EXTREME: &str = "extreme";
+
 /// Timed frames of a case: correctness is the question, and one time says what a scene is like.
 const FRAMES: u32 = 1;
 
 /// View of a scene that must be refused whole.
 pub(super) const WHOLE: &str = "whole-scene";
-
-/// Why a scene has nothing to draw.
-#[derive(Debug, Clone)]
-pub(super) enum Closed {
-    /// Its data is not here.
-    Missing(String),
-    /// Scene, regions or surface are refused with this message.
-    Refused(String),
-    /// Opening it panicked.
-    Crashed(String),
-}
 
 /// A scene that is ready to be drawn.
 pub(super) struct Opened {
@@ -85,8 +76,12 @@ pub(super) struct SuiteGroup {
     drawn: OnceCell<ViewGroup>,
 }
 
-pub(super) fn plan(study: &ExtremeStudy, request: &Request) -> Result<Planned, StudyError> {
-    let techniques = techniques(study, request)?;
+pub(super) fn plan(
+    all: Techniques,
+    surfaces: Surfaces,
+    request: &Request,
+) -> Result<Planned, StudyError> {
+    let techniques = techniques(all, request)?;
     let scenes = scenes(request)?;
     let last = Rc::new(LastOpened::default());
     let mut groups: Vec<Box<dyn Group>> = Vec::new();
@@ -113,7 +108,7 @@ pub(super) fn plan(study: &ExtremeStudy, request: &Request) -> Result<Planned, S
                 header: Rc::clone(&header),
                 view,
                 techniques: techniques.clone(),
-                surfaces: study.surfaces,
+                surfaces,
                 size: size.unwrap_or(ImageSize { width, height }),
                 data_dir: request.data_dir.clone(),
                 planned: Vec::new(),
@@ -132,10 +127,10 @@ pub(super) fn plan(study: &ExtremeStudy, request: &Request) -> Result<Planned, S
 
 /// Those whose pictures have to be right, or of these the ones that are named.
 fn techniques(
-    study: &ExtremeStudy,
+    all: Techniques,
     request: &Request,
 ) -> Result<Vec<&'static dyn Technique>, StudyError> {
-    let all = study.techniques.iter().copied();
+    let all = all.iter().copied();
     let exact: Vec<&'static dyn Technique> = all
         .filter(|technique| technique.has_stencil_switches())
         .collect();
@@ -315,11 +310,4 @@ impl Group for SuiteGroup {
             Err(message) => session.closed(Closed::Refused(message)),
         }))
     }
-}
-
-/// What a panic said.
-pub(super) fn words_of(panic: &(dyn std::any::Any + Send)) -> String {
-    let words = panic.downcast_ref::<String>().map(String::as_str);
-    let words = words.or_else(|| panic.downcast_ref::<&str>().copied());
-    format!("panicked: {}", words.unwrap_or("without words"))
 }

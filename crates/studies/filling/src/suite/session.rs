@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! One view of a suite being verified: what came of it is held against what must.
 
-use super::plan::{Closed, words_of};
 use crate::cases::ViewGroup;
 use crate::session::ViewSession;
 use std::collections::BTreeMap;
@@ -12,6 +11,17 @@ use terrafill_fill::PreparedScene;
 use terrafill_results::{PlannedCase, RunError, Status, Verdict};
 use terrafill_scene::Expectation;
 use terrafill_study::{Context, Session, StudyError};
+
+/// Why a scene has nothing to draw.
+#[derive(Debug, Clone)]
+pub(super) enum Closed {
+    /// Its data is not here.
+    Missing(String),
+    /// Scene, regions or surface are refused with this message.
+    Refused(String),
+    /// Opening it panicked.
+    Crashed(String),
+}
 
 /// File of a run's folder that holds the key of the case in hand: what a process leaves that crashes.
 pub const IN_HAND: &str = "in-hand.txt";
@@ -279,6 +289,13 @@ impl Heard {
         let new = messages.flat_map(|(messages, known)| messages.into_iter().skip(known));
         Some(new.collect())
     }
+}
+
+/// What a panic said.
+pub(super) fn words_of(panic: &(dyn std::any::Any + Send)) -> String {
+    let words = panic.downcast_ref::<String>().map(String::as_str);
+    let words = words.or_else(|| panic.downcast_ref::<&str>().copied());
+    format!("panicked: {}", words.unwrap_or("without words"))
 }
 
 #[cfg(test)]
