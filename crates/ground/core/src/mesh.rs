@@ -4,8 +4,10 @@
 //! This is what every backend extrudes: caps from the triangles, walls from the boundary.
 
 use crate::Ellipsoid;
-use crate::triangulate::LONGEST_INTERIOR_EDGE_STEPS;
 use glam::{DMat3, DVec3};
+
+/// Interior edges longer than this many steps are halved.
+pub(crate) const LONGEST_INTERIOR_EDGE_STEPS: f64 = 1.5;
 
 /// How finely a region is meshed; both are knobs of the error-against-time plots.
 #[derive(Debug, Clone, Copy, PartialEq)]

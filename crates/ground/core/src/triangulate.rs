@@ -13,14 +13,12 @@ use crate::crossings::{self, CrossingPlaces, crossing_places, find_crossings, sp
 use crate::edge::{Degrees, arc_rad};
 use crate::intersection::{Crossing, great_ellipse_crossing, without_underflow};
 use crate::lens::{Sight, WithinRounding, any_in_lens, follow_arcs, sight_of};
-use crate::mesh::index_u32;
+use crate::mesh::{LONGEST_INTERIOR_EDGE_STEPS, index_u32};
 use crate::pieces::OutlineEdge;
 use crate::{EdgeRule, MeshOptions};
 use delaunay::{Blocked, Delaunay, FRAME_CORNERS, Place};
 use insertion_order::{Corners, in_order, odd_edges};
 
-/// Interior edges longer than this many steps are halved.
-pub(crate) const LONGEST_INTERIOR_EDGE_STEPS: f64 = 1.5;
 /// Interior edges that span more longitude than this are halved: beyond it, close to a pole, a
 /// triangle that is small on the body can still be turned over.
 pub(crate) const WIDEST_INTERIOR_EDGE_DEG: f64 = 45.0;
