@@ -111,6 +111,7 @@ mod tests {
         Volume {
             geometry: 0,
             near_plane_meets_volume: false,
+            is_flat: false,
             depth: DepthRange::ANY,
             screen_rect: PixelRect {
                 left,

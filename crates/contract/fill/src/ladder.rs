@@ -244,6 +244,20 @@ impl Climb {
             "boundaries at the coarsest level that moves none by more than half a pixel",
             |variant| variant.plan.boundary_lod_px = Some(LOD_PX),
         )
+        .far_level(overlap)
+    }
+
+    /// Flat meshes for volumes that are lower than half a pixel, beside the way; the document considered
+    /// them. They keep no order of regions over one pixel.
+    fn far_level(self, overlap: Overlap) -> Self {
+        if overlap == Overlap::Ordered {
+            return self;
+        }
+        self.aside(
+            "far-level",
+            "regions whose volumes are lower than half a pixel as flat meshes, without stencil",
+            |variant| variant.plan.far_level_px = Some(LOD_PX),
+        )
     }
 
     /// A mesh of fewer vertices, beside the way; the document considered it.

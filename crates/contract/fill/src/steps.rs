@@ -28,6 +28,8 @@ pub enum VolumeState {
     Colour {
         /// What the stencil must say.
         test: StencilTest,
+        /// Only what is nearer than the surface.
+        is_before_surface: bool,
         /// Faces drawn.
         faces: FaceSet,
     },
@@ -165,9 +167,24 @@ fn step_of<'a>(command: &'a FillCommand, pass: &FillPass) -> FillStep<'a> {
         } => FillStep::Volumes(VolumeDraw {
             state: VolumeState::Colour {
                 test: *test,
+                is_before_surface: false,
                 faces: *faces,
             },
             without_bottom: *without_bottom,
+            scissor: false,
+            volumes,
+        }),
+        FillCommand::Cover {
+            test,
+            shape: CoverShape::Flat,
+            volumes,
+        } => FillStep::Volumes(VolumeDraw {
+            state: VolumeState::Colour {
+                test: *test,
+                is_before_surface: true,
+                faces: FaceSet::Front,
+            },
+            without_bottom: true,
             scissor: false,
             volumes,
         }),

@@ -238,16 +238,14 @@ impl Variant {
 }
 
 /// Keys of a plan's options, with their values.
-const PLAN_KEYS: &str = "boundary-lod-px=PIXELS|off, frustum-culling=on|off, horizon-culling=on|off, too-small-culling=on|off, wall-heights=region|global";
+const PLAN_KEYS: &str = "boundary-lod-px=PIXELS|off, far-level-px=PIXELS|off, frustum-culling=on|off, horizon-culling=on|off, too-small-culling=on|off, wall-heights=region|global";
 
-fn plan_settings(plan: &PlanOptions) -> [(&'static str, String); 5] {
+fn plan_settings(plan: &PlanOptions) -> [(&'static str, String); 6] {
     let switch = |is_on: bool| if is_on { "on" } else { "off" }.to_owned();
+    let pixels = |px: Option<f64>| px.map_or("off".to_owned(), |px| px.to_string());
     [
-        (
-            "boundary-lod-px",
-            plan.boundary_lod_px
-                .map_or("off".to_owned(), |px| px.to_string()),
-        ),
+        ("boundary-lod-px", pixels(plan.boundary_lod_px)),
+        ("far-level-px", pixels(plan.far_level_px)),
         ("frustum-culling", switch(plan.frustum_culling)),
         ("horizon-culling", switch(plan.horizon_culling)),
         ("too-small-culling", switch(plan.too_small_culling)),
@@ -262,21 +260,26 @@ fn plan_settings(plan: &PlanOptions) -> [(&'static str, String); 5] {
     ]
 }
 
+/// A number of pixels above 0, or `off`.
+fn pixels(switch: &'static str, value: &str) -> Result<Option<f64>, SwitchError> {
+    if value == "off" {
+        return Ok(None);
+    }
+    let px = value.parse().ok();
+    let px = px.filter(|&px: &f64| px > 0.0 && px.is_finite());
+    let px = px.ok_or_else(|| SwitchError {
+        switch,
+        found: value.to_owned(),
+        allowed: "PIXELS, a number above 0, or off".to_owned(),
+    })?;
+    Ok(Some(px))
+}
+
 fn set_plan(plan: &mut PlanOptions, key: &str, value: &str) -> Result<bool, SwitchError> {
     let switches = [("on", true), ("off", false)];
     match key {
-        "boundary-lod-px" if value == "off" => plan.boundary_lod_px = None,
-        "boundary-lod-px" => {
-            let px = value
-                .parse()
-                .ok()
-                .filter(|&px: &f64| px > 0.0 && px.is_finite());
-            plan.boundary_lod_px = Some(px.ok_or_else(|| SwitchError {
-                switch: "boundary-lod-px",
-                found: value.to_owned(),
-                allowed: "PIXELS, a number above 0, or off".to_owned(),
-            })?);
-        }
+        "boundary-lod-px" => plan.boundary_lod_px = pixels("boundary-lod-px", value)?,
+        "far-level-px" => plan.far_level_px = pixels("far-level-px", value)?,
         "frustum-culling" => plan.frustum_culling = pick("frustum-culling", value, &switches)?,
         "horizon-culling" => plan.horizon_culling = pick("horizon-culling", value, &switches)?,
         "too-small-culling" => {
@@ -326,7 +329,8 @@ mod tests {
         });
         changed.plan.horizon_culling = false;
         changed.plan.boundary_lod_px = Some(0.5);
-        let name = "flat,boundary-lod-px=0.5,faces=two-pass,horizon-culling=off,opacity=40,scissor=volumes";
+        changed.plan.far_level_px = Some(0.25);
+        let name = "flat,boundary-lod-px=0.5,faces=two-pass,far-level-px=0.25,horizon-culling=off,opacity=40,scissor=volumes";
         assert_eq!(changed.name(), name);
         let mut read = plain();
         for part in name.split(',').skip(1) {
@@ -359,7 +363,7 @@ mod tests {
     fn every_setting_has_a_value_and_can_be_set_to_it() {
         let changed = plain().with("indices", "strip").with("colour", "volume");
         let settings = changed.settings();
-        assert_eq!(settings.len(), 3 + 13 + 5);
+        assert_eq!(settings.len(), 3 + 13 + 6);
         let mut read = plain().with("opacity", "7");
         for (key, value) in &settings {
             assert_eq!(read.set(key, value), Ok(true), "{key}={value}");
@@ -383,6 +387,7 @@ mod tests {
             ("horizon-culling", "maybe", "on, off"),
             ("boundary-lod-px", "-1", "PIXELS, a number above 0, or off"),
             ("boundary-lod-px", "NaN", "PIXELS, a number above 0, or off"),
+            ("far-level-px", "0", "PIXELS, a number above 0, or off"),
         ] {
             let error = variant.set(key, value).expect_err("no such value");
             assert_eq!((error.switch, error.allowed.as_str()), (key, allowed));

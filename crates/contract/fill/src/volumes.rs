@@ -20,6 +20,8 @@ pub struct Volume {
     pub depth: DepthRange,
     /// The near plane may meet it: counting fragments in front of the surface would miss faces.
     pub near_plane_meets_volume: bool,
+    /// It is so low that its top cap and walls, where nearer than the surface, may stand for it.
+    pub is_flat: bool,
     /// Which geometry it has: a number that only those who draw volumes understand.
     pub geometry: usize,
 }
@@ -60,6 +62,7 @@ impl From<&FillInput> for VolumeList {
                     screen_rect: planned.screen_rect,
                     depth: depth_range(input, planned),
                     near_plane_meets_volume: planned.near_plane_meets_volume,
+                    is_flat: planned.is_flat,
                     geometry: planned.mesh,
                 })
                 .collect(),

@@ -12,6 +12,12 @@
 //!   z-fail this is exact only for whole closed volumes (a ray through the planet may enter by one
 //!   piece and leave by another). Whole volumes are all that is planned here.
 //!
+//! A far level leaves out work instead of regions: a region whose whole volume, terrain and sagging caps
+//! included, is lower than the stated pixels is drawn as a flat mesh, its top cap and walls, where they are
+//! nearer than the surface. Every point of the mesh is then fewer pixels than that from the point of the
+//! surface below it. Only regions wholly before the body's horizon are drawn so: one behind it would look
+//! over it by as much.
+//!
 //! Boundary levels of detail are no cull: they move boundaries, by no more than the stated pixels.
 
 use crate::level::DrawnRegion;
@@ -51,6 +57,8 @@ pub struct PlanOptions {
     /// Draw boundaries at the coarsest level that moves none of them by more than this many pixels;
     /// `None` draws them as written.
     pub boundary_lod_px: Option<f64>,
+    /// Draw regions whose volumes are lower than this many pixels as flat meshes; `None` draws volumes.
+    pub far_level_px: Option<f64>,
     /// How far volumes reach.
     pub wall_heights: WallHeights,
 }
@@ -62,6 +70,7 @@ impl Default for PlanOptions {
             horizon_culling: true,
             too_small_culling: true,
             boundary_lod_px: None,
+            far_level_px: None,
             wall_heights: WallHeights::Region,
         }
     }
@@ -128,6 +137,8 @@ pub struct PlannedRegion {
     /// The near plane, as far as the image shows it, may meet the region's volume: counting what
     /// lies in front of the surface would then miss faces. False only where it certainly does not.
     pub near_plane_meets_volume: bool,
+    /// Its volume is lower than [`PlanOptions::far_level_px`]: its top cap and walls stand for it.
+    pub is_flat: bool,
 }
 
 /// Why a region is not drawn.
@@ -176,6 +187,8 @@ pub struct FramePlan {
     pub left_out: Vec<LeftOutRegion>,
     /// [`PlanOptions::boundary_lod_px`] that the meshes were chosen by.
     pub boundary_lod_px: Option<f64>,
+    /// [`PlanOptions::far_level_px`] that regions were held against.
+    pub far_level_px: Option<f64>,
 }
 
 /// A region's volume and a box around it before any view is known: what a plan looks at, so that
@@ -290,16 +303,33 @@ impl FramePlan {
         };
         let mut plan = Self {
             boundary_lod_px: options.boundary_lod_px,
+            far_level_px: options.far_level_px,
             ..Self::default()
         };
         let region_count = levels.region_count(meshes.len());
         for (region, bounds) in meshes.iter().take(region_count).enumerate() {
             plan.place(region, planner.examine(region, region, bounds));
         }
-        let Some(pixels) = options.boundary_lod_px else {
-            return plan;
-        };
-        let drawn: Vec<DrawnRegion> = plan
+        if let Some(pixels) = options.boundary_lod_px {
+            plan.pick_levels(&planner, meshes, levels, pixels);
+        }
+        if let Some(pixels) = options.far_level_px {
+            for planned in &mut plan.regions {
+                planned.is_flat = planner.is_far(planned, &meshes[planned.mesh], pixels);
+            }
+        }
+        plan
+    }
+
+    /// Draws every region at the coarsest level that moves its boundary by no more than `pixels`.
+    fn pick_levels(
+        &mut self,
+        planner: &Planner<'_>,
+        meshes: &[RegionBounds],
+        levels: &LevelTable,
+        pixels: f64,
+    ) {
+        let drawn: Vec<DrawnRegion> = self
             .regions
             .iter()
             .map(|planned| DrawnRegion {
@@ -308,17 +338,16 @@ impl FramePlan {
             })
             .collect();
         let picked = levels.pick(&drawn, pixels);
-        for (planned, mesh) in std::mem::take(&mut plan.regions).into_iter().zip(picked) {
+        for (planned, mesh) in std::mem::take(&mut self.regions).into_iter().zip(picked) {
             let region = planned.region;
             let examined = if mesh == planned.mesh {
                 Ok(planned)
             } else {
                 planner.examine(region, mesh, &meshes[mesh])
             };
-            plan.place(region, examined);
+            self.place(region, examined);
         }
-        plan.left_out.sort_by_key(|region| region.mesh);
-        plan
+        self.left_out.sort_by_key(|region| region.mesh);
     }
 
     fn place(&mut self, region: usize, examined: Result<PlannedRegion, LeftOutReason>) {
@@ -375,6 +404,18 @@ impl FramePlan {
         if let (Some(pixels), 1..) = (self.boundary_lod_px, left_out) {
             phrases.push(format!(
                 "boundary detail below {pixels} px: {left_out} of {of} vertices"
+            ));
+        }
+        let flat = self
+            .regions
+            .iter()
+            .filter(|planned| planned.is_flat)
+            .count();
+        if let (Some(pixels), 1..) = (self.far_level_px, flat) {
+            phrases.push(format!(
+                "bottom caps and stencil of {flat} of {} regions, whose volumes are lower than \
+                 {pixels} px",
+                self.regions.len()
             ));
         }
         phrases.join("; ")
@@ -446,8 +487,22 @@ impl Planner<'_> {
                 heights: grown.heights,
                 screen_rect,
                 near_plane_meets_volume: self.near_plane.meets_box(&grown.bounds),
+                is_flat: false,
             })
         }
+    }
+
+    /// Whether the region's volume is lower than `pixels` and wholly before the horizon, so that its top cap
+    /// and walls may stand for it.
+    ///
+    /// - `bounds`: of the mesh that is drawn
+    fn is_far(&self, planned: &PlannedRegion, bounds: &RegionBounds, pixels: f64) -> bool {
+        let height_m = planned.heights.top_m - planned.heights.bottom_m;
+        let [up_m, down_m] = self.beyond_m.map(|beyond_m| beyond_m + self.clearance_m);
+        let corners = bounds.grown(up_m, down_m).bounds.corners_ecef();
+        !planned.near_plane_meets_volume
+            && height_m <= pixels * self.pixel_m(bounds)
+            && self.horizon.has_all_before(&corners)
     }
 
     /// What a pixel is worth where it is worth least, metres: a displacement of this length of
@@ -549,6 +604,13 @@ impl Horizon {
             eye,
             tangent_squared: eye.length_squared() - 1.0,
         }
+    }
+
+    /// Whether the whole hull of `corners` lies on the eye's side of the plane of the horizon circle: no
+    /// place of the body there is hidden by the body.
+    fn has_all_before(&self, corners: &[DVec3; 8]) -> bool {
+        let is_before = |corner: &DVec3| (*corner * self.scale).dot(self.eye) > 1.0;
+        self.tangent_squared > 0.0 && corners.iter().all(is_before)
     }
 
     /// Whether the whole hull of `corners` is hidden. Source of the test: Cozzi and Ring (2011),

@@ -41,6 +41,14 @@ impl Prepared {
     }
 
     fn plan(&self, camera: &Camera, pixels: Option<f64>) -> FramePlan {
+        let options = PlanOptions {
+            boundary_lod_px: pixels,
+            ..PlanOptions::default()
+        };
+        self.plan_with(camera, options)
+    }
+
+    fn plan_with(&self, camera: &Camera, options: PlanOptions) -> FramePlan {
         FramePlan::new(
             &self.scene.body,
             camera,
@@ -48,10 +56,7 @@ impl Prepared {
             TERRAIN,
             &self.bounds,
             &self.leveled.table,
-            PlanOptions {
-                boundary_lod_px: pixels,
-                ..PlanOptions::default()
-            },
+            options,
         )
     }
 
@@ -255,4 +260,57 @@ fn a_region_around_the_eye_is_drawn_as_written() {
     assert!(!inside.is_empty() && !outside.is_empty());
     assert!(inside.iter().all(|planned| planned.mesh == planned.region));
     assert!(outside.iter().all(|planned| planned.mesh != planned.region));
+}
+
+/// Regions of a plan that are drawn flat, of all.
+fn flat(plan: &FramePlan) -> (usize, usize) {
+    let flat = plan.regions.iter().filter(|planned| planned.is_flat);
+    (flat.count(), plan.regions.len())
+}
+
+#[test]
+fn only_volumes_lower_than_the_stated_pixels_and_before_the_horizon_are_flat() {
+    let prepared = Prepared::new("planet-134");
+    let plan = |view: &str, far_level_px| {
+        let options = PlanOptions {
+            far_level_px,
+            ..PlanOptions::default()
+        };
+        prepared.plan_with(&prepared.camera(view), options)
+    };
+    assert_eq!(flat(&plan("globe", None)).0, 0);
+    let meshes = &prepared.leveled.meshes;
+    let mut before = 0;
+    for pixels in [0.05, 0.5, 5.0] {
+        let plan = plan("globe", Some(pixels));
+        let camera = prepared.camera("globe");
+        let (count, all) = flat(&plan);
+        assert!(count >= before, "{count} of {all}");
+        before = count;
+        for planned in plan.regions.iter().filter(|planned| planned.is_flat) {
+            for place in &meshes[planned.mesh].vertices_ecef {
+                let normal = place.normalize();
+                let ends = [planned.heights.top_m, planned.heights.bottom_m].map(|height_m| {
+                    let end = *place + normal * height_m;
+                    // Before the horizon: its own tangent plane lies below the eye.
+                    assert!((camera.eye_ecef - end).dot(normal) > 0.0);
+                    camera.project_px(SIZE, end).expect("before the eye")
+                });
+                let [across, down] = [0, 1].map(|axis| ends[0][axis] - ends[1][axis]);
+                let found_px = across.hypot(down);
+                assert!(found_px <= pixels * 1.001, "{found_px} of {pixels}");
+            }
+        }
+        let said = plan.left_out_summary(meshes);
+        let phrase = format!(
+            "stencil of {count} of {all} regions, whose volumes are lower than {pixels} px"
+        );
+        assert_eq!(said.contains(&phrase), count > 0, "{said}");
+    }
+    assert!(before > 10, "{before}");
+    // Twins: nearer, the same volumes are higher; and from two kilometres nearly all lie behind the
+    // horizon or around the eye.
+    assert_eq!(flat(&plan("top-down", Some(0.5))).0, 0);
+    let low = plan("horizon", Some(1e6));
+    assert!(flat(&low).0 < flat(&low).1, "{:?}", flat(&low));
 }

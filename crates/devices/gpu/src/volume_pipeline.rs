@@ -83,10 +83,20 @@ impl VolumeShader<'_> {
                 Some(unwritten),
                 unchanged(wgpu::CompareFunction::Always),
             ),
-            VolumeState::Colour { test, .. } => (
+            VolumeState::Colour {
+                test,
+                is_before_surface,
+                ..
+            } => (
                 "region_colour",
                 Some(colour_target(blends)),
-                colour_state(test),
+                wgpu::DepthStencilState {
+                    depth_compare: Some(match is_before_surface {
+                        true => wgpu::CompareFunction::Greater,
+                        false => wgpu::CompareFunction::Always,
+                    }),
+                    ..colour_state(test)
+                },
             ),
             VolumeState::Accumulate { depth, .. } => {
                 let entry = match depth {

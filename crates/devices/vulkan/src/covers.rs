@@ -72,6 +72,7 @@ impl Covers {
 
 fn cover(test: StencilTest) -> PipelineState {
     PipelineState::Colour {
+        is_before_surface: false,
         test,
         faces: FaceSet::Both,
     }

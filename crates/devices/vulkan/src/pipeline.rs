@@ -102,6 +102,8 @@ pub enum PipelineState {
     Colour {
         /// What the stencil must say.
         test: StencilTest,
+        /// Only what is nearer than the surface.
+        is_before_surface: bool,
         /// Faces drawn.
         faces: FaceSet,
     },
@@ -123,7 +125,15 @@ impl From<VolumeState> for PipelineState {
                 rule, has_colour, ..
             } => Self::Mark { rule, has_colour },
             VolumeState::Count { faces } => Self::Count { faces },
-            VolumeState::Colour { test, faces } => Self::Colour { test, faces },
+            VolumeState::Colour {
+                test,
+                is_before_surface,
+                faces,
+            } => Self::Colour {
+                test,
+                is_before_surface,
+                faces,
+            },
             VolumeState::Accumulate { depth, faces } => Self::Accumulate { depth, faces },
         }
     }
@@ -493,7 +503,16 @@ fn depth_stencil(state: PipelineState) -> vk::PipelineDepthStencilStateCreateInf
                 DepthRule::Pass => vk::CompareOp::GREATER,
             })
         }
-        PipelineState::Colour { test, .. } => stencil_test(test),
+        PipelineState::Colour {
+            test,
+            is_before_surface,
+            ..
+        } => match is_before_surface {
+            true => stencil_test(test)
+                .depth_test_enable(true)
+                .depth_compare_op(vk::CompareOp::GREATER),
+            false => stencil_test(test),
+        },
     }
 }
 

@@ -166,6 +166,7 @@ fn cover_descriptor(test: StencilTest) -> PipelineDescriptor {
         format: VertexFormat::Number,
         topology: Topology::Triangles,
         state: PipelineState::Colour {
+            is_before_surface: false,
             test,
             faces: FaceSet::Both,
         },

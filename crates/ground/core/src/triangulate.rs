@@ -13,8 +13,7 @@ use crate::crossings::{self, CrossingPlaces, crossing_places, find_crossings, sp
 use crate::edge::{Degrees, arc_rad};
 use crate::intersection::{Crossing, great_ellipse_crossing, without_underflow};
 use crate::lens::{Sight, WithinRounding, any_in_lens, follow_arcs, sight_of};
-use crate::mesh::LONGEST_INTERIOR_EDGE_STEPS;
-use crate::mesh::index_u32;
+use crate::mesh::{LONGEST_INTERIOR_EDGE_STEPS, index_u32};
 use crate::pieces::OutlineEdge;
 use crate::{EdgeRule, MeshOptions};
 use delaunay::{Blocked, Delaunay, FRAME_CORNERS, Place};

@@ -38,6 +38,9 @@ impl Basis {
     }
 }
 
+/// What draws instead of volumes, of the techniques of this run: its name, and the value of its knob.
+pub(crate) type Rival = (&'static str, (&'static str, &'static str));
+
 /// Views in which a claim is tested.
 pub(crate) type Views = &'static [&'static str];
 
@@ -45,6 +48,7 @@ pub(crate) type Views = &'static [&'static str];
 /// the horizon.
 pub(crate) const EVERY_VIEW: Views = &["globe", "top-down", "fill", "horizon"];
 const HORIZON: Views = &["horizon"];
+const GLOBE: Views = &["globe"];
 
 /// How a claim is tested.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,6 +88,12 @@ pub(crate) enum Test {
     SurfaceIndependence,
     /// By the fills of the coarsest and the finest mesh.
     Subdivision,
+    /// By figures of a rival over those of volumes, all of them more than 1.
+    CostsMore(Rival, &'static [&'static str]),
+    /// By the time of a rival over that of volumes.
+    TimeOverVolumes(Rival, Claim),
+    /// By pixels of a rival that are wrong farther than a pixel from a boundary: there are some.
+    WrongPixels(Rival),
     /// Not at all, and why.
     No(&'static str),
 }
@@ -149,17 +159,24 @@ const fn factor(of: f64, within: f64) -> Claim {
 use Basis::{Anticipated, Considered, Measured, Observed};
 use Claim::{AtLeast, Faster, NoDifference, NotFaster};
 use Test::{
-    CentricNormals, Counter, FillRate, GeometryShaderBytes, LargestGain, No, RightPicture,
-    SecondPass, Step, StepWithAllInSight, Subdivision, Sum, SurfaceIndependence, Textured,
-    TexturedWorstAtHorizon,
+    CentricNormals, CostsMore, Counter, FillRate, GeometryShaderBytes, LargestGain, No,
+    RightPicture, SecondPass, Step, StepWithAllInSight, Subdivision, Sum, SurfaceIndependence,
+    Textured, TexturedWorstAtHorizon, TimeOverVolumes, WrongPixels,
 };
 
-const NO_RIVAL: &str = "no rival of this kind is drawn by any technique of this run";
-const NO_MOTION: &str = "no scene of this run moves: regions are meshed before the first frame";
+const NO_MOTION: &str = "nothing moves in this study: the study moving times regions that do";
+
+/// The region's triangles at one height: the “original fill”.
+const FLAT: Rival = ("flat-mesh", ("height-m", "top"));
+/// The region cut along the surface's triangles, with room between both, and without.
+const DRAPED: Rival = ("draped-mesh", ("depth-offset", "2^-10"));
+const DRAPED_ONTO: Rival = ("draped-mesh", ("depth-offset", "0"));
+/// All regions in the smallest texture.
+const SMALL_MASK: Rival = ("mask-texture", ("size", "1024"));
 const NO_PICTURE: &str = "it is about how a fill looks, which no figure here says";
 
 /// Every claim, in the document's order.
-pub(crate) const CLAIMS: [Claimed; 62] = [
+pub(crate) const CLAIMS: [Claimed; 63] = [
     claimed(
         "independent of the terrain rendering algorithm",
         ABSTRACT,
@@ -190,24 +207,24 @@ pub(crate) const CLAIMS: [Claimed; 62] = [
         ALGORITHMS,
         Anticipated,
         "",
-        "",
-        No(NO_RIVAL),
+        "draped-mesh, cut on the CPU along the surface as drawn, ÷ volumes: time to prepare, and bytes",
+        CostsMore(DRAPED, &["prepare_cpu_ms", "geometry_bytes"]),
     ),
     claimed(
         "z-fighting is likely to become an issue between the mesh and the terrain",
         ALGORITHMS,
         Anticipated,
         "",
-        "",
-        No(NO_RIVAL),
+        "draped-mesh without room between it and the surface: pixels that are wrong away from boundaries",
+        WrongPixels(DRAPED_ONTO),
     ),
     claimed(
         "If it is too small, it will be pixellated when zoomed in and will not represent the true boundary.",
         ALGORITHMS,
         Observed,
         "",
-        "",
-        No(NO_RIVAL),
+        "mask-texture of 1,024 texels: pixels that are wrong more than a pixel away from the true boundary",
+        WrongPixels(SMALL_MASK),
     ),
     claimed(
         "this does not work when the viewer is in the shadow volume",
@@ -420,8 +437,8 @@ pub(crate) const CLAIMS: [Claimed; 62] = [
         PERFORMANCE,
         Anticipated,
         "",
-        "",
-        No(NO_RIVAL),
+        "flat-mesh ÷ volumes: time; matched where it is 1 or more",
+        TimeOverVolumes(FLAT, AtLeast(1.0)),
     ),
     claimed(
         "view frustum culling improved performance even when everything was visible",
@@ -667,12 +684,20 @@ pub(crate) const CLAIMS: [Claimed; 62] = [
         Step("mesh-lod", NotFaster, EVERY_VIEW),
     ),
     claimed(
+        "Once the camera is far away the mesh could just be drawn at altitude above the terrain.",
+        FUTURE,
+        Considered,
+        "",
+        "far-level, flat meshes of regions whose volumes are lower than half a pixel: the picture",
+        RightPicture("far-level", EVERY_VIEW),
+    ),
+    claimed(
         "Rendering a simple mesh is much faster than a multi-pass shadow volume.",
         FUTURE,
         Anticipated,
         "",
-        "",
-        No(NO_RIVAL),
+        "far-level where all regions are far away: gain, at least 1.5",
+        Step("far-level", AtLeast(1.5), GLOBE),
     ),
     claimed(
         "A view dependent per pixel fade.",
@@ -704,7 +729,8 @@ pub(crate) const CLAIMS: [Claimed; 62] = [
 
 /// Quotations within experiments.
 #[cfg(test)]
-pub(crate) const QUOTED_ELSEWHERE: [(&str, &str); 3] = [
+pub(crate) const QUOTED_ELSEWHERE: [(&str, &str); 4] = [
+    ("original fill", PERFORMANCE),
     ("As I expected, this didn’t do anything.", PERFORMANCE),
     ("expect much improvement", FUTURE),
     ("the performance could double", TEXTURED),

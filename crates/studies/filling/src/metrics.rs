@@ -4,7 +4,7 @@
 use terrafill_results::{Kind, Metric};
 
 /// Times first, then bytes, counters, errors, textured fills and bytes of layouts.
-pub(crate) const METRICS: [Metric; 65] = [
+pub(crate) const METRICS: [Metric; 66] = [
     Metric::less(
         "fill_cpu_ms",
         "ms",
@@ -197,6 +197,12 @@ pub(crate) const METRICS: [Metric; 65] = [
         "m",
         Kind::Counter,
         "Tallest wall of the regions drawn, from bottom cap to top cap, metres: terrain and what the caps' triangles bend away from it.",
+    ),
+    Metric::less(
+        "wall_bound_m",
+        "m",
+        Kind::Counter,
+        "The tallest wall of the regions drawn if their caps' triangles bent away as far as the cap step allows, by formula, metres. Of the sweep through cap steps alone.",
     ),
     Metric::less(
         "wall_shift_m",

@@ -3,9 +3,10 @@
 
 use crate::cases::FillCase;
 use terrafill_conformance::{ErrorFigures, TextureErrors};
-use terrafill_core::RegionMesh;
+use terrafill_core::{MeshOptions, RegionMesh, VolumeHeights};
 use terrafill_fill::{Counters, DeviceError, FillInput, Frame, MemoryUse};
 use terrafill_results::{Status, Verdict};
+use terrafill_scene::HeightRange;
 
 /// Figures of a probe frame.
 #[derive(Debug, Default)]
@@ -23,6 +24,8 @@ pub(crate) struct Probe {
     wall_height_m: Option<f64>,
     /// How far walls are from those along geodetic normals, where they are no such walls.
     pub(crate) wall_shift_m: Option<f64>,
+    /// The tallest wall that the cap step allows, by formula.
+    pub(crate) wall_bound_m: Option<f64>,
     cap_triangles: Option<u64>,
     pub(crate) plan_cpu_ms: Option<f64>,
     pub(crate) prepare_cpu_ms: Option<f64>,
@@ -229,6 +232,7 @@ impl Probe {
             ("prepare_cpu_ms", self.prepare_cpu_ms),
             ("boundary_deviation_m", self.boundary_deviation_m),
             ("wall_height_m", self.wall_height_m),
+            ("wall_bound_m", self.wall_bound_m),
             ("wall_shift_m", self.wall_shift_m),
             (
                 "hausdorff_px",
@@ -275,6 +279,25 @@ fn worse([u, v]: [f64; 2]) -> f64 {
 fn tallest_wall(input: &FillInput) -> Option<f64> {
     let regions = input.plan.regions.iter();
     let walls = regions.map(|region| region.heights.top_m - region.heights.bottom_m);
+    walls.reduce(f64::max)
+}
+
+/// The same if the caps' facets hung as deep as `options` allow: what the mesher did better is added.
+pub(crate) fn tallest_wall_allowed(input: &FillInput, options: &MeshOptions) -> Option<f64> {
+    let scene = &input.scene;
+    let sagitta_m = options.sagitta_bound_m(&scene.body);
+    let span = |heights: VolumeHeights| heights.top_m - heights.bottom_m;
+    let walls = input.plan.regions.iter().map(|region| {
+        let mesh = &scene.meshes[region.mesh];
+        let stated = scene.surface.heights(&mesh.extent);
+        let HeightRange {
+            lowest_m,
+            highest_m,
+        } = input.surface.heights_over(&mesh.extent, stated);
+        let found_m = span(mesh.volume_heights(lowest_m, highest_m));
+        let allowed = mesh.volume_heights_of_sagitta(sagitta_m, lowest_m, highest_m);
+        span(region.heights) + span(allowed) - found_m
+    });
     walls.reduce(f64::max)
 }
 

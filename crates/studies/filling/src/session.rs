@@ -6,7 +6,7 @@ use crate::cases::{FillCase, Purpose, ViewGroup};
 use crate::driver_fault::{Driver, DriverFault};
 use crate::fingerprint::fingerprint;
 use crate::images::{drop_alpha, file_stem, write_rgb, zoomed};
-use crate::probe::{Probe, failed};
+use crate::probe::{Probe, failed, tallest_wall_allowed};
 use crate::rounding::{objection, rounding_px};
 use crate::scenes::{build_meshes, mesh_error};
 use crate::subject::Subject;
@@ -306,6 +306,14 @@ impl<'a> ViewSession<'a> {
             Probe::new(drawn.memory, &drawn.input, &drawn.frame)
         };
         probe.plan_cpu_ms = drawn.plan_cpu_ms.filter(|_| !is_rival);
+        let mesh = case
+            .mesh
+            .as_ref()
+            .map_or(self.group.scene.mesh, |(mesh, _)| *mesh);
+        probe.wall_bound_m = case
+            .is(Purpose::Subdivision)
+            .then(|| tallest_wall_allowed(&drawn.input, &mesh))
+            .flatten();
         probe.wall_shift_m = case.subject.figure("wall_shift_m", &drawn.input);
         probe.prepare_cpu_ms = Some(drawn.prepare_cpu_ms).filter(|_| !is_rival);
         // What is timed is a frame like the one before it.
@@ -318,7 +326,7 @@ impl<'a> ViewSession<'a> {
         let (mask_hash, ids_hash) = hashes(&*drawn.backend, &drawn.frame);
         let texture_route = drawn.backend.note().unwrap_or_default();
         let is_approximate = case.subject.is_approximate();
-        let moved_px = case.subject.plan().boundary_lod_px.unwrap_or(0.0);
+        let moved_px = moved_px(&case.subject.plan());
         let hash = (mask_hash.as_str(), ids_hash.as_str());
         let is_moved = moved_px > 0.0 && !is_approximate;
         match self.figures(hash, &drawn.frame, is_moved, against) {
@@ -822,6 +830,11 @@ fn shows_chosen(case: &FillCase) -> bool {
 fn one_at_a_time(subject: &Subject) -> bool {
     let colour = subject.switches().map(|switches| switches.colour);
     matches!(colour, Some(ColourWay::Rectangle | ColourWay::Volume))
+}
+
+/// By how many pixels a plan may move boundaries on purpose.
+fn moved_px(plan: &PlanOptions) -> f64 {
+    plan.boundary_lod_px.unwrap_or(0.0) + plan.far_level_px.unwrap_or(0.0)
 }
 
 /// Median over a few plans of the same frame.

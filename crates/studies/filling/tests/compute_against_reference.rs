@@ -146,6 +146,7 @@ const NOTHING_LEFT_OUT: PlanOptions = PlanOptions {
     horizon_culling: false,
     too_small_culling: false,
     boundary_lod_px: None,
+    far_level_px: None,
     wall_heights: WallHeights::Region,
 };
 

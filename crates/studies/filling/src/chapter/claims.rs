@@ -8,11 +8,11 @@
 use super::data::{Data, counter, distinct, has_role, is_approximate, is_baseline};
 use super::rungs::{Ladder, Rung, SOURCE, counters};
 use super::{fill_rate, memory, subdivision, textured};
-use crate::claims::{Basis, CLAIMS, Claimed, EVERY_VIEW, Test};
+use crate::claims::{Basis, CLAIMS, Claimed, EVERY_VIEW, Rival, Test};
 use terrafill_plot::number::{count, significant, times};
 use terrafill_results::{
     Block, Case, Cell, CellClass, ChapterError, Claim, DerivedTable, Estimate, Finding, Heading,
-    Outcome, Row, Standing, Table, TableLayout, share,
+    Outcome, Row, Standing, Table, TableLayout, ratio, share,
 };
 
 /// The technique whose ladder the document climbed.
@@ -180,6 +180,20 @@ pub(super) fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed) 
                 "time of the coarsest ÷ that of the finest",
             )
         }
+        Test::CostsMore(rival, metrics) => costs_more(data, rival, metrics),
+        Test::TimeOverVolumes(rival, claim) => {
+            let found = beside_volumes(data, rival);
+            let parts = found.into_iter().filter_map(|(title, own, volumes)| {
+                let over = ratio(own, volumes, data.metric)?;
+                let standing = claim.standing_beyond(&over, data.band(own.condition("scene")));
+                Some((format!("{title} {}", times(&over)), standing))
+            });
+            Judged::new(
+                parts.collect(),
+                format!("{} ÷ {TECHNIQUE}/doubled", rival.0),
+            )
+        }
+        Test::WrongPixels(rival) => wrong_pixels(data, rival),
         Test::No(why) => Judged {
             ours: String::new(),
             verdict: Verdict::CannotBeTested,
@@ -420,12 +434,68 @@ fn centric_normals(data: &Data<'_>) -> Judged {
     )
 }
 
+/// Each case of a rival with that of volumes of the same view, and what to call the two.
+fn beside_volumes<'a>(
+    data: &Data<'a>,
+    (technique, (knob, value)): Rival,
+) -> Vec<(String, &'a Case, &'a Case)> {
+    let cases = || data.cases.iter().copied();
+    let is_own =
+        |case: &&Case| case.condition("technique") == technique && case.condition(knob) == value;
+    let pairs = cases().filter(is_own).filter_map(|own| {
+        let of = ["scene", "view"].map(|key| own.condition(key));
+        let is_volumes = |case: &&Case| {
+            ["scene", "view"].map(|key| case.condition(key)) == of
+                && case.condition("technique") == TECHNIQUE
+                && case.condition("variant") == "doubled"
+        };
+        Some((of.join(" "), own, cases().find(is_volumes)?))
+    });
+    pairs.collect()
+}
+
+fn costs_more(data: &Data<'_>, rival: Rival, metrics: &[&str]) -> Judged {
+    let found = beside_volumes(data, rival);
+    let parts = found.iter().flat_map(|(title, own, volumes)| {
+        metrics.iter().filter_map(move |metric| {
+            let over = own.value(metric)? / volumes.value(metric)?;
+            let text = format!("{title}, {metric} {} ×", significant(over));
+            Some((text, Standing::holds_if(over > 1.0)))
+        })
+    });
+    Judged::new(
+        parts.collect(),
+        format!("{} ÷ {TECHNIQUE}/doubled", rival.0),
+    )
+}
+
+fn wrong_pixels(data: &Data<'_>, rival: Rival) -> Judged {
+    let found = beside_volumes(data, rival);
+    let outside = |case: &Case| counter(case, "mismatched_px_outside_band");
+    let parts = found.iter().filter_map(|(title, own, _)| {
+        let pixels = outside(own)?;
+        Some((format!("{title} {} px", count(pixels)), pixels))
+    });
+    let parts: Vec<(String, u64)> = parts.collect();
+    // The document says of the view from close by what no other view need show.
+    let standing = Standing::holds_if(parts.iter().any(|(_, pixels)| *pixels > 0));
+    let parts = parts.into_iter().map(|(text, _)| (text, standing));
+    let volumes = found.iter().filter_map(|(_, _, volumes)| outside(volumes));
+    let most = volumes.max().map_or("–".to_owned(), count);
+    Judged::new(
+        parts.collect(),
+        format!("outside the boundary band; of volumes at most {most}"),
+    )
+}
+
 fn surface_independence(data: &Data<'_>) -> Judged {
     let plain = |case: &&&Case| {
         !is_baseline(case)
             && !textured::is_textured(case)
             && !has_role(case, "sweep")
             && !is_approximate(case)
+            // An experiment whose error is its answer says nothing of surfaces.
+            && !case.planned.may_be_wrong
     };
     let cases = || data.cases.iter().filter(plain);
     let tally = |on_terrain: bool| {

@@ -2,15 +2,18 @@
 //! Subdivision against wall height: coarse caps need tall walls to contain the terrain, fine ones need
 //! triangles.
 //!
-//! Cozzi (2007, 2.1.7.2) expected coarse meshes with tall walls to win and left it unmeasured.
+//! Cozzi (2007, 2.1.7.2) expected coarse meshes with tall walls to win and left it unmeasured. How tall they
+//! must be at most follows from the step: `terrafill_core::MeshOptions::sagitta_bound_m`.
 
 use super::data::{Data, counter, distinct, has_role, title};
+use super::rungs::SOURCE;
 use terrafill_plot::number::{count, significant};
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
 };
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Claim, Estimate, Finding, Heading, Outcome, Plot, Row, Table,
+    Block, Case, Cell, ChapterError, Claim, Estimate, Finding, Heading, Outcome, Plot, Row,
+    Standing, Table,
 };
 
 /// The switch whose values are swept.
@@ -32,9 +35,12 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
         Block::section("Subdivision against wall height"),
         Block::Text(
             "A coarse cap bends away from the ground, so its volume must reach higher to hold the \
-             terrain; a fine one needs more triangles. Cozzi (2007, 2.1.7.2) expected coarse meshes \
-             with tall walls to win. The volume's heights follow from the mesh, so every picture must \
-             be right."
+             terrain; a fine one needs more triangles. Cozzi (2007, 2.1.7.2) anticipated of it: \
+             “the extra subdivision is not going to payoff”, and left it unmeasured. The volume's \
+             heights follow from the mesh, so every picture must be right. By formula: with a step s, \
+             in radians between the normals of an edge's ends, a body of radii a and b, ρ = a²/b and \
+             R = b²/a, no facet hangs deeper than R − √(R² − r²) with r = √3/2 ρ s, and no wall is \
+             taller than the terrain and that."
                 .to_owned(),
         ),
     ];
@@ -54,6 +60,7 @@ pub(super) fn blocks(data: &Data<'_>) -> Result<Vec<Block>, ChapterError> {
         });
         blocks.push(Block::Table(table(data, sweep)));
         blocks.extend(finding(data, sweep).map(Block::Finding));
+        blocks.extend(walls_by_formula(sweep).map(Block::Finding));
     }
     Ok(blocks)
 }
@@ -94,6 +101,7 @@ fn table(data: &Data<'_>, sweep: &Sweep<'_>) -> Table {
             Cell::name(format!("{step}°")),
             counted("cap_triangles"),
             figure("wall_height_m"),
+            figure("wall_bound_m"),
             cell(data.right_time(case).map(|ms| significant(ms.median))),
             cell(over.map(|ratio| significant(ratio.middle))),
             counted("stencil_fragments"),
@@ -109,6 +117,7 @@ fn table(data: &Data<'_>, sweep: &Sweep<'_>) -> Table {
             Heading::plain("cap step"),
             Heading::metric("triangles of caps", "cap_triangles"),
             Heading::metric("tallest wall, m", "wall_height_m"),
+            Heading::metric("at most by formula, m", "wall_bound_m"),
             Heading::metric(format!("fill, {}", data.unit()), data.metric),
             Heading::plain("÷\u{a0}depth-pass"),
             Heading::metric("stencil fragments", "stencil_fragments"),
@@ -138,7 +147,10 @@ fn finding(data: &Data<'_>, sweep: &Sweep<'_>) -> Option<Finding> {
     let (fine, coarse) = (sweep.cases.first()?, sweep.cases.last()?);
     let gain = data.over(fine.1, coarse.1)?;
     Some(Finding {
-        claim: "Coarse and tall is faster.".to_owned(),
+        claim: format!(
+            "{SOURCE}, 2.1.7.2, anticipated: “the extra subdivision is not going to payoff”. Coarse and \
+             tall is faster."
+        ),
         standing: Claim::Faster.standing(&gain),
         because: format!(
             "{}° fills {} as fast as {}°",
@@ -146,6 +158,28 @@ fn finding(data: &Data<'_>, sweep: &Sweep<'_>) -> Option<Finding> {
             data.ratio_text(&gain),
             fine.0
         ),
+    })
+}
+
+/// Whether walls are as low as the formula says; nothing where no case has both figures.
+fn walls_by_formula(sweep: &Sweep<'_>) -> Option<Finding> {
+    let walls = sweep.cases.iter().filter_map(|(step, case)| {
+        let metric = |name| case.value(name);
+        Some((*step, metric("wall_height_m")?, metric("wall_bound_m")?))
+    });
+    let walls: Vec<(f64, f64, f64)> = walls.collect();
+    let texts = walls.iter().map(|(step, found, bound)| {
+        format!(
+            "{step}°: {} of {} m",
+            significant(*found),
+            significant(*bound)
+        )
+    });
+    let texts: Vec<String> = texts.collect();
+    (!walls.is_empty()).then(|| Finding {
+        claim: "No wall is taller than the sagitta of its cap step asks for.".to_owned(),
+        standing: Standing::holds_if(walls.iter().all(|(_, found, bound)| found <= bound)),
+        because: texts.join(", "),
     })
 }
 

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The far level held against the reference: flat meshes of regions whose volumes are lower than half a
+//! pixel show what volumes show, but for pixels along boundaries, and cost less; of higher volumes they do
+//! not.
+//!
+//! Without a Vulkan device these tests are skipped with the reason printed, unless
+//! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.
+
+mod drawing;
+
+use drawing::{
+    AllTargets, Devices, Technique, counters, judge, look, scene, shipped, sights, vertex,
+};
+use terrafill_compute::ComputeVariant;
+use terrafill_conformance::{
+    BAND_RADIUS_PX, boundary_movement, compare_closely, verdict_of_moved, with_movement,
+};
+use terrafill_core::Ellipsoid;
+use terrafill_fill::{ColourWay, FillInput, Frame, LOD_PX, Switches};
+use terrafill_native::{Extrusion, NativeVariant};
+use terrafill_reference::ReferenceBackend;
+use terrafill_scene::{ImageSize, Overlap, PlanOptions};
+use terrafill_vertex::{Layout, VertexVariant};
+
+const SIZE: ImageSize = ImageSize {
+    width: 512,
+    height: 512,
+};
+
+fn options(far_level_px: Option<f64>) -> PlanOptions {
+    PlanOptions {
+        far_level_px,
+        ..PlanOptions::default()
+    }
+}
+
+/// Whether `frame` may pass for the reference's picture with boundaries up to `pixels` aside; and how many
+/// of its pixels are wrong, in all and outside the band.
+fn held(truth: &FillInput, reference: &Frame, frame: &Frame, pixels: f64) -> (bool, [u64; 2]) {
+    let look = ReferenceBackend::new().look_closely(truth).expect("judges");
+    let shows = |pixel: usize, id: u32| look.ids_within(pixel, BAND_RADIUS_PX).contains(&id);
+    let found = compare_closely(reference, frame, shows).expect("same size");
+    let movement = boundary_movement(reference, frame, |place| look.id_at(place));
+    let found = with_movement(found, movement.expect("same size"));
+    let wrong = [found.mismatched_px, found.mismatched_px_outside_band];
+    (verdict_of_moved(&found, pixels).is_pass(), wrong)
+}
+
+fn flat(input: &FillInput) -> usize {
+    let planned = input.plan.regions.iter();
+    planned.filter(|planned| planned.is_flat).count()
+}
+
+#[test]
+fn half_a_pixel_of_relief_may_be_left_out_and_saves_the_stencil() {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    let targets = AllTargets::new(&devices, SIZE);
+    let plain = vertex(Switches::default());
+    for name in ["planet-134", "countries-110m"] {
+        let Some((prepared, views)) = shipped(name) else {
+            continue;
+        };
+        for view in &views {
+            let full = FillInput::new(&prepared, view, SIZE, options(None)).expect("a surface");
+            let input = full.remeshed(&prepared, options(Some(LOD_PX)));
+            let reference = judge(&full);
+            let frame = targets.draw(&input, plain);
+            let (is_held, [wrong, outside]) = held(&full, &reference, &frame, LOD_PX);
+            let volumes = counters(&targets.draw(&full, plain));
+            let drawn = counters(&frame);
+            let (flat, all) = (flat(&input), input.plan.regions.len());
+            eprintln!(
+                "{name}/{}: {flat} of {all} regions flat, {wrong} pixels wrong, {outside} outside the band; \
+                 vertices {} → {}, stencil fragments {:?} → {:?}, draws {} → {}",
+                view.name,
+                volumes.vertices,
+                drawn.vertices,
+                volumes.stencil_fragments,
+                drawn.stencil_fragments,
+                volumes.draws,
+                drawn.draws,
+            );
+            assert!(is_held && outside == 0, "{name}/{}", view.name);
+            assert_eq!(flat > 0, drawn.vertices < volumes.vertices);
+            assert_eq!(view.name == "globe", 2 * flat > all, "{name}/{}", view.name);
+        }
+    }
+}
+
+/// Every technique, and every way to colour of one of them.
+fn techniques() -> Vec<Technique> {
+    let layouts = Layout::ALL.map(|layout| {
+        Technique::Vertex(VertexVariant {
+            layout,
+            ..VertexVariant::default()
+        })
+    });
+    let colours = ColourWay::ALL.into_iter();
+    let colours = colours.filter(|colour| colour.tells_regions_apart());
+    let colours = colours.map(|colour| vertex(drawing::with_colour(colour)));
+    let native = Extrusion::ALL.map(|technique| {
+        Technique::Native(NativeVariant {
+            technique,
+            indices: None,
+            switches: Switches::default(),
+        })
+    });
+    let compute = [Technique::Compute(ComputeVariant::default())];
+    layouts
+        .into_iter()
+        .chain(colours)
+        .chain(compute)
+        .chain(native)
+        .collect()
+}
+
+#[test]
+fn every_technique_draws_flat_meshes_and_none_is_right_where_volumes_are_high() {
+    let techniques = techniques();
+    let Some(devices) = Devices::open_for(&techniques) else {
+        return;
+    };
+    let targets = AllTargets::new(&devices, SIZE);
+    let prepared = scene(
+        &sights::three_regions(),
+        Ellipsoid::WGS84,
+        180,
+        Overlap::Disjoint,
+    );
+    for (height_m, pixels, is_exact) in [(1.2e7, LOD_PX, true), (2e5, 1e3, false)] {
+        let full = look(
+            &prepared,
+            (9.0, 5.0, height_m, 0.0, -90.0),
+            height_m * 1e-3,
+            SIZE,
+        );
+        let input = full.remeshed(&prepared, options(Some(pixels)));
+        assert!(flat(&input) > 0, "{height_m}");
+        let reference = judge(&full);
+        for technique in &techniques {
+            let frame = targets.draw(&input, *technique);
+            let (is_held, wrong) = held(&full, &reference, &frame, LOD_PX);
+            assert_eq!(
+                is_held, is_exact,
+                "{technique:?} from {height_m}: {wrong:?}"
+            );
+        }
+    }
+}
