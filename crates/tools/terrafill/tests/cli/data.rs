@@ -235,7 +235,7 @@ fn what_the_readme_says_gives_the_pictures_of_the_trimmed_file() {
     );
     assert_eq!(server.asked().len(), 1);
     let scenes = desk.run(&["scenes"]).succeeded();
-    assert!(scenes.contains("177 regions, 10654 vertices"), "{scenes}");
+    assert!(scenes.contains("177 regions, 10367 vertices"), "{scenes}");
 
     let Some(trimmed) = data_file("vectors/ne_110m_admin_0_countries.geojson") else {
         return;
@@ -285,5 +285,5 @@ fn states_and_counties_are_made_into_another_folder() {
     ];
     assert_eq!(files(&desk.path("there")), made);
     let scenes = desk.run(&["scenes", "--data", "there"]).succeeded();
-    assert!(scenes.contains("53 regions, 7503 vertices"), "{scenes}");
+    assert!(scenes.contains("53 regions, 7407 vertices"), "{scenes}");
 }
