@@ -131,7 +131,10 @@ impl<'a> SuiteSession<'a> {
             State::Closed(Closed::Missing(message)) => Came::Missing(message.clone()),
             State::Closed(Closed::Refused(message)) => Came::Refused(message.clone()),
             State::Closed(Closed::Crashed(message)) => Came::Crashed(message.clone()),
-            State::Accepted => Came::Drawn(Verdict::default()),
+            State::Accepted => Came::Drawn(Verdict {
+                status: Status::Ok,
+                ..Verdict::default()
+            }),
             State::Drawing(session) => {
                 let drawn = catch_unwind(AssertUnwindSafe(|| draw(session)));
                 match drawn {
