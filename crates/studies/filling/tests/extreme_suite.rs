@@ -94,16 +94,25 @@ fn the_fast_half_is_right_or_refused_as_it_should_be() {
     let place = tempfile::tempdir().expect("a folder");
     let run = measured(place.path(), &request(&FAST_HALF, 96));
     eprintln!("{}", extreme_sentence(&run).expect("cases"));
+    let mut faults = Vec::new();
     for case in &run.cases {
-        assert_eq!(case.outcome, Outcome::Ok, "{}: {}", case.id(), case.reason);
+        if case.outcome != Outcome::Ok {
+            faults.push(format!(
+                "{}: {:?}, {}",
+                case.id(),
+                case.outcome,
+                case.reason
+            ));
+        }
         // Whoever sees no boundary says why, after the remark.
-        let remark = case.reason.split_once("this view checks nothing");
-        assert!(
-            remark.is_none_or(|(_, note)| !note.is_empty()),
-            "{}",
-            case.id()
-        );
+        if let Some((_, "")) = case.reason.split_once("this view checks nothing") {
+            faults.push(format!(
+                "{}: sees no boundary and does not say why",
+                case.id()
+            ));
+        }
     }
+    assert_eq!(faults, Vec::<String>::new());
     let chapter = SUITE.chapter();
     assert_eq!(chapter.contradictions(&run), Vec::<String>::new());
     assert!(!chapter.blocks(&run).expect("blocks").is_empty());

@@ -154,7 +154,7 @@ pub(crate) struct BenchArguments {
     /// Timed samples of a case in each process [default: each study's]
     #[arg(long, alias = "frames", value_parser = parse_samples)]
     pub(crate) samples: Option<u32>,
-    /// Image size, WIDTHxHEIGHT or one number for both [default: 1024, suite 256]
+    /// Image size, WIDTHxHEIGHT or one number [default: 1024, suite 256]
     #[arg(long, default_value = "1024", hide_default_value = true,
         default_value_if("suite", clap::builder::ArgPredicate::IsPresent, "256"),
         value_parser = parse_size)]
