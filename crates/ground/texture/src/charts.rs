@@ -54,6 +54,13 @@ impl ChartDegree {
 pub enum Chart {
     /// Distances from two planes, linear between the region's extents.
     Planes,
+    /// Barycentric coordinates in the triangle of a flat mesh that holds the fragment.
+    ///
+    /// The mesh is the extent's rectangle, cut from south-west to north-east; its corners have the
+    /// texture coordinates. A fragment is projected as for a gnomonic chart. Exact at the corners;
+    /// in between a meridian or parallel is its chord, so the error is that of a flat region and
+    /// grows with the square of its size. What Cozzi (2007), 2.1.6, considered and did not build.
+    Barycentric,
     /// Gnomonic projection on the anchor's normal and a polynomial in its two coordinates.
     Gnomonic(ChartDegree),
     /// Gnomonic projection on the pole, colatitude by an odd polynomial with that many terms,
@@ -124,7 +131,8 @@ impl Chart {
     pub fn all() -> impl Iterator<Item = Self> {
         let gnomonic = ChartDegree::ALL.into_iter().map(Self::Gnomonic);
         let azimuthal = ChartDegree::ALL.into_iter().map(Self::Azimuthal);
-        std::iter::once(Self::Planes)
+        [Self::Planes, Self::Barycentric]
+            .into_iter()
             .chain(gnomonic)
             .chain(azimuthal)
             .chain(CubeSize::ALL.into_iter().map(Self::Cube))
@@ -135,6 +143,7 @@ impl Chart {
     pub fn name(&self) -> String {
         match self {
             Self::Planes => "planes".to_owned(),
+            Self::Barycentric => "barycentric".to_owned(),
             Self::Gnomonic(degree) => format!("gnomonic-{}", degree.get()),
             Self::Azimuthal(degree) => format!("azimuthal-{}", degree.get()),
             Self::Cube(size) => format!("cube-{}", size.get()),
@@ -157,6 +166,7 @@ impl Chart {
         let d = b.offset();
         let [longitude, latitude] = match self {
             Self::Planes => [affine(&mut b, 0, d), affine(&mut b, 4, d)],
+            Self::Barycentric => barycentric_steps(&mut b, d),
             Self::Gnomonic(degree) => gnomonic_steps(&mut b, d, *degree),
             Self::Azimuthal(terms) => azimuthal_steps(&mut b, d, *terms),
             Self::Cube(_) => cube_steps(&mut b, d),
@@ -172,6 +182,7 @@ impl Chart {
     pub fn constants(&self, region: &MapRegion) -> Vec<[f32; 4]> {
         let lanes = match self {
             Self::Planes => planes_constants(region),
+            Self::Barycentric => barycentric_constants(region),
             Self::Gnomonic(degree) => gnomonic_constants(region, *degree),
             Self::Azimuthal(terms) => azimuthal_constants(region, *terms),
             Self::Cube(_) => cube_constants(region),
@@ -256,6 +267,90 @@ fn planes_constants(region: &MapRegion) -> Vec<f64> {
         [row.x, row.y, row.z, start[axis] - slope * low[axis]]
     };
     [row(0, east), row(1, north)].concat()
+}
+
+/// Constants before the weights' rows: of w and of north, for x and z each.
+const BARYCENTRIC_FRAME: usize = 4;
+
+/// The weights of two corners in each triangle, the third being what is left of 1, and from them the
+/// angles; both triangles share the diagonal, so on it they agree and no fragment is in neither.
+///
+/// In a triangle an angle is that of corner A plus the weights of B and C times how much more it is
+/// there. The sides of the rectangle are meridians and parallels: every difference is 0 or its size.
+fn barycentric_steps(b: &mut ProgramBuilder, d: [Value; 3]) -> [Value; 2] {
+    let [x, y, z] = d;
+    let [wx, wz, nx, nz] = [0, 1, 2, 3].map(|i| b.constant(i));
+    let one = b.literal(1.0);
+    let w = b.fma(z, wz, one);
+    let w = b.fma(x, wx, w);
+    let north = b.multiply(z, nz);
+    let north = b.fma(x, nx, north);
+    let inverse = b.divide(one, w);
+    let east = b.multiply(y, inverse);
+    let north = b.multiply(north, inverse);
+    let row = |b: &mut ProgramBuilder, first: usize| {
+        let [of_east, of_north, rest] = [0, 1, 2].map(|i| b.constant(first + i));
+        let sum = b.fma(north, of_north, rest);
+        b.fma(east, of_east, sum)
+    };
+    // South-east and north-east of the lower triangle; north-east and north-west of the upper one.
+    let [lower_se, lower_ne, upper_ne, upper_nw] =
+        [0, 3, 6, 9].map(|first| row(b, BARYCENTRIC_FRAME + first));
+    let [west, south, width, height] = [12, 13, 14, 15].map(|i| b.constant(BARYCENTRIC_FRAME + i));
+    let lower = [b.add(lower_se, lower_ne), lower_ne];
+    let upper = [upper_ne, b.add(upper_ne, upper_nw)];
+    // Left of the diagonal the lower triangle's south-east weight is negative.
+    let zero = b.literal(0.0);
+    let [u, v] = [0, 1].map(|axis: usize| b.select_less(lower_se, zero, upper[axis], lower[axis]));
+    [b.fma(u, width, west), b.fma(v, height, south)]
+}
+
+/// Frame, rows of the weights and the rectangle, in the order that [`barycentric_steps`] reads.
+///
+/// A weight is the signed area that the point spans with the opposite side, over the triangle's. A
+/// rectangle without area, as a whole parallel's in projection, has weights of 0.
+fn barycentric_constants(region: &MapRegion) -> Vec<f64> {
+    let [_, north, up] = local_axes(region.anchor_latitude_rad());
+    let to_centre = prime_vertical_radius_m(region, region.anchor_latitude_rad());
+    let extent = region.extent();
+    let corner = |longitude_rad: f64, latitude_rad: f64| {
+        let offset = region.offset_m(Geodetic {
+            longitude_rad,
+            latitude_rad,
+            height_m: 0.0,
+        });
+        let w = 1.0 + offset.dot(up) / to_centre;
+        [offset.y / w, offset.dot(north) / w]
+    };
+    let sw = corner(extent.west_rad, extent.south_rad);
+    let se = corner(extent.east_rad, extent.south_rad);
+    let ne = corner(extent.east_rad, extent.north_rad);
+    let nw = corner(extent.west_rad, extent.north_rad);
+    let mut constants = vec![up.x / to_centre, up.z / to_centre, north.x, north.z];
+    for [weighed, from, to] in [[se, ne, sw], [ne, sw, se], [ne, nw, sw], [nw, sw, ne]] {
+        constants.extend(weight_row(weighed, from, to));
+    }
+    let size = extent.size_rad();
+    constants.extend([
+        extent.west_rad - region.anchor_longitude_rad(),
+        extent.south_rad - region.anchor_latitude_rad(),
+        size[0],
+        size[1],
+    ]);
+    constants
+}
+
+/// Factors of east and north and the rest of the weight of a corner: 1 there, 0 on the line through
+/// the other two.
+fn weight_row(weighed: [f64; 2], from: [f64; 2], to: [f64; 2]) -> [f64; 3] {
+    let normal = [from[1] - to[1], to[0] - from[0]];
+    let height = |p: [f64; 2]| (p[0] - from[0]) * normal[0] + (p[1] - from[1]) * normal[1];
+    let area = height(weighed);
+    if area.abs() < f64::MIN_POSITIVE {
+        return [0.0; 3];
+    }
+    let rest = -(from[0] * normal[0] + from[1] * normal[1]);
+    [normal[0] / area, normal[1] / area, rest / area]
 }
 
 /// Powers (i, j) of u² and v in longitude / u, and in latitude, row by row for Horner's rule.

@@ -243,13 +243,16 @@ impl Chooser {
     /// front of error against operations.
     ///
     /// Left out beforehand are the device's own arctangent, whose only bound is WGSL's 4096 ULP, and
-    /// everything that reads a texture, which is dearer and less accurate.
+    /// everything that reads a texture, which is dearer and less accurate; barycentric coordinates too,
+    /// since a gnomonic chart of degree 1 is as flat, costs less and errs less.
     #[must_use]
     pub fn default_candidates() -> Vec<CoordinateRoute> {
         CoordinateRoute::all()
             .into_iter()
             .filter(|route| match route {
-                CoordinateRoute::Chart(chart) => !matches!(chart, Chart::Cube(_)),
+                CoordinateRoute::Chart(chart) => {
+                    !matches!(chart, Chart::Cube(_) | Chart::Barycentric)
+                }
                 CoordinateRoute::Angles { core, .. } => matches!(
                     core,
                     AngleCore::Odd {

@@ -259,3 +259,32 @@ fn a_cube_uploads_what_it_samples() {
     assert!(cube.face(1)[5][0].abs() > 2.8);
     assert!(cube.face(4)[5][1] > 1.2 && cube.face(5)[5][1] < -1.2);
 }
+
+#[test]
+fn barycentric_coordinates_err_by_the_chords_of_meridians_and_parallels() {
+    let barycentric = CoordinateRoute::Chart(Chart::Barycentric);
+    let on_equator = |size: f64| {
+        let half = 0.5 * size;
+        let extent = MapExtent::from_degrees(30.0 - half, -half, 30.0 + half, half);
+        MapRegion::new(Ellipsoid::WGS84, extent, (0.0, 0.0)).expect("a region")
+    };
+    // From a point close to the centre, a parallel at the equator is longitude = atan(x): between
+    // centre (0) and edge h the chord is off by at most 2 h³ / (9 √3), and so is a meridian.
+    for size in [1.0_f64, 4.0] {
+        let half = (0.5 * size).to_radians();
+        let expected = 2.0 * half.powi(3) / (9.0 * 3.0_f64.sqrt());
+        let found = barycentric.residual(&on_equator(size)).max_rad;
+        // The sides of the rectangle bend as well, and meridians converge: the same order.
+        assert!(
+            found > expected && found < 6.0 * expected,
+            "{size}: {found:e} {expected:e}"
+        );
+    }
+    // Ten metres are flat: what is left, a tenth of a millimetre at most, is rounding in f32.
+    let small = barycentric.residual(&on_equator(1e-4)).max_rad;
+    assert!(small < 1e-11, "{small:e}");
+    // Twin: a gnomonic chart of degree 1 is as flat, fitted, and errs less over the same 4 degrees.
+    let fitted = CoordinateRoute::Chart(Chart::parse("gnomonic-1").expect("a chart"));
+    let region = on_equator(4.0);
+    assert!(fitted.residual(&region).max_rad < barycentric.residual(&region).max_rad);
+}

@@ -88,35 +88,54 @@ pub fn filled_only(frame: &Frame) -> Frame {
 /// # Errors
 /// [`CompareError`] when the two cannot be laid over one another, or the reference is broken.
 pub fn compare(reference: &Frame, frame: &Frame) -> Result<ErrorFigures, CompareError> {
-    compare_closely(reference, frame, |_, _| false)
+    compare_closely(reference, frame, |_| false, |_, _| false)
 }
 
 /// The same by a reference that can be asked between the centres of its pixels. What is smaller than a
 /// pixel leaves no trace in its picture, and the band lies around what does. In the frame rounding may
 /// give such a piece a pixel all the same.
 ///
+/// - `is_on_border`: whether rounding decides what it shows in the centre of the pixel of that index, which
+///   is inside the band then
 /// - `shows`: whether it shows the id within [`crate::BAND_RADIUS_PX`] of the centre of the pixel of
 ///   that index. A pixel for which it does is inside the band; and a piece of the frame of fewer than
 ///   [`crate::SMALLEST_PIECE_PX`] pixels counts as little for the Hausdorff distance as one of the
 ///   reference does.
-/// - At most [`MAX_PROBED`] pixels are asked about: what differs at more of them is no luck.
+/// - At most [`MAX_PROBED`] pixels are asked about by `shows`: what differs at more of them is no luck.
 ///
 /// # Errors
 /// As [`compare`].
 pub fn compare_closely(
     reference: &Frame,
     frame: &Frame,
+    is_on_border: impl Fn(usize) -> bool,
     shows: impl Fn(usize, u32) -> bool,
 ) -> Result<ErrorFigures, CompareError> {
     check(reference, frame)?;
     let grid = Grid::of(reference);
     let mismatched = |index: &usize| reference.ids[*index] != frame.ids[*index];
-    let band = grid.band(&reference.ids);
+    let mut band = grid.band(&reference.ids);
+    // As the reference has it where rounding decides: a piece of such pixels has no distance to be measured.
+    // Asked within the band only where there is such a piece, since getting ready to answer takes time.
+    let mut ids = frame.ids.clone();
+    let all = || (0..band.len()).filter(mismatched);
+    let decided: Vec<usize> = all()
+        .filter(|&index| !band[index] && is_on_border(index))
+        .collect();
+    if !decided.is_empty() {
+        let around = all().filter(|&index| band[index] && is_on_border(index));
+        for index in around.chain(decided.iter().copied()) {
+            ids[index] = reference.ids[index];
+        }
+    }
+    for index in decided {
+        band[index] = true;
+    }
     let mismatches: Vec<usize> = (0..band.len()).filter(mismatched).collect();
     let mut outside = mismatches.iter().filter(|&&index| !band[index]).count();
 
     let mut tiny = grid.tiny_pieces(&reference.ids);
-    let made = grid.tiny_pieces(&frame.ids).pixels;
+    let made = grid.tiny_pieces(&ids).pixels;
     let doubtful = |index: &&usize| !band[**index] || made[**index];
     if mismatches.iter().filter(doubtful).count() <= MAX_PROBED {
         for &index in mismatches.iter().filter(doubtful) {
@@ -132,7 +151,7 @@ pub fn compare_closely(
     let hausdorff = hausdorff_px(
         grid,
         &grid.boundary(&reference.ids, Some(&ignored)),
-        &grid.boundary(&frame.ids, Some(&ignored)),
+        &grid.boundary(&ids, Some(&ignored)),
     );
     let diagonal = (grid.width as f64).hypot(grid.height as f64);
     let filled_px = frame.filled_px();
@@ -150,7 +169,7 @@ pub fn compare_closely(
     })
 }
 
-/// Pixels about which [`compare_closely`] asks.
+/// Pixels about which [`compare_closely`] asks what the reference shows around them.
 pub const MAX_PROBED: usize = 64;
 
 /// Whether the two can be compared at all.
@@ -345,7 +364,7 @@ pub(crate) mod tests {
         let speck = drawn(|x, y| square(x, y) | u32::from((x, y) == (35, 25)));
         let place = 25 * 40 + 35;
         let asked = |frame: &Frame, shows: &dyn Fn(usize, u32) -> bool| {
-            compare_closely(&reference, frame, shows).expect("same size")
+            compare_closely(&reference, frame, |_| false, shows).expect("same size")
         };
         let found = asked(&speck, &|pixel, id| (pixel, id) == (place, 1));
         assert_eq!(verdict(&found), Verdict::Pass);
@@ -367,13 +386,41 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn where_rounding_decides_a_frame_may_differ_and_nowhere_else() {
+        let reference = drawn(square);
+        let other = drawn(|x, y| {
+            if x < 12 {
+                square(x, y)
+            } else {
+                2 * square(x, y)
+            }
+        });
+        let asked = |is_on_border: &dyn Fn(usize) -> bool| {
+            compare_closely(&reference, &other, is_on_border, |_, _| false).expect("same size")
+        };
+        let found = asked(&|pixel| pixel % 40 >= 12);
+        assert!(
+            found.mismatched_px > MAX_PROBED as u64,
+            "{}",
+            found.mismatched_px
+        );
+        assert_eq!(verdict(&found), Verdict::Pass);
+        // Twins: where it decides nothing, and where a column of what differs is left.
+        for first in [40, 13] {
+            let found = asked(&|pixel| pixel % 40 >= first);
+            assert!(found.mismatched_px_outside_band > 0, "{first}");
+            assert_ne!(verdict(&found), Verdict::Pass, "{first}");
+        }
+    }
+
+    #[test]
     fn more_specks_than_luck_could_make_are_not_asked_about() {
         let reference = drawn(|_, _| 0);
         let dots = |count: i32| {
             drawn(move |x, y| u32::from(x % 3 == 0 && y % 3 == 0 && x / 3 + 14 * (y / 3) < count))
         };
         let most = i32::try_from(MAX_PROBED).expect("few");
-        let figures = |count| compare_closely(&reference, &dots(count), |_, _| true);
+        let figures = |count| compare_closely(&reference, &dots(count), |_| false, |_, _| true);
         let found = figures(most).expect("same size");
         assert_eq!(found.mismatched_px, MAX_PROBED as u64);
         assert_eq!(verdict(&found), Verdict::Pass);

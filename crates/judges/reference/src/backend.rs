@@ -136,6 +136,29 @@ impl CloseLook<'_> {
         all.map(|place| self.id_at(place)).collect()
     }
 
+    /// Whether rounding decides what a pixel shows: whether the points of the surface within [`ROUNDING`]
+    /// of its distance are not all in the same region. A facet that lies in the plane of a wall, as a
+    /// skirt at a tile's edge may, is on either side of it to anything that rounds.
+    #[must_use]
+    pub fn is_on_border(&self, pixel: usize) -> bool {
+        let input = self.input;
+        let width = input.size.width.max(1) as usize;
+        let place = [pixel % width, pixel / width].map(|at| at as f64 + 0.5);
+        let ray = input.camera.direction_ecef(input.size, place);
+        let Some(depth) = self.surface.hit(ray, input.camera.near_m) else {
+            return false;
+        };
+        let hit_ecef = input.camera.eye_ecef + ray * depth;
+        let reach_m = ROUNDING * (ray * depth).length();
+        let id = |offset: DVec3| {
+            judge_place(input, &self.locator, None, (ray, depth), hit_ecef + offset).id
+        };
+        let here = id(DVec3::ZERO);
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * reach_m);
+        axes.into_iter()
+            .any(|step| id(step) != here || id(-step) != here)
+    }
+
     /// The id at a place of the image, pixels from its upper left corner; a pixel's centre is at half
     /// pixels.
     #[must_use]
@@ -147,6 +170,10 @@ impl CloseLook<'_> {
 
 /// Places in a row of a pixel at which a [`CloseLook`] asks.
 pub const PLACES_PER_PX: u32 = 8;
+
+/// How far apart the same place may come out by different steps in f32, relative to its distance from the
+/// eye: the surface's vertex, the volume's vertex and the depths of both are rounded once each.
+const ROUNDING: f64 = 4.0 / (1 << 24) as f64;
 
 /// What one pixel shows.
 #[derive(Debug, Clone, Copy, Default)]
@@ -286,6 +313,17 @@ fn judge_direction(
         return Pixel::default();
     };
     let hit_ecef = input.camera.eye_ecef + direction * depth;
+    judge_place(input, locator, texturing, (direction, depth), hit_ecef)
+}
+
+/// What lies at a place of the surface.
+fn judge_place(
+    input: &FillInput,
+    locator: &Locator,
+    texturing: Option<&Texturing<'_>>,
+    (direction, depth): (DVec3, f64),
+    hit_ecef: DVec3,
+) -> Pixel {
     let geodetic = input.scene.body.ecef_to_geodetic(hit_ecef);
     let mut pixel = Pixel {
         id: NO_REGION,

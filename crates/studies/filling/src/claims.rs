@@ -69,6 +69,8 @@ pub(crate) enum Test {
     FillRate,
     /// By the ratio of two textured fills: an index of the textured section's comparisons.
     Textured(usize, Claim),
+    /// Largest texel error by the document's angles beside that by barycentric coordinates.
+    FlatMesh,
     /// Textured over plain is more along the horizon than elsewhere.
     TexturedWorstAtHorizon,
     /// By a formula alone: the sum, and what it should give.
@@ -159,7 +161,7 @@ const fn factor(of: f64, within: f64) -> Claim {
 use Basis::{Anticipated, Considered, Measured, Observed};
 use Claim::{AtLeast, Faster, NoDifference, NotFaster};
 use Test::{
-    CentricNormals, CostsMore, Counter, FillRate, GeometryShaderBytes, LargestGain, No,
+    CentricNormals, CostsMore, Counter, FillRate, FlatMesh, GeometryShaderBytes, LargestGain, No,
     RightPicture, SecondPass, Step, StepWithAllInSight, Subdivision, Sum, SurfaceIndependence,
     Textured, TexturedWorstAtHorizon, TimeOverVolumes, WrongPixels,
 };
@@ -294,8 +296,8 @@ pub(crate) const CLAIMS: [Claimed; 63] = [
         MAPPING,
         Considered,
         "",
-        "",
-        No("barycentric coordinates are no route of this run"),
+        "its angles ÷ barycentric coordinates in the rectangle's two triangles: largest error, texels",
+        FlatMesh,
     ),
     claimed(
         "Creating a separate volume for each triangle is almost certainty unreasonable.",

@@ -498,7 +498,8 @@ impl<'a> ViewSession<'a> {
         } else {
             (&reference.frame, frame)
         };
-        let figures = compare_closely(expected, frame, shows).and_then(|figures| {
+        let is_on_border = |pixel| look().is_some_and(|look| look.is_on_border(pixel));
+        let figures = compare_closely(expected, frame, is_on_border, shows).and_then(|figures| {
             let Some(look) = is_moved.then(look).flatten() else {
                 return Ok(figures);
             };

@@ -6,8 +6,8 @@
 //! view-projection in `f32`, normalised though nothing needs it, and both angles at the body's centre by
 //! the device's own arctangent; then with one picture for all regions or one each, a large picture or a
 //! small one, without the normalisation, and, proposed and never built, with arctangents from a 1D
-//! texture or a series, or with a texture of spherical coordinates. Each is a row beside the plain fill of
-//! the same rounds, and so is this project's route. Angles at the centre are not those by which the
+//! texture or a series, or with a texture of spherical coordinates, or by barycentric coordinates in a flat
+//! mesh. Each is a row beside the plain fill of the same rounds, and so is this project's route. Angles at the centre are not those by which the
 //! picture lies, so that the document's rows may be wrong and are timed all the same. Errors in texels;
 //! colours of 0 to 255.
 
@@ -49,6 +49,10 @@ const PROPOSALS_OF_2007: [&str; 3] = [
     "odd-7+geocentric",
     "cube-512",
 ];
+
+/// What the document proposes against precision problems. The offset that it starts from is the region's,
+/// which has none of its own: what is left is how flat the region is.
+const FLAT_MESH_OF_2007: (&str, PositionRoute) = ("barycentric", PositionRoute::EyeRegion);
 
 /// Texels along the side of the document's small picture, and cells of a checker of that size.
 const SMALL_PX: u32 = 32;
@@ -151,12 +155,13 @@ pub(crate) fn textured_variants(
 
 /// The document's fill, as it was and with each of its changes.
 fn document_variants(plain: &Variant) -> Vec<(Variant, ShownPicture)> {
-    let by = |route: &str| {
+    let from = |route: &str, position: PositionRoute| {
         plain.clone().with_switches(|switches| {
             switches.texture = RouteChoice::parse(route);
-            switches.position = Some(PositionRoute::InverseEcef);
+            switches.position = Some(position);
         })
     };
+    let by = |route: &str| from(route, PositionRoute::InverseEcef);
     let needed = by(ROUTE_OF_2007);
     let as_it_was = needed
         .clone()
@@ -168,7 +173,13 @@ fn document_variants(plain: &Variant) -> Vec<(Variant, ShownPicture)> {
         (as_it_was, ShownPicture::Small),
         (needed, ShownPicture::Scene),
     ];
-    changes.into_iter().chain(proposals).collect()
+    let (route, position) = FLAT_MESH_OF_2007;
+    let flat_mesh = (from(route, position), ShownPicture::Scene);
+    changes
+        .into_iter()
+        .chain(proposals)
+        .chain([flat_mesh])
+        .collect()
 }
 
 /// Whether a case is one of the document's textured fills.
@@ -373,6 +384,7 @@ mod tests {
                 "doubled,position=inverse-ecef,texture=lut-256-r16-linear+geocentric",
                 "doubled,position=inverse-ecef,texture=odd-7+geocentric",
                 "doubled,position=inverse-ecef,texture=cube-512",
+                "doubled,position=eye-region,texture=barycentric",
             ]
         );
         assert_eq!(names("planet-134", 0, false), all);

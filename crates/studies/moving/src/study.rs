@@ -430,10 +430,12 @@ impl<'a> SweepSession<'a> {
                 ids.any(|shown| as_compared(shown) == id)
             })
         };
+        let is_on_border = |pixel| closely().is_some_and(|look| look.is_on_border(pixel));
         let compared = if as_mask {
-            compare_closely(&filled_only(&reference), &filled_only(drawn), shows)
+            let (reference, drawn) = (filled_only(&reference), filled_only(drawn));
+            compare_closely(&reference, &drawn, is_on_border, shows)
         } else {
-            compare_closely(&reference, drawn, shows)
+            compare_closely(&reference, drawn, is_on_border, shows)
         };
         compared.map_err(|error| error.to_string())
     }

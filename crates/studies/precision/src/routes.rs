@@ -115,6 +115,7 @@ pub(crate) fn family(route: &CoordinateRoute) -> (String, Option<f64>) {
     match route {
         CoordinateRoute::Chart(chart) => match chart {
             Chart::Planes => ("planes".to_owned(), None),
+            Chart::Barycentric => ("barycentric".to_owned(), None),
             Chart::Gnomonic(degree) => ("gnomonic".to_owned(), Some(f64::from(degree.get()))),
             Chart::Azimuthal(terms) => ("azimuthal".to_owned(), Some(f64::from(terms.get()))),
             Chart::Cube(size) => ("cube".to_owned(), Some(f64::from(size.get()))),

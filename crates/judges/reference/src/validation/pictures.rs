@@ -384,3 +384,39 @@ fn a_frame_is_judged_from_its_parsed_regions() {
         "{refused:?}"
     );
 }
+
+#[test]
+fn rounding_decides_on_a_facet_in_the_plane_of_a_wall_and_nowhere_else() {
+    let mut input = input(Ellipsoid::WGS84, &pose(0.0, 0.0, 1e6, -90.0), 16, 60);
+    let text = r#"{"type":"Polygon","coordinates":[[[-20,0],[20,0],[20,20],[-20,20],[-20,0]]]}"#;
+    input.scene.regions = parse_regions(text.as_bytes(), "test")
+        .expect("valid")
+        .into();
+    // Seen from 200 km north of it, a facet in the equator's plane, which is the region's southern wall.
+    input.camera.eye_ecef.z += 2e5;
+    input.surface.triangles = vec![[0, 1, 2]].into();
+    let mut seen = |north_m: f32| {
+        let z = north_m - 2e5;
+        let (low, high) = (-1.1e6, -5e5);
+        input.surface.vertices_rte = vec![[low, -1e6, z], [low, 1e6, z], [high, 0.0, z]].into();
+        let look = ReferenceBackend::new()
+            .look_closely(&input)
+            .expect("a square");
+        let judged = ReferenceBackend::new().judge(&input).expect("a square");
+        let facet = judged.frame.surface.iter().filter(|&&met| met).count();
+        let border = (0..16 * 16).filter(|&pixel| look.is_on_border(pixel));
+        (facet, border.count())
+    };
+    let (facet, border) = seen(0.0);
+    assert!(facet > 4 && border == facet, "{facet} {border}");
+    let (facet, border) = seen(0.125);
+    assert_eq!(
+        border, facet,
+        "an eighth of a metre from 1,100 km is rounding"
+    );
+    // Twins: a metre to either side is not.
+    for north_m in [-1.0, 1.0] {
+        let (facet, border) = seen(north_m);
+        assert!(facet > 4 && border == 0, "{facet} {border}");
+    }
+}

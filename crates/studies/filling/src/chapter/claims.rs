@@ -155,6 +155,7 @@ pub(super) fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed) 
         Test::SecondPass(views) => second_pass(&steps(&own, "bottom-cap", views)),
         Test::FillRate => of_fill_rate(&own),
         Test::Textured(index, claim) => of_textured(data, index, claim),
+        Test::FlatMesh => flat_mesh(data),
         Test::TexturedWorstAtHorizon => worst_at_horizon(data),
         Test::Sum {
             formula,
@@ -362,6 +363,25 @@ fn of_textured(data: &Data<'_>, index: usize, claim: Claim) -> Judged {
         textured::compared(data, index),
         claim,
         textured::heading(index),
+    )
+}
+
+/// Barycentric coordinates have no more error than the document's angles where a region is flat enough.
+fn flat_mesh(data: &Data<'_>) -> Judged {
+    let found = super::textured::flat_mesh_errors(data).into_iter();
+    let parts = found.map(|(view, [angles, barycentric])| {
+        let standing = match barycentric <= angles {
+            true => Standing::Holds,
+            false => Standing::DoesNotHold,
+        };
+        let [angles, barycentric] = [angles, barycentric].map(significant);
+        (format!("{view} {angles} ÷ {barycentric}"), standing)
+    });
+    Judged::new(
+        parts.collect(),
+        "in a flat triangle a meridian is its chord: that error grows with the square of a region's size, \
+         so it is for small regions"
+            .to_owned(),
     )
 }
 
@@ -670,6 +690,9 @@ pub(super) fn undecided(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<String> 
                 keys.extend(cases.filter(|_| is_open).map(|case| case.id().key()));
             }
         }
+    }
+    if !documents(ladders).is_empty() {
+        keys.extend(textured::undecided(data));
     }
     keys.sort_unstable();
     keys.dedup();

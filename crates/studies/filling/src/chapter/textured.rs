@@ -56,8 +56,21 @@ const ATAN_2007: TextureSwitches = &[
     ("texture", "atan2-native+geocentric"),
 ];
 
+/// Barycentric coordinates in a flat mesh, from the region's own offset.
+const BARYCENTRIC: TextureSwitches = &[("texture", "barycentric")];
+
+/// Of each view with both: its title, and the largest texel error by the document's angles and by
+/// barycentric coordinates.
+pub(super) fn flat_mesh_errors(data: &Data<'_>) -> Vec<(String, [f64; 2])> {
+    let of = |view: &TexturedView<'_>| {
+        let worst = |wanted| view.case(wanted)?.value("texel_max");
+        Some((view.title.clone(), [worst(ATAN_2007)?, worst(BARYCENTRIC)?]))
+    };
+    views(data).iter().filter_map(of).collect()
+}
+
 /// The document's comparisons.
-pub(super) const COMPARISONS: [Comparison; 12] = [
+pub(super) const COMPARISONS: [Comparison; 13] = [
     Comparison {
         heading: "as in 2007 ÷ plain",
         case: AS_IN_2007,
@@ -133,6 +146,11 @@ pub(super) const COMPARISONS: [Comparison; 12] = [
         heading: "2007, native atan2 ÷ the two reads alone",
         case: ATAN_2007,
         control: FLOOR,
+    },
+    Comparison {
+        heading: "2007, native atan2 ÷ barycentric coordinates",
+        case: ATAN_2007,
+        control: BARYCENTRIC,
     },
 ];
 
@@ -369,6 +387,23 @@ pub(super) fn compared<'a>(data: &Data<'a>, index: usize) -> Vec<(String, &'a st
         Some((view.title, scene, ratio))
     };
     views(data).into_iter().filter_map(of).collect()
+}
+
+/// Keys of the cases of a comparison without an interval: too few processes have measured it.
+pub(super) fn undecided(data: &Data<'_>) -> Vec<String> {
+    let views = views(data);
+    let open = views.iter().flat_map(|view| {
+        COMPARISONS.iter().filter_map(move |comparison| {
+            let ratio = compare(data, view, comparison)?;
+            let case = view.case(comparison.case)?;
+            let control = match comparison.control {
+                [] => plain_of(data, case)?,
+                wanted => view.case(wanted)?,
+            };
+            ratio.interval.is_none().then_some([case, control])
+        })
+    });
+    open.flatten().map(|case| case.id().key()).collect()
 }
 
 /// View by view, a cell for each comparison.
