@@ -87,6 +87,19 @@ pub enum DataError {
         /// The system's words.
         why: String,
     },
+    /// The disk has less room than the set takes.
+    #[error(
+        "{}: found {found} bytes free on its disk, needs {needed} bytes; nothing was fetched",
+        folder.display()
+    )]
+    NoRoom {
+        /// The data folder.
+        folder: PathBuf,
+        /// Bytes that are free.
+        found: u64,
+        /// Bytes to be written.
+        needed: u64,
+    },
     /// The disk is full, or the folder may not be written.
     #[error("{}: cannot be written: {source}", path.display())]
     Unwritable {

@@ -5,6 +5,7 @@ use crate::catalogue::path_of;
 use crate::curl::{self, Ended, Stopped};
 use crate::make::make;
 use crate::part::{Part, write_whole};
+use crate::room::check_room;
 use crate::state::{FileState, PinnedFile};
 use crate::{DataError, DataSet, MadeFile};
 use std::path::{Path, PathBuf};
@@ -142,6 +143,7 @@ impl<'a> Plan<'a> {
     /// # Errors
     /// [`DataError`]. A transfer that was broken off leaves `NAME.part`, from which the next goes on.
     pub fn carry_out(&self, progress: &mut dyn FnMut(u64)) -> Result<(), DataError> {
+        check_room(&self.folder, self.write_bytes())?;
         let path = self.folder.join(&self.set.file);
         if !self.is_here {
             self.fetch(&path, progress)?;

@@ -2,7 +2,8 @@
 //! Data sets that scenes need: where each is published, and how it gets into the data folder.
 //!
 //! The catalogue pins an address, a size and a SHA-256 for each set. A transfer goes into a file
-//! `NAME.part` beside its place, is resumed there, and gets its name once size and hash are right.
+//! `NAME.part` beside its place, is resumed there, and gets its name once size and hash are right. One that
+//! the disk has no room for is refused before it begins.
 //!
 //! Transfers are `curl`'s, a child process. `ureq` 3, the smallest client with TLS that was weighed,
 //! would bring rustls, ring and its C code into every build. It also brings `webpki-roots`, whose
@@ -16,6 +17,7 @@ mod fetch;
 mod listing;
 mod make;
 mod part;
+mod room;
 mod state;
 mod topojson;
 

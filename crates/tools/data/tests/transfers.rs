@@ -277,6 +277,21 @@ fn a_place_that_cannot_be_written_is_named() {
     assert_eq!(server.asked().len(), 0);
 }
 
+#[test]
+fn a_set_that_the_disk_has_no_room_for_is_refused_before_its_transfer() {
+    let mut desk = Desk::new();
+    let server = Loopback::start(|_| Answer::File(bytes()));
+    let bytes = std::mem::replace(&mut desk.catalogue.sets[0].bytes, 1 << 60);
+    let error = desk.refused(&server);
+    let needed = "bytes free on its disk, needs 1152921504606846976 bytes; nothing was fetched";
+    assert!(error.ends_with(needed), "{error}");
+    assert_eq!((server.asked().len(), desk.names()), (0, Vec::new()));
+    // Twin: with room for it, it is fetched.
+    desk.catalogue.sets[0].bytes = bytes;
+    desk.get(&server).expect("fetched");
+    assert!(desk.has_it());
+}
+
 #[cfg(unix)]
 #[test]
 fn a_disk_that_is_full_is_named() {
