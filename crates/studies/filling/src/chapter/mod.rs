@@ -27,6 +27,7 @@ mod techniques;
 #[cfg(test)]
 mod tests;
 mod textured;
+mod walls;
 
 use crate::request::STUDY;
 use data::{Data, is_baseline};
@@ -65,6 +66,7 @@ impl Chapter for FillingChapter {
         let ladders = rungs::ladders(&data);
         blocks.extend(claims::blocks(&data, &ladders));
         blocks.extend(ladder::blocks(&data, &ladders)?);
+        blocks.extend(walls::blocks(&data, &ladders));
         blocks.extend(rivals::blocks(&data));
         blocks.extend(pairs::blocks(&data));
         blocks.extend(matrix::blocks(&data));

@@ -327,6 +327,39 @@ fn time_over_vertices_and_over_fragments_are_told_apart() {
     assert!(!words(&section(&run, LADDER)).contains("Fill rate or vertices"));
 }
 
+#[test]
+fn lower_walls_stand_beside_global_ones_in_time_fragments_and_wrong_pixels() {
+    let steps = [
+        ("culling", 100.0),
+        ("walls-global", 160.0),
+        ("strips", 90.0),
+    ];
+    let mut run = climbed("horizon", &steps);
+    let conditions = &mut run.cases[2].id.conditions;
+    conditions.insert("aside".to_owned(), "yes".to_owned());
+    run.cases[1].figure("wall_height_m", 1_500.0);
+    run.cases[2]
+        .figure("wall_height_m", 24_000.0)
+        .figure("stencil_fragments", 20_000.0)
+        .figure("mismatched_px", 11.0)
+        .figure("mismatched_px_outside_band", 3.0);
+    let chapter = section(&run, "Lower walls");
+    let expected = [
+        "s, horizon: vertex",
+        "0.625 × [0.625–0.625]",
+        "5,000 ÷ 20,000 = 0.250",
+        "1,500 ÷ 24,000 = 0.0625",
+        "2 ÷ 8 = 0.250",
+    ];
+    let found = texts(tables(&chapter)[0], 0).join(" | ");
+    assert_eq!(found.replace('\u{202f}', ","), expected.join(" | "));
+    // Twins: a wrong picture has no ratio of times, and without the step there is nothing to say.
+    run.cases[2].ended(Status::Wrong, "3 pixels");
+    let chapter = section(&run, "Lower walls");
+    assert_eq!(texts(tables(&chapter)[0], 0)[1], "–");
+    assert!(section(&climbed("horizon", &steps[..1]), "Lower walls").is_empty());
+}
+
 const CLAIMS_SECTION: &str = "The claims of 2007";
 
 /// The row of the claim with these words.
