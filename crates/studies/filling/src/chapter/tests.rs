@@ -936,7 +936,7 @@ fn textured_fill_is_compared_with_plain_fill_and_the_document() {
     assert_eq!(
         middles,
         [
-            "3.00", "1.20", "1.10", "1.09", "2.50", "–", "–", "1.00", "–", "–", "2.50", "2.73"
+            "3.00", "1.20", "1.10", "1.09", "2.50", "–", "–", "1.00", "–", "–", "2.50", "2.73", "–"
         ]
     );
     let standings = |chapter: &[Block]| -> Vec<Standing> {
