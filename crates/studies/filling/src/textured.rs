@@ -384,7 +384,7 @@ mod tests {
                 "doubled,position=inverse-ecef,texture=lut-256-r16-linear+geocentric",
                 "doubled,position=inverse-ecef,texture=odd-7+geocentric",
                 "doubled,position=inverse-ecef,texture=cube-512",
-                "doubled,position=eye-region,texture=barycentric",
+                "doubled,texture=barycentric",
             ]
         );
         assert_eq!(names("planet-134", 0, false), all);
