@@ -136,7 +136,7 @@ impl CloseLook<'_> {
         all.map(|place| self.id_at(place)).collect()
     }
 
-    /// Whether rounding decides what a pixel shows: whether the points of the surface within [`ROUNDING`]
+    /// Whether rounding decides what a pixel shows: whether the points of the surface within 4 · 2⁻²⁴
     /// of its distance are not all in the same region. A facet that lies in the plane of a wall, as a
     /// skirt at a tile's edge may, is on either side of it to anything that rounds.
     #[must_use]
