@@ -269,25 +269,13 @@ fn planes_constants(region: &MapRegion) -> Vec<f64> {
     [row(0, east), row(1, north)].concat()
 }
 
-/// Constants before the weights' rows: of w and of north, for x and z each.
-const BARYCENTRIC_FRAME: usize = 4;
-
-/// The weights of two corners in each triangle, the third being what is left of 1, and from them the
-/// angles; both triangles share the diagonal, so on it they agree and no fragment is in neither.
+/// The weights of two corners in each triangle, and from them the angles.
 ///
-/// In a triangle an angle is that of corner A plus the weights of B and C times how much more it is
-/// there. The sides of the rectangle are meridians and parallels: every difference is 0 or its size.
+/// The third weight is what is left of 1. In a triangle an angle is that of corner A plus the weights of B
+/// and C times how much more it is there. The sides of the rectangle are meridians and parallels: every
+/// difference is 0 or its size. The triangles share the diagonal and agree on it.
 fn barycentric_steps(b: &mut ProgramBuilder, d: [Value; 3]) -> [Value; 2] {
-    let [x, y, z] = d;
-    let [wx, wz, nx, nz] = [0, 1, 2, 3].map(|i| b.constant(i));
-    let one = b.literal(1.0);
-    let w = b.fma(z, wz, one);
-    let w = b.fma(x, wx, w);
-    let north = b.multiply(z, nz);
-    let north = b.fma(x, nx, north);
-    let inverse = b.divide(one, w);
-    let east = b.multiply(y, inverse);
-    let north = b.multiply(north, inverse);
+    let [east, north] = projected(b, d);
     let row = |b: &mut ProgramBuilder, first: usize| {
         let [of_east, of_north, rest] = [0, 1, 2].map(|i| b.constant(first + i));
         let sum = b.fma(north, of_north, rest);
@@ -295,8 +283,8 @@ fn barycentric_steps(b: &mut ProgramBuilder, d: [Value; 3]) -> [Value; 2] {
     };
     // South-east and north-east of the lower triangle; north-east and north-west of the upper one.
     let [lower_se, lower_ne, upper_ne, upper_nw] =
-        [0, 3, 6, 9].map(|first| row(b, BARYCENTRIC_FRAME + first));
-    let [west, south, width, height] = [12, 13, 14, 15].map(|i| b.constant(BARYCENTRIC_FRAME + i));
+        [0, 3, 6, 9].map(|first| row(b, PROJECTION + first));
+    let [west, south, width, height] = [12, 13, 14, 15].map(|i| b.constant(PROJECTION + i));
     let lower = [b.add(lower_se, lower_ne), lower_ne];
     let upper = [upper_ne, b.add(upper_ne, upper_nw)];
     // Left of the diagonal the lower triangle's south-east weight is negative.
@@ -305,7 +293,7 @@ fn barycentric_steps(b: &mut ProgramBuilder, d: [Value; 3]) -> [Value; 2] {
     [b.fma(u, width, west), b.fma(v, height, south)]
 }
 
-/// Frame, rows of the weights and the rectangle, in the order that [`barycentric_steps`] reads.
+/// Projection, rows of the weights and the rectangle, in the order that [`barycentric_steps`] reads.
 ///
 /// A weight is the signed area that the point spans with the opposite side, over the triangle's. A
 /// rectangle without area, as a whole parallel's in projection, has weights of 0.
@@ -326,7 +314,7 @@ fn barycentric_constants(region: &MapRegion) -> Vec<f64> {
     let se = corner(extent.east_rad, extent.south_rad);
     let ne = corner(extent.east_rad, extent.north_rad);
     let nw = corner(extent.west_rad, extent.north_rad);
-    let mut constants = vec![up.x / to_centre, up.z / to_centre, north.x, north.z];
+    let mut constants = projection(up, north, to_centre, [to_centre.recip(); 2]);
     for [weighed, from, to] in [[se, ne, sw], [ne, sw, se], [ne, nw, sw], [nw, sw, ne]] {
         constants.extend(weight_row(weighed, from, to));
     }
@@ -364,11 +352,11 @@ fn gnomonic_rows(degree: ChartDegree) -> [Vec<usize>; 2] {
     [longitude, latitude]
 }
 
-/// Constants before the polynomials: the two rows of w and v without their y, and the scale of u.
-const GNOMONIC_FRAME: usize = 6;
+/// Constants of a projection: the two rows of w and v without their y, and the scale of u.
+const PROJECTION: usize = 6;
 
-fn gnomonic_steps(b: &mut ProgramBuilder, d: [Value; 3], degree: ChartDegree) -> [Value; 2] {
-    let [x, y, z] = d;
+/// Scaled coordinates to the east and to the north in the plane through the anchor.
+fn projected(b: &mut ProgramBuilder, [x, y, z]: [Value; 3]) -> [Value; 2] {
     let [wx, wz, w0, vx, vz, us] = [0, 1, 2, 3, 4, 5].map(|i| b.constant(i));
     let w = b.fma(z, wz, w0);
     let w = b.fma(x, wx, w);
@@ -377,10 +365,27 @@ fn gnomonic_steps(b: &mut ProgramBuilder, d: [Value; 3], degree: ChartDegree) ->
     let u = b.multiply(y, us);
     let one = b.literal(1.0);
     let inverse = b.divide(one, w);
-    let u = b.multiply(u, inverse);
-    let v = b.multiply(v, inverse);
+    [b.multiply(u, inverse), b.multiply(v, inverse)]
+}
+
+/// Constants of [`projected`]: w is 1 at the anchor, and a plane coordinate of 1 becomes 1 over its scale.
+///
+/// - `scale`: of east and of north, as a share of `to_centre`, the distance from the anchor to the axis
+fn projection(up: DVec3, north: DVec3, to_centre: f64, scale: [f64; 2]) -> Vec<f64> {
+    vec![
+        up.x / to_centre,
+        up.z / to_centre,
+        1.0,
+        north.x / (scale[1] * to_centre),
+        north.z / (scale[1] * to_centre),
+        1.0 / (scale[0] * to_centre),
+    ]
+}
+
+fn gnomonic_steps(b: &mut ProgramBuilder, d: [Value; 3], degree: ChartDegree) -> [Value; 2] {
+    let [u, v] = projected(b, d);
     let uu = b.multiply(u, u);
-    let mut first = GNOMONIC_FRAME;
+    let mut first = PROJECTION;
     let [odd, even] = gnomonic_rows(degree).map(|rows| {
         let mut inner = Vec::new();
         for count in rows {
@@ -416,14 +421,7 @@ fn gnomonic_constants(region: &MapRegion, degree: ChartDegree) -> Vec<f64> {
         }
     }
     let rows = gnomonic_rows(degree);
-    let mut constants = vec![
-        up.x / to_centre,
-        up.z / to_centre,
-        1.0,
-        north.x / (scale[1] * to_centre),
-        north.z / (scale[1] * to_centre),
-        1.0 / (scale[0] * to_centre),
-    ];
+    let mut constants = projection(up, north, to_centre, scale);
     for (axis, counts) in rows.iter().enumerate() {
         let basis = |plane: [f64; 2]| -> Vec<f64> {
             let (u, v) = (plane[0] / scale[0], plane[1] / scale[1]);

@@ -268,8 +268,7 @@ fn barycentric_coordinates_err_by_the_chords_of_meridians_and_parallels() {
         let extent = MapExtent::from_degrees(30.0 - half, -half, 30.0 + half, half);
         MapRegion::new(Ellipsoid::WGS84, extent, (0.0, 0.0)).expect("a region")
     };
-    // From a point close to the centre, a parallel at the equator is longitude = atan(x): between
-    // centre (0) and edge h the chord is off by at most 2 h³ / (9 √3), and so is a meridian.
+    // The equator in the plane: x = tan(longitude). Its chord from 0 to h is off by 2 h³ / (9 √3) at most.
     for size in [1.0_f64, 4.0] {
         let half = (0.5 * size).to_radians();
         let expected = 2.0 * half.powi(3) / (9.0 * 3.0_f64.sqrt());

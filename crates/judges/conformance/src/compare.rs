@@ -88,42 +88,44 @@ pub fn filled_only(frame: &Frame) -> Frame {
 /// # Errors
 /// [`CompareError`] when the two cannot be laid over one another, or the reference is broken.
 pub fn compare(reference: &Frame, frame: &Frame) -> Result<ErrorFigures, CompareError> {
-    compare_closely(reference, frame, |_| false, |_, _| false)
+    compare_closely(reference, frame, |_, _| false, |_, _| false)
 }
 
 /// The same by a reference that can be asked between the centres of its pixels. What is smaller than a
 /// pixel leaves no trace in its picture, and the band lies around what does. In the frame rounding may
 /// give such a piece a pixel all the same.
 ///
-/// - `is_on_border`: whether rounding decides what it shows in the centre of the pixel of that index, which
-///   is inside the band then
+/// - `may_round_to`: whether the surface in the centre of the pixel of that index lies within
+///   [`crate::BORDER_ROUNDING`] of a wall of the region with that id. Such a pixel is inside the band, and
+///   counts for the Hausdorff distance as the reference has it.
 /// - `shows`: whether it shows the id within [`crate::BAND_RADIUS_PX`] of the centre of the pixel of
 ///   that index. A pixel for which it does is inside the band; and a piece of the frame of fewer than
 ///   [`crate::SMALLEST_PIECE_PX`] pixels counts as little for the Hausdorff distance as one of the
 ///   reference does.
-/// - At most [`MAX_PROBED`] pixels are asked about by `shows`: what differs at more of them is no luck.
+/// - At most [`MAX_PROBED`] pixels are asked about by `shows`; what differs at more of them is larger than a pixel.
 ///
 /// # Errors
 /// As [`compare`].
 pub fn compare_closely(
     reference: &Frame,
     frame: &Frame,
-    is_on_border: impl Fn(usize) -> bool,
+    may_round_to: impl Fn(usize, u32) -> bool,
     shows: impl Fn(usize, u32) -> bool,
 ) -> Result<ErrorFigures, CompareError> {
     check(reference, frame)?;
     let grid = Grid::of(reference);
     let mismatched = |index: &usize| reference.ids[*index] != frame.ids[*index];
     let mut band = grid.band(&reference.ids);
-    // As the reference has it where rounding decides: a piece of such pixels has no distance to be measured.
-    // Asked within the band only where there is such a piece, since getting ready to answer takes time.
+    // Asked within the band only where one outside is such, since getting ready to answer takes time.
     let mut ids = frame.ids.clone();
-    let all = || (0..band.len()).filter(mismatched);
-    let decided: Vec<usize> = all()
-        .filter(|&index| !band[index] && is_on_border(index))
-        .collect();
+    let rounded = |in_band: bool| -> Vec<usize> {
+        let all = (0..band.len()).filter(mismatched);
+        all.filter(|&index| band[index] == in_band && may_round_to(index, frame.ids[index]))
+            .collect()
+    };
+    let decided = rounded(false);
     if !decided.is_empty() {
-        let around = all().filter(|&index| band[index] && is_on_border(index));
+        let around = rounded(true).into_iter();
         for index in around.chain(decided.iter().copied()) {
             ids[index] = reference.ids[index];
         }
@@ -364,7 +366,7 @@ pub(crate) mod tests {
         let speck = drawn(|x, y| square(x, y) | u32::from((x, y) == (35, 25)));
         let place = 25 * 40 + 35;
         let asked = |frame: &Frame, shows: &dyn Fn(usize, u32) -> bool| {
-            compare_closely(&reference, frame, |_| false, shows).expect("same size")
+            compare_closely(&reference, frame, |_, _| false, shows).expect("same size")
         };
         let found = asked(&speck, &|pixel, id| (pixel, id) == (place, 1));
         assert_eq!(verdict(&found), Verdict::Pass);
@@ -395,19 +397,21 @@ pub(crate) mod tests {
                 2 * square(x, y)
             }
         });
-        let asked = |is_on_border: &dyn Fn(usize) -> bool| {
-            compare_closely(&reference, &other, is_on_border, |_, _| false).expect("same size")
+        let asked = |may_round_to: &dyn Fn(usize, u32) -> bool| {
+            compare_closely(&reference, &other, may_round_to, |_, _| false).expect("same size")
         };
-        let found = asked(&|pixel| pixel % 40 >= 12);
+        let found = asked(&|pixel, id| pixel % 40 >= 12 && id == 2);
         assert!(
             found.mismatched_px > MAX_PROBED as u64,
             "{}",
             found.mismatched_px
         );
         assert_eq!(verdict(&found), Verdict::Pass);
-        // Twins: where it decides nothing, and where a column of what differs is left.
+        // Twins: another region's id, where it decides nothing, and where a column of what differs is left.
+        let found = asked(&|pixel, id| pixel % 40 >= 12 && id == 3);
+        assert_ne!(verdict(&found), Verdict::Pass);
         for first in [40, 13] {
-            let found = asked(&|pixel| pixel % 40 >= first);
+            let found = asked(&|pixel, id| pixel % 40 >= first && id == 2);
             assert!(found.mismatched_px_outside_band > 0, "{first}");
             assert_ne!(verdict(&found), Verdict::Pass, "{first}");
         }
@@ -420,7 +424,7 @@ pub(crate) mod tests {
             drawn(move |x, y| u32::from(x % 3 == 0 && y % 3 == 0 && x / 3 + 14 * (y / 3) < count))
         };
         let most = i32::try_from(MAX_PROBED).expect("few");
-        let figures = |count| compare_closely(&reference, &dots(count), |_| false, |_, _| true);
+        let figures = |count| compare_closely(&reference, &dots(count), |_, _| false, |_, _| true);
         let found = figures(most).expect("same size");
         assert_eq!(found.mismatched_px, MAX_PROBED as u64);
         assert_eq!(verdict(&found), Verdict::Pass);

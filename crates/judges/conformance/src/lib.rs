@@ -25,8 +25,8 @@ pub use moved::{
 };
 pub use texture::{TextureErrors, compare_texture, silhouette_band};
 pub use tolerance::{
-    BAND_RADIUS_PX, DEPTH_JUMP, MAX_FOREIGN_PX, MAX_HAUSDORFF_PX, MAX_MISMATCHED_OUTSIDE_BAND_PX,
-    MAX_NON_FINITE, MAX_TEXELS, MAX_TEXELS_RMS, MOVED_SEARCH_PX, MOVED_STEP_PX, RASTERISER_PX,
-    SMALLEST_PIECE_PX, allowed_moved_px,
+    BAND_RADIUS_PX, BORDER_ROUNDING, DEPTH_JUMP, MAX_FOREIGN_PX, MAX_HAUSDORFF_PX,
+    MAX_MISMATCHED_OUTSIDE_BAND_PX, MAX_NON_FINITE, MAX_TEXELS, MAX_TEXELS_RMS, MOVED_SEARCH_PX,
+    MOVED_STEP_PX, RASTERISER_PX, SMALLEST_PIECE_PX, allowed_moved_px,
 };
 pub use verdict::{Verdict, texture_verdict, verdict, verdict_of_moved};

@@ -180,7 +180,7 @@ mod tests {
             let steps = || (-8..=8).map(|k| f64::from(k) / 8.0);
             steps().any(|y| steps().any(|x| truth([centre[0] + x, centre[1] + y]) == id))
         };
-        let figures = compare_closely(&reference, drawn, |_| false, shows).expect("same size");
+        let figures = compare_closely(&reference, drawn, |_, _| false, shows).expect("same size");
         let movement = boundary_movement(&reference, drawn, &truth).expect("same size");
         with_movement(figures, movement)
     }

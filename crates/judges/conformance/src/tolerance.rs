@@ -4,6 +4,7 @@
 //! | tolerance | value | cause |
 //! |---|---|---|
 //! | [`BAND_RADIUS_PX`] | 1 | rasterisers snap vertices to 1/256 pixel and round depth, so the pixel that a boundary crosses may fall to either side, and no other pixel may; a boundary between the centres of the reference's pixels is one too ([`crate::compare_closely`]) |
+//! | [`BORDER_ROUNDING`] | 2⁻²⁴ of the distance | positions relative to the eye are rounded to f32; a facet in the plane of a wall, such as a skirt, then shows either side of it or none; a quarter of it is enough for the extreme suite |
 //! | [`MAX_MISMATCHED_OUTSIDE_BAND_PX`] | 0 | beyond the band no rounding reaches; what is wrong there is a leak, a missing wall or another region's colour |
 //! | [`MAX_HAUSDORFF_PX`] | 1 | a boundary that moved by less than a pixel moves its pixels by one at most; what stays in the band but goes missing over a length, such as a strip two pixels wide, shows up here only |
 //! | [`allowed_moved_px`] | what is stated, 1/16 and 1/256 | a boundary drawn aside on purpose moves by as much as was stated for it; it is looked for in steps of [`MOVED_STEP_PX`], and then snapped to [`RASTERISER_PX`] |
@@ -17,6 +18,10 @@
 /// How far from a boundary pixel of the reference a mismatch is put down to rounding; counted in
 /// steps to the eight neighbours.
 pub const BAND_RADIUS_PX: u32 = 1;
+
+/// How close to a wall a point of the surface may lie to be on either side of it, as a share of its
+/// distance from the eye.
+pub const BORDER_ROUNDING: f64 = 1.0 / (1 << 24) as f64;
 
 /// Mismatched pixels allowed outside the band.
 pub const MAX_MISMATCHED_OUTSIDE_BAND_PX: u64 = 0;

@@ -136,27 +136,33 @@ impl CloseLook<'_> {
         all.map(|place| self.id_at(place)).collect()
     }
 
-    /// Whether rounding decides what a pixel shows: whether the points of the surface within 4 · 2⁻²⁴
-    /// of its distance are not all in the same region. A facet that lies in the plane of a wall, as a
-    /// skirt at a tile's edge may, is on either side of it to anything that rounds.
+    /// Ids that rounding may give a pixel whose centre shows a border: those around it, and no region's.
+    /// Empty where all that is close lies in one region. A facet in the plane of a wall, such as a skirt at
+    /// a tile's edge, is on either side of it to anything that rounds.
+    ///
+    /// - `reach`: what is close, as a share of the distance from the eye
     #[must_use]
-    pub fn is_on_border(&self, pixel: usize) -> bool {
+    pub fn ids_by_rounding(&self, pixel: usize, reach: f64) -> BTreeSet<u32> {
         let input = self.input;
         let width = input.size.width.max(1) as usize;
         let place = [pixel % width, pixel / width].map(|at| at as f64 + 0.5);
         let ray = input.camera.direction_ecef(input.size, place);
         let Some(depth) = self.surface.hit(ray, input.camera.near_m) else {
-            return false;
+            return BTreeSet::new();
         };
         let hit_ecef = input.camera.eye_ecef + ray * depth;
-        let reach_m = ROUNDING * (ray * depth).length();
-        let id = |offset: DVec3| {
+        let reach_m = reach * (ray * depth).length();
+        let id_beside = |offset: DVec3| {
             judge_place(input, &self.locator, None, (ray, depth), hit_ecef + offset).id
         };
-        let here = id(DVec3::ZERO);
         let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * reach_m);
-        axes.into_iter()
-            .any(|step| id(step) != here || id(-step) != here)
+        let steps = axes.into_iter().flat_map(|step| [step, -step]);
+        let mut ids: BTreeSet<u32> = steps.chain([DVec3::ZERO]).map(id_beside).collect();
+        if ids.len() == 1 {
+            return BTreeSet::new();
+        }
+        ids.insert(NO_REGION);
+        ids
     }
 
     /// The id at a place of the image, pixels from its upper left corner; a pixel's centre is at half
@@ -170,10 +176,6 @@ impl CloseLook<'_> {
 
 /// Places in a row of a pixel at which a [`CloseLook`] asks.
 pub const PLACES_PER_PX: u32 = 8;
-
-/// How far apart the same place may come out by different steps in f32, relative to its distance from the
-/// eye: the surface's vertex, the volume's vertex and the depths of both are rounded once each.
-const ROUNDING: f64 = 4.0 / (1 << 24) as f64;
 
 /// What one pixel shows.
 #[derive(Debug, Clone, Copy, Default)]

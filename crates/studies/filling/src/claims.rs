@@ -69,7 +69,7 @@ pub(crate) enum Test {
     FillRate,
     /// By the ratio of two textured fills: an index of the textured section's comparisons.
     Textured(usize, Claim),
-    /// Largest texel error by the document's angles beside that by barycentric coordinates.
+    /// Largest texel error by angles about the body's centre beside that by barycentric coordinates.
     FlatMesh,
     /// Textured over plain is more along the horizon than elsewhere.
     TexturedWorstAtHorizon,
@@ -296,7 +296,7 @@ pub(crate) const CLAIMS: [Claimed; 63] = [
         MAPPING,
         Considered,
         "",
-        "its angles ÷ barycentric coordinates in the rectangle's two triangles: largest error, texels",
+        "angles by the device's arctangent ÷ barycentric coordinates in two triangles: largest error, texels",
         FlatMesh,
     ),
     claimed(

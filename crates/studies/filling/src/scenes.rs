@@ -3,7 +3,7 @@
 
 use crate::cases::{ViewGroup, view_group};
 use crate::request::{NO_SCENE, Wishes};
-use crate::textured::left_out_of_quick_runs;
+use crate::textured::left_out;
 use std::path::Path;
 use std::sync::Arc;
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
@@ -27,7 +27,7 @@ pub(crate) fn plan_scenes(wishes: &Wishes) -> Result<(Vec<ViewGroup>, Vec<Skippe
     let mut errors: Vec<String> = Vec::new();
     for name in &names {
         let is_left_out = !wishes.is_full() && wishes.scenes.is_empty();
-        if let Some(reason) = left_out_of_quick_runs(name).filter(|_| is_left_out) {
+        if let Some(reason) = left_out(name, wishes.depth).filter(|_| is_left_out) {
             skipped.push(Skipped {
                 what: name.clone(),
                 reason,

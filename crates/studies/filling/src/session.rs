@@ -17,9 +17,9 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_conformance::{
-    BAND_RADIUS_PX, ErrorFigures, Verdict as Comparison, boundary_band, boundary_movement,
-    checks_nothing, compare_closely, difference_rgb, filled_only, movement_in_picture,
-    verdict_of_moved, with_movement, worst_pixel,
+    BAND_RADIUS_PX, BORDER_ROUNDING, ErrorFigures, Verdict as Comparison, boundary_band,
+    boundary_movement, checks_nothing, compare_closely, difference_rgb, filled_only,
+    movement_in_picture, verdict_of_moved, with_movement, worst_pixel,
 };
 use terrafill_core::{EdgeRule, MeshOptions, RegionMesh};
 use terrafill_fill::{
@@ -498,8 +498,13 @@ impl<'a> ViewSession<'a> {
         } else {
             (&reference.frame, frame)
         };
-        let is_on_border = |pixel| look().is_some_and(|look| look.is_on_border(pixel));
-        let figures = compare_closely(expected, frame, is_on_border, shows).and_then(|figures| {
+        let may_round_to = |pixel: usize, id: u32| {
+            look().is_some_and(|look| {
+                let mut ids = look.ids_by_rounding(pixel, BORDER_ROUNDING).into_iter();
+                ids.any(|shown| as_compared(shown) == id)
+            })
+        };
+        let figures = compare_closely(expected, frame, may_round_to, shows).and_then(|figures| {
             let Some(look) = is_moved.then(look).flatten() else {
                 return Ok(figures);
             };

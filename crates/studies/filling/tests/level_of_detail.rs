@@ -62,8 +62,7 @@ fn draw_plain(devices: &Devices, input: &FillInput) -> Frame {
 fn figures(truth: &FillInput, reference: &Frame, frame: &Frame) -> ErrorFigures {
     let look = ReferenceBackend::new().look_closely(truth).expect("judges");
     let shows = |pixel: usize, id: u32| look.ids_within(pixel, BAND_RADIUS_PX).contains(&id);
-    let figures = compare_closely(reference, frame, |pixel| look.is_on_border(pixel), shows)
-        .expect("same size");
+    let figures = compare_closely(reference, frame, |_, _| false, shows).expect("same size");
     let shown_at = |place| look.id_at(place);
     let movement = boundary_movement(reference, frame, shown_at).expect("same size");
     with_movement(figures, movement)

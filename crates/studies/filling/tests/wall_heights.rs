@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Volumes are as low as the surface's triangles allow, and no lower: a flat triangle hangs between its
-//! corners by its sagitta, and walls that end at the corners' heights miss what hangs.
+//! Volumes are as low as the surface's triangles allow, and no lower. A flat triangle hangs between its
+//! corners by its sagitta; walls that end at the corners' heights miss what hangs.
 
 mod drawing;
 
@@ -44,8 +44,8 @@ impl Surface for WithoutSagitta {
     }
 }
 
-/// A square in the middle of a cell of 1°, where the cell hangs 311 m to 485 m below its corners and the
-/// square's own bottom cap at most 173 m: from above, and obliquely.
+/// A square in the middle of a cell of 1°, from above and obliquely. The cell hangs 311 m to 485 m below its
+/// corners there, the square's own bottom cap at most 173 m.
 fn views(wraps: bool) -> [FillInput; 2] {
     let square = "[[10.2,0.2],[10.8,0.2],[10.8,0.8],[10.2,0.8],[10.2,0.2]]";
     let text = polygon("square", square);

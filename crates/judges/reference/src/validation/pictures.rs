@@ -11,10 +11,11 @@ use crate::backend::{ReferenceFrame, judge};
 use crate::surface::SurfaceTriangles;
 use crate::{Locator, ReferenceBackend};
 use glam::DVec3;
+use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, Region, parse_regions};
-use terrafill_fill::{DeviceError, FillInput, PreparedScene, RegionSet, ViewId};
+use terrafill_fill::{DeviceError, FillInput, NO_REGION, PreparedScene, RegionSet, ViewId};
 use terrafill_scene::{Camera, CameraPose, FramePlan, ImageSize, Overlap};
 use terrafill_surface::{EllipsoidKind, SurfaceFrame};
 
@@ -395,6 +396,7 @@ fn rounding_decides_on_a_facet_in_the_plane_of_a_wall_and_nowhere_else() {
     // Seen from 200 km north of it, a facet in the equator's plane, which is the region's southern wall.
     input.camera.eye_ecef.z += 2e5;
     input.surface.triangles = vec![[0, 1, 2]].into();
+    let reach = 4.0 / f64::from(1 << 24);
     let mut seen = |north_m: f32| {
         let z = north_m - 2e5;
         let (low, high) = (-1.1e6, -5e5);
@@ -404,19 +406,24 @@ fn rounding_decides_on_a_facet_in_the_plane_of_a_wall_and_nowhere_else() {
             .expect("a square");
         let judged = ReferenceBackend::new().judge(&input).expect("a square");
         let facet = judged.frame.surface.iter().filter(|&&met| met).count();
-        let border = (0..16 * 16).filter(|&pixel| look.is_on_border(pixel));
-        (facet, border.count())
+        let found: BTreeSet<BTreeSet<u32>> = (0..16 * 16)
+            .map(|pixel| look.ids_by_rounding(pixel, reach))
+            .filter(|ids| !ids.is_empty())
+            .collect();
+        let border = (0..16 * 16).filter(|&pixel| !look.ids_by_rounding(pixel, reach).is_empty());
+        (facet, border.count(), found)
     };
-    let (facet, border) = seen(0.0);
-    assert!(facet > 4 && border == facet, "{facet} {border}");
-    let (facet, border) = seen(0.125);
-    assert_eq!(
-        border, facet,
-        "an eighth of a metre from 1,100 km is rounding"
-    );
+    // No other region than those at the border.
+    let expected = BTreeSet::from([BTreeSet::from([NO_REGION, 1])]);
+    // An eighth of a metre from 1,100 km is rounding.
+    for north_m in [0.0, 0.125] {
+        let (facet, border, found) = seen(north_m);
+        assert!(facet > 4 && border == facet, "{north_m}: {facet} {border}");
+        assert_eq!(found, expected, "{north_m}");
+    }
     // Twins: a metre to either side is not.
     for north_m in [-1.0, 1.0] {
-        let (facet, border) = seen(north_m);
-        assert!(facet > 4 && border == 0, "{facet} {border}");
+        let (facet, border, _) = seen(north_m);
+        assert!(facet > 4 && border == 0, "{north_m}: {facet} {border}");
     }
 }

@@ -366,7 +366,7 @@ fn of_textured(data: &Data<'_>, index: usize, claim: Claim) -> Judged {
     )
 }
 
-/// Barycentric coordinates have no more error than the document's angles where a region is flat enough.
+/// Barycentric coordinates have no more error than angles in f32 where a region is flat enough.
 fn flat_mesh(data: &Data<'_>) -> Judged {
     let found = super::textured::flat_mesh_errors(data).into_iter();
     let parts = found.map(|(view, [angles, barycentric])| {
@@ -379,8 +379,8 @@ fn flat_mesh(data: &Data<'_>) -> Judged {
     });
     Judged::new(
         parts.collect(),
-        "in a flat triangle a meridian is its chord: that error grows with the square of a region's size, \
-         so it is for small regions"
+        "in a flat triangle a meridian is its chord: that error grows with the square of a region's size, and \
+         the study precision measures it from 10 m up"
             .to_owned(),
     )
 }

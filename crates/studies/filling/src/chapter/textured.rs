@@ -59,12 +59,12 @@ const ATAN_2007: TextureSwitches = &[
 /// Barycentric coordinates in a flat mesh, from the region's own offset.
 const BARYCENTRIC: TextureSwitches = &[("texture", "barycentric")];
 
-/// Of each view with both: its title, and the largest texel error by the document's angles and by
-/// barycentric coordinates.
+/// Of each view with both: its title, and the largest texel error by angles about the body's centre in f32
+/// and by barycentric coordinates.
 pub(super) fn flat_mesh_errors(data: &Data<'_>) -> Vec<(String, [f64; 2])> {
     let of = |view: &TexturedView<'_>| {
         let worst = |wanted| view.case(wanted)?.value("texel_max");
-        Some((view.title.clone(), [worst(ATAN_2007)?, worst(BARYCENTRIC)?]))
+        Some((view.title.clone(), [worst(NATIVE)?, worst(BARYCENTRIC)?]))
     };
     views(data).iter().filter_map(of).collect()
 }
@@ -357,16 +357,24 @@ fn plain_of<'a>(data: &Data<'a>, case: &Case) -> Option<&'a Case> {
 }
 
 fn compare(data: &Data<'_>, view: &TexturedView<'_>, comparison: &Comparison) -> Option<Estimate> {
+    let [case, control] = both(data, view, comparison)?;
+    ratio(case, control, data.metric)
+}
+
+/// The two cases of a comparison, where both may be compared.
+fn both<'a>(
+    data: &Data<'a>,
+    view: &TexturedView<'a>,
+    comparison: &Comparison,
+) -> Option<[&'a Case; 2]> {
     let case = view.case(comparison.case)?;
     // The plain fill of the same technique and layout, not the first one there is.
     let control = match comparison.control {
         [] => plain_of(data, case)?,
         wanted => view.case(wanted)?,
     };
-    if !may_be_compared(case) || !may_be_compared(control) {
-        return None;
-    }
-    ratio(case, control, data.metric)
+    let both = [case, control];
+    both.into_iter().all(may_be_compared).then_some(both)
 }
 
 /// Right, or a fill of the document, whose error is part of the answer.
@@ -394,12 +402,8 @@ pub(super) fn undecided(data: &Data<'_>) -> Vec<String> {
     let views = views(data);
     let open = views.iter().flat_map(|view| {
         COMPARISONS.iter().filter_map(move |comparison| {
-            let ratio = compare(data, view, comparison)?;
-            let case = view.case(comparison.case)?;
-            let control = match comparison.control {
-                [] => plain_of(data, case)?,
-                wanted => view.case(wanted)?,
-            };
+            let [case, control] = both(data, view, comparison)?;
+            let ratio = ratio(case, control, data.metric)?;
             ratio.interval.is_none().then_some([case, control])
         })
     });
