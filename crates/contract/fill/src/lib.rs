@@ -15,6 +15,7 @@ mod depth_range;
 mod devices;
 mod error;
 mod executor;
+mod fingerprint;
 mod fixed_point;
 mod footprint;
 mod frame;
@@ -55,6 +56,7 @@ pub use depth_range::DepthRange;
 pub use devices::Devices;
 pub use error::DeviceError;
 pub use executor::{StencilExecutor, StencilWork};
+pub use fingerprint::{ids_hash, mask_hash};
 pub use fixed_point::{
     EyeInUnits, FixedPoint, PositionFormat, eye_relative_m, two_float, two_float_difference_m,
 };

@@ -59,14 +59,23 @@ impl Colours {
 /// A picture of a frame's ids, RGB, row 0 at the top: regions in their colours on a grey surface.
 #[must_use]
 pub fn paint(frame: &Frame) -> Vec<u8> {
-    let pixels = frame.ids.iter().zip(&frame.surface);
-    pixels
-        .flat_map(|(&id, &is_surface)| match (id, is_surface) {
+    let mut rgb = Vec::with_capacity(3 * frame.ids.len());
+    // Neighbours mostly show the same region.
+    let mut last = (NO_REGION, [0; 3]);
+    for (&id, &is_surface) in frame.ids.iter().zip(&frame.surface) {
+        let colour = match (id, is_surface) {
             (NO_REGION, true) => [92, 117, 148],
             (NO_REGION, false) => [5, 5, 10],
-            (id, _) => region_colour(id as usize - 1),
-        })
-        .collect()
+            (id, _) => {
+                if id != last.0 {
+                    last = (id, region_colour(id as usize - 1));
+                }
+                last.1
+            }
+        };
+        rgb.extend_from_slice(&colour);
+    }
+    rgb
 }
 
 #[cfg(test)]

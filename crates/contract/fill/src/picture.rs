@@ -20,6 +20,18 @@ pub struct Picture {
     pub depth: Vec<f32>,
 }
 
+impl Picture {
+    /// Its colours without alpha, three bytes a pixel.
+    #[must_use]
+    pub fn rgb(&self) -> Vec<u8> {
+        let mut rgb = Vec::with_capacity(self.rgba.len() / 4 * 3);
+        for pixel in self.rgba.chunks_exact(4) {
+            rgb.extend_from_slice(&pixel[..3]);
+        }
+        rgb
+    }
+}
+
 /// Ids out of a picture drawn with [`crate::Colours::Ids`]; alpha 0 is the surface or the sky.
 #[must_use]
 pub fn ids_of(picture: &Picture) -> Vec<u32> {

@@ -40,11 +40,11 @@ pub(crate) fn read_texture(
     );
     gpu.queue.submit([encoder.finish()]);
     let padded = map_whole(gpu, &buffer)?;
-    Ok(padded
+    let rows: Vec<&[u8]> = padded
         .chunks(padded_row_bytes as usize)
-        .flat_map(|row| &row[..row_bytes as usize])
-        .copied()
-        .collect())
+        .map(|row| &row[..row_bytes as usize])
+        .collect();
+    Ok(rows.concat())
 }
 
 /// Copies a buffer with `COPY_SRC` usage to the CPU.

@@ -61,21 +61,22 @@ impl Grid {
     /// them do not count.
     pub(crate) fn boundary(self, ids: &[u32], ignored: Option<&[bool]>) -> Vec<bool> {
         let mut set = vec![false; ids.len()];
-        let mut look = |p: usize, q: usize| {
-            let counts = ignored.is_none_or(|ignored| !ignored[p] && !ignored[q]);
-            if counts && ids[p] != ids[q] {
+        let mut mark = |p: usize, q: usize| {
+            if ignored.is_none_or(|ignored| !ignored[p] && !ignored[q]) {
                 set[p] = true;
                 set[q] = true;
             }
         };
-        for row in 0..self.height {
-            for column in 0..self.width {
-                let p = row * self.width + column;
-                if column + 1 < self.width {
-                    look(p, p + 1);
+        for start in (0..ids.len()).step_by(self.width.max(1)) {
+            let (row, below) = ids[start..].split_at(self.width);
+            for (p, (one, other)) in (start..).zip(row.iter().zip(&row[1..])) {
+                if one != other {
+                    mark(p, p + 1);
                 }
-                if row + 1 < self.height {
-                    look(p, p + self.width);
+            }
+            for (p, (one, other)) in (start..).zip(row.iter().zip(below)) {
+                if one != other {
+                    mark(p, p + self.width);
                 }
             }
         }
@@ -104,26 +105,25 @@ impl Grid {
             pixels: vec![false; ids.len()],
             count: 0,
         };
-        let mut seen = vec![false; ids.len()];
         let mut piece = Vec::new();
         for start in 0..ids.len() {
-            if seen[start] {
+            if tiny.pixels[start] || self.begins_a_block(ids, start) {
                 continue;
             }
-            seen[start] = true;
             piece.clear();
             piece.push(start);
+            let is_tiny = |piece: &[usize]| (piece.len() as u64) < SMALLEST_PIECE_PX;
             let mut next = 0;
-            while next < piece.len() {
+            // Grown no further than it takes to know.
+            while next < piece.len() && is_tiny(&piece) {
                 for near in self.square(piece[next], 1) {
-                    if !seen[near] && ids[near] == ids[start] {
-                        seen[near] = true;
+                    if ids[near] == ids[start] && !piece.contains(&near) {
                         piece.push(near);
                     }
                 }
                 next += 1;
             }
-            if (piece.len() as u64) < SMALLEST_PIECE_PX {
+            if is_tiny(&piece) {
                 tiny.count += 1;
                 for &index in &piece {
                     tiny.pixels[index] = true;
@@ -131,6 +131,18 @@ impl Grid {
             }
         }
         tiny
+    }
+
+    /// Whether the pixel and those to the right, below, and below to the right are of one piece. Of most
+    /// pixels this says at once that their piece is not tiny.
+    fn begins_a_block(self, ids: &[u32], index: usize) -> bool {
+        const { assert!(SMALLEST_PIECE_PX <= 4) };
+        let last = index + self.width + 1;
+        let is_inside = !(index + 1).is_multiple_of(self.width) && last < ids.len();
+        is_inside
+            && [index + 1, last - 1, last]
+                .iter()
+                .all(|&near| ids[near] == ids[index])
     }
 }
 

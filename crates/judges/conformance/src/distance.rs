@@ -37,18 +37,65 @@ pub(crate) fn squared_distances(grid: Grid, set: &[bool]) -> Vec<f64> {
 /// Symmetric Hausdorff distance of two pixel sets: the farthest that a pixel of either is from the
 /// other. `None` when both are empty; infinite when one is.
 pub(crate) fn hausdorff_px(grid: Grid, a: &[bool], b: &[bool]) -> Option<f64> {
-    let farthest = |from: &[bool], to: &[bool]| {
-        let squared = squared_distances(grid, to);
-        let here = from.iter().zip(squared).filter(|(set, _)| **set);
-        here.map(|(_, squared)| squared)
-            .fold(None, |farthest: Option<f64>, squared| {
-                Some(farthest.map_or(squared, |farthest| farthest.max(squared)))
-            })
-    };
-    match (farthest(a, b), farthest(b, a)) {
-        (None, None) => None,
-        (there, back) => Some(there.unwrap_or(0.0).max(back.unwrap_or(0.0)).sqrt()),
+    let is_empty = |set: &[bool]| !set.contains(&true);
+    match (is_empty(a), is_empty(b)) {
+        (true, true) => return None,
+        (false, false) => {}
+        _ => return Some(f64::INFINITY),
     }
+    Some(
+        farthest_squared(grid, a, b)
+            .max(farthest_squared(grid, b, a))
+            .sqrt(),
+    )
+}
+
+/// The largest squared distance of a pixel of `from` to the nearest one of `to`, which is not empty.
+fn farthest_squared(grid: Grid, from: &[bool], to: &[bool]) -> f64 {
+    let alone = || (0..from.len()).filter(|&index| from[index] && !to[index]);
+    // Sets that hardly differ are searched around what differs; the transform takes some twenty steps a
+    // pixel.
+    let mut budget = 4 * from.len();
+    let nearest = alone().map(|index| nearest_squared(grid, to, index, &mut budget));
+    let searched = nearest.collect::<Option<Vec<usize>>>();
+    if let Some(searched) = searched {
+        return searched.into_iter().max().unwrap_or(0) as f64;
+    }
+    let squared = squared_distances(grid, to);
+    alone().map(|index| squared[index]).fold(0.0, f64::max)
+}
+
+/// Squared distance of a pixel to the nearest one of `to`, by squares that grow around it; `None` when
+/// they hold more pixels than `budget`, which is what is left of it afterwards.
+fn nearest_squared(grid: Grid, to: &[bool], index: usize, budget: &mut usize) -> Option<usize> {
+    let (column, row) = (index % grid.width, index / grid.width);
+    let mut nearest = usize::MAX;
+    // Beyond the square of that radius everything is farther.
+    let mut radius = 1;
+    while nearest > radius * radius {
+        *budget = budget.checked_sub(8 * radius)?;
+        let rows = row.saturating_sub(radius)..=(row + radius).min(grid.height - 1);
+        let columns = column.saturating_sub(radius)..=(column + radius).min(grid.width - 1);
+        let mut look = |x: usize, y: usize| {
+            if to[y * grid.width + x] {
+                nearest = nearest.min(column.abs_diff(x).pow(2) + row.abs_diff(y).pow(2));
+            }
+        };
+        // The rim of the square; what is inside was looked at before.
+        for y in rows {
+            if row.abs_diff(y) == radius {
+                columns.clone().for_each(|x| look(x, y));
+                continue;
+            }
+            for x in [column.checked_sub(radius), Some(column + radius)] {
+                if let Some(x) = x.filter(|&x| x < grid.width) {
+                    look(x, y);
+                }
+            }
+        }
+        radius += 1;
+    }
+    Some(nearest)
 }
 
 /// Lower envelope of unit parabolas over a line of samples.
@@ -131,6 +178,28 @@ mod tests {
             let grid = Grid { width, height };
             let set: Vec<bool> = bits[..width * height].iter().map(|&bit| bit == 0).collect();
             prop_assert_eq!(squared_distances(grid, &set), brute(grid, &set));
+        }
+
+        #[test]
+        fn sets_that_hardly_differ_are_as_far_apart_as_the_transform_says(
+            width in 1_usize..40,
+            height in 1_usize..40,
+            bits in proptest::collection::vec(0_u8..40, 40 * 40),
+            moved in 0_u8..3,
+        ) {
+            let grid = Grid { width, height };
+            let set = |odd: u8| -> Vec<bool> {
+                bits[..width * height].iter().map(|&bit| bit <= 1 || bit == 2 + odd).collect()
+            };
+            let (a, b) = (set(0), set(moved));
+            prop_assume!(a.contains(&true) && b.contains(&true));
+            let by_transform = |from: &[bool], to: &[bool]| {
+                let squared = squared_distances(grid, to);
+                let here = from.iter().zip(squared).filter(|(set, _)| **set);
+                here.map(|(_, squared)| squared).fold(0.0, f64::max)
+            };
+            prop_assert_eq!(farthest_squared(grid, &a, &b), by_transform(&a, &b));
+            prop_assert_eq!(farthest_squared(grid, &b, &a), by_transform(&b, &a));
         }
 
         #[test]

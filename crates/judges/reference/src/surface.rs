@@ -224,11 +224,12 @@ impl Ray {
 /// Parameter of the point where the ray meets a triangle from either side, rim included.
 fn meet(corners: &[DVec3; 3], direction: DVec3) -> Option<f64> {
     let [a, b, c] = *corners;
-    let sides = [
-        exact_side(a, b, direction),
-        exact_side(b, c, direction),
-        exact_side(c, a, direction),
-    ];
+    let (first, second) = (exact_side(a, b, direction), exact_side(b, c, direction));
+    // Of most triangles two sides tell.
+    if (first > 0.0 && second < 0.0) || (first < 0.0 && second > 0.0) {
+        return None;
+    }
+    let sides = [first, second, exact_side(c, a, direction)];
     let is_met = sides.iter().all(|&side| side >= 0.0) || sides.iter().all(|&side| side <= 0.0);
     if !is_met {
         return None;

@@ -33,14 +33,6 @@ pub(crate) fn write_rgb(
     Ok(relative)
 }
 
-/// RGBA to RGB.
-pub(crate) fn drop_alpha(rgba: &[u8]) -> Vec<u8> {
-    rgba.chunks_exact(4)
-        .flat_map(|pixel| &pixel[..3])
-        .copied()
-        .collect()
-}
-
 /// Parts of a case's name as a file name.
 pub(crate) fn file_stem(parts: &[&str]) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_".contains(c);

@@ -14,7 +14,6 @@ mod cases;
 mod chapter;
 mod claims;
 mod driver_fault;
-mod fingerprint;
 mod images;
 mod memory;
 mod metrics;

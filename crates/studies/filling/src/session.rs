@@ -4,8 +4,7 @@
 
 use crate::cases::{FillCase, Purpose, ViewGroup};
 use crate::driver_fault::{Driver, DriverFault};
-use crate::fingerprint::fingerprint;
-use crate::images::{drop_alpha, file_stem, write_rgb, zoomed};
+use crate::images::{file_stem, write_rgb, zoomed};
 use crate::probe::{Probe, failed, tallest_wall_allowed};
 use crate::rounding::{objection, rounding_px};
 use crate::scenes::{build_meshes, mesh_error};
@@ -13,6 +12,7 @@ use crate::subject::Subject;
 use crate::textured::{ShownPicture, TexturedReferences, write_cut_out};
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ use terrafill_conformance::{
 use terrafill_core::{EdgeRule, MeshOptions, RegionMesh};
 use terrafill_fill::{
     Api, ColourWay, DeviceError, FillBackend, FillInput, Frame, FrameTimes, MemoryUse,
-    PositionFormat, PreparedScene, RouteChoice, Targets, paint,
+    PositionFormat, PreparedScene, RouteChoice, Targets, ids_hash, mask_hash, paint,
 };
 use terrafill_gpu::{Baseline, CpuStopwatch, SharedTargets, shared_targets};
 use terrafill_reference::ReferenceBackend;
@@ -91,7 +91,7 @@ pub(crate) struct ViewSession<'a> {
     allocated: BTreeMap<(&'static str, String), Option<MemoryUse>>,
     drawers: BTreeMap<usize, Drawer>,
     /// Files of pictures by what they show: equal pictures share one.
-    written: RefCell<BTreeMap<String, String>>,
+    written: RefCell<BTreeMap<u64, String>>,
     /// GPU time of this block's surface pass by interface.
     surfaces: Vec<(Api, Option<f64>)>,
 }
@@ -536,7 +536,7 @@ impl<'a> ViewSession<'a> {
     ) -> Result<(), StudyError> {
         let (stem, size) = (self.stem(case), self.group.size);
         if let Ok(picture) = drawn.backend.picture(&drawn.input) {
-            probe.image = self.write_once(&stem, size, &drop_alpha(&picture.rgba))?;
+            probe.image = self.write_once(&stem, size, &picture.rgb())?;
         }
         let reference = self.reference(self.against(case))?;
         let filled;
@@ -571,8 +571,9 @@ impl<'a> ViewSession<'a> {
 
     /// The file of these pixels, written unless an equal picture of this view was.
     fn write_once(&self, name: &str, size: ImageSize, rgb: &[u8]) -> Result<String, StudyError> {
-        let bytes = rgb.iter().map(|&byte| u32::from(byte));
-        let shown = fingerprint(bytes.chain([size.width]));
+        let mut hasher = DefaultHasher::new();
+        (size.width, rgb).hash(&mut hasher);
+        let shown = hasher.finish();
         let known = self.written.borrow().get(&shown).cloned();
         if let Some(path) = known {
             return Ok(path);
@@ -801,13 +802,11 @@ fn allocated_by(case: &FillCase) -> (&'static str, String) {
 
 /// Hashes of the mask and of the ids; the latter is empty where regions are not told apart.
 fn hashes(backend: &dyn FillBackend, frame: &Frame) -> (String, String) {
-    let mask = fingerprint(frame.ids.iter().map(|&id| id.min(1)));
-    let ids = if backend.tells_regions_apart() {
-        fingerprint(frame.ids.iter().copied())
-    } else {
-        String::new()
+    let ids = match backend.tells_regions_apart() {
+        true => ids_hash(frame),
+        false => String::new(),
     };
-    (mask, ids)
+    (mask_hash(frame), ids)
 }
 
 /// Whether regions are filled with a picture.

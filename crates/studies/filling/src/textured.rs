@@ -261,7 +261,7 @@ impl TexturedReferences {
                     .to_owned(),
             );
         }
-        let found: Vec<u8> = crate::images::drop_alpha(&picture.rgba);
+        let found = picture.rgb();
         Ok(Pictures::new(
             &reference.frame.ids,
             &frame.ids,
