@@ -127,7 +127,7 @@ impl MovingFootprint {
         let vertices_ecef: Vec<DVec3> = hits.collect();
         let facets = triangles.iter();
         let facets = facets.map(|corners| corners.map(|i| vertices_ecef[i as usize]));
-        if facets.clone().any(|facet| faces_inwards(body, facet)) {
+        if facets.clone().any(faces_inwards) {
             return Err(AnalyticError::Folded { body: body.name() });
         }
         Ok(Self {
@@ -153,9 +153,9 @@ impl MovingFootprint {
     }
 }
 
-/// Whether a facet is clockwise seen from outside.
-pub(super) fn faces_inwards(body: &Ellipsoid, facet: [DVec3; 3]) -> bool {
-    let [a, b, c] = facet.map(|corner| corner / body.radii_m());
+/// Whether a facet is clockwise seen from outside: by the sign of a determinant, which is the same in the
+/// space where the body is a sphere, since all three axes are scaled by positive numbers.
+pub(super) fn faces_inwards([a, b, c]: [DVec3; 3]) -> bool {
     a.dot(b.cross(c)) <= 0.0
 }
 

@@ -198,7 +198,7 @@ impl FootprintMesher {
         } = footprint;
         let triangles = self.triangles.iter();
         let facets = triangles.map(|triangle| triangle.map(|i| vertices_ecef[i as usize]));
-        if facets.clone().any(|facet| faces_inwards(body, facet)) {
+        if facets.clone().any(faces_inwards) {
             return Err(AnalyticError::Folded { body: body.name() });
         }
         let cap_sagitta_m = sagitta_m(body, facets);
