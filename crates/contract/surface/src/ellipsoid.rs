@@ -57,6 +57,10 @@ impl Surface for EllipsoidSurface {
         self.mesh.heights
     }
 
+    fn true_height_m(&self, _longitude_deg: f64, _latitude_deg: f64) -> Option<f64> {
+        Some(0.0)
+    }
+
     fn frame(&self, camera: &Camera, _size: ImageSize) -> Result<SurfaceFrame, SurfaceError> {
         self.mesh.frame(KIND, camera)
     }

@@ -15,6 +15,13 @@ pub trait Surface: Debug + Send + Sync {
     /// over that extent.
     fn heights(&self, extent: &Extent) -> HeightRange;
 
+    /// Height above the ellipsoid, metres, of what the triangles stand for at this place, at its full
+    /// resolution: from this the second error of a fill is measured, how far a boundary on coarse triangles
+    /// lies from where it should be. `None` where the surface cannot say.
+    fn true_height_m(&self, _longitude_deg: f64, _latitude_deg: f64) -> Option<f64> {
+        None
+    }
+
     /// What is drawn in a view.
     ///
     /// # Errors

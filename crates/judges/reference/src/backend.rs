@@ -9,6 +9,7 @@ use crate::texture::Texturing;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
+use terrafill_core::Geodetic;
 use terrafill_fill::{DeviceError, FillInput, Frame, NO_REGION, TexturePixel, paint};
 
 /// Judges frames on the CPU, in f64.
@@ -30,6 +31,10 @@ pub struct ReferenceFrame {
     /// The textured fill over the surface in one colour, RGB, row 0 at the top; `None` of a plain
     /// fill. Overlapping regions are blended in their order.
     pub picture: Option<Vec<u8>>,
+    /// How far, in pixels, each place that is seen on a boundary lies from where the surface at its full
+    /// resolution has the same place, from the least on; `None` where the surface cannot say, and of the
+    /// body itself. What hides what is left aside.
+    pub moved_px_true: Option<Vec<f64>>,
 }
 
 impl ReferenceFrame {
@@ -79,7 +84,14 @@ impl ReferenceBackend {
         };
         let surface = self.surface(input);
         let locator = self.locator(input)?;
-        Ok(judge_on(input, &locator, &surface, texturing.as_ref()))
+        let judged = judge_on(input, &locator, &surface, texturing.as_ref());
+        Ok(ReferenceFrame {
+            moved_px_true: match self.is_on_body {
+                true => None,
+                false => moved_px_true(input, &surface, &judged.frame.ids),
+            },
+            ..judged
+        })
     }
 
     /// Looks at `input` between the centres of pixels.
@@ -272,7 +284,38 @@ fn judge_on(
         },
         picture: texturing.map(|_| picture(input, &pixels)),
         disagreements: pixels.iter().map(|pixel| pixel.differ).collect(),
+        moved_px_true: None,
     }
+}
+
+/// [`ReferenceFrame::moved_px_true`]: the place in the centre of each pixel whose right or lower neighbour
+/// shows another id, raised to its true height and seen again.
+fn moved_px_true(input: &FillInput, surface: &SurfaceTriangles, ids: &[u32]) -> Option<Vec<f64>> {
+    let (camera, size, body) = (&input.camera, input.size, &input.scene.body);
+    let truth = &input.scene.surface;
+    // Asked once for all: a surface knows its heights everywhere or nowhere.
+    truth.true_height_m(0.0, 0.0)?;
+    let width = size.width as usize;
+    let is_boundary = |index: &usize| {
+        let differs = |other: usize| ids.get(other).is_some_and(|id| *id != ids[*index]);
+        let has_right = !(index + 1).is_multiple_of(width.max(1));
+        (has_right && differs(index + 1)) || differs(index + width)
+    };
+    let moved = |index: usize| {
+        let centre = [index % width, index / width].map(|at| at as f64 + 0.5);
+        let direction = camera.direction_ecef(size, centre);
+        let depth = surface.hit(direction, camera.near_m)?;
+        let drawn = body.ecef_to_geodetic(camera.eye_ecef + direction * depth);
+        let degrees = [drawn.longitude_rad, drawn.latitude_rad].map(f64::to_degrees);
+        let height_m = truth.true_height_m(degrees[0], degrees[1])?;
+        let seen =
+            camera.project_px(size, body.geodetic_to_ecef(Geodetic { height_m, ..drawn }))?;
+        Some((seen[0] - centre[0]).hypot(seen[1] - centre[1]))
+    };
+    let boundary: Vec<usize> = (0..ids.len()).filter(is_boundary).collect();
+    let mut found: Vec<f64> = boundary.into_par_iter().filter_map(moved).collect();
+    found.sort_by(f64::total_cmp);
+    Some(found)
 }
 
 /// The pixels' paint over the surface and the sky, both in one colour.

@@ -4,7 +4,7 @@
 use terrafill_results::{Kind, Metric};
 
 /// Times first, then bytes, counters, errors, textured fills and bytes of layouts.
-pub(crate) const METRICS: [Metric; 66] = [
+pub(crate) const METRICS: [Metric; 68] = [
     Metric::less(
         "fill_cpu_ms",
         "ms",
@@ -239,6 +239,18 @@ pub(crate) const METRICS: [Metric; 66] = [
         "px",
         Kind::Error,
         "How far boundaries moved that levels of detail simplify on purpose: the farthest that the centre of a mismatched pixel is from a place where the reference shows the id of the frame, pixels, found in steps of 1/16. Of approximate fills: to the centre of such a pixel, and empty beyond 64 pixels.",
+    ),
+    Metric::less(
+        "moved_px_true",
+        "px",
+        Kind::Error,
+        "How far the surface's triangles move a boundary: the farthest that a place seen on one lies from where the surface at its full resolution has the same place, in pixels, what hides what left aside. The same for every technique of a view. Empty where the surface cannot say, and of rivals that draw a surface of their own.",
+    ),
+    Metric::less(
+        "moved_px_true_p99",
+        "px",
+        Kind::Error,
+        "The same, not exceeded by 99 of 100 boundary pixels.",
     ),
     Metric::less(
         "foreign_px",

@@ -40,6 +40,8 @@ pub(crate) struct Probe {
     pub(crate) colour: Option<(u64, f64)>,
     /// Pixels on which the reference's own tests disagree, in all and outside the boundary band.
     pub(crate) disagreements: Option<(u64, u64)>,
+    /// How far the boundary as drawn lies from the true one: largest and 99th percentile, pixels.
+    pub(crate) moved_px_true: Option<[f64; 2]>,
 }
 
 impl Probe {
@@ -242,6 +244,11 @@ impl Probe {
                 "boundary_moved_px",
                 figures.and_then(|figures| figures.boundary_moved_px),
             ),
+            (
+                "moved_px_true",
+                self.moved_px_true.map(|[largest, _]| largest),
+            ),
+            ("moved_px_true_p99", self.moved_px_true.map(|[_, p99]| p99)),
             ("area_error", figures.and_then(|figures| figures.area_error)),
             ("texel_rms", compared.map(|errors| worse(errors.rms_texels))),
             ("texel_max", compared.map(|errors| worse(errors.max_texels))),

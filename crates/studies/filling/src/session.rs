@@ -64,6 +64,8 @@ struct Reference {
     filled: Frame,
     /// Pixels on which its two inside tests disagree, in all and outside the boundary band.
     disagreements: (u64, u64),
+    /// Of the boundary as drawn from the true one: largest and 99th percentile.
+    moved_px_true: Option<[f64; 2]>,
     image: String,
 }
 
@@ -188,6 +190,7 @@ impl<'a> ViewSession<'a> {
         let image = write_rgb(self.folder, &name, self.group.size, &paint(&drawn.frame))?;
         Ok(cell.get_or_init(|| Reference {
             disagreements: (drawn.disagreement_px(), outside),
+            moved_px_true: drawn.moved_px_true.as_deref().and_then(largest_and_p99),
             filled: filled_only(&drawn.frame),
             frame: drawn.frame,
             image,
@@ -386,6 +389,7 @@ impl<'a> ViewSession<'a> {
         }
         let reference = self.reference(against)?;
         probe.disagreements = Some(reference.disagreements);
+        probe.moved_px_true = reference.moved_px_true;
         if probe.reference_image.is_empty() {
             probe.reference_image.clone_from(&reference.image);
         }
@@ -801,6 +805,12 @@ fn allocated_by(case: &FillCase) -> (&'static str, String) {
 }
 
 /// Hashes of the mask and of the ids; the latter is empty where regions are not told apart.
+/// Of numbers from the least on; none of none.
+fn largest_and_p99(sorted: &[f64]) -> Option<[f64; 2]> {
+    let p99 = sorted.get((sorted.len() * 99 / 100).min(sorted.len().checked_sub(1)?))?;
+    Some([*sorted.last()?, *p99])
+}
+
 fn hashes(backend: &dyn FillBackend, frame: &Frame) -> (String, String) {
     let ids = match backend.tells_regions_apart() {
         true => ids_hash(frame),

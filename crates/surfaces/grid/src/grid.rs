@@ -32,20 +32,21 @@ impl SurfaceKind for GridKind {
     ) -> Result<Arc<dyn Surface>, SurfaceError> {
         let rows = parameters.count("rows", DEFAULT_ROWS, 4..=2048)?;
         let elevation = read_elevation(body, parameters)?;
-        Ok(Arc::new(GridSurface::new(body, rows, &elevation)))
+        Ok(Arc::new(GridSurface::new(body, rows, elevation)))
     }
 }
 
 #[derive(Debug)]
 struct GridSurface {
     rows: u32,
+    elevation: Elevation,
     mesh: SurfaceMesh,
     /// Of the triangles of each cell, row by row from the south pole and 180° west.
     cells: Vec<HeightRange>,
 }
 
 impl GridSurface {
-    fn new(body: &Ellipsoid, rows: u32, elevation: &Elevation) -> Self {
+    fn new(body: &Ellipsoid, rows: u32, elevation: Elevation) -> Self {
         let half_turn = f64::from(rows);
         let mesh = SurfaceMesh::grid(body, rows, |row, column| {
             let east = f64::from(column) / half_turn;
@@ -60,6 +61,7 @@ impl GridSurface {
         }
         Self {
             rows,
+            elevation,
             // Every cell has a triangle.
             cells: cells.into_iter().flatten().collect(),
             mesh,
@@ -109,6 +111,10 @@ impl Surface for GridSurface {
             .unwrap_or(self.mesh.heights)
     }
 
+    fn true_height_m(&self, longitude_deg: f64, latitude_deg: f64) -> Option<f64> {
+        Some(self.elevation.height_m(longitude_deg, latitude_deg))
+    }
+
     fn frame(&self, camera: &Camera, _size: ImageSize) -> Result<SurfaceFrame, SurfaceError> {
         self.mesh.frame(KIND, camera)
     }
@@ -127,7 +133,7 @@ mod tests {
             amplitude_m: 11e3,
         };
         let elevation = Elevation::new(Vec::new(), base, 0.05, 1.0);
-        GridSurface::new(&Ellipsoid::WGS84, rows, &elevation)
+        GridSurface::new(&Ellipsoid::WGS84, rows, elevation)
     }
 
     const WHOLE: Extent = Extent {

@@ -147,6 +147,10 @@ impl Surface for Tiles {
         }
     }
 
+    fn true_height_m(&self, longitude_deg: f64, latitude_deg: f64) -> Option<f64> {
+        Some(self.elevation.height_m(longitude_deg, latitude_deg))
+    }
+
     fn frame(&self, camera: &Camera, size: ImageSize) -> Result<SurfaceFrame, SurfaceError> {
         let sight = self.sight(camera, size);
         let chosen = self.chosen(&sight);

@@ -69,6 +69,36 @@ fn hits(judged: &ReferenceFrame) -> f64 {
     judged.frame.surface.iter().filter(|&&hit| hit).count() as f64
 }
 
+#[test]
+fn coarse_triangles_move_a_boundary_by_the_square_of_their_size() {
+    let text = r#"{"type":"Polygon","coordinates":[[[-20,30],[25,32],[22,60],[-15,55],[-20,30]]]}"#;
+    let regions: Arc<[Region]> = parse_regions(text.as_bytes(), "t").expect("a ring").into();
+    let moved = |rows: u32| {
+        let pose = pose(3.0, 44.0, 4e6, -90.0);
+        let mut input = input(Ellipsoid::WGS84, &pose, 400, rows);
+        input.scene.regions = Arc::clone(&regions);
+        let judged = ReferenceBackend::new().judge(&input).expect("closed");
+        let moved = judged
+            .moved_px_true
+            .expect("the ellipsoid knows its heights");
+        assert!(moved.len() > 300 && moved.is_sorted(), "{}", moved.len());
+        moved[moved.len() - 1]
+    };
+    let (coarse, middle, fine) = (moved(18), moved(36), moved(72));
+    // A facet of an edge q hangs R q² / 8 low: cells of 10° by 24 km, which is some pixels beside the middle.
+    assert!((1.0..12.0).contains(&coarse), "{coarse}");
+    for ratio in [coarse / middle, middle / fine] {
+        assert!((2.5..6.0).contains(&ratio), "{coarse} {middle} {fine}");
+    }
+    // Twins: nothing is moved of the body itself, since nothing was drawn, nor where no boundary is seen.
+    let mut bare = input(Ellipsoid::WGS84, &pose(3.0, 44.0, 4e6, -90.0), 40, 18);
+    let judged = ReferenceBackend::new().judge(&bare).expect("nothing");
+    assert_eq!(judged.moved_px_true, Some(Vec::new()));
+    bare.scene.regions = regions;
+    let on_body = ReferenceBackend::on_body().judge(&bare).expect("closed");
+    assert_eq!(on_body.moved_px_true, None);
+}
+
 /// Area in pixels of a disc that is seen under `radius` (tangent of half its angle).
 fn disc_px(input: &FillInput, radius: f64) -> f64 {
     let pixels = radius / input.camera.tan_half_fov() * f64::from(input.size.height) / 2.0;

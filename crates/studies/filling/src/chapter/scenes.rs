@@ -41,7 +41,7 @@ enum Print {
 
 /// Columns after those by the run's clock: heading, metric, how it is printed, and why a case that is
 /// right may lack it.
-const COLUMNS: [(&str, &str, Print, &str); 12] = [
+const COLUMNS: [(&str, &str, Print, &str); 13] = [
     (
         "surface, GPU\u{a0}ms",
         "surface_gpu_ms",
@@ -97,6 +97,12 @@ const COLUMNS: [(&str, &str, Print, &str); 12] = [
         "boundary_moved_px",
         Print::Figure,
         "only levels of detail move boundaries on purpose; or too many pixels mismatch to compare",
+    ),
+    (
+        "by the surface, px",
+        "moved_px_true",
+        Print::Figure,
+        "the surface does not say where the ground truly is, or they were not compared",
     ),
     (
         "boundary,\u{a0}m",
