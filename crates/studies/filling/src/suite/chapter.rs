@@ -222,7 +222,9 @@ impl Chapter for ExtremeChapter {
 
 const KEY: &str = "Passed: every technique's picture matches the reference outside the 1-pixel boundary \
                    band, no figure is NaN or infinite, and the validation layer said nothing where it \
-                   was on. Refused rightly: refused with the words that the scene expects.";
+                   was on. A pixel whose surface lies within 2⁻²⁴ of its distance from a region's wall may \
+                   show either side of the wall, or neither. Refused rightly: refused with the words that \
+                   the scene expects.";
 
 /// A line for each technique that failed.
 fn failures(view: &View<'_>) -> Vec<String> {
