@@ -11,7 +11,7 @@ use terrafill_results::Shard;
 
 const EXIT_CODES: &str = "\
 Exit codes: 0 done · 1 a picture is wrong · 2 bad input or usage · 3 inconclusive ·
-            4 nothing measured · 5 no usable device
+            4 nothing measured · 5 no usable device · 128 + n stopped by signal n
 Example: terrafill bench california --quick --out out/first";
 
 const LOCATE_AFTER_HELP: &str = "\

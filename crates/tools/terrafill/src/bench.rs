@@ -10,6 +10,7 @@ use crate::outcome::{Failure, Outcome, complain, print};
 use crate::progress::{Said, Timed};
 use crate::registry::{RIVALS, STUDIES, chapters, metrics};
 use crate::report::print_report;
+use crate::stop::say_when_stopped;
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::Path;
@@ -96,6 +97,9 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     let mut described = describe(&studies, &request, &options);
     described.extend(sharing);
     let folder = open_folder(arguments, &studies, &request, described, &plan, &devices)?;
+    if options.process == 0 {
+        say_when_stopped(&arguments.out)?;
+    }
     let said = Said::new(options.process, processes);
     let mut progress = Timed::new(said, &folder, options.process);
     let ran = match lines {

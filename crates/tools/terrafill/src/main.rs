@@ -25,6 +25,7 @@ mod regions;
 mod registry;
 mod render;
 mod report;
+mod stop;
 mod suite;
 mod techniques;
 mod usage;

@@ -4,7 +4,7 @@
 
 use crate::harness::{Desk, NAMED, Ran, has_device, ran};
 use std::collections::BTreeSet;
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use terrafill_results::{Outcome, Run};
 
@@ -227,4 +227,32 @@ fn growth_that_is_killed_is_reported_and_resumed() {
     assert!(report.stderr.contains("growth/"), "{}", report.stderr);
     let text = check_resumed(&desk, &bench("growth", "2", &["--resume"]));
     assert!(text.starts_with("24 right, 0 wrong"), "{text}");
+}
+
+#[test]
+fn a_run_that_is_told_to_stop_says_what_is_left_and_goes_on() {
+    if !has_device() {
+        return;
+    }
+    for (signal, name, code) in [("-TERM", "SIGTERM", 143), ("-INT", "SIGINT", 130)] {
+        let desk = Desk::new();
+        let mut command = desk.command(&filling(&[]));
+        let child = command.stderr(Stdio::piped()).spawn().expect("starts");
+        let started = Instant::now();
+        while measured_rows(&desk) < 400 && started.elapsed() < MAX_WAIT {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        let told = Command::new("kill")
+            .args([signal, &child.id().to_string()])
+            .status();
+        assert!(told.expect("kill").success());
+        let output = child.wait_with_output().expect("a child");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        // Twin: what SIGKILL ends has no exit code and says nothing, see `kill_when`.
+        assert_eq!(output.status.code(), Some(code), "{said}");
+        let expected = format!("stopped by {name}: run keeps what was measured");
+        assert!(said.contains(&expected), "{said}");
+        check_report(&desk);
+        check_resumed(&desk, &filling(&["--resume"]));
+    }
 }

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A run that is told to stop says what is left of it.
+
+use crate::outcome::{Failure, complain};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
+use std::path::Path;
+
+/// What shells add to a signal's number for the exit code of what it ended.
+const ENDED_BY_SIGNAL: i32 = 128;
+
+/// From now on, ends this process by a message when it is interrupted, terminated or left by its terminal.
+/// Each value was written when it was measured, so nothing is lost but the sample that was being taken.
+/// Further processes of the run end by themselves, since their standard input does.
+///
+/// - `out`: the run's folder
+pub(crate) fn say_when_stopped(out: &Path) -> Result<(), Failure> {
+    let mut signals = Signals::new([SIGINT, SIGTERM, SIGHUP]).map_err(Failure::bad_input)?;
+    let out = out.display().to_string();
+    std::thread::spawn(move || {
+        if let Some(signal) = signals.forever().next() {
+            let name = match signal {
+                SIGINT => "SIGINT",
+                SIGTERM => "SIGTERM",
+                _ => "SIGHUP",
+            };
+            complain(format!(
+                "stopped by {name}: {out} keeps what was measured; the same command with --resume goes on"
+            ));
+            std::process::exit(ENDED_BY_SIGNAL + signal);
+        }
+    });
+    Ok(())
+}
