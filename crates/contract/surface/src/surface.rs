@@ -6,7 +6,9 @@ use std::sync::Arc;
 use terrafill_core::Extent;
 use terrafill_scene::{Camera, HeightRange, ImageSize};
 
-/// A planet's surface: closed around the body, so that every ray that enters it meets a triangle.
+/// A planet's surface. In each view, every ray through the picture that enters the body lowered to the lowest
+/// height drawn meets a triangle, so that nothing behind the horizon shows. What no ray of a view may meet need
+/// not be drawn. A ray that meets no triangle shows the sky, and regions are not filled there.
 pub trait Surface: Debug + Send + Sync {
     /// Name in scene files.
     fn kind(&self) -> &'static str;

@@ -23,6 +23,10 @@ use terrafill_scene::{ImageSize, Scene, SceneTexture, TextureShare, View, checke
 use terrafill_study::{Depth, StudyError};
 use terrafill_texture::PositionRoute;
 
+/// Scenes over the surfaces of published globes: made for their surfaces and views, not for the comparison of
+/// techniques.
+const GLOBE_SCENES: [&str; 2] = ["screen-grid", "spiral"];
+
 /// Scenes that are about pictures: only textured fills are drawn of them, each once.
 pub(crate) const PICTURE_SCENES: [&str; 6] = [
     "blue-marble",
@@ -331,6 +335,9 @@ pub(crate) fn left_out(name: &str, depth: Depth) -> Option<String> {
     let reason = match depth {
         _ if PICTURE_SCENES.contains(&name) => {
             "its pictures are left out of quick runs over all scenes; name it to see them"
+        }
+        _ if GLOBE_SCENES.contains(&name) => {
+            "only full runs over all scenes draw published globes; name it to measure it"
         }
         // The largest scene by far: a sixth of the time of a quick run.
         Depth::Quick if name == "countries-50m" => {

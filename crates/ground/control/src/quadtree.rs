@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! A quadtree over one large picture whose nodes split and merge by their counted pixels.
+//!
+//! A node draws its whole area with one texture of a fixed size. It splits where its pixels over its texels are
+//! more than the upper threshold, and four leaves merge where all of them are below the lower one. A node acts on
+//! counts taken since it exists only.
+
+use std::collections::BTreeSet;
+
+/// Cells of a side in which pixels are counted: leaves of the deepest level.
+const SIDE: usize = 1 << MAX_LEVEL;
+/// Splits end here.
+const MAX_LEVEL: u32 = 7;
+
+/// Level, column, row.
+type Node = (u32, usize, usize);
+
+/// How many pixels each part of a square of side 1 has in a view.
+#[derive(Debug, Clone)]
+pub struct QuadtreeView {
+    /// Pixels of all cells left of and below a corner, row by row.
+    sums: Vec<f64>,
+}
+
+/// What a quadtree does while the view stands still.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Settling {
+    /// Leaves, frame by frame: the step response.
+    pub leaves: Vec<usize>,
+    /// Frames until nothing changes any more; `None` where it never ends.
+    pub frames: Option<usize>,
+}
+
+impl QuadtreeView {
+    /// Seen from a place over the square, whose pixels at a point are as many as its solid angle has.
+    ///
+    /// - `eye`: place over the square, and height over it, in its sides
+    /// - `ahead`: horizontal part of the direction of view over its downward part
+    /// - `pixels`: that an angle of 1 spans in the middle of a picture with a field of view of 60°
+    #[must_use]
+    pub fn new(eye: [f64; 3], ahead: [f64; 2], pixels: f64) -> Self {
+        let side = SIDE + 1;
+        let mut sums = vec![0.0; side * side];
+        let length = (1.0 + ahead[0] * ahead[0] + ahead[1] * ahead[1]).sqrt();
+        for row in 0..SIDE {
+            for column in 0..SIDE {
+                let [x, y] = [column, row].map(|at| (at as f64 + 0.5) / SIDE as f64);
+                let (dx, dy) = (x - eye[0], y - eye[1]);
+                let squared = dx * dx + dy * dy + eye[2] * eye[2];
+                let along = (dx * ahead[0] + dy * ahead[1] + eye[2]) / length;
+                let is_in_view = along > squared.sqrt() * 30_f64.to_radians().cos();
+                let share = eye[2] / squared.powf(1.5) / (SIDE * SIDE) as f64;
+                let here = if is_in_view {
+                    pixels * pixels * share
+                } else {
+                    0.0
+                };
+                let at = (row + 1) * side + column + 1;
+                sums[at] = here + sums[at - 1] + sums[at - side] - sums[at - side - 1];
+            }
+        }
+        Self { sums }
+    }
+
+    /// One of many views, the same for a seed everywhere.
+    #[must_use]
+    pub fn seeded(seed: u64) -> Self {
+        let mut state = seed;
+        // SplitMix64 (Steele, Lea and Flood, 2014).
+        let mut next = || {
+            state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+            let mut z = state;
+            z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+            ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let height = 0.05 * 100_f64.powf(next());
+        let eye = [next(), next(), height];
+        // Up to 60° from straight down; half of all views look straight down.
+        let tilt = (2.0 * next() - 1.0).max(0.0) * 3_f64.sqrt();
+        let (sine, cosine) = (next() * std::f64::consts::TAU).sin_cos();
+        Self::new(eye, [tilt * cosine, tilt * sine], 1000.0)
+    }
+
+    fn pixels(&self, (level, column, row): Node) -> f64 {
+        let side = SIDE + 1;
+        let size = SIDE >> level;
+        let at = |column: usize, row: usize| self.sums[row * side + column];
+        let (west, south) = (column * size, row * size);
+        let (east, north) = (west + size, south + size);
+        at(east, north) - at(west, north) - at(east, south) + at(west, south)
+    }
+}
+
+/// Lets a quadtree that begins as one node come to rest in a view that stands still.
+///
+/// - `texels`: of a node's texture
+/// - `hysteresis`: the upper threshold of pixels per texel over the lower one, which is 1/√hysteresis
+#[must_use]
+pub fn settle(view: &QuadtreeView, texels: f64, hysteresis: f64, frames: usize) -> Settling {
+    let (low, high) = (texels / hysteresis.sqrt(), texels * hysteresis.sqrt());
+    let mut leaves = BTreeSet::from([(0, 0, 0)]);
+    let mut counts = vec![1];
+    let mut settled = None;
+    for frame in 0..frames {
+        let mut after = leaves.clone();
+        let mut has_changed = false;
+        for &node in &leaves {
+            let (level, column, row) = node;
+            if view.pixels(node) > high && level < MAX_LEVEL {
+                after.remove(&node);
+                after.extend(children(node));
+                has_changed = true;
+            } else if level > 0 && column % 2 == 0 && row % 2 == 0 {
+                let parent = (level - 1, column / 2, row / 2);
+                let mut siblings = children(parent).into_iter();
+                if siblings.all(|one| leaves.contains(&one) && view.pixels(one) < low) {
+                    for one in children(parent) {
+                        after.remove(&one);
+                    }
+                    after.insert(parent);
+                    has_changed = true;
+                }
+            }
+        }
+        settled = match (has_changed, settled) {
+            (true, _) => None,
+            (false, None) => Some(frame),
+            (false, known) => known,
+        };
+        leaves = after;
+        counts.push(leaves.len());
+    }
+    Settling {
+        leaves: counts,
+        frames: settled,
+    }
+}
+
+fn children((level, column, row): Node) -> [Node; 4] {
+    [(0, 0), (1, 0), (0, 1), (1, 1)]
+        .map(|(east, north)| (level + 1, 2 * column + east, 2 * row + north))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_node_has_the_pixels_of_its_children() {
+        let view = QuadtreeView::new([0.3, 0.6, 0.4], [0.2, -0.1], 1000.0);
+        let whole = view.pixels((0, 0, 0));
+        let parts: f64 = children((0, 0, 0))
+            .map(|node| view.pixels(node))
+            .iter()
+            .sum();
+        assert!(
+            (whole / parts - 1.0).abs() < 1e-12 && whole > 1e5,
+            "{whole}"
+        );
+        // From far above, its solid angle is its side over the distance, squared.
+        let far = QuadtreeView::new([0.5, 0.5, 50.0], [0.0; 2], 1000.0).pixels((0, 0, 0));
+        assert!((far / 400.0 - 1.0).abs() < 1e-3, "{far}");
+    }
+
+    #[test]
+    fn a_hysteresis_of_four_never_cycles_and_less_does() {
+        let views: Vec<QuadtreeView> = (0..300).map(QuadtreeView::seeded).collect();
+        let cycling = |hysteresis: f64| {
+            let found: Vec<Option<usize>> = views
+                .iter()
+                .map(|view| settle(view, 4096.0, hysteresis, 64).frames)
+                .collect();
+            let longest = found.iter().flatten().max().copied();
+            let never = found.iter().filter(|frames| frames.is_none()).count();
+            eprintln!(
+                "hysteresis {hysteresis}: {never} of 300 never settle, others within {longest:?} frames"
+            );
+            never
+        };
+        let found = [1.0, 1.5, 2.0, 3.0, 3.9, 4.0, 8.0].map(cycling);
+        assert_eq!(found[5..], [0, 0]);
+        assert!(found[4] > 0, "{found:?}");
+        assert!(
+            found[..5].is_sorted_by(|a, b| a >= b) && found[0] > 100,
+            "{found:?}"
+        );
+    }
+}

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Fills over a surface that belongs to the view: a spiral that ends at the horizon, with facets that hang
+//! kilometres below the body where they are seen from far. Where no facet is, the sky is seen and no region.
+
+use std::rc::Rc;
+use std::sync::Arc;
+use terrafill_compute::ComputeTechnique;
+use terrafill_conformance::{ErrorFigures, compare, verdict};
+use terrafill_core::{Extent, Geodetic, RegionMesh};
+use terrafill_fill::{
+    Devices, FillBackend, FillInput, Frame, PreparedScene, Targets, Technique, Variant,
+};
+use terrafill_instanced::InstancedTechnique;
+use terrafill_native::NativeTechnique;
+use terrafill_overlays::DRAPED_MESH;
+use terrafill_reference::ReferenceBackend;
+use terrafill_scene::{
+    Camera, CameraPose, HeightRange, ImageSize, Overlap, PlanOptions, Scene, View,
+};
+use terrafill_spiral::SpiralKind;
+use terrafill_surface::{EllipsoidKind, Surface, SurfaceError, SurfaceFrame, open_surface};
+use terrafill_vertex::VertexTechnique;
+
+const SIZE: ImageSize = ImageSize {
+    width: 192,
+    height: 192,
+};
+
+const TECHNIQUES: [&dyn Technique; 4] = [
+    &VertexTechnique,
+    &ComputeTechnique,
+    &NativeTechnique,
+    &InstancedTechnique,
+];
+
+/// Longitude, latitude, height, heading and pitch: the globe, four times, at ±180° and over a pole; obliquely
+/// from less and less; and down.
+const POSES: [[f64; 5]; 11] = [
+    [15.0, 20.0, 8e6, 0.0, -90.0],
+    [180.0, 20.0, 8e6, 0.0, -90.0],
+    [0.0, 90.0, 8e6, 0.0, -90.0],
+    [180.0, 70.0, 8e6, 30.0, -90.0],
+    [15.0, 20.0, 1.161e6, 0.0, -90.0],
+    [15.0, 20.0, 1e4, 0.0, -90.0],
+    [15.0, 20.0, 1e5, 225.0, -20.0],
+    [15.0, 20.0, 2e3, 45.0, -2.0],
+    [15.0, 20.0, 1.7, 45.0, -10.0],
+    [15.0, 20.0, 1.7, 315.0, -2.0],
+    [180.0, 90.0, 2e3, 45.0, -2.0],
+];
+const GLOBE: [f64; 5] = POSES[0];
+
+fn shipped(surface: &str) -> (Scene, Arc<dyn Surface>) {
+    let text = include_str!("../../../../bench-scenes/spiral.toml");
+    let shipped = "kind = \"spiral\"\n";
+    assert!(text.contains(shipped));
+    let text = text.replacen(shipped, surface, 1);
+    let scene = Scene::from_toml(&text, "spiral.toml", None).expect("a scene");
+    let surface = open_surface(&[&EllipsoidKind, &SpiralKind], &scene).expect("a surface");
+    (scene, surface)
+}
+
+fn prepared(scene: &Scene, surface: Arc<dyn Surface>) -> PreparedScene {
+    let meshes = RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh);
+    PreparedScene::new(scene, meshes.expect("meshes").into(), surface)
+}
+
+/// The shipped scene over such a surface.
+fn over(surface: &str) -> PreparedScene {
+    let (scene, surface) = shipped(surface);
+    prepared(&scene, surface)
+}
+
+fn look(
+    scene: &PreparedScene,
+    [longitude, latitude, height_m, heading, pitch]: [f64; 5],
+) -> FillInput {
+    let view = View {
+        name: "test".to_owned(),
+        pose: CameraPose {
+            eye: Geodetic::from_degrees(longitude, latitude, height_m),
+            heading_rad: f64::to_radians(heading),
+            pitch_rad: f64::to_radians(pitch),
+            fov_y_rad: 60_f64.to_radians(),
+            near_m: (5e-4 * height_m).max(0.1),
+        },
+        note: None,
+    };
+    FillInput::new(scene, &view, SIZE, PlanOptions::default()).expect("a surface")
+}
+
+fn judge(input: &FillInput) -> Frame {
+    let frame = ReferenceBackend::new().judge(input).expect("judges").frame;
+    assert!(frame.filled_px() > 50, "nothing to see");
+    frame
+}
+
+struct Open {
+    targets: Targets,
+}
+
+impl Open {
+    /// `None`, said aloud, where a device is missing.
+    fn new() -> Option<Self> {
+        terrafill_gpu::open_for_test(&Default::default())?;
+        terrafill_vulkan::open_for_test(&Default::default())?;
+        Some(Self {
+            targets: Targets::new(&Rc::new(Devices::default()), SIZE),
+        })
+    }
+
+    fn backend(&self, technique: &dyn Technique, variant: &Variant) -> Box<dyn FillBackend> {
+        technique.open(&self.targets, variant).expect("opens")
+    }
+
+    fn draw(&self, technique: &dyn Technique, input: &FillInput) -> Frame {
+        let variant = technique.main(Overlap::Disjoint);
+        let mut backend = self.backend(technique, &variant);
+        backend.prepare(input).expect("fits");
+        backend.render(input).expect("draws")
+    }
+}
+
+fn figures(reference: &Frame, frame: &Frame) -> ErrorFigures {
+    compare(reference, frame).expect("of one size")
+}
+
+#[test]
+fn every_technique_fills_rightly_over_a_spiral_in_every_view() {
+    let Some(open) = Open::new() else {
+        return;
+    };
+    let spiral = over("kind = \"spiral\"\n");
+    let bare = over("kind = \"ellipsoid\"\nrows = 360\n");
+    let mut elsewhere = 0;
+    for pose in POSES {
+        let input = look(&spiral, pose);
+        let reference = judge(&input);
+        // From afar facets hang kilometres deep.
+        let on_the_body = (pose[2] >= 8e6).then(|| judge(&look(&bare, pose)));
+        for technique in TECHNIQUES {
+            let frame = open.draw(technique, &input);
+            let found = figures(&reference, &frame);
+            assert!(
+                verdict(&found).is_pass(),
+                "{} {pose:?}: {found:?}",
+                technique.name()
+            );
+            assert_eq!(found.mismatched_px_outside_band, 0);
+            // Twin: over the body itself, the same regions cover other pixels.
+            let differs = |body: &Frame| figures(body, &frame).mismatched_px > 0;
+            elsewhere += usize::from(on_the_body.as_ref().is_some_and(differs));
+        }
+    }
+    assert_eq!(elsewhere, 4 * TECHNIQUES.len());
+}
+
+#[test]
+fn coarse_uneven_hilly_and_wrong_spirals_are_filled_as_they_are_drawn() {
+    let Some(open) = Open::new() else {
+        return;
+    };
+    for (surface, poses) in [
+        ("n = 12\n", &[GLOBE, POSES[2], POSES[7]][..]),
+        (
+            "n = 24\nlaw = \"quadratic\"\nstep_deg = 13\n",
+            &[POSES[1], POSES[6]],
+        ),
+        ("base = \"relief\"\nseed = 7\n", &[GLOBE, POSES[6]]),
+        (
+            "n = 12\nrim = \"horizon\"\nlaw = \"equal-area\"\n",
+            &[POSES[3]],
+        ),
+        ("frame = \"lonlat\"\nprecision = \"f32\"\n", &[POSES[4]]),
+        ("trig = \"1/2\"\n", &[GLOBE]),
+    ] {
+        let scene = over(&format!("kind = \"spiral\"\n{surface}"));
+        for &pose in poses {
+            let input = look(&scene, pose);
+            let reference = judge(&input);
+            for technique in TECHNIQUES {
+                let found = figures(&reference, &open.draw(technique, &input));
+                let is_right = verdict(&found).is_pass();
+                assert!(
+                    is_right,
+                    "{surface} {} {pose:?}: {found:?}",
+                    technique.name()
+                );
+            }
+        }
+    }
+}
+
+/// The same triangles, said to lie where their corners do.
+#[derive(Debug)]
+struct WithoutSagitta(Arc<dyn Surface>);
+
+const CORNERS: HeightRange = HeightRange {
+    lowest_m: 0.0,
+    highest_m: 0.0,
+};
+
+impl Surface for WithoutSagitta {
+    fn kind(&self) -> &'static str {
+        self.0.kind()
+    }
+
+    fn heights(&self, _extent: &Extent) -> HeightRange {
+        CORNERS
+    }
+
+    fn frame(&self, camera: &Camera, size: ImageSize) -> Result<SurfaceFrame, SurfaceError> {
+        Ok(SurfaceFrame {
+            heights: CORNERS,
+            parts: Arc::default(),
+            ..self.0.frame(camera, size)?
+        })
+    }
+}
+
+#[test]
+fn volumes_that_end_at_the_corners_heights_lose_facets() {
+    let Some(open) = Open::new() else {
+        return;
+    };
+    let (scene, surface) = shipped("kind = \"spiral\"\nn = 12\n");
+    let input = look(&prepared(&scene, Arc::clone(&surface)), GLOBE);
+    let reference = judge(&input);
+    let found = figures(&reference, &open.draw(&VertexTechnique, &input));
+    assert!(verdict(&found).is_pass(), "{found:?}");
+    let hanging = look(&prepared(&scene, Arc::new(WithoutSagitta(surface))), GLOBE);
+    let wrong = figures(&reference, &open.draw(&VertexTechnique, &hanging));
+    assert!(wrong.mismatched_px_outside_band > 100, "{wrong:?}");
+}
+
+#[test]
+fn a_mesh_draped_over_a_spiral_follows_its_facets() {
+    let Some(open) = Open::new() else {
+        return;
+    };
+    let scene = over("kind = \"spiral\"\n");
+    for pose in [GLOBE, POSES[7]] {
+        let input = look(&scene, pose);
+        let found = figures(&judge(&input), &open.draw(&DRAPED_MESH, &input));
+        // What its offset may hide or let through at silhouettes.
+        let allowed = found.filled_px / 1000;
+        assert!(
+            found.mismatched_px_outside_band <= allowed,
+            "{pose:?} {found:?}"
+        );
+    }
+}
+
+/// Pixels that show the body where the true one is bare between a rim's chords, and those of them that are
+/// filled.
+#[test]
+fn beyond_the_rim_is_sky_for_the_reference_and_for_every_technique() {
+    let Some(open) = Open::new() else {
+        return;
+    };
+    // Over the pole the far squares reach the rim.
+    let pose = POSES[2];
+    let spiral = look(&over("kind = \"spiral\"\nn = 8\n"), pose);
+    let body = judge(&look(&over("kind = \"ellipsoid\"\nrows = 360\n"), pose));
+    let reference = judge(&spiral);
+    let bare: Vec<usize> = (0..SIZE.pixel_count())
+        .filter(|&pixel| body.ids[pixel] > 0 && !reference.surface[pixel])
+        .collect();
+    assert!(bare.len() > 5, "{}", bare.len());
+    for technique in TECHNIQUES {
+        let frame = open.draw(technique, &spiral);
+        assert!(
+            bare.iter().all(|&pixel| frame.ids[pixel] == 0),
+            "{}",
+            technique.name()
+        );
+        assert!(verdict(&figures(&reference, &frame)).is_pass());
+    }
+}
