@@ -140,3 +140,137 @@ impl Surface for ScreenGrid {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_core::Geodetic;
+    use terrafill_scene::{CameraPose, Scene};
+    use terrafill_surface::open_surface;
+
+    const SIZE: ImageSize = ImageSize {
+        width: 300,
+        height: 200,
+    };
+
+    fn opened(body: &str, keys: &str) -> Result<Arc<dyn Surface>, String> {
+        let text = format!(
+            "name = \"t\"\ndescription = \"d\"\nbody = \"{body}\"\n\
+             [regions]\nembedded = \"california.geojson\"\n[surface]\nkind = \"screen-grid\"\n{keys}\n\
+             [[views]]\nname = \"a\"\nlongitude_deg = 0\nlatitude_deg = 0\nheight_m = 1\n\
+             heading_deg = 0\npitch_deg = 0\n"
+        );
+        let scene = Scene::from_toml(&text, "t.toml", None).expect("a scene");
+        open_surface(&[&ScreenGridKind], &scene).map_err(|error| error.to_string())
+    }
+
+    fn camera(body: &Ellipsoid, latitude_deg: f64, height_m: f64) -> Camera {
+        let pose = CameraPose {
+            eye: Geodetic::from_degrees(170.0, latitude_deg, height_m),
+            heading_rad: 0.3,
+            pitch_rad: (-80_f64).to_radians(),
+            fov_y_rad: 60_f64.to_radians(),
+            near_m: height_m * 1e-3,
+        };
+        Camera::new(body, &pose)
+    }
+
+    #[test]
+    fn what_is_wrong_is_named_with_file_key_value_and_what_is_allowed() {
+        for keys in ["", "n = 1", "n = 80\nlimb = \"ring\"\nrays = \"f32-c64\""] {
+            assert_eq!(opened("wgs84", keys).expect(keys).kind(), "screen-grid");
+        }
+        for (keys, expected) in [
+            ("n = 0", "t.toml: surface.n: found 0, allowed: 1 to 80"),
+            ("n = 81", "t.toml: surface.n: found 81, allowed: 1 to 80"),
+            (
+                "limb = \"raycast\"",
+                "t.toml: surface.limb: found \"raycast\", allowed: snap, ring",
+            ),
+            (
+                "rays = \"f16\"",
+                "t.toml: surface.rays: found \"f16\", allowed: f64, f32-c64, f32",
+            ),
+            (
+                "rows = 4",
+                "t.toml: surface.rows: found 4, allowed: only the keys kind, n, limb, rays",
+            ),
+        ] {
+            assert_eq!(opened("wgs84", keys).expect_err(keys), expected);
+        }
+    }
+
+    #[test]
+    fn a_disc_through_the_middle_of_a_body_is_refused() {
+        let body = Ellipsoid::SATURN_LIKE;
+        let frame = |n: u32, radii: f64| {
+            let surface = opened("saturn-like", &format!("n = {n}")).expect("a surface");
+            let camera = camera(&body, 20.0, radii * body.equatorial_radius_m());
+            let square = ImageSize {
+                width: 200,
+                height: 200,
+            };
+            let frame = surface.frame(&camera, square);
+            frame.map(|_| ()).map_err(|error| error.to_string())
+        };
+        let error = frame(1, 20.0).expect_err("too deep");
+        assert!(
+            error
+                .starts_with("the screen-grid surface is so coarse in this view that it reaches -")
+                && error.ends_with("allowed: -48547987 m or more"),
+            "{error}"
+        );
+        // Twins: from nearer, and with cells smaller than the body.
+        assert_eq!(frame(1, 1.25), Ok(()));
+        assert_eq!(frame(80, 20.0), Ok(()));
+    }
+
+    #[test]
+    fn every_point_of_a_facet_lies_in_a_part_and_between_its_heights() {
+        let body = Ellipsoid::WGS84;
+        for (keys, latitude, height_m) in [
+            ("n = 10", 20.0, 8e6),
+            ("n = 40\nlimb = \"ring\"", 88.0, 8e6),
+            ("n = 3", -50.0, 2e3),
+            ("n = 10\nrays = \"f32\"", 70.0, 1e6),
+        ] {
+            let surface = opened("wgs84", keys).expect("a surface");
+            let camera = camera(&body, latitude, height_m);
+            let frame = surface.frame(&camera, SIZE).expect("above");
+            let (mut points, mut low_elsewhere) = (0_u32, 0_u32);
+            for triangle in frame.triangles.iter() {
+                let [a, b, c] = triangle.map(|i| {
+                    DVec3::from(frame.vertices_rte[i as usize].map(f64::from)) + camera.eye_ecef
+                });
+                for (u, v) in [(0.0, 0.0), (0.3, 0.3), (0.5, 0.5), (0.9, 0.05)] {
+                    let place = body.ecef_to_geodetic(a * (1.0 - u - v) + b * u + c * v);
+                    let [west_deg, south_deg] =
+                        [place.longitude_rad, place.latitude_rad].map(f64::to_degrees);
+                    let here = Extent {
+                        west_deg,
+                        south_deg,
+                        east_deg: west_deg,
+                        north_deg: south_deg,
+                    };
+                    let heights = frame.heights_over(&here, surface.heights(&here));
+                    let rounding = 1e-8;
+                    assert!(
+                        heights.lowest_m <= place.height_m + rounding,
+                        "{keys}: {place:?}"
+                    );
+                    assert!(
+                        heights.highest_m >= place.height_m - rounding,
+                        "{keys}: {place:?}"
+                    );
+                    // Twin: the lowest corner of all is too high.
+                    low_elsewhere += u32::from(place.height_m < -1e-3);
+                    points += 1;
+                }
+            }
+            assert!(
+                4 * low_elsewhere > points,
+                "{keys}: {low_elsewhere} of {points}"
+            );
+        }
+    }
+}
