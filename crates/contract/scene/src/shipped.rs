@@ -18,6 +18,7 @@ pub(crate) const SCENES: &[(&str, &str)] = &[
     file!("square-10m.toml"),
     file!("square-200km.toml"),
     file!("hills.toml"),
+    file!("screen-grid.toml"),
     file!("spiral.toml"),
     file!("countries-110m.toml"),
     file!("countries-50m.toml"),

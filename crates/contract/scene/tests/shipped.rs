@@ -277,6 +277,7 @@ fn every_shipped_scene_loads_or_is_skipped_for_its_data() {
             "square-10m",
             "square-200km",
             "hills",
+            "screen-grid",
             "spiral",
             "countries-110m",
             "countries-50m",
@@ -293,7 +294,7 @@ fn every_shipped_scene_loads_or_is_skipped_for_its_data() {
         .iter()
         .filter(|name| Scene::shipped(name, None).is_ok())
         .count();
-    assert_eq!(without_data, 11, "the embedded scenes need nothing");
+    assert_eq!(without_data, 12, "the embedded scenes need nothing");
     for name in names {
         let Some(scene) = load_or_skip(name) else {
             continue;
@@ -424,7 +425,7 @@ fn a_scene_that_is_not_shipped_is_named_with_those_that_are() {
     assert_eq!(
         error.to_string(),
         "scene \"planet-135\" is not shipped, allowed: planet-134, california, square-10m, \
-         square-200km, hills, spiral, countries-110m, countries-50m, us-states, blue-marble, fade, \
+         square-200km, hills, screen-grid, spiral, countries-110m, countries-50m, us-states, blue-marble, fade, \
          hatching, shared-picture, window-west, window-east"
     );
 }

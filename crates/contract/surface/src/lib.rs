@@ -6,8 +6,8 @@
 //! eye, as every renderer and the reference see them, and the heights between which they lie. A
 //! [`SurfaceRenderer`] per API draws them. The fill sees only the depth that is left behind.
 //!
-//! A surface that leaves depth without triangles, such as a screen grid, needs another form of
-//! frame, in which the reference reads depth back. There is none yet.
+//! A surface that leaves depth without triangles, such as a ray cast for each pixel, needs another form
+//! of frame, in which the reference reads depth back. There is none yet.
 
 mod elevation;
 mod ellipsoid;

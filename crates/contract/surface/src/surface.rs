@@ -6,9 +6,10 @@ use std::sync::Arc;
 use terrafill_core::Extent;
 use terrafill_scene::{Camera, HeightRange, ImageSize};
 
-/// A planet's surface. In each view, every ray through the picture that enters the body lowered to the lowest
-/// height drawn meets a triangle, so that nothing behind the horizon shows. What no ray of a view may meet need
-/// not be drawn. A ray that meets no triangle shows the sky, and regions are not filled there.
+/// A planet's surface. One that is the same in every view is closed around the body. One that belongs to a view may
+/// hold what that view shows and no more, and may leave out what it cannot cover, such as a rim beside the limb:
+/// a ray that meets no triangle shows the sky, for the fill as for the reference, and regions are not filled there.
+/// Where triangles end on the body, nothing that lies behind them may show.
 pub trait Surface: Debug + Send + Sync {
     /// Name in scene files.
     fn kind(&self) -> &'static str;
@@ -148,6 +149,19 @@ pub enum SurfaceError {
         kind: &'static str,
         /// Height of the eye above the ellipsoid, metres.
         eye_height_m: f64,
+    },
+    /// Deeper down, normals of the ellipsoid cross, and no place has a longitude and latitude of its own.
+    #[error(
+        "the {kind} surface is so coarse in this view that it reaches {lowest_m:.0} m above the \
+         ellipsoid, allowed: {allowed_m:.0} m or more"
+    )]
+    TooDeep {
+        /// The surface.
+        kind: &'static str,
+        /// Lowest point of its triangles, metres above the ellipsoid.
+        lowest_m: f64,
+        /// Where it may be.
+        allowed_m: f64,
     },
 }
 

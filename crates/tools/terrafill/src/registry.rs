@@ -38,6 +38,7 @@ pub(crate) static SURFACES: &[&dyn SurfaceKind] = &[
     &EllipsoidKind,
     &terrafill_grid::GridKind,
     &terrafill_tiles::TilesKind,
+    &terrafill_screen_grid::ScreenGridKind,
     &terrafill_spiral::SpiralKind,
 ];
 
