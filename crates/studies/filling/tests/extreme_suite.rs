@@ -10,6 +10,7 @@ use std::rc::Rc;
 use terrafill_compute::ComputeTechnique;
 use terrafill_fill::Devices;
 use terrafill_filling::{EXTREME, ExtremeStudy, FillingStudy, Techniques, extreme_sentence};
+use terrafill_instanced::InstancedTechnique;
 use terrafill_native::NativeTechnique;
 use terrafill_results::{Outcome, Run, RunEnvironment, RunFolder, SCHEMA};
 use terrafill_scene::{Expectation, Scene, SuiteScene, suite_names, suite_scenes};
@@ -17,7 +18,12 @@ use terrafill_study::{Request, RunOptions, Silent, Study, plan, run};
 use terrafill_surface::EllipsoidKind;
 use terrafill_vertex::VertexTechnique;
 
-const TECHNIQUES: Techniques = &[&VertexTechnique, &ComputeTechnique, &NativeTechnique];
+const TECHNIQUES: Techniques = &[
+    &VertexTechnique,
+    &ComputeTechnique,
+    &NativeTechnique,
+    &InstancedTechnique,
+];
 
 const SUITE: ExtremeStudy = ExtremeStudy {
     techniques: TECHNIQUES,
