@@ -98,7 +98,16 @@ fn the_fast_half_is_right_or_refused_as_it_should_be() {
         return;
     }
     let place = tempfile::tempdir().expect("a folder");
-    let run = measured(place.path(), &request(&FAST_HALF, 96));
+    let all = TECHNIQUES
+        .iter()
+        .map(|technique| technique.name().to_owned());
+    let run = measured(
+        place.path(),
+        &Request {
+            techniques: all.collect(),
+            ..request(&FAST_HALF, 96)
+        },
+    );
     eprintln!("{}", extreme_sentence(&run).expect("cases"));
     let mut faults = Vec::new();
     for case in &run.cases {
