@@ -13,6 +13,7 @@ mod covers;
 mod deliberate_error;
 mod evaluate;
 mod fill;
+mod ray_cast;
 mod readback;
 mod route_table;
 mod shared;
@@ -38,6 +39,7 @@ pub use evaluate::{
     KernelTable, TableFormat,
 };
 pub use fill::{VolumeFill, Volumes};
+pub use ray_cast::RayCast;
 pub use readback::read_buffer;
 pub use shared::{API, shared_gpu, shared_targets};
 pub use targets::{RenderTargets, SharedTargets};

@@ -30,3 +30,4 @@ mod validation;
 pub use backend::{CloseLook, PLACES_PER_PX, ReferenceBackend, ReferenceFrame};
 pub use locator::{Location, Locator};
 pub use point::LocatorError;
+pub use surface::SurfaceTriangles;

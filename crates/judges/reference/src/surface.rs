@@ -23,7 +23,7 @@ const BOX_MARGIN: f64 = 1e-12;
 
 /// Triangles seen from the eye, ready for rays.
 #[derive(Debug, Clone)]
-pub(crate) struct SurfaceTriangles {
+pub struct SurfaceTriangles {
     triangles: Vec<[DVec3; 3]>,
     /// The first one holds all.
     nodes: Vec<Node>,
@@ -70,7 +70,8 @@ struct Node {
 
 impl SurfaceTriangles {
     /// Triangles with a NaN or infinite corner cannot be met; they are counted instead.
-    pub(crate) fn new(frame: &SurfaceFrame) -> Self {
+    #[must_use]
+    pub fn new(frame: &SurfaceFrame) -> Self {
         let vertices = &frame.vertices_rte;
         let corner = |index: u32| DVec3::from(vertices[index as usize].map(f64::from));
         let mut all: Vec<[DVec3; 3]> = frame.triangles.iter().map(|ids| ids.map(corner)).collect();
@@ -91,7 +92,8 @@ impl SurfaceTriangles {
     }
 
     /// The body itself instead of triangles, seen from outside.
-    pub(crate) fn of_body(body: &Ellipsoid, eye_ecef: DVec3) -> Self {
+    #[must_use]
+    pub fn of_body(body: &Ellipsoid, eye_ecef: DVec3) -> Self {
         let (a, b) = (body.equatorial_radius_m(), body.polar_radius_m());
         let scale = DVec3::new(1.0 / a, 1.0 / a, 1.0 / b);
         Self {
@@ -106,17 +108,31 @@ impl SurfaceTriangles {
     }
 
     /// Triangles left out because a corner is NaN or infinite.
-    pub(crate) fn non_finite(&self) -> u64 {
+    #[must_use]
+    pub fn non_finite(&self) -> u64 {
         self.non_finite
     }
 
     /// View depth of the nearest hit not closer than `near_m`.
-    pub(crate) fn hit(&self, direction: DVec3, near_m: f64) -> Option<f64> {
-        if let Some(body) = &self.body {
-            return body.hit(direction, near_m);
+    #[must_use]
+    pub fn hit(&self, direction: DVec3, near_m: f64) -> Option<f64> {
+        match &self.body {
+            Some(body) => body.hit(direction, near_m),
+            None => self.nearest(direction, near_m).map(|(depth, _)| depth),
         }
+    }
+
+    /// The same with the corners of the triangle that is met, relative to the eye; `None` for a body.
+    #[must_use]
+    pub fn hit_facet(&self, direction: DVec3, near_m: f64) -> Option<(f64, [DVec3; 3])> {
+        let (depth, place) = self.nearest(direction, near_m)?;
+        Some((depth, self.triangles[place]))
+    }
+
+    /// View depth of the nearest hit, and the place of its triangle.
+    fn nearest(&self, direction: DVec3, near_m: f64) -> Option<(f64, usize)> {
         let ray = Ray::new(direction);
-        let mut nearest = f64::INFINITY;
+        let mut nearest = (f64::INFINITY, 0);
         let mut pending = Vec::with_capacity(64);
         pending.extend(
             self.nodes
@@ -125,16 +141,17 @@ impl SurfaceTriangles {
                 .map(|t| (t, 0)),
         );
         while let Some((entry, index)) = pending.pop() {
-            if entry > nearest * (1.0 + BOX_MARGIN) {
+            if entry > nearest.0 * (1.0 + BOX_MARGIN) {
                 continue;
             }
             let node = &self.nodes[index];
             let Some(halves) = node.halves else {
-                for triangle in &self.triangles[node.first..node.last] {
-                    if let Some(t) = meet(triangle, direction)
+                for place in node.first..node.last {
+                    if let Some(t) = meet(&self.triangles[place], direction)
                         && t >= near_m
+                        && t < nearest.0
                     {
-                        nearest = nearest.min(t);
+                        nearest = (t, place);
                     }
                 }
                 continue;
@@ -149,7 +166,7 @@ impl SurfaceTriangles {
             }
             pending.extend(entries.into_iter().flatten());
         }
-        nearest.is_finite().then_some(nearest)
+        nearest.0.is_finite().then_some(nearest)
     }
 
     /// [`SurfaceTriangles::hit`] without the tree.

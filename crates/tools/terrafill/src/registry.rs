@@ -61,6 +61,7 @@ pub(crate) static STUDIES: &[&dyn Study] = &[
         techniques: TECHNIQUES,
         surfaces: SURFACES,
     },
+    &terrafill_globes::GlobesStudy { surfaces: SURFACES },
     &ExtremeStudy {
         techniques: TECHNIQUES,
         surfaces: SURFACES,

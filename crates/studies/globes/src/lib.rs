@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Study `globes`: which surface draws the body with which error in which time.
+//!
+//! Cases are surfaces through their knobs in a few views. A surface is judged by where its triangles put
+//! each pixel on the body, in `f64`; the bare body met by a ray for each pixel stands beside them, judged
+//! by the depth that the device wrote.
+
+mod api;
+mod chapter;
+mod error;
+mod expected;
+mod list;
+mod published;
+mod study;
+
+pub use chapter::GlobesChapter;
+pub use study::GlobesStudy;
+
+/// Name of the study.
+pub const STUDY: &str = "globes";

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What is measured: views, and surfaces through their knobs, read from `plan.toml`.
+
+use serde::Deserialize;
+use terrafill_core::{Ellipsoid, Geodetic};
+use terrafill_scene::{Camera, CameraPose, ImageSize};
+use toml::{Table, Value};
+
+/// The study's own list.
+const PLAN: &str = include_str!("../plan.toml");
+
+/// Of every view, degrees: that of the facts that the figures are held against.
+const FOV_DEG: f64 = 60.0;
+/// Near plane over the eye's height: the ground that a view shows is farther than that.
+const NEAR_SHARE: f64 = 0.1;
+
+/// Views and surfaces.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct List {
+    pub(crate) view: Vec<ViewRow>,
+    pub(crate) surface: Vec<SurfaceRow>,
+}
+
+/// Where the eye is.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ViewRow {
+    pub(crate) name: String,
+    pub(crate) longitude_deg: f64,
+    pub(crate) latitude_deg: f64,
+    pub(crate) height_m: f64,
+    pub(crate) pitch_deg: f64,
+    /// Whether a quick run has it.
+    #[serde(default)]
+    pub(crate) quick: bool,
+}
+
+/// A surface through its knob.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SurfaceRow {
+    pub(crate) name: String,
+    pub(crate) kind: String,
+    pub(crate) knob: String,
+    pub(crate) values: Vec<Value>,
+    pub(crate) quick: Vec<Value>,
+    #[serde(default)]
+    pub(crate) expected: Formula,
+    /// Further parameters.
+    #[serde(default)]
+    pub(crate) with: Table,
+}
+
+/// What a surface's error is held against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Formula {
+    #[default]
+    None,
+    Uniform,
+    Spiral,
+    ScreenGrid,
+    ScreenError,
+}
+
+impl List {
+    /// # Errors
+    /// What is wrong with the text, with its line.
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        toml::from_str(text).map_err(|error| error.to_string())
+    }
+
+    /// # Errors
+    /// As [`List::parse`].
+    pub(crate) fn shipped() -> Result<Self, String> {
+        Self::parse(PLAN)
+    }
+}
+
+/// An eye over a body, and an image.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Eye {
+    pub(crate) body: Ellipsoid,
+    pub(crate) pose: CameraPose,
+    pub(crate) camera: Camera,
+    pub(crate) size: ImageSize,
+}
+
+impl ViewRow {
+    /// The eye over the Earth, in a square image.
+    pub(crate) fn eye(&self, side_px: u32) -> Eye {
+        let body = Ellipsoid::WGS84;
+        let pose = CameraPose {
+            eye: Geodetic::from_degrees(self.longitude_deg, self.latitude_deg, self.height_m),
+            heading_rad: 0.0,
+            pitch_rad: self.pitch_deg.to_radians(),
+            fov_y_rad: FOV_DEG.to_radians(),
+            near_m: NEAR_SHARE * self.height_m,
+        };
+        Eye {
+            body,
+            pose,
+            camera: Camera::new(&body, &pose),
+            size: ImageSize {
+                width: side_px,
+                height: side_px,
+            },
+        }
+    }
+}
+
+/// A knob's value as a number.
+pub(crate) fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Integer(whole) => Some(*whole as f64),
+        Value::Float(number) => Some(*number),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_shipped_list_has_numbers_for_knobs_and_no_name_twice() {
+        let list = List::shipped().expect("a list");
+        let mut names: Vec<&str> = list.surface.iter().map(|row| row.name.as_str()).collect();
+        names.extend(list.view.iter().map(|row| row.name.as_str()));
+        let count = names.len();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), count);
+        for row in &list.surface {
+            assert!(row.values.iter().all(|value| number(value).is_some()));
+            assert!(row.quick.iter().all(|value| row.values.contains(value)));
+        }
+        assert!(list.view.iter().any(|view| view.quick));
+        // Twin: a key that there is not, and a formula that there is not.
+        let wrong = PLAN.replacen("pitch_deg", "pitch", 1);
+        assert!(List::parse(&wrong).is_err_and(|error| error.contains("pitch")));
+        let wrong = PLAN.replacen("\"uniform\"", "\"uniformly\"", 2);
+        assert!(List::parse(&wrong).is_err());
+    }
+}
