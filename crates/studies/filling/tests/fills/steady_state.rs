@@ -3,7 +3,7 @@
 //! pipeline, no upload, whatever the layout and the way of colouring; and what is counted is what
 //! the work really was.
 
-mod drawing;
+use crate::drawing;
 
 use drawing::{
     AllTargets, Devices, SIZE, Technique, collection, counters, draw, look, polygon, scene, vertex,

@@ -4,7 +4,10 @@
 //! A backend is opened by its [`Technique`] and drawn with as a [`FillBackend`]: what every backend must do is then written once, in [`checks`], over the views
 //! of [`sights`]. Another backend joins by an arm in [`AllTargets::open`] and a list of its variants.
 
-#![allow(dead_code, reason = "each test binary uses its own part of this")]
+#![allow(
+    dead_code,
+    reason = "written once for tests of several kinds, not all of which use all of it"
+)]
 
 pub(crate) mod checks;
 pub(crate) mod sights;

@@ -2,7 +2,7 @@
 //! Volumes are as low as the surface's triangles allow, and no lower. A flat triangle hangs between its
 //! corners by its sagitta; walls that end at the corners' heights miss what hangs.
 
-mod drawing;
+use crate::drawing;
 
 use drawing::{Devices, draw, figures, judge, look, polygon, scene, vertex, with_colour};
 use std::sync::Arc;

@@ -6,7 +6,7 @@
 //! scenes are the shipped ones, at the size that the bench draws them in. Skipped without a device;
 //! see `vertex_against_reference.rs`.
 
-mod drawing;
+use crate::drawing;
 
 use drawing::{
     AllTargets, Devices, TECHNIQUES, Technique, checks, differing, figures, judge, shipped, sights,

@@ -6,7 +6,7 @@
 //! Without a Vulkan device these tests are skipped with the reason printed, unless
 //! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.
 
-mod drawing;
+use crate::drawing;
 
 use drawing::sights::{self, POSES, square_from, three_regions_from};
 use drawing::{

@@ -5,7 +5,7 @@
 //!
 //! Skipped without a device; see `vertex_against_reference.rs`.
 
-mod drawing;
+use crate::drawing;
 
 use drawing::{collection, figures, judge, polygon};
 use std::rc::Rc;

@@ -51,7 +51,7 @@ const POSES: [[f64; 5]; 11] = [
 const GLOBE: [f64; 5] = POSES[0];
 
 fn shipped(surface: &str) -> (Scene, Arc<dyn Surface>) {
-    let text = include_str!("../../../../bench-scenes/spiral.toml");
+    let text = include_str!("../../../../../bench-scenes/spiral.toml");
     let shipped = "kind = \"spiral\"\n";
     assert!(text.contains(shipped));
     let text = text.replacen(shipped, surface, 1);

@@ -3,7 +3,7 @@
 //! would not be. Eyes inside volumes, on walls, with the near plane cutting walls and caps, and at
 //! random around both.
 
-mod drawing;
+use crate::drawing;
 
 use drawing::{
     AllTargets, Devices, Pose, Technique, collection, differing, draw_with, figures, judge, look,

@@ -2,7 +2,7 @@
 //! Regions that change after they were prepared. The device gets the changed ones alone, the picture
 //! is that of a backend which never saw the old ones, and wrong claims are refused.
 
-mod drawing;
+use crate::drawing;
 
 use drawing::{
     AllTargets, Devices, SIZE, Technique, collection, draw_with, look, polygon, scene, vertex,

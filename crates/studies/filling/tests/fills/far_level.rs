@@ -6,7 +6,7 @@
 //! Without a Vulkan device these tests are skipped with the reason printed, unless
 //! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.
 
-mod drawing;
+use crate::drawing;
 
 use drawing::{
     AllTargets, Devices, Technique, counters, judge, look, scene, shipped, sights, vertex,

@@ -3,7 +3,7 @@
 //! colours, over placements and latitudes, on shipped scenes, by every backend that has them. Wrong
 //! latitudes, axes and anchors must be noticed, and plain fills must not know of any of it.
 
-mod drawing;
+use crate::drawing;
 
 use drawing::{collection, look, polygon, scene};
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 //! Regions over one another: as many as lie over one pixel are right or refused, and translucent
 //! ones are blended in the order of the plan.
 
-mod drawing;
+use crate::drawing;
 
 use drawing::{
     AllTargets, Devices, Technique, collection, draw_with, figures, is_right, judge, look, polygon,

@@ -2,7 +2,7 @@
 //! What repeats an experiment of 2007 shows the same picture as everything else, and does what it says:
 //! its counters differ from its control's where they must, and nowhere else.
 
-mod drawing;
+use crate::drawing;
 
 use drawing::{
     AllTargets, Devices, SIZE, Technique, checks, counters, draw, figures, input, judge, polygon,

@@ -5,7 +5,7 @@
 //! Without a Vulkan device these tests are skipped with the reason printed, unless
 //! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.
 
-mod drawing;
+use crate::drawing;
 
 use drawing::{Devices, Technique, differing, draw, judge, vertex};
 use terrafill_conformance::ErrorFigures;

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Fills on devices, held against the reference; studies of them, run to the end.
+//!
+//! One program: each one more would be linked with both device crates, which takes longer than most tests.
+
+mod compute_against_reference;
+mod depth_rule;
+mod drawing;
+mod extreme_suite;
+mod extreme_views;
+mod far_level;
+mod level_of_detail;
+mod native_against_reference;
+mod over_a_spiral;
+mod overlaps;
+mod run;
+mod screen_grid;
+mod steady_state;
+mod switches_of_2007;
+mod textured_against_reference;
+mod update;
+mod vertex_against_reference;
+mod wall_heights;
