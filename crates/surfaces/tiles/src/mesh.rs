@@ -7,7 +7,7 @@
 //! seen from there. Tiles of one size share vertices to the bit and need none.
 
 use crate::bounds::Sight;
-use crate::select::{Chosen, bend_m};
+use crate::select::Chosen;
 use crate::tile::{CELLS, SIDES, Side, TileId};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -23,7 +23,7 @@ const SIDE: u32 = CELLS + 1;
 const ROUNDING: f64 = 4.0 / (1 << 24) as f64;
 
 /// Depth of the skirts of each side of each chosen tile, metres; 0 where it needs none.
-pub(crate) fn skirts(body: &Ellipsoid, elevation: &Elevation, chosen: &[Chosen]) -> Vec<[f64; 4]> {
+pub(crate) fn skirts(chosen: &[Chosen]) -> Vec<[f64; 4]> {
     let places: HashMap<TileId, usize> = chosen
         .iter()
         .enumerate()
@@ -40,7 +40,7 @@ pub(crate) fn skirts(body: &Ellipsoid, elevation: &Elevation, chosen: &[Chosen])
             let mut above = beside.and_then(TileId::parent);
             while let Some(id) = above {
                 if let Some(&large) = places.get(&id) {
-                    let gap_m = gap_m(body, elevation, tile, side, &chosen[large]);
+                    let gap_m = tile.error_m + chosen[large].error_m;
                     let opposite = SIDES
                         .iter()
                         .position(|s| *s == side.opposite())
@@ -54,32 +54,6 @@ pub(crate) fn skirts(body: &Ellipsoid, elevation: &Elevation, chosen: &[Chosen])
         }
     }
     depths
-}
-
-/// Bends of the larger tile that a skirt is deeper than the gap between heights: one for its edges, which
-/// hang below level ground, and three for the slit between chords of a parallel, which is up to 3/8 of a
-/// bend wide and must not be seen through from the side.
-const BENDS: f64 = 4.0;
-
-/// How far apart the edges of two tiles are along a side of the smaller, metres: both are straight between
-/// the smaller's vertices, so that they are nowhere farther apart than at one of these.
-fn gap_m(
-    body: &Ellipsoid,
-    elevation: &Elevation,
-    small: &Chosen,
-    side: Side,
-    large: &Chosen,
-) -> f64 {
-    let height_m = |[longitude, latitude]: [f64; 2]| elevation.height_m(longitude, latitude);
-    let gaps = (0..SIDE).map(|at| {
-        let (ends, share) = small.id.on_coarser_edge(side, at, large.id.level);
-        let [from, to] = ends.map(height_m);
-        let own = height_m(small.id.place(side.vertex(at), CELLS));
-        (own - from - (to - from) * share).abs()
-    });
-    let bends = BENDS * bend_m(body, large.id);
-    // Neither is farther from the full resolution than its error.
-    (gaps.fold(0.0, f64::max) + bends).min(small.error_m + large.error_m)
 }
 
 /// What one view draws.

@@ -4,11 +4,10 @@
 
 use crate::bounds::{Ball, Sight};
 use crate::tile::{CELLS, MAX_LEVEL, TileId};
-use crate::tree::{Node, Tree, beyond};
+use crate::tree::{Node, Tree};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use terrafill_core::Ellipsoid;
-use terrafill_elevation::Elevation;
 
 /// A tile that is drawn unless it turns out to be out of sight.
 #[derive(Debug, Clone, Copy)]
@@ -86,7 +85,6 @@ impl Eq for Candidate {}
 /// - `max_triangles`: of tiles that may be seen, skirts not counted
 pub(crate) fn choose(
     body: &Ellipsoid,
-    elevation: &Elevation,
     tree: &Tree,
     sight: &Sight,
     allowed_px: f64,
@@ -110,16 +108,11 @@ pub(crate) fn choose(
             error_m: 0.5 * tile.node.error_m,
             ..tile.node
         };
-        let measured = tree.children(tile.root, tile.node);
-        let nodes = measured.unwrap_or([halved; 4]);
+        let nodes = tree.children(tile.root, tile.node);
+        let nodes = nodes.unwrap_or([halved; 4]);
         seen -= 1;
         for (id, node) in tile.id.children().into_iter().zip(nodes) {
-            let mut child = Chosen::new(body, sight, id, tile.root, node);
-            // Flat ground beside a cliff is not as rough as their common parent.
-            if measured.is_none() && child.error_px > allowed_px {
-                let node = beyond(elevation, id, tile.node);
-                child = Chosen::new(body, sight, id, tile.root, node);
-            }
+            let child = Chosen::new(body, sight, id, tile.root, node);
             seen += usize::from(child.error_px > 0.0);
             heap.push(Candidate(child));
         }

@@ -107,29 +107,6 @@ impl TileId {
         [if is_seam { -180.0 } else { longitude }, latitude]
     }
 
-    /// The `at`-th vertex of a side on the edges of tiles of a coarser `level`: the ends of the edge that
-    /// it lies on, and its share of the way from the first to the second.
-    pub(crate) fn on_coarser_edge(self, side: Side, at: u32, level: u32) -> ([[f64; 2]; 2], f64) {
-        let [column, row] = side.vertex(at);
-        let (x, y) = (self.x * CELLS + column, self.y * CELLS + row);
-        let is_parallel = matches!(side, Side::South | Side::North);
-        let (along, fixed) = if is_parallel { (x, y) } else { (y, x) };
-        let shift = self.level - level;
-        let first = along >> shift;
-        let rest = along - (first << shift);
-        let vertices = Self { level, x: 0, y: 0 };
-        let ends = [first, first + u32::from(rest > 0)].map(|along| {
-            let fixed = fixed >> shift;
-            let vertex = if is_parallel {
-                [along, fixed]
-            } else {
-                [fixed, along]
-            };
-            vertices.place(vertex, CELLS)
-        });
-        (ends, f64::from(rest) / f64::from(1_u32 << shift))
-    }
-
     /// What it covers; the eastern edge of the last column is 180°.
     pub(crate) fn extent(self) -> Extent {
         let side = self.step_deg() * f64::from(CELLS);
@@ -174,10 +151,6 @@ mod tests {
         assert_eq!(tile.place([24, 8], 2 * CELLS), east.place([8, 8], CELLS));
         assert_eq!(tile.place([5, 16], CELLS), [-180.0, 90.0]);
         assert_eq!(tile.beside(Side::North), None);
-        let ends = [tile.place([8, 0], CELLS), tile.place([9, 0], CELLS)];
-        assert_eq!(east.on_coarser_edge(Side::South, 1, 3), (ends, 0.5));
-        let end = tile.place([16, 8], CELLS);
-        assert_eq!(east.on_coarser_edge(Side::East, CELLS, 3), ([end; 2], 0.0));
         let over = tile.beside(Side::East).expect("across 180°");
         assert_eq!((over.x, over.beside(Side::West)), (0, Some(tile)));
         assert_eq!(east.parent(), Some(tile));

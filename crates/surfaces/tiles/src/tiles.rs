@@ -95,7 +95,6 @@ impl Tiles {
     fn chosen(&self, sight: &Sight) -> Vec<Chosen> {
         choose(
             &self.body,
-            &self.elevation,
             &self.tree,
             sight,
             self.error_px,
@@ -156,7 +155,7 @@ impl Surface for Tiles {
         let sight = self.sight(camera, size);
         let chosen = self.chosen(&sight);
         let depths = match self.skirts {
-            true => skirts(&self.body, &self.elevation, &chosen),
+            true => skirts(&chosen),
             false => vec![[0.0; 4]; chosen.len()],
         };
         let drawn = draw(&self.body, &self.elevation, &sight, &chosen, &depths);

@@ -68,26 +68,6 @@ impl Tree {
     }
 }
 
-/// A tile below the full resolution: no worse than half its parent, whose kinks halve with the cells, and
-/// no worse than its own heights show it to be.
-pub(crate) fn beyond(elevation: &Elevation, id: TileId, parent: Node) -> Node {
-    let own = measured(elevation, id);
-    // Where a kink lies between the middle of an edge and its end, it is at most twice as large as there.
-    let error_m = (2.0 * own.error_m).min(0.5 * parent.error_m);
-    Node {
-        error_m,
-        heights: widened(own.heights, error_m),
-        children: None,
-    }
-}
-
-fn widened(heights: Heights, by_m: f64) -> Heights {
-    Heights {
-        lowest_m: heights.lowest_m - by_m,
-        highest_m: heights.highest_m + by_m,
-    }
-}
-
 /// Replaces the own error of the node at `index` by that against full resolution.
 fn refine(elevation: &Elevation, id: TileId, index: usize, nodes: &mut Vec<Node>) {
     let spacing_deg = elevation.spacing_deg(&id.extent());
@@ -95,8 +75,12 @@ fn refine(elevation: &Elevation, id: TileId, index: usize, nodes: &mut Vec<Node>
     if !is_coarse || id.level >= crate::tile::MAX_LEVEL {
         // Detail below the last measured step is at most as large again: each step halves it.
         let error_m = 2.0 * nodes[index].error_m;
+        let own = nodes[index].heights;
         nodes[index].error_m = error_m;
-        nodes[index].heights = widened(nodes[index].heights, error_m);
+        nodes[index].heights = Heights {
+            lowest_m: own.lowest_m - error_m,
+            highest_m: own.highest_m + error_m,
+        };
         return;
     }
     let first = nodes.len();
