@@ -17,6 +17,9 @@ const TRIANGLES: &str = "globe_triangles";
 /// A quarter of a pixel: what no one sees.
 const FINE_PX: f64 = 0.25;
 
+/// Why a formula's cell is empty.
+const NO_FORMULA: &str = "no formula for it, or none that holds in this view";
+
 /// What is measured.
 const WHAT_IS_COMPARED: &str = "Each surface draws the bare body. A pixel's ray meets the true ellipsoid at one place and the \
      triangles as drawn at another; the foot of the second, along the geodetic normal, is what a texture \
@@ -319,10 +322,10 @@ fn against_formulas(sight: &Sight<'_>) -> Table {
         for (_, found, expected) in figures {
             let (found, expected) = (value(case, found), value(case, expected));
             let ratio = found.zip(expected).filter(|(_, expected)| *expected != 0.0);
-            cells.push(Cell::or_absent(expected.map(significant), by));
+            cells.push(Cell::or_absent(expected.map(significant), NO_FORMULA));
             cells.push(Cell::or_absent(found.map(significant), why(case)));
             let ratio = ratio.map(|(found, expected)| significant(found / expected));
-            cells.push(Cell::or_absent(ratio, "nothing above 0 is expected"));
+            cells.push(Cell::or_absent(ratio, "no formula says more than 0"));
         }
         cells.push(Cell::name(by));
         Row::new(cells)

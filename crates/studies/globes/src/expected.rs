@@ -15,6 +15,10 @@ use terrafill_reference::SurfaceTriangles;
 /// Highest eye for which the formula of the screen grid's map error was found to hold, metres.
 const SCREEN_GRID_MAX_HEIGHT_M: f64 = 1e5;
 
+/// How far facets may hang for their error to be that of the true place raised, as a share of the eye's
+/// height: beyond it the ray meets them much farther away.
+const MAX_HANG_SHARE: f64 = 0.05;
+
 /// What is expected.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Expected {
@@ -99,7 +103,9 @@ fn hanging(eye: &Eye, sagitta_m: impl Fn(Geodetic, f64) -> f64) -> (Option<f64>,
             lowest = Some(lowest.map_or(-sagitta, |lowest| lowest.min(-sagitta)));
         }
     }
-    (px, lowest)
+    let most_m = MAX_HANG_SHARE * eye.pose.eye.height_m;
+    let is_shallow = lowest.is_some_and(|lowest| -lowest <= most_m);
+    (px.filter(|_| is_shallow), lowest)
 }
 
 fn screen_grid(rects: f64, eye: &Eye) -> Expected {
@@ -208,6 +214,9 @@ mod tests {
                 assert!((other / (closed * off_axis) - 1.0).abs() > 0.5);
             }
         }
+        // Facets 0.4 km below the body are close to it seen from 100 km, and not from 2 km.
+        let of = |view| expected(Formula::Uniform, 180.0, &eye(view, 8)).px_max;
+        assert!(of("horizon-2km").is_none() && of("oblique-100km").is_some());
         let globe = eye("globe", 800);
         let lowest = |n| {
             expected(Formula::ScreenGrid, n, &globe)
