@@ -126,6 +126,21 @@ impl Parameters<'_> {
             .ok_or_else(|| self.refuse(key, value, allowed.join(", ")))
     }
 
+    /// One of a few things by name; the first where the scene names none.
+    ///
+    /// # Errors
+    /// [`SurfaceError::Value`] when it is none of them.
+    pub fn one_of<T: Copy, const N: usize>(
+        &mut self,
+        key: &'static str,
+        all: [(&'static str, T); N],
+    ) -> Result<T, SurfaceError> {
+        const { assert!(N > 0, "there is a first one") };
+        let found = self.word(key, all[0].0, &all.map(|(name, _)| name))?;
+        let known = all.into_iter().find(|(name, _)| *name == found);
+        Ok(known.map_or(all[0].1, |(_, thing)| thing))
+    }
+
     /// Yes or no.
     ///
     /// # Errors

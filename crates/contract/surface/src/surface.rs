@@ -6,9 +6,10 @@ use std::sync::Arc;
 use terrafill_core::Extent;
 use terrafill_scene::{Camera, HeightRange, ImageSize};
 
-/// A planet's surface. One that is the same in every view is closed around the body. One that belongs to a view may
-/// hold what that view shows and no more, and may leave out what it cannot cover, such as a rim beside the limb:
-/// a ray that meets no triangle shows the sky, for the fill as for the reference, and regions are not filled there.
+/// A planet's surface. One that is the same in every view is closed around the body.
+///
+/// One that is made for a view may hold what that view shows and no more. It may leave out what it cannot cover,
+/// such as a rim beside the limb: a ray that meets no triangle shows the sky, and regions are not filled there.
 /// Where triangles end on the body, nothing that lies behind them may show.
 pub trait Surface: Debug + Send + Sync {
     /// Name in scene files.
@@ -19,8 +20,8 @@ pub trait Surface: Debug + Send + Sync {
     fn heights(&self, extent: &Extent) -> HeightRange;
 
     /// Height above the ellipsoid, metres, of what the triangles stand for at this place, at its full
-    /// resolution: from this the second error of a fill is measured, how far a boundary on coarse triangles
-    /// lies from where it should be. `None` where the surface cannot say.
+    /// resolution. How far coarse triangles move a boundary is measured from it. `None` where the surface
+    /// cannot say, which it then can nowhere.
     fn true_height_m(&self, _longitude_deg: f64, _latitude_deg: f64) -> Option<f64> {
         None
     }

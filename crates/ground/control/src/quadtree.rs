@@ -62,23 +62,18 @@ impl QuadtreeView {
         Self { sums }
     }
 
-    /// One of many views, the same for a seed everywhere.
+    /// One of many views that lie evenly among all, by multiples of powers of an irrational number (Roberts,
+    /// 2018, "The unreasonable effectiveness of quasirandom sequences").
     #[must_use]
-    pub fn seeded(seed: u64) -> Self {
-        let mut state = seed;
-        // SplitMix64 (Steele, Lea and Flood, 2014).
-        let mut next = || {
-            state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-            let mut z = state;
-            z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-            ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-        };
-        let height = 0.05 * 100_f64.powf(next());
-        let eye = [next(), next(), height];
+    pub fn numbered(number: u32) -> Self {
+        // The root of x⁶ = x + 1.
+        const ROOT: f64 = 1.134_724_138_401_519_4;
+        let at = |power: i32| (f64::from(number + 1) * ROOT.powi(-power)).fract();
+        let height = 0.05 * 100_f64.powf(at(3));
+        let eye = [at(1), at(2), height];
         // Up to 60° from straight down; half of all views look straight down.
-        let tilt = (2.0 * next() - 1.0).max(0.0) * 3_f64.sqrt();
-        let (sine, cosine) = (next() * std::f64::consts::TAU).sin_cos();
+        let tilt = (2.0 * at(4) - 1.0).max(0.0) * 3_f64.sqrt();
+        let (sine, cosine) = (at(5) * std::f64::consts::TAU).sin_cos();
         Self::new(eye, [tilt * cosine, tilt * sine], 1000.0)
     }
 
@@ -165,7 +160,7 @@ mod tests {
 
     #[test]
     fn a_hysteresis_of_four_never_cycles_and_less_does() {
-        let views: Vec<QuadtreeView> = (0..300).map(QuadtreeView::seeded).collect();
+        let views: Vec<QuadtreeView> = (0..300).map(QuadtreeView::numbered).collect();
         let cycling = |hysteresis: f64| {
             let found: Vec<Option<usize>> = views
                 .iter()

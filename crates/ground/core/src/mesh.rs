@@ -58,6 +58,26 @@ pub struct Extent {
     pub north_deg: f64,
 }
 
+impl Extent {
+    /// All of a body.
+    pub const WHOLE: Self = Self {
+        west_deg: -180.0,
+        south_deg: -90.0,
+        east_deg: 180.0,
+        north_deg: 90.0,
+    };
+}
+
+/// A longitude that is less than a turn outside −180 … 180, as the same one inside.
+#[must_use]
+pub fn wrapped_deg(longitude_deg: f64) -> f64 {
+    match longitude_deg {
+        l if l > 180.0 => l - 360.0,
+        l if l < -180.0 => l + 360.0,
+        l => l,
+    }
+}
+
 /// A box with its own axes, ECEF metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OrientedBox {

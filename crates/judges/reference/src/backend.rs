@@ -32,7 +32,7 @@ pub struct ReferenceFrame {
     /// fill. Overlapping regions are blended in their order.
     pub picture: Option<Vec<u8>>,
     /// How far, in pixels, each place that is seen on a boundary lies from where the surface at its full
-    /// resolution has the same place, from the least on; `None` where the surface cannot say, and of the
+    /// resolution has the same place; `None` where the surface cannot say, and of the
     /// body itself. What hides what is left aside.
     pub moved_px_true: Option<Vec<f64>>,
 }
@@ -293,7 +293,7 @@ fn judge_on(
 fn moved_px_true(input: &FillInput, surface: &SurfaceTriangles, ids: &[u32]) -> Option<Vec<f64>> {
     let (camera, size, body) = (&input.camera, input.size, &input.scene.body);
     let truth = &input.scene.surface;
-    // Asked once for all: a surface knows its heights everywhere or nowhere.
+    // A surface knows its heights everywhere or nowhere.
     truth.true_height_m(0.0, 0.0)?;
     let width = size.width as usize;
     let is_boundary = |index: &usize| {
@@ -313,9 +313,7 @@ fn moved_px_true(input: &FillInput, surface: &SurfaceTriangles, ids: &[u32]) -> 
         Some((seen[0] - centre[0]).hypot(seen[1] - centre[1]))
     };
     let boundary: Vec<usize> = (0..ids.len()).filter(is_boundary).collect();
-    let mut found: Vec<f64> = boundary.into_par_iter().filter_map(moved).collect();
-    found.sort_by(f64::total_cmp);
-    Some(found)
+    Some(boundary.into_par_iter().filter_map(moved).collect())
 }
 
 /// The pixels' paint over the surface and the sky, both in one colour.

@@ -244,7 +244,7 @@ pub(crate) const METRICS: [Metric; 68] = [
         "moved_px_true",
         "px",
         Kind::Error,
-        "How far the surface's triangles move a boundary: the farthest that a place seen on one lies from where the surface at its full resolution has the same place, in pixels, what hides what left aside. The same for every technique of a view. Empty where the surface cannot say, and of rivals that draw a surface of their own.",
+        "How far the surface's triangles move a boundary: the farthest that a place seen on one lies from where the surface at its full resolution has the same place. What hides what is left aside. The same for every technique of a view. Empty where the surface cannot say, and of rivals that draw a surface of their own.",
     ),
     Metric::less(
         "moved_px_true_p99",

@@ -28,7 +28,7 @@ use terrafill_fill::{
 };
 use terrafill_gpu::{Baseline, CpuStopwatch, SharedTargets, shared_targets};
 use terrafill_reference::ReferenceBackend;
-use terrafill_results::{Status, Verdict, median};
+use terrafill_results::{Status, Verdict, median, quantile};
 use terrafill_scene::{ImageSize, LeveledMeshes, PlanOptions};
 use terrafill_study::{Context, Session, StudyError};
 use terrafill_surface::open_surface;
@@ -805,10 +805,9 @@ fn allocated_by(case: &FillCase) -> (&'static str, String) {
 }
 
 /// Hashes of the mask and of the ids; the latter is empty where regions are not told apart.
-/// Of numbers from the least on; none of none.
-fn largest_and_p99(sorted: &[f64]) -> Option<[f64; 2]> {
-    let p99 = sorted.get((sorted.len() * 99 / 100).min(sorted.len().checked_sub(1)?))?;
-    Some([*sorted.last()?, *p99])
+/// `None` of no numbers.
+fn largest_and_p99(values: &[f64]) -> Option<[f64; 2]> {
+    Some([quantile(values, 1.0)?, quantile(values, 0.99)?])
 }
 
 fn hashes(backend: &dyn FillBackend, frame: &Frame) -> (String, String) {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter on surfaces of a globe: error against time and against triangles, a plot for each view.
 
-use crate::published;
+use crate::{controllers, published};
 use terrafill_plot::number::{bytes, significant};
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
 };
 use terrafill_results::{
-    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Plot, Row, Run, Table,
-    process_medians, sample_spread,
+    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Noise, Plot, Row, Run,
+    Table, process_medians, sample_spread,
 };
 
 const PX_MAX: &str = "globe_px_max";
@@ -46,7 +46,9 @@ impl Chapter for GlobesChapter {
 
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
         let sights = sights(run);
-        let blocks = sights.iter().filter_map(|sight| answer(sight, run.clock()));
+        let noise = noise(run);
+        let blocks = sights.iter();
+        let blocks = blocks.filter_map(|sight| answer(sight, run.clock(), noise));
         Ok(Answers {
             blocks: blocks.map(Block::Text).collect(),
             ..Answers::default()
@@ -54,7 +56,7 @@ impl Chapter for GlobesChapter {
     }
 
     fn blocks(&self, run: &Run) -> Result<Vec<Block>, ChapterError> {
-        let (sights, clock) = (sights(run), run.clock());
+        let (sights, clock, noise) = (sights(run), run.clock(), noise(run));
         if sights.is_empty() {
             return Ok(Vec::new());
         }
@@ -63,7 +65,7 @@ impl Chapter for GlobesChapter {
         let palette = Palette::new(names);
         for sight in &sights {
             blocks.push(Block::section(format!("View {}", sight.view)));
-            blocks.extend(answer(sight, clock).map(Block::Text));
+            blocks.extend(answer(sight, clock, noise).map(Block::Text));
             let time = clock.pick(
                 "make, upload: CPU ms; draw: GPU ms",
                 "make, upload, draw: process CPU ms",
@@ -85,6 +87,7 @@ impl Chapter for GlobesChapter {
             blocks.push(Block::Table(against_formulas(sight)));
         }
         blocks.extend(published::blocks());
+        blocks.extend(controllers::blocks());
         Ok(blocks)
     }
 }
@@ -93,6 +96,12 @@ impl Chapter for GlobesChapter {
 struct Sight<'a> {
     view: &'a str,
     cases: Vec<&'a Case>,
+}
+
+/// By how much identical work differed.
+fn noise(run: &Run) -> Option<Noise> {
+    let own: Vec<&Case> = run.of_study(crate::STUDY).collect();
+    Noise::of(own.iter().copied(), whole(run.clock()))
 }
 
 fn whole(clock: Clock) -> &'static str {
@@ -149,8 +158,8 @@ fn value(case: &Case, metric: &str) -> Option<f64> {
     case.value(metric).filter(|_| case.counts())
 }
 
-/// The cheapest with the least error that no one sees.
-fn answer(sight: &Sight<'_>, clock: Clock) -> Option<String> {
+/// The cheapest of those whose error no one sees, and which of them tie with it.
+fn answer(sight: &Sight<'_>, clock: Clock, noise: Option<Noise>) -> Option<String> {
     let timed = |case: &&Case| Some((value(case, whole(clock))?, value(case, PX_MAX)?));
     let all = sight.cases.iter().copied();
     let with = all.filter_map(|case| timed(&case).map(|(ms, px)| (case, ms, px)));
@@ -158,16 +167,32 @@ fn answer(sight: &Sight<'_>, clock: Clock) -> Option<String> {
     let fine = with
         .iter()
         .filter(|(case, _, px)| *px <= FINE_PX && value(case, "globe_uncovered_px") == Some(0.0));
-    let best = fine.min_by(|a, b| a.1.total_cmp(&b.1));
+    let best = fine.clone().min_by(|a, b| a.1.total_cmp(&b.1));
     let unit = clock.pick("ms, GPU and CPU", "ms of process CPU time");
     Some(match best {
-        Some((case, ms, px)) => format!(
-            "View {}: the cheapest with at most ¼ px of error and no hole is {}: {} px, {} {unit}.",
-            sight.view,
-            case_name(case),
-            significant(*px),
-            significant(*ms)
-        ),
+        Some((case, ms, px)) => {
+            let ties = |noise: Noise| -> Vec<String> {
+                fine.filter(|(other, time, _)| other.id() != case.id() && noise.is_tie(time / ms))
+                    .map(|(other, ..)| case_name(other))
+                    .collect()
+            };
+            let ties = match noise.map(ties) {
+                None => "No identical work was measured twice, so ties are not known.".to_owned(),
+                Some(none) if none.is_empty() => "None ties with it.".to_owned(),
+                Some(names) => format!(
+                    "Within what identical work differed by tie: {}.",
+                    names.join("; ")
+                ),
+            };
+            format!(
+                "View {}: the cheapest with at most ¼ px of error and no hole is {}: {} px, {} {unit}. \
+                 {ties}",
+                sight.view,
+                case_name(case),
+                significant(*px),
+                significant(*ms)
+            )
+        }
         None => {
             let (case, ms, px) = with.iter().min_by(|a, b| a.2.total_cmp(&b.2))?;
             format!(
@@ -394,6 +419,7 @@ mod tests {
             text.contains("with at most ¼ px of error and no hole is mesh n=40: 0.200 px, 3.00 ms"),
             "{text}"
         );
+        assert!(text.ends_with("so ties are not known."), "{text}");
         let plots: Vec<&Plot> = blocks
             .iter()
             .filter_map(|block| match block {

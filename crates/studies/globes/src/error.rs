@@ -2,7 +2,7 @@
 //! How far a surface as drawn is from the body, seen by the eye: pixel by pixel, in `f64`.
 //!
 //! A pixel's ray meets the body at its true place and the surface at the drawn one. The foot of the drawn
-//! place on the body, along the geodetic normal, is what a texture by direction shows there: its distance
+//! place on the body, along the geodetic normal, is what a texture by direction shows there. Its distance
 //! from the pixel's centre after projection is the error in pixels. A texture of a map is interpolated
 //! from the corners of the triangle instead: longitude and Mercator's latitude, which gives a second one.
 

@@ -2,11 +2,12 @@
 //! Study `globes`: which surface draws the body with which error in which time.
 //!
 //! Cases are surfaces through their knobs in a few views. A surface is judged by where its triangles put
-//! each pixel on the body, in `f64`; the bare body met by a ray for each pixel stands beside them, judged
+//! each pixel on the body, in `f64`. Beside them stands the bare body, met by a ray for each pixel and judged
 //! by the depth that the device wrote.
 
 mod api;
 mod chapter;
+mod controllers;
 mod error;
 mod expected;
 mod list;

@@ -152,14 +152,18 @@ pub(crate) fn blocks() -> Vec<Block> {
     blocks
 }
 
-fn cells(values: impl IntoIterator<Item = f64>) -> Vec<Cell> {
+pub(crate) fn cells(values: impl IntoIterator<Item = f64>) -> Vec<Cell> {
     values
         .into_iter()
         .map(|value| Cell::plain(significant(value)))
         .collect()
 }
 
-fn headed(caption: &str, headings: &[&str], rows: impl Iterator<Item = Vec<Cell>>) -> Table {
+pub(crate) fn headed(
+    caption: &str,
+    headings: &[&str],
+    rows: impl Iterator<Item = Vec<Cell>>,
+) -> Table {
     Table {
         caption: caption.to_owned(),
         headings: headings.iter().map(|text| Heading::plain(*text)).collect(),

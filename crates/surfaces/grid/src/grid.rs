@@ -136,13 +136,6 @@ mod tests {
         GridSurface::new(&Ellipsoid::WGS84, rows, elevation)
     }
 
-    const WHOLE: Extent = Extent {
-        west_deg: -180.0,
-        south_deg: -90.0,
-        east_deg: 180.0,
-        north_deg: 90.0,
-    };
-
     fn opened(body: &str, surface: &str) -> Result<Arc<dyn Surface>, String> {
         let text = format!(
             "name = \"t\"\ndescription = \"d\"\nbody = \"{body}\"\n\
@@ -157,7 +150,7 @@ mod tests {
     #[test]
     fn a_scene_chooses_rows_seed_and_amplitude() {
         let all = "rows = 30\nseed = 5\namplitude_m = 11_000";
-        let heights = |text| opened("wgs84", text).expect(text).heights(&WHOLE);
+        let heights = |text| opened("wgs84", text).expect(text).heights(&Extent::WHOLE);
         let (high, low) = (
             heights(all),
             heights("rows = 30\nseed = 5\namplitude_m = 2e3"),
@@ -262,7 +255,7 @@ mod tests {
             assert!(found > 0 || east_deg - west_deg < 1.0, "{extent:?}");
         }
         assert!(missed > 1000, "{missed}");
-        assert_eq!(grid.heights(&WHOLE), grid.mesh.heights);
+        assert_eq!(grid.heights(&Extent::WHOLE), grid.mesh.heights);
     }
 
     #[test]

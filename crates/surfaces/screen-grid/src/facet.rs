@@ -2,7 +2,7 @@
 //! Where a flat triangle lies: its heights, inside and not only at its corners, and its extent.
 
 use glam::DVec3;
-use terrafill_core::{Ellipsoid, Extent};
+use terrafill_core::{Ellipsoid, Extent, wrapped_deg};
 use terrafill_scene::HeightRange;
 
 /// Added to extents, degrees: longitudes and latitudes are rounded to some 1e-14 of them.
@@ -11,7 +11,7 @@ const ROUNDING_DEG: f64 = 1e-9;
 /// Heights of a triangle's points.
 ///
 /// Scaled by 1 / radii, the body is the unit sphere. A point `s` from its centre there lies on a body `s` times
-/// as large as this one, so it is at most `a (1 − s)` below this one, and at most `a (s − 1)` above. The point
+/// as large as this one. It is at most `a (1 − s)` below this one, and at most `a (s − 1)` above. The point
 /// nearest to the centre is the lowest; above, the farthest corner is the highest.
 pub(crate) fn heights(body: &Ellipsoid, corners_ecef: [DVec3; 3]) -> HeightRange {
     let scaled = corners_ecef.map(|corner| corner / body.radii_m());
@@ -47,14 +47,14 @@ fn nearest([a, b, c]: [DVec3; 3]) -> DVec3 {
 
 /// Smallest extent that is known to hold a triangle's points.
 ///
-/// Seen from the centre it is a spherical triangle: its latitudes reach to its corners, to the northernmost
-/// and southernmost points of its edges' great circles where these lie on the edges, and to a pole that it
-/// holds. Geodetic latitudes differ from those by the angle at which the normal passes the centre: it passes
-/// it by no more than `a − b`, so by no more than `asin((a − b) / r)` at the distance `r`.
+/// Seen from the centre it is a spherical triangle. Its latitudes reach to its corners and to a pole that it
+/// holds. They also reach to the northernmost and southernmost points of its edges' great circles, where these
+/// lie on the edges. Geodetic latitudes differ from those by the angle at which the normal passes the centre. It
+/// passes it by no more than `a − b`, so that the angle is at most `asin((a − b) / r)` at the distance `r`.
 pub(crate) fn extent(body: &Ellipsoid, corners_ecef: [DVec3; 3]) -> Extent {
     let degrees = |angle: f64| angle.to_degrees();
     let longitudes = corners_ecef.map(|p| degrees(p.y.atan2(p.x)));
-    let turned = longitudes.map(|longitude| wrapped(longitude - longitudes[0]));
+    let turned = longitudes.map(|longitude| wrapped_deg(longitude - longitudes[0]));
     let (from, to) = (least(turned), greatest(turned));
     let latitude = |p: DVec3| degrees(p.z.atan2(p.x.hypot(p.y)));
     let (mut south, mut north) = (
@@ -105,8 +105,8 @@ pub(crate) fn extent(body: &Ellipsoid, corners_ecef: [DVec3; 3]) -> Extent {
     let (west_deg, east_deg) = match is_round {
         true => (-180.0, 180.0),
         false => (
-            wrapped(longitudes[0] + from - ROUNDING_DEG),
-            wrapped(longitudes[0] + to + ROUNDING_DEG),
+            wrapped_deg(longitudes[0] + from - ROUNDING_DEG),
+            wrapped_deg(longitudes[0] + to + ROUNDING_DEG),
         ),
     };
     Extent {
@@ -141,19 +141,10 @@ pub(crate) fn united(one: Extent, other: Extent) -> Extent {
         east_deg: if is_whole {
             180.0
         } else {
-            wrapped(west_deg + wide)
+            wrapped_deg(west_deg + wide)
         },
         south_deg: one.south_deg.min(other.south_deg),
         north_deg: one.north_deg.max(other.north_deg),
-    }
-}
-
-/// −180 … 180.
-fn wrapped(degrees: f64) -> f64 {
-    match degrees {
-        d if d > 180.0 => d - 360.0,
-        d if d < -180.0 => d + 360.0,
-        d => d,
     }
 }
 

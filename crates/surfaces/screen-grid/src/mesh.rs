@@ -23,17 +23,8 @@ pub enum Limb {
 }
 
 impl Limb {
-    /// Every way.
-    pub const ALL: [Self; 2] = [Self::Snap, Self::Ring];
-
-    /// Name in scene files.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Snap => "snap",
-            Self::Ring => "ring",
-        }
-    }
+    /// Every way, with its name in scene files.
+    pub const ALL: [(&'static str, Self); 2] = [("snap", Self::Snap), ("ring", Self::Ring)];
 }
 
 /// How a view's triangles are made.

@@ -20,18 +20,12 @@ pub enum Rays {
 }
 
 impl Rays {
-    /// Every arithmetic.
-    pub const ALL: [Self; 3] = [Self::F64, Self::F32WithC64, Self::F32];
-
-    /// Name in scene files.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::F64 => "f64",
-            Self::F32WithC64 => "f32-c64",
-            Self::F32 => "f32",
-        }
-    }
+    /// Every arithmetic, with its name in scene files.
+    pub const ALL: [(&'static str, Self); 3] = [
+        ("f64", Self::F64),
+        ("f32-c64", Self::F32WithC64),
+        ("f32", Self::F32),
+    ];
 
     /// What is kept of a result. Rounding each operation of `f64` to `f32` gives what `f32` gives: 53 bits
     /// are more than 2 · 24 + 2 (Figueroa, 1995, for + − × ÷ √).

@@ -48,18 +48,12 @@ impl SurfaceKind for ScreenGridKind {
         parameters: &mut Parameters<'_>,
     ) -> Result<Arc<dyn Surface>, SurfaceError> {
         let cells = parameters.count("n", DEFAULT_CELLS, 1..=MAX_CELLS)?;
-        let limb = parameters.word("limb", Limb::Snap.name(), &Limb::ALL.map(Limb::name))?;
-        let rays = parameters.word("rays", Rays::F64.name(), &Rays::ALL.map(Rays::name))?;
-        let mut limbs = Limb::ALL.into_iter();
-        let mut arithmetics = Rays::ALL.into_iter();
         Ok(Arc::new(ScreenGrid {
             body: *body,
             options: GridOptions {
                 cells,
-                limb: limbs.find(|known| known.name() == limb).unwrap_or_default(),
-                rays: arithmetics
-                    .find(|known| known.name() == rays)
-                    .unwrap_or_default(),
+                limb: parameters.one_of("limb", Limb::ALL)?,
+                rays: parameters.one_of("rays", Rays::ALL)?,
             },
         }))
     }

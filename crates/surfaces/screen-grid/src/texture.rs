@@ -150,8 +150,8 @@ mod tests {
         assert_eq!(MapTile::at(0, 0.999, 0.5), tile(0, 0, 0));
         assert_eq!(MapTile::at(2, 0.3, 0.8), tile(2, 1, 3));
         assert_eq!(MapTile::at(2, 1.0, 0.0), tile(2, 0, 0));
-        // A texel of the equator at level 10 is 2πR / 262,144 wide; seen from a distance at which a pixel is
-        // as wide, level 10 is enough, and from nearer it is not.
+        // A texel of the equator at level 10 is 2πR / 262,144 wide. Where a pixel is as wide, level 10 is
+        // enough, and from nearer it is not.
         let texel_m = TAU / 262_144.0;
         assert_eq!(level_of(&body, 0.0, 100.0, 100.0 * texel_m * 1.001), 10);
         assert_eq!(level_of(&body, 0.0, 100.0, 100.0 * texel_m * 0.999), 11);

@@ -137,7 +137,7 @@ fn below_100_km_the_error_is_quadratic_in_the_cell() {
                 worst = worst.max(off.abs());
                 continue;
             }
-            // On the equator nothing bends the map: what is left is the sagitta under a cell's diagonal, twice a
+            // On the equator nothing bends the map. What is left is the sagitta under a cell's diagonal, twice a
             // side's, times the slope of the ray to the outermost cell. 1.3 is that of N = 5.
             let slope = 2_f64.sqrt() * 30_f64.to_radians().tan() * (1.0 - 0.1);
             let own = found / (2.0 * slope * sagitta_m) - 1.0;
@@ -225,7 +225,7 @@ fn heights_of_a_view_are_those_inside_its_facets() {
 
 #[test]
 fn the_mesh_is_closed_but_for_its_rim_and_all_its_vertices_are_on_the_body() {
-    for limb in Limb::ALL {
+    for (_, limb) in Limb::ALL {
         for (pose, n) in [
             (GLOBE, 10),
             (GLOBE, 1),
@@ -270,7 +270,7 @@ fn the_mesh_is_closed_but_for_its_rim_and_all_its_vertices_are_on_the_body() {
 fn a_ring_covers_more_of_the_disc_than_moved_corners_and_is_not_as_far_off() {
     let body = sphere();
     let (camera, size) = (camera(&body, GLOBE), square(400));
-    let [snap, ring] = Limb::ALL.map(|limb| {
+    let [snap, ring] = Limb::ALL.map(|(_, limb)| {
         let options = GridOptions { limb, ..grid(10) };
         let mesh = ScreenMesh::new(&body, &camera, size, options).expect("above");
         (
@@ -298,8 +298,8 @@ fn every_extreme_is_finite() {
         Ellipsoid::WGS84,
     ] {
         let radius_m = body.equatorial_radius_m();
-        for options in Limb::ALL.into_iter().flat_map(|limb| {
-            Rays::ALL.map(|rays| GridOptions {
+        for options in Limb::ALL.into_iter().flat_map(|(_, limb)| {
+            Rays::ALL.map(|(_, rays)| GridOptions {
                 cells: 5,
                 limb,
                 rays,

@@ -18,6 +18,13 @@ pub(crate) enum Indices {
     Published,
 }
 
+impl Indices {
+    pub(crate) const ALL: [(&'static str, Self); 2] = [
+        ("watertight", Self::Watertight),
+        ("published", Self::Published),
+    ];
+}
+
 /// A vertex of the spiral.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Place {

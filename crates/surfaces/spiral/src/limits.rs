@@ -28,6 +28,11 @@ pub(crate) enum Rim {
     Horizon,
 }
 
+impl Rim {
+    pub(crate) const ALL: [(&'static str, Self); 2] =
+        [("covering", Self::Covering), ("horizon", Self::Horizon)];
+}
+
 /// What the limits depend on besides the view.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shape {

@@ -3,7 +3,7 @@
 //! by little, gets low walls.
 
 use glam::DVec3;
-use terrafill_core::{Ellipsoid, Extent};
+use terrafill_core::{Ellipsoid, Extent, wrapped_deg};
 use terrafill_scene::HeightRange;
 use terrafill_surface::{SurfaceMesh, SurfacePart};
 
@@ -68,13 +68,8 @@ fn extent(body: &Ellipsoid, corners: &[DVec3], heights: HeightRange, eye_ecef: D
         let aside = (widest.sin() / middle.cos()).min(1.0).asin().to_degrees() + margin;
         let longitude = axis.y.atan2(axis.x).to_degrees();
         if aside < 179.0 {
-            (west_deg, east_deg) = (longitude - aside, longitude + aside);
-        }
-        if west_deg < -180.0 {
-            west_deg += 360.0;
-        }
-        if east_deg > 180.0 {
-            east_deg -= 360.0;
+            west_deg = wrapped_deg(longitude - aside);
+            east_deg = wrapped_deg(longitude + aside);
         }
     }
     let latitude = |geocentric: f64, margin: f64| match geocentric.abs() {

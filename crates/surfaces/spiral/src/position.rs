@@ -2,12 +2,12 @@
 //! Where a vertex of the spiral is, relative to the eye, by the forms that a vertex shader may use.
 //!
 //! In the space scaled by 1/radii the body is the unit sphere, so that every form is exact on an
-//! ellipsoid. With U the direction to the focus there, E and N its east and north, θ the vertex's angle and r
-//! its radius, a vertex is `(E sin θ + N cos θ) sin r + U cos r`.
+//! ellipsoid. There U is the direction to the focus, and E and N are its east and north. A vertex of the angle
+//! θ and the radius r is `(E sin θ + N cos θ) sin r + U cos r`.
 //!
-//! Single precision is emulated: each operation is done in `f64` and rounded to `f32`, which for sum,
-//! difference, product, quotient and root is the `f32` operation itself, since 53 ≥ 2·24 + 2 bits
-//! (Figueroa, 1995). Sine and cosine are rounded from `f64`; a device's are worse.
+//! Single precision is emulated: each operation is done in `f64` and rounded to `f32`. For sum, difference,
+//! product, quotient and root that is the `f32` operation itself, since 53 ≥ 2·24 + 2 bits (Figueroa, 1995).
+//! Sine and cosine are rounded from `f64`; a device's are worse.
 
 use glam::{DMat3, DVec3};
 use std::f64::consts::PI;
@@ -85,6 +85,8 @@ pub(crate) enum Arithmetic {
 }
 
 impl Arithmetic {
+    pub(crate) const ALL: [(&'static str, Self); 2] = [("f64", Self::F64), ("f32", Self::F32)];
+
     fn round(self, value: f64) -> f64 {
         #[allow(clippy::cast_possible_truncation, reason = "rounding is the purpose")]
         match self {

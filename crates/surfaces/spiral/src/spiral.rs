@@ -57,22 +57,13 @@ impl SurfaceKind for SpiralKind {
         let spiral = Spiral {
             steps: Steps::new(step_deg),
             doubling: parameters.number("std", square_cells(n), 0.3..=64.0)?,
-            law: choice(parameters, "law", &Law::ALL)?,
+            law: parameters.one_of("law", Law::ALL)?,
             fan_px: parameters.number("fan_px", DEFAULT_FAN_PX, 1.0..=1e4)?,
-            indices: match parameters.word("indices", "watertight", &["watertight", "published"])? {
-                "published" => Indices::Published,
-                _ => Indices::Watertight,
-            },
-            rim: match parameters.word("rim", "covering", &["covering", "horizon"])? {
-                "horizon" => Rim::Horizon,
-                _ => Rim::Covering,
-            },
-            form: choice(parameters, "frame", &FORMS)?,
-            trig: choice(parameters, "trig", &Trig::ALL)?,
-            arithmetic: match parameters.word("precision", "f64", &["f64", "f32"])? {
-                "f32" => Arithmetic::F32,
-                _ => Arithmetic::F64,
-            },
+            indices: parameters.one_of("indices", Indices::ALL)?,
+            rim: parameters.one_of("rim", Rim::ALL)?,
+            form: parameters.one_of("frame", FORMS)?,
+            trig: parameters.one_of("trig", Trig::ALL)?,
+            arithmetic: parameters.one_of("precision", Arithmetic::ALL)?,
             ..Spiral::new(body, n)
         };
         let elevation = elevation(body, parameters)?;
@@ -85,18 +76,6 @@ const FORMS: [(&str, Form); 4] = {
     let [lon_lat, hemisphere, local, local_sin2] = Form::ALL;
     [local_sin2, lon_lat, hemisphere, local]
 };
-
-/// One of a few words, the first where a scene names none.
-fn choice<T: Copy, const N: usize>(
-    parameters: &mut Parameters<'_>,
-    key: &'static str,
-    all: &[(&'static str, T); N],
-) -> Result<T, SurfaceError> {
-    let words = all.map(|(word, _)| word);
-    let found = parameters.word(key, words[0], &words)?;
-    let position = words.iter().position(|word| *word == found);
-    Ok(all[position.unwrap_or(0)].1)
-}
 
 /// The bare body where a scene names no heights.
 fn elevation(body: &Ellipsoid, parameters: &mut Parameters<'_>) -> Result<Elevation, SurfaceError> {
@@ -157,7 +136,7 @@ impl Spiral {
     }
 
     fn with_elevation(self, elevation: Elevation) -> Self {
-        let heights = elevation.range(&WHOLE);
+        let heights = elevation.range(&Extent::WHOLE);
         Self {
             terrain: HeightRange {
                 lowest_m: heights.lowest_m,
@@ -259,13 +238,6 @@ impl Spiral {
         (mesh, layout.fan)
     }
 }
-
-const WHOLE: Extent = Extent {
-    west_deg: -180.0,
-    south_deg: -90.0,
-    east_deg: 180.0,
-    north_deg: 90.0,
-};
 
 impl Surface for Spiral {
     fn kind(&self) -> &'static str {

@@ -8,7 +8,7 @@ use crate::select::{Chosen, bend_m, choose};
 use crate::tile::TileId;
 use crate::tree::Tree;
 use std::sync::Arc;
-use terrafill_core::{Ellipsoid, Extent};
+use terrafill_core::{Ellipsoid, Extent, wrapped_deg};
 use terrafill_elevation::Elevation;
 use terrafill_scene::{Camera, HeightRange, ImageSize};
 use terrafill_surface::{
@@ -88,7 +88,7 @@ impl Tiles {
     }
 
     fn sight(&self, camera: &Camera, size: ImageSize) -> Sight {
-        let lowest_m = self.heights(&WHOLE).lowest_m;
+        let lowest_m = self.heights(&Extent::WHOLE).lowest_m;
         Sight::new(&self.body, camera, size, lowest_m)
     }
 
@@ -102,13 +102,6 @@ impl Tiles {
         )
     }
 }
-
-const WHOLE: Extent = Extent {
-    west_deg: -180.0,
-    south_deg: -90.0,
-    east_deg: 180.0,
-    north_deg: 90.0,
-};
 
 impl Surface for Tiles {
     fn kind(&self) -> &'static str {
@@ -133,7 +126,10 @@ impl Surface for Tiles {
         let is_round = east - extent.west_deg + 2.0 * cell >= 360.0;
         let wide = match is_round || south_deg <= -90.0 || north_deg >= 90.0 {
             true => (-180.0, 180.0),
-            false => (wrapped(extent.west_deg - cell), wrapped(east + cell)),
+            false => (
+                wrapped_deg(extent.west_deg - cell),
+                wrapped_deg(east + cell),
+            ),
         };
         let range = self.elevation.range(&Extent {
             west_deg: wide.0,
@@ -163,15 +159,6 @@ impl Surface for Tiles {
             parts: drawn.parts.into(),
             ..drawn.mesh.frame(KIND, camera)?
         })
-    }
-}
-
-/// −180 … 180.
-fn wrapped(longitude_deg: f64) -> f64 {
-    match longitude_deg {
-        l if l > 180.0 => l - 360.0,
-        l if l < -180.0 => l + 360.0,
-        l => l,
     }
 }
 

@@ -92,7 +92,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         let message = "--stepped: found process 0, which verifies, allowed: a later --process";
         return Err(Failure::bad_input(message));
     }
-    let lines = (options.process > 0).then(lines_of_first_process);
+    let lines = (options.process > 0 || arguments.in_suite).then(lines_of_first_process);
     let devices = Rc::new(Devices::new(arguments.adapter.clone()));
     let mut described = describe(&studies, &request, &options);
     described.extend(sharing);

@@ -9,6 +9,13 @@ use std::path::Path;
 /// What shells add to a signal's number for the exit code of what it ended.
 const ENDED_BY_SIGNAL: i32 = 128;
 
+/// Exit codes of what [`say_when_stopped`] ends.
+pub(crate) const STOPPED_ENDS: [i32; 3] = [
+    ENDED_BY_SIGNAL + SIGINT,
+    ENDED_BY_SIGNAL + SIGTERM,
+    ENDED_BY_SIGNAL + SIGHUP,
+];
+
 /// From now on, ends this process by a message when it is interrupted, terminated or left by its terminal.
 /// Each value was written when it was measured, so nothing is lost but the sample that was being taken.
 /// Further processes of the run end by themselves, since their standard input does.

@@ -9,8 +9,9 @@ use crate::arguments::BenchArguments;
 use crate::outcome::{Failure, Outcome, complain};
 use crate::registry::chapters;
 use crate::report::print_report;
+use crate::stop::{STOPPED_ENDS, say_when_stopped};
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 use terrafill_filling::{IN_HAND, extreme_sentence};
 use terrafill_results::{Run, RunFolder};
@@ -27,6 +28,7 @@ const OWN_ENDS: [i32; 3] = [2, 4, 5];
 
 pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
     let out = &arguments.out;
+    say_when_stopped(out)?;
     let mut is_first = true;
     loop {
         let ended = run_once(out, !is_first && !arguments.resume)?;
@@ -38,6 +40,7 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
                     message: "the suite was not run".to_owned(),
                 });
             }
+            Ended::Stopped(code) => std::process::exit(code),
             Ended::Broken(why) => {
                 let case = fail_case_in_hand(out, &why)?;
                 complain(format!("{case}: {why}; going on with the next"));
@@ -61,6 +64,8 @@ enum Ended {
     Done,
     /// It said why and has this exit code.
     Own(u8),
+    /// Told to stop, which is no case's fault; it said so, and has this exit code.
+    Stopped(i32),
     /// In the middle of a case.
     Broken(String),
 }
@@ -77,6 +82,8 @@ fn run_once(out: &Path, goes_on: bool) -> Result<Ended, Failure> {
     if std::env::var_os("TERRAFILL_VALIDATION").is_none() {
         command.env("TERRAFILL_VALIDATION", "1");
     }
+    // Ends with this process, see `lines_of_first_process`.
+    command.stdin(Stdio::piped());
     let mut child = command.spawn().map_err(Failure::bad_input)?;
     let Some(status) = wait(&mut child, out)? else {
         let seconds = MAX_CASE.as_secs();
@@ -84,6 +91,7 @@ fn run_once(out: &Path, goes_on: bool) -> Result<Ended, Failure> {
     };
     Ok(match status.code() {
         Some(0) => Ended::Done,
+        Some(code) if STOPPED_ENDS.contains(&code) => Ended::Stopped(code),
         Some(code) if OWN_ENDS.contains(&code) => Ended::Own(u8::try_from(code).unwrap_or(2)),
         _ => Ended::Broken(format!("the process crashed: {status}")),
     })

@@ -153,8 +153,8 @@ impl MovingFootprint {
     }
 }
 
-/// Whether a facet is clockwise seen from outside: by the sign of a determinant, which is the same in the
-/// space where the body is a sphere, since all three axes are scaled by positive numbers.
+/// Whether a facet is clockwise seen from outside, by the sign of a determinant. Scaling the axes by positive
+/// numbers leaves the sign, so the body need not be made a sphere.
 pub(super) fn faces_inwards([a, b, c]: [DVec3; 3]) -> bool {
     a.dot(b.cross(c)) <= 0.0
 }

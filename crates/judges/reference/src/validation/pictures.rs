@@ -81,11 +81,11 @@ fn coarse_triangles_move_a_boundary_by_the_square_of_their_size() {
         let moved = judged
             .moved_px_true
             .expect("the ellipsoid knows its heights");
-        assert!(moved.len() > 300 && moved.is_sorted(), "{}", moved.len());
-        moved[moved.len() - 1]
+        assert!(moved.len() > 300, "{}", moved.len());
+        moved.into_iter().fold(0.0, f64::max)
     };
     let (coarse, middle, fine) = (moved(18), moved(36), moved(72));
-    // A facet of an edge q hangs R q² / 8 low: cells of 10° by 24 km, which is some pixels beside the middle.
+    // Cells of 10° hang R q² / 8 = 24 km low. At 20° from the vertical that is 9 km aside, and a pixel is 7 km.
     assert!((1.0..12.0).contains(&coarse), "{coarse}");
     for ratio in [coarse / middle, middle / fine] {
         assert!((2.5..6.0).contains(&ratio), "{coarse} {middle} {fine}");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Fills over a surface that belongs to the view: a spiral that ends at the horizon, with facets that hang
-//! kilometres below the body where they are seen from far. Where no facet is, the sky is seen and no region.
+//! Fills over a surface that belongs to the view: a spiral that ends at the horizon. Seen from far its facets
+//! hang kilometres below the body. Where no facet is, the sky is seen and no region.
 
 use std::rc::Rc;
 use std::sync::Arc;

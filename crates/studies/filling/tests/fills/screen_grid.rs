@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Fills over a grid on the screen, which hangs hundreds of kilometres below the body and leaves parts of its
-//! disc uncovered: every technique at the views that globes are hardest at, and volumes that know the true
-//! body alone, which must be wrong.
+//! disc uncovered. Every technique is held to the views that globes are hardest at. Volumes that know the true
+//! body alone must be wrong.
 //!
 //! Skipped without a device; see `vertex_against_reference.rs`.
 

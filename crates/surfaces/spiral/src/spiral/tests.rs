@@ -200,8 +200,8 @@ fn vertex_0_stands_over_the_published_fans_last_edge() {
     }
 }
 
-/// Worst distance on the screen between a place of a facet and the place of the body over or under it, pixels,
-/// and the lowest such place, metres; as far as the horizon.
+/// Worst distance on the screen between a place of a facet and the place of the body over or under it, pixels.
+/// With it the lowest such place, metres. Both as far as the horizon.
 ///
 /// - `is_longer`: whether the mesh ends a turn behind the horizon, so that facets there are as large as others
 fn geometric_error(spiral: &Spiral, height_m: f64, is_longer: bool) -> ([f64; 2], usize) {

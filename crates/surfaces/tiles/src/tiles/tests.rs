@@ -118,7 +118,7 @@ fn hits(frame: &SurfaceFrame, camera: &Camera) -> Vec<Option<f64>> {
 fn cracks(tiles: &Tiles, camera: &Camera) -> usize {
     let frame = tiles.frame(camera, SIZE).expect("above");
     let body = &tiles.body;
-    let deep = 1.0 + tiles.heights(&WHOLE).lowest_m.min(0.0) / body.polar_radius_m();
+    let deep = 1.0 + tiles.heights(&Extent::WHOLE).lowest_m.min(0.0) / body.polar_radius_m();
     let a = body.equatorial_radius_m() * deep;
     let inverse = DVec3::new(a, a, body.polar_radius_m() * deep).recip();
     let eye = camera.eye_ecef * inverse;

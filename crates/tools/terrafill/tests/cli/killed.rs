@@ -256,3 +256,46 @@ fn a_run_that_is_told_to_stop_says_what_is_left_and_goes_on() {
         check_resumed(&desk, &filling(&["--resume"]));
     }
 }
+
+#[test]
+fn a_suite_that_is_told_to_stop_fails_no_case_and_leaves_nothing_that_goes_on_writing() {
+    if !has_device() {
+        return;
+    }
+    let desk = Desk::new();
+    let mut arguments = vec!["bench", "--suite", "extreme", "--technique", "vertex"];
+    arguments.extend(["--size", "64", "--out", "run"]);
+    let mut command = desk.command(&arguments);
+    let child = command.stderr(Stdio::piped()).spawn().expect("starts");
+    let started = Instant::now();
+    while measured_rows(&desk) < 60 && started.elapsed() < MAX_WAIT {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    // This process alone, not the one that it measures in.
+    let told = Command::new("kill")
+        .args(["-TERM", &child.id().to_string()])
+        .status();
+    assert!(told.expect("kill").success());
+    let output = child.wait_with_output().expect("a child");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(143), "{said}");
+    assert!(
+        said.contains("stopped by SIGTERM: run keeps what was measured"),
+        "{said}"
+    );
+    // The other one hears of it within a case.
+    std::thread::sleep(Duration::from_secs(1));
+    let left = measured_rows(&desk);
+    std::thread::sleep(Duration::from_secs(1));
+    assert_eq!(measured_rows(&desk), left);
+    let run = load(&desk);
+    let of = |outcome: Outcome| {
+        run.cases
+            .iter()
+            .filter(|case| case.outcome == outcome)
+            .count()
+    };
+    assert_eq!(of(Outcome::Failed), 0);
+    // Twin: there was more to do, and some of it was done.
+    assert!(of(Outcome::Missing) > 0 && of(Outcome::Ok) > 0);
+}
