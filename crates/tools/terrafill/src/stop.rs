@@ -34,7 +34,8 @@ pub(crate) fn say_when_stopped(out: &Path) -> Result<(), Failure> {
             complain(format!(
                 "stopped by {name}: {out} keeps what was measured; the same command with --resume goes on"
             ));
-            std::process::exit(ENDED_BY_SIGNAL + signal);
+            // Not by `std::process::exit`: a driver's own clean-up at exit fails while its threads still draw.
+            signal_hook::low_level::exit(ENDED_BY_SIGNAL + signal);
         }
     });
     Ok(())
