@@ -13,10 +13,12 @@ mod elevation;
 mod ellipsoid;
 mod kind;
 mod mesh;
+mod refining;
 mod surface;
 
 pub use elevation::read_elevation;
 pub use ellipsoid::EllipsoidKind;
 pub use kind::{Parameters, SurfaceKind, open_surface};
 pub use mesh::SurfaceMesh;
+pub use refining::{AsItIs, InBackground, PieceMemory, Refinement, Refining};
 pub use surface::{Surface, SurfaceError, SurfaceFrame, SurfacePart, SurfaceRenderer};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a surface promises, what it draws in a view, and what may fail.
 
+use crate::Refining;
 use std::fmt::Debug;
 use std::sync::Arc;
 use terrafill_core::Extent;
@@ -31,6 +32,11 @@ pub trait Surface: Debug + Send + Sync {
     /// # Errors
     /// [`SurfaceError::EyeBelow`], or whatever the surface cannot provide for this view.
     fn frame(&self, camera: &Camera, size: ImageSize) -> Result<SurfaceFrame, SurfaceError>;
+
+    /// The same surface as one whose pieces are made while frames are drawn; `None` where there are no pieces.
+    fn refining(&self) -> Option<&dyn Refining> {
+        None
+    }
 }
 
 /// A surface as one view draws it.

@@ -5,6 +5,7 @@
 mod bounds;
 mod mesh;
 mod select;
+mod store;
 mod tile;
 mod tiles;
 mod tree;

@@ -62,10 +62,39 @@ pub(crate) struct Drawn {
     pub(crate) parts: Vec<SurfacePart>,
 }
 
+/// Vertices of a tile without its skirts, row by row from the south west.
+#[derive(Debug, Default)]
+pub(crate) struct TileVertices {
+    heights_m: Vec<f64>,
+    ecef: Vec<DVec3>,
+}
+
+impl TileVertices {
+    /// What one takes.
+    pub(crate) const BYTES: u64 =
+        (SIDE * SIDE) as u64 * (size_of::<f64>() + size_of::<DVec3>()) as u64;
+
+    pub(crate) fn new(body: &Ellipsoid, elevation: &Elevation, id: TileId) -> Self {
+        let mut vertices = Self::default();
+        for row in 0..SIDE {
+            for column in 0..SIDE {
+                let [longitude, latitude] = id.place([column, row], CELLS);
+                let height_m = elevation.height_m(longitude, latitude);
+                vertices.heights_m.push(height_m);
+                let at = position(body, longitude, latitude, height_m);
+                vertices.ecef.push(at);
+            }
+        }
+        vertices
+    }
+}
+
 /// Triangles of all tiles that may be seen, and of the one over the eye.
+///
+/// - `vertices`: of a tile
 pub(crate) fn draw(
     body: &Ellipsoid,
-    elevation: &Elevation,
+    vertices: &mut dyn FnMut(TileId) -> Arc<TileVertices>,
     sight: &Sight,
     chosen: &[Chosen],
     skirts: &[[f64; 4]],
@@ -90,7 +119,7 @@ pub(crate) fn draw(
             continue;
         }
         let before = (mesh.vertices_ecef.len(), triangles.len());
-        add_tile(&mut mesh, &mut triangles, elevation, tile.id);
+        add_tile(&mut mesh, &mut triangles, &vertices(tile.id), tile.id);
         for (side, &depth_m) in SIDES.into_iter().zip(depths) {
             if depth_m > 0.0 {
                 add_skirt(
@@ -133,19 +162,12 @@ pub(crate) fn draw(
 fn add_tile(
     mesh: &mut SurfaceMesh,
     triangles: &mut Vec<[u32; 3]>,
-    elevation: &Elevation,
+    vertices: &TileVertices,
     id: TileId,
 ) {
     let first = index(mesh.vertices_ecef.len());
-    for row in 0..SIDE {
-        for column in 0..SIDE {
-            let [longitude, latitude] = id.place([column, row], CELLS);
-            let height_m = elevation.height_m(longitude, latitude);
-            mesh.heights_m.push(height_m);
-            mesh.vertices_ecef
-                .push(position(&mesh.body, longitude, latitude, height_m));
-        }
-    }
+    mesh.heights_m.extend_from_slice(&vertices.heights_m);
+    mesh.vertices_ecef.extend_from_slice(&vertices.ecef);
     let extent = id.extent();
     for row in 0..CELLS {
         for column in 0..CELLS {

@@ -79,17 +79,25 @@ impl PartialEq for Candidate {
 
 impl Eq for Candidate {}
 
-/// Tiles that cover the body, sorted.
-///
+/// What a view draws of the tiles that are there.
+pub(crate) struct Choice {
+    /// Tiles that cover the body, sorted.
+    pub(crate) tiles: Vec<Chosen>,
+    /// Those that would be drawn instead if they were there, the largest error first.
+    pub(crate) missing: Vec<TileId>,
+}
+
 /// - `allowed_px`: error on the screen
 /// - `max_triangles`: of tiles that may be seen, skirts not counted
+/// - `is_there`: whether a tile that may be seen can be drawn; roots always can
 pub(crate) fn choose(
     body: &Ellipsoid,
     tree: &Tree,
     sight: &Sight,
     allowed_px: f64,
     max_triangles: u32,
-) -> Vec<Chosen> {
+    is_there: &mut dyn FnMut(TileId) -> bool,
+) -> Choice {
     let roots = TileId::roots().enumerate();
     let mut heap: BinaryHeap<Candidate> = roots
         .map(|(root, id)| Candidate(Chosen::new(body, sight, id, root, tree.root(root))))
@@ -97,6 +105,7 @@ pub(crate) fn choose(
     let mut seen = heap.iter().filter(|c| c.0.error_px > 0.0).count();
     let most = (max_triangles / (2 * CELLS * CELLS)) as usize;
     let mut done = Vec::new();
+    let mut missing = Vec::new();
     while let Some(Candidate(tile)) = heap.pop() {
         let is_good = tile.error_px <= allowed_px || seen + 3 > most;
         if is_good || tile.id.level >= MAX_LEVEL {
@@ -110,13 +119,26 @@ pub(crate) fn choose(
         };
         let nodes = tree.children(tile.root, tile.node);
         let nodes = nodes.unwrap_or([halved; 4]);
+        let children = tile.id.children().into_iter().zip(nodes);
+        let children: Vec<Chosen> = children
+            .map(|(id, node)| Chosen::new(body, sight, id, tile.root, node))
+            .collect();
+        let before = missing.len();
+        let drawn = children.iter().filter(|child| child.error_px > 0.0);
+        missing.extend(drawn.map(|child| child.id).filter(|id| !is_there(*id)));
+        if missing.len() > before {
+            done.push(tile);
+            continue;
+        }
         seen -= 1;
-        for (id, node) in tile.id.children().into_iter().zip(nodes) {
-            let child = Chosen::new(body, sight, id, tile.root, node);
+        for child in children {
             seen += usize::from(child.error_px > 0.0);
             heap.push(Candidate(child));
         }
     }
     done.sort_unstable_by_key(|tile| tile.id);
-    done
+    Choice {
+        tiles: done,
+        missing,
+    }
 }

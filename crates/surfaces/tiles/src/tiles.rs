@@ -3,16 +3,18 @@
 //! camera came, it sees the same triangles.
 
 use crate::bounds::Sight;
-use crate::mesh::{draw, skirts};
-use crate::select::{Chosen, bend_m, choose};
+use crate::mesh::{TileVertices, draw, skirts};
+use crate::select::{Choice, bend_m, choose};
+use crate::store::Store;
 use crate::tile::TileId;
 use crate::tree::Tree;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use terrafill_core::{Ellipsoid, Extent, wrapped_deg};
 use terrafill_elevation::Elevation;
 use terrafill_scene::{Camera, HeightRange, ImageSize};
 use terrafill_surface::{
-    Parameters, Surface, SurfaceError, SurfaceFrame, SurfaceKind, read_elevation,
+    Parameters, PieceMemory, Refinement, Refining, Surface, SurfaceError, SurfaceFrame,
+    SurfaceKind, read_elevation,
 };
 
 /// Name in scene files.
@@ -22,12 +24,16 @@ const KIND: &str = "tiles";
 const DEFAULT_ERROR_PX: f64 = 2.0;
 /// Triangles of a view where a scene names no limit: 12 MB of indices and vertices.
 const DEFAULT_MAX_TRIANGLES: u32 = 600_000;
+/// Memory for tiles where a scene names none: six times what the largest view draws.
+const DEFAULT_MEMORY_MB: u32 = 64;
+const MEGABYTE: u64 = 1_000_000;
 
 /// Scenes over height tiles: `kind = "tiles"`, the elevation as [`read_elevation`] knows it, and
 ///
 /// - `error_px`: how far from the full resolution the surface may be on the screen
 /// - `max_triangles`: of a view, skirts not counted; beyond it the error grows
 /// - `skirts`: whether gaps between tiles of different sizes are closed; without them there are cracks
+/// - `memory_mb`: of tiles kept for further views
 #[derive(Debug, Clone, Copy)]
 pub struct TilesKind;
 
@@ -46,11 +52,13 @@ impl SurfaceKind for TilesKind {
         let limit = 32_768..=8_000_000;
         let max_triangles = parameters.count("max_triangles", DEFAULT_MAX_TRIANGLES, limit)?;
         let skirts = parameters.flag("skirts", true)?;
+        let memory_mb = parameters.count("memory_mb", DEFAULT_MEMORY_MB, 1..=65_536)?;
         let elevation = read_elevation(body, parameters)?;
         Ok(Arc::new(Tiles {
             error_px,
             max_triangles,
             skirts,
+            store: Mutex::new(Store::new(u64::from(memory_mb) * MEGABYTE)),
             ..Tiles::new(body, elevation)
         }))
     }
@@ -64,6 +72,7 @@ pub(crate) struct Tiles {
     error_px: f64,
     max_triangles: u32,
     skirts: bool,
+    store: Mutex<Store>,
 }
 
 impl Tiles {
@@ -75,6 +84,7 @@ impl Tiles {
             error_px: DEFAULT_ERROR_PX,
             max_triangles: DEFAULT_MAX_TRIANGLES,
             skirts: true,
+            store: Mutex::new(Store::new(u64::from(DEFAULT_MEMORY_MB) * MEGABYTE)),
         }
     }
 
@@ -92,14 +102,58 @@ impl Tiles {
         Sight::new(&self.body, camera, size, lowest_m)
     }
 
-    fn chosen(&self, sight: &Sight) -> Vec<Chosen> {
+    fn choice(&self, sight: &Sight, is_there: &mut dyn FnMut(TileId) -> bool) -> Choice {
         choose(
             &self.body,
             &self.tree,
             sight,
             self.error_px,
             self.max_triangles,
+            is_there,
         )
+    }
+
+    fn store(&self) -> MutexGuard<'_, Store> {
+        // What a thread that panicked left is whole: tiles are put in and taken out one by one.
+        self.store.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A tile from the store, or else made and put there.
+    fn vertices(&self, id: TileId) -> Arc<TileVertices> {
+        let mut store = self.store();
+        if store.touch(id)
+            && let Some(vertices) = store.get(id)
+        {
+            return vertices;
+        }
+        drop(store);
+        let vertices = Arc::new(TileVertices::new(&self.body, &self.elevation, id));
+        self.store().keep(id, Arc::clone(&vertices));
+        vertices
+    }
+
+    fn drawn(
+        &self,
+        camera: &Camera,
+        sight: &Sight,
+        choice: &Choice,
+    ) -> Result<SurfaceFrame, SurfaceError> {
+        let chosen = &choice.tiles;
+        let depths = match self.skirts {
+            true => skirts(chosen),
+            false => vec![[0.0; 4]; chosen.len()],
+        };
+        let drawn = draw(
+            &self.body,
+            &mut |id| self.vertices(id),
+            sight,
+            chosen,
+            &depths,
+        );
+        Ok(SurfaceFrame {
+            parts: drawn.parts.into(),
+            ..drawn.mesh.frame(KIND, camera)?
+        })
     }
 }
 
@@ -149,16 +203,58 @@ impl Surface for Tiles {
 
     fn frame(&self, camera: &Camera, size: ImageSize) -> Result<SurfaceFrame, SurfaceError> {
         let sight = self.sight(camera, size);
-        let chosen = self.chosen(&sight);
-        let depths = match self.skirts {
-            true => skirts(&chosen),
-            false => vec![[0.0; 4]; chosen.len()],
+        self.store().begin_frame();
+        let choice = self.choice(&sight, &mut |_| true);
+        self.drawn(camera, &sight, &choice)
+    }
+
+    fn refining(&self) -> Option<&dyn Refining> {
+        Some(self)
+    }
+}
+
+impl Refining for Tiles {
+    fn frame_now(
+        &self,
+        camera: &Camera,
+        size: ImageSize,
+    ) -> Result<(SurfaceFrame, Refinement), SurfaceError> {
+        let sight = self.sight(camera, size);
+        let choice = {
+            let mut store = self.store();
+            store.begin_frame();
+            let choice = self.choice(&sight, &mut |id| store.touch(id));
+            store.ask(choice.missing.clone());
+            choice
         };
-        let drawn = draw(&self.body, &self.elevation, &sight, &chosen, &depths);
-        Ok(SurfaceFrame {
-            parts: drawn.parts.into(),
-            ..drawn.mesh.frame(KIND, camera)?
-        })
+        let seen = choice.tiles.iter().filter(|tile| tile.error_px > 0.0);
+        let refinement = Refinement {
+            waiting: choice.missing.len(),
+            drawn: seen.clone().count(),
+            error_px: seen.map(|tile| tile.error_px).fold(0.0, f64::max),
+        };
+        Ok((self.drawn(camera, &sight, &choice)?, refinement))
+    }
+
+    fn refine(&self, most: usize) -> usize {
+        let mut made = 0;
+        while made < most {
+            let Some(id) = self.store().next_wanted() else {
+                break;
+            };
+            let vertices = Arc::new(TileVertices::new(&self.body, &self.elevation, id));
+            self.store().keep(id, vertices);
+            made += 1;
+        }
+        made
+    }
+
+    fn forget(&self) {
+        self.store().forget();
+    }
+
+    fn memory(&self) -> PieceMemory {
+        self.store().memory()
     }
 }
 

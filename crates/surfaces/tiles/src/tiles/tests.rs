@@ -4,10 +4,11 @@
 
 use super::*;
 use glam::DVec3;
+use std::time::{Duration, Instant};
 use terrafill_core::Geodetic;
 use terrafill_elevation::{Base, Grid, HeightField, Projection, Registration, Relief};
 use terrafill_scene::{CameraPose, Scene};
-use terrafill_surface::{EllipsoidKind, open_surface};
+use terrafill_surface::{EllipsoidKind, InBackground, open_surface};
 
 const SIZE: ImageSize = ImageSize {
     width: 96,
@@ -116,7 +117,10 @@ fn hits(frame: &SurfaceFrame, camera: &Camera) -> Vec<Option<f64>> {
 
 /// Pixels whose ray enters the body and meets no triangle.
 fn cracks(tiles: &Tiles, camera: &Camera) -> usize {
-    let frame = tiles.frame(camera, SIZE).expect("above");
+    cracks_of(tiles, camera, &tiles.frame(camera, SIZE).expect("above"))
+}
+
+fn cracks_of(tiles: &Tiles, camera: &Camera, frame: &SurfaceFrame) -> usize {
     let body = &tiles.body;
     let deep = 1.0 + tiles.heights(&Extent::WHOLE).lowest_m.min(0.0) / body.polar_radius_m();
     let a = body.equatorial_radius_m() * deep;
@@ -129,7 +133,7 @@ fn cracks(tiles: &Tiles, camera: &Camera) -> usize {
         let along = -eye.dot(direction);
         along > 0.0 && (eye + direction * along).length() < 1.0
     };
-    let hits = hits(&frame, camera);
+    let hits = hits(frame, camera);
     assert!(
         hits.iter().flatten().count() > 500,
         "hardly any ground is seen"
@@ -229,7 +233,8 @@ fn triangles_are_limited_and_what_is_out_of_sight_is_left_out() {
     let few = count(&tiles);
     assert!(all > 60_000 && few < 50_000, "{all} {few}");
     // A tile has 512, and the whole body's are 16,384 at the least.
-    let chosen = tiles.chosen(&tiles.sight(&camera, SIZE));
+    let choice = tiles.choice(&tiles.sight(&camera, SIZE), &mut |_| true);
+    let chosen = choice.tiles;
     let seen = chosen.iter().filter(|tile| tile.error_px > 0.0).count();
     assert!(
         seen * 512 <= 40_000 && seen < chosen.len(),
@@ -354,4 +359,137 @@ fn an_eye_below_the_ground_is_refused_and_one_in_a_valley_is_not() {
         .map(|frame| frame.heights)
         .expect_err("below");
     assert!(error.to_string().contains("tiles"), "{error}");
+}
+
+/// Refines tiles by threes to the end. Returns the error of each frame on the way, and the last frame.
+fn refined(tiles: &Tiles, camera: &Camera) -> (Vec<f64>, SurfaceFrame) {
+    let mut errors = Vec::new();
+    loop {
+        let (frame, refinement) = tiles.frame_now(camera, SIZE).expect("above");
+        errors.push(refinement.error_px);
+        if refinement.waiting == 0 {
+            return (errors, frame);
+        }
+        assert!(tiles.refine(3) > 0, "{refinement:?}");
+    }
+}
+
+/// From the side, from afar and straight down.
+fn flight() -> [Camera; 3] {
+    [
+        camera([10.5, 46.5, 2500.0], 30.0, -8.0),
+        camera([10.5, 46.5, 8e6], 0.0, -90.0),
+        camera([10.5, 46.5, 5000.0], 120.0, -30.0),
+    ]
+}
+
+#[test]
+fn tiles_refine_step_by_step_to_the_same_frame_by_every_route() {
+    let whole = Tiles::new(&Ellipsoid::WGS84, ridges());
+    let direct = Tiles::new(&Ellipsoid::WGS84, ridges());
+    let about = Tiles::new(&Ellipsoid::WGS84, ridges());
+    let [low, high, back] = flight();
+    let (errors, settled) = refined(&direct, &low);
+    assert!(errors.len() > 5 && errors.windows(2).all(|pair| pair[1] <= pair[0]));
+    assert!(errors[0] > DEFAULT_ERROR_PX && errors[errors.len() - 1] <= DEFAULT_ERROR_PX);
+    for camera in [&high, &back] {
+        refined(&about, camera);
+    }
+    let (others, by_another_route) = refined(&about, &low);
+    let wanted = whole.frame(&low, SIZE).expect("above");
+    for frame in [&settled, &by_another_route] {
+        assert_eq!(frame.vertices_rte, wanted.vertices_rte);
+        assert_eq!(frame.triangles, wanted.triangles);
+        assert_eq!(frame.parts, wanted.parts);
+    }
+    // Twins: frames on the way differ, and by the other route more was there at first.
+    direct.forget();
+    let (first, _) = direct.frame_now(&low, SIZE).expect("above");
+    assert_ne!(first.vertices_rte, wanted.vertices_rte);
+    assert!(others.len() < errors.len());
+}
+
+#[test]
+fn no_ray_passes_between_tiles_while_they_refine() {
+    let mut found = 0;
+    for (place, heading, pitch) in [
+        ([10.5, 46.5, 2500.0], 30.0, -8.0),
+        ([10.02, 46.02, 2000.0], 45.0, -4.0),
+    ] {
+        let mut tiles = Tiles::new(&Ellipsoid::WGS84, ridges());
+        let camera = camera(place, heading, pitch);
+        for step in 0.. {
+            let (frame, refinement) = tiles.frame_now(&camera, SIZE).expect("above");
+            assert_eq!(cracks_of(&tiles, &camera, &frame), 0, "step {step}");
+            tiles.skirts = false;
+            let (bare, _) = tiles.frame_now(&camera, SIZE).expect("above");
+            found += cracks_of(&tiles, &camera, &bare);
+            tiles.skirts = true;
+            if refinement.waiting == 0 {
+                assert!(step > 3, "there is nothing to refine");
+                break;
+            }
+            tiles.refine(15);
+        }
+    }
+    assert!(found > 0, "the check finds no cracks where there are some");
+}
+
+#[test]
+fn tiles_stay_within_their_memory_and_say_what_left() {
+    let flown = |budget_bytes: u64| {
+        let tiles = Tiles {
+            store: Mutex::new(Store::new(budget_bytes)),
+            ..Tiles::new(&Ellipsoid::WGS84, ridges())
+        };
+        let mut waited = false;
+        for camera in flight().iter().chain(&flight()) {
+            loop {
+                let (_, refinement) = tiles.frame_now(camera, SIZE).expect("above");
+                let memory = tiles.memory();
+                assert!(memory.bytes <= memory.budget_bytes, "{memory:?}");
+                if tiles.refine(20) == 0 {
+                    waited |= refinement.waiting > 0;
+                    break;
+                }
+            }
+            // A frame that waits for all tiles takes no more than that either, and is the same as ever.
+            let all = tiles.frame(camera, SIZE).expect("above");
+            let whole = Tiles::new(&Ellipsoid::WGS84, ridges());
+            let wanted = whole.frame(camera, SIZE).expect("above");
+            assert_eq!(all.vertices_rte, wanted.vertices_rte);
+            assert!(tiles.memory().bytes <= budget_bytes);
+        }
+        (tiles.memory(), waited)
+    };
+    let (roomy, waited) = flown(64 * MEGABYTE);
+    assert!(roomy.evicted == 0 && roomy.made == roomy.pieces as u64 && !waited);
+    let (tight, waited) = flown(roomy.bytes / 8);
+    assert!(
+        tight.evicted > 0 && tight.made > roomy.made && waited,
+        "{tight:?}"
+    );
+}
+
+#[test]
+fn a_thread_makes_the_tiles_while_frames_are_drawn() {
+    let tiles = Arc::new(Tiles::new(&Ellipsoid::WGS84, ridges()));
+    let [low, ..] = flight();
+    let waiting = || tiles.frame_now(&low, SIZE).expect("above").1.waiting;
+    assert!(waiting() > 0);
+    // Twin: nothing comes of itself.
+    assert!(waiting() > 0);
+    let background = InBackground::start(Arc::<Tiles>::clone(&tiles));
+    let started = Instant::now();
+    while waiting() > 0 {
+        assert!(
+            started.elapsed() < Duration::from_secs(60),
+            "it never settles"
+        );
+    }
+    drop(background);
+    let settled = tiles.frame_now(&low, SIZE).expect("above").0;
+    let whole = Tiles::new(&Ellipsoid::WGS84, ridges());
+    let wanted = whole.frame(&low, SIZE).expect("above");
+    assert_eq!(settled.vertices_rte, wanted.vertices_rte);
 }
