@@ -20,5 +20,8 @@ pub use elevation::read_elevation;
 pub use ellipsoid::EllipsoidKind;
 pub use kind::{Parameters, SurfaceKind, open_surface};
 pub use mesh::SurfaceMesh;
-pub use refining::{AsItIs, InBackground, PieceMemory, Refinement, Refining};
-pub use surface::{Surface, SurfaceError, SurfaceFrame, SurfacePart, SurfaceRenderer};
+pub use refining::{AsItIs, InBackground};
+pub use surface::{
+    PieceMemory, Refinement, Refining, Surface, SurfaceError, SurfaceFrame, SurfacePart,
+    SurfaceRenderer,
+};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Surfaces whose pieces are made while frames are drawn from those that are there.
+//! Frames of a surface whose pieces are still being made, and a thread that makes them.
 
-use crate::{Surface, SurfaceError, SurfaceFrame};
+use crate::surface::{Refinement, Refining, Surface, SurfaceError, SurfaceFrame};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -11,57 +11,6 @@ use terrafill_scene::{Camera, HeightRange, ImageSize};
 
 /// Rest of a thread that has no piece to make: far shorter than a frame.
 const REST: Duration = Duration::from_micros(200);
-
-/// A surface that need not wait for all pieces of a view. [`Surface::frame`] waits for them.
-pub trait Refining: Send + Sync {
-    /// What can be drawn of a view with the pieces that are there, and how far that is from what is wanted.
-    /// The missing ones are asked for, in place of those asked for before.
-    ///
-    /// # Errors
-    /// As [`Surface::frame`].
-    fn frame_now(
-        &self,
-        camera: &Camera,
-        size: ImageSize,
-    ) -> Result<(SurfaceFrame, Refinement), SurfaceError>;
-
-    /// Makes up to `most` of the pieces that the last frame asked for, those that lack most first, and says how
-    /// many it made. Pieces of earlier frames leave where the memory would exceed its budget; where all are in
-    /// use nothing is made.
-    fn refine(&self, most: usize) -> usize;
-
-    /// Lets go of every piece.
-    fn forget(&self);
-
-    /// What is kept now.
-    fn memory(&self) -> PieceMemory;
-}
-
-/// How far a frame is from what its view wants.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Refinement {
-    /// Pieces that were asked for. 0: the frame is what [`Surface::frame`] gives.
-    pub waiting: usize,
-    /// Pieces that are drawn.
-    pub drawn: usize,
-    /// How far from the full resolution what is drawn may be on the screen, pixels: a bound.
-    pub error_px: f64,
-}
-
-/// Pieces in memory.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct PieceMemory {
-    /// Of all pieces.
-    pub bytes: u64,
-    /// What they may take.
-    pub budget_bytes: u64,
-    /// How many there are.
-    pub pieces: usize,
-    /// Made since the surface was opened.
-    pub made: u64,
-    /// Of these, let go to make room.
-    pub evicted: u64,
-}
 
 /// A refining surface whose frames are those of [`Refining::frame_now`], for scenes to be drawn over it as it is.
 #[derive(Debug)]

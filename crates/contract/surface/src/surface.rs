@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a surface promises, what it draws in a view, and what may fail.
 
-use crate::Refining;
 use std::fmt::Debug;
 use std::sync::Arc;
 use terrafill_core::Extent;
@@ -37,6 +36,71 @@ pub trait Surface: Debug + Send + Sync {
     fn refining(&self) -> Option<&dyn Refining> {
         None
     }
+}
+
+/// A surface that need not wait for all pieces of a view. [`Surface::frame`] waits for them.
+pub trait Refining: Send + Sync {
+    /// [`Surface::frame`], and how far it is from the full resolution. Nothing is waiting.
+    ///
+    /// # Errors
+    /// As [`Surface::frame`].
+    fn frame_all(
+        &self,
+        camera: &Camera,
+        size: ImageSize,
+    ) -> Result<(SurfaceFrame, Refinement), SurfaceError>;
+
+    /// What can be drawn of a view with the pieces that are there, and how far that is from what is wanted.
+    /// The missing ones are asked for, in place of those asked for before: also those in between, which are
+    /// drawn on the way.
+    ///
+    /// # Errors
+    /// As [`Surface::frame`].
+    fn frame_now(
+        &self,
+        camera: &Camera,
+        size: ImageSize,
+    ) -> Result<(SurfaceFrame, Refinement), SurfaceError>;
+
+    /// Makes up to `most` of the pieces that the last frame asked for, those that lack most first, and says how
+    /// many it made. Pieces of earlier frames leave where the memory would exceed its budget; where all are in
+    /// use nothing is made.
+    fn refine(&self, most: usize) -> usize;
+
+    /// Lets go of every piece.
+    fn forget(&self);
+
+    /// Lets go of every piece; from now on they may take so much.
+    fn set_budget(&self, bytes: u64);
+
+    /// What is kept now.
+    fn memory(&self) -> PieceMemory;
+}
+
+/// How far a frame is from what its view wants.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Refinement {
+    /// Pieces that were asked for. 0: the frame is what [`Surface::frame`] gives.
+    pub waiting: usize,
+    /// Pieces that are drawn.
+    pub drawn: usize,
+    /// How far from the full resolution what is drawn may be on the screen, pixels: a bound.
+    pub error_px: f64,
+}
+
+/// Pieces in memory.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct PieceMemory {
+    /// Of all pieces.
+    pub bytes: u64,
+    /// What they may take.
+    pub budget_bytes: u64,
+    /// How many there are.
+    pub pieces: usize,
+    /// Made since the surface was opened.
+    pub made: u64,
+    /// Of these, let go to make room.
+    pub evicted: u64,
 }
 
 /// A surface as one view draws it.

@@ -8,6 +8,7 @@ use crate::tree::{Node, Tree};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use terrafill_core::Ellipsoid;
+use terrafill_surface::Refinement;
 
 /// A tile that is drawn unless it turns out to be out of sight.
 #[derive(Debug, Clone, Copy)]
@@ -85,6 +86,17 @@ pub(crate) struct Choice {
     pub(crate) tiles: Vec<Chosen>,
     /// Those that would be drawn instead if they were there, the largest error first.
     pub(crate) missing: Vec<TileId>,
+}
+
+impl Choice {
+    pub(crate) fn refinement(&self) -> Refinement {
+        let seen = self.tiles.iter().filter(|tile| tile.error_px > 0.0);
+        Refinement {
+            waiting: self.missing.len(),
+            drawn: seen.clone().count(),
+            error_px: seen.map(|tile| tile.error_px).fold(0.0, f64::max),
+        }
+    }
 }
 
 /// - `allowed_px`: error on the screen

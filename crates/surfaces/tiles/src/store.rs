@@ -88,6 +88,11 @@ impl Store {
         self.wanted.clear();
     }
 
+    pub(crate) fn set_budget(&mut self, bytes: u64) {
+        self.forget();
+        self.budget_bytes = bytes;
+    }
+
     pub(crate) fn memory(&self) -> PieceMemory {
         PieceMemory {
             bytes: self.tiles.len() as u64 * TileVertices::BYTES,

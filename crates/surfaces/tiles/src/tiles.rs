@@ -202,10 +202,7 @@ impl Surface for Tiles {
     }
 
     fn frame(&self, camera: &Camera, size: ImageSize) -> Result<SurfaceFrame, SurfaceError> {
-        let sight = self.sight(camera, size);
-        self.store().begin_frame();
-        let choice = self.choice(&sight, &mut |_| true);
-        self.drawn(camera, &sight, &choice)
+        Ok(self.frame_all(camera, size)?.0)
     }
 
     fn refining(&self) -> Option<&dyn Refining> {
@@ -214,6 +211,18 @@ impl Surface for Tiles {
 }
 
 impl Refining for Tiles {
+    fn frame_all(
+        &self,
+        camera: &Camera,
+        size: ImageSize,
+    ) -> Result<(SurfaceFrame, Refinement), SurfaceError> {
+        let sight = self.sight(camera, size);
+        self.store().begin_frame();
+        let choice = self.choice(&sight, &mut |_| true);
+        let refinement = choice.refinement();
+        Ok((self.drawn(camera, &sight, &choice)?, refinement))
+    }
+
     fn frame_now(
         &self,
         camera: &Camera,
@@ -227,12 +236,7 @@ impl Refining for Tiles {
             store.ask(choice.missing.clone());
             choice
         };
-        let seen = choice.tiles.iter().filter(|tile| tile.error_px > 0.0);
-        let refinement = Refinement {
-            waiting: choice.missing.len(),
-            drawn: seen.clone().count(),
-            error_px: seen.map(|tile| tile.error_px).fold(0.0, f64::max),
-        };
+        let refinement = choice.refinement();
         Ok((self.drawn(camera, &sight, &choice)?, refinement))
     }
 
@@ -251,6 +255,10 @@ impl Refining for Tiles {
 
     fn forget(&self) {
         self.store().forget();
+    }
+
+    fn set_budget(&self, bytes: u64) {
+        self.store().set_budget(bytes);
     }
 
     fn memory(&self) -> PieceMemory {

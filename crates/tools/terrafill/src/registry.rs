@@ -6,6 +6,7 @@ use terrafill_cesium::CesiumTechnique;
 use terrafill_compute::ComputeTechnique;
 use terrafill_fill::Technique;
 use terrafill_filling::{ExtremeStudy, FillingStudy};
+use terrafill_flight::FlightStudy;
 use terrafill_growth::GrowthStudy;
 use terrafill_instanced::InstancedTechnique;
 use terrafill_moving::MovingStudy;
@@ -57,6 +58,10 @@ pub(crate) static STUDIES: &[&dyn Study] = &[
         verb: Some(GROWTH_SAMPLE),
     },
     &ReadbackStudy,
+    &FlightStudy {
+        techniques: TECHNIQUES,
+        surfaces: SURFACES,
+    },
     &MovingStudy {
         techniques: TECHNIQUES,
         surfaces: SURFACES,

@@ -1,0 +1,762 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The cases: techniques × ways of making the pieces.
+
+use crate::STUDY;
+use crate::chapter::FlightChapter;
+use crate::pace::{Making, Pace};
+use crate::path::path;
+use std::cell::OnceCell;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use terrafill_conformance::{
+    BAND_RADIUS_PX, BORDER_ROUNDING, ErrorFigures, Verdict as Comparison, compare_closely, verdict,
+};
+use terrafill_core::{MeshError, RegionMesh};
+use terrafill_fill::{
+    CpuStopwatch, DeviceError, FillBackend, FillInput, Frame, PreparedScene, Role, Targets,
+    Technique, Variant,
+};
+use terrafill_reference::{CloseLook, ReferenceBackend};
+use terrafill_results::{
+    CaseId, Chapter, Kind, Metric, PlannedCase, Skipped, Status, Verdict, median,
+};
+use terrafill_scene::{ImageSize, PlanOptions, Scene, View};
+use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
+use terrafill_surface::{
+    AsItIs, InBackground, PieceMemory, Refinement, Surface, SurfaceError, SurfaceKind, open_surface,
+};
+
+/// The scene that is flown over where none is named: terrain grown from a seed, in tiles.
+const HOME: &str = "hills";
+const HOME_SURFACE: &str = "tiles";
+
+/// Frames of a flight, and how many of them the eye rests at its end.
+const FRAMES: u32 = 60;
+const REST: u32 = 12;
+/// Of these one is compared.
+const COMPARED_OF: u32 = 6;
+/// The same of further processes and of quick runs.
+const COMPARED_OF_QUICK: u32 = 20;
+
+/// Flights of each case in a process, unless the request says otherwise.
+const SAMPLES: u32 = 3;
+
+/// Wrong frames that a reason names.
+const MAX_NAMED: usize = 5;
+
+const METRICS: [Metric; 15] = [
+    Metric::less(
+        "flight_frame_cpu_ms",
+        "ms",
+        Kind::Time,
+        "Process CPU time of a frame: surface, plan, upload and fill, pieces made by the way included; median of a flight.",
+    ),
+    Metric::less(
+        "flight_worst_frame_cpu_ms",
+        "ms",
+        Kind::Time,
+        "The same of the worst frame of a flight after its first.",
+    ),
+    Metric::less(
+        "flight_frame_wall_ms",
+        "ms",
+        Kind::Time,
+        "Wall clock of a frame; median of a flight.",
+    ),
+    Metric::less(
+        "flight_worst_frame_wall_ms",
+        "ms",
+        Kind::Time,
+        "Wall clock of the worst frame of a flight after its first.",
+    ),
+    Metric::less(
+        "flight_first_frame_wall_ms",
+        "ms",
+        Kind::Time,
+        "Wall clock of the first frame, for which no piece is there.",
+    ),
+    Metric::less(
+        "flight_changed_px",
+        "px",
+        Kind::Error,
+        "Pixels that show another region than over the terrain that the view asks for, by the reference; worst frame compared.",
+    ),
+    Metric::less(
+        "flight_last_changed_px",
+        "px",
+        Kind::Error,
+        "The same of the last frame, when the eye has rested.",
+    ),
+    Metric::less(
+        "flight_late_frames",
+        "",
+        Kind::Counter,
+        "Frames that were drawn while pieces they asked for were missing.",
+    ),
+    Metric::less(
+        "flight_pieces_made",
+        "",
+        Kind::Counter,
+        "Pieces made during a flight.",
+    ),
+    Metric::less(
+        "flight_pieces_evicted",
+        "",
+        Kind::Counter,
+        "Of these, let go because the memory was full.",
+    ),
+    Metric::less(
+        "flight_piece_bytes",
+        "bytes",
+        Kind::Bytes,
+        "Memory of all pieces; largest of all frames.",
+    ),
+    Metric::neither(
+        "flight_budget_bytes",
+        "bytes",
+        Kind::Bytes,
+        "Memory that pieces may take.",
+    ),
+    Metric::neither(
+        "flight_frames_compared",
+        "",
+        Kind::Counter,
+        "Frames that were compared with the reference over the triangles of that very frame.",
+    ),
+    Metric::less(
+        "flight_frames_wrong",
+        "",
+        Kind::Error,
+        "Frames that were not within the tolerances of a fill.",
+    ),
+    Metric::less(
+        "flight_outside_px",
+        "px",
+        Kind::Error,
+        "Pixels outside the boundary band that differ from the reference; largest of all frames.",
+    ),
+];
+
+/// What a flight costs and shows while terrain is being made.
+#[derive(Debug, Clone, Copy)]
+pub struct FlightStudy {
+    /// Techniques that fill.
+    pub techniques: &'static [&'static dyn Technique],
+    /// Surfaces that scenes may lie on.
+    pub surfaces: &'static [&'static dyn SurfaceKind],
+}
+
+impl Study for FlightStudy {
+    fn name(&self) -> &'static str {
+        STUDY
+    }
+
+    fn question(&self) -> &'static str {
+        "What do frames cost and show while the terrain's pieces are still being made?"
+    }
+
+    fn metrics(&self) -> &'static [Metric] {
+        &METRICS
+    }
+
+    fn least_depth(&self) -> Depth {
+        Depth::Full
+    }
+
+    fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
+        let bad = |error: &dyn ToString| StudyError::BadInput(error.to_string());
+        let scenes = match request.scenes.is_empty() {
+            true => vec![home().map_err(|error| bad(&error))?],
+            false => {
+                let opened = request.scenes.iter().map(|name| open(name, request));
+                opened.collect::<Result<_, _>>()?
+            }
+        };
+        let mut planned = Planned {
+            groups: Vec::new(),
+            skipped: Vec::new(),
+        };
+        for scene in scenes {
+            let surface = open_surface(self.surfaces, &scene).map_err(|error| bad(&error))?;
+            if surface.refining().is_none() {
+                planned.skipped.push(Skipped {
+                    what: format!("{STUDY}/{}", scene.name),
+                    reason: format!("its surface, {}, is made in one piece", surface.kind()),
+                });
+                continue;
+            }
+            planned
+                .groups
+                .push(Box::new(Flights::new(self, request, scene)));
+        }
+        Ok(planned)
+    }
+
+    fn chapter(&self) -> &dyn Chapter {
+        &FlightChapter
+    }
+}
+
+fn open(name: &str, request: &Request) -> Result<Scene, StudyError> {
+    let data = request.data_dir.as_deref();
+    let opened = match name.contains('/') || name.ends_with(".toml") {
+        true => Scene::load(std::path::Path::new(name), data),
+        false => Scene::shipped(name, data),
+    };
+    opened.map_err(|error| StudyError::BadInput(error.to_string()))
+}
+
+/// The terrain of [`HOME`] in tiles.
+fn home() -> Result<Scene, terrafill_scene::SceneError> {
+    let mut scene = Scene::shipped(HOME, None)?;
+    scene.surface.kind = HOME_SURFACE.to_owned();
+    let parameters = &mut scene.surface.parameters;
+    parameters.remove("rows");
+    parameters.insert("base".to_owned(), "relief".into());
+    Ok(scene)
+}
+
+#[derive(Debug, Clone)]
+struct FlightCase {
+    technique: &'static dyn Technique,
+    variant: Variant,
+    pace: Pace,
+}
+
+/// All cases over one scene.
+struct Flights {
+    scene: Scene,
+    surfaces: &'static [&'static dyn SurfaceKind],
+    size: ImageSize,
+    compared_of: u32,
+    cases: Vec<FlightCase>,
+    planned: Vec<PlannedCase>,
+}
+
+impl Flights {
+    fn new(study: &FlightStudy, request: &Request, scene: Scene) -> Self {
+        let is_quick = request.depth == Depth::Quick;
+        let [width, height] = request.size;
+        let wanted = |technique: &&&'static dyn Technique| {
+            let names = &request.techniques;
+            names.is_empty() || names.iter().any(|name| name == technique.name())
+        };
+        let mut cases: Vec<FlightCase> = Vec::new();
+        for technique in study.techniques.iter().filter(wanted).copied() {
+            let mut variants = technique.variants(&scene, Role::Quick).into_iter();
+            let Some(variant) = variants.find(|variant| !technique.is_approximate(variant)) else {
+                continue;
+            };
+            // The ways of making pieces do not depend on who fills: one technique shows them all.
+            let paces = match cases.is_empty() {
+                true => &Pace::ALL[..],
+                false if is_quick => &[],
+                false => &Pace::ALL[2..3],
+            };
+            cases.extend(paces.iter().map(|&pace| FlightCase {
+                technique,
+                variant: variant.clone(),
+                pace,
+            }));
+        }
+        let samples = request.samples.unwrap_or(SAMPLES);
+        let planned = cases.iter().map(|case| {
+            let parts = [
+                ("scene", scene.name.clone()),
+                ("technique", case.technique.name().to_owned()),
+                ("variant", case.variant.name()),
+                ("pieces", case.pace.name()),
+            ];
+            let name: Vec<&str> = parts.iter().map(|(_, value)| value.as_str()).collect();
+            let name = name.join("/");
+            PlannedCase {
+                id: CaseId::new(STUDY, name, parts),
+                samples,
+                may_be_wrong: false,
+            }
+        });
+        Self {
+            planned: planned.collect(),
+            cases,
+            scene,
+            surfaces: study.surfaces,
+            size: ImageSize { width, height },
+            compared_of: if is_quick {
+                COMPARED_OF_QUICK
+            } else {
+                COMPARED_OF
+            },
+        }
+    }
+}
+
+impl Group for Flights {
+    fn name(&self) -> String {
+        format!("{STUDY}/{}", self.scene.name)
+    }
+
+    fn cases(&self) -> &[PlannedCase] {
+        &self.planned
+    }
+
+    fn warm_up(&self) -> Option<u32> {
+        // The flight that is compared warms it.
+        Some(0)
+    }
+
+    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
+        Ok(Box::new(FlightsSession::new(self, context)?))
+    }
+}
+
+/// Why a frame of a flight is missing.
+#[derive(Debug, thiserror::Error)]
+enum FlightError {
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+}
+
+fn memory(surface: &dyn Surface) -> PieceMemory {
+    let refining = surface.refining();
+    refining
+        .map(|refining| refining.memory())
+        .unwrap_or_default()
+}
+
+/// What one frame took and showed.
+struct Flown {
+    cpu_ms: f64,
+    wall_ms: f64,
+    refinement: Refinement,
+    bytes: u64,
+}
+
+/// What the frames of a flight showed.
+#[derive(Debug, Default)]
+struct Compared {
+    frames: u32,
+    wrong: Vec<(usize, String)>,
+    outside_px: u64,
+    /// Pixels that the terrain's missing pieces changed: most of all frames, and of the last.
+    changed_px: u64,
+    last_changed_px: u64,
+}
+
+impl Compared {
+    fn add(&mut self, frame: usize, figures: Result<(ErrorFigures, u64), String>) {
+        self.frames += 1;
+        let reason = match figures {
+            Ok((figures, changed_px)) => {
+                self.changed_px = self.changed_px.max(changed_px);
+                self.last_changed_px = changed_px;
+                self.outside_px = self.outside_px.max(figures.mismatched_px_outside_band);
+                match verdict(&figures) {
+                    Comparison::Pass => return,
+                    Comparison::Fail(reasons) => reasons.join(", "),
+                }
+            }
+            Err(error) => error,
+        };
+        self.wrong.push((frame, reason));
+    }
+
+    fn verdict(&self) -> Verdict {
+        let named = self.wrong.iter().take(MAX_NAMED);
+        let named: Vec<String> = named
+            .map(|(frame, reason)| format!("frame {frame}: {reason}"))
+            .collect();
+        Verdict {
+            status: match self.wrong.is_empty() {
+                true => Status::Ok,
+                false => Status::Wrong,
+            },
+            reason: match self.wrong.len() {
+                0 => String::new(),
+                wrong => format!("{wrong} of {} frames; {}", self.frames, named.join("; ")),
+            },
+            figures: vec![
+                ("flight_frames_compared", f64::from(self.frames)),
+                ("flight_frames_wrong", self.wrong.len() as f64),
+                ("flight_outside_px", self.outside_px as f64),
+                ("flight_changed_px", self.changed_px as f64),
+                ("flight_last_changed_px", self.last_changed_px as f64),
+            ],
+            ..Verdict::default()
+        }
+    }
+}
+
+/// How a picture differs from the reference over the triangles of that very frame, and in how many pixels
+/// that reference differs from one over all that the view asks for.
+fn figures(
+    input: &FillInput,
+    asked_for: &FillInput,
+    drawn: &Frame,
+) -> Result<(ErrorFigures, u64), String> {
+    let judge = ReferenceBackend::new();
+    let judged = |input| judge.judge(input).map_err(|error| error.to_string());
+    let (reference, settled) = (judged(input)?.frame, judged(asked_for)?.frame);
+    let changed_px = reference
+        .ids
+        .iter()
+        .zip(&settled.ids)
+        .filter(|(now, then)| now != then)
+        .count();
+    // Hardly any frame is asked about closely, and to get ready for it takes longer than to draw.
+    let look: OnceCell<Option<CloseLook<'_>>> = OnceCell::new();
+    let closely = || {
+        let look = look.get_or_init(|| judge.look_closely(input).ok());
+        look.as_ref()
+    };
+    let by_rounding = |pixel: usize, id: u32| {
+        closely().is_some_and(|look| look.ids_by_rounding(pixel, BORDER_ROUNDING).contains(&id))
+    };
+    let shows = |pixel: usize, id: u32| {
+        closely().is_some_and(|look| look.ids_within(pixel, BAND_RADIUS_PX).contains(&id))
+    };
+    let figures = compare_closely(&reference, drawn, by_rounding, shows);
+    Ok((
+        figures.map_err(|error| error.to_string())?,
+        changed_px as u64,
+    ))
+}
+
+struct FlightsSession<'a> {
+    flights: &'a Flights,
+    views: Vec<View>,
+    targets: Targets,
+    /// By case, from its first flight on.
+    backends: BTreeMap<usize, Box<dyn FillBackend>>,
+    /// One for all cases: a flight begins with nothing made.
+    surface: Arc<dyn Surface>,
+    /// Another of the same, which has all that a view asks for.
+    settled: Arc<dyn Surface>,
+    as_it_is: Arc<AsItIs>,
+    /// With frames that wait, and with frames of what is there.
+    whole: PreparedScene,
+    now: PreparedScene,
+    /// Of the scene.
+    budget_bytes: u64,
+}
+
+impl<'a> FlightsSession<'a> {
+    fn new(flights: &'a Flights, context: Context<'a>) -> Result<Self, StudyError> {
+        let bad = |error: FlightError| StudyError::BadInput(format!("{}: {error}", flights.name()));
+        let meshes = RegionMesh::build_all(
+            &flights.scene.regions,
+            &flights.scene.body,
+            flights.scene.edge_rule,
+            &flights.scene.mesh,
+        );
+        let meshes = meshes.map_err(|mut errors| bad(errors.remove(0).into()))?;
+        let opened = || {
+            let surface = open_surface(flights.surfaces, &flights.scene);
+            surface.map_err(|error| bad(error.into()))
+        };
+        let (surface, settled) = (opened()?, opened()?);
+        let broken = || StudyError::Broken {
+            place: flights.name(),
+            message: "its surface has no pieces any more".to_owned(),
+        };
+        let as_it_is = AsItIs::new(Arc::clone(&surface)).map(Arc::new);
+        let as_it_is = as_it_is.ok_or_else(broken)?;
+        let whole = PreparedScene::new(&flights.scene, meshes.into(), Arc::clone(&surface));
+        let now = PreparedScene {
+            surface: Arc::<AsItIs>::clone(&as_it_is),
+            ..whole.clone()
+        };
+        let budget_bytes = memory(&*surface).budget_bytes;
+        Ok(Self {
+            flights,
+            views: path(&flights.scene.views, FRAMES, REST),
+            targets: Targets::new(context.devices, flights.size),
+            backends: BTreeMap::new(),
+            surface,
+            settled,
+            as_it_is,
+            whole,
+            now,
+            budget_bytes,
+        })
+    }
+
+    /// Flies a case from the first frame on, with nothing made yet.
+    ///
+    /// - `compared_of`: of so many frames one is compared; `None`: nothing is, and each frame is timed
+    fn fly(
+        &mut self,
+        index: usize,
+        compared_of: Option<u32>,
+    ) -> Result<(Vec<Flown>, Compared), FlightError> {
+        let case = &self.flights.cases[index];
+        let size = self.flights.size;
+        let mut backend = match self.backends.remove(&index) {
+            Some(backend) => backend,
+            None => case.technique.open(&self.targets, &case.variant)?,
+        };
+        let Some(refining) = self.surface.refining() else {
+            return Ok((Vec::new(), Compared::default()));
+        };
+        refining.set_budget(case.pace.budget_bytes.unwrap_or(self.budget_bytes));
+        let waits = matches!(case.pace.making, Making::Anew | Making::Wait);
+        let scene = if waits { &self.whole } else { &self.now };
+        let background = (case.pace.making == Making::Background)
+            .then(|| InBackground::start(Arc::clone(&self.surface)));
+        let mut flown = Vec::new();
+        let mut compared = Compared::default();
+        for (at, view) in (0_u32..).zip(&self.views) {
+            let watch = CpuStopwatch::start();
+            if case.pace.making == Making::Anew {
+                refining.forget();
+            }
+            let options = PlanOptions::default();
+            let input = FillInput::new(scene, view, size, options)?;
+            backend.prepare(&input)?;
+            if compared_of.is_none() {
+                backend.draw_surface(&input)?;
+                backend.time_frame(&input)?;
+            }
+            if let Making::AFrame(pieces) = case.pace.making {
+                refining.refine(pieces);
+            }
+            let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
+            let refinement = match waits {
+                true => Refinement::default(),
+                false => self.as_it_is.last(),
+            };
+            let is_last = at as usize + 1 == self.views.len();
+            let is_compared = compared_of.is_some_and(|of| at % of == of - 1 || at == 0 || is_last);
+            if is_compared {
+                let drawn = backend.render(&input)?;
+                let asked_for = FillInput {
+                    surface: self.settled.frame(&input.camera, size)?,
+                    ..input.clone()
+                };
+                compared.add(at as usize, figures(&input, &asked_for, &drawn));
+            }
+            flown.push(Flown {
+                cpu_ms,
+                wall_ms,
+                refinement,
+                bytes: refining.memory().bytes,
+            });
+        }
+        drop(background);
+        self.backends.insert(index, backend);
+        Ok((flown, compared))
+    }
+
+    fn compare(&mut self, index: usize, compared_of: u32) -> Verdict {
+        match self.fly(index, Some(compared_of)) {
+            Ok((_, compared)) => compared.verdict(),
+            Err(FlightError::Device(error @ DeviceError::Unsupported { .. })) => {
+                Verdict::skipped(error.to_string())
+            }
+            Err(error) => Verdict::failed(error.to_string()),
+        }
+    }
+}
+
+impl Session for FlightsSession<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
+        Ok(self.compare(case, self.flights.compared_of))
+    }
+
+    fn recheck(
+        &mut self,
+        case: usize,
+        _status: Status,
+        _notes: &BTreeMap<String, String>,
+    ) -> Result<Verdict, StudyError> {
+        Ok(self.compare(case, COMPARED_OF_QUICK))
+    }
+
+    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+        let before = memory(&*self.surface);
+        let flown = self.fly(case, None).map_err(|error| error.to_string())?.0;
+        let after = memory(&*self.surface);
+        let Some(first) = flown.first() else {
+            return Err("it has no frames".to_owned());
+        };
+        let of = |value: fn(&Flown) -> f64| -> Vec<f64> { flown[1..].iter().map(value).collect() };
+        let largest = |value| of(value).into_iter().fold(0.0, f64::max);
+        let middle = |value| median(&of(value)).ok_or("it has one frame");
+        let late = flown.iter().filter(|frame| frame.refinement.waiting > 0);
+        Ok(vec![
+            ("flight_frame_cpu_ms", middle(|frame| frame.cpu_ms)?),
+            ("flight_worst_frame_cpu_ms", largest(|frame| frame.cpu_ms)),
+            ("flight_frame_wall_ms", middle(|frame| frame.wall_ms)?),
+            ("flight_worst_frame_wall_ms", largest(|frame| frame.wall_ms)),
+            ("flight_first_frame_wall_ms", first.wall_ms),
+            ("flight_late_frames", late.count() as f64),
+            ("flight_pieces_made", (after.made - before.made) as f64),
+            (
+                "flight_pieces_evicted",
+                (after.evicted - before.evicted) as f64,
+            ),
+            ("flight_piece_bytes", largest(|frame| frame.bytes as f64)),
+            ("flight_budget_bytes", after.budget_bytes as f64),
+        ])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::rc::Rc;
+    use terrafill_fill::{Devices, device_for_test};
+    use terrafill_native::NativeTechnique;
+    use terrafill_surface::EllipsoidKind;
+    use terrafill_tiles::TilesKind;
+    use terrafill_vertex::VertexTechnique;
+
+    const MAX_TRIANGLES: i64 = 60_000;
+
+    static STUDY_OF_TWO: FlightStudy = FlightStudy {
+        techniques: &[&VertexTechnique, &NativeTechnique],
+        surfaces: &[&EllipsoidKind, &TilesKind],
+    };
+
+    fn flights(depth: Depth) -> Flights {
+        let request = Request {
+            depth,
+            size: [120, 90],
+            ..Request::default()
+        };
+        let mut scene = home().expect("hills ship");
+        // As many tiles as leave a test its time.
+        let parameters = &mut scene.surface.parameters;
+        parameters.insert("max_triangles".to_owned(), MAX_TRIANGLES.into());
+        Flights::new(&STUDY_OF_TWO, &request, scene)
+    }
+
+    fn with_session(flights: &Flights, check: impl FnOnce(&mut FlightsSession<'_>)) {
+        let devices = Rc::new(Devices::default());
+        let targets = Targets::new(&devices, flights.size);
+        for case in &flights.cases {
+            let opened = case.technique.open(&targets, &case.variant);
+            if device_for_test(opened).is_none() {
+                return;
+            }
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let context = Context {
+            devices: &devices,
+            folder: folder.path(),
+        };
+        check(&mut FlightsSession::new(flights, context).expect("opens"));
+    }
+
+    #[test]
+    fn one_technique_shows_every_way_and_surfaces_of_one_piece_are_left_out() {
+        let ways = |depth, technique: &str| {
+            let flights = flights(depth);
+            let cases = flights.cases.iter();
+            cases
+                .filter(|case| case.technique.name() == technique)
+                .count()
+        };
+        assert_eq!(ways(Depth::Quick, "vertex"), Pace::ALL.len());
+        assert_eq!(ways(Depth::Quick, "native"), 0);
+        assert_eq!(ways(Depth::Main, "native"), 1);
+        let request = Request {
+            scenes: vec!["california".to_owned()],
+            ..Request::default()
+        };
+        let planned = STUDY_OF_TWO.plan(&request).expect("planned");
+        assert!(planned.groups.is_empty());
+        assert_eq!(planned.skipped[0].what, "flight/california");
+        let home = STUDY_OF_TWO.plan(&Request::default()).expect("planned");
+        assert!(home.skipped.is_empty() && home.groups.len() == 1);
+    }
+
+    #[test]
+    fn fills_are_right_in_every_frame_whatever_tiles_are_there() {
+        let mut flights = flights(Depth::Main);
+        for case in &mut flights.cases {
+            // Fewer tiles need less memory.
+            case.pace.budget_bytes = case.pace.budget_bytes.and(Some(400_000));
+        }
+        with_session(&flights, |session| {
+            // So many frames as leave a test its time.
+            session.views = path(&flights.scene.views, 12, 3);
+            let mut made_anew = 0.0;
+            for index in 0..flights.cases.len() {
+                let name = &flights.planned[index].id.name;
+                let verdict = session.verify(index).expect("goes on");
+                assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
+                let mut figures = verdict.figures.iter();
+                let changed = figures.find(|(known, _)| *known == "flight_changed_px");
+                let changed_px = changed.expect("counted").1;
+                let pace = flights.cases[index].pace;
+                let measured = session.sample(index).expect("measured");
+                let value = |wanted: &str| {
+                    let found = measured.iter().find(|(known, _)| *known == wanted);
+                    found.unwrap_or_else(|| panic!("{name}: {wanted}")).1
+                };
+                let [bytes, budget] = ["flight_piece_bytes", "flight_budget_bytes"].map(value);
+                assert!(0.0 < bytes && bytes <= budget, "{name}: {bytes} {budget}");
+                let late = value("flight_late_frames");
+                match pace.making {
+                    Making::Anew | Making::Wait => {
+                        assert_eq!(late, 0.0, "{name}");
+                        assert_eq!(changed_px, 0.0, "{name}");
+                    }
+                    // Twin: what does not wait is late, and shows it.
+                    Making::AFrame(_) => {
+                        assert!(
+                            late > 3.0 && changed_px > 0.0,
+                            "{name}: {late} {changed_px}"
+                        );
+                    }
+                    Making::Background => assert!(late > 0.0, "{name}"),
+                }
+                let evicted = value("flight_pieces_evicted");
+                assert_eq!(
+                    evicted > 0.0,
+                    pace.budget_bytes.is_some(),
+                    "{name}: {evicted}"
+                );
+                let made = value("flight_pieces_made");
+                match pace.making {
+                    Making::Anew => made_anew = made,
+                    Making::Wait => assert!(made < 0.7 * made_anew, "{made} {made_anew}"),
+                    _ => {}
+                }
+            }
+        });
+    }
+
+    #[test]
+    fn a_picture_of_another_moment_is_wrong() {
+        let flights = flights(Depth::Quick);
+        with_session(&flights, |session| {
+            session.views = path(&flights.scene.views, 8, 2);
+            session.fly(2, None).expect("flies");
+            let options = PlanOptions::default();
+            let input = |at: usize| {
+                let view = &session.views[at];
+                FillInput::new(&session.now, view, flights.size, options).expect("above")
+            };
+            let (now, before) = (input(7), input(2));
+            let backend = session.backends.get_mut(&2).expect("opened");
+            backend.prepare(&now).expect("fits");
+            let drawn = backend.render(&now).expect("draws");
+            let mut compared = Compared::default();
+            compared.add(7, figures(&now, &now, &drawn));
+            assert_eq!(compared.wrong, []);
+            compared.add(7, figures(&before, &now, &drawn));
+            let verdict = compared.verdict();
+            assert_eq!(verdict.status, Status::Wrong);
+            assert!(
+                verdict.reason.starts_with("1 of 2 frames; frame 7: "),
+                "{}",
+                verdict.reason
+            );
+        });
+    }
+}
