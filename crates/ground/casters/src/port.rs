@@ -381,7 +381,7 @@ pub fn row(count: u32) -> Mesh {
     let mut yard = yard(&mut mesh, "row", [0.0; 3], 0.0);
     for plate in 0..count {
         let x = 0.5 * f64::from(plate);
-        yard.cuboid([x, -20.0, -1.0], [x + 0.1, 20.0, 25.0]);
+        yard.cuboid([x, -100.0, -1.0], [x + 0.1, 100.0, 25.0]);
     }
     mesh
 }

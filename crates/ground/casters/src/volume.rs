@@ -17,7 +17,8 @@ const SEA_RADIUS_M: f64 = 6_371_000.0;
 pub enum Extent {
     /// In the one point away from the light.
     Infinite,
-    /// In a plane below the sea, z by part, m; see [`sea_level_below`].
+    /// In a plane below the sea or, where the mesh reaches below it, there: z by part, m; see
+    /// [`sea_level_below`].
     ClosedAt(Vec<f64>),
     /// After so many metres.
     Finite(f64),
@@ -98,7 +99,9 @@ impl Volume {
             Extent::ClosedAt(levels) => {
                 check_above(to_light)?;
                 let ends = mesh.vertices.iter().zip(&parts).map(|(place, part)| {
-                    let fall = (place.z - levels[*part as usize]) / to_light.z;
+                    // A place below the level stays: both ends lie below it, so that no place above
+                    // is in one and not in the other, and a pile is not cast upwards from its foot.
+                    let fall = ((place.z - levels[*part as usize]) / to_light.z).max(0.0);
                     (place - to_light * fall).extend(1.0)
                 });
                 volume.vertices.extend(ends);

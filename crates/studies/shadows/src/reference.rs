@@ -18,8 +18,9 @@ const CONTACT_M: f64 = 1e-7;
 /// Faces on which the cosine to the sun is below this are edge-on: which side is lit is undecidable.
 const EDGE_ON: f64 = 1e-3;
 const LEAF_SIZE: usize = 4;
-/// Cells of test B's grid along each axis.
-const CELLS: usize = 512;
+/// Cells of test B's grid along each axis, at most; halved until a triangle is in few of them.
+const MAX_CELLS: usize = 512;
+const CELLS_PER_TRIANGLE: usize = 64;
 
 /// What a pixel sees.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,8 +85,10 @@ pub(crate) struct Reference<'a> {
 struct Grid {
     axes: [DVec3; 2],
     low: DVec2,
-    /// Cells per metre.
-    scale: DVec2,
+    /// m.
+    extent: DVec2,
+    /// Cells along each axis.
+    count: usize,
     cells: Vec<Vec<u32>>,
 }
 
@@ -330,16 +333,32 @@ impl Grid {
         let mut grid = Self {
             axes,
             low,
-            scale: DVec2::splat(CELLS as f64 - 1.0) / (high - low).max(DVec2::splat(1e-3)),
-            cells: vec![Vec::new(); CELLS * CELLS],
+            extent: (high - low).max(DVec2::splat(1e-3)),
+            count: MAX_CELLS,
+            cells: Vec::new(),
         };
-        for (triangle, corners) in corners.iter().enumerate() {
+        let spans = |grid: &Self, corners: &[DVec3; 3]| {
             let flat = corners.map(flat);
             let low = grid.cell(flat[0].min(flat[1]).min(flat[2]) - CONTACT_M);
             let high = grid.cell(flat[0].max(flat[1]).max(flat[2]) + CONTACT_M);
+            [low, high]
+        };
+        let entries = |grid: &Self| {
+            let of = |corners: &[DVec3; 3]| {
+                let [low, high] = spans(grid, corners);
+                (high[0] - low[0] + 1) * (high[1] - low[1] + 1)
+            };
+            corners.iter().map(of).sum::<usize>()
+        };
+        while grid.count > 1 && entries(&grid) > CELLS_PER_TRIANGLE * corners.len() {
+            grid.count /= 2;
+        }
+        grid.cells = vec![Vec::new(); grid.count * grid.count];
+        for (triangle, corners) in corners.iter().enumerate() {
+            let [low, high] = spans(&grid, corners);
             for row in low[1]..=high[1] {
                 for column in low[0]..=high[0] {
-                    let cell = &mut grid.cells[row * CELLS + column];
+                    let cell = &mut grid.cells[row * grid.count + column];
                     cell.extend(u32::try_from(triangle));
                 }
             }
@@ -353,8 +372,8 @@ impl Grid {
         reason = "clamped to the grid"
     )]
     fn cell(&self, flat: DVec2) -> [usize; 2] {
-        let at = (flat - self.low) * self.scale;
-        [at.x, at.y].map(|at| at.clamp(0.0, CELLS as f64 - 1.0) as usize)
+        let at = (flat - self.low) / self.extent * self.count as f64;
+        [at.x, at.y].map(|at| at.clamp(0.0, self.count as f64 - 1.0) as usize)
     }
 
     /// The triangle nearest to the sun over a place, and how far above the place it is.
@@ -362,7 +381,7 @@ impl Grid {
         let flat = |place: DVec3| DVec2::new(place.dot(self.axes[0]), place.dot(self.axes[1]));
         let [column, row] = self.cell(flat(place));
         let mut best: Option<(u32, f64)> = None;
-        for &triangle in &self.cells[row * CELLS + column] {
+        for &triangle in &self.cells[row * self.count + column] {
             // Relative to the place: as many digits as there can be.
             let local = corners[triangle as usize].map(|corner| corner - place);
             let [a, b, c] = local.map(flat);
@@ -455,7 +474,7 @@ mod tests {
     fn twin_a_sun_that_one_test_has_moved_is_seen_as_undecided() {
         let mesh = row(3);
         let mut reference = Reference::new(&mesh, sun([30.0, 180.0]));
-        let view = View::level(DVec3::new(40.0, -80.0, 20.0), 116.0, 0.5, [24, 18]);
+        let view = View::level(DVec3::new(90.0, -180.0, 30.0), 105.0, 0.5, [24, 18]);
         assert_eq!(reference.picture(&view).count(Light::Undecided), 0);
         reference.to_light = sun([10.0, 150.0]);
         assert!(reference.picture(&view).count(Light::Undecided) > 5);

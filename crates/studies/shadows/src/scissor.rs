@@ -47,11 +47,6 @@ impl Rectangle {
         }
     }
 
-    pub(crate) fn holds(&self, column: u32, row: u32) -> bool {
-        (self.columns[0]..self.columns[1]).contains(&column)
-            && (self.rows[0]..self.rows[1]).contains(&row)
-    }
-
     /// Pixels in which a triangle can be seen, and one more on every side.
     ///
     /// - `corners`: relative to the eye; directions where they are at infinity
@@ -160,6 +155,13 @@ pub(crate) fn around_pixels(view: &View, is_in: impl Fn(usize) -> bool) -> Recta
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    impl Rectangle {
+        fn holds(&self, column: u32, row: u32) -> bool {
+            let is_in = |range: [u32; 2], at| (range[0]..range[1]).contains(&at);
+            is_in(self.columns, column) && is_in(self.rows, row)
+        }
+    }
 
     #[test]
     fn a_rectangle_holds_the_pixels_of_its_triangle_behind_the_eye_too() {
