@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter on shadows: a section a question, what was published beside what is measured.
 
-use terrafill_plot::number::significant;
+use terrafill_plot::number::{count, significant};
 use terrafill_plot::{
     Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, named_aside,
 };
@@ -91,7 +91,7 @@ const SECTIONS: [Section; 7] = [
     Section {
         question: "finite",
         title: "Finite volumes",
-        text: "Volumes that end after so many metres, with a dark cap, by z-fail.",
+        text: "Volumes that end after so many metres, with a dark cap, by z-fail, beside those of the section above.",
         named_by: &["sun", "length_m"],
         columns: &[
             ("shadow pixels lost, %", LOST),
@@ -140,6 +140,18 @@ const SECTIONS: [Section; 7] = [
         ],
     },
 ];
+
+impl Section {
+    /// A case as its row has it.
+    fn name(&self, case: &Case) -> String {
+        let names: Vec<&str> = self
+            .named_by
+            .iter()
+            .map(|key| case.condition(key))
+            .collect();
+        names.join(", ")
+    }
+}
 
 impl Chapter for ShadowsChapter {
     fn study(&self) -> &'static str {
@@ -196,6 +208,19 @@ fn value(case: &Case, metric: &str) -> Option<f64> {
     case.value(metric).filter(|_| is_known)
 }
 
+/// Counts as they are, everything else in three digits.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "whole, positive and below 2⁵³"
+)]
+fn number(value: f64) -> String {
+    match value.fract() == 0.0 && (0.0..1e15).contains(&value) {
+        true => count(value as u64),
+        false => significant(value),
+    }
+}
+
 impl<'a> Own<'a> {
     fn of(run: &'a Run) -> Self {
         let all = run.of_study(crate::STUDY);
@@ -241,35 +266,42 @@ impl<'a> Own<'a> {
 
     fn table(&self, section: &Section) -> Table {
         let row = |case: &Case| {
-            let names = section
-                .named_by
-                .iter()
-                .map(|key| Cell::name(case.condition(key)));
-            let why = match case.reason.as_str() {
-                "" => "not measured for it",
-                reason => reason,
+            let why = match (case.outcome, case.reason.as_str()) {
+                (Outcome::Ok | Outcome::Wrong, _) => "there is none",
+                (_, reason) => reason,
             };
             let figures = section
                 .columns
                 .iter()
-                .map(|(_, metric)| Cell::or_absent(value(case, metric).map(significant), why));
+                .map(|(_, metric)| Cell::or_absent(value(case, metric).map(number), why));
+            // What is wrong stands in the row's figures.
+            let is_said = case.outcome == Outcome::Wrong && section.question != "scissors";
             Row {
-                cells: names.chain(figures).collect(),
+                cells: std::iter::once(Cell::name(section.name(case)))
+                    .chain(figures)
+                    .collect(),
                 status: case.outcome.name().to_owned(),
-                remark: case.reason.clone(),
+                remark: if is_said {
+                    String::new()
+                } else {
+                    case.reason.clone()
+                },
             }
         };
-        let names = section
-            .named_by
-            .iter()
-            .map(|key| Heading::plain(key.replace('_', " ")));
         let figures = section
             .columns
             .iter()
             .map(|(text, metric)| Heading::metric(*text, *metric));
+        let names: Vec<String> = section
+            .named_by
+            .iter()
+            .map(|key| key.replace('_', " "))
+            .collect();
         Table {
             caption: section.title.to_owned(),
-            headings: names.chain(figures).collect(),
+            headings: std::iter::once(Heading::plain(names.join(", ")))
+                .chain(figures)
+                .collect(),
             rows: self.of_question(section.question).map(row).collect(),
             is_main: true,
             ..Table::default()
@@ -291,10 +323,9 @@ impl<'a> Own<'a> {
                 })
             };
             let pictures: Vec<Picture> = keys.iter().filter_map(picture).collect();
-            let names = section.named_by.iter().map(|key| case.condition(key));
             (!pictures.is_empty()).then(|| PictureFigure {
                 pictures,
-                notes: vec![names.collect::<Vec<_>>().join(", ")],
+                notes: vec![section.name(case)],
             })
         };
         let figures: Vec<PictureFigure> = self
@@ -331,7 +362,8 @@ impl<'a> Own<'a> {
                 "stencil writes per pixel",
                 "shadow pixels lost, %",
                 Upwards::Error,
-                "Error against cost: volumes of finite length, m beside the points.",
+                "Error against cost: volumes of finite length, m beside the points, and those that end at infinity or at \
+                 the sea.",
             ),
             "silhouettes" => (
                 "triangles of the casters",
@@ -362,7 +394,14 @@ impl<'a> Own<'a> {
 
     fn curves(&self, question: &str) -> Vec<Curve> {
         let mut curves: Vec<Curve> = Vec::new();
-        for case in self.of_question(question) {
+        // Beside finite volumes under a sun: those that end elsewhere.
+        let suns = self.suns(question);
+        let others = self.of_question("updates").filter(|case| {
+            question == "finite"
+                && case.condition("rule") == "z-fail"
+                && suns.contains(&case.condition("sun"))
+        });
+        for case in self.of_question(question).chain(others) {
             let number = |key: &str| case.condition(key).parse::<f64>().ok();
             let elevation = || case.condition("sun").split('°').next()?.parse::<f64>().ok();
             let of = |metric: &str| value(case, metric);
@@ -387,9 +426,14 @@ impl<'a> Own<'a> {
                 }
                 "finite" => {
                     let length = case.condition("length_m");
+                    let name = match case.condition("extent") {
+                        "" => "finite",
+                        extent => extent,
+                    };
+                    let knob = number("length_m").or(Some(f64::INFINITY));
                     (
-                        "finite".to_owned(),
-                        number("length_m"),
+                        name.to_owned(),
+                        knob,
                         of(UPDATES),
                         of(LOST),
                         length.to_owned(),
@@ -470,7 +514,7 @@ impl<'a> Own<'a> {
         let all: Option<Vec<f64>> = own.iter().map(wrong).collect();
         let total: f64 = all?.iter().sum();
         (!own.is_empty()).then(|| Finding {
-            claim: "Every rule and extent has the reference's mask outside the band".to_owned(),
+            claim: "Every rule and extent has the reference's mask outside the band.".to_owned(),
             standing: Standing::holds_if(total == 0.0),
             because: format!("{} pixels wrong in {} cases", significant(total), own.len()),
         })
@@ -483,7 +527,7 @@ impl<'a> Own<'a> {
         let least = published.iter().copied().reduce(f64::min)?;
         let missed = exact.iter().copied().reduce(f64::max)?;
         Some(Finding {
-            claim: "The segment from the eye to the light says where z-pass is right (Yang & Jin, 2006, anticipated)"
+            claim: "The segment from the eye to the light says where z-pass is right (Yang & Jin, 2006, anticipated)."
                 .to_owned(),
             standing: Standing::holds_if(most == 0.0),
             because: format!(
@@ -520,7 +564,7 @@ impl<'a> Own<'a> {
         let (infinite, closed) = (ratios("infinite")?, ratios("sea-closed")?);
         let range = |of: [f64; 2]| format!("{} to {}", significant(of[0]), significant(of[1]));
         Some(Finding {
-            claim: "z-pass writes less than z-fail (Yang & Jin, 2006, anticipated)".to_owned(),
+            claim: "z-pass writes less than z-fail (Yang & Jin, 2006, anticipated).".to_owned(),
             standing: Standing::holds_if(infinite[0] > 1.0 && closed[0] > 1.0),
             because: format!(
                 "z-fail over z-pass: {} for infinite volumes, {} for those closed at the sea",
@@ -545,7 +589,7 @@ impl<'a> Own<'a> {
                 .is_some_and(|(open, closed)| closed < open)
         });
         Some(Finding {
-            claim: "Closing volumes at the sea saves stencil writes of z-fail".to_owned(),
+            claim: "Closing volumes at the sea saves stencil writes of z-fail.".to_owned(),
             standing: Standing::holds_if(always),
             because: format!(
                 "writes of infinite volumes over closed ones: {}",
@@ -558,7 +602,7 @@ impl<'a> Own<'a> {
         let lost = |scissor: &str| self.value("scissors", &[("scissor", scissor)], LOST);
         let (horizon, caster) = (lost("horizon")?, lost("caster-rect")?);
         Some(Finding {
-            claim: "There is no shadow below the horizon, so a scissor there loses none (Yang & Jin, 2006, considered)"
+            claim: "There is no shadow below the horizon, so a scissor there loses none (Yang & Jin, 2006, considered)."
                 .to_owned(),
             standing: Standing::holds_if(horizon == 0.0),
             because: format!(
@@ -586,7 +630,7 @@ impl<'a> Own<'a> {
             .iter()
             .map(|(models, clears)| format!("{models}: {clears}"));
         Some(Finding {
-            claim: "A stencil value for each model takes 1 + ⌊N/255⌋ clears".to_owned(),
+            claim: "A stencil value for each model takes 1 + ⌊N/255⌋ clears.".to_owned(),
             standing: Standing::holds_if(
                 pairs
                     .iter()
@@ -617,7 +661,7 @@ impl<'a> Own<'a> {
             .zip(&wraps)
             .map(|(count, lost)| format!("{count}: {} %", significant(*lost)));
         Some(Finding {
-            claim: "Eight bits that wrap lose shadows of exactly 256 and 512 casters, and passes of 255 lose none"
+            claim: "Eight bits that wrap lose shadows of exactly 256 and 512 casters, and passes of 255 lose none."
                 .to_owned(),
             standing: Standing::holds_if(
                 wraps.iter().zip(counts).all(|(lost, count)| (*lost > 0.0) == matches!(count, "256" | "512"))

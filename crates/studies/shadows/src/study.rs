@@ -18,8 +18,8 @@ use terrafill_results::{Chapter, Kind, Metric, PlannedCase, Status, Verdict};
 use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
 
 /// Pixels of a channel, and of the row of plates.
-const QUICK_SIZE: [u32; 2] = [64, 48];
-const SIZE: [u32; 2] = [160, 120];
+const QUICK_SIZE: [u32; 2] = [128, 96];
+const SIZE: [u32; 2] = [200, 150];
 /// Sun of silhouettes: every mesh has faces to and from it.
 const SILHOUETTE_SUN: [f64; 2] = [30.0, -60.0];
 
