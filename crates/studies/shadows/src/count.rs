@@ -127,20 +127,26 @@ impl Wrong {
     }
 }
 
-/// A triangle as the eye has it.
+/// A triangle as the eye has it, its corners by rising index: the same bits whichever way it is wound.
 struct Spanned {
     /// Places relative to the eye; a direction for a corner at infinity.
     corners: [DVec3; 3],
     weights: [f64; 3],
     /// Normals of the planes through the eye and each edge, opposite to the corner of its index.
     edges: [DVec3; 3],
-    /// Which way each edge is told, so that both of its triangles decide alike where a ray meets it.
-    told: [bool; 3],
     volume: f64,
+    /// Whether the order by index is the other way round.
+    is_turned: bool,
 }
+
+/// Which of the edges opposite to the corners lead from the lower to the higher index.
+const IS_FORWARD: [bool; 3] = [true, false, true];
 
 impl Spanned {
     fn new(eye: DVec3, places: [DVec4; 3], corners: [u32; 3]) -> Self {
+        let mut order = [0, 1, 2];
+        order.sort_by_key(|at| corners[*at]);
+        let places = order.map(|at| places[at]);
         let [a, b, c] = places.map(|place| place.truncate() - eye * place.w);
         let edges = [b.cross(c), c.cross(a), a.cross(b)];
         Self {
@@ -148,7 +154,7 @@ impl Spanned {
             corners: [a, b, c],
             weights: places.map(|place| place.w),
             edges,
-            told: [(1, 2), (2, 0), (0, 1)].map(|(from, to)| corners[from] < corners[to]),
+            is_turned: !matches!(order, [0, 1, 2] | [1, 2, 0] | [2, 0, 1]),
         }
     }
 
@@ -164,10 +170,10 @@ impl Spanned {
     }
 
     fn is_inside(&self, ray: DVec3, is_positive: bool) -> bool {
-        self.edges.iter().zip(self.told).all(|(edge, told)| {
+        self.edges.iter().zip(IS_FORWARD).all(|(edge, is_forward)| {
             let share = edge.dot(ray);
             // On the edge itself: on the positive side of it as told from its lower vertex.
-            let is_on_positive = share > 0.0 || share == 0.0 && told;
+            let is_on_positive = share > 0.0 || share == 0.0 && is_forward;
             is_on_positive == is_positive
         })
     }
@@ -241,7 +247,7 @@ fn fill(
             let depth = spanned.depth(ray);
             if depth >= view.near {
                 let at = row as usize * view.size[0] as usize + column as usize;
-                fragment(at, depth, !is_positive);
+                fragment(at, depth, is_positive == spanned.is_turned);
             }
         }
     }

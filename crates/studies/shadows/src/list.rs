@@ -6,6 +6,7 @@ use crate::count::Rule;
 use crate::near::EyeTest;
 use crate::outline::Way;
 use crate::work::{End, NEARS, Scissor};
+use terrafill_casters::Policy;
 use terrafill_results::{CaseId, PlannedCase};
 use terrafill_study::Depth;
 
@@ -73,6 +74,7 @@ pub(crate) enum Job {
     Scissor([f64; 2], Scissor),
     Finite([f64; 2], f64),
     Row(u32, bool),
+    Casters(Policy),
     Outline(u32, Way),
     Silhouette(&'static str, Method),
 }
@@ -128,6 +130,7 @@ pub(crate) fn questions(depth: Depth, samples: Option<u32>) -> Vec<Questions> {
             cases(LENGTHS.map(|length| Job::Finite(LOW_SUN, length)).into(), 0),
         ),
         ("rows", cases(rows.collect(), 0)),
+        ("casters", cases(Policy::ALL.map(Job::Casters).into(), 0)),
         ("outlines", cases(outlines.collect(), 0)),
         (
             "silhouettes",
@@ -191,6 +194,11 @@ fn planned(job: Job, samples: u32) -> PlannedCase {
                 ),
             ],
             !guard,
+        ),
+        Job::Casters(policy) => (
+            "casters",
+            vec![("policy", policy.name().to_owned())],
+            policy == Policy::AsIs,
         ),
         Job::Outline(count, way) => (
             "outlines",

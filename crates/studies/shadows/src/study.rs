@@ -422,6 +422,26 @@ impl Answering<'_> {
                 };
                 Ok(drawn_verdict(&drawn, scene.pixels()))
             }
+            Job::Casters(policy) => {
+                let size = self.question.size;
+                let scene = self.scene("hull", || Scene::of_hull(size))?;
+                match scene.drawn_open(policy) {
+                    Ok((drawn, triangles)) => {
+                        let mut verdict = drawn_verdict(&drawn, scene.pixels());
+                        verdict
+                            .figures
+                            .push(("shadow_mesh_triangles", triangles as f64));
+                        Ok(verdict)
+                    }
+                    // As it should be: the mesh is not closed.
+                    Err(error) if policy == Policy::Refuse => Ok(Verdict {
+                        status: Status::Ok,
+                        reason: error.to_string(),
+                        ..Verdict::default()
+                    }),
+                    Err(error) => Err(error.to_string()),
+                }
+            }
             Job::Outline(models, way) => {
                 let (clears, wrong) = outlines(models, way);
                 let expected = match way {
@@ -610,6 +630,40 @@ mod tests {
             assert_eq!(
                 figure(&verdict, "shadow_max_overlap").to_bits(),
                 casters.to_bits()
+            );
+        }
+    }
+
+    #[test]
+    fn an_open_hull_is_refused_capped_or_doubled_and_leaks_as_it_is() {
+        let all = verdicts("casters", |_| true);
+        let names: Vec<&str> = all.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(
+            names,
+            [
+                "casters/refuse",
+                "casters/cap",
+                "casters/robust",
+                "casters/as-is"
+            ]
+        );
+        assert!(
+            all[0].1.reason.contains("border") && all[0].1.figures.is_empty(),
+            "{}",
+            all[0].1.reason
+        );
+        for (name, verdict) in &all[1..] {
+            let status = if name.contains("as-is") {
+                Status::Wrong
+            } else {
+                Status::Ok
+            };
+            assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
+            let layers = if name.contains("robust") { 2.0 } else { 1.0 };
+            assert_eq!(
+                figure(verdict, "shadow_max_overlap").to_bits(),
+                f64::to_bits(layers),
+                "{name}"
             );
         }
     }

@@ -6,10 +6,10 @@ use crate::near::{Boxes, EyeTest, chosen, shadowed_share};
 use crate::reference::{Light, Reference, Seen, Truth};
 use crate::scissor::{Rectangle, above_horizon, around_pixels, of_parts};
 use crate::view::{View, bridge, deck_eyes, sun};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use terrafill_casters::{
-    EdgeTable, Extent, Facing, LightError, Mesh, Policy, PortSize, Prepared, Side, Volume, port,
-    row, sea_level_below,
+    EdgeTable, Extent, Facing, LightError, Mesh, MeshError, Policy, PortSize, Prepared, Side,
+    Volume, hull, port, row, sea_level_below,
 };
 
 /// Eyes on deck.
@@ -103,6 +103,64 @@ impl Scene {
             [2.0, 180.0],
             vec![View::level(eye, 90.0, 0.5, size)],
         )
+    }
+
+    /// A hull whose shadow falls towards the eye, seen from below its deck.
+    pub(crate) fn of_hull(size: [u32; 2]) -> Result<Self, String> {
+        let eye = DVec3::new(0.0, -150.0, 9.0);
+        Self::of(
+            hull(1_000),
+            [30.0, 90.0],
+            vec![View::level(eye, 90.0, 0.5, size)],
+        )
+    }
+
+    /// The same caster with a tenth of its deck missing, by a policy: what it comes to against the whole
+    /// one, and its triangles.
+    ///
+    /// # Errors
+    /// What the policy refuses.
+    pub(crate) fn drawn_open(&self, policy: Policy) -> Result<(Drawn, usize), MeshError> {
+        let mut open = self.prepared.mesh.clone();
+        // The deck is the last part of a hull's triangles.
+        let is_deck =
+            |at: &usize| open.normals[open.planes[*at] as usize].truncate() == DVec2::ZERO;
+        let deck: Vec<usize> = (0..open.triangles.len()).filter(is_deck).collect();
+        let missing = deck.len() * 45 / 100..deck.len() * 55 / 100;
+        for at in deck[missing].iter().rev() {
+            open.triangles.remove(*at);
+            open.planes.remove(*at);
+            open.parts[0].triangles.end -= 1;
+        }
+        let prepared = policy.prepare(open)?;
+        let facing = Facing::of(&prepared.mesh, self.to_light);
+        let sides = EdgeTable::of(&prepared.mesh).sides(&prepared, &facing);
+        let caster = Self {
+            to_light: self.to_light,
+            channels: Vec::new(),
+            facing,
+            sides,
+            prepared,
+        };
+        let volume = caster.volume(End::Sea).unwrap_or_default();
+        let mut drawn = Drawn {
+            volume_triangles: volume.triangles.len(),
+            ..Drawn::default()
+        };
+        for (view, truth) in &self.channels {
+            let mut stencil = Stencil::clear(view);
+            let how = |_| Some((Rule::Fail, Rectangle::whole(view)));
+            draw(
+                &mut stencil,
+                view,
+                &self.prepared.mesh,
+                &volume,
+                truth,
+                &how,
+            );
+            drawn.add(&stencil, &stencil.mask(), truth);
+        }
+        Ok((drawn, caster.prepared.mesh.triangles.len()))
     }
 
     fn of(mesh: Mesh, at: [f64; 2], views: Vec<View>) -> Result<Self, String> {
