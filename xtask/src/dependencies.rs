@@ -37,6 +37,7 @@ const LAYERS: &[(&str, &[&str])] = &[
 
 /// What a crate may need within its own layer.
 const WITHIN: &[(&str, &[&str])] = &[
+    ("casters", &["results"]),
     ("texture", &["core"]),
     ("elevation", &["core"]),
     ("shaders", &["texture"]),

@@ -67,6 +67,7 @@ pub(crate) static STUDIES: &[&dyn Study] = &[
         surfaces: SURFACES,
     },
     &terrafill_globes::GlobesStudy { surfaces: SURFACES },
+    &terrafill_shadows::ShadowsStudy,
     &ExtremeStudy {
         techniques: TECHNIQUES,
         surfaces: SURFACES,

@@ -1,0 +1,428 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What a stencil would hold: triangles of the volumes counted along the ray of each pixel's centre.
+//!
+//! Homogeneous edge functions (Olano & Greer, 1997): a triangle's corners relative to the eye are vectors
+//! v = place − w·eye, and the ray lies inside where det(ray, vᵢ, vⱼ) has one sign for all edges. An edge
+//! has the same bits from both of its triangles, so that no ray slips between them. The depth of a lit
+//! surface and that of its light cap come from one expression and are equal: equal depth fails.
+
+use crate::reference::{Light, Seen, Truth};
+use crate::scissor::Rectangle;
+use crate::view::View;
+use glam::{DVec3, DVec4};
+use terrafill_casters::{Mesh, Volume};
+
+/// Which faces count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Rule {
+    /// Front faces that pass +1, back faces that pass −1.
+    Pass,
+    /// Back faces that fail +1, front faces that fail −1.
+    Fail,
+    /// All backwards first, then those that pass forwards.
+    Preload,
+    /// As printed in the paper: front faces that pass +1, back faces that **fail** −1.
+    PassAsPrinted,
+}
+
+impl Rule {
+    pub(crate) const ALL: [Self; 4] = [Self::Pass, Self::Fail, Self::Preload, Self::PassAsPrinted];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Pass => "z-pass",
+            Self::Fail => "z-fail",
+            Self::Preload => "preload",
+            Self::PassAsPrinted => "z-pass as printed",
+        }
+    }
+
+    /// What a fragment adds, and how often it writes.
+    fn adds(self, is_front: bool, passes: bool) -> (i32, u64) {
+        let way = if is_front { 1 } else { -1 };
+        match (self, passes) {
+            (Self::Pass, true) => (way, 1),
+            (Self::Fail, false) => (-way, 1),
+            (Self::Preload, true) => (0, 2),
+            (Self::Preload, false) => (-way, 1),
+            (Self::PassAsPrinted, _) if passes == is_front => (way, 1),
+            _ => (0, 0),
+        }
+    }
+}
+
+/// A stencil after all volumes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Stencil {
+    /// Unbounded counts.
+    pub(crate) counts: Vec<i32>,
+    /// Stencil writes.
+    pub(crate) updates: u64,
+}
+
+impl Stencil {
+    /// Empty.
+    pub(crate) fn clear(view: &View) -> Self {
+        Self {
+            counts: vec![0; view.pixel_count()],
+            updates: 0,
+        }
+    }
+
+    /// Which pixels are in shadow where a count has 8 bits and wraps.
+    pub(crate) fn mask(&self) -> Vec<bool> {
+        self.counts
+            .iter()
+            .map(|count| count.rem_euclid(256) != 0)
+            .collect()
+    }
+
+    pub(crate) fn max(&self) -> i32 {
+        self.counts.iter().copied().max().unwrap_or(0)
+    }
+}
+
+/// How a part's volume is drawn: `None` for not at all.
+pub(crate) type Draw = Option<(Rule, Rectangle)>;
+
+/// Pixels by what is wrong with them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(crate) struct Wrong {
+    /// Lit where the reference has shadow, outside the band.
+    pub(crate) false_lit: usize,
+    /// In shadow where the reference is lit, outside the band.
+    pub(crate) false_dark: usize,
+    /// Either, in the band.
+    pub(crate) in_band: usize,
+}
+
+impl Wrong {
+    pub(crate) fn outside(self) -> usize {
+        self.false_lit + self.false_dark
+    }
+
+    pub(crate) fn plus(self, other: Self) -> Self {
+        Self {
+            false_lit: self.false_lit + other.false_lit,
+            false_dark: self.false_dark + other.false_dark,
+            in_band: self.in_band + other.in_band,
+        }
+    }
+
+    /// A mask against the reference; what it cannot decide is not counted.
+    pub(crate) fn of(mask: &[bool], truth: &Truth) -> Self {
+        let mut wrong = Self::default();
+        for (at, &is_dark) in mask.iter().enumerate() {
+            let count = match (truth.light[at], is_dark) {
+                (Light::Lit, true) => &mut wrong.false_dark,
+                (Light::Shadow, false) => &mut wrong.false_lit,
+                _ => continue,
+            };
+            match truth.band[at] {
+                true => wrong.in_band += 1,
+                false => *count += 1,
+            }
+        }
+        wrong
+    }
+}
+
+/// A triangle as the eye has it, its corners by rising index: the same bits whichever way it is wound.
+struct Spanned {
+    /// Places relative to the eye; a direction for a corner at infinity.
+    corners: [DVec3; 3],
+    weights: [f64; 3],
+    /// Normals of the planes through the eye and each edge, opposite to the corner of its index.
+    edges: [DVec3; 3],
+    volume: f64,
+    /// Whether the order by index is the other way round.
+    is_turned: bool,
+}
+
+/// Which of the edges opposite to the corners lead from the lower to the higher index.
+const IS_FORWARD: [bool; 3] = [true, false, true];
+
+impl Spanned {
+    fn new(eye: DVec3, places: [DVec4; 3], corners: [u32; 3]) -> Self {
+        let mut order = [0, 1, 2];
+        order.sort_by_key(|at| corners[*at]);
+        let places = order.map(|at| places[at]);
+        let [a, b, c] = places.map(|place| place.truncate() - eye * place.w);
+        let edges = [b.cross(c), c.cross(a), a.cross(b)];
+        Self {
+            volume: a.dot(edges[0]),
+            corners: [a, b, c],
+            weights: places.map(|place| place.w),
+            edges,
+            is_turned: !matches!(order, [0, 1, 2] | [1, 2, 0] | [2, 0, 1]),
+        }
+    }
+
+    /// Depth along a ray that is 1 m deep a unit.
+    fn depth(&self, ray: DVec3) -> f64 {
+        let shares = self.edges.map(|edge| edge.dot(ray));
+        let weight: f64 = shares
+            .iter()
+            .zip(self.weights)
+            .map(|(share, weight)| share * weight)
+            .sum();
+        self.volume / weight
+    }
+
+    fn is_inside(&self, ray: DVec3, is_positive: bool) -> bool {
+        self.edges.iter().zip(IS_FORWARD).all(|(edge, is_forward)| {
+            let share = edge.dot(ray);
+            // On the edge itself: on the positive side of it as told from its lower vertex.
+            let is_on_positive = share > 0.0 || share == 0.0 && is_forward;
+            is_on_positive == is_positive
+        })
+    }
+}
+
+/// Draws volumes into a stencil.
+///
+/// - `how`: of each part
+pub(crate) fn draw(
+    stencil: &mut Stencil,
+    view: &View,
+    mesh: &Mesh,
+    volume: &Volume,
+    truth: &Truth,
+    how: &dyn Fn(u32) -> Draw,
+) {
+    let depths = depths(view, mesh, truth);
+    for triangle in &volume.triangles {
+        let Some((rule, rectangle)) = how(triangle.part) else {
+            continue;
+        };
+        let places = triangle
+            .corners
+            .map(|corner| volume.vertices[corner as usize]);
+        let spanned = Spanned::new(view.eye, places, triangle.corners);
+        if spanned.volume == 0.0 {
+            continue;
+        }
+        let seen = Rectangle::around(view, &spanned.corners).and(rectangle);
+        fill(view, &spanned, seen, |at, depth, is_front| {
+            let (add, writes) = rule.adds(is_front, depth < depths[at]);
+            stencil.counts[at] += add;
+            stencil.updates += writes;
+        });
+    }
+}
+
+/// Depths of what is seen, by the expression that volumes use.
+fn depths(view: &View, mesh: &Mesh, truth: &Truth) -> Vec<f64> {
+    let width = view.size[0];
+    let depth = |(at, seen): (u32, &Seen)| match seen {
+        Seen::Sky => f64::INFINITY,
+        Seen::Sea(depth) => *depth,
+        Seen::Triangle(triangle, _) => {
+            let corners = mesh.triangles[*triangle as usize];
+            let places = mesh
+                .corners(*triangle as usize)
+                .map(|place| place.extend(1.0));
+            Spanned::new(view.eye, places, corners).depth(view.ray(at % width, at / width))
+        }
+    };
+    (0..).zip(&truth.seen).map(depth).collect()
+}
+
+/// Every pixel's centre inside a triangle beyond the near plane.
+fn fill(
+    view: &View,
+    spanned: &Spanned,
+    seen: Rectangle,
+    mut fragment: impl FnMut(usize, f64, bool),
+) {
+    // Inside, the shares have the sign that their sum over places before the eye has.
+    let is_positive = spanned.volume > 0.0;
+    for row in seen.rows[0]..seen.rows[1] {
+        let columns = span(view, spanned, row, seen.columns, is_positive);
+        for column in columns[0]..columns[1] {
+            let ray = view.ray(column, row);
+            if !spanned.is_inside(ray, is_positive) {
+                continue;
+            }
+            let depth = spanned.depth(ray);
+            if depth >= view.near {
+                let at = row as usize * view.size[0] as usize + column as usize;
+                fragment(at, depth, is_positive == spanned.is_turned);
+            }
+        }
+    }
+}
+
+/// Columns of a row that may lie inside, a pixel more on either side: shares are linear along a row.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "clamped to the image"
+)]
+fn span(
+    view: &View,
+    spanned: &Spanned,
+    row: u32,
+    columns: [u32; 2],
+    is_positive: bool,
+) -> [u32; 2] {
+    let (start, step) = (view.ray(0, row), view.ray(1, row) - view.ray(0, row));
+    let (mut low, mut high) = (f64::from(columns[0]), f64::from(columns[1]));
+    for edge in &spanned.edges {
+        let sign = if is_positive { 1.0 } else { -1.0 };
+        let (at_start, slope) = (sign * edge.dot(start), sign * edge.dot(step));
+        if slope > 0.0 {
+            low = low.max(-at_start / slope - 1.0);
+        } else if slope < 0.0 {
+            high = high.min(-at_start / slope + 2.0);
+        }
+    }
+    [low, high].map(|end| end.clamp(f64::from(columns[0]), f64::from(columns[1])) as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::Reference;
+    use crate::view::{bridge, sun};
+    use terrafill_casters::{
+        EdgeTable, Extent, Face, Facing, Policy, PortSize, Prepared, Side, VolumeTriangle, hull,
+        port, sea_level_below,
+    };
+
+    fn is_cap(face: Face) -> bool {
+        face != Face::Side
+    }
+
+    struct Setting {
+        prepared: Prepared,
+        facing: Facing,
+        sides: Vec<Side>,
+        to_light: DVec3,
+    }
+
+    impl Setting {
+        fn new(mesh: Mesh, at: [f64; 2]) -> Self {
+            let to_light = sun(at);
+            let prepared = Policy::Refuse.prepare(mesh).expect("closed");
+            let facing = Facing::of(&prepared.mesh, to_light);
+            let sides = EdgeTable::of(&prepared.mesh).silhouette(&facing);
+            Self {
+                prepared,
+                facing,
+                sides,
+                to_light,
+            }
+        }
+
+        fn volume(&self, extent: &Extent) -> Volume {
+            let Self {
+                prepared,
+                facing,
+                sides,
+                to_light,
+            } = self;
+            Volume::of(prepared, facing, sides, *to_light, extent).expect("from above")
+        }
+
+        fn closed(&self) -> Extent {
+            Extent::ClosedAt(
+                sea_level_below(&self.prepared.mesh, self.to_light, 1.0).expect("above"),
+            )
+        }
+
+        fn stencil(&self, view: &View, truth: &Truth, volume: &Volume, rule: Rule) -> Stencil {
+            let mut stencil = Stencil::clear(view);
+            let how = |_| Some((rule, Rectangle::whole(view)));
+            draw(&mut stencil, view, &self.prepared.mesh, volume, truth, &how);
+            stencil
+        }
+    }
+
+    #[test]
+    fn every_rule_and_extent_has_the_mask_of_the_reference() {
+        for mesh in [port(PortSize::NAMED[1].1), hull(600)] {
+            for at in [[60.0, 90.0], [10.0, -60.0], [1.0, 0.0]] {
+                let setting = Setting::new(mesh.clone(), at);
+                let reference = Reference::new(&setting.prepared.mesh, setting.to_light);
+                let view = bridge([64, 48])[4];
+                let truth = reference.picture(&view);
+                for extent in [Extent::Infinite, setting.closed()] {
+                    let volume = setting.volume(&extent);
+                    let mut counts = Vec::new();
+                    for rule in [Rule::Pass, Rule::Fail, Rule::Preload] {
+                        let stencil = setting.stencil(&view, &truth, &volume, rule);
+                        let wrong = Wrong::of(&stencil.mask(), &truth);
+                        assert_eq!(
+                            wrong,
+                            Wrong::default(),
+                            "sun {at:?}, {}, {extent:?}",
+                            rule.name()
+                        );
+                        counts.push(stencil);
+                    }
+                    assert_eq!(
+                        counts[0].counts, counts[1].counts,
+                        "rules agree in every count"
+                    );
+                    assert_eq!(counts[1].counts, counts[2].counts);
+                    assert!(counts[2].updates > counts[1].updates);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn twins_are_seen_misprint_dropped_side_and_clipped_cap() {
+        let setting = Setting::new(port(PortSize::NAMED[1].1), [30.0, -60.0]);
+        let reference = Reference::new(&setting.prepared.mesh, setting.to_light);
+        let view = bridge([64, 48])[4];
+        let truth = reference.picture(&view);
+        let volume = setting.volume(&setting.closed());
+        let wrong = |volume: &Volume, rule| {
+            let stencil = setting.stencil(&view, &truth, volume, rule);
+            Wrong::of(&stencil.mask(), &truth).outside()
+        };
+        assert_eq!(wrong(&volume, Rule::Fail), 0);
+        let printed = wrong(&volume, Rule::PassAsPrinted);
+        assert!(printed > 100, "{printed}");
+        let mut capless = volume.clone();
+        capless.triangles.retain(|triangle| !is_cap(triangle.face));
+        assert_eq!(wrong(&capless, Rule::Pass), 0, "z-pass needs no caps");
+        assert!(wrong(&capless, Rule::Fail) > 100, "and z-fail does");
+        // The side that writes the most is dropped: a streak over all that it wrote.
+        let alone = |triangle: &VolumeTriangle| {
+            let mut alone = volume.clone();
+            alone.triangles = vec![*triangle];
+            setting.stencil(&view, &truth, &alone, Rule::Fail).updates
+        };
+        let sides = volume
+            .triangles
+            .iter()
+            .filter(|triangle| !is_cap(triangle.face));
+        let largest = sides.max_by_key(|triangle| alone(triangle)).expect("some");
+        let mut streak = volume.clone();
+        streak.triangles.retain(|triangle| triangle != largest);
+        let stencil = setting.stencil(&view, &truth, &streak, Rule::Fail);
+        let whole = setting.stencil(&view, &truth, &volume, Rule::Fail);
+        let counts = stencil.counts.iter().zip(&whole.counts);
+        let differing = counts.filter(|(a, b)| a != b).count() as u64;
+        assert!(differing > 20 && differing == alone(largest), "{differing}");
+        assert!(wrong(&streak, Rule::Fail) > 0);
+    }
+
+    #[test]
+    fn a_finite_volume_loses_what_lies_beyond_it() {
+        let setting = Setting::new(port(PortSize::NAMED[1].1), [5.0, -60.0]);
+        let reference = Reference::new(&setting.prepared.mesh, setting.to_light);
+        let view = bridge([64, 48])[4];
+        let truth = reference.picture(&view);
+        let wrong = |length: f64| {
+            let volume = setting.volume(&Extent::Finite(length));
+            let stencil = setting.stencil(&view, &truth, &volume, Rule::Fail);
+            Wrong::of(&stencil.mask(), &truth).outside()
+        };
+        assert_eq!(wrong(10_000.0), 0);
+        assert!(wrong(10.0) > 20, "{}", wrong(10.0));
+    }
+}

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Study `shadows`: shadow volumes of ships and docks under the sun, every optimisation with its error.
+//!
+//! After Yang & Jin (IV'06), whose only figure is a frame rate. All of it is computed on the CPU in
+//! `f64`: rays to the sun are the reference, and a volume's mask is the count of its triangles along
+//! the ray of each pixel, as a stencil would hold it.
+
+mod chapter;
+mod count;
+mod images;
+mod list;
+mod near;
+mod outline;
+mod reference;
+mod scissor;
+mod study;
+mod view;
+mod work;
+
+pub use chapter::ShadowsChapter;
+pub use study::ShadowsStudy;
+
+/// Name of the study.
+pub const STUDY: &str = "shadows";

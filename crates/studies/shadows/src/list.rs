@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Which cases there are.
+
+use crate::STUDY;
+use crate::count::Rule;
+use crate::near::EyeTest;
+use crate::outline::Way;
+use crate::work::{End, NEARS, Scissor};
+use terrafill_casters::Policy;
+use terrafill_results::{CaseId, PlannedCase};
+use terrafill_study::Depth;
+
+/// Suns over the deck: elevation and azimuth from the dock, degrees.
+const DECK_SUNS: [[f64; 2]; 2] = [[30.0, -60.0], [5.0, 0.0]];
+/// Suns over the bridge; a quick run has the first four.
+const SUNS: [[f64; 2]; 7] = [
+    [60.0, 90.0],
+    [10.0, -60.0],
+    [5.0, 0.0],
+    [1.0, 0.0],
+    [30.0, -60.0],
+    [2.0, 0.0],
+    [0.3, -60.0],
+];
+const QUICK_SUNS: usize = 4;
+/// Sun of scissors and finite volumes.
+const LOW_SUN: [f64; 2] = [10.0, -60.0];
+/// Lengths of finite volumes, m.
+const LENGTHS: [f64; 7] = [6.0, 12.0, 25.0, 50.0, 100.0, 200.0, 400.0];
+/// Casters of rows; 255 is the most that 8 bits count.
+const ROWS: [u32; 5] = [255, 256, 257, 511, 512];
+/// Models with outlines.
+const MODELS: [u32; 4] = [254, 255, 1_000, 5_000];
+/// Meshes for silhouettes: ports, and smooth hulls of so many triangles; quick runs have the first five.
+const MESHES: [&str; 8] = [
+    "port-s",
+    "hull-1000",
+    "hull-5000",
+    "port-s, one face turned",
+    "port-m",
+    "hull-20000",
+    "port-l",
+    "port-l3",
+];
+const QUICK_MESHES: usize = 5;
+/// Timed silhouettes a process.
+const SAMPLES: u32 = 5;
+
+/// How a silhouette is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Method {
+    Stack,
+    Hash,
+    Adjacency,
+}
+
+impl Method {
+    pub(crate) const ALL: [Self; 3] = [Self::Stack, Self::Hash, Self::Adjacency];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Stack => "stack",
+            Self::Hash => "hash",
+            Self::Adjacency => "adjacency",
+        }
+    }
+}
+
+/// What a case computes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Job {
+    Eye([f64; 2], f64, EyeTest),
+    Updates([f64; 2], End, Rule),
+    Scissor([f64; 2], Scissor),
+    Finite([f64; 2], f64),
+    Row(u32, bool),
+    Casters(Policy),
+    Outline(u32, Way),
+    Silhouette(&'static str, Method),
+}
+
+/// A question's cases.
+pub(crate) type Questions = (&'static str, Vec<(Job, PlannedCase)>);
+
+pub(crate) fn sun_name([elevation, azimuth]: [f64; 2]) -> String {
+    format!("{elevation}° from {azimuth}°")
+}
+
+/// All of a depth, by question.
+pub(crate) fn questions(depth: Depth, samples: Option<u32>) -> Vec<Questions> {
+    let is_quick = depth == Depth::Quick;
+    let suns = &SUNS[..if is_quick { QUICK_SUNS } else { SUNS.len() }];
+    let meshes = &MESHES[..if is_quick { QUICK_MESHES } else { MESHES.len() }];
+    let eyes = DECK_SUNS.into_iter().flat_map(|sun| {
+        let of = move |near| EyeTest::ALL.map(|test| Job::Eye(sun, near, test));
+        NEARS.into_iter().flat_map(of)
+    });
+    let updates = suns.iter().flat_map(|sun| {
+        let of = |end| Rule::ALL.map(|rule| Job::Updates(*sun, end, rule));
+        [End::Infinite, End::Sea].into_iter().flat_map(of)
+    });
+    let rows = ROWS
+        .into_iter()
+        .flat_map(|count| [false, true].map(|guard| Job::Row(count, guard)));
+    let outlines = MODELS
+        .into_iter()
+        .flat_map(|count| Way::ALL.map(|way| Job::Outline(count, way)));
+    let silhouettes = meshes
+        .iter()
+        .flat_map(|mesh| Method::ALL.map(|method| Job::Silhouette(mesh, method)));
+    let cases = |jobs: Vec<Job>, samples: u32| {
+        jobs.into_iter()
+            .map(|job| (job, planned(job, samples)))
+            .collect()
+    };
+    vec![
+        ("eyes", cases(eyes.collect(), 0)),
+        ("updates", cases(updates.collect(), 0)),
+        (
+            "scissors",
+            cases(
+                Scissor::ALL
+                    .map(|scissor| Job::Scissor(LOW_SUN, scissor))
+                    .into(),
+                0,
+            ),
+        ),
+        (
+            "finite",
+            cases(LENGTHS.map(|length| Job::Finite(LOW_SUN, length)).into(), 0),
+        ),
+        ("rows", cases(rows.collect(), 0)),
+        ("casters", cases(Policy::ALL.map(Job::Casters).into(), 0)),
+        ("outlines", cases(outlines.collect(), 0)),
+        (
+            "silhouettes",
+            cases(silhouettes.collect(), samples.unwrap_or(SAMPLES)),
+        ),
+    ]
+}
+
+fn planned(job: Job, samples: u32) -> PlannedCase {
+    let (question, conditions, may_be_wrong): (_, Vec<(&str, String)>, _) = match job {
+        Job::Eye(sun, near, test) => (
+            "eyes",
+            vec![
+                ("sun", sun_name(sun)),
+                ("near_m", near.to_string()),
+                ("eye_test", test.name().to_owned()),
+            ],
+            test == EyeTest::Eye,
+        ),
+        Job::Updates(sun, end, rule) => {
+            let end = if end == End::Sea {
+                "sea-closed"
+            } else {
+                "infinite"
+            };
+            (
+                "updates",
+                vec![
+                    ("sun", sun_name(sun)),
+                    ("extent", end.to_owned()),
+                    ("rule", rule.name().to_owned()),
+                ],
+                rule == Rule::PassAsPrinted,
+            )
+        }
+        Job::Scissor(sun, scissor) => (
+            "scissors",
+            vec![
+                ("sun", sun_name(sun)),
+                ("scissor", scissor.name().to_owned()),
+            ],
+            !matches!(scissor, Scissor::Off | Scissor::CasterRectangle),
+        ),
+        Job::Finite(sun, length) => (
+            "finite",
+            vec![("sun", sun_name(sun)), ("length_m", length.to_string())],
+            true,
+        ),
+        Job::Row(count, guard) => (
+            "rows",
+            vec![
+                ("casters", count.to_string()),
+                (
+                    "counting",
+                    if guard {
+                        "passes of 255"
+                    } else {
+                        "8 bits, wrapping"
+                    }
+                    .to_owned(),
+                ),
+            ],
+            !guard,
+        ),
+        Job::Casters(policy) => (
+            "casters",
+            vec![("policy", policy.name().to_owned())],
+            policy == Policy::AsIs,
+        ),
+        Job::Outline(count, way) => (
+            "outlines",
+            vec![
+                ("models", count.to_string()),
+                ("outline", way.name().to_owned()),
+            ],
+            matches!(way, Way::ValueAsPrinted | Way::ValueNeverCleared),
+        ),
+        Job::Silhouette(mesh, method) => (
+            "silhouettes",
+            vec![
+                ("mesh", mesh.to_owned()),
+                ("silhouette", method.name().to_owned()),
+            ],
+            mesh.contains("turned") && method != Method::Adjacency,
+        ),
+    };
+    let values: Vec<&str> = conditions.iter().map(|(_, value)| value.as_str()).collect();
+    let name = format!("{question}/{}", values.join("/"));
+    let conditions = std::iter::once(("question", question.to_owned())).chain(conditions.clone());
+    PlannedCase {
+        id: CaseId::new(STUDY, name, conditions),
+        samples,
+        may_be_wrong,
+    }
+}

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Which rule a frame or a part needs: the published test of the eye, and tests of the near rectangle.
+//!
+//! z-pass is right for a caster exactly where the near rectangle is outside its volume: where the caster
+//! is disjoint from the prism that the rectangle sweeps towards the sun.
+
+use crate::reference::Reference;
+use crate::scissor::cut;
+use crate::view::View;
+use glam::DVec3;
+use std::ops::Range;
+use terrafill_casters::{Facing, Mesh};
+
+/// The prism is this much wider than the rectangle, m: its planes are rounded by 10⁻¹² of coordinates of
+/// kilometres.
+const MARGIN_M: f64 = 1e-6;
+/// Samples of the near rectangle along each axis, its corners included.
+const SAMPLES: u32 = 17;
+
+/// How the rule is chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum EyeTest {
+    /// As published: the segment from the eye to the sun, for the frame.
+    Eye,
+    /// Box of each model.
+    ModelBox,
+    /// Box of each convex part.
+    PartBox,
+    /// Lit triangles of each convex part.
+    Exact,
+}
+
+impl EyeTest {
+    pub(crate) const ALL: [Self; 4] = [Self::Eye, Self::ModelBox, Self::PartBox, Self::Exact];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Eye => "eye",
+            Self::ModelBox => "near-box-model",
+            Self::PartBox => "near-box-part",
+            Self::Exact => "near-exact",
+        }
+    }
+}
+
+/// Boxes of parts and models.
+pub(crate) struct Boxes {
+    parts: Vec<[DVec3; 2]>,
+    models: Vec<([DVec3; 2], Range<usize>)>,
+}
+
+fn box_of(places: &[DVec3]) -> [DVec3; 2] {
+    let low = places.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = places.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    [low, high]
+}
+
+impl Boxes {
+    pub(crate) fn of(mesh: &Mesh) -> Self {
+        let parts = mesh.parts.iter();
+        let parts: Vec<[DVec3; 2]> = parts
+            .map(|part| box_of(&mesh.vertices[part.vertices.clone()]))
+            .collect();
+        let models = mesh.casters.iter().map(|model| {
+            let corners: Vec<DVec3> = parts[model.parts.clone()]
+                .iter()
+                .flatten()
+                .copied()
+                .collect();
+            (box_of(&corners), model.parts.clone())
+        });
+        Self {
+            models: models.collect(),
+            parts,
+        }
+    }
+}
+
+/// The near rectangle swept towards the sun.
+pub(crate) struct Prism {
+    /// Points are inside where `normal · place ≥ offset` for all.
+    planes: Vec<(DVec3, f64)>,
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Prism {
+    pub(crate) fn of(view: &View, to_light: DVec3) -> Self {
+        let corners = view.near_corners();
+        let middle = view.eye + view.forward * view.near;
+        let slope = view.forward.dot(to_light);
+        let base = view.forward * slope.signum();
+        let mut planes = vec![(base, base.dot(middle) - MARGIN_M)];
+        for at in 0..4 {
+            let normal = (corners[(at + 1) % 4] - corners[at])
+                .cross(to_light)
+                .normalize_or_zero();
+            let inward = normal * normal.dot(middle - corners[at]).signum();
+            planes.push((inward, inward.dot(corners[at]) - MARGIN_M));
+        }
+        let [low, high] = box_of(&corners);
+        let endless = |way: f64| if way > 0.0 { f64::INFINITY } else { 0.0 };
+        let up = DVec3::from(to_light.to_array().map(endless));
+        let down = DVec3::from(to_light.to_array().map(|way| endless(-way)));
+        Self {
+            planes,
+            low: low - down - MARGIN_M,
+            high: high + up + MARGIN_M,
+        }
+    }
+
+    /// Whether it may meet a box: no plane and no axis tells them apart.
+    fn may_meet(&self, [low, high]: [DVec3; 2]) -> bool {
+        let farthest = |(normal, offset): &(DVec3, f64)| {
+            let corner = DVec3::select(normal.cmpge(DVec3::ZERO), high, low);
+            normal.dot(corner) >= *offset
+        };
+        low.cmple(self.high).all() && self.low.cmple(high).all() && self.planes.iter().all(farthest)
+    }
+
+    /// Whether it meets a triangle.
+    fn meets(&self, corners: [DVec3; 3]) -> bool {
+        let mut ring = corners.to_vec();
+        for (normal, offset) in &self.planes {
+            ring = cut(&ring, |place| normal.dot(place) - offset);
+        }
+        !ring.is_empty()
+    }
+}
+
+/// What a test chooses for a view: of each part, whether it is drawn by z-fail.
+pub(crate) fn chosen(
+    test: EyeTest,
+    view: &View,
+    to_light: DVec3,
+    mesh: &Mesh,
+    facing: &Facing,
+    boxes: &Boxes,
+    reference: &Reference<'_>,
+) -> Vec<bool> {
+    let count = mesh.parts.len();
+    let prism = Prism::of(view, to_light);
+    match test {
+        EyeTest::Eye => vec![reference.is_shadowed(view.eye, None); count],
+        EyeTest::ModelBox => {
+            let mut chosen = vec![false; count];
+            for (extent, parts) in &boxes.models {
+                chosen[parts.clone()].fill(prism.may_meet(*extent));
+            }
+            chosen
+        }
+        EyeTest::PartBox => boxes
+            .parts
+            .iter()
+            .map(|extent| prism.may_meet(*extent))
+            .collect(),
+        EyeTest::Exact => {
+            let parts = mesh.parts.iter().zip(&boxes.parts);
+            let meets = parts.map(|(part, extent)| {
+                let mut lit = part.triangles.clone().filter(|at| facing.is_lit[*at]);
+                prism.may_meet(*extent) && lit.any(|at| prism.meets(mesh.corners(at)))
+            });
+            meets.collect()
+        }
+    }
+}
+
+/// Parts that hold a sample of the near rectangle in their shadow, and the share of samples in any.
+///
+/// By rays from the samples to each part's triangles, not by the prism.
+pub(crate) fn shadowed_share(view: &View, reference: &Reference<'_>) -> f64 {
+    let share = |at: u32| 2.0 * f64::from(at) / f64::from(SAMPLES - 1) - 1.0;
+    let all = (0..SAMPLES).flat_map(|row| (0..SAMPLES).map(move |column| (column, row)));
+    let places =
+        all.map(|(column, row)| view.eye + view.towards(share(column), share(row)) * view.near);
+    let dark = places
+        .filter(|place| reference.is_shadowed(*place, None))
+        .count();
+    dark as f64 / f64::from(SAMPLES * SAMPLES)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::{deck_eyes, sun};
+    use terrafill_casters::{PortSize, port};
+
+    #[test]
+    fn a_test_of_the_rectangle_never_misses_and_the_test_of_the_eye_does() {
+        let mesh = port(PortSize::NAMED[1].1);
+        let to_light = sun([5.0, 0.0]);
+        let facing = Facing::of(&mesh, to_light);
+        let (boxes, reference) = (Boxes::of(&mesh), Reference::new(&mesh, to_light));
+        let mut missed = [0; 4];
+        let mut slower = [0; 4];
+        for mut view in deck_eyes(&mesh, 300, 1.0) {
+            // The small port's dock is 60 m long.
+            view.eye.x = view.eye.x / 5.0 - 120.0;
+            let is_dark = shadowed_share(&view, &reference) > 0.0;
+            for (at, test) in EyeTest::ALL.into_iter().enumerate() {
+                let choice = chosen(test, &view, to_light, &mesh, &facing, &boxes, &reference);
+                let any = choice.contains(&true);
+                missed[at] += usize::from(is_dark && !any);
+                slower[at] += usize::from(any && !is_dark);
+            }
+        }
+        assert_eq!(missed[1..], [0, 0, 0]);
+        assert!(missed[0] > 0, "{missed:?}");
+        assert!(
+            slower[1] >= slower[2] && slower[2] >= slower[3],
+            "{slower:?}"
+        );
+        assert!(slower[1] > slower[3], "{slower:?}");
+    }
+}

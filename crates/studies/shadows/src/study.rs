@@ -1,0 +1,697 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The cases, by question: each question is a group.
+
+use crate::chapter::ShadowsChapter;
+use crate::count::Rule;
+use crate::list::{Job, Method, questions};
+use crate::near::EyeTest;
+use crate::outline::{Way, outlines};
+use crate::view::sun;
+use crate::work::{Drawn, End, EyeTable, Pixels, Scene, Scissor};
+use crate::{STUDY, images};
+use terrafill_casters::{
+    EdgeTable, Extent, Facing, Mesh, Policy, PortSize, Prepared, Side, Volume, by_hash, by_stack,
+    hull, port,
+};
+use terrafill_fill::CpuStopwatch;
+use terrafill_results::{Chapter, Kind, Metric, PlannedCase, Status, Verdict};
+use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
+
+/// Pixels of a channel, and of the row of plates.
+const QUICK_SIZE: [u32; 2] = [128, 96];
+const SIZE: [u32; 2] = [200, 150];
+/// Sun of silhouettes: every mesh has faces to and from it.
+const SILHOUETTE_SUN: [f64; 2] = [30.0, -60.0];
+
+const METRICS: [Metric; 21] = [
+    Metric::less(
+        "shadow_silhouette_cpu_ms",
+        "ms",
+        Kind::Time,
+        "Process CPU time of finding the silhouette; facing bits and adjacency are there already.",
+    ),
+    Metric::neither(
+        "shadow_sides",
+        "",
+        Kind::Counter,
+        "Silhouette edges: sides of the volumes.",
+    ),
+    Metric::neither(
+        "shadow_mesh_triangles",
+        "",
+        Kind::Counter,
+        "Triangles of the casters.",
+    ),
+    Metric::less(
+        "shadow_open_edges",
+        "",
+        Kind::Error,
+        "Directed edges of the volumes that are not met as often either way; 0 where every volume is closed.",
+    ),
+    Metric::less(
+        "shadow_eyes_missed",
+        "%",
+        Kind::Error,
+        "Eyes for which z-pass is chosen while part of the near rectangle is in shadow, so that pixels miscount.",
+    ),
+    Metric::less(
+        "shadow_eyes_needless",
+        "%",
+        Kind::Error,
+        "Eyes for which z-fail is chosen while no sample of the near rectangle is in shadow: slower and right.",
+    ),
+    Metric::less(
+        "shadow_fail_triangles",
+        "%",
+        Kind::Counter,
+        "Triangles of casters drawn by z-fail, mean over all eyes.",
+    ),
+    Metric::less(
+        "shadow_near_dark",
+        "%",
+        Kind::Error,
+        "Share of the near rectangle in shadow, mean over missed eyes: at most so many pixels are wrong.",
+    ),
+    Metric::neither(
+        "shadow_receiver_px",
+        "px",
+        Kind::Counter,
+        "Pixels of sea and casters in all channels.",
+    ),
+    Metric::neither(
+        "shadow_px",
+        "px",
+        Kind::Counter,
+        "Pixels in shadow by the reference, in all channels.",
+    ),
+    Metric::neither(
+        "shadow_edge_on_px",
+        "px",
+        Kind::Counter,
+        "Pixels on faces within 10⁻³ of edge-on to the sun, which are not judged.",
+    ),
+    Metric::less(
+        "shadow_undecided_px",
+        "px",
+        Kind::Error,
+        "Pixels on which the reference's two tests disagree, which are not judged.",
+    ),
+    Metric::less(
+        "shadow_false_lit_px",
+        "px",
+        Kind::Error,
+        "Pixels lit where the reference has shadow, outside the band of a pixel along its boundary.",
+    ),
+    Metric::less(
+        "shadow_false_dark_px",
+        "px",
+        Kind::Error,
+        "Pixels in shadow where the reference is lit, outside the band.",
+    ),
+    Metric::less(
+        "shadow_band_px",
+        "px",
+        Kind::Error,
+        "Wrong pixels in the band along the shadow's boundary.",
+    ),
+    Metric::less(
+        "shadow_lost_share",
+        "%",
+        Kind::Error,
+        "Shadow pixels that are lost, the band included, of all shadow pixels.",
+    ),
+    Metric::less(
+        "shadow_updates",
+        "",
+        Kind::Counter,
+        "Stencil writes per pixel over all channels, counted along the ray of each pixel: a cost without noise.",
+    ),
+    Metric::neither(
+        "shadow_volume_triangles",
+        "",
+        Kind::Counter,
+        "Triangles of all volumes.",
+    ),
+    Metric::neither(
+        "shadow_max_overlap",
+        "",
+        Kind::Counter,
+        "Largest count of a pixel.",
+    ),
+    Metric::less(
+        "shadow_contour_px",
+        "px",
+        Kind::Error,
+        "Contour pixels of outlines that are drawn inside their model or left out beside it.",
+    ),
+    Metric::less(
+        "shadow_clears",
+        "",
+        Kind::Counter,
+        "Clears of the stencil for outlines, the first included.",
+    ),
+];
+
+/// What each optimisation of shadow volumes costs and what it gets wrong.
+#[derive(Debug, Clone, Copy)]
+pub struct ShadowsStudy;
+
+impl Study for ShadowsStudy {
+    fn name(&self) -> &'static str {
+        STUDY
+    }
+
+    fn question(&self) -> &'static str {
+        "What does each optimisation of shadow volumes save in a port, and what does it get wrong?"
+    }
+
+    fn metrics(&self) -> &'static [Metric] {
+        &METRICS
+    }
+
+    fn least_depth(&self) -> Depth {
+        Depth::Full
+    }
+
+    fn needs_device(&self) -> bool {
+        false
+    }
+
+    fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
+        let is_quick = request.depth == Depth::Quick;
+        let size = if is_quick { QUICK_SIZE } else { SIZE };
+        let groups = questions(request.depth, request.samples).into_iter();
+        let groups = groups.map(|(name, cases)| -> Box<dyn Group> {
+            let (jobs, cases) = cases.into_iter().unzip();
+            Box::new(Question {
+                name,
+                jobs,
+                cases,
+                size,
+            })
+        });
+        Ok(Planned {
+            groups: groups.collect(),
+            skipped: Vec::new(),
+        })
+    }
+
+    fn chapter(&self) -> &dyn Chapter {
+        &ShadowsChapter
+    }
+}
+
+/// Cases that share what they are computed from.
+struct Question {
+    name: &'static str,
+    jobs: Vec<Job>,
+    cases: Vec<PlannedCase>,
+    size: [u32; 2],
+}
+
+impl Group for Question {
+    fn name(&self) -> String {
+        format!("{STUDY}/{}", self.name)
+    }
+
+    fn cases(&self) -> &[PlannedCase] {
+        &self.cases
+    }
+
+    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
+        Ok(Box::new(Answering {
+            question: self,
+            context,
+            scene: None,
+            eyes: None,
+            meshes: Vec::new(),
+        }))
+    }
+}
+
+/// A mesh ready for silhouettes.
+struct Ready {
+    name: &'static str,
+    prepared: Prepared,
+    facing: Facing,
+    table: EdgeTable,
+}
+
+struct Answering<'a> {
+    question: &'a Question,
+    context: Context<'a>,
+    /// The last one: cases of a sun follow one another.
+    scene: Option<(String, Scene)>,
+    eyes: Option<EyeTable>,
+    meshes: Vec<Ready>,
+}
+
+type Figures = Vec<(&'static str, f64)>;
+
+fn ready(name: &'static str) -> Result<Ready, String> {
+    let mut mesh = mesh_named(name)?;
+    let policy = match name.contains("turned") {
+        true => {
+            turn_a_lit_face(&mut mesh);
+            Policy::AsIs
+        }
+        false => Policy::Refuse,
+    };
+    let prepared = policy.prepare(mesh).map_err(|error| error.to_string())?;
+    Ok(Ready {
+        name,
+        facing: Facing::of(&prepared.mesh, sun(SILHOUETTE_SUN)),
+        table: EdgeTable::of(&prepared.mesh),
+        prepared,
+    })
+}
+
+fn mesh_named(name: &str) -> Result<Mesh, String> {
+    let plain = name.split(',').next().unwrap_or(name);
+    match plain.strip_prefix("hull-") {
+        Some(triangles) => triangles
+            .parse()
+            .map(hull)
+            .map_err(|_| format!("{name}: no mesh")),
+        None => PortSize::named(plain)
+            .map(port)
+            .ok_or_else(|| format!("{name}: no mesh")),
+    }
+}
+
+/// Turns the first triangle that faces away from the sun and has a lit neighbour, so that it faces the
+/// sun and two lit triangles have an edge the same way round.
+fn turn_a_lit_face(mesh: &mut Mesh) {
+    let to_light = sun(SILHOUETTE_SUN);
+    let facing = Facing::of(mesh, to_light);
+    let is_lit = |at: usize| facing.is_lit[at];
+    let has_lit_neighbour = |at: usize| {
+        let own = mesh.triangles[at];
+        let shared = |other: &[u32; 3]| other.iter().filter(|corner| own.contains(corner)).count();
+        let mut all = mesh.triangles.iter().enumerate();
+        all.any(|(other, corners)| is_lit(other) && shared(corners) == 2)
+    };
+    let found = (0..mesh.triangles.len()).find(|at| !is_lit(*at) && has_lit_neighbour(*at));
+    if let Some(at) = found {
+        mesh.triangles[at].swap(1, 2);
+        let plane = u32::try_from(mesh.normals.len()).unwrap_or(0);
+        let turned = -mesh.normals[mesh.planes[at] as usize];
+        mesh.normals.push(turned);
+        mesh.planes[at] = plane;
+    }
+}
+
+impl Ready {
+    fn sides(&self, method: Method) -> Vec<Side> {
+        match method {
+            Method::Stack => by_stack(&self.prepared.mesh, &self.facing),
+            Method::Hash => by_hash(&self.prepared.mesh, &self.facing),
+            Method::Adjacency => self.table.silhouette(&self.facing),
+        }
+    }
+}
+
+fn verdict(is_right: bool, reason: String, figures: Figures) -> Verdict {
+    Verdict {
+        status: if is_right { Status::Ok } else { Status::Wrong },
+        reason: if is_right { String::new() } else { reason },
+        figures,
+        notes: Vec::new(),
+    }
+}
+
+/// A share in per cent.
+fn percent(part: f64, whole: usize) -> f64 {
+    100.0 * part / whole.max(1) as f64
+}
+
+fn drawn_figures(drawn: &Drawn, pixels: Pixels) -> Figures {
+    vec![
+        ("shadow_receiver_px", pixels.receivers as f64),
+        ("shadow_px", pixels.shadow as f64),
+        ("shadow_edge_on_px", pixels.edge_on as f64),
+        ("shadow_undecided_px", pixels.undecided as f64),
+        ("shadow_false_lit_px", drawn.wrong.false_lit as f64),
+        ("shadow_false_dark_px", drawn.wrong.false_dark as f64),
+        ("shadow_band_px", drawn.wrong.in_band as f64),
+        (
+            "shadow_lost_share",
+            percent(drawn.lost as f64, pixels.shadow),
+        ),
+        ("shadow_updates", drawn.updates as f64 / pixels.all as f64),
+        ("shadow_volume_triangles", drawn.volume_triangles as f64),
+        ("shadow_max_overlap", f64::from(drawn.max_overlap)),
+    ]
+}
+
+fn drawn_verdict(drawn: &Drawn, pixels: Pixels) -> Verdict {
+    let wrong = drawn.wrong;
+    let reason = format!(
+        "{} pixels lit in shadow, {} in shadow in the light, outside the band",
+        wrong.false_lit, wrong.false_dark
+    );
+    verdict(wrong.outside() == 0, reason, drawn_figures(drawn, pixels))
+}
+
+impl Answering<'_> {
+    /// The scene called `name`, made if the last one is another.
+    fn scene(
+        &mut self,
+        name: &str,
+        make: impl FnOnce() -> Result<Scene, String>,
+    ) -> Result<&Scene, String> {
+        if self.scene.as_ref().is_none_or(|(own, _)| own != name) {
+            self.scene = Some((name.to_owned(), make()?));
+        }
+        self.scene
+            .as_ref()
+            .map(|(_, scene)| scene)
+            .ok_or_else(|| name.to_owned())
+    }
+
+    fn under(&mut self, sun: [f64; 2]) -> Result<&Scene, String> {
+        let size = self.question.size;
+        self.scene(&format!("{sun:?}"), || Scene::new(sun, size))
+    }
+
+    fn answer(&mut self, job: Job) -> Result<Verdict, String> {
+        let folder = self.context.folder;
+        match job {
+            Job::Eye(sun, near, test) => self.eye(sun, near, test),
+            Job::Updates(sun, end, rule) => {
+                let scene = self.under(sun)?;
+                let drawn = scene.drawn(end, rule, Scissor::Off)?;
+                let mut verdict = drawn_verdict(&drawn, scene.pixels());
+                if end == End::Sea && rule == Rule::Fail {
+                    let channel = scene.darkest().ok_or("no channel")?;
+                    let name = format!("sun-{}-{}", sun[0], sun[1]);
+                    let path = images::write(folder, &name, &channel.1, None)?;
+                    verdict.notes.push(("reference_image", path));
+                }
+                Ok(verdict)
+            }
+            Job::Scissor(sun, scissor) => {
+                let scene = self.under(sun)?;
+                let drawn = scene.drawn(End::Infinite, Rule::Fail, scissor)?;
+                let mut verdict = drawn_verdict(&drawn, scene.pixels());
+                if scissor == Scissor::ReceiverRectangle {
+                    // What is meant to be left out is the sea's shadow; a caster's must not be.
+                    let text = format!(
+                        "{} of the lost pixels lie on casters",
+                        drawn.lost_on_casters
+                    );
+                    verdict.reason = text;
+                }
+                let channel = scene.darkest().ok_or("no channel")?;
+                let mask = scene.mask(channel, End::Infinite, Rule::Fail, scissor)?;
+                let path = images::write(folder, scissor.name(), &channel.1, Some(&mask))?;
+                verdict.notes.push(("image", path));
+                Ok(verdict)
+            }
+            Job::Finite(sun, length) => {
+                let scene = self.under(sun)?;
+                let drawn = scene.drawn(End::Finite(length), Rule::Fail, Scissor::Off)?;
+                Ok(drawn_verdict(&drawn, scene.pixels()))
+            }
+            Job::Row(count, guard) => {
+                let size = self.question.size;
+                let scene = self.scene(&count.to_string(), || Scene::of_row(count, size))?;
+                let drawn = match guard {
+                    true => scene.drawn_guarded(Rule::Pass)?,
+                    false => scene.drawn(End::Infinite, Rule::Pass, Scissor::Off)?,
+                };
+                Ok(drawn_verdict(&drawn, scene.pixels()))
+            }
+            Job::Casters(policy) => {
+                let size = self.question.size;
+                let scene = self.scene("hull", || Scene::of_hull(size))?;
+                match scene.drawn_open(policy) {
+                    Ok((drawn, triangles)) => {
+                        let mut verdict = drawn_verdict(&drawn, scene.pixels());
+                        verdict
+                            .figures
+                            .push(("shadow_mesh_triangles", triangles as f64));
+                        Ok(verdict)
+                    }
+                    // As it should be: the mesh is not closed.
+                    Err(error) if policy == Policy::Refuse => Ok(Verdict {
+                        status: Status::Ok,
+                        reason: error.to_string(),
+                        ..Verdict::default()
+                    }),
+                    Err(error) => Err(error.to_string()),
+                }
+            }
+            Job::Outline(models, way) => {
+                let (clears, wrong) = outlines(models, way);
+                let expected = match way {
+                    Way::Clear => u64::from(models),
+                    Way::Value | Way::ValueAsPrinted => 1 + u64::from(models / 255),
+                    Way::ValueNeverCleared => 1,
+                };
+                let reason = format!("{wrong} contour pixels wrong, {clears} clears of {expected}");
+                let figures = vec![
+                    ("shadow_clears", clears as f64),
+                    ("shadow_contour_px", wrong as f64),
+                ];
+                Ok(verdict(wrong == 0 && clears == expected, reason, figures))
+            }
+            Job::Silhouette(mesh, method) => self.silhouette(mesh, method),
+        }
+    }
+
+    fn eye(&mut self, sun: [f64; 2], near: f64, test: EyeTest) -> Result<Verdict, String> {
+        if self.eyes.as_ref().is_none_or(|table| table.at != sun) {
+            self.eyes = Some(EyeTable::new(sun)?);
+        }
+        let table = self.eyes.as_ref().ok_or("no eyes")?;
+        let result = table.result(test, near).ok_or("no such near plane")?;
+        let mut figures = vec![
+            (
+                "shadow_eyes_missed",
+                percent(result.missed as f64, result.eyes),
+            ),
+            (
+                "shadow_eyes_needless",
+                percent(result.needless as f64, result.eyes),
+            ),
+            (
+                "shadow_fail_triangles",
+                percent(result.fail_share, result.eyes),
+            ),
+        ];
+        if result.missed > 0 {
+            figures.push((
+                "shadow_near_dark",
+                percent(result.missed_share, result.missed),
+            ));
+        }
+        let reason = format!("{} of {} eyes missed", result.missed, result.eyes);
+        let mut verdict = verdict(result.missed == 0, reason, figures);
+        let is_last_near = crate::work::NEARS.last().is_some_and(|last| *last <= near);
+        if test == EyeTest::Eye
+            && is_last_near
+            && let Some((truth, [missed, exact])) = table.missed()?
+        {
+            let folder = self.context.folder;
+            for (key, what, mask) in [
+                ("reference_image", "reference", None),
+                ("image", "eye", Some(&missed)),
+                ("exact_image", "exact", Some(&exact)),
+            ] {
+                let name = format!("eye-{}-{what}", sun[0]);
+                let path = images::write(folder, &name, &truth, mask.map(Vec::as_slice))?;
+                verdict.notes.push((key, path));
+            }
+        }
+        Ok(verdict)
+    }
+
+    fn ready(&mut self, name: &'static str) -> Result<&Ready, String> {
+        let place = match self.meshes.iter().position(|own| own.name == name) {
+            Some(place) => place,
+            None => {
+                self.meshes.push(ready(name)?);
+                self.meshes.len() - 1
+            }
+        };
+        Ok(&self.meshes[place])
+    }
+
+    fn silhouette(&mut self, name: &'static str, method: Method) -> Result<Verdict, String> {
+        let mesh = self.ready(name)?;
+        let sides = mesh.sides(method);
+        let to_light = sun(SILHOUETTE_SUN);
+        let volume = Volume::of(
+            &mesh.prepared,
+            &mesh.facing,
+            &sides,
+            to_light,
+            &Extent::Infinite,
+        );
+        let open = volume
+            .map_err(|error| error.to_string())?
+            .open_edges()
+            .len();
+        let figures = vec![
+            ("shadow_sides", sides.len() as f64),
+            (
+                "shadow_mesh_triangles",
+                mesh.prepared.mesh.triangles.len() as f64,
+            ),
+            ("shadow_open_edges", open as f64),
+        ];
+        Ok(verdict(
+            open == 0,
+            format!("{open} edges of the volumes are open"),
+            figures,
+        ))
+    }
+}
+
+impl Session for Answering<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
+        Ok(self
+            .answer(self.question.jobs[case])
+            .unwrap_or_else(Verdict::failed))
+    }
+
+    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+        let Job::Silhouette(name, method) = self.question.jobs[case] else {
+            return Err("nothing of it is timed".to_owned());
+        };
+        let mesh = self.ready(name)?;
+        let watch = CpuStopwatch::start();
+        let sides = mesh.sides(method);
+        let cpu_ms = watch.cpu_ms();
+        match sides.is_empty() {
+            true => Err("no silhouette".to_owned()),
+            false => Ok(vec![("shadow_silhouette_cpu_ms", cpu_ms)]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::rc::Rc;
+    use terrafill_fill::Devices;
+
+    /// Verdicts of the cases of a question that `keep` names.
+    fn verdicts(question: &str, keep: impl Fn(&str) -> bool) -> Vec<(String, Verdict)> {
+        let request = Request {
+            depth: Depth::Quick,
+            ..Request::default()
+        };
+        let planned = ShadowsStudy.plan(&request).expect("planned");
+        let mut groups = planned.groups.iter();
+        let name = format!("{STUDY}/{question}");
+        let group = groups
+            .find(|group| group.name() == name)
+            .expect("such a group");
+        let folder = tempfile::tempdir().expect("a folder");
+        let devices = Rc::new(Devices::default());
+        let context = Context {
+            devices: &devices,
+            folder: folder.path(),
+        };
+        let mut session = group.open(context).expect("opens");
+        let cases = group.cases().iter().enumerate();
+        let cases = cases.filter(|(_, case)| keep(&case.id.name));
+        cases
+            .map(|(at, case)| (case.id.name.clone(), session.verify(at).expect("a verdict")))
+            .collect()
+    }
+
+    fn figure(verdict: &Verdict, metric: &str) -> f64 {
+        let mut all = verdict.figures.iter();
+        all.find(|(name, _)| *name == metric)
+            .map_or(f64::NAN, |(_, value)| *value)
+    }
+
+    #[test]
+    fn rows_wrap_at_256_and_the_guard_does_not() {
+        for (name, verdict) in verdicts("rows", |_| true) {
+            let is_wrapped =
+                name.contains("wrapping") && (name.contains("256/") || name.contains("512/"));
+            let status = if is_wrapped {
+                Status::Wrong
+            } else {
+                Status::Ok
+            };
+            assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
+            assert!(figure(&verdict, "shadow_px") > 50.0, "{name}");
+            let casters: f64 = name
+                .split('/')
+                .nth(1)
+                .expect("a number")
+                .parse()
+                .expect("a number");
+            assert_eq!(
+                figure(&verdict, "shadow_max_overlap").to_bits(),
+                casters.to_bits()
+            );
+        }
+    }
+
+    #[test]
+    fn an_open_hull_is_refused_capped_or_doubled_and_leaks_as_it_is() {
+        let all = verdicts("casters", |_| true);
+        let names: Vec<&str> = all.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(
+            names,
+            [
+                "casters/refuse",
+                "casters/cap",
+                "casters/robust",
+                "casters/as-is"
+            ]
+        );
+        assert!(
+            all[0].1.reason.contains("border") && all[0].1.figures.is_empty(),
+            "{}",
+            all[0].1.reason
+        );
+        for (name, verdict) in &all[1..] {
+            let status = if name.contains("as-is") {
+                Status::Wrong
+            } else {
+                Status::Ok
+            };
+            assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
+            let layers = if name.contains("robust") { 2.0 } else { 1.0 };
+            assert_eq!(
+                figure(verdict, "shadow_max_overlap").to_bits(),
+                f64::to_bits(layers),
+                "{name}"
+            );
+        }
+    }
+
+    #[test]
+    fn silhouettes_close_their_volumes_unless_a_face_is_turned() {
+        let small = |name: &str| !name.contains("port-m");
+        for (name, verdict) in verdicts("silhouettes", small) {
+            let is_open = name.contains("turned") && !name.contains("adjacency");
+            let status = if is_open { Status::Wrong } else { Status::Ok };
+            assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
+        }
+    }
+
+    #[test]
+    fn a_quick_plan_is_a_part_of_the_whole() {
+        let count = |depth| {
+            let request = Request {
+                depth,
+                ..Request::default()
+            };
+            let planned = ShadowsStudy.plan(&request).expect("planned");
+            planned
+                .groups
+                .iter()
+                .map(|group| group.cases().len())
+                .sum::<usize>()
+        };
+        assert!(count(Depth::Quick) < count(Depth::Full));
+    }
+}

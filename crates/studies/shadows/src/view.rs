@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Eyes in the port: metres, ENU, a level camera of the published channel.
+
+use glam::DVec3;
+use terrafill_casters::Mesh;
+use terrafill_results::SplitMix64;
+
+/// Field of view of one of seven channels over 270°, degrees.
+const CHANNEL_DEG: f64 = 270.0 / 7.0;
+/// Vertical field of view, degrees: 4 : 3 pixels.
+const CHANNEL_HIGH_DEG: f64 = 29.4;
+/// Height of an eye over the deck, and of the deck over the sea, m.
+const WALKER_M: f64 = 1.7 + 7.2;
+/// Seed of the eyes on deck.
+const EYES_SEED: u64 = 400;
+
+/// A camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct View {
+    pub(crate) eye: DVec3,
+    pub(crate) forward: DVec3,
+    pub(crate) right: DVec3,
+    pub(crate) up: DVec3,
+    /// Tangents of half the field of view.
+    pub(crate) tan: [f64; 2],
+    /// Distance of the near plane, m.
+    pub(crate) near: f64,
+    /// Pixels.
+    pub(crate) size: [u32; 2],
+}
+
+impl View {
+    /// A level camera.
+    ///
+    /// - `azimuth_deg`: counter-clockwise from x
+    pub(crate) fn level(eye: DVec3, azimuth_deg: f64, near: f64, size: [u32; 2]) -> Self {
+        let (sin, cos) = azimuth_deg.to_radians().sin_cos();
+        let half = |deg: f64| (deg / 2.0).to_radians().tan();
+        Self {
+            eye,
+            forward: DVec3::new(cos, sin, 0.0),
+            right: DVec3::new(sin, -cos, 0.0),
+            up: DVec3::Z,
+            tan: [half(CHANNEL_DEG), half(CHANNEL_HIGH_DEG)],
+            near,
+            size,
+        }
+    }
+
+    /// Direction through a place of the image, −1…1 rightwards and upwards; 1 m deep.
+    pub(crate) fn towards(&self, x: f64, y: f64) -> DVec3 {
+        self.forward + self.right * (x * self.tan[0]) + self.up * (y * self.tan[1])
+    }
+
+    /// Direction through a pixel's centre; rows downwards.
+    pub(crate) fn ray(&self, column: u32, row: u32) -> DVec3 {
+        let share = |at: u32, of: u32| (2.0 * f64::from(at) + 1.0) / f64::from(of) - 1.0;
+        self.towards(share(column, self.size[0]), -share(row, self.size[1]))
+    }
+
+    /// Corners of the near rectangle, in turn.
+    pub(crate) fn near_corners(&self) -> [DVec3; 4] {
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        corners.map(|[x, y]| self.eye + self.towards(x, y) * self.near)
+    }
+
+    pub(crate) fn pixel_count(&self) -> usize {
+        self.size[0] as usize * self.size[1] as usize
+    }
+}
+
+/// A unit vector towards the sun.
+pub(crate) fn sun([elevation_deg, azimuth_deg]: [f64; 2]) -> DVec3 {
+    let (sin, cos) = elevation_deg.to_radians().sin_cos();
+    let (y, x) = azimuth_deg.to_radians().sin_cos();
+    DVec3::new(cos * x, cos * y, sin)
+}
+
+/// Seven channels over 270°, 30 m up on own ship.
+pub(crate) fn bridge(size: [u32; 2]) -> Vec<View> {
+    let (sin, cos) = 25_f64.to_radians().sin_cos();
+    let eye = DVec3::new(-60.0 - 55.0 * cos, -140.0 - 55.0 * sin, 30.0);
+    let channel = |at: i32| View::level(eye, 25.0 + CHANNEL_DEG * f64::from(at), 0.5, size);
+    (-3..=3).map(channel).collect()
+}
+
+/// Seeded eyes on the dock, outside every part of it.
+pub(crate) fn deck_eyes(mesh: &Mesh, count: usize, near: f64) -> Vec<View> {
+    let mut random = SplitMix64::new(EYES_SEED);
+    // 53 bits are as many as an `f64` has.
+    let mut share = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+    let mut eyes = Vec::with_capacity(count);
+    while eyes.len() < count {
+        let eye = DVec3::new(300.0 * share() - 150.0, 19.0 * share() - 9.5, WALKER_M);
+        let azimuth = 360.0 * share();
+        if !mesh.parts.iter().any(|part| {
+            let places = &mesh.vertices[part.vertices.clone()];
+            let low = places.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+            let high = places.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+            // A metre of air: a near plane inside a wall sees nothing that anyone would.
+            (low - 1.0).cmple(eye).all() && eye.cmple(high + 1.0).all()
+        }) {
+            eyes.push(View::level(eye, azimuth, near, [200, 150]));
+        }
+    }
+    eyes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_casters::{PortSize, port};
+
+    #[test]
+    fn a_near_corner_lies_where_the_published_angle_puts_it() {
+        let view = View::level(DVec3::ZERO, 30.0, 1.0, [4, 3]);
+        let corner = view.near_corners()[0].length();
+        assert!((corner - 1.091).abs() < 5e-4, "{corner}");
+        assert!(view.right.cross(view.forward).distance(DVec3::Z) < 1e-12);
+        assert_eq!(view.ray(0, 0).dot(view.up).signum(), 1.0, "rows go down");
+    }
+
+    #[test]
+    fn eyes_on_deck_are_the_same_each_time() {
+        let mesh = port(PortSize::NAMED[1].1);
+        let eyes = deck_eyes(&mesh, 20, 0.5);
+        assert_eq!(eyes, deck_eyes(&mesh, 20, 0.5));
+        assert!(
+            eyes.iter()
+                .all(|view| view.eye.z > 8.0 && view.eye.y.abs() < 9.6)
+        );
+    }
+}

@@ -1,0 +1,456 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What the cases compute.
+
+use crate::count::{Rule, Stencil, Wrong, draw};
+use crate::near::{Boxes, EyeTest, chosen, shadowed_share};
+use crate::reference::{Light, Reference, Seen, Truth};
+use crate::scissor::{Rectangle, above_horizon, around_pixels, of_parts};
+use crate::view::{View, bridge, deck_eyes, sun};
+use glam::{DVec2, DVec3};
+use terrafill_casters::{
+    EdgeTable, Extent, Facing, LightError, Mesh, MeshError, Policy, PortSize, Prepared, Side,
+    Volume, hull, port, row, sea_level_below,
+};
+
+/// Eyes on deck.
+pub(crate) const EYES: usize = 400;
+/// Near planes, m.
+pub(crate) const NEARS: [f64; 3] = [0.1, 0.5, 1.0];
+/// Below the sea at its lowest, m: waves of a harbour.
+const MARGIN_M: f64 = 1.0;
+/// Casters that 8 bits can count.
+const MAX_COUNT: u32 = 255;
+
+/// Where volumes end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum End {
+    Infinite,
+    Sea,
+    Finite(f64),
+}
+
+/// What the stencil is restricted to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Scissor {
+    Off,
+    Horizon,
+    CasterRectangle,
+    ReceiverRectangle,
+}
+
+impl Scissor {
+    pub(crate) const ALL: [Self; 4] = [
+        Self::Off,
+        Self::Horizon,
+        Self::CasterRectangle,
+        Self::ReceiverRectangle,
+    ];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Horizon => "horizon",
+            Self::CasterRectangle => "caster-rect",
+            Self::ReceiverRectangle => "receiver-rect",
+        }
+    }
+}
+
+/// The port under a sun, seen from the bridge.
+pub(crate) struct Scene {
+    to_light: DVec3,
+    prepared: Prepared,
+    facing: Facing,
+    sides: Vec<Side>,
+    channels: Vec<(View, Truth)>,
+}
+
+/// What a way of drawing came to, over all channels.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Drawn {
+    pub(crate) wrong: Wrong,
+    pub(crate) updates: u64,
+    pub(crate) worst_channel_updates: u64,
+    pub(crate) max_overlap: i32,
+    pub(crate) volume_triangles: usize,
+    /// Shadow pixels of the reference that are lit, in the band too.
+    pub(crate) lost: usize,
+    /// Those on casters.
+    pub(crate) lost_on_casters: usize,
+}
+
+/// What the views hold, over all channels.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Pixels {
+    pub(crate) all: usize,
+    pub(crate) receivers: usize,
+    pub(crate) shadow: usize,
+    pub(crate) edge_on: usize,
+    pub(crate) undecided: usize,
+}
+
+impl Scene {
+    pub(crate) fn new(at: [f64; 2], size: [u32; 2]) -> Result<Self, String> {
+        let named = PortSize::named("port-m").ok_or("no port-m")?;
+        Self::of(port(named), at, bridge(size))
+    }
+
+    /// Plates in a row, seen from the side where all of their shadows lie over one another.
+    pub(crate) fn of_row(count: u32, size: [u32; 2]) -> Result<Self, String> {
+        let eye = DVec3::new(450.0, -250.0, 40.0);
+        Self::of(
+            row(count),
+            [2.0, 180.0],
+            vec![View::level(eye, 90.0, 0.5, size)],
+        )
+    }
+
+    /// A hull whose shadow falls towards the eye, seen from below its deck.
+    pub(crate) fn of_hull(size: [u32; 2]) -> Result<Self, String> {
+        let eye = DVec3::new(0.0, -150.0, 9.0);
+        Self::of(
+            hull(1_000),
+            [30.0, 90.0],
+            vec![View::level(eye, 90.0, 0.5, size)],
+        )
+    }
+
+    /// The same caster with a tenth of its deck missing, by a policy: what it comes to against the whole
+    /// one, and its triangles.
+    ///
+    /// # Errors
+    /// What the policy refuses.
+    pub(crate) fn drawn_open(&self, policy: Policy) -> Result<(Drawn, usize), MeshError> {
+        let mut open = self.prepared.mesh.clone();
+        // The deck is the last part of a hull's triangles.
+        let is_deck =
+            |at: &usize| open.normals[open.planes[*at] as usize].truncate() == DVec2::ZERO;
+        let deck: Vec<usize> = (0..open.triangles.len()).filter(is_deck).collect();
+        let missing = deck.len() * 45 / 100..deck.len() * 55 / 100;
+        for at in deck[missing].iter().rev() {
+            open.triangles.remove(*at);
+            open.planes.remove(*at);
+            open.parts[0].triangles.end -= 1;
+        }
+        let prepared = policy.prepare(open)?;
+        let facing = Facing::of(&prepared.mesh, self.to_light);
+        let sides = EdgeTable::of(&prepared.mesh).sides(&prepared, &facing);
+        let caster = Self {
+            to_light: self.to_light,
+            channels: Vec::new(),
+            facing,
+            sides,
+            prepared,
+        };
+        let volume = caster.volume(End::Sea).unwrap_or_default();
+        let mut drawn = Drawn {
+            volume_triangles: volume.triangles.len(),
+            ..Drawn::default()
+        };
+        for (view, truth) in &self.channels {
+            let mut stencil = Stencil::clear(view);
+            let how = |_| Some((Rule::Fail, Rectangle::whole(view)));
+            draw(
+                &mut stencil,
+                view,
+                &self.prepared.mesh,
+                &volume,
+                truth,
+                &how,
+            );
+            drawn.add(&stencil, &stencil.mask(), truth);
+        }
+        Ok((drawn, caster.prepared.mesh.triangles.len()))
+    }
+
+    fn of(mesh: Mesh, at: [f64; 2], views: Vec<View>) -> Result<Self, String> {
+        let prepared = Policy::Refuse
+            .prepare(mesh)
+            .map_err(|error| error.to_string())?;
+        let to_light = sun(at);
+        let facing = Facing::of(&prepared.mesh, to_light);
+        let sides = EdgeTable::of(&prepared.mesh).silhouette(&facing);
+        let reference = Reference::new(&prepared.mesh, to_light);
+        let channels = views.into_iter().map(|view| {
+            let truth = reference.picture(&view);
+            (view, truth)
+        });
+        Ok(Self {
+            to_light,
+            channels: channels.collect(),
+            facing,
+            sides,
+            prepared,
+        })
+    }
+
+    pub(crate) fn pixels(&self) -> Pixels {
+        let mut pixels = Pixels::default();
+        for (_, truth) in &self.channels {
+            pixels.all += truth.seen.len();
+            pixels.receivers += truth.seen.len() - truth.count(Light::Sky);
+            pixels.shadow += truth.count(Light::Shadow);
+            pixels.edge_on += truth.count(Light::EdgeOn);
+            pixels.undecided += truth.count(Light::Undecided);
+        }
+        pixels
+    }
+
+    pub(crate) fn volume(&self, end: End) -> Result<Volume, LightError> {
+        let mesh = &self.prepared.mesh;
+        let extent = match end {
+            End::Infinite => Extent::Infinite,
+            End::Sea => Extent::ClosedAt(sea_level_below(mesh, self.to_light, MARGIN_M)?),
+            End::Finite(length) => Extent::Finite(length),
+        };
+        Volume::of(
+            &self.prepared,
+            &self.facing,
+            &self.sides,
+            self.to_light,
+            &extent,
+        )
+    }
+
+    /// Draws all volumes in every channel.
+    pub(crate) fn drawn(&self, end: End, rule: Rule, scissor: Scissor) -> Result<Drawn, String> {
+        let volume = self.volume(end).map_err(|error| error.to_string())?;
+        let mesh = &self.prepared.mesh;
+        let mut drawn = Drawn {
+            volume_triangles: volume.triangles.len(),
+            ..Drawn::default()
+        };
+        for (view, truth) in &self.channels {
+            let rectangles = self.rectangles(view, truth, scissor)?;
+            let mut stencil = Stencil::clear(view);
+            let how = |part: u32| Some((rule, rectangles[part as usize]));
+            draw(&mut stencil, view, mesh, &volume, truth, &how);
+            drawn.add(&stencil, &stencil.mask(), truth);
+        }
+        Ok(drawn)
+    }
+
+    /// Of each part; a caster's rectangle holds its volume closed at the sea, wherever the volume that
+    /// is drawn ends.
+    fn rectangles(
+        &self,
+        view: &View,
+        truth: &Truth,
+        scissor: Scissor,
+    ) -> Result<Vec<Rectangle>, String> {
+        let parts = self.prepared.mesh.parts.len();
+        let of_casters = || {
+            let closed = self.volume(End::Sea).map_err(|error| error.to_string())?;
+            Ok::<_, String>(of_parts(view, &closed, parts))
+        };
+        Ok(match scissor {
+            Scissor::Off => vec![Rectangle::whole(view); parts],
+            Scissor::Horizon => vec![above_horizon(view); parts],
+            Scissor::CasterRectangle => of_casters()?,
+            Scissor::ReceiverRectangle => {
+                let receivers =
+                    around_pixels(view, |at| matches!(truth.seen[at], Seen::Triangle(..)));
+                let all = of_casters()?.into_iter();
+                all.map(|rectangle| rectangle.and(receivers)).collect()
+            }
+        })
+    }
+
+    /// The same in passes of at most 255 casters, each of which darkens for itself.
+    pub(crate) fn drawn_guarded(&self, rule: Rule) -> Result<Drawn, String> {
+        let volume = self
+            .volume(End::Infinite)
+            .map_err(|error| error.to_string())?;
+        let mesh = &self.prepared.mesh;
+        let mut drawn = Drawn {
+            volume_triangles: volume.triangles.len(),
+            ..Drawn::default()
+        };
+        for (view, truth) in &self.channels {
+            let mut dark = vec![false; view.pixel_count()];
+            let mut whole = Stencil::clear(view);
+            let passes =
+                u32::try_from(mesh.parts.len()).map_or(0, |parts| parts.div_ceil(MAX_COUNT));
+            for pass in 0..passes {
+                let mut stencil = Stencil::clear(view);
+                let how =
+                    |part: u32| (part / MAX_COUNT == pass).then(|| (rule, Rectangle::whole(view)));
+                draw(&mut stencil, view, mesh, &volume, truth, &how);
+                for (dark, is_dark) in dark.iter_mut().zip(stencil.mask()) {
+                    *dark |= is_dark;
+                }
+                whole.updates += stencil.updates;
+                for (sum, count) in whole.counts.iter_mut().zip(stencil.counts) {
+                    *sum += count;
+                }
+            }
+            drawn.add(&whole, &dark, truth);
+        }
+        Ok(drawn)
+    }
+
+    /// The channel with the most shadow, for a picture.
+    pub(crate) fn darkest(&self) -> Option<&(View, Truth)> {
+        self.channels
+            .iter()
+            .max_by_key(|(_, truth)| truth.count(Light::Shadow))
+    }
+
+    /// Mask of one view.
+    pub(crate) fn mask(
+        &self,
+        (view, truth): &(View, Truth),
+        end: End,
+        rule: Rule,
+        scissor: Scissor,
+    ) -> Result<Vec<bool>, String> {
+        let volume = self.volume(end).map_err(|error| error.to_string())?;
+        let rectangles = self.rectangles(view, truth, scissor)?;
+        let mut stencil = Stencil::clear(view);
+        let how = |part: u32| Some((rule, rectangles[part as usize]));
+        draw(
+            &mut stencil,
+            view,
+            &self.prepared.mesh,
+            &volume,
+            truth,
+            &how,
+        );
+        Ok(stencil.mask())
+    }
+}
+
+impl Drawn {
+    fn add(&mut self, stencil: &Stencil, mask: &[bool], truth: &Truth) {
+        self.wrong = self.wrong.plus(Wrong::of(mask, truth));
+        self.updates += stencil.updates;
+        self.worst_channel_updates = self.worst_channel_updates.max(stencil.updates);
+        self.max_overlap = self.max_overlap.max(stencil.max());
+        for (at, is_dark) in mask.iter().enumerate() {
+            if truth.light[at] == Light::Shadow && !is_dark {
+                self.lost += 1;
+                self.lost_on_casters += usize::from(matches!(truth.seen[at], Seen::Triangle(..)));
+            }
+        }
+    }
+}
+
+/// What a test of the eye came to over all eyes.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct EyeResult {
+    pub(crate) near: f64,
+    pub(crate) eyes: usize,
+    /// Eyes for which z-pass was chosen and part of the near rectangle is in shadow.
+    pub(crate) missed: usize,
+    /// Eyes for which z-fail was chosen and no sample of the rectangle is in shadow.
+    pub(crate) needless: usize,
+    /// Sum of the shares of the rectangle in shadow over missed eyes.
+    pub(crate) missed_share: f64,
+    /// Sum of the shares of casters' triangles drawn by z-fail.
+    pub(crate) fail_share: f64,
+}
+
+/// What is seen, and masks by the published test and by the exact one.
+pub(crate) type Missed = (Truth, [Vec<bool>; 2]);
+
+/// Every test for every near plane under a sun, and the eye that the published one misses worst.
+pub(crate) struct EyeTable {
+    pub(crate) at: [f64; 2],
+    results: Vec<(EyeTest, EyeResult)>,
+    worst: Option<View>,
+}
+
+impl EyeTable {
+    pub(crate) fn new(at: [f64; 2]) -> Result<Self, String> {
+        let mesh = port(PortSize::named("port-m").ok_or("no port-m")?);
+        let to_light = sun(at);
+        let (facing, boxes) = (Facing::of(&mesh, to_light), Boxes::of(&mesh));
+        let reference = Reference::new(&mesh, to_light);
+        let mut table = Self {
+            at,
+            results: Vec::new(),
+            worst: None,
+        };
+        let mut worst_share = 0.0;
+        for near in NEARS {
+            let mut results = EyeTest::ALL.map(|test| {
+                (
+                    test,
+                    EyeResult {
+                        near,
+                        ..EyeResult::default()
+                    },
+                )
+            });
+            for view in deck_eyes(&mesh, EYES, near) {
+                let share = shadowed_share(&view, &reference);
+                for (test, result) in &mut results {
+                    let fail = chosen(*test, &view, to_light, &mesh, &facing, &boxes, &reference);
+                    let triangles: usize = mesh
+                        .parts
+                        .iter()
+                        .zip(&fail)
+                        .map(|(part, fail)| usize::from(*fail) * part.triangles.len())
+                        .sum();
+                    let any = triangles > 0;
+                    result.eyes += 1;
+                    result.fail_share += triangles as f64 / mesh.triangles.len() as f64;
+                    result.needless += usize::from(any && share == 0.0);
+                    if share > 0.0 && !any {
+                        result.missed += 1;
+                        result.missed_share += share;
+                        if *test == EyeTest::Eye && share > worst_share {
+                            (worst_share, table.worst) = (share, Some(view));
+                        }
+                    }
+                }
+            }
+            table.results.extend(results);
+        }
+        Ok(table)
+    }
+
+    pub(crate) fn result(&self, test: EyeTest, near: f64) -> Option<EyeResult> {
+        let mut all = self.results.iter();
+        let found =
+            all.find(|(own, result)| *own == test && result.near.to_bits() == near.to_bits());
+        found.map(|(_, result)| *result)
+    }
+
+    /// The view that the published test misses worst.
+    pub(crate) fn missed(&self) -> Result<Option<Missed>, String> {
+        let Some(view) = self.worst else {
+            return Ok(None);
+        };
+        let mesh = port(PortSize::named("port-m").ok_or("no port-m")?);
+        let scene = Scene::of(mesh, self.at, vec![view])?;
+        let mesh = &scene.prepared.mesh;
+        let boxes = Boxes::of(mesh);
+        let reference = Reference::new(mesh, scene.to_light);
+        let volume = scene.volume(End::Sea).map_err(|error| error.to_string())?;
+        let (view, truth) = &scene.channels[0];
+        let masks = [EyeTest::Eye, EyeTest::Exact].map(|test| {
+            let fail = chosen(
+                test,
+                view,
+                scene.to_light,
+                mesh,
+                &scene.facing,
+                &boxes,
+                &reference,
+            );
+            let mut stencil = Stencil::clear(view);
+            let how = |part: u32| {
+                let rule = if fail[part as usize] {
+                    Rule::Fail
+                } else {
+                    Rule::Pass
+                };
+                Some((rule, Rectangle::whole(view)))
+            };
+            draw(&mut stencil, view, mesh, &volume, truth, &how);
+            stencil.mask()
+        });
+        Ok(Some((truth.clone(), masks)))
+    }
+}
