@@ -62,6 +62,7 @@ pub(crate) static STUDIES: &[&dyn Study] = &[
         surfaces: SURFACES,
     },
     &terrafill_globes::GlobesStudy { surfaces: SURFACES },
+    &terrafill_balls::BallsStudy,
     &ExtremeStudy {
         techniques: TECHNIQUES,
         surfaces: SURFACES,
