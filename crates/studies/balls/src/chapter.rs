@@ -343,8 +343,9 @@ fn table(
 }
 
 fn finding(claim: String, holds: Option<bool>, because: String) -> Finding {
+    let end = if because.is_empty() { "" } else { ":" };
     Finding {
-        claim,
+        claim: claim + end,
         standing: holds.map_or(Standing::NotMeasured, Standing::holds_if),
         because,
     }
