@@ -68,6 +68,7 @@ pub(crate) static STUDIES: &[&dyn Study] = &[
     },
     &terrafill_globes::GlobesStudy { surfaces: SURFACES },
     &terrafill_shadows::ShadowsStudy,
+    &terrafill_balls::BallsStudy,
     &ExtremeStudy {
         techniques: TECHNIQUES,
         surfaces: SURFACES,

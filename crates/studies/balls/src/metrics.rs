@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What is measured.
+
+use terrafill_results::{Kind, Metric};
+
+pub(crate) const METRICS: [Metric; 12] = [
+    Metric::less(
+        "ball_cpu_us",
+        "µs",
+        Kind::Time,
+        "Process CPU time of one second of one ball.",
+    ),
+    Metric::less(
+        "ball_rms_m",
+        "m",
+        Kind::Error,
+        "Root mean square error of height after 5 s against the closed form, over balls not blown up.",
+    ),
+    Metric::less(
+        "ball_blown_share",
+        "",
+        Kind::Error,
+        "Share of the balls above 1 km, below −1 km or with more than ten times their first energy.",
+    ),
+    Metric::neither(
+        "ball_energy_change",
+        "",
+        Kind::Error,
+        "Mean of energy at the end over energy at the start, less 1, over balls not blown up.",
+    ),
+    Metric::neither(
+        "ball_deepest_m",
+        "m",
+        Kind::Error,
+        "Largest depth below the surface, over balls not blown up.",
+    ),
+    Metric::neither(
+        "ball_contact_energy_mean",
+        "",
+        Kind::Error,
+        "Mean energy after one contact over that before it, over 1,000 places in a step at which it begins.",
+    ),
+    Metric::less(
+        "ball_contact_energy_max",
+        "",
+        Kind::Error,
+        "Largest energy after one contact over that before it.",
+    ),
+    Metric::less(
+        "ball_contact_energy_rms",
+        "",
+        Kind::Error,
+        "Root mean square of the energy ratio of one contact, less 1.",
+    ),
+    Metric::less(
+        "ball_contact_stayed_share",
+        "",
+        Kind::Error,
+        "Share of the contacts that did not end within 100 half periods.",
+    ),
+    Metric::less(
+        "ball_sunk_share",
+        "",
+        Kind::Error,
+        "Share of the balls deeper than half a metre after 10 s.",
+    ),
+    Metric::less(
+        "ball_rest_gap_m",
+        "m",
+        Kind::Error,
+        "Largest difference of a resting ball from its depth g/ω².",
+    ),
+    Metric::less(
+        "ball_rest_speed",
+        "m/s",
+        Kind::Error,
+        "Largest speed of a ball at rest.",
+    ),
+];

@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The cases: drops by integrator, stiffness, arithmetic, state and step; contacts; reflections; rests.
+
+use crate::chapter::BallsChapter;
+use crate::contact::{STEPS, energy_ratio};
+use crate::drop::{Arithmetic, Drop, GROUND_M, Rest};
+use crate::integrator::Integrator;
+use crate::{STUDY, metrics::METRICS};
+use std::collections::BTreeMap;
+use terrafill_fill::CpuStopwatch;
+use terrafill_results::{CaseId, Chapter, Metric, PlannedCase, Status, Verdict};
+use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
+
+/// Steps a second; a quick run leaves out the last.
+const STEPS_PER_SECOND: [u32; 6] = [30, 120, 480, 1_920, 7_680, 30_720];
+/// Stiffness k/m by its name in tables, 1/s².
+const STIFFNESS: [(&str, f64); 3] = [("1e3", 1e3), ("1e5", 1e5), ("1e7", 1e7)];
+/// Timed runs of each case in a process, unless the request says otherwise.
+const SAMPLES: u32 = 3;
+
+/// Balls on flat ground, by every integrator.
+#[derive(Debug, Clone, Copy)]
+pub struct BallsStudy;
+
+impl Study for BallsStudy {
+    fn name(&self) -> &'static str {
+        STUDY
+    }
+
+    fn question(&self) -> &'static str {
+        "Which integrator takes a bouncing ball to which error, in which time?"
+    }
+
+    fn metrics(&self) -> &'static [Metric] {
+        &METRICS
+    }
+
+    fn least_depth(&self) -> Depth {
+        Depth::Full
+    }
+
+    fn needs_device(&self) -> bool {
+        false
+    }
+
+    fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
+        let is_quick = request.depth == Depth::Quick;
+        let samples = request.samples.unwrap_or(SAMPLES);
+        let mut groups: Vec<Box<dyn Group>> = Vec::new();
+        for (part, experiments) in [
+            ("drop", drops(is_quick)),
+            ("contact", contacts()),
+            ("reflect", reflections()),
+            ("rest", rests()),
+        ] {
+            groups.push(Box::new(Balls::new(part, experiments, samples)));
+        }
+        Ok(Planned {
+            groups,
+            skipped: Vec::new(),
+        })
+    }
+
+    fn chapter(&self) -> &dyn Chapter {
+        &BallsChapter
+    }
+}
+
+/// What a case does.
+#[derive(Debug, Clone, Copy)]
+enum Experiment {
+    Drop(Drop),
+    Contact(Integrator, f64),
+    Reflect(Drop),
+    Rest(Rest),
+}
+
+/// Conditions of a case, in the order of its name.
+type Conditions = Vec<(&'static str, String)>;
+
+fn state(datum_m: f64) -> String {
+    if datum_m > 0.0 { "height" } else { "gap" }.to_owned()
+}
+
+fn drops(is_quick: bool) -> Vec<(Conditions, Experiment)> {
+    let spring = STIFFNESS.map(|(name, value)| (name, Some(value)));
+    let laws = spring.into_iter().chain([("hard", None)]);
+    let mut drops = Vec::new();
+    for (name, stiffness) in laws {
+        let integrators: &[Integrator] = match stiffness {
+            Some(_) => &Integrator::SPRING,
+            None => &Integrator::HARD,
+        };
+        for &integrator in integrators {
+            for arithmetic in Arithmetic::ALL {
+                for datum_m in [0.0, GROUND_M] {
+                    for &steps in &STEPS_PER_SECOND[..if is_quick { 5 } else { 6 }] {
+                        let drop = Drop {
+                            integrator,
+                            stiffness,
+                            arithmetic,
+                            datum_m,
+                            steps_per_second: steps,
+                            restitution: 1.0,
+                            balls: if is_quick { 16 } else { 128 },
+                            seconds: 5,
+                        };
+                        let conditions = vec![
+                            ("integrator", integrator.name().to_owned()),
+                            ("stiffness", name.to_owned()),
+                            ("arithmetic", arithmetic.name().to_owned()),
+                            ("state", state(datum_m)),
+                            ("steps_per_second", steps.to_string()),
+                        ];
+                        drops.push((conditions, Experiment::Drop(drop)));
+                    }
+                }
+            }
+        }
+    }
+    drops
+}
+
+fn contacts() -> Vec<(Conditions, Experiment)> {
+    let of = |integrator: Integrator| {
+        STEPS.map(|length| {
+            let conditions = vec![
+                ("integrator", integrator.name().to_owned()),
+                ("omega_dt", length.to_string()),
+            ];
+            (conditions, Experiment::Contact(integrator, length))
+        })
+    };
+    Integrator::SPRING.into_iter().flat_map(of).collect()
+}
+
+fn reflections() -> Vec<(Conditions, Experiment)> {
+    let mut reflections = Vec::new();
+    for integrator in Integrator::HARD {
+        for restitution in [1.0, 0.8, 0.5] {
+            for steps in [30, 60, 240] {
+                let drop = Drop {
+                    integrator,
+                    stiffness: None,
+                    arithmetic: Arithmetic::F64,
+                    datum_m: 0.0,
+                    steps_per_second: steps,
+                    restitution,
+                    balls: 2_000,
+                    seconds: 10,
+                };
+                let conditions = vec![
+                    ("integrator", integrator.name().to_owned()),
+                    ("restitution", restitution.to_string()),
+                    ("steps_per_second", steps.to_string()),
+                ];
+                reflections.push((conditions, Experiment::Reflect(drop)));
+            }
+        }
+    }
+    reflections
+}
+
+fn rests() -> Vec<(Conditions, Experiment)> {
+    let mut rests = Vec::new();
+    for (name, stiffness) in STIFFNESS {
+        for arithmetic in Arithmetic::ALL {
+            for datum_m in [0.0, 10.0, 100.0, GROUND_M, 8_000.0] {
+                let rest = Rest {
+                    stiffness,
+                    arithmetic,
+                    datum_m,
+                };
+                let conditions = vec![
+                    ("stiffness", name.to_owned()),
+                    ("arithmetic", arithmetic.name().to_owned()),
+                    ("datum_m", datum_m.to_string()),
+                ];
+                rests.push((conditions, Experiment::Rest(rest)));
+            }
+        }
+    }
+    rests
+}
+
+/// Cases of one part.
+struct Balls {
+    part: &'static str,
+    cases: Vec<PlannedCase>,
+    experiments: Vec<Experiment>,
+}
+
+impl Balls {
+    fn new(part: &'static str, of: Vec<(Conditions, Experiment)>, samples: u32) -> Self {
+        let (mut cases, mut experiments) = (Vec::new(), Vec::new());
+        for (conditions, experiment) in of {
+            let values = conditions.iter().map(|(_, value)| value.as_str());
+            let name: Vec<&str> = [part].into_iter().chain(values).collect();
+            let name = name.join("/");
+            let all = [("part", part.to_owned())].into_iter().chain(conditions);
+            cases.push(PlannedCase {
+                id: CaseId::new(STUDY, name, all),
+                // Shares and energies are exact; only drops are timed.
+                samples: if part == "drop" { samples } else { 0 },
+                may_be_wrong: false,
+            });
+            experiments.push(experiment);
+        }
+        Self {
+            part,
+            cases,
+            experiments,
+        }
+    }
+}
+
+impl Group for Balls {
+    fn name(&self) -> String {
+        format!("{STUDY}/{}", self.part)
+    }
+
+    fn cases(&self) -> &[PlannedCase] {
+        &self.cases
+    }
+
+    fn warm_up(&self) -> Option<u32> {
+        // The check of a case runs it once.
+        Some(0)
+    }
+
+    fn open<'a>(&'a self, _context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
+        Ok(Box::new(BallsSession(&self.experiments)))
+    }
+}
+
+struct BallsSession<'a>(&'a [Experiment]);
+
+impl Session for BallsSession<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
+        Ok(Verdict {
+            status: Status::Ok,
+            figures: figures(&self.0[case]),
+            ..Verdict::default()
+        })
+    }
+
+    fn recheck(
+        &mut self,
+        _case: usize,
+        _status: Status,
+        _notes: &BTreeMap<String, String>,
+    ) -> Result<Verdict, StudyError> {
+        // The figures are exact: another process has the same.
+        Ok(Verdict {
+            status: Status::Ok,
+            ..Verdict::default()
+        })
+    }
+
+    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+        let Experiment::Drop(drop) = &self.0[case] else {
+            return Err("only drops are timed".to_owned());
+        };
+        let watch = CpuStopwatch::start();
+        std::hint::black_box(drop.work());
+        let ball_seconds = f64::from(drop.balls) * f64::from(drop.seconds);
+        Ok(vec![("ball_cpu_us", watch.cpu_ms() * 1e3 / ball_seconds)])
+    }
+}
+
+/// What a case shows; a figure that is not finite is absent.
+fn figures(experiment: &Experiment) -> Vec<(&'static str, f64)> {
+    let figures = match experiment {
+        Experiment::Drop(drop) => {
+            let landed = drop.land();
+            vec![
+                ("ball_rms_m", landed.rms_m),
+                ("ball_blown_share", Some(landed.blown_share)),
+                ("ball_energy_change", landed.energy_change),
+                ("ball_deepest_m", Some(landed.deepest_m)),
+            ]
+        }
+        Experiment::Contact(integrator, length) => {
+            let ratio = energy_ratio(*integrator, *length);
+            vec![
+                ("ball_contact_energy_mean", ratio.map(|ratio| ratio.mean)),
+                ("ball_contact_energy_max", ratio.map(|ratio| ratio.largest)),
+                (
+                    "ball_contact_energy_rms",
+                    ratio.map(|ratio| ratio.rms_change),
+                ),
+                (
+                    "ball_contact_stayed_share",
+                    ratio.map(|ratio| ratio.stayed_share),
+                ),
+            ]
+        }
+        Experiment::Reflect(drop) => {
+            let landed = drop.land();
+            vec![
+                ("ball_sunk_share", Some(landed.sunk_share)),
+                ("ball_energy_change", landed.energy_change),
+            ]
+        }
+        Experiment::Rest(rest) => {
+            let rested = rest.settle();
+            vec![
+                ("ball_rest_gap_m", Some(rested.gap_error_m)),
+                ("ball_rest_speed", Some(rested.speed)),
+            ]
+        }
+    };
+    let known = figures.into_iter();
+    let known = known.filter_map(|(name, value)| Some((name, value.filter(|v| v.is_finite())?)));
+    known.collect()
+}
