@@ -78,9 +78,9 @@ const SECTIONS: [Section; 8] = [
     Section {
         question: "scissors",
         title: "Scissors",
-        text: "Three readings of \"what lies above the sea\": rows above the horizon, a rectangle round each \
-               caster's volume as it is when closed at the sea, and that rectangle cut by the one round everything above the sea, which leaves \
-               shadows on the sea out. z-fail, infinite volumes.",
+        text: "Three readings of \"what lies above the sea\": rows above the horizon; a rectangle round each \
+               caster's volume, closed at the sea; and the same, cut by the rectangle round everything above \
+               the sea. The last leaves shadows on the sea out. z-fail, infinite volumes.",
         named_by: &["sun", "scissor"],
         columns: &[
             ("shadow pixels lost, %", LOST),
