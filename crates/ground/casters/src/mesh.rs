@@ -151,12 +151,9 @@ impl Mesh {
 
     /// A convex polygon as a fan, in one plane.
     fn push_face(&mut self, ring: &[u32]) {
-        let place = |at: usize| self.vertices[ring[at] as usize];
-        let fan = (1..ring.len() - 1)
-            .map(|at| (place(at) - place(0)).cross(place(at + 1) - place(0)))
-            .sum();
         let plane = index(self.normals.len());
-        self.normals.push(fan);
+        let places: Vec<DVec3> = ring.iter().map(|at| self.vertices[*at as usize]).collect();
+        self.normals.push(fan_normal(&places));
         for at in 1..ring.len() - 1 {
             self.triangles.push([ring[0], ring[at], ring[at + 1]]);
             self.planes.push(plane);
@@ -166,11 +163,8 @@ impl Mesh {
     /// A closed prism: `ring`, a convex polygon, and the same moved by `along`.
     pub(crate) fn push_prism(&mut self, ring: &[DVec3], along: DVec3) {
         let count = index(ring.len());
-        let fan: DVec3 = (1..ring.len() - 1)
-            .map(|at| (ring[at] - ring[0]).cross(ring[at + 1] - ring[0]))
-            .sum();
         let mut base = ring.to_vec();
-        if fan.dot(along) < 0.0 {
+        if fan_normal(ring).dot(along) < 0.0 {
             base.reverse();
         }
         let ends = base.iter().map(|place| *place + along);
@@ -228,6 +222,13 @@ impl Mesh {
         }
         parts
     }
+}
+
+/// Normal of a polygon, twice its area long: the sum over a fan from its first place.
+pub(crate) fn fan_normal(ring: &[DVec3]) -> DVec3 {
+    let spokes = ring.iter().map(|place| *place - ring[0]);
+    let next = spokes.clone().skip(1);
+    spokes.zip(next).map(|(a, b)| a.cross(b)).sum()
 }
 
 /// Meshes have fewer than 2³² of anything: their indices are `u32`.

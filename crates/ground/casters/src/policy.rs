@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What is done with a mesh that is not closed.
 
-use crate::mesh::index;
+use crate::mesh::{fan_normal, index};
 use crate::verdict::{part_edges, welded};
 use crate::{Mesh, MeshError, Part, verdict};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// A border loop counts as planar within this share of its extent: places in a file are often `f32`,
-/// whose step is 6·10⁻⁸ of them, and a loop's plane is found from several.
+/// A border loop counts as planar within this share of its extent. Places in a file are often `f32`,
+/// whose step is 6·10⁻⁸ of them, and several of them decide the loop's plane.
 const PLANAR_SHARE: f64 = 1e-6;
 
 /// See [`Policy::prepare`].
@@ -100,10 +100,8 @@ fn cap(mesh: &mut Mesh) {
 }
 
 fn normal(mesh: &Mesh, ring: &[u32]) -> DVec3 {
-    let place = |at: usize| mesh.vertices[ring[at] as usize];
-    (1..ring.len() - 1)
-        .map(|at| (place(at) - place(0)).cross(place(at + 1) - place(0)))
-        .sum()
+    let places: Vec<DVec3> = ring.iter().map(|at| mesh.vertices[*at as usize]).collect();
+    fan_normal(&places)
 }
 
 /// Simple planar loops along a part's border, wound against it.

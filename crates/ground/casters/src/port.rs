@@ -301,7 +301,7 @@ fn ship(
     yard.pile(house - 9.0, 0.0, 4.0, deck, deck + 20.0);
     yard.pile(house, 0.0, 0.5, deck + 15.0, deck + 24.0);
     yard.pile(0.8 * half, 0.0, 0.6, deck, deck + 14.0);
-    let posts = index(40);
+    let posts = 40_u32;
     for y in [-side + 0.15, side - 0.15] {
         for post in 0..posts {
             let x = -0.9 * half + 1.5 * half * f64::from(post) / f64::from(posts - 1);

@@ -99,8 +99,8 @@ impl Volume {
             Extent::ClosedAt(levels) => {
                 check_above(to_light)?;
                 let ends = mesh.vertices.iter().zip(&parts).map(|(place, part)| {
-                    // A place below the level stays: both ends lie below it, so that no place above
-                    // is in one and not in the other, and a pile is not cast upwards from its foot.
+                    // A place below the level stays, or a pile would be cast upwards from its foot. Both
+                    // ends then lie below the level, where nothing is seen.
                     let fall = ((place.z - levels[*part as usize]) / to_light.z).max(0.0);
                     (place - to_light * fall).extend(1.0)
                 });

@@ -5,8 +5,8 @@
 //! pushes it out: `a = −g − (k/m)·x`. Without a spring it is reflected. Nothing is lost, so that the
 //! motion repeats from contact to contact.
 
-/// Acceleration of free fall, m/s².
-pub(crate) const GRAVITY: f64 = 9.81;
+/// Acceleration of free fall, m/s²: 9.81 as `f32` has it, so that no arithmetic errs by its rounding.
+pub(crate) const GRAVITY: f64 = 9.81_f32 as f64;
 
 /// Height above the ground of a ball dropped from `height_m` at rest, `time_s` later.
 ///

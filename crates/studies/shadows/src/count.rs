@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a stencil would hold: triangles of the volumes counted along the ray of each pixel's centre.
 //!
-//! Homogeneous edge functions (Olano & Greer, 1997): a triangle's corners relative to the eye are vectors
-//! v = place − w·eye, and the ray lies inside where det(ray, vᵢ, vⱼ) has one sign for all edges. An edge
+//! Homogeneous edge functions (Olano & Greer, 1997). A triangle's corners relative to the eye are vectors
+//! v = place − w·eye. The ray lies inside where det(ray, vᵢ, vⱼ) has one sign for all edges. An edge
 //! has the same bits from both of its triangles, so that no ray slips between them. The depth of a lit
 //! surface and that of its light cap come from one expression and are equal: equal depth fails.
 

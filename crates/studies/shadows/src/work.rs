@@ -150,14 +150,8 @@ impl Scene {
         for (view, truth) in &self.channels {
             let mut stencil = Stencil::clear(view);
             let how = |_| Some((Rule::Fail, Rectangle::whole(view)));
-            draw(
-                &mut stencil,
-                view,
-                &self.prepared.mesh,
-                &volume,
-                truth,
-                &how,
-            );
+            let mesh = &self.prepared.mesh;
+            draw(&mut stencil, view, mesh, &volume, truth, &how);
             drawn.add(&stencil, &stencil.mask(), truth);
         }
         Ok((drawn, caster.prepared.mesh.triangles.len()))
@@ -215,16 +209,12 @@ impl Scene {
     /// Draws all volumes in every channel.
     pub(crate) fn drawn(&self, end: End, rule: Rule, scissor: Scissor) -> Result<Drawn, String> {
         let volume = self.volume(end).map_err(|error| error.to_string())?;
-        let mesh = &self.prepared.mesh;
         let mut drawn = Drawn {
             volume_triangles: volume.triangles.len(),
             ..Drawn::default()
         };
         for (view, truth) in &self.channels {
-            let rectangles = self.rectangles(view, truth, scissor)?;
-            let mut stencil = Stencil::clear(view);
-            let how = |part: u32| Some((rule, rectangles[part as usize]));
-            draw(&mut stencil, view, mesh, &volume, truth, &how);
+            let stencil = self.stencil((view, truth), &volume, rule, scissor)?;
             drawn.add(&stencil, &stencil.mask(), truth);
         }
         Ok(drawn)
@@ -305,18 +295,24 @@ impl Scene {
         scissor: Scissor,
     ) -> Result<Vec<bool>, String> {
         let volume = self.volume(end).map_err(|error| error.to_string())?;
+        let stencil = self.stencil((view, truth), &volume, rule, scissor)?;
+        Ok(stencil.mask())
+    }
+
+    /// What the volumes leave in one view.
+    fn stencil(
+        &self,
+        (view, truth): (&View, &Truth),
+        volume: &Volume,
+        rule: Rule,
+        scissor: Scissor,
+    ) -> Result<Stencil, String> {
         let rectangles = self.rectangles(view, truth, scissor)?;
         let mut stencil = Stencil::clear(view);
         let how = |part: u32| Some((rule, rectangles[part as usize]));
-        draw(
-            &mut stencil,
-            view,
-            &self.prepared.mesh,
-            &volume,
-            truth,
-            &how,
-        );
-        Ok(stencil.mask())
+        let mesh = &self.prepared.mesh;
+        draw(&mut stencil, view, mesh, volume, truth, &how);
+        Ok(stencil)
     }
 }
 
