@@ -60,6 +60,17 @@ impl Scene {
         Self::from_toml(text, &format!("bench-scenes/{name}.toml"), data_dir)
     }
 
+    /// A scene by the name of one that ships, or by the path of a scene file (with `/` or `.toml` in it).
+    ///
+    /// # Errors
+    /// As [`Scene::shipped`].
+    pub fn open(name: &str, data_dir: Option<&Path>) -> Result<Self, SceneError> {
+        match name.contains('/') || name.ends_with(".toml") {
+            true => Self::load(Path::new(name), data_dir),
+            false => Self::shipped(name, data_dir),
+        }
+    }
+
     /// A scene from the text of a scene file; `file` is for messages.
     ///
     /// # Errors

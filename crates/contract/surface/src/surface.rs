@@ -40,16 +40,6 @@ pub trait Surface: Debug + Send + Sync {
 
 /// A surface that need not wait for all pieces of a view. [`Surface::frame`] waits for them.
 pub trait Refining: Send + Sync {
-    /// [`Surface::frame`], and how far it is from the full resolution. Nothing is waiting.
-    ///
-    /// # Errors
-    /// As [`Surface::frame`].
-    fn frame_all(
-        &self,
-        camera: &Camera,
-        size: ImageSize,
-    ) -> Result<(SurfaceFrame, Refinement), SurfaceError>;
-
     /// What can be drawn of a view with the pieces that are there, and how far that is from what is wanted.
     /// The missing ones are asked for, in place of those asked for before: also those in between, which are
     /// drawn on the way.
@@ -82,8 +72,6 @@ pub trait Refining: Send + Sync {
 pub struct Refinement {
     /// Pieces that were asked for. 0: the frame is what [`Surface::frame`] gives.
     pub waiting: usize,
-    /// Pieces that are drawn.
-    pub drawn: usize,
     /// How far from the full resolution what is drawn may be on the screen, pixels: a bound.
     pub error_px: f64,
 }

@@ -42,7 +42,12 @@ pub fn count(value: u64) -> String {
 /// Bytes, short: decimal units, three significant digits.
 #[must_use]
 pub fn bytes(value: u64) -> String {
-    let value = value as f64;
+    measured_bytes(value as f64)
+}
+
+/// The same of a measured value, which is a whole number.
+#[must_use]
+pub fn measured_bytes(value: f64) -> String {
     match value {
         v if v >= 1e9 => format!("{} GB", significant(v / 1e9)),
         v if v >= 1e6 => format!("{} MB", significant(v / 1e6)),

@@ -11,6 +11,7 @@ mod difference;
 mod distance;
 mod figures;
 mod moved;
+mod tally;
 mod texture;
 mod tolerance;
 mod verdict;
@@ -23,6 +24,7 @@ pub use moved::{
     MAX_MEASURED, MAX_PICTURE_SEARCH_PX, Movement, boundary_movement, movement_in_picture,
     with_movement,
 };
+pub use tally::Tally;
 pub use texture::{TextureErrors, compare_texture, silhouette_band};
 pub use tolerance::{
     BAND_RADIUS_PX, BORDER_ROUNDING, DEPTH_JUMP, MAX_FOREIGN_PX, MAX_HAUSDORFF_PX,

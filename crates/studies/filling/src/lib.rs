@@ -29,7 +29,6 @@ mod textured;
 
 pub use chapter::FillingChapter;
 pub use request::STUDY;
-pub use scenes::open_scene;
 pub use study::FillingStudy;
 pub use subject::{Surfaces, Techniques};
 pub use suite::{EXTREME, ExtremeChapter, ExtremeStudy, IN_HAND, extreme_sentence};

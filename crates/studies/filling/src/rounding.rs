@@ -112,7 +112,6 @@ fn largest_in_sight(input: &FillInput, from: DVec3, to: DVec3) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::open_scene;
     use terrafill_core::RegionMesh;
     use terrafill_fill::{PreparedScene, two_float, two_float_difference_m};
     use terrafill_scene::{ImageSize, PlanOptions};
@@ -124,7 +123,7 @@ mod tests {
     };
 
     fn inputs(name: &str) -> Vec<FillInput> {
-        let scene = open_scene(name, None).expect("ships with the project");
+        let scene = terrafill_scene::Scene::open(name, None).expect("ships with the project");
         let meshes =
             RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh);
         let surface = EllipsoidKind::surface(&scene.body, 60);

@@ -4,7 +4,6 @@
 use crate::cases::{ViewGroup, view_group};
 use crate::request::{NO_SCENE, Wishes};
 use crate::textured::left_out;
-use std::path::Path;
 use std::sync::Arc;
 use terrafill_core::{MeshError, MeshOptions, RegionMesh};
 use terrafill_fill::RegionSet;
@@ -34,7 +33,7 @@ pub(crate) fn plan_scenes(wishes: &Wishes) -> Result<(Vec<ViewGroup>, Vec<Skippe
             });
             continue;
         }
-        match open_scene(name, wishes.data_dir.as_deref()) {
+        match Scene::open(name, wishes.data_dir.as_deref()) {
             Ok(scene) if groups.iter().any(|group| group.scene.name == scene.name) => {
                 errors.push(format!(
                     "scene {:?} is given twice, allowed: once",
@@ -108,18 +107,6 @@ fn check_wishes(
         }
     }
     Ok(())
-}
-
-/// A scene by the name of a shipped one, or by the path of a scene file (with `/` or `.toml` in it).
-///
-/// # Errors
-/// [`SceneError`].
-pub fn open_scene(name: &str, data_dir: Option<&Path>) -> Result<Scene, SceneError> {
-    if name.contains('/') || name.ends_with(".toml") {
-        Scene::load(Path::new(name), data_dir)
-    } else {
-        Scene::shipped(name, data_dir)
-    }
 }
 
 /// Meshes of every region, or the first errors.

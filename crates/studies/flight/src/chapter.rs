@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter on flights: time against what missing pieces of terrain change, by the way of making pieces.
 
-use terrafill_plot::number::{bytes, significant};
+use terrafill_plot::number::{measured_bytes, significant};
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
 };
@@ -195,7 +195,7 @@ fn table(run: &Run, scene: &str) -> Table {
             let count = value(case, metric).map(|count| count.to_string());
             Cell::or_absent(count, why)
         };
-        let size = |metric| Cell::or_absent(value(case, metric).map(whole_bytes), why);
+        let size = |metric| Cell::or_absent(value(case, metric).map(measured_bytes), why);
         Row {
             cells: vec![
                 Cell::name(case.condition("pieces")),
@@ -241,16 +241,6 @@ fn table(run: &Run, scene: &str) -> Table {
         is_main: true,
         ..Table::default()
     }
-}
-
-/// Whole and positive, as written.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a count of bytes below 2⁵³"
-)]
-fn whole_bytes(count: f64) -> String {
-    bytes(count as u64)
 }
 
 fn plot(run: &Run, scene: &str) -> Result<Option<String>, ChapterError> {

@@ -9,7 +9,7 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use terrafill_conformance::{
-    BAND_RADIUS_PX, BORDER_ROUNDING, ErrorFigures, Verdict as Comparison, compare_closely, verdict,
+    BAND_RADIUS_PX, BORDER_ROUNDING, ErrorFigures, Tally, compare_closely,
 };
 use terrafill_core::{MeshError, RegionMesh};
 use terrafill_fill::{
@@ -40,9 +40,6 @@ const COMPARED_OF_QUICK: u32 = 20;
 
 /// Flights of each case in a process, unless the request says otherwise.
 const SAMPLES: u32 = 3;
-
-/// Wrong frames that a reason names.
-const MAX_NAMED: usize = 5;
 
 const METRICS: [Metric; 15] = [
     Metric::less(
@@ -168,8 +165,11 @@ impl Study for FlightStudy {
         let scenes = match request.scenes.is_empty() {
             true => vec![home().map_err(|error| bad(&error))?],
             false => {
-                let opened = request.scenes.iter().map(|name| open(name, request));
-                opened.collect::<Result<_, _>>()?
+                let names = request.scenes.iter();
+                let opened = names.map(|name| Scene::open(name, request.data_dir.as_deref()));
+                opened
+                    .collect::<Result<_, _>>()
+                    .map_err(|error| bad(&error))?
             }
         };
         let mut planned = Planned {
@@ -187,7 +187,7 @@ impl Study for FlightStudy {
             }
             planned
                 .groups
-                .push(Box::new(Flights::new(self, request, scene)));
+                .push(Box::new(Flights::new(self, request, scene, surface)));
         }
         Ok(planned)
     }
@@ -195,15 +195,6 @@ impl Study for FlightStudy {
     fn chapter(&self) -> &dyn Chapter {
         &FlightChapter
     }
-}
-
-fn open(name: &str, request: &Request) -> Result<Scene, StudyError> {
-    let data = request.data_dir.as_deref();
-    let opened = match name.contains('/') || name.ends_with(".toml") {
-        true => Scene::load(std::path::Path::new(name), data),
-        false => Scene::shipped(name, data),
-    };
-    opened.map_err(|error| StudyError::BadInput(error.to_string()))
 }
 
 /// The terrain of [`HOME`] in tiles.
@@ -226,6 +217,8 @@ struct FlightCase {
 /// All cases over one scene.
 struct Flights {
     scene: Scene,
+    /// Has all that a view asks for.
+    settled: Arc<dyn Surface>,
     surfaces: &'static [&'static dyn SurfaceKind],
     size: ImageSize,
     compared_of: u32,
@@ -234,7 +227,12 @@ struct Flights {
 }
 
 impl Flights {
-    fn new(study: &FlightStudy, request: &Request, scene: Scene) -> Self {
+    fn new(
+        study: &FlightStudy,
+        request: &Request,
+        scene: Scene,
+        settled: Arc<dyn Surface>,
+    ) -> Self {
         let is_quick = request.depth == Depth::Quick;
         let [width, height] = request.size;
         let wanted = |technique: &&&'static dyn Technique| {
@@ -279,6 +277,7 @@ impl Flights {
             planned: planned.collect(),
             cases,
             scene,
+            settled,
             surfaces: study.surfaces,
             size: ImageSize { width, height },
             compared_of: if is_quick {
@@ -338,50 +337,33 @@ struct Flown {
 /// What the frames of a flight showed.
 #[derive(Debug, Default)]
 struct Compared {
-    frames: u32,
-    wrong: Vec<(usize, String)>,
-    outside_px: u64,
+    tally: Tally,
     /// Pixels that the terrain's missing pieces changed: most of all frames, and of the last.
     changed_px: u64,
     last_changed_px: u64,
 }
 
 impl Compared {
-    fn add(&mut self, frame: usize, figures: Result<(ErrorFigures, u64), String>) {
-        self.frames += 1;
-        let reason = match figures {
-            Ok((figures, changed_px)) => {
-                self.changed_px = self.changed_px.max(changed_px);
-                self.last_changed_px = changed_px;
-                self.outside_px = self.outside_px.max(figures.mismatched_px_outside_band);
-                match verdict(&figures) {
-                    Comparison::Pass => return,
-                    Comparison::Fail(reasons) => reasons.join(", "),
-                }
-            }
-            Err(error) => error,
-        };
-        self.wrong.push((frame, reason));
+    fn add(&mut self, frame: u32, compared: Result<(ErrorFigures, u64), String>) {
+        if let Ok((_, changed_px)) = compared {
+            self.changed_px = self.changed_px.max(changed_px);
+            self.last_changed_px = changed_px;
+        }
+        let figures = compared.as_ref().map(|(figures, _)| figures);
+        self.tally.add(frame, figures.map_err(Clone::clone));
     }
 
     fn verdict(&self) -> Verdict {
-        let named = self.wrong.iter().take(MAX_NAMED);
-        let named: Vec<String> = named
-            .map(|(frame, reason)| format!("frame {frame}: {reason}"))
-            .collect();
         Verdict {
-            status: match self.wrong.is_empty() {
+            status: match self.tally.is_right() {
                 true => Status::Ok,
                 false => Status::Wrong,
             },
-            reason: match self.wrong.len() {
-                0 => String::new(),
-                wrong => format!("{wrong} of {} frames; {}", self.frames, named.join("; ")),
-            },
+            reason: self.tally.reason(),
             figures: vec![
-                ("flight_frames_compared", f64::from(self.frames)),
-                ("flight_frames_wrong", self.wrong.len() as f64),
-                ("flight_outside_px", self.outside_px as f64),
+                ("flight_frames_compared", f64::from(self.tally.frames)),
+                ("flight_frames_wrong", self.tally.wrong.len() as f64),
+                ("flight_outside_px", self.tally.outside_px as f64),
                 ("flight_changed_px", self.changed_px as f64),
                 ("flight_last_changed_px", self.last_changed_px as f64),
             ],
@@ -433,8 +415,6 @@ struct FlightsSession<'a> {
     backends: BTreeMap<usize, Box<dyn FillBackend>>,
     /// One for all cases: a flight begins with nothing made.
     surface: Arc<dyn Surface>,
-    /// Another of the same, which has all that a view asks for.
-    settled: Arc<dyn Surface>,
     as_it_is: Arc<AsItIs>,
     /// With frames that wait, and with frames of what is there.
     whole: PreparedScene,
@@ -453,11 +433,9 @@ impl<'a> FlightsSession<'a> {
             &flights.scene.mesh,
         );
         let meshes = meshes.map_err(|mut errors| bad(errors.remove(0).into()))?;
-        let opened = || {
-            let surface = open_surface(flights.surfaces, &flights.scene);
-            surface.map_err(|error| bad(error.into()))
-        };
-        let (surface, settled) = (opened()?, opened()?);
+        // Another one than the settled: a flight begins with nothing made.
+        let surface = open_surface(flights.surfaces, &flights.scene);
+        let surface = surface.map_err(|error| bad(error.into()))?;
         let broken = || StudyError::Broken {
             place: flights.name(),
             message: "its surface has no pieces any more".to_owned(),
@@ -476,7 +454,6 @@ impl<'a> FlightsSession<'a> {
             targets: Targets::new(context.devices, flights.size),
             backends: BTreeMap::new(),
             surface,
-            settled,
             as_it_is,
             whole,
             now,
@@ -533,10 +510,10 @@ impl<'a> FlightsSession<'a> {
             if is_compared {
                 let drawn = backend.render(&input)?;
                 let asked_for = FillInput {
-                    surface: self.settled.frame(&input.camera, size)?,
+                    surface: self.flights.settled.frame(&input.camera, size)?,
                     ..input.clone()
                 };
-                compared.add(at as usize, figures(&input, &asked_for, &drawn));
+                compared.add(at, figures(&input, &asked_for, &drawn));
             }
             flown.push(Flown {
                 cpu_ms,
@@ -631,7 +608,8 @@ mod tests {
         // As many tiles as leave a test its time.
         let parameters = &mut scene.surface.parameters;
         parameters.insert("max_triangles".to_owned(), MAX_TRIANGLES.into());
-        Flights::new(&STUDY_OF_TWO, &request, scene)
+        let surface = open_surface(STUDY_OF_TWO.surfaces, &scene).expect("opens");
+        Flights::new(&STUDY_OF_TWO, &request, scene, surface)
     }
 
     fn with_session(flights: &Flights, check: impl FnOnce(&mut FlightsSession<'_>)) {
@@ -748,7 +726,7 @@ mod tests {
             let drawn = backend.render(&now).expect("draws");
             let mut compared = Compared::default();
             compared.add(7, figures(&now, &now, &drawn));
-            assert_eq!(compared.wrong, []);
+            assert_eq!(compared.tally.wrong, []);
             compared.add(7, figures(&before, &now, &drawn));
             let verdict = compared.verdict();
             assert_eq!(verdict.status, Status::Wrong);

@@ -2,7 +2,7 @@
 //! The chapter on surfaces of a globe: error against time and against triangles, a plot for each view.
 
 use crate::{controllers, published};
-use terrafill_plot::number::{bytes, significant};
+use terrafill_plot::number::{measured_bytes, significant};
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
 };
@@ -267,16 +267,6 @@ fn why(case: &Case) -> &str {
     }
 }
 
-/// Whole and positive, as written.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a count of bytes below 2⁵³"
-)]
-fn whole_bytes(count: f64) -> String {
-    bytes(count as u64)
-}
-
 /// A row for each case, those that were not measured too.
 fn table(sight: &Sight<'_>, clock: Clock) -> Table {
     let columns = [
@@ -297,7 +287,7 @@ fn table(sight: &Sight<'_>, clock: Clock) -> Table {
     ];
     let rows = sight.cases.iter().map(|case| {
         let mut cells = vec![Cell::name(case_name(case))];
-        let upload = value(case, "globe_upload_bytes").map(whole_bytes);
+        let upload = value(case, "globe_upload_bytes").map(measured_bytes);
         cells.push(Cell::or_absent(upload, why(case)));
         cells.extend(columns.iter().map(|(_, metric)| {
             let reason = match case.condition("knob") {

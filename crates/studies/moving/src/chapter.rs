@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter on regions that move: what a frame costs by technique, part by part.
 
-use terrafill_plot::number::{bytes, significant};
+use terrafill_plot::number::{measured_bytes, significant};
 use terrafill_results::{
     Answers, Block, Case, Cell, CellClass, Chapter, ChapterError, Clock, Finding, Heading, Picture,
     PictureFigure, Pictures, Row, Run, Standing, Table,
@@ -198,18 +198,8 @@ fn answer(sweep: &Sweep<'_>, clock: Clock) -> Option<String> {
         part(PLAN),
         part(UPDATE),
         part(FILL_CPU),
-        value(best, BYTES).map_or_else(|| "–".to_owned(), whole_bytes),
+        value(best, BYTES).map_or_else(|| "–".to_owned(), measured_bytes),
     ))
-}
-
-/// Whole and positive, as written.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a count of bytes below 2⁵³"
-)]
-fn whole_bytes(count: f64) -> String {
-    bytes(count as u64)
 }
 
 /// A row for each case, those that were not measured too.
@@ -247,7 +237,7 @@ fn table(sweep: &Sweep<'_>, clock: Clock) -> Table {
                 cell(UPDATE),
                 cell(FILL_CPU),
                 Cell::or_absent(value(case, FILL_GPU).map(significant), no_gpu_clock),
-                Cell::or_absent(case.value(BYTES).map(whole_bytes), why),
+                Cell::or_absent(case.value(BYTES).map(measured_bytes), why),
                 plain(COMPARED),
                 wrong,
                 plain(OUTSIDE),
@@ -348,10 +338,10 @@ fn requirements(sweeps: &[Sweep<'_>]) -> Vec<Finding> {
             format!(
                 "{SENSORS_OF_LIMITS} moving footprints are uploaded with at most {} a frame by the \
                  best technique",
-                whole_bytes(MAX_UPLOAD_BYTES)
+                measured_bytes(MAX_UPLOAD_BYTES)
             ),
             upload.map(|(case, count)| {
-                let because = format!("{} uploads {}", name(case), whole_bytes(count));
+                let because = format!("{} uploads {}", name(case), measured_bytes(count));
                 (because, count <= MAX_UPLOAD_BYTES)
             }),
         ),
@@ -400,7 +390,7 @@ fn findings(sweeps: &[Sweep<'_>]) -> Vec<Finding> {
         }
     };
     vec![
-        compare("upload", &|case| value(case, BYTES), whole_bytes),
+        compare("upload", &|case| value(case, BYTES), measured_bytes),
         compare("CPU time of mesh and update", &mesh_and_update_ms, |ms| {
             format!("{} ms", significant(ms))
         }),

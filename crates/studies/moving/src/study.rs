@@ -8,9 +8,7 @@ use crate::stage::{Stage, StageError, StepCost, Upkeep};
 use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::rc::Rc;
-use terrafill_conformance::{
-    BAND_RADIUS_PX, ErrorFigures, Verdict as Comparison, compare_closely, filled_only, verdict,
-};
+use terrafill_conformance::{BAND_RADIUS_PX, ErrorFigures, Tally, compare_closely, filled_only};
 use terrafill_fill::{
     CpuStopwatch, DeviceError, FillBackend, FillInput, Frame, Role, Targets, Technique, Variant,
 };
@@ -31,9 +29,6 @@ const SAMPLES: u32 = 21;
 
 /// Frames that further processes compare, and a quick run's first one.
 const FEW_FRAMES: u32 = 3;
-
-/// Wrong frames that a reason names.
-const MAX_NAMED: usize = 5;
 
 const METRICS: [Metric; 14] = [
     Metric::less(
@@ -310,9 +305,7 @@ struct SweepSession<'a> {
 /// What the frames of a case showed.
 #[derive(Debug, Default)]
 struct Compared {
-    frames: u32,
-    wrong: Vec<(u32, String)>,
-    outside_px: u64,
+    tally: Tally,
     upload_bytes: u64,
     regions: usize,
     /// Of vertices that the device computes, metres and pixels.
@@ -321,43 +314,25 @@ struct Compared {
 
 impl Compared {
     fn add(&mut self, frame: u32, figures: Result<ErrorFigures, String>, cost: StepCost) {
-        self.frames += 1;
         self.upload_bytes = self.upload_bytes.max(cost.upload_bytes);
         self.regions = self.regions.max(cost.regions);
-        let reason = match figures {
-            Ok(figures) => {
-                self.outside_px = self.outside_px.max(figures.mismatched_px_outside_band);
-                match verdict(&figures) {
-                    Comparison::Pass => return,
-                    Comparison::Fail(reasons) => reasons.join(", "),
-                }
-            }
-            Err(error) => error,
-        };
-        self.wrong.push((frame, reason));
+        self.tally
+            .add(frame, figures.as_ref().map_err(Clone::clone));
     }
 
     fn verdict(&self, image: String) -> Verdict {
-        let named = self.wrong.iter().take(MAX_NAMED);
-        let named: Vec<String> = named
-            .map(|(frame, reason)| format!("frame {frame}: {reason}"))
-            .collect();
-        let reason = match self.wrong.len() {
-            0 => String::new(),
-            wrong => format!("{wrong} of {} frames; {}", self.frames, named.join("; ")),
-        };
         Verdict {
-            status: match self.wrong.is_empty() {
+            status: match self.tally.is_right() {
                 true => Status::Ok,
                 false => Status::Wrong,
             },
-            reason,
+            reason: self.tally.reason(),
             figures: [
                 ("moving_upload_bytes", self.upload_bytes as f64),
                 ("moving_uploaded_regions", self.regions as f64),
-                ("moving_frames_compared", f64::from(self.frames)),
-                ("moving_frames_wrong", self.wrong.len() as f64),
-                ("moving_outside_px", self.outside_px as f64),
+                ("moving_frames_compared", f64::from(self.tally.frames)),
+                ("moving_frames_wrong", self.tally.wrong.len() as f64),
+                ("moving_outside_px", self.tally.outside_px as f64),
             ]
             .into_iter()
             .chain(self.bound.into_iter().flat_map(|[metres, pixels]| {
@@ -700,7 +675,7 @@ mod tests {
         with_session(&sweep, |session| {
             let case = &sweep.cases[0];
             let (mut flight, right) = session.fly(case, 1).expect("flies");
-            assert_eq!(right.wrong, []);
+            assert_eq!(right.tally.wrong, []);
             let drawn = flight.backend.render(&flight.input).expect("draws");
             let mut stale = Compared::default();
             let figures = session.figures(&*flight.backend, &drawn, 20);
@@ -712,7 +687,7 @@ mod tests {
                 "{}",
                 verdict.reason
             );
-            assert!(stale.outside_px > 0);
+            assert!(stale.tally.outside_px > 0);
         });
     }
 }

@@ -90,11 +90,10 @@ pub(crate) struct Choice {
 
 impl Choice {
     pub(crate) fn refinement(&self) -> Refinement {
-        let seen = self.tiles.iter().filter(|tile| tile.error_px > 0.0);
+        let errors = self.tiles.iter().map(|tile| tile.error_px);
         Refinement {
             waiting: self.missing.len(),
-            drawn: seen.clone().count(),
-            error_px: seen.map(|tile| tile.error_px).fold(0.0, f64::max),
+            error_px: errors.fold(0.0, f64::max),
         }
     }
 }

@@ -202,7 +202,10 @@ impl Surface for Tiles {
     }
 
     fn frame(&self, camera: &Camera, size: ImageSize) -> Result<SurfaceFrame, SurfaceError> {
-        Ok(self.frame_all(camera, size)?.0)
+        let sight = self.sight(camera, size);
+        self.store().begin_frame();
+        let choice = self.choice(&sight, &mut |_| true);
+        self.drawn(camera, &sight, &choice)
     }
 
     fn refining(&self) -> Option<&dyn Refining> {
@@ -211,18 +214,6 @@ impl Surface for Tiles {
 }
 
 impl Refining for Tiles {
-    fn frame_all(
-        &self,
-        camera: &Camera,
-        size: ImageSize,
-    ) -> Result<(SurfaceFrame, Refinement), SurfaceError> {
-        let sight = self.sight(camera, size);
-        self.store().begin_frame();
-        let choice = self.choice(&sight, &mut |_| true);
-        let refinement = choice.refinement();
-        Ok((self.drawn(camera, &sight, &choice)?, refinement))
-    }
-
     fn frame_now(
         &self,
         camera: &Camera,

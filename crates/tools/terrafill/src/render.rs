@@ -18,7 +18,6 @@ use terrafill_fill::{
     DeviceError, Devices, FillInput, Frame, MemoryUse, PreparedScene, SwitchError, Targets,
     Technique, Variant, paint,
 };
-use terrafill_filling::open_scene;
 use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{ImageSize, LeveledMeshes, PlanOptions, Scene, View, data_dir};
 use terrafill_surface::open_surface;
@@ -80,7 +79,7 @@ fn scene(name: &str, arguments: &RenderArguments) -> Result<Scene, Failure> {
         return fit::scene_of(Path::new(name), size(arguments));
     }
     let data = data_dir(arguments.data.as_deref());
-    open_scene(name, data.as_deref()).map_err(Failure::bad_input)
+    Scene::open(name, data.as_deref()).map_err(Failure::bad_input)
 }
 
 /// The scene as it was named, for messages.

@@ -16,10 +16,10 @@ use std::collections::BTreeMap;
 use terrafill_conformance::ErrorFigures;
 use terrafill_conformance::verdict;
 use terrafill_fill::{ColourWay, FillInput, PositionFormat, Switches};
-use terrafill_filling::{FillingStudy, open_scene};
+use terrafill_filling::FillingStudy;
 use terrafill_native::{Extrusion as Native, NativeVariant};
 use terrafill_results::PlannedCase;
-use terrafill_scene::{ImageSize, PlanOptions};
+use terrafill_scene::{ImageSize, PlanOptions, Scene};
 use terrafill_study::{Depth, Request, Study as _};
 use terrafill_surface::EllipsoidKind;
 use terrafill_vertex::{Layout, VertexVariant, shared_flag_bytes, variant_bytes};
@@ -262,7 +262,7 @@ fn the_study_sweeps_through_the_formats_where_a_scene_asks_for_it() {
         ("square-200km", true),
         ("california", false),
     ] {
-        let scene = open_scene(name, None).expect("ships with the project");
+        let scene = Scene::open(name, None).expect("ships with the project");
         let study = FillingStudy {
             techniques: TECHNIQUES,
             rivals: &[],

@@ -451,7 +451,7 @@ fn cap_steps_are_swept_in_cases_of_their_own() {
         .map(|case| case.id.condition("cap-step-deg"))
         .collect();
     assert_eq!(steps, ["0.1", "0.3", "1", "3"]);
-    let scene = terrafill_filling::open_scene("california", None).expect("it ships");
+    let scene = terrafill_scene::Scene::open("california", None).expect("it ships");
     for case in swept {
         let own = format!(",cap-step-deg={}", case.id.condition("cap-step-deg"));
         assert!(case.id.name.ends_with(&own), "{}", case.id);

@@ -21,10 +21,12 @@ use terrafill_core::{EdgeRule, Ellipsoid, Geodetic, MeshOptions, RegionMesh, par
 use terrafill_fill::{
     ColourWay, Counters, FillBackend, FillInput, Frame, PreparedScene, RegionSet, Switches,
 };
-use terrafill_filling::{Techniques, open_scene};
+use terrafill_filling::Techniques;
 use terrafill_native::{NativeBackend, NativeTechnique, NativeVariant};
 use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{CameraPose, ImageSize, Overlap, PlanOptions, View, data_dir_from_env};
+use terrafill_scene::{
+    CameraPose, ImageSize, Overlap, PlanOptions, Scene, View, data_dir_from_env,
+};
 use terrafill_surface::{EllipsoidKind, open_surface};
 use terrafill_vertex::{VertexBackend, VertexTechnique, VertexVariant};
 
@@ -269,7 +271,7 @@ pub(crate) fn look(scene: &PreparedScene, pose: Pose, near_m: f64, size: ImageSi
 
 /// A shipped scene with its views; `None`, said aloud, where its data is not here.
 pub(crate) fn shipped(name: &str) -> Option<(PreparedScene, Vec<View>)> {
-    let scene = match open_scene(name, data_dir_from_env().as_deref()) {
+    let scene = match Scene::open(name, data_dir_from_env().as_deref()) {
         Ok(scene) => scene,
         Err(error) => {
             eprintln!("skipped: {error}");
