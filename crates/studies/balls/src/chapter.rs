@@ -2,21 +2,20 @@
 //! The chapter on balls: error against step and against time, orders, bottoms of f32, energy, findings.
 
 use crate::contact::worst_symplectic;
+use crate::drop::MOSTLY;
 use crate::integrator::Integrator;
 use terrafill_plot::number::significant;
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
 };
 use terrafill_results::{
-    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Finding, Heading, Plot, Row, Run,
-    Standing, Table, process_medians, sample_spread,
+    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Finding, Heading, Outcome, Plot, Row,
+    Run, Standing, Table, process_medians, sample_spread,
 };
 
 const TIME: &str = "ball_cpu_us";
 const RMS: &str = "ball_rms_m";
 const BLOWN: &str = "ball_blown_share";
-/// A run with a larger share of its balls blown up stands at the edge of the plot.
-const MOSTLY: f64 = 0.5;
 /// Largest `ω·dt` at which a contact counts as resolved: 31 steps long.
 const RESOLVED: f64 = 0.1;
 /// What compensated exact events are held to, metres.
@@ -113,7 +112,9 @@ const TABLES: [TableOf; 3] = [
 
 fn cases(run: &Run) -> Vec<&Case> {
     let own = run.of_study(crate::STUDY);
-    own.filter(|case| !case.is_twin() && case.counts())
+    // What blew up is shown, at the edge of its plot.
+    let is_shown = |case: &Case| case.counts() || case.outcome == Outcome::Wrong;
+    own.filter(|case| !case.is_twin() && is_shown(case))
         .collect()
 }
 

@@ -9,6 +9,10 @@ use crate::integrator::{Ball, Forces, Integrator, step};
 const BLOWN_M: f64 = 1e3;
 /// … or with this many times the energy it began with.
 const BLOWN_ENERGY: f64 = 10.0;
+/// A run is blown up where more than this share of its balls is.
+pub(crate) const MOSTLY: f64 = 0.5;
+/// Steps of a contact's `ω·dt` up to which every integrator but the explicit one keeps its balls.
+const STEADY: f64 = 0.5;
 /// Deeper than this a ball has sunk, metres.
 const SUNK_M: f64 = 0.5;
 /// Height of the ground above the ellipsoid where heights are above the ellipsoid, metres.
@@ -78,6 +82,14 @@ impl Drop {
     /// Heights at which balls are dropped: evenly from 1 to 3 m.
     fn heights_m(self) -> impl Iterator<Item = f64> {
         (0..self.balls).map(move |i| 1.0 + 2.0 * (f64::from(i) + 0.5) / f64::from(self.balls))
+    }
+
+    /// Whether it is expected that balls blow up: by an integrator that gains energy at every step, or in steps
+    /// as long as a contact.
+    pub(crate) fn may_blow_up(&self) -> bool {
+        let frequency = self.stiffness.unwrap_or(0.0).sqrt();
+        self.integrator == Integrator::ExplicitEuler
+            || frequency / f64::from(self.steps_per_second) > STEADY
     }
 
     /// Runs all balls and compares them with the closed form.

@@ -3,7 +3,7 @@
 
 use crate::chapter::BallsChapter;
 use crate::contact::{STEPS, energy_ratio};
-use crate::drop::{Arithmetic, Drop, GROUND_M, Rest};
+use crate::drop::{Arithmetic, Drop, GROUND_M, MOSTLY, Rest};
 use crate::integrator::Integrator;
 use crate::{STUDY, metrics::METRICS};
 use std::collections::BTreeMap;
@@ -202,7 +202,7 @@ impl Balls {
                 id: CaseId::new(STUDY, name, all),
                 // Shares and energies are exact; only drops are timed.
                 samples: if part == "drop" { samples } else { 0 },
-                may_be_wrong: false,
+                may_be_wrong: matches!(experiment, Experiment::Drop(drop) if drop.may_blow_up()),
             });
             experiments.push(experiment);
         }
@@ -237,9 +237,18 @@ struct BallsSession<'a>(&'a [Experiment]);
 
 impl Session for BallsSession<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
+        let figures = figures(&self.0[case]);
+        let mut shares = figures.iter();
+        let blown = shares.find(|(name, _)| *name == "ball_blown_share");
+        let blown = blown
+            .map(|(_, share)| *share)
+            .filter(|share| *share > MOSTLY);
         Ok(Verdict {
-            status: Status::Ok,
-            figures: figures(&self.0[case]),
+            status: blown.map_or(Status::Ok, |_| Status::Wrong),
+            reason: blown.map_or_else(String::new, |share| {
+                format!("{:.0} % of the balls blew up", 100.0 * share)
+            }),
+            figures,
             ..Verdict::default()
         })
     }
@@ -247,12 +256,12 @@ impl Session for BallsSession<'_> {
     fn recheck(
         &mut self,
         _case: usize,
-        _status: Status,
+        status: Status,
         _notes: &BTreeMap<String, String>,
     ) -> Result<Verdict, StudyError> {
         // The figures are exact: another process has the same.
         Ok(Verdict {
-            status: Status::Ok,
+            status,
             ..Verdict::default()
         })
     }
@@ -313,4 +322,28 @@ fn figures(experiment: &Experiment) -> Vec<(&'static str, f64)> {
     let known = figures.into_iter();
     let known = known.filter_map(|(name, value)| Some((name, value.filter(|v| v.is_finite())?)));
     known.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_whose_balls_blew_up_is_wrong_and_only_where_that_is_foreseen() {
+        let balls = Balls::new("drop", drops(true), 1);
+        let mut session = BallsSession(&balls.experiments);
+        let mut wrong = 0;
+        for (index, case) in balls.cases.iter().enumerate() {
+            let verdict = session.verify(index).expect("it has figures");
+            match verdict.status {
+                Status::Ok => assert_eq!(verdict.reason, ""),
+                _ => {
+                    assert!(case.may_be_wrong, "{}: {}", case.id.name, verdict.reason);
+                    wrong += 1;
+                }
+            }
+        }
+        // Twin: some do, and most do not.
+        assert!(wrong > 20 && wrong < balls.cases.len() / 3, "{wrong}");
+    }
 }
