@@ -7,6 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use terrafill_core::{EdgeRule, Ellipsoid, Inside, Reading, Unwrap};
 use terrafill_data::{Mirror, WrongMirror};
+use terrafill_filling::EXTREME;
 use terrafill_results::Shard;
 
 const EXIT_CODES: &str = "\
@@ -154,11 +155,9 @@ pub(crate) struct BenchArguments {
     /// Timed samples of a case in each process [default: each study's]
     #[arg(long, alias = "frames", value_parser = parse_samples)]
     pub(crate) samples: Option<u32>,
-    /// Image size, WIDTHxHEIGHT or one number [default: 1024, suite 256]
-    #[arg(long, default_value = "1024", hide_default_value = true,
-        default_value_if("suite", clap::builder::ArgPredicate::IsPresent, "256"),
-        value_parser = parse_size)]
-    pub(crate) size: (u32, u32),
+    /// Image size, WIDTHxHEIGHT or one number [default: 1024, extreme alone 256]
+    #[arg(long, value_parser = parse_size)]
+    pub(crate) size: Option<(u32, u32)>,
     /// Part m of n of the run
     #[arg(long, value_name = "M/N", value_parser = parse_shard)]
     pub(crate) shard: Option<Shard>,
@@ -175,6 +174,16 @@ pub(crate) struct BenchArguments {
     pub(crate) ladder: Vec<String>,
     #[arg(long, value_name = "SCENE", help = MATRIX_HELP)]
     pub(crate) matrix: Vec<String>,
+}
+
+impl BenchArguments {
+    /// Width and height of pictures, pixels. The suite's scenes ask whether pictures come out right, which
+    /// small ones show as well.
+    pub(crate) fn size(&self) -> (u32, u32) {
+        let is_suite = self.suite.is_some() || self.study == [EXTREME];
+        let side = if is_suite { 256 } else { 1024 };
+        self.size.unwrap_or((side, side))
+    }
 }
 
 fn parse_suite(text: &str) -> Result<String, String> {
@@ -819,6 +828,27 @@ mod tests {
     fn the_command_line_is_consistent() {
         use clap::CommandFactory as _;
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn a_suite_alone_is_drawn_small() {
+        for (options, side) in [
+            (&["--suite", "extreme"][..], 256),
+            (&["--study", "extreme", "--quick"], 256),
+            (&["--study", "extreme", "--size", "512"], 512),
+            (&["--study", "extreme", "--study", "filling"], 1024),
+            (&["--full"], 1024),
+        ] {
+            let line = [&["terrafill", "bench"][..], options].concat();
+            let Ok(Arguments {
+                verb: Verb::Bench(arguments),
+                ..
+            }) = Arguments::try_parse_from(line)
+            else {
+                panic!("{options:?} is not taken");
+            };
+            assert_eq!(arguments.size(), (side, side), "{options:?}");
+        }
     }
 
     #[test]

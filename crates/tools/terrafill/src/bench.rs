@@ -205,7 +205,7 @@ fn request(arguments: &BenchArguments, depth: Depth) -> Request {
         techniques: arguments.technique.clone(),
         depth,
         samples: arguments.samples,
-        size: [arguments.size.0, arguments.size.1],
+        size: arguments.size().into(),
         data_dir: data_dir(arguments.data.as_deref()),
         ..Request::default()
     };

@@ -14,11 +14,11 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 use terrafill_fill::{PreparedScene, Technique};
-use terrafill_results::{CaseId, PlannedCase};
+use terrafill_results::{CaseId, PlannedCase, Skipped};
 use terrafill_scene::{
     Expectation, ImageSize, Scene, SceneError, SuiteScene, SuiteView, suite_scenes,
 };
-use terrafill_study::{Context, Group, Planned, Request, Session, StudyError};
+use terrafill_study::{Context, Depth, Group, Planned, Request, Session, StudyError};
 use terrafill_surface::open_surface;
 
 /// Name of the suite and of its study.
@@ -81,7 +81,16 @@ pub(super) fn plan(
     surfaces: Surfaces,
     request: &Request,
 ) -> Result<Planned, StudyError> {
-    let techniques = techniques(all, request)?;
+    let mut techniques = techniques(all, request)?;
+    let mut skipped = Vec::new();
+    // Each draws the same scenes, so one shows quickly whether they can be read, meshed and drawn.
+    if request.depth == Depth::Quick && request.techniques.is_empty() {
+        let left_out = techniques.split_off(techniques.len().min(1));
+        skipped.extend(left_out.iter().map(|technique| Skipped {
+            what: format!("{EXTREME}/{}", technique.name()),
+            reason: "a quick run draws by one technique; `--technique` names others".to_owned(),
+        }));
+    }
     let scenes = scenes(request)?;
     let last = Rc::new(LastOpened::default());
     let mut groups: Vec<Box<dyn Group>> = Vec::new();
@@ -119,10 +128,7 @@ pub(super) fn plan(
             groups.push(Box::new(group));
         }
     }
-    Ok(Planned {
-        groups,
-        skipped: Vec::new(),
-    })
+    Ok(Planned { groups, skipped })
 }
 
 /// Those whose pictures have to be right, or of these the ones that are named.

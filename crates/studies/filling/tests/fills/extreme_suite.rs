@@ -5,6 +5,7 @@
 //! Left to `bench --suite extreme`: what takes a second or more to mesh, to draw or to judge. Skipped
 //! without a device; see `vertex_against_reference.rs`.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::rc::Rc;
 use terrafill_compute::ComputeTechnique;
@@ -14,7 +15,7 @@ use terrafill_instanced::InstancedTechnique;
 use terrafill_native::NativeTechnique;
 use terrafill_results::{Outcome, Run, RunEnvironment, RunFolder, SCHEMA};
 use terrafill_scene::{Expectation, Scene, SuiteScene, suite_names, suite_scenes};
-use terrafill_study::{Request, RunOptions, Silent, Study, plan, run};
+use terrafill_study::{Depth, Request, RunOptions, Silent, Study, plan, run};
 use terrafill_surface::EllipsoidKind;
 use terrafill_vertex::VertexTechnique;
 
@@ -262,4 +263,31 @@ fn names_that_are_none_of_the_suite_are_refused() {
         };
         assert!(error.to_string().starts_with(expected), "{error}");
     }
+}
+
+#[test]
+fn a_quick_run_draws_by_one_technique_and_says_which_it_leaves_out() {
+    let techniques_of = |depth, named: &[&str]| {
+        let wanted = Request {
+            techniques: named.iter().map(ToString::to_string).collect(),
+            depth,
+            ..request(&["poles"], 64)
+        };
+        let planned = plan(&[&SUITE], &wanted, &OPTIONS).expect("planned");
+        let drawn = planned.run_plan().cases.iter();
+        let drawn: BTreeSet<&str> = drawn.map(|case| case.id.condition("technique")).collect();
+        let left_out = planned.run_plan().skipped.iter();
+        let left_out: Vec<String> = left_out.map(|skipped| skipped.what.clone()).collect();
+        let drawn: Vec<String> = drawn.into_iter().map(ToOwned::to_owned).collect();
+        (drawn, left_out)
+    };
+    let (drawn, left_out) = techniques_of(Depth::Quick, &[]);
+    assert_eq!(drawn, ["vertex"]);
+    let others = ["extreme/compute", "extreme/native", "extreme/instanced"];
+    assert_eq!(left_out, others);
+    // Twins: a longer run and one that names its techniques leave none out.
+    let (drawn, left_out) = techniques_of(Depth::Main, &[]);
+    assert_eq!((drawn.len(), left_out.len()), (4, 0));
+    let (drawn, left_out) = techniques_of(Depth::Quick, &["native", "compute"]);
+    assert_eq!((drawn.len(), left_out.len()), (2, 0));
 }
