@@ -155,7 +155,7 @@ pub(crate) struct BenchArguments {
     /// Timed samples of a case in each process [default: each study's]
     #[arg(long, alias = "frames", value_parser = parse_samples)]
     pub(crate) samples: Option<u32>,
-    /// Image size, WIDTHxHEIGHT or one number [default: 1024, extreme alone 256]
+    /// Image size, WIDTHxHEIGHT or one number [default: 1024, extreme 256]
     #[arg(long, value_parser = parse_size)]
     pub(crate) size: Option<(u32, u32)>,
     /// Part m of n of the run
