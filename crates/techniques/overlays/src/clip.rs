@@ -8,7 +8,7 @@
 //! a gap. A plane leaves the edge's own normals by at most `f · L/R · h`: 2 cm for edges of 20 km
 //! on terrain 2 km high.
 
-use crate::grid::{Bounds, Grid};
+use crate::near::{Bounds, Boxes, bounds_of};
 use glam::DVec3;
 use terrafill_core::{Ellipsoid, RegionMesh};
 use terrafill_fill::FillInput;
@@ -31,14 +31,13 @@ impl Pieces {
     )]
     pub(crate) fn cut(input: &FillInput) -> Self {
         let surface = visible(input);
-        let bounds = surface.iter().map(|triangle| Bounds::of(*triangle));
-        let mut grid = Grid::new(bounds.collect());
+        let boxes = Boxes::new(surface.iter().map(|triangle| bounds_of(triangle)));
         let mut pieces = Self::default();
         for (place, planned) in input.plan.regions.iter().enumerate() {
             let mesh = &input.scene.meshes[planned.mesh];
             let prisms = Prisms::new(input, mesh, planned);
             for triangle in &mesh.triangles {
-                for index in grid.near(&prisms.bounds(triangle)) {
+                for index in boxes.near(&prisms.bounds(triangle)) {
                     let polygon = prisms.cut(triangle, surface[index]);
                     pieces.push(&polygon, place as u32);
                 }
@@ -115,11 +114,11 @@ impl<'a> Prisms<'a> {
     }
 
     fn bounds(&self, triangle: &[u32; 3]) -> Bounds {
-        let corners = triangle.iter().flat_map(|&vertex| {
+        let [a, b, c] = triangle.map(|vertex| {
             let [_, bottom, top] = self.vertices[vertex as usize];
             [bottom, top]
         });
-        Bounds::of(corners)
+        bounds_of([a, b, c].as_flattened())
     }
 
     /// What the prism of `triangle` leaves of a triangle of the surface.

@@ -15,8 +15,8 @@ mod buffer;
 mod clip;
 mod draped;
 mod flat;
-mod grid;
 mod mask;
+mod near;
 mod pipeline;
 mod technique;
 
