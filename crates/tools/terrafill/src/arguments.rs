@@ -177,8 +177,8 @@ pub(crate) struct BenchArguments {
 }
 
 impl BenchArguments {
-    /// Width and height of pictures, pixels. The suite's scenes ask whether pictures come out right, which
-    /// small ones show as well.
+    /// Width and height of pictures, pixels. Small ones keep the suite within minutes; larger ones show errors
+    /// that they hide, and can be asked for.
     pub(crate) fn size(&self) -> (u32, u32) {
         let is_suite = self.suite.is_some() || self.study == [EXTREME];
         let side = if is_suite { 256 } else { 1024 };
