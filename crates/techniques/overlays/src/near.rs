@@ -13,8 +13,9 @@ pub(crate) type Bounds = AABB<[f64; 3]>;
 
 /// The box of some points.
 pub(crate) fn bounds_of(points: &[DVec3]) -> Bounds {
-    let points: Vec<[f64; 3]> = points.iter().map(DVec3::to_array).collect();
-    AABB::from_points(&points)
+    let fold = |bound: fn(DVec3, DVec3) -> DVec3| points.iter().copied().reduce(bound);
+    let [low, high] = [fold(DVec3::min), fold(DVec3::max)].map(Option::unwrap_or_default);
+    AABB::from_corners(low.to_array(), high.to_array())
 }
 
 /// Boxes of triangles.
@@ -78,7 +79,7 @@ mod tests {
         assert!(boxes.near(&cube(1e6, 0.0, 1.0)).is_empty());
     }
 
-    /// A search that visits space by pieces as wide as a box is on average would not end: 10²¹ of them.
+    /// A search through pieces of space as wide as the boxes are on average, 1.2 km, would visit 10¹² of them.
     #[test]
     fn a_search_as_wide_as_a_planet_among_boxes_of_centimetres_ends() {
         let small = (0..10_000).map(|i| cube(f64::from(i) * 0.01, 0.0, 0.01));

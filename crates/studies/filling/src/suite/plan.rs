@@ -88,7 +88,7 @@ pub(super) fn plan(
         let left_out = techniques.split_off(techniques.len().min(1));
         skipped.extend(left_out.iter().map(|technique| Skipped {
             what: format!("{EXTREME}/{}", technique.name()),
-            reason: "a quick run draws by one technique; `--technique` names others".to_owned(),
+            reason: "a quick run draws by one technique, --technique names others".to_owned(),
         }));
     }
     let scenes = scenes(request)?;
