@@ -34,20 +34,29 @@ pub(crate) fn squared_distances(grid: Grid, set: &[bool]) -> Vec<f64> {
     field
 }
 
-/// Symmetric Hausdorff distance of two pixel sets: the farthest that a pixel of either is from the
-/// other. `None` when both are empty; infinite when one is.
-pub(crate) fn hausdorff_px(grid: Grid, a: &[bool], b: &[bool]) -> Option<f64> {
-    let is_empty = |set: &[bool]| !set.contains(&true);
-    match (is_empty(a), is_empty(b)) {
-        (true, true) => return None,
-        (false, false) => {}
-        _ => return Some(f64::INFINITY),
-    }
-    Some(
-        farthest_squared(grid, a, b)
-            .max(farthest_squared(grid, b, a))
-            .sqrt(),
-    )
+/// A picture's boundary as a distance is measured by it.
+#[derive(Debug)]
+pub(crate) struct Measured {
+    /// Pixels whose distance counts.
+    pub(crate) counted: Vec<bool>,
+    /// What the other picture's pixels may be near: these, and what does not count itself.
+    pub(crate) all: Vec<bool>,
+}
+
+/// Symmetric Hausdorff distance of two pixel sets: the farthest that a pixel of either that counts is from
+/// the other. `None` when none counts; infinite when there is nothing to be near.
+pub(crate) fn hausdorff_px(grid: Grid, a: &Measured, b: &Measured) -> Option<f64> {
+    let directed = |from: &Measured, to: &Measured| {
+        let is_empty = |set: &[bool]| !set.contains(&true);
+        match (is_empty(&from.counted), is_empty(&to.all)) {
+            (true, _) => None,
+            (false, true) => Some(f64::INFINITY),
+            (false, false) => Some(farthest_squared(grid, &from.counted, &to.all)),
+        }
+    };
+    let [there, back] = [directed(a, b), directed(b, a)];
+    let farthest = there.into_iter().chain(back).reduce(f64::max)?;
+    Some(farthest.sqrt())
 }
 
 /// The largest squared distance of a pixel of `from` to the nearest one of `to`, which is not empty.
@@ -155,6 +164,14 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    fn hausdorff(grid: Grid, a: &[bool], b: &[bool]) -> Option<f64> {
+        let [a, b] = [a, b].map(|set| Measured {
+            counted: set.to_vec(),
+            all: set.to_vec(),
+        });
+        hausdorff_px(grid, &a, &b)
+    }
+
     fn brute(grid: Grid, set: &[bool]) -> Vec<f64> {
         let place = |index: usize| ((index % grid.width) as f64, (index / grid.width) as f64);
         (0..set.len())
@@ -208,8 +225,8 @@ mod tests {
             b in proptest::collection::vec(any::<bool>(), 64),
         ) {
             let grid = Grid { width: 8, height: 8 };
-            let there = hausdorff_px(grid, &a, &b);
-            prop_assert_eq!(there, hausdorff_px(grid, &b, &a));
+            let there = hausdorff(grid, &a, &b);
+            prop_assert_eq!(there, hausdorff(grid, &b, &a));
             prop_assert_eq!(there.is_none_or(|px| px == 0.0), a == b);
         }
     }
@@ -225,14 +242,14 @@ mod tests {
             set[row * 5 + column] = true;
             set
         };
-        assert_eq!(hausdorff_px(grid, &at(0, 0), &at(4, 3)), Some(5.0));
+        assert_eq!(hausdorff(grid, &at(0, 0), &at(4, 3)), Some(5.0));
         let mut both = at(0, 0);
         both[19] = true;
         // One direction is 0, the other 5: a one-sided distance would miss the extra pixel.
-        assert_eq!(hausdorff_px(grid, &at(0, 0), &both), Some(5.0));
-        assert_eq!(hausdorff_px(grid, &both, &at(0, 0)), Some(5.0));
+        assert_eq!(hausdorff(grid, &at(0, 0), &both), Some(5.0));
+        assert_eq!(hausdorff(grid, &both, &at(0, 0)), Some(5.0));
         let none = vec![false; 20];
-        assert_eq!(hausdorff_px(grid, &none, &none), None);
-        assert_eq!(hausdorff_px(grid, &none, &both), Some(f64::INFINITY));
+        assert_eq!(hausdorff(grid, &none, &none), None);
+        assert_eq!(hausdorff(grid, &none, &both), Some(f64::INFINITY));
     }
 }

@@ -287,16 +287,14 @@ impl SceneGeometry {
     /// then the second one there; gives the number of indices of the last. Two triangles see an
     /// inner edge in opposite directions, and both walls must cancel each other to the pixel.
     ///
-    /// Where both faces are drawn, the first ones are drawn again with front and back exchanged by the
-    /// pipeline ([`crate::pipeline::Part::TurnedWalls`]), and nothing can tell the two apart. Where faces
-    /// are culled llvmpipe then loses single pixels on walls seen edge on, and the second ones are
-    /// drawn: the first ones' triangles turned over, the same diagonal, else a sliver would lie in both
-    /// volumes or in neither, and the last two corners swapped, since a rasteriser that brings all
-    /// triangles into one winding must keep the first, provoking, corner where it is, and then
-    /// computes the same depths to the bit. Clipped, they are less alike: where the near plane or a side
-    /// cuts the first corner off, the rest begins at another one, is split along another diagonal, and
-    /// single pixels belong to both volumes or to neither (llvmpipe; one frame in thirty of those
-    /// at the edge of a square of 200 km).
+    /// The second ones are stored, as the 2007 document counts them, but the first ones are drawn again in
+    /// their place with front and back exchanged by the pipeline ([`crate::pipeline::Part::TurnedWalls`]):
+    /// nothing can tell the two apart then. Triangles turned over come close, but no closer: clipped, the
+    /// rest begins at another corner and is split along another diagonal.
+    ///
+    /// Where faces are culled, the first ones have draws of their own, alike but for the pipeline. llvmpipe
+    /// looks for rectangles in pairs of triangles, and drops the edge-on half of some pairs; where a long
+    /// draw is cut decides which pairs there are, and a wall must fare alike both times.
     fn push_inner_walls(&mut self, short: bool, mesh: &RegionMesh, triangles: &[[u32; 3]]) -> u32 {
         let outer: HashSet<[u32; 2]> = boundary_edges(mesh).collect();
         let sides = || {

@@ -2,12 +2,12 @@
 //! Volumes as the passes of a fill draw them: caps, then walls, then those that are turned over.
 
 use crate::layout::{RegionSlice, SceneGeometry};
-use crate::pipeline::{Part, PipelineKey, Pipelines, draws_first_walls_twice, parts};
+use crate::pipeline::{Part, PipelineKey, Pipelines, parts};
 use crate::{Buffers, Layout, VertexVariant};
 use std::ops::Range;
 use terrafill_fill::{
-    DeviceError, FillInput, GeometryBytes, IndexLists, MemoryUse, PositionFormat, RegionVolumes,
-    Switches, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
+    DeviceError, FaceSet, FillInput, GeometryBytes, IndexLists, MemoryUse, PositionFormat,
+    RegionVolumes, Switches, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
 };
 use terrafill_gpu::{Gpu, VolumeFill, VolumePass, Volumes};
 use terrafill_scene::Overlap;
@@ -276,7 +276,7 @@ impl Volumes for VertexVolumes {
             if drawn.next().is_none() {
                 continue;
             }
-            for part in parts(self.variant.layout, draw.state, short_indices) {
+            for part in parts(self.variant.layout, short_indices) {
                 let key = PipelineKey {
                     part,
                     state: draw.state,
@@ -311,7 +311,7 @@ impl Volumes for VertexVolumes {
             return;
         };
         for short_indices in [true, false] {
-            for part in parts(self.variant.layout, draw.state, short_indices) {
+            for part in parts(self.variant.layout, short_indices) {
                 let mut is_bound = false;
                 for volume in scene.of_width(pass.list, draw.volumes, short_indices) {
                     if !is_bound {
@@ -358,13 +358,23 @@ impl VertexVolumes {
         }
         let (walls, turned) = (slice.loop_index_count, slice.turned_index_count);
         let first_wall = slice.place.first_loop_index;
-        let (first, count) = match part {
-            Part::Caps => (slice.place.first_triangle_index, caps),
-            Part::Walls { .. } if draws_first_walls_twice(self.variant.layout, draw.state) => {
-                (first_wall, walls - turned)
+        let inner_wall = first_wall + walls - 2 * turned;
+        let ranges = match part {
+            Part::Caps => {
+                let first = slice.place.first_triangle_index;
+                [first..first + caps, 0..0]
             }
-            Part::Walls { .. } => (first_wall, walls),
-            Part::TurnedWalls => (first_wall + walls - 2 * turned, turned),
+            Part::Walls { .. } if self.variant.layout == Layout::PerTriangle => {
+                match draw.state.faces() {
+                    FaceSet::Both => [first_wall..inner_wall + turned, 0..0],
+                    // See `push_inner_walls`.
+                    FaceSet::Front | FaceSet::Back => {
+                        [first_wall..inner_wall, inner_wall..inner_wall + turned]
+                    }
+                }
+            }
+            Part::Walls { .. } => [first_wall..first_wall + walls, 0..0],
+            Part::TurnedWalls => [inner_wall..inner_wall + turned, 0..0],
         };
         let base_vertex = if scene.flags.is_some() {
             // Every region starts at the first flag, so its positions must start there too.
@@ -376,7 +386,9 @@ impl VertexVolumes {
         } else {
             i32::try_from(slice.place.first_vertex).unwrap_or(i32::MAX)
         };
-        pass.draw_indexed(first..first + count, base_vertex, volume);
+        for range in ranges.into_iter().filter(|range| !range.is_empty()) {
+            pass.draw_indexed(range, base_vertex, volume);
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 
 use crate::{BOTTOM_PX, Bottom, FLAG_BYTES, Layout, Normals, VertexVariant};
 use std::collections::HashMap;
-use terrafill_fill::{DeviceError, FaceSet, PositionFormat, VolumeState};
+use terrafill_fill::{DeviceError, PositionFormat, VolumeState};
 use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
 
 /// Which part of a volume a pipeline draws. Doubled walls may be strips, and a strip's restart value
@@ -18,21 +18,13 @@ pub(crate) enum Part {
     TurnedWalls,
 }
 
-/// The parts of volumes in a layout whose indices have this width, as a state draws them.
-pub(crate) fn parts(
-    layout: Layout,
-    state: VolumeState,
-    short_indices: bool,
-) -> impl Iterator<Item = Part> {
-    let turned = draws_first_walls_twice(layout, state).then_some(Part::TurnedWalls);
+/// The parts of volumes in a layout whose indices have this width.
+pub(crate) fn parts(layout: Layout, short_indices: bool) -> impl Iterator<Item = Part> {
+    // The first wall on an inner edge is drawn for the second one too.
+    let turned = (layout == Layout::PerTriangle).then_some(Part::TurnedWalls);
     [Part::Caps, Part::Walls { short_indices }]
         .into_iter()
         .chain(turned)
-}
-
-/// Whether the first wall on an inner edge stands for the second one too.
-pub(crate) fn draws_first_walls_twice(layout: Layout, state: VolumeState) -> bool {
-    layout == Layout::PerTriangle && state.faces() == FaceSet::Both
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -244,8 +244,7 @@ impl Reader<'_> {
         [&walls[..first], &walls[first..second], &walls[second..]]
     }
 
-    /// Whether every second wall is the first one turned over: where both faces are drawn, the first
-    /// one stands for it.
+    /// Whether every second wall is the first one turned over, which is drawn in its place.
     fn check_second_walls(&self) -> Result<(), String> {
         let slice = self.slice;
         let walls = self.indices(slice.place.first_loop_index, slice.loop_index_count)?;

@@ -15,7 +15,7 @@ use drawing::{
 use std::collections::BTreeMap;
 use terrafill_conformance::ErrorFigures;
 use terrafill_conformance::verdict;
-use terrafill_fill::{ColourWay, FillInput, PositionFormat, Switches};
+use terrafill_fill::{ColourWay, FacePasses, FillInput, PositionFormat, Switches};
 use terrafill_filling::FillingStudy;
 use terrafill_native::{Extrusion as Native, NativeVariant};
 use terrafill_results::PlannedCase;
@@ -202,6 +202,37 @@ fn walls_between_triangles_leave_no_trace_where_they_are_clipped() {
         whole.ids[0] ^= 1;
         assert_eq!(differing(&whole, &split), 1);
     }
+}
+
+/// The same where faces are culled. Where second walls were drawn as the first ones turned over, one pixel
+/// in the south of the globe belonged to a volume twelve pixels away.
+#[test]
+fn walls_between_triangles_leave_no_trace_where_faces_are_culled() {
+    let Some(devices) = Devices::open() else {
+        return;
+    };
+    let Some((prepared, views)) = shipped("countries-110m") else {
+        return;
+    };
+    let size = ImageSize {
+        width: 256,
+        height: 256,
+    };
+    let targets = AllTargets::new(&devices, size);
+    let globe = views.iter().find(|view| view.name == "globe");
+    let globe = globe.expect("ships with the scene");
+    let input = FillInput::new(&prepared, globe, size, PlanOptions::default()).expect("a surface");
+    let culled = |layout| {
+        let mut culled = variant(layout, PositionFormat::Fixed);
+        culled.switches.faces = FacePasses::TwoPass;
+        targets.draw(&input, Technique::Vertex(culled))
+    };
+    let [mut whole, split] = [Layout::Doubled, Layout::PerTriangle].map(culled);
+    assert!(whole.filled_px() > 10_000);
+    assert_eq!(differing(&whole, &split), 0);
+    // Twin: a single pixel would have been noticed.
+    whole.ids[0] ^= 1;
+    assert_eq!(differing(&whole, &split), 1);
 }
 
 /// From afar every format is right, in every layout and by every entry point of the shaders: plain,
