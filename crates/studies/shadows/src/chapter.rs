@@ -14,10 +14,12 @@ const TIME: &str = "shadow_silhouette_cpu_ms";
 const UPDATES: &str = "shadow_updates";
 const MISSED: &str = "shadow_eyes_missed";
 const LOST: &str = "shadow_lost_share";
+const MAP_WRONG: &str = "shadow_map_wrong";
 
 const WHAT: &str = "A procedural port: a trestle dock, cranes, ships, containers. The reference sends rays in f64 \
      from each visible point to the sun, and a second test looks from the sun down. A volume's mask is what a \
-     stencil would hold: its triangles, counted along the ray of each pixel. Nothing here is drawn by a device. \
+     stencil would hold: its triangles, counted along the ray of each pixel. Devices draw the same volumes in a \
+     section of their own. \
      Wrong pixels are counted outside the band of one pixel along the shadow's boundary. Pixels on faces within \
      10⁻³ of edge-on to the sun are not judged. Shadows are hard: the sun's disc of 0.53° and refraction are left \
      out.";
@@ -39,7 +41,7 @@ struct Section {
     columns: &'static [Column],
 }
 
-const SECTIONS: [Section; 8] = [
+const SECTIONS: [Section; 10] = [
     Section {
         question: "eyes",
         title: "Which rule: the test of the eye",
@@ -152,6 +154,44 @@ const SECTIONS: [Section; 8] = [
             ("triangles", "shadow_mesh_triangles"),
             ("sides", "shadow_sides"),
             ("open edges", "shadow_open_edges"),
+        ],
+    },
+    Section {
+        question: "devices",
+        title: "Drawn by devices",
+        text: "The same volumes drawn into a stencil by the executors that fill regions: vertices from the CPU, sea and \
+               casters as a surface, one colour over the screen where the count is not 0. Times are those of the \
+               channel that has most shadow, all else is over seven channels. Rows of one sun differ in one thing \
+               from one to the next.",
+        named_by: &["sun", "api", "extent", "rule", "faces", "scissor"],
+        columns: &[
+            ("CPU ms", "shadow_fill_cpu_ms"),
+            ("GPU ms", "shadow_fill_gpu_ms"),
+            ("fragments per pixel", "shadow_fragments"),
+            ("false lit px", "shadow_false_lit_px"),
+            ("false dark px", "shadow_false_dark_px"),
+            ("in the band", "shadow_band_px"),
+            ("draws", "shadow_draws"),
+            ("casters left out", "shadow_casters_left_out"),
+            ("bytes", "shadow_bytes"),
+        ],
+    },
+    Section {
+        question: "maps",
+        title: "Shadow maps",
+        text: "One orthographic map along the light, fitted to the casters, drawn and asked on the CPU: the nearest \
+               texel, no filter. The bias is the best of 13 constants from 0 to 40 m, or of 7 multiples of texel and \
+               slope from 0 to 2. Wrong pixels are of all that the reference judges, the band included.",
+        named_by: &["sun", "texel_m", "bias"],
+        columns: &[
+            ("wrong, %", MAP_WRONG),
+            ("wrong without bias, %", "shadow_map_wrong_unbiased"),
+            ("best bias, m", "shadow_map_bias_m"),
+            ("false lit px", "shadow_false_lit_px"),
+            ("false dark px", "shadow_false_dark_px"),
+            ("in the band", "shadow_band_px"),
+            ("CPU ms", "shadow_map_cpu_ms"),
+            ("bytes", "shadow_bytes"),
         ],
     },
 ];
@@ -386,6 +426,12 @@ impl<'a> Own<'a> {
                 Upwards::Amount,
                 "Time of a silhouette against triangles. Ports are boxes; hulls are smooth and have fewer sides.",
             ),
+            "maps" => (
+                "bytes of the map",
+                "wrong pixels, %",
+                Upwards::Error,
+                "Wrong pixels against bytes, texel in m beside the points; volumes have none outside the band.",
+            ),
             _ => return Ok(None),
         };
         let curves = self.curves(section.question);
@@ -454,6 +500,17 @@ impl<'a> Own<'a> {
                         length.to_owned(),
                     )
                 }
+                "maps" => {
+                    let name = format!("sun {}, {}", case.condition("sun"), case.condition("bias"));
+                    let texel = case.condition("texel_m").to_owned();
+                    (
+                        name,
+                        number("texel_m"),
+                        of("shadow_bytes"),
+                        of(MAP_WRONG),
+                        texel,
+                    )
+                }
                 _ => {
                     let kind = case.condition("mesh").split('-').next().unwrap_or_default();
                     let name = format!("{}, {kind}", case.condition("silhouette"));
@@ -511,6 +568,8 @@ impl<'a> Own<'a> {
             self.horizon(),
             self.clears(),
             self.wrap(),
+            self.devices(),
+            self.maps(),
         ];
         findings.into_iter().flatten().collect()
     }
@@ -532,6 +591,80 @@ impl<'a> Own<'a> {
             claim: "Every rule and extent has the reference's mask outside the band.".to_owned(),
             standing: Standing::holds_if(total == 0.0),
             because: format!("{} pixels wrong in {} cases", significant(total), own.len()),
+        })
+    }
+
+    /// Every way of drawing, by each interface.
+    fn devices(&self) -> Option<Finding> {
+        let own: Vec<&Case> = self.of_question("devices").collect();
+        let known: Vec<&Case> = own
+            .iter()
+            .copied()
+            .filter(|case| value(case, "shadow_false_lit_px").is_some())
+            .collect();
+        let right = known.iter().filter(|case| case.outcome == Outcome::Ok);
+        let right = right.count();
+        let keys = ["sun", "extent", "rule", "faces", "scissor"];
+        let is_same = |a: &Case, b: &Case| {
+            let mut keys = keys.iter();
+            keys.all(|key| a.condition(key) == b.condition(key))
+        };
+        let (mut pairs, mut equal) = (0, 0);
+        for (at, case) in known.iter().enumerate() {
+            for other in &known[at + 1..] {
+                if is_same(case, other) {
+                    pairs += 1;
+                    equal += u32::from(case.note("mask_hash") == other.note("mask_hash"));
+                }
+            }
+        }
+        (!known.is_empty()).then(|| Finding {
+            claim: "Devices draw the reference's shadows outside the band, and each interface the same mask."
+                .to_owned(),
+            standing: Standing::holds_if(right == known.len() && equal == pairs),
+            because: format!(
+                "{right} of {} cases right, {equal} of {pairs} pairs of masks equal",
+                known.len()
+            ),
+        })
+    }
+
+    /// Under each sun and bias, by texels.
+    fn maps(&self) -> Option<Finding> {
+        let of_sun = |sun: &&str| {
+            let mut texels: Vec<(f64, f64)> = self
+                .of_question("maps")
+                .filter(|case| {
+                    case.condition("sun") == *sun && case.condition("bias") == "constant"
+                })
+                .filter_map(|case| {
+                    Some((
+                        case.condition("texel_m").parse().ok()?,
+                        value(case, MAP_WRONG)?,
+                    ))
+                })
+                .collect();
+            texels.sort_by(|a, b| a.0.total_cmp(&b.0));
+            texels
+        };
+        let suns = self.suns("maps");
+        let all: Vec<(&str, Vec<(f64, f64)>)> =
+            suns.iter().map(|sun| (*sun, of_sun(sun))).collect();
+        let is_known = all.iter().any(|(_, texels)| texels.len() > 1);
+        let falls = |texels: &Vec<(f64, f64)>| texels.is_sorted_by(|a, b| a.1 <= b.1);
+        let text = all.iter().map(|(sun, texels)| {
+            let texels = texels
+                .iter()
+                .map(|(texel, wrong)| format!("{} % at {texel} m", significant(*wrong)));
+            format!("sun {sun}: {}", texels.collect::<Vec<_>>().join(", "))
+        });
+        is_known.then(|| Finding {
+            claim: "Smaller texels leave fewer wrong pixels of a shadow map, and none of them leaves none."
+                .to_owned(),
+            standing: Standing::holds_if(all.iter().all(|(_, texels)| {
+                falls(texels) && texels.iter().all(|(_, wrong)| *wrong > 0.0)
+            })),
+            because: format!("Best constant bias, {}", text.collect::<Vec<_>>().join("; ")),
         })
     }
 

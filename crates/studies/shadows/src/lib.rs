@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Study `shadows`: shadow volumes of ships and docks under the sun, every optimisation with its error.
 //!
-//! After Yang & Jin (IV'06), whose only figure is a frame rate. All of it is computed on the CPU in `f64`.
-//! Rays to the sun are the reference. A volume's mask is the count of its triangles along the ray of each
-//! pixel, as a stencil would hold it.
+//! After Yang & Jin (IV'06), whose only figure is a frame rate. Rays to the sun, in `f64` on the CPU, are the
+//! reference. A volume's mask is the count of its triangles along the ray of each pixel, as a stencil would
+//! hold it; devices draw the same volumes into a stencil.
 
 mod chapter;
 mod count;
+mod device;
+mod drawing;
 mod images;
 mod list;
+mod maps;
 mod near;
 mod outline;
 mod reference;

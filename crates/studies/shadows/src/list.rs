@@ -3,10 +3,14 @@
 
 use crate::STUDY;
 use crate::count::Rule;
+use crate::device::Interface;
+use crate::drawing::DeviceWay;
+use crate::maps::Bias;
 use crate::near::EyeTest;
 use crate::outline::Way;
 use crate::work::{End, NEARS, Scissor};
 use terrafill_casters::Policy;
+use terrafill_fill::FacePasses;
 use terrafill_results::{CaseId, PlannedCase};
 use terrafill_study::Depth;
 
@@ -23,6 +27,18 @@ const SUNS: [[f64; 2]; 7] = [
     [0.3, -60.0],
 ];
 const QUICK_SUNS: usize = 4;
+/// Suns of devices; a quick run has the first two.
+const DEVICE_SUNS: [[f64; 2]; 4] = [[10.0, -60.0], [5.0, 0.0], [60.0, 90.0], [1.0, 0.0]];
+const QUICK_DEVICE_SUNS: usize = 2;
+/// Suns of maps and their texels, m; a quick run has the first sun and the first two texels.
+const MAP_SUNS: [[f64; 2]; 5] = [
+    [10.0, -60.0],
+    [30.0, -60.0],
+    [5.0, -60.0],
+    [2.0, -60.0],
+    [1.0, -60.0],
+];
+const TEXELS_M: [f64; 4] = [1.0, 0.25, 0.1, 0.05];
 /// Sun of scissors and finite volumes.
 const LOW_SUN: [f64; 2] = [10.0, -60.0];
 /// Lengths of finite volumes, m.
@@ -43,7 +59,7 @@ const MESHES: [&str; 8] = [
     "port-l3",
 ];
 const QUICK_MESHES: usize = 5;
-/// Timed silhouettes a process.
+/// Timed silhouettes, and frames of a device, a process.
 const SAMPLES: u32 = 5;
 
 /// How a silhouette is found.
@@ -77,6 +93,28 @@ pub(crate) enum Job {
     Casters(Policy),
     Outline(u32, Way),
     Silhouette(&'static str, Method),
+    Device([f64; 2], DeviceWay),
+    Map([f64; 2], f64, Bias),
+}
+
+/// How devices draw: what differs from one to the next is one thing.
+fn device_ways(interface: Interface) -> [DeviceWay; 6] {
+    let way = |end, rule, faces, is_cut| DeviceWay {
+        interface,
+        end,
+        rule,
+        faces,
+        is_cut,
+    };
+    let (one, two) = (FacePasses::TwoSided, FacePasses::TwoPass);
+    [
+        way(End::Infinite, Rule::Fail, one, false),
+        way(End::Infinite, Rule::Pass, one, false),
+        way(End::Sea, Rule::Fail, one, false),
+        way(End::Sea, Rule::Pass, one, false),
+        way(End::Sea, Rule::Fail, two, false),
+        way(End::Sea, Rule::Fail, one, true),
+    ]
 }
 
 /// A question's cases.
@@ -108,6 +146,22 @@ pub(crate) fn questions(depth: Depth, samples: Option<u32>) -> Vec<Questions> {
     let silhouettes = meshes
         .iter()
         .flat_map(|mesh| Method::ALL.map(|method| Job::Silhouette(mesh, method)));
+    let device_suns = match is_quick {
+        true => &DEVICE_SUNS[..QUICK_DEVICE_SUNS],
+        false => &DEVICE_SUNS[..],
+    };
+    let devices = device_suns.iter().flat_map(|sun| {
+        let ways = Interface::ALL.into_iter().flat_map(device_ways);
+        ways.map(move |way| Job::Device(*sun, way))
+    });
+    let (map_suns, texels) = match is_quick {
+        true => (&MAP_SUNS[..1], &TEXELS_M[..2]),
+        false => (&MAP_SUNS[..], &TEXELS_M[..]),
+    };
+    let maps = map_suns.iter().flat_map(|sun| {
+        let of = move |texel: &f64| Bias::ALL.map(|bias| Job::Map(*sun, *texel, bias));
+        texels.iter().flat_map(of)
+    });
     let cases = |jobs: Vec<Job>, samples: u32| {
         jobs.into_iter()
             .map(|job| (job, planned(job, samples)))
@@ -136,6 +190,11 @@ pub(crate) fn questions(depth: Depth, samples: Option<u32>) -> Vec<Questions> {
             "silhouettes",
             cases(silhouettes.collect(), samples.unwrap_or(SAMPLES)),
         ),
+        (
+            "devices",
+            cases(devices.collect(), samples.unwrap_or(SAMPLES)),
+        ),
+        ("maps", cases(maps.collect(), samples.unwrap_or(1))),
     ]
 }
 
@@ -150,22 +209,15 @@ fn planned(job: Job, samples: u32) -> PlannedCase {
             ],
             test == EyeTest::Eye,
         ),
-        Job::Updates(sun, end, rule) => {
-            let end = if end == End::Sea {
-                "sea-closed"
-            } else {
-                "infinite"
-            };
-            (
-                "updates",
-                vec![
-                    ("sun", sun_name(sun)),
-                    ("extent", end.to_owned()),
-                    ("rule", rule.name().to_owned()),
-                ],
-                rule == Rule::PassAsPrinted,
-            )
-        }
+        Job::Updates(sun, end, rule) => (
+            "updates",
+            vec![
+                ("sun", sun_name(sun)),
+                ("extent", end.name().to_owned()),
+                ("rule", rule.name().to_owned()),
+            ],
+            rule == Rule::PassAsPrinted,
+        ),
         Job::Scissor(sun, scissor) => (
             "scissors",
             vec![
@@ -216,6 +268,35 @@ fn planned(job: Job, samples: u32) -> PlannedCase {
             ],
             mesh.contains("turned") && method != Method::Adjacency,
         ),
+        Job::Map(sun, texel, bias) => (
+            "maps",
+            vec![
+                ("sun", sun_name(sun)),
+                ("texel_m", texel.to_string()),
+                ("bias", bias.name().to_owned()),
+            ],
+            true,
+        ),
+        Job::Device(sun, way) => {
+            let scissor = if way.is_cut {
+                Scissor::CasterRectangle
+            } else {
+                Scissor::Off
+            };
+            let faces = match way.faces {
+                FacePasses::TwoSided => "two-sided",
+                FacePasses::TwoPass => "two-pass",
+            };
+            let conditions = [
+                ("sun", sun_name(sun)),
+                ("api", way.interface.name().to_owned()),
+                ("extent", way.end.name().to_owned()),
+                ("rule", way.rule.name().to_owned()),
+                ("faces", faces.to_owned()),
+                ("scissor", scissor.name().to_owned()),
+            ];
+            ("devices", conditions.into(), false)
+        }
     };
     let values: Vec<&str> = conditions.iter().map(|(_, value)| value.as_str()).collect();
     let name = format!("{question}/{}", values.join("/"));

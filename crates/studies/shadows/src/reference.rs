@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 use terrafill_casters::Mesh;
 
 /// Radius of the sea, m: the mean radius of the Earth.
-const SEA_RADIUS_M: f64 = 6_371_000.0;
+pub(crate) const SEA_RADIUS_M: f64 = 6_371_000.0;
 /// Hits nearer than this belong to the point itself: places kilometres away are rounded by 10⁻¹² m, and
 /// the distance along a grazing ray by a thousand times that.
 const CONTACT_M: f64 = 1e-7;

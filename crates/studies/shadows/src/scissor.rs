@@ -20,7 +20,7 @@ impl Rectangle {
         }
     }
 
-    const NONE: Self = Self {
+    pub(crate) const NONE: Self = Self {
         columns: [0, 0],
         rows: [0, 0],
     };
@@ -36,7 +36,12 @@ impl Rectangle {
         }
     }
 
-    fn or(self, other: Self) -> Self {
+    pub(crate) fn is_empty(self) -> bool {
+        let is_empty = |range: [u32; 2]| range[0] >= range[1];
+        is_empty(self.columns) || is_empty(self.rows)
+    }
+
+    pub(crate) fn or(self, other: Self) -> Self {
         if self == Self::NONE || other == Self::NONE {
             return if self == Self::NONE { other } else { self };
         }

@@ -2,18 +2,21 @@
 //! The cases, by question: each question is a group.
 
 use crate::chapter::ShadowsChapter;
-use crate::count::Rule;
+use crate::count::{Rule, Wrong};
+use crate::device::Draws;
+use crate::drawing::{DeviceDrawn, DeviceWay, DrawError};
 use crate::list::{Job, Method, questions};
 use crate::near::EyeTest;
 use crate::outline::{Way, outlines};
 use crate::view::sun;
 use crate::work::{Drawn, End, EyeTable, Pixels, Scene, Scissor};
 use crate::{STUDY, images};
+use std::collections::BTreeMap;
 use terrafill_casters::{
     EdgeTable, Extent, Facing, Mesh, Policy, PortSize, Prepared, Side, Volume, by_hash, by_stack,
     hull, port,
 };
-use terrafill_fill::CpuStopwatch;
+use terrafill_fill::{CpuStopwatch, DeviceError};
 use terrafill_results::{Chapter, Kind, Metric, PlannedCase, Status, Verdict};
 use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
 
@@ -23,12 +26,72 @@ const SIZE: [u32; 2] = [200, 150];
 /// Sun of silhouettes: every mesh has faces to and from it.
 const SILHOUETTE_SUN: [f64; 2] = [30.0, -60.0];
 
-const METRICS: [Metric; 21] = [
+const METRICS: [Metric; 31] = [
     Metric::less(
         "shadow_silhouette_cpu_ms",
         "ms",
         Kind::Time,
         "Process CPU time of finding the silhouette; facing bits and adjacency are there already.",
+    ),
+    Metric::less(
+        "shadow_fill_cpu_ms",
+        "ms",
+        Kind::Time,
+        "Process CPU time in which a device draws the shadows of the channel that has most; surface and volumes are there already.",
+    ),
+    Metric::less(
+        "shadow_fill_gpu_ms",
+        "ms",
+        Kind::Time,
+        "GPU time of the same.",
+    ),
+    Metric::less(
+        "shadow_fragments",
+        "",
+        Kind::Counter,
+        "Fragments of volumes per pixel over all channels, by the device's query.",
+    ),
+    Metric::less(
+        "shadow_draws",
+        "",
+        Kind::Counter,
+        "Draw calls of a device over all channels.",
+    ),
+    Metric::less(
+        "shadow_bytes",
+        "bytes",
+        Kind::Bytes,
+        "Vertices and indices of the volumes that a device holds for a channel, the largest; texels of a map.",
+    ),
+    Metric::neither(
+        "shadow_casters_left_out",
+        "",
+        Kind::Counter,
+        "Casters whose shadow lands nowhere in view, summed over all channels: they are not drawn.",
+    ),
+    Metric::less(
+        "shadow_map_cpu_ms",
+        "ms",
+        Kind::Time,
+        "Process CPU time of drawing a shadow map on the CPU and asking it for every pixel of all channels.",
+    ),
+    Metric::less(
+        "shadow_map_wrong",
+        "%",
+        Kind::Error,
+        "Wrong pixels of all that the reference judges, the band included, at the best step of the bias.",
+    ),
+    Metric::less(
+        "shadow_map_wrong_unbiased",
+        "%",
+        Kind::Error,
+        "The same without a bias.",
+    ),
+    Metric::neither(
+        "shadow_map_bias_m",
+        "m",
+        Kind::Error,
+        "The best step of the bias, along the light, on level ground.",
     ),
     Metric::neither(
         "shadow_sides",
@@ -225,6 +288,7 @@ impl Group for Question {
             scene: None,
             eyes: None,
             meshes: Vec::new(),
+            opened: BTreeMap::new(),
         }))
     }
 }
@@ -244,6 +308,8 @@ struct Answering<'a> {
     scene: Option<(String, Scene)>,
     eyes: Option<EyeTable>,
     meshes: Vec<Ready>,
+    /// By case: what a device drew.
+    opened: BTreeMap<usize, Box<dyn Draws>>,
 }
 
 type Figures = Vec<(&'static str, f64)>;
@@ -345,12 +411,36 @@ fn drawn_figures(drawn: &Drawn, pixels: Pixels) -> Figures {
 }
 
 fn drawn_verdict(drawn: &Drawn, pixels: Pixels) -> Verdict {
-    let wrong = drawn.wrong;
+    verdict_of(drawn.wrong, drawn_figures(drawn, pixels))
+}
+
+fn verdict_of(wrong: Wrong, figures: Figures) -> Verdict {
     let reason = format!(
         "{} pixels lit in shadow, {} in shadow in the light, outside the band",
         wrong.false_lit, wrong.false_dark
     );
-    verdict(wrong.outside() == 0, reason, drawn_figures(drawn, pixels))
+    verdict(wrong.outside() == 0, reason, figures)
+}
+
+fn device_figures(drawn: &DeviceDrawn, pixels: Pixels) -> Figures {
+    let mut figures = vec![
+        ("shadow_receiver_px", pixels.receivers as f64),
+        ("shadow_px", pixels.shadow as f64),
+        ("shadow_false_lit_px", drawn.wrong.false_lit as f64),
+        ("shadow_false_dark_px", drawn.wrong.false_dark as f64),
+        ("shadow_band_px", drawn.wrong.in_band as f64),
+        (
+            "shadow_lost_share",
+            percent(drawn.lost as f64, pixels.shadow),
+        ),
+        ("shadow_volume_triangles", drawn.volume_triangles as f64),
+        ("shadow_draws", drawn.draws as f64),
+        ("shadow_bytes", drawn.bytes as f64),
+        ("shadow_casters_left_out", drawn.left_out as f64),
+    ];
+    let fragments = drawn.fragments;
+    figures.extend(fragments.map(|all| ("shadow_fragments", all as f64 / pixels.all as f64)));
+    figures
 }
 
 impl Answering<'_> {
@@ -457,7 +547,45 @@ impl Answering<'_> {
                 Ok(verdict(wrong == 0 && clears == expected, reason, figures))
             }
             Job::Silhouette(mesh, method) => self.silhouette(mesh, method),
+            Job::Map(sun, texel_m, bias) => {
+                let scene = self.under(sun)?;
+                let mapped = scene.mapped(texel_m, bias);
+                let wrong = mapped.wrong;
+                let all = wrong.outside() + wrong.in_band;
+                let share = |count: usize| percent(count as f64, mapped.judged);
+                let figures = vec![
+                    ("shadow_map_wrong", share(all)),
+                    ("shadow_map_wrong_unbiased", share(mapped.unbiased)),
+                    ("shadow_map_bias_m", mapped.bias_m),
+                    ("shadow_bytes", mapped.bytes as f64),
+                    ("shadow_false_lit_px", wrong.false_lit as f64),
+                    ("shadow_false_dark_px", wrong.false_dark as f64),
+                    ("shadow_band_px", wrong.in_band as f64),
+                ];
+                let mut verdict = verdict_of(wrong, figures);
+                let (_, truth) = scene.darkest().ok_or("no channel")?;
+                let name = format!("map-{}-{texel_m}-{}", sun[0], bias.name());
+                let path = images::write(folder, &name, truth, Some(&mapped.mask))?;
+                verdict.notes.push(("image", path));
+                Ok(verdict)
+            }
+            Job::Device(..) => Err("devices answer by case".to_owned()),
         }
+    }
+
+    fn device(&mut self, case: usize, sun: [f64; 2], way: DeviceWay) -> Result<Verdict, DrawError> {
+        let context = self.context;
+        let scene = self.under(sun)?;
+        let mut drawn = scene.drawn_by(context.devices, way)?;
+        let mut verdict = verdict_of(drawn.wrong, device_figures(&drawn, scene.pixels()));
+        let (channel, mask) = drawn.darkest.take().ok_or("no channel")?;
+        let (_, truth) = scene.darkest().ok_or("no channel")?;
+        let name = format!("device-{case}");
+        let path = images::write(context.folder, &name, truth, Some(&mask))?;
+        verdict.notes.push(("image", path));
+        verdict.notes.push(("mask_hash", drawn.mask_hash));
+        self.opened.insert(case, channel);
+        Ok(verdict)
     }
 
     fn eye(&mut self, sun: [f64; 2], near: f64, test: EyeTest) -> Result<Verdict, String> {
@@ -551,14 +679,41 @@ impl Answering<'_> {
 
 impl Session for Answering<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        Ok(self
-            .answer(self.question.jobs[case])
-            .unwrap_or_else(Verdict::failed))
+        let answer = match self.question.jobs[case] {
+            Job::Device(sun, way) => self.device(case, sun, way),
+            job => self.answer(job).map_err(DrawError::from),
+        };
+        Ok(answer.unwrap_or_else(|error| match error {
+            // A device that is missing, or lacks something, is no defect.
+            DrawError::Device(error @ DeviceError::Unsupported { .. }) => {
+                Verdict::skipped(error.to_string())
+            }
+            error => Verdict::failed(error.to_string()),
+        }))
     }
 
     fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
-        let Job::Silhouette(name, method) = self.question.jobs[case] else {
-            return Err("nothing of it is timed".to_owned());
+        let (name, method) = match self.question.jobs[case] {
+            Job::Silhouette(name, method) => (name, method),
+            Job::Device(..) => {
+                let channel = self.opened.get_mut(&case).ok_or("it was not verified")?;
+                let times = channel.time().map_err(|error| error.to_string())?;
+                let mut values = vec![("shadow_fill_cpu_ms", times.fill_cpu_ms)];
+                values.extend(times.fill_gpu_ms.map(|ms| ("shadow_fill_gpu_ms", ms)));
+                return Ok(values);
+            }
+            // The bias costs nothing: one comparison takes it in.
+            Job::Map(sun, texel_m, _) => {
+                let scene = self.under(sun)?;
+                let watch = CpuStopwatch::start();
+                let asked = scene.asked(&scene.map(texel_m));
+                let cpu_ms = watch.cpu_ms();
+                return match asked.is_empty() {
+                    true => Err("nothing is seen".to_owned()),
+                    false => Ok(vec![("shadow_map_cpu_ms", cpu_ms)]),
+                };
+            }
+            _ => return Err("nothing of it is timed".to_owned()),
         };
         let mesh = self.ready(name)?;
         let watch = CpuStopwatch::start();
@@ -675,6 +830,41 @@ mod tests {
             let is_open = name.contains("turned") && !name.contains("adjacency");
             let status = if is_open { Status::Wrong } else { Status::Ok };
             assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
+        }
+    }
+
+    #[test]
+    fn devices_draw_the_reference_s_shadows_and_the_same_by_both_interfaces() {
+        let all = verdicts("devices", |_| true);
+        assert_eq!(all.len(), 24);
+        let mut hashes: BTreeMap<String, Vec<String>> = BTreeMap::new();
+        for (name, verdict) in all {
+            if verdict.status == Status::Skipped {
+                eprintln!("skipped: {}", verdict.reason);
+                assert!(
+                    std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_none(),
+                    "{name}"
+                );
+                continue;
+            }
+            assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
+            assert!(figure(&verdict, "shadow_px") > 1_000.0, "{name}");
+            assert!(figure(&verdict, "shadow_band_px") < 200.0, "{name}");
+            let is_cut = name.contains("caster-rect");
+            let left_out = figure(&verdict, "shadow_casters_left_out");
+            assert_eq!(left_out > 0.0, is_cut, "{name}: {left_out}");
+            let hash = verdict
+                .notes
+                .into_iter()
+                .find(|(key, _)| *key == "mask_hash");
+            let same = name.replace("/wgpu/", "/").replace("/vulkan/", "/");
+            hashes
+                .entry(same)
+                .or_default()
+                .extend(hash.map(|(_, hash)| hash));
+        }
+        for (name, hashes) in hashes {
+            assert_eq!(hashes[0], hashes[1], "{name}");
         }
     }
 

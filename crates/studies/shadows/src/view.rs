@@ -7,8 +7,6 @@ use terrafill_results::SplitMix64;
 
 /// Field of view of one of seven channels over 270°, degrees.
 const CHANNEL_DEG: f64 = 270.0 / 7.0;
-/// Vertical field of view, degrees: 4 : 3 pixels.
-const CHANNEL_HIGH_DEG: f64 = 29.4;
 /// Height of an eye over the deck, and of the deck over the sea, m.
 const WALKER_M: f64 = 1.7 + 7.2;
 /// Seed of the eyes on deck.
@@ -35,13 +33,15 @@ impl View {
     /// - `azimuth_deg`: counter-clockwise from x
     pub(crate) fn level(eye: DVec3, azimuth_deg: f64, near: f64, size: [u32; 2]) -> Self {
         let (sin, cos) = azimuth_deg.to_radians().sin_cos();
-        let half = |deg: f64| (deg / 2.0).to_radians().tan();
+        let half = (CHANNEL_DEG / 2.0).to_radians().tan();
+        // Square pixels, as devices have them: 29.4° high at 4 : 3.
+        let rows = f64::from(size[1]) / f64::from(size[0]);
         Self {
             eye,
             forward: DVec3::new(cos, sin, 0.0),
             right: DVec3::new(sin, -cos, 0.0),
             up: DVec3::Z,
-            tan: [half(CHANNEL_DEG), half(CHANNEL_HIGH_DEG)],
+            tan: [half, half * rows],
             near,
             size,
         }

@@ -29,6 +29,16 @@ pub(crate) enum End {
     Finite(f64),
 }
 
+impl End {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Infinite => "infinite",
+            Self::Sea => "sea-closed",
+            Self::Finite(_) => "finite",
+        }
+    }
+}
+
 /// What the stencil is restricted to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scissor {
@@ -58,11 +68,11 @@ impl Scissor {
 
 /// The port under a sun, seen from the bridge.
 pub(crate) struct Scene {
-    to_light: DVec3,
+    pub(crate) to_light: DVec3,
     prepared: Prepared,
     facing: Facing,
     sides: Vec<Side>,
-    channels: Vec<(View, Truth)>,
+    pub(crate) channels: Vec<(View, Truth)>,
 }
 
 /// What a way of drawing came to, over all channels.
@@ -279,11 +289,18 @@ impl Scene {
         Ok(drawn)
     }
 
-    /// The channel with the most shadow, for a picture.
+    pub(crate) fn mesh(&self) -> &Mesh {
+        &self.prepared.mesh
+    }
+
+    /// The channel with the most shadow.
+    pub(crate) fn darkest_channel(&self) -> Option<usize> {
+        (0..self.channels.len()).max_by_key(|at| self.channels[*at].1.count(Light::Shadow))
+    }
+
+    /// The same, for a picture.
     pub(crate) fn darkest(&self) -> Option<&(View, Truth)> {
-        self.channels
-            .iter()
-            .max_by_key(|(_, truth)| truth.count(Light::Shadow))
+        self.darkest_channel().map(|at| &self.channels[at])
     }
 
     /// Mask of one view.

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Shadow volumes on devices, through the executors of stencil programs that fill regions too.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::ops::Range;
+use std::sync::Arc;
+use terrafill_fill::{
+    Counters, DeviceError, Devices, FrameTimes, Picture, StencilExecutor, StencilWork, SurfaceView,
+    Switches, VolumeDraw, VolumeList, VolumeState,
+};
+use terrafill_gpu::{HandedOn, VolumeShader};
+use terrafill_vulkan::{
+    Buffer, BufferUse, Fragments, Geometry, IndexWidth, Pipeline, PipelineDescriptor, Topology,
+    VertexFormat, VertexStage,
+};
+
+const SHADER: &str = "casters/volume.wgsl";
+
+/// Volumes as one eye sees them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct EyeVolumes {
+    /// Bits of `f32`: x, y, z from the eye, m, and w.
+    pub(crate) vertices: Vec<[u32; 4]>,
+    /// Of triangles, counter-clockwise seen from outside.
+    pub(crate) indices: Vec<u32>,
+    /// Of each volume, by [`terrafill_fill::Volume::geometry`]: its range of indices.
+    pub(crate) ranges: Vec<Range<u32>>,
+}
+
+impl EyeVolumes {
+    pub(crate) fn bytes(&self) -> u64 {
+        (size_of_val(&*self.vertices) + size_of_val(&*self.indices)) as u64
+    }
+}
+
+/// An interface that draws.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Interface {
+    Wgpu,
+    Vulkan,
+}
+
+impl Interface {
+    pub(crate) const ALL: [Self; 2] = [Self::Wgpu, Self::Vulkan];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Wgpu => terrafill_gpu::API.name,
+            Self::Vulkan => terrafill_vulkan::API.name,
+        }
+    }
+
+    /// What is seen, and the program over its volumes, ready to be drawn into targets of its own.
+    pub(crate) fn open(
+        self,
+        devices: &Devices,
+        switches: &Switches,
+        view: SurfaceView<'_>,
+        volumes: EyeVolumes,
+        work: StencilWork,
+    ) -> Result<Box<dyn Draws>, DeviceError> {
+        match self {
+            Self::Wgpu => {
+                let gpu = terrafill_gpu::shared_gpu(devices)?;
+                let targets = terrafill_gpu::RenderTargets::shared(&gpu, view.size)?;
+                let make = |fill: &terrafill_gpu::VolumeFill| OnWgpu::new(fill, volumes);
+                loaded(&targets, switches, make, view, work)
+            }
+            Self::Vulkan => {
+                let gpu = terrafill_vulkan::shared_gpu(devices)?;
+                let targets = terrafill_vulkan::RenderTargets::shared(&gpu, view.size)?;
+                let make = |_: &terrafill_vulkan::VolumeFill| OnVulkan::new(&gpu, volumes);
+                loaded(&targets, switches, make, view, work)
+            }
+        }
+    }
+}
+
+/// Draws one view.
+pub(crate) trait Draws {
+    /// What is seen and its shadows; counts.
+    fn draw(&mut self) -> Result<(Counters, Picture), DeviceError>;
+
+    /// The shadows alone.
+    fn time(&mut self) -> Result<FrameTimes, DeviceError>;
+}
+
+struct Loaded<E, V> {
+    executor: E,
+    volumes: V,
+}
+
+impl<V, E: StencilExecutor<V>> Draws for Loaded<E, V> {
+    fn draw(&mut self) -> Result<(Counters, Picture), DeviceError> {
+        self.executor.draw_surface()?;
+        let mut counters = self.executor.draw(&mut self.volumes)?;
+        let picture = self.executor.read()?;
+        counters.stencil_fragments = self.executor.count_fragments(&mut self.volumes)?;
+        Ok((counters, picture))
+    }
+
+    fn time(&mut self) -> Result<FrameTimes, DeviceError> {
+        self.executor.draw_surface()?;
+        self.executor.time(&mut self.volumes)
+    }
+}
+
+fn loaded<V: 'static, E: StencilExecutor<V> + 'static>(
+    targets: &E::Targets,
+    switches: &Switches,
+    make: impl FnOnce(&E) -> Result<V, DeviceError>,
+    view: SurfaceView<'_>,
+    work: StencilWork,
+) -> Result<Box<dyn Draws>, DeviceError> {
+    let mut executor = E::new(targets, switches)?;
+    let mut volumes = make(&executor)?;
+    executor.set_view(view)?;
+    executor.load(work)?;
+    executor.ensure(&mut volumes)?;
+    Ok(Box::new(Loaded { executor, volumes }))
+}
+
+/// Buffers and pipelines on wgpu.
+struct OnWgpu {
+    shader: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
+    vertices: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    ranges: Vec<Range<u32>>,
+    pipelines: HashMap<VolumeState, wgpu::RenderPipeline>,
+}
+
+impl OnWgpu {
+    fn new(fill: &terrafill_gpu::VolumeFill, volumes: EyeVolumes) -> Result<Self, DeviceError> {
+        let gpu = fill.gpu();
+        let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
+        let vertices = bytemuck::cast_slice(&volumes.vertices);
+        let indices = bytemuck::cast_slice(&volumes.indices);
+        Ok(Self {
+            shader: gpu.shader(SHADER)?,
+            layout: gpu.pipeline_layout("shadows", &[Some(fill.frame_layout())]),
+            vertices: gpu.upload("shadow vertices", vertices, vertex)?,
+            indices: gpu.upload("shadow indices", indices, index)?,
+            ranges: volumes.ranges,
+            pipelines: HashMap::new(),
+        })
+    }
+}
+
+impl terrafill_gpu::Volumes for OnWgpu {
+    fn ensure(
+        &mut self,
+        gpu: &terrafill_gpu::Gpu,
+        _list: &VolumeList,
+        draw: &VolumeDraw<'_>,
+        blends: bool,
+    ) {
+        debug_assert_eq!(HandedOn::of(draw.state), HandedOn::Nothing, "one colour");
+        let attributes = wgpu::vertex_attr_array![0 => Sint32x3, 1 => Uint32];
+        let shader = VolumeShader {
+            module: &self.shader,
+            layout: &self.layout,
+            vertex_entry: "vertex_main",
+            constants: &[],
+            buffers: &[Some(wgpu::VertexBufferLayout {
+                array_stride: 16,
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes: &attributes,
+            })],
+            strip_index_format: None,
+            front_face: wgpu::FrontFace::Ccw,
+        };
+        let pipeline = || shader.pipeline(gpu, draw.state, blends);
+        self.pipelines.entry(draw.state).or_insert_with(pipeline);
+    }
+
+    fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_vertex_buffer(0, self.vertices.slice(..));
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+    }
+
+    fn draw(
+        &mut self,
+        pass: &mut terrafill_gpu::VolumePass<'_>,
+        draw: &VolumeDraw<'_>,
+        _blends: bool,
+    ) {
+        let Some(pipeline) = self.pipelines.get(&draw.state) else {
+            return;
+        };
+        pass.raw.set_pipeline(pipeline);
+        for &volume in draw.volumes {
+            let range = self.ranges[pass.list.volumes[volume].geometry].clone();
+            pass.cut(volume, draw.scissor);
+            pass.draw_indexed(range, 0, volume);
+        }
+    }
+}
+
+/// The same on Vulkan.
+struct OnVulkan {
+    vertices: Buffer,
+    indices: Buffer,
+    ranges: Vec<Range<u32>>,
+    pipelines: HashMap<VolumeState, Pipeline>,
+}
+
+impl OnVulkan {
+    fn new(gpu: &Arc<terrafill_vulkan::Gpu>, volumes: EyeVolumes) -> Result<Self, DeviceError> {
+        let upload = |label, bytes, use_for| Buffer::upload(gpu, label, bytes, use_for);
+        let vertices = bytemuck::cast_slice(&volumes.vertices);
+        let indices = bytemuck::cast_slice(&volumes.indices);
+        Ok(Self {
+            vertices: upload("shadow vertices", vertices, BufferUse::Vertex)?,
+            indices: upload("shadow indices", indices, BufferUse::Index)?,
+            ranges: volumes.ranges,
+            pipelines: HashMap::new(),
+        })
+    }
+}
+
+fn descriptor(state: VolumeState) -> PipelineDescriptor {
+    let fragments = match state {
+        VolumeState::Mark {
+            has_colour: true, ..
+        } => Fragments::Shader {
+            path: SHADER,
+            entry_point: "no_colour",
+        },
+        _ => Fragments::None,
+    };
+    PipelineDescriptor {
+        vertex: VertexStage {
+            path: SHADER,
+            entry_point: "vertex_main",
+            bends_footprints: false,
+        },
+        geometry: None,
+        fragments,
+        format: VertexFormat::FixedAndFlag,
+        topology: Topology::Triangles,
+        state: state.into(),
+        depth_bounds: false,
+    }
+}
+
+impl terrafill_vulkan::Volumes for OnVulkan {
+    fn ensure(
+        &mut self,
+        gpu: &Arc<terrafill_vulkan::Gpu>,
+        draw: &VolumeDraw<'_>,
+    ) -> Result<(), DeviceError> {
+        if let Entry::Vacant(place) = self.pipelines.entry(draw.state) {
+            place.insert(Pipeline::new(gpu, descriptor(draw.state))?);
+        }
+        Ok(())
+    }
+
+    fn draw<'a>(
+        &'a self,
+        pass: &mut terrafill_vulkan::VolumePass<'a, '_, '_>,
+        draw: &VolumeDraw<'_>,
+    ) {
+        let Some(pipeline) = self.pipelines.get(&draw.state) else {
+            return;
+        };
+        let geometry = Geometry {
+            vertices: &self.vertices,
+            indices: &self.indices,
+            width: IndexWidth::Long,
+        };
+        for &volume in draw.volumes {
+            let range = self.ranges[pass.list.volumes[volume].geometry].clone();
+            pass.cut(volume, draw.scissor);
+            pass.draw_indexed(pipeline, geometry, range, 0, volume);
+        }
+    }
+}

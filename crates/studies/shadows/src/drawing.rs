@@ -1,0 +1,370 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The port as devices draw it: sea and casters are a surface, and a stencil program counts the volumes.
+//!
+//! The origin is laid on the north pole of a sphere, so that ENU axes are the body's. A caster's lit
+//! triangles are drawn twice, as surface and as light cap, from the same `f32` numbers with the corners
+//! in the same order: only then both have the same depth, and equal depth fails.
+
+use crate::count::{Rule, Wrong};
+use crate::device::{Draws, EyeVolumes, Interface};
+use crate::reference::{Light, SEA_RADIUS_M, Truth};
+use crate::scissor::{Rectangle, of_parts};
+use crate::view::View;
+use crate::work::{End, Scene};
+use glam::{DMat3, DVec3};
+use terrafill_casters::{Mesh, Volume};
+use terrafill_core::{Ellipsoid, VolumeHeights};
+use terrafill_fill::{
+    ColourWay, DepthRange, DepthRuleChoice, DeviceError, Devices, FacePasses, FillProgram,
+    FixedPoint, Frame, Picture, PositionFormat, StencilWork, SurfaceView, Switches, ViewId,
+    VolumeConstants, VolumeList, VolumePlace, mask_hash,
+};
+use terrafill_scene::{Camera, HeightRange, ImageSize, Overlap, PixelRect};
+use terrafill_surface::SurfaceFrame;
+
+/// Between meridians of the sea's patch, degrees, and from a ring to the next as a ratio: at 5 km a facet
+/// is 5 mm below the sphere, a ten-thousandth of a pixel.
+const SECTOR_DEG: f64 = 1.0;
+const RING_RATIO: f64 = 1.1;
+
+/// How a device draws volumes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct DeviceWay {
+    pub(crate) interface: Interface,
+    pub(crate) end: End,
+    pub(crate) rule: Rule,
+    pub(crate) faces: FacePasses,
+    /// Each caster is cut to its rectangle, and left out where that is empty.
+    pub(crate) is_cut: bool,
+}
+
+impl DeviceWay {
+    fn switches(self) -> Switches {
+        Switches {
+            colour: ColourWay::OneColour,
+            faces: self.faces,
+            depth_rule: match self.rule {
+                Rule::Pass => DepthRuleChoice::Pass,
+                _ => DepthRuleChoice::Fail,
+            },
+            scissor: self.is_cut,
+            ..Switches::default()
+        }
+    }
+}
+
+/// What a device drew, over all channels.
+#[derive(Default)]
+pub(crate) struct DeviceDrawn {
+    pub(crate) wrong: Wrong,
+    /// Shadow pixels of the reference that are lit, in the band too.
+    pub(crate) lost: usize,
+    pub(crate) draws: u64,
+    /// Of volumes; `None` where the device does not count them.
+    pub(crate) fragments: Option<u64>,
+    /// Vertices and indices of a channel.
+    pub(crate) bytes: u64,
+    /// Casters times channels that were not drawn.
+    pub(crate) left_out: usize,
+    pub(crate) volume_triangles: usize,
+    /// Of all channels' masks.
+    pub(crate) mask_hash: String,
+    /// The channel with the most shadow, ready to be timed, and its mask.
+    pub(crate) darkest: Option<(Box<dyn Draws>, Vec<bool>)>,
+}
+
+/// What a channel's program runs on.
+struct Loadable {
+    volumes: EyeVolumes,
+    list: Vec<terrafill_fill::Volume>,
+    left_out: usize,
+}
+
+impl Scene {
+    /// Draws every channel by a device.
+    ///
+    /// # Errors
+    /// Of the device; or that there is no such volume.
+    pub(crate) fn drawn_by(
+        &self,
+        devices: &Devices,
+        way: DeviceWay,
+    ) -> Result<DeviceDrawn, DrawError> {
+        let volume = self.volume(way.end).map_err(|error| error.to_string())?;
+        // A rectangle holds the volume closed at the sea, wherever the one that is drawn ends.
+        let closed = match way.is_cut {
+            true => Some(self.volume(End::Sea).map_err(|error| error.to_string())?),
+            false => None,
+        };
+        let darkest = self.darkest_channel().ok_or("no channel")?;
+        let mut drawn = DeviceDrawn {
+            volume_triangles: volume.triangles.len(),
+            fragments: Some(0),
+            ..DeviceDrawn::default()
+        };
+        let mut all = Vec::new();
+        for (at, (view, truth)) in self.channels.iter().enumerate() {
+            let loadable = loadable(view, self.mesh(), &volume, closed.as_ref());
+            drawn.bytes = drawn.bytes.max(loadable.volumes.bytes());
+            drawn.left_out += loadable.left_out;
+            let mut channel = self.open(devices, way, view, loadable)?;
+            let (counters, picture) = channel.draw()?;
+            let mask = mask(&picture);
+            drawn.wrong = drawn.wrong.plus(Wrong::of(&mask, truth));
+            drawn.lost += lost(&mask, truth);
+            drawn.draws += counters.draws;
+            let fragments = drawn.fragments.zip(counters.stencil_fragments);
+            drawn.fragments = fragments.map(|(before, own)| before + own);
+            // What is sky has no shadow, whatever the count there.
+            let of_receivers = mask.iter().zip(&truth.light);
+            all.extend(of_receivers.map(|(dark, light)| *dark && *light != Light::Sky));
+            if at == darkest {
+                drawn.darkest = Some((channel, mask));
+            }
+        }
+        drawn.mask_hash = hash(&all);
+        Ok(drawn)
+    }
+
+    fn open(
+        &self,
+        devices: &Devices,
+        way: DeviceWay,
+        view: &View,
+        loadable: Loadable,
+    ) -> Result<Box<dyn Draws>, DrawError> {
+        let body = Ellipsoid::new("sea", SEA_RADIUS_M, SEA_RADIUS_M).ok_or("no sphere")?;
+        let camera = camera(view);
+        let surface = surface(view, self.mesh());
+        let id = ViewId::unique();
+        let size = ImageSize {
+            width: view.size[0],
+            height: view.size[1],
+        };
+        let seen = SurfaceView {
+            id,
+            body: &body,
+            camera: &camera,
+            size,
+            surface: &surface,
+        };
+        let switches = way.switches();
+        let program = FillProgram::new(&loadable.list, &switches, Overlap::Ordered)?;
+        let constants = constants(&camera, loadable.list.len());
+        let work = StencilWork {
+            list: VolumeList {
+                view_id: id,
+                size,
+                volumes: loadable.list,
+            },
+            program,
+            constants: bytemuck::cast_slice(&constants).to_vec(),
+            blends: false,
+        };
+        let interface = way.interface;
+        Ok(interface.open(devices, &switches, seen, loadable.volumes, work)?)
+    }
+}
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum DrawError {
+    #[error(transparent)]
+    Device(#[from] DeviceError),
+    #[error("{0}")]
+    Other(String),
+}
+
+impl From<String> for DrawError {
+    fn from(message: String) -> Self {
+        Self::Other(message)
+    }
+}
+
+impl From<&str> for DrawError {
+    fn from(message: &str) -> Self {
+        Self::Other(message.to_owned())
+    }
+}
+
+fn camera(view: &View) -> Camera {
+    Camera {
+        eye_ecef: view.eye + DVec3::Z * SEA_RADIUS_M,
+        view_from_ecef: DMat3::from_cols(view.right, view.up, -view.forward).transpose(),
+        fov_y_rad: 2.0 * view.tan[1].atan(),
+        near_m: view.near,
+    }
+}
+
+/// Sea and casters from the eye.
+fn surface(view: &View, mesh: &Mesh) -> SurfaceFrame {
+    let (sea, sea_triangles) = sea(view);
+    let all = mesh.vertices.iter().chain(&sea);
+    let vertices = all.map(|place| (place - view.eye).as_vec3().to_array());
+    let first = u32::try_from(mesh.vertices.len()).unwrap_or(u32::MAX);
+    let of_sea = sea_triangles
+        .into_iter()
+        .map(|corners| corners.map(|corner| corner + first));
+    SurfaceFrame {
+        vertices_rte: vertices.collect(),
+        triangles: mesh.triangles.iter().copied().chain(of_sea).collect(),
+        heights: HeightRange {
+            lowest_m: 0.0,
+            highest_m: 0.0,
+        },
+        parts: [].into(),
+    }
+}
+
+/// The sea in sight of a level camera, as rings about the foot of the eye.
+fn sea(view: &View) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let centre = DVec3::NEG_Z * SEA_RADIUS_M;
+    let up = (view.eye - centre).normalize();
+    let height_m = (view.eye - centre).length() - SEA_RADIUS_M;
+    let ahead = (view.forward - up * up.dot(view.forward)).normalize();
+    let right = ahead.cross(up);
+    let horizon_m = (2.0 * SEA_RADIUS_M * height_m).sqrt();
+    let mut away_m = vec![0.5 * height_m];
+    while away_m.last().is_some_and(|last| *last < 1.2 * horizon_m) {
+        away_m.extend(away_m.last().map(|last| last * RING_RATIO));
+    }
+    let half_deg = view.tan[0].atan().to_degrees() + SECTOR_DEG;
+    let mut azimuths_deg = vec![-half_deg];
+    while azimuths_deg.last().is_some_and(|last| *last < half_deg) {
+        azimuths_deg.extend(azimuths_deg.last().map(|last| last + SECTOR_DEG));
+    }
+    let mut places = Vec::with_capacity(away_m.len() * azimuths_deg.len());
+    for away in &away_m {
+        let (sin, cos) = (away / SEA_RADIUS_M).sin_cos();
+        for azimuth in &azimuths_deg {
+            let (aside, along) = azimuth.to_radians().sin_cos();
+            let direction = up * cos + (ahead * along + right * aside) * sin;
+            places.push(centre + direction * SEA_RADIUS_M);
+        }
+    }
+    let columns = u32::try_from(azimuths_deg.len()).unwrap_or(u32::MAX);
+    let rings = u32::try_from(away_m.len()).unwrap_or(u32::MAX);
+    let mut triangles = Vec::new();
+    for ring in 1..rings {
+        for column in 1..columns {
+            let [near, far] = [ring - 1, ring].map(|ring| ring * columns + column);
+            triangles.push([near - 1, near, far]);
+            triangles.push([near - 1, far, far - 1]);
+        }
+    }
+    (places, triangles)
+}
+
+/// Each caster's volume as this eye sees it.
+///
+/// - `closed`: what rectangles are made of, where volumes are cut
+fn loadable(view: &View, mesh: &Mesh, volume: &Volume, closed: Option<&Volume>) -> Loadable {
+    let places = volume.vertices.iter().map(|place| {
+        let along = (place.truncate() - view.eye * place.w).as_vec3();
+        #[allow(clippy::cast_possible_truncation, reason = "0 or 1")]
+        let w = place.w as f32;
+        along.extend(w).to_array().map(f32::to_bits)
+    });
+    let mut loadable = Loadable {
+        volumes: EyeVolumes {
+            vertices: places.collect(),
+            ..EyeVolumes::default()
+        },
+        list: Vec::new(),
+        left_out: 0,
+    };
+    let rectangles = closed.map(|closed| of_parts(view, closed, mesh.parts.len()));
+    let mut of_parts: Vec<Vec<u32>> = vec![Vec::new(); mesh.parts.len()];
+    for triangle in &volume.triangles {
+        of_parts[triangle.part as usize].extend(triangle.corners);
+    }
+    for caster in &mesh.casters {
+        let own = caster.parts.clone();
+        let rectangle = match &rectangles {
+            Some(all) => all[own.clone()]
+                .iter()
+                .copied()
+                .fold(Rectangle::NONE, Rectangle::or),
+            None => Rectangle::whole(view),
+        };
+        if rectangle.is_empty() {
+            loadable.left_out += 1;
+            continue;
+        }
+        let indices = &mut loadable.volumes.indices;
+        let count = |indices: &[u32]| u32::try_from(indices.len()).unwrap_or(u32::MAX);
+        let first = count(indices);
+        indices.extend(of_parts[own].iter().flatten());
+        loadable.list.push(terrafill_fill::Volume {
+            is_flat: false,
+            screen_rect: PixelRect {
+                left: rectangle.columns[0],
+                top: rectangle.rows[0],
+                right: rectangle.columns[1],
+                bottom: rectangle.rows[1],
+            },
+            depth: DepthRange::ANY,
+            // Rules are told, not chosen by the eye.
+            near_plane_meets_volume: false,
+            geometry: loadable.volumes.ranges.len(),
+        });
+        let range = first..count(indices);
+        loadable.volumes.ranges.push(range);
+    }
+    loadable
+}
+
+/// What the cover reads of each volume, and of an empty list one all the same: its colour.
+fn constants(camera: &Camera, volumes: usize) -> Vec<VolumeConstants> {
+    let place = VolumePlace {
+        fixed: FixedPoint {
+            origin_ecef: camera.eye_ecef,
+            unit_m: 1.0,
+        },
+        first_vertex: 0,
+        first_triangle_index: 0,
+        first_loop_index: 0,
+        triangle_count: 0,
+        has_short_indices: false,
+    };
+    let heights = VolumeHeights {
+        top_m: 0.0,
+        bottom_m: 0.0,
+    };
+    let dark = [0.05, 0.06, 0.1, 1.0];
+    let one = VolumeConstants::new(
+        camera.eye_ecef,
+        &place,
+        heights,
+        PositionFormat::Fixed,
+        dark,
+    );
+    vec![one; volumes.max(1)]
+}
+
+/// Pixels that the cover coloured.
+fn mask(picture: &Picture) -> Vec<bool> {
+    let pixels = picture.rgba.chunks_exact(4);
+    pixels.map(|pixel| pixel[3] != 0).collect()
+}
+
+fn lost(mask: &[bool], truth: &Truth) -> usize {
+    let pixels = mask.iter().zip(&truth.light);
+    pixels
+        .filter(|(is_dark, light)| !**is_dark && **light == Light::Shadow)
+        .count()
+}
+
+fn hash(mask: &[bool]) -> String {
+    mask_hash(&Frame {
+        size: ImageSize {
+            width: u32::try_from(mask.len()).unwrap_or(u32::MAX),
+            height: 1,
+        },
+        ids: mask.iter().map(|is_dark| u32::from(*is_dark)).collect(),
+        surface: vec![true; mask.len()],
+        non_finite: 0,
+        counters: None,
+        texture: None,
+    })
+}

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The rival: a shadow map (Williams, 1978), drawn and asked on the CPU.
+//!
+//! Orthographic along the light, fitted to the casters, one axis level: texels lie along the sun's
+//! azimuth. A texel holds the distance of what is nearest to the sun at its centre, in `f32`. A receiver
+//! asks the texel that it lies in. Faces turned away from the sun are dark without asking.
+
+use crate::count::Wrong;
+use crate::reference::{Light, Seen, Truth};
+use crate::view::View;
+use crate::work::Scene;
+use glam::{DVec2, DVec3};
+use terrafill_casters::Mesh;
+
+/// Steps of a constant bias, m along the light.
+const CONSTANT_M: [f64; 13] = [
+    0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0,
+];
+/// Steps of a bias by slope, in texels times the tangent between normal and light.
+const SLOPE_TEXELS: [f64; 7] = [0.0, 0.25, 0.5, 0.71, 1.0, 1.5, 2.0];
+
+/// What keeps a lit receiver from being in its own shadow.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Bias {
+    /// So many metres.
+    Constant,
+    /// So many texels times the slope of the receiver against the light.
+    Slope,
+}
+
+impl Bias {
+    pub(crate) const ALL: [Self; 2] = [Self::Constant, Self::Slope];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Slope => "slope",
+        }
+    }
+
+    fn steps(self) -> &'static [f64] {
+        match self {
+            Self::Constant => &CONSTANT_M,
+            Self::Slope => &SLOPE_TEXELS,
+        }
+    }
+
+    /// Metres of a step.
+    ///
+    /// - `slope`: tangent between normal and light
+    fn metres(self, step: f64, texel_m: f64, slope: f64) -> f64 {
+        match self {
+            Self::Constant => step,
+            Self::Slope => step * texel_m * slope,
+        }
+    }
+}
+
+/// Distances towards the sun by texel.
+pub(crate) struct Map {
+    to_light: DVec3,
+    /// Level, and upwards across the light.
+    axes: [DVec3; 2],
+    low: DVec2,
+    texel_m: f64,
+    columns: usize,
+    rows: usize,
+    /// From the origin towards the sun, m; −∞ where nothing is.
+    nearest_m: Vec<f32>,
+}
+
+impl Map {
+    pub(crate) fn of(mesh: &Mesh, to_light: DVec3, texel_m: f64) -> Self {
+        let level = DVec3::Z.cross(to_light).try_normalize().unwrap_or(DVec3::X);
+        let axes = [level, to_light.cross(level)];
+        let flat = |place: DVec3| DVec2::new(place.dot(axes[0]), place.dot(axes[1]));
+        let places = || mesh.vertices.iter().map(|place| flat(*place));
+        let low = places().fold(DVec2::INFINITY, DVec2::min);
+        let high = places().fold(low, DVec2::max);
+        let count = ((high - low) / texel_m).ceil().max(DVec2::ONE);
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a port's texels: whole, positive and few"
+        )]
+        let [columns, rows] = count.to_array().map(|count| count as usize);
+        let mut map = Self {
+            to_light,
+            axes,
+            low,
+            texel_m,
+            columns,
+            rows,
+            nearest_m: vec![f32::NEG_INFINITY; columns * rows],
+        };
+        for triangle in 0..mesh.triangles.len() {
+            map.draw(mesh.corners(triangle));
+        }
+        map
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        size_of_val(&*self.nearest_m) as u64
+    }
+
+    /// In texels from the low corner.
+    fn place(&self, place: DVec3) -> DVec2 {
+        let flat = DVec2::new(place.dot(self.axes[0]), place.dot(self.axes[1]));
+        (flat - self.low) / self.texel_m
+    }
+
+    /// Texels whose centres lie between two places along an axis.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to the map"
+    )]
+    fn between(low: f64, high: f64, count: usize) -> std::ops::Range<usize> {
+        let at = |place: f64| (place - 0.5).ceil().clamp(0.0, count as f64) as usize;
+        at(low)..at(high).max(at(low))
+    }
+
+    #[allow(clippy::cast_possible_truncation, reason = "a map holds f32")]
+    fn draw(&mut self, corners: [DVec3; 3]) {
+        let flat = corners.map(|corner| self.place(corner));
+        let [a, b, c] = flat;
+        let (ab, ac) = (b - a, c - a);
+        let area = ab.perp_dot(ac);
+        if area == 0.0 {
+            return;
+        }
+        let heights = corners.map(|corner| corner.dot(self.to_light));
+        let rise = [heights[1] - heights[0], heights[2] - heights[0]];
+        let low = a.min(b).min(c);
+        let high = a.max(b).max(c);
+        for row in Self::between(low.y, high.y, self.rows) {
+            let y = row as f64 + 0.5;
+            // Where the row's centre line meets the triangle's edges.
+            let mut span = [f64::INFINITY, f64::NEG_INFINITY];
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                if (from.y <= y) != (to.y <= y) {
+                    let x = from.x + (to.x - from.x) * ((y - from.y) / (to.y - from.y));
+                    span = [span[0].min(x), span[1].max(x)];
+                }
+            }
+            if span[0] > span[1] {
+                continue;
+            }
+            for column in Self::between(span[0], span[1], self.columns) {
+                let at = DVec2::new(column as f64 + 0.5, y) - a;
+                let shares = [at.perp_dot(ac) / area, ab.perp_dot(at) / area];
+                let height = heights[0] + shares[0] * rise[0] + shares[1] * rise[1];
+                let own = &mut self.nearest_m[row * self.columns + column];
+                *own = own.max(height as f32);
+            }
+        }
+    }
+
+    /// How far above a place, along the light, the map has something; −∞ where it has nothing.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "checked to lie in the map"
+    )]
+    fn above(&self, place: DVec3) -> f64 {
+        let at = self.place(place);
+        let is_in =
+            at.x >= 0.0 && at.y >= 0.0 && at.x < self.columns as f64 && at.y < self.rows as f64;
+        if !is_in {
+            return f64::NEG_INFINITY;
+        }
+        let texel = at.y as usize * self.columns + at.x as usize;
+        f64::from(self.nearest_m[texel]) - place.dot(self.to_light)
+    }
+}
+
+/// What a receiver pixel is told.
+pub(crate) struct Asked {
+    /// What the map has above it along the light, m; −∞ outside the map.
+    above_m: f64,
+    /// Tangent between normal and light; `None` where the face is turned away.
+    slope: Option<f64>,
+}
+
+/// What a map came to.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Mapped {
+    pub(crate) wrong: Wrong,
+    /// Receiver pixels that the reference judges.
+    pub(crate) judged: usize,
+    /// Of these, wrong without a bias.
+    pub(crate) unbiased: usize,
+    /// The best step, and what it is in metres on level ground.
+    pub(crate) bias_m: f64,
+    pub(crate) bytes: u64,
+    /// Of the channel with the most shadow.
+    pub(crate) mask: Vec<bool>,
+}
+
+impl Scene {
+    /// Shadows by a map with texels of this size, at the step of the bias that leaves the fewest wrong.
+    pub(crate) fn mapped(&self, texel_m: f64, bias: Bias) -> Mapped {
+        let map = self.map(texel_m);
+        let asked = self.asked(&map);
+        let masks = |step: f64| -> Vec<Vec<bool>> {
+            let is_dark = |asked: &Option<Asked>| {
+                asked.as_ref().is_some_and(|asked| {
+                    let above = |slope| asked.above_m > bias.metres(step, texel_m, slope);
+                    asked.slope.is_none_or(above)
+                })
+            };
+            let channels = asked.iter();
+            channels
+                .map(|channel| channel.iter().map(is_dark).collect())
+                .collect()
+        };
+        let wrong = |masks: &[Vec<bool>]| {
+            let channels = masks.iter().zip(&self.channels);
+            channels.fold(Wrong::default(), |sum, (mask, (_, truth))| {
+                sum.plus(Wrong::of(mask, truth))
+            })
+        };
+        let all = |wrong: Wrong| wrong.outside() + wrong.in_band;
+        let unbiased = all(wrong(&masks(0.0)));
+        let steps = bias.steps().iter().copied();
+        let best = steps.min_by_key(|step| all(wrong(&masks(*step))));
+        let best = best.unwrap_or(0.0);
+        let mut masks = masks(best);
+        let level = self.to_light.z;
+        let level_slope = (1.0 - level * level).max(0.0).sqrt() / level;
+        Mapped {
+            wrong: wrong(&masks),
+            judged: self.judged(),
+            unbiased,
+            bias_m: bias.metres(best, texel_m, level_slope),
+            bytes: map.bytes(),
+            mask: match self.darkest_channel() {
+                Some(darkest) => masks.swap_remove(darkest),
+                None => Vec::new(),
+            },
+        }
+    }
+
+    fn judged(&self) -> usize {
+        let channels = self.channels.iter();
+        channels
+            .map(|(_, truth)| truth.count(Light::Lit) + truth.count(Light::Shadow))
+            .sum()
+    }
+
+    /// A map with texels of this size.
+    pub(crate) fn map(&self, texel_m: f64) -> Map {
+        Map::of(self.mesh(), self.to_light, texel_m)
+    }
+
+    /// What each pixel of each channel is told; `None` of the sky.
+    pub(crate) fn asked(&self, map: &Map) -> Vec<Vec<Option<Asked>>> {
+        let channels = self.channels.iter();
+        channels
+            .map(|(view, truth)| self.asked_of(map, view, truth))
+            .collect()
+    }
+
+    fn asked_of(&self, map: &Map, view: &View, truth: &Truth) -> Vec<Option<Asked>> {
+        let mesh = self.mesh();
+        let width = view.size[0] as usize;
+        let pixel = |(at, seen): (usize, &Seen)| {
+            let (depth, normal) = match *seen {
+                Seen::Sky => return None,
+                Seen::Sea(depth) => (depth, DVec3::Z),
+                Seen::Triangle(triangle, depth) => {
+                    let plane = mesh.planes[triangle as usize];
+                    (depth, mesh.normals[plane as usize].normalize_or_zero())
+                }
+            };
+            let (column, row) = (at % width, at / width);
+            let [column, row] = [column, row].map(|at| u32::try_from(at).unwrap_or(0));
+            let cosine = normal.dot(self.to_light);
+            let slope = (1.0 - cosine * cosine).max(0.0).sqrt() / cosine;
+            Some(Asked {
+                above_m: map.above(view.eye + view.ray(column, row) * depth),
+                slope: (cosine > 0.0).then_some(slope),
+            })
+        };
+        truth.seen.iter().enumerate().map(pixel).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::sun;
+    use terrafill_casters::row;
+
+    #[test]
+    fn a_map_knows_the_shadow_of_a_plate_to_a_texel() {
+        let mesh = row(1);
+        let map = Map::of(&mesh, sun([30.0, 180.0]), 0.1);
+        let ends = 0.1 + 25.0 / 30_f64.to_radians().tan();
+        let is_dark = |x: f64, bias_m: f64| map.above(DVec3::new(x, 3.0, 0.0)) > bias_m;
+        assert!(is_dark(1.0, 0.2) && is_dark(ends - 0.5, 0.2));
+        assert!(!is_dark(ends + 0.5, 0.2) && !is_dark(-1.0, 0.2));
+        // Twin: a bias longer than the plate's shadow loses it.
+        assert!(!is_dark(ends - 0.5, 60.0));
+    }
+
+    #[test]
+    fn finer_texels_leave_fewer_wrong_and_no_bias_far_more() {
+        let scene = Scene::new([10.0, -60.0], [64, 48]).expect("a port");
+        let share = |mapped: &Mapped| {
+            let wrong = mapped.wrong.outside() + mapped.wrong.in_band;
+            wrong as f64 / mapped.judged as f64
+        };
+        for bias in Bias::ALL {
+            let [fine, coarse] = [0.25, 2.0].map(|texel| scene.mapped(texel, bias));
+            assert!(
+                share(&fine) < share(&coarse),
+                "{bias:?}: {} {}",
+                share(&fine),
+                share(&coarse)
+            );
+            assert!(
+                0.001 < share(&fine) && share(&fine) < 0.05,
+                "{}",
+                share(&fine)
+            );
+            // Without a bias, texels shade the very casters that they show.
+            let wrong = fine.wrong.outside() + fine.wrong.in_band;
+            assert!(fine.unbiased > 5 * wrong, "{} {wrong}", fine.unbiased);
+            assert!(fine.bias_m > 0.0);
+            assert_eq!(fine.mask.len(), 64 * 48);
+        }
+    }
+}
