@@ -4,8 +4,8 @@
 
 use super::sights::{MUTANTS, Notices, POSES, Sight, square_from, three_regions_from};
 use super::{
-    AllTargets, Devices, SIZE, Technique, differing, draw, figures, is_right, judge, shipped,
-    vertex, with_colour, with_switches,
+    AllTargets, Devices, SIZE, Technique, differing, figures, is_right, judge, shipped, vertex,
+    with_colour, with_switches,
 };
 use terrafill_conformance::{filled_only, verdict};
 use terrafill_fill::{ColourWay, DepthRuleChoice, FacePasses, FillInput, Frame, Switches};
@@ -38,7 +38,7 @@ fn name_of(technique: &Technique) -> String {
 
 /// Pictures of the vertex backend, one for all that have the same switches.
 struct ByVertex<'a> {
-    devices: &'a Devices,
+    targets: &'a AllTargets<'a>,
     input: &'a FillInput,
     drawn: Vec<(Switches, Frame)>,
 }
@@ -47,7 +47,7 @@ impl ByVertex<'_> {
     fn frame(&mut self, switches: Switches) -> &Frame {
         let known = self.drawn.iter().position(|(known, _)| *known == switches);
         let index = known.unwrap_or_else(|| {
-            let frame = draw(self.devices, self.input, vertex(switches));
+            let frame = self.targets.draw(self.input, vertex(switches));
             self.drawn.push((switches, frame));
             self.drawn.len() - 1
         });
@@ -68,13 +68,15 @@ pub(crate) fn assert_all_right(sights: &[Sight], techniques: &[Technique]) {
         let surface = judged.surface.iter().filter(|&&is| is).count() as u64;
         assert!(filled > 100, "{what}: only {filled} pixels are filled");
         assert!(filled + 100 < surface, "{what}: no boundary in sight");
+        // One set of targets for all: making targets takes longer than drawing into them.
+        let targets = AllTargets::new(&devices, input.size);
         let mut by_vertex = ByVertex {
-            devices: &devices,
+            targets: &targets,
             input,
             drawn: Vec::new(),
         };
         for &technique in techniques {
-            let frame = draw(&devices, input, technique);
+            let frame = targets.draw(input, technique);
             let beside = is_held_against_vertex(&technique)
                 .then(|| by_vertex.frame(switches_of(&technique)));
             assert_right(what, input, technique, &judged, &frame, beside);
@@ -143,9 +145,10 @@ pub(crate) fn assert_shipped_scenes_right(techniques: impl Fn(Switches) -> Vec<T
             let input =
                 FillInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
             let judged = judge(&input);
-            let by_vertex = draw(&devices, &input, vertex(switches));
+            let targets = AllTargets::new(&devices, input.size);
+            let by_vertex = targets.draw(&input, vertex(switches));
             for technique in techniques(switches) {
-                let frame = draw(&devices, &input, technique);
+                let frame = targets.draw(&input, technique);
                 let what = format!("{name}/{}/{}", view.name, name_of(&technique));
                 let found = figures(&judged, &frame);
                 let verdict = verdict(&found);
@@ -169,7 +172,6 @@ pub(crate) fn assert_no_switch_changes_a_pixel(techniques: impl Fn(usize) -> Vec
     for (place, pose) in POSES.into_iter().enumerate() {
         let input = three_regions_from(pose);
         let judged = judge(&input);
-        // One set of targets for all: making targets takes longer than drawing into them.
         let targets = AllTargets::new(&devices, input.size);
         let first = targets.draw(&input, vertex(Switches::default()));
         assert!(is_right(&judged, &first), "{pose:?}");
@@ -194,6 +196,7 @@ pub(crate) fn assert_forced_in_front_is_wrong_from_inside(techniques: &[Techniqu
     let input = square_from((5.0, 9.0, 300.0, 0.0, -5.0));
     assert!(input.plan.regions[0].near_plane_meets_volume);
     let judged = judge(&input);
+    let targets = AllTargets::new(&devices, input.size);
     for (depth_rule, right) in [
         (DepthRuleChoice::Automatic, true),
         (DepthRuleChoice::Fail, true),
@@ -205,7 +208,7 @@ pub(crate) fn assert_forced_in_front_is_wrong_from_inside(techniques: &[Techniqu
                 ..switches_of(&technique)
             };
             let technique = with_switches(technique, switches);
-            let found = figures(&judged, &draw(&devices, &input, technique));
+            let found = figures(&judged, &targets.draw(&input, technique));
             let what = format!("{}: {found:?}", name_of(&technique));
             assert_eq!(verdict(&found).is_pass(), right, "{what}");
         }
@@ -221,6 +224,7 @@ pub(crate) fn assert_broken_volumes_are_noticed(techniques: &[Technique]) {
     let whole = square_from((5.0, -1.0, 2e4, 0.0, -15.0));
     assert_eq!(whole.scene.overlap, Overlap::Disjoint);
     let judged = judge(&whole);
+    let targets = AllTargets::new(&devices, whole.size);
     for mutant in &MUTANTS {
         let mut input = whole.clone();
         let mut meshes = input.scene.meshes.to_vec();
@@ -239,7 +243,7 @@ pub(crate) fn assert_broken_volumes_are_noticed(techniques: &[Technique]) {
                     Notices::Everybody => true,
                     Notices::WhoeverAsksForLoops => !has_inner_walls(&technique),
                 };
-                let found = figures(&judged, &draw(&devices, &input, technique));
+                let found = figures(&judged, &targets.draw(&input, technique));
                 let what = format!("{}, {}: {found:?}", mutant.name, name_of(&technique));
                 assert_eq!(verdict(&found).is_pass(), !is_noticed, "{what}");
             }
