@@ -8,7 +8,7 @@ use crate::select::{Choice, bend_m, choose};
 use crate::store::Store;
 use crate::tile::TileId;
 use crate::tree::Tree;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use terrafill_core::{Ellipsoid, Extent, wrapped_deg};
 use terrafill_elevation::Elevation;
 use terrafill_scene::{Camera, HeightRange, ImageSize};
@@ -68,7 +68,8 @@ impl SurfaceKind for TilesKind {
 pub(crate) struct Tiles {
     body: Ellipsoid,
     elevation: Elevation,
-    tree: Tree,
+    /// Measured when it is first asked for: a plan of what to measure opens surfaces that nothing looks at.
+    tree: OnceLock<Tree>,
     error_px: f64,
     max_triangles: u32,
     skirts: bool,
@@ -78,7 +79,7 @@ pub(crate) struct Tiles {
 impl Tiles {
     pub(crate) fn new(body: &Ellipsoid, elevation: Elevation) -> Self {
         Self {
-            tree: Tree::new(&elevation),
+            tree: OnceLock::new(),
             elevation,
             body: *body,
             error_px: DEFAULT_ERROR_PX,
@@ -88,12 +89,16 @@ impl Tiles {
         }
     }
 
+    pub(crate) fn tree(&self) -> &Tree {
+        self.tree.get_or_init(|| Tree::new(&self.elevation))
+    }
+
     /// How far triangles of any tile, skirts included, may hang below the heights around them, metres.
     fn hang_m(&self) -> f64 {
         let bends = TileId::roots().map(|id| bend_m(&self.body, id));
         let bend_m = bends.fold(0.0, f64::max);
         // A facet hangs by its own bend; a skirt by two errors, each with its bend, and the rounding.
-        let skirt_m = 2.0 * (self.tree.max_error_m() + bend_m);
+        let skirt_m = 2.0 * (self.tree().max_error_m() + bend_m);
         bend_m + skirt_m + 3e-6 * self.body.equatorial_radius_m()
     }
 
@@ -105,7 +110,7 @@ impl Tiles {
     fn choice(&self, sight: &Sight, is_there: &mut dyn FnMut(TileId) -> bool) -> Choice {
         choose(
             &self.body,
-            &self.tree,
+            self.tree(),
             sight,
             self.error_px,
             self.max_triangles,

@@ -12,6 +12,7 @@ mod far_level;
 mod level_of_detail;
 mod native_against_reference;
 mod over_a_spiral;
+mod over_terrain;
 mod overlaps;
 mod run;
 mod screen_grid;

@@ -2,36 +2,24 @@
 //! Fills over a surface that belongs to the view: a spiral that ends at the horizon. Seen from far its facets
 //! hang kilometres below the body. Where no facet is, the sky is seen and no region.
 
-use std::rc::Rc;
+use crate::drawing::by_main::{Open, TECHNIQUES, prepared};
+use crate::drawing::{figures, judge};
 use std::sync::Arc;
-use terrafill_compute::ComputeTechnique;
-use terrafill_conformance::{ErrorFigures, compare, verdict};
-use terrafill_core::{Extent, Geodetic, RegionMesh};
-use terrafill_fill::{
-    Devices, FillBackend, FillInput, Frame, PreparedScene, Targets, Technique, Variant,
-};
-use terrafill_instanced::InstancedTechnique;
-use terrafill_native::NativeTechnique;
+use terrafill_conformance::verdict;
+use terrafill_core::{Extent, Geodetic};
+use terrafill_fill::{FillInput, Frame, PreparedScene};
 use terrafill_overlays::DRAPED_MESH;
-use terrafill_reference::ReferenceBackend;
-use terrafill_scene::{
-    Camera, CameraPose, HeightRange, ImageSize, Overlap, PlanOptions, Scene, View,
-};
+use terrafill_scene::{Camera, CameraPose, HeightRange, ImageSize, PlanOptions, Scene, View};
 use terrafill_spiral::SpiralKind;
-use terrafill_surface::{EllipsoidKind, Surface, SurfaceError, SurfaceFrame, open_surface};
+use terrafill_surface::{EllipsoidKind, Surface, SurfaceError, SurfaceFrame, SurfaceKind};
 use terrafill_vertex::VertexTechnique;
+
+const KINDS: [&dyn SurfaceKind; 2] = [&EllipsoidKind, &SpiralKind];
 
 const SIZE: ImageSize = ImageSize {
     width: 192,
     height: 192,
 };
-
-const TECHNIQUES: [&dyn Technique; 4] = [
-    &VertexTechnique,
-    &ComputeTechnique,
-    &NativeTechnique,
-    &InstancedTechnique,
-];
 
 /// Longitude, latitude, height, heading and pitch: the globe, four times, at ±180° and over a pole; obliquely
 /// from less and less; and down.
@@ -50,25 +38,14 @@ const POSES: [[f64; 5]; 11] = [
 ];
 const GLOBE: [f64; 5] = POSES[0];
 
-fn shipped(surface: &str) -> (Scene, Arc<dyn Surface>) {
+/// The shipped scene over such a surface.
+fn over(surface: &str) -> PreparedScene {
     let text = include_str!("../../../../../bench-scenes/spiral.toml");
     let shipped = "kind = \"spiral\"\n";
     assert!(text.contains(shipped));
     let text = text.replacen(shipped, surface, 1);
     let scene = Scene::from_toml(&text, "spiral.toml", None).expect("a scene");
-    let surface = open_surface(&[&EllipsoidKind, &SpiralKind], &scene).expect("a surface");
-    (scene, surface)
-}
-
-fn prepared(scene: &Scene, surface: Arc<dyn Surface>) -> PreparedScene {
-    let meshes = RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh);
-    PreparedScene::new(scene, meshes.expect("meshes").into(), surface)
-}
-
-/// The shipped scene over such a surface.
-fn over(surface: &str) -> PreparedScene {
-    let (scene, surface) = shipped(surface);
-    prepared(&scene, surface)
+    prepared(&KINDS, &scene)
 }
 
 fn look(
@@ -89,45 +66,9 @@ fn look(
     FillInput::new(scene, &view, SIZE, PlanOptions::default()).expect("a surface")
 }
 
-fn judge(input: &FillInput) -> Frame {
-    let frame = ReferenceBackend::new().judge(input).expect("judges").frame;
-    assert!(frame.filled_px() > 50, "nothing to see");
-    frame
-}
-
-struct Open {
-    targets: Targets,
-}
-
-impl Open {
-    /// `None`, said aloud, where a device is missing.
-    fn new() -> Option<Self> {
-        terrafill_gpu::open_for_test(&Default::default())?;
-        terrafill_vulkan::open_for_test(&Default::default())?;
-        Some(Self {
-            targets: Targets::new(&Rc::new(Devices::default()), SIZE),
-        })
-    }
-
-    fn backend(&self, technique: &dyn Technique, variant: &Variant) -> Box<dyn FillBackend> {
-        technique.open(&self.targets, variant).expect("opens")
-    }
-
-    fn draw(&self, technique: &dyn Technique, input: &FillInput) -> Frame {
-        let variant = technique.main(Overlap::Disjoint);
-        let mut backend = self.backend(technique, &variant);
-        backend.prepare(input).expect("fits");
-        backend.render(input).expect("draws")
-    }
-}
-
-fn figures(reference: &Frame, frame: &Frame) -> ErrorFigures {
-    compare(reference, frame).expect("of one size")
-}
-
 #[test]
 fn every_technique_fills_rightly_over_a_spiral_in_every_view() {
-    let Some(open) = Open::new() else {
+    let Some(open) = Open::new(SIZE) else {
         return;
     };
     let spiral = over("kind = \"spiral\"\n");
@@ -157,7 +98,7 @@ fn every_technique_fills_rightly_over_a_spiral_in_every_view() {
 
 #[test]
 fn coarse_uneven_hilly_and_wrong_spirals_are_filled_as_they_are_drawn() {
-    let Some(open) = Open::new() else {
+    let Some(open) = Open::new(SIZE) else {
         return;
     };
     for (surface, poses) in [
@@ -176,17 +117,8 @@ fn coarse_uneven_hilly_and_wrong_spirals_are_filled_as_they_are_drawn() {
     ] {
         let scene = over(&format!("kind = \"spiral\"\n{surface}"));
         for &pose in poses {
-            let input = look(&scene, pose);
-            let reference = judge(&input);
-            for technique in TECHNIQUES {
-                let found = figures(&reference, &open.draw(technique, &input));
-                let is_right = verdict(&found).is_pass();
-                assert!(
-                    is_right,
-                    "{surface} {} {pose:?}: {found:?}",
-                    technique.name()
-                );
-            }
+            let what = format!("{surface} {pose:?}");
+            open.assert_right(&what, &look(&scene, pose));
         }
     }
 }
@@ -220,22 +152,24 @@ impl Surface for WithoutSagitta {
 
 #[test]
 fn volumes_that_end_at_the_corners_heights_lose_facets() {
-    let Some(open) = Open::new() else {
+    let Some(open) = Open::new(SIZE) else {
         return;
     };
-    let (scene, surface) = shipped("kind = \"spiral\"\nn = 12\n");
-    let input = look(&prepared(&scene, Arc::clone(&surface)), GLOBE);
+    let right = over("kind = \"spiral\"\nn = 12\n");
+    let input = look(&right, GLOBE);
     let reference = judge(&input);
     let found = figures(&reference, &open.draw(&VertexTechnique, &input));
     assert!(verdict(&found).is_pass(), "{found:?}");
-    let hanging = look(&prepared(&scene, Arc::new(WithoutSagitta(surface))), GLOBE);
+    let mut hanging = right.clone();
+    hanging.surface = Arc::new(WithoutSagitta(Arc::clone(&right.surface)));
+    let hanging = look(&hanging.with_meshes(hanging.meshes.clone()), GLOBE);
     let wrong = figures(&reference, &open.draw(&VertexTechnique, &hanging));
     assert!(wrong.mismatched_px_outside_band > 100, "{wrong:?}");
 }
 
 #[test]
 fn a_mesh_draped_over_a_spiral_follows_its_facets() {
-    let Some(open) = Open::new() else {
+    let Some(open) = Open::new(SIZE) else {
         return;
     };
     let scene = over("kind = \"spiral\"\n");
@@ -255,7 +189,7 @@ fn a_mesh_draped_over_a_spiral_follows_its_facets() {
 /// filled.
 #[test]
 fn beyond_the_rim_is_sky_for_the_reference_and_for_every_technique() {
-    let Some(open) = Open::new() else {
+    let Some(open) = Open::new(SIZE) else {
         return;
     };
     // Over the pole the far squares reach the rim.

@@ -5,28 +5,15 @@
 //!
 //! Skipped without a device; see `vertex_against_reference.rs`.
 
-use crate::drawing;
-
-use drawing::{collection, figures, judge, polygon};
-use std::rc::Rc;
+use crate::drawing::by_main::{Open, TECHNIQUES, prepared};
+use crate::drawing::{collection, judge, polygon};
 use std::sync::Arc;
-use terrafill_compute::ComputeTechnique;
 use terrafill_conformance::verdict;
-use terrafill_core::{Extent, RegionMesh};
-use terrafill_fill::{Devices, FillInput, Frame, PreparedScene, RegionSet, Targets, Technique};
-use terrafill_instanced::InstancedTechnique;
-use terrafill_native::NativeTechnique;
+use terrafill_core::Extent;
+use terrafill_fill::{FillInput, Frame};
 use terrafill_scene::{Camera, HeightRange, ImageSize, PlanOptions, Scene};
 use terrafill_screen_grid::ScreenGridKind;
-use terrafill_surface::{Surface, SurfaceError, SurfaceFrame, open_surface};
-use terrafill_vertex::VertexTechnique;
-
-const TECHNIQUES: [&dyn Technique; 4] = [
-    &VertexTechnique,
-    &ComputeTechnique,
-    &InstancedTechnique,
-    &NativeTechnique,
-];
+use terrafill_surface::{Surface, SurfaceError, SurfaceFrame};
 
 const SIZE: ImageSize = ImageSize {
     width: 192,
@@ -99,65 +86,25 @@ fn scene(sight: &Sight, body: &str, surface: &str) -> Scene {
     Scene::from_toml(&text, name, None).expect("a scene")
 }
 
-fn prepared(scene: &Scene) -> PreparedScene {
-    let (body, rule) = (&scene.body, scene.edge_rule);
-    let meshes = RegionMesh::build_all(&scene.regions, body, rule, &scene.mesh);
-    let meshes: RegionSet = meshes.expect("it meshes").into();
-    let surface = open_surface(&[&ScreenGridKind], scene).expect("a surface");
-    PreparedScene::new(scene, meshes, surface)
-}
-
 fn seen(scene: &Scene) -> FillInput {
-    let prepared = prepared(scene);
+    let prepared = prepared(&[&ScreenGridKind], scene);
     FillInput::new(&prepared, &scene.views[0], SIZE, PlanOptions::default()).expect("a surface")
-}
-
-/// Targets on the devices here; `None`, said aloud, where there is none.
-fn targets() -> Option<Targets> {
-    drawing::Devices::open_both()?;
-    Some(Targets::new(&Rc::new(Devices::default()), SIZE))
-}
-
-fn draw(targets: &Targets, technique: &dyn Technique, input: &FillInput) -> Frame {
-    let variant = technique.main(input.scene.overlap);
-    let mut backend = technique.open(targets, &variant).expect("opens");
-    backend.prepare(input).expect("fits");
-    backend.render(input).expect("draws")
-}
-
-fn assert_right(targets: &Targets, what: &str, input: &FillInput) -> Frame {
-    let judged = judge(input);
-    let on_surface = judged.surface.iter().filter(|&&is| is).count();
-    assert!(judged.filled_px() > 20, "{what}: nothing to see");
-    eprintln!(
-        "{what}: {} px filled of {on_surface} on the surface, lowest {:.1} m",
-        judged.filled_px(),
-        input.surface.heights.lowest_m
-    );
-    for technique in TECHNIQUES {
-        let frame = draw(targets, technique, input);
-        let found = figures(&judged, &frame);
-        let name = technique.name();
-        assert!(verdict(&found).is_pass(), "{what}, {name}: {found:?}");
-        assert_eq!(found.mismatched_px_outside_band, 0, "{what}, {name}");
-    }
-    judged
 }
 
 #[test]
 fn every_technique_fills_rightly_over_ten_cells_at_every_view() {
-    let Some(targets) = targets() else {
+    let Some(open) = Open::new(SIZE) else {
         return;
     };
     for sight in &SIGHTS {
         let input = seen(&scene(sight, "wgs84", "n = 10"));
-        assert_right(&targets, sight.0, &input);
+        open.assert_right(sight.0, &input);
     }
 }
 
 #[test]
 fn every_technique_fills_rightly_over_any_number_of_cells_and_either_limb() {
-    let Some(targets) = targets() else {
+    let Some(open) = Open::new(SIZE) else {
         return;
     };
     for (name, surfaces) in [
@@ -182,14 +129,14 @@ fn every_technique_fills_rightly_over_any_number_of_cells_and_either_limb() {
             .expect("a sight");
         for surface in surfaces {
             let input = seen(&scene(sight, "wgs84", surface));
-            assert_right(&targets, &format!("{name}, {surface}"), &input);
+            open.assert_right(&format!("{name}, {surface}"), &input);
         }
     }
 }
 
 #[test]
 fn every_technique_fills_rightly_on_bodies_of_every_shape() {
-    let Some(targets) = targets() else {
+    let Some(open) = Open::new(SIZE) else {
         return;
     };
     for (body, radius_m) in [
@@ -201,7 +148,7 @@ fn every_technique_fills_rightly_on_bodies_of_every_shape() {
             let place = [15.0, latitude, 1.25 * radius_m, 0.0, -90.0, 60.0];
             let sight = ("body", GLOBE, 1e-4 * radius_m, place);
             let input = seen(&scene(&sight, body, "n = 10"));
-            assert_right(&targets, &format!("{body} {latitude}"), &input);
+            open.assert_right(&format!("{body} {latitude}"), &input);
         }
     }
 }
@@ -235,7 +182,7 @@ impl Surface for AsIfRound {
 
 #[test]
 fn volumes_that_know_the_true_body_alone_lose_whole_facets() {
-    let Some(targets) = targets() else {
+    let Some(open) = Open::new(SIZE) else {
         return;
     };
     for name in ["globe", "nadir-32", "limb"] {
@@ -245,14 +192,14 @@ fn volumes_that_know_the_true_body_alone_lose_whole_facets() {
             .expect("a sight");
         let scene = scene(sight, "wgs84", "n = 10");
         let right = seen(&scene);
-        let mut round = prepared(&scene);
+        let mut round = prepared(&[&ScreenGridKind], &scene);
         round.surface = Arc::new(AsIfRound(Arc::clone(&round.surface)));
         let round = round.with_meshes(round.meshes.clone());
         let wrong = FillInput::new(&round, &scene.views[0], SIZE, PlanOptions::default());
         let wrong = wrong.expect("a surface");
         let judged = judge(&right);
         for technique in TECHNIQUES {
-            let found = figures(&judged, &draw(&targets, technique, &wrong));
+            let found = open.found(technique, &wrong, &judged);
             let (technique, outside) = (technique.name(), found.mismatched_px_outside_band);
             eprintln!(
                 "{name}, {technique}: {outside} of {} px are wrong",
@@ -267,7 +214,7 @@ fn volumes_that_know_the_true_body_alone_lose_whole_facets() {
 
 #[test]
 fn what_no_triangle_covers_is_sky_and_stays_so() {
-    let Some(targets) = targets() else {
+    let Some(open) = Open::new(SIZE) else {
         return;
     };
     // A square in the disc: 1 − 2/π of it is uncovered, about 36 %.
@@ -281,7 +228,7 @@ fn what_no_triangle_covers_is_sky_and_stays_so() {
     // 36 % on a square picture, on which the square's corners lie on its diagonals.
     assert!((0.3..0.5).contains(&share), "{share}");
     for technique in TECHNIQUES {
-        let frame = draw(&targets, technique, &input);
+        let frame = open.draw(technique, &input);
         let coloured = |frame: &Frame| {
             let ids = frame.ids.iter().zip(&is_bare);
             ids.filter(|(id, is_bare)| **is_bare && **id != 0).count()
@@ -290,13 +237,13 @@ fn what_no_triangle_covers_is_sky_and_stays_so() {
         let beside = coloured(&frame);
         assert!(beside <= 4, "{}: {beside}", technique.name());
         // Twin: over a grid that covers the disc the same pixels are filled.
-        assert!(coloured(&draw(&targets, technique, &fine)) > 500);
+        assert!(coloured(&open.draw(technique, &fine)) > 500);
     }
 }
 
 #[test]
 fn looking_at_the_sky_shows_sky_and_an_eye_in_the_body_is_refused() {
-    let Some(targets) = targets() else {
+    let Some(open) = Open::new(SIZE) else {
         return;
     };
     for (pitch, surface) in [
@@ -307,14 +254,14 @@ fn looking_at_the_sky_shows_sky_and_an_eye_in_the_body_is_refused() {
         let sight = ("sky", CLOSE, 0.1, [0.0, 0.0, 2e3, 0.0, pitch, 60.0]);
         let input = seen(&scene(&sight, "wgs84", surface));
         for technique in TECHNIQUES {
-            let frame = draw(&targets, technique, &input);
+            let frame = open.draw(technique, &input);
             assert!(frame.surface.iter().all(|is| !is), "{pitch}, {surface}");
             assert_eq!(frame.filled_px(), 0);
         }
     }
     let sight = ("under", CLOSE, 0.1, [0.0, 0.0, 1.0, 0.0, -90.0, 60.0]);
     let scene = scene(&sight, "wgs84", "n = 10");
-    let prepared = prepared(&scene);
+    let prepared = prepared(&[&ScreenGridKind], &scene);
     let refused = |height_m: f64| {
         let mut view = scene.views[0].clone();
         view.pose.eye.height_m = height_m;

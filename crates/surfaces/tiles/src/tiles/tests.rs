@@ -241,7 +241,7 @@ fn triangles_are_limited_and_what_is_out_of_sight_is_left_out() {
         "{seen} of {}",
         chosen.len()
     );
-    assert!(tiles.tree.node_count() > 500);
+    assert!(tiles.tree().node_count() > 500);
 }
 
 #[test]

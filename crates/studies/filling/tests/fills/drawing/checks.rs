@@ -4,8 +4,8 @@
 
 use super::sights::{MUTANTS, Notices, POSES, Sight, square_from, three_regions_from};
 use super::{
-    AllTargets, Devices, SIZE, Technique, differing, figures, is_right, judge, shipped, vertex,
-    with_colour, with_switches,
+    AllTargets, Devices, SIZE, Technique, differing, draw_with, figures, is_right, judge, shipped,
+    vertex, with_colour, with_switches,
 };
 use terrafill_conformance::{filled_only, verdict};
 use terrafill_fill::{ColourWay, DepthRuleChoice, FacePasses, FillInput, Frame, Switches};
@@ -36,50 +36,63 @@ fn name_of(technique: &Technique) -> String {
     format!("{technique:?}")
 }
 
-/// Pictures of the vertex backend, one for all that have the same switches.
-struct ByVertex<'a> {
-    targets: &'a AllTargets<'a>,
-    input: &'a FillInput,
-    drawn: Vec<(Switches, Frame)>,
+/// A view, what the reference says of it, and the vertex backend's pictures of it, one for all that have the
+/// same switches.
+struct Judged<'a> {
+    sight: &'a Sight,
+    reference: Frame,
+    by_vertex: Vec<(Switches, Frame)>,
 }
 
-impl ByVertex<'_> {
-    fn frame(&mut self, switches: Switches) -> &Frame {
-        let known = self.drawn.iter().position(|(known, _)| *known == switches);
+impl Judged<'_> {
+    fn by_vertex(&mut self, targets: &AllTargets<'_>, switches: Switches) -> &Frame {
+        let known = self
+            .by_vertex
+            .iter()
+            .position(|(known, _)| *known == switches);
         let index = known.unwrap_or_else(|| {
-            let frame = self.targets.draw(self.input, vertex(switches));
-            self.drawn.push((switches, frame));
-            self.drawn.len() - 1
+            let frame = targets.draw(&self.sight.1, vertex(switches));
+            self.by_vertex.push((switches, frame));
+            self.by_vertex.len() - 1
         });
-        &self.drawn[index].1
+        &self.by_vertex[index].1
     }
 }
 
 /// Every technique is right and the vertex backend's picture to the pixel, and every view has both
 /// filled and empty surface in it.
+///
+/// One backend of a technique draws all of its views, and all share their targets: making either takes
+/// longer than drawing.
 pub(crate) fn assert_all_right(sights: &[Sight], techniques: &[Technique]) {
     let Some(devices) = Devices::open_for(techniques) else {
         return;
     };
     assert!(!sights.is_empty() && !techniques.is_empty());
-    for (what, input) in sights {
-        let judged = judge(input);
-        let filled = judged.filled_px();
-        let surface = judged.surface.iter().filter(|&&is| is).count() as u64;
+    let judged = sights.iter().map(|sight| {
+        let (what, input) = sight;
+        let reference = judge(input);
+        let filled = reference.filled_px();
+        let surface = reference.surface.iter().filter(|&&is| is).count() as u64;
         assert!(filled > 100, "{what}: only {filled} pixels are filled");
         assert!(filled + 100 < surface, "{what}: no boundary in sight");
-        // One set of targets for all: making targets takes longer than drawing into them.
-        let targets = AllTargets::new(&devices, input.size);
-        let mut by_vertex = ByVertex {
-            targets: &targets,
-            input,
-            drawn: Vec::new(),
-        };
-        for &technique in techniques {
-            let frame = targets.draw(input, technique);
+        Judged {
+            sight,
+            reference,
+            by_vertex: Vec::new(),
+        }
+    });
+    let mut judged: Vec<Judged<'_>> = judged.collect();
+    let targets = AllTargets::new(&devices, sights[0].1.size);
+    for &technique in techniques {
+        let mut backend = targets.open(technique);
+        for judged in &mut judged {
+            let (what, input) = judged.sight;
+            let frame = draw_with(&mut *backend, input);
+            let reference = judged.reference.clone();
             let beside = is_held_against_vertex(&technique)
-                .then(|| by_vertex.frame(switches_of(&technique)));
-            assert_right(what, input, technique, &judged, &frame, beside);
+                .then(|| judged.by_vertex(&targets, switches_of(&technique)));
+            assert_right(what, input, technique, &reference, &frame, beside);
         }
     }
 }
@@ -141,20 +154,24 @@ pub(crate) fn assert_shipped_scenes_right(techniques: impl Fn(Switches) -> Vec<T
             continue;
         };
         let switches = Switches::for_overlap(prepared.overlap);
-        for view in &views {
-            let input =
-                FillInput::new(&prepared, view, SIZE, PlanOptions::default()).expect("a surface");
-            let judged = judge(&input);
-            let targets = AllTargets::new(&devices, input.size);
-            let by_vertex = targets.draw(&input, vertex(switches));
-            for technique in techniques(switches) {
-                let frame = targets.draw(&input, technique);
+        let targets = AllTargets::new(&devices, SIZE);
+        let looked = views.iter().map(|view| {
+            let input = FillInput::new(&prepared, view, SIZE, PlanOptions::default());
+            let input = input.expect("a surface");
+            let (judged, by_vertex) = (judge(&input), targets.draw(&input, vertex(switches)));
+            (view, input, judged, by_vertex)
+        });
+        let looked: Vec<_> = looked.collect();
+        for technique in techniques(switches) {
+            let mut backend = targets.open(technique);
+            for (view, input, judged, by_vertex) in &looked {
+                let frame = draw_with(&mut *backend, input);
                 let what = format!("{name}/{}/{}", view.name, name_of(&technique));
-                let found = figures(&judged, &frame);
+                let found = figures(judged, &frame);
                 let verdict = verdict(&found);
                 assert!(verdict.is_pass(), "{what}: {verdict:?} {found:?}");
                 if is_held_against_vertex(&technique) {
-                    assert_eq!(differing(&frame, &by_vertex), 0, "{what}");
+                    assert_eq!(differing(&frame, by_vertex), 0, "{what}");
                 }
             }
         }

@@ -9,6 +9,7 @@
     reason = "written once for tests of several kinds, not all of which use all of it"
 )]
 
+pub(crate) mod by_main;
 pub(crate) mod checks;
 pub(crate) mod sights;
 
@@ -27,7 +28,7 @@ use terrafill_reference::ReferenceBackend;
 use terrafill_scene::{
     CameraPose, ImageSize, Overlap, PlanOptions, Scene, View, data_dir_from_env,
 };
-use terrafill_surface::{EllipsoidKind, open_surface};
+use terrafill_surface::EllipsoidKind;
 use terrafill_vertex::{VertexBackend, VertexTechnique, VertexVariant};
 
 /// As the command line hands them to a study.
@@ -278,10 +279,7 @@ pub(crate) fn shipped(name: &str) -> Option<(PreparedScene, Vec<View>)> {
             return None;
         }
     };
-    let meshes = RegionMesh::build_all(&scene.regions, &scene.body, scene.edge_rule, &scene.mesh)
-        .expect("meshes");
-    let surface = open_surface(&[&EllipsoidKind], &scene).expect("a surface");
-    let prepared = PreparedScene::new(&scene, meshes.into(), surface);
+    let prepared = by_main::prepared(&[&EllipsoidKind], &scene);
     Some((prepared, scene.views))
 }
 

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Fills over heights: grids and tiles of procedural relief, and real elevation, each beside the reference
+//! over the same triangles.
+
+use crate::drawing::by_main::{Open, prepared};
+use crate::drawing::{collection, figures, polygon};
+use terrafill_conformance::verdict;
+use terrafill_fill::{FillInput, PreparedScene};
+use terrafill_grid::GridKind;
+use terrafill_scene::{ImageSize, PlanOptions, Scene, View, data_dir_from_env};
+use terrafill_surface::{EllipsoidKind, SurfaceKind};
+use terrafill_tiles::TilesKind;
+use terrafill_vertex::VertexTechnique;
+
+const KINDS: [&dyn SurfaceKind; 3] = [&EllipsoidKind, &GridKind, &TilesKind];
+
+const SIZE: ImageSize = ImageSize {
+    width: 256,
+    height: 256,
+};
+
+/// `[surface]` of scenes over terrain, as in `hills`.
+const TERRAIN: &str = "kind = \"grid\"\nrows = 240\nseed = 2007\namplitude_m = 9_000\n";
+/// The same terrain in tiles, coarse enough for skirts to be seen.
+const TILES: &str =
+    "kind = \"tiles\"\nerror_px = 8\nbase = \"relief\"\nseed = 2007\namplitude_m = 9_000\n";
+const BARE: &str = "kind = \"ellipsoid\"\nrows = 240\n";
+
+/// Name, longitude, latitude, height, heading and pitch. The terrain at (10°, 10°) is 1,090 m high.
+const VIEWS: [(&str, [f64; 5]); 7] = [
+    ("orbit", [10.0, 10.0, 3e6, 0.0, -90.0]),
+    ("oblique", [10.0, 9.5, 9e3, 20.0, -20.0]),
+    ("ridge", [10.0, 10.0, 1_120.0, 60.0, -3.0]),
+    ("ridge-back", [10.0, 10.0, 1_120.0, 300.0, -3.0]),
+    ("antimeridian", [178.0, 3.0, 3e6, 0.0, -90.0]),
+    ("antimeridian-low", [-179.0, -10.5, 2e4, 350.0, -10.0]),
+    ("pole", [20.0, 89.0, 4e6, 0.0, -90.0]),
+];
+
+/// Those in which tiles are looked at: they take their time in a build without optimisation.
+const TILES_VIEWS: [&str; 3] = ["orbit", "ridge", "pole"];
+
+/// Name, west, south, east and north, degrees: round a ridge, behind the horizon, across ±180°, over a pole.
+const REGIONS: [(&str, [f64; 4]); 7] = [
+    ("here", [9.9, 9.9, 10.05, 10.05]),
+    ("beside", [10.05, 9.9, 10.3, 10.1]),
+    ("across", [9.0, 10.2, 9.8, 11.0]),
+    ("beyond", [11.0, 8.0, 16.0, 14.0]),
+    ("hidden", [20.0, 5.0, 30.0, 15.0]),
+    ("strip", [170.0, -10.0, 190.0, 10.0]),
+    ("cap", [-180.0, 80.0, 180.0, 90.0]),
+];
+
+/// The regions over a surface.
+fn over(surface: &str) -> (PreparedScene, Vec<View>) {
+    let regions = REGIONS.map(|(name, [west, south, east, north])| {
+        let ring = format!(
+            "[[{west},{south}],[{east},{south}],[{east},{north}],[{west},{north}],[{west},{south}]]"
+        );
+        polygon(name, &ring)
+    });
+    let views = VIEWS.map(|(name, [longitude, latitude, height, heading, pitch])| {
+        format!(
+            "[[views]]\nname = \"{name}\"\nlongitude_deg = {longitude}\nlatitude_deg = {latitude}\n\
+             height_m = {height}\nheading_deg = {heading}\npitch_deg = {pitch}\nnear_m = {}\n",
+            height * 5e-4
+        )
+    });
+    let text = format!(
+        "name = \"terrain\"\ndescription = \"heights\"\nbody = \"wgs84\"\n\
+         [regions]\ninline = '''{}'''\n[surface]\n{surface}{}",
+        collection(&regions),
+        views.concat()
+    );
+    let scene = Scene::from_toml(&text, "terrain.toml", None).expect("a scene");
+    (prepared(&KINDS, &scene), scene.views)
+}
+
+fn look(scene: &PreparedScene, view: &View, plan: PlanOptions) -> FillInput {
+    FillInput::new(scene, view, SIZE, plan).expect("a surface")
+}
+
+#[test]
+fn every_technique_fills_rightly_over_terrain_and_over_the_bare_body() {
+    let Some(open) = Open::new(SIZE) else {
+        return;
+    };
+    let (bare, views) = over(BARE);
+    let [(terrain, _), (tiles, _)] = [TERRAIN, TILES].map(over);
+    let mut over_the_other = 0;
+    for view in &views {
+        let what = |surface: &str| format!("{}/{surface}", view.name);
+        let plan = PlanOptions::default();
+        let on_bare = open.assert_right(&what("bare"), &look(&bare, view, plan));
+        let is_tiled = TILES_VIEWS.contains(&&*view.name);
+        let hilly = [("grid", &terrain, true), ("tiles", &tiles, is_tiled)];
+        for (name, scene, _) in hilly.into_iter().filter(|(_, _, is_seen)| *is_seen) {
+            let judged = open.assert_right(&what(name), &look(scene, view, plan));
+            // Twin: over the bare body the same regions cover other pixels.
+            over_the_other += usize::from(!verdict(&figures(&on_bare, &judged)).is_pass());
+        }
+    }
+    // From straight above, terrain moves what it carries by less than a pixel.
+    assert!(over_the_other >= 5, "{over_the_other}");
+}
+
+fn hills() -> (PreparedScene, Vec<View>) {
+    let hills = Scene::open("hills", None).expect("it ships");
+    (prepared(&KINDS, &hills), hills.views)
+}
+
+#[test]
+fn every_technique_fills_the_shipped_hills_rightly() {
+    let Some(open) = Open::new(SIZE) else {
+        return;
+    };
+    let (hills, views) = hills();
+    assert!(views.len() >= 3);
+    for view in &views {
+        let judged = open.assert_right(&view.name, &look(&hills, view, PlanOptions::default()));
+        let (filled, all) = (judged.filled_px(), judged.ids.len() as u64);
+        assert!(filled > 1000 && filled + 1000 < all, "{}", view.name);
+    }
+}
+
+/// Scenes over real elevation, each with a view from nearby and one from afar in which regions have an edge.
+const REAL: [(&str, [&str; 2]); 4] = [
+    ("san-francisco", ["street", "hundred-kilometres"]),
+    ("everest", ["valley", "orbit"]),
+    ("grand-canyon", ["rim", "orbit"]),
+    ("countries-over-etopo", ["globe", "himalaya"]),
+];
+
+#[test]
+fn every_technique_fills_rightly_over_real_elevation() {
+    let Some(data) = data_dir_from_env() else {
+        return;
+    };
+    let Some(open) = Open::new(SIZE) else {
+        return;
+    };
+    for (name, wanted) in REAL {
+        let path = format!(
+            "{}/../../../bench-scenes/terrain/{name}.toml",
+            env!("CARGO_MANIFEST_DIR")
+        );
+        let scene = Scene::open(&path, Some(&data)).expect("a scene");
+        let prepared = prepared(&KINDS, &scene);
+        for view in wanted {
+            let known = scene.views.iter().find(|known| known.name == view);
+            let input = look(&prepared, known.expect("a view"), PlanOptions::default());
+            open.assert_right(&format!("{name}/{view}"), &input);
+        }
+    }
+}
+
+#[test]
+fn culling_changes_no_pixel_over_terrain() {
+    let Some(open) = Open::new(SIZE) else {
+        return;
+    };
+    let everything = PlanOptions {
+        frustum_culling: false,
+        horizon_culling: false,
+        too_small_culling: false,
+        ..PlanOptions::default()
+    };
+    for (scene, views) in [hills(), over(TERRAIN)] {
+        for view in &views {
+            let [culled, whole] = [PlanOptions::default(), everything]
+                .map(|plan| open.draw(&VertexTechnique, &look(&scene, view, plan)));
+            assert_eq!(culled.ids, whole.ids, "{}", view.name);
+            assert!(culled.filled_px() > 0, "{}", view.name);
+        }
+    }
+}
