@@ -136,6 +136,28 @@ impl EdgeTable {
         self.edges.len()
     }
 
+    /// Each edge, from its lower to its higher vertex, with the triangles that have it so and the other way
+    /// round; `None` where some edge has other uses than these two.
+    #[must_use]
+    pub fn pairs(&self) -> Option<Vec<(Side, [u32; 2])>> {
+        let of = |(at, edge): (usize, &Side)| {
+            let uses = self.starts[at] as usize..self.starts[at + 1] as usize;
+            match &self.uses[uses] {
+                [one, other] if one.is_forward != other.is_forward => {
+                    let pair = [one.triangle, other.triangle];
+                    let [forward, backward] = if one.is_forward {
+                        pair
+                    } else {
+                        [pair[1], pair[0]]
+                    };
+                    Some((*edge, [forward, backward]))
+                }
+                _ => None,
+            }
+        };
+        self.edges.iter().enumerate().map(of).collect()
+    }
+
     /// Directed count over lit triangles: |count| sides, wound by its sign. O(edges).
     #[must_use]
     pub fn silhouette(&self, facing: &Facing) -> Vec<Side> {
@@ -217,6 +239,28 @@ mod tests {
                 assert!(stack == hash && hash == table, "sun {sun}");
             }
         }
+    }
+
+    #[test]
+    fn pairs_of_triangles_give_the_same_sides_and_an_open_mesh_has_none() {
+        let sun = DVec3::new(0.3, -0.5, 0.1);
+        for mesh in [port(PortSize::NAMED[0].1), hull(600)] {
+            let facing = Facing::of(&mesh, sun);
+            let table = EdgeTable::of(&mesh);
+            let sides = table.pairs().expect("closed").into_iter();
+            let sides = sides.filter_map(|([low, high], pair)| {
+                match pair.map(|triangle| facing.is_lit[triangle as usize]) {
+                    [true, false] => Some([low, high]),
+                    [false, true] => Some([high, low]),
+                    _ => None,
+                }
+            });
+            assert_eq!(sorted(sides.collect()), sorted(table.silhouette(&facing)));
+        }
+        let (vertices, mut triangles) = tetrahedron();
+        triangles.pop();
+        let open = Mesh::from_triangles("open", vertices, triangles).expect("finite");
+        assert_eq!(EdgeTable::of(&open).pairs(), None);
     }
 
     #[test]

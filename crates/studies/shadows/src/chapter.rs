@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter on shadows: a section a question, what was published beside what is measured.
 
+mod findings;
+mod sections;
+
+use sections::{SECTIONS, Section};
 use terrafill_plot::number::{count, significant};
 use terrafill_plot::{
     Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, named_aside,
 };
 use terrafill_results::{
-    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Finding, Heading, Outcome, Picture,
-    PictureFigure, Pictures, Plot, Row, Run, Standing, Table, process_medians, sample_spread,
+    Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Outcome, Picture,
+    PictureFigure, Pictures, Plot, Row, Run, Table, process_medians, sample_spread,
 };
 
 const TIME: &str = "shadow_silhouette_cpu_ms";
@@ -15,6 +19,8 @@ const UPDATES: &str = "shadow_updates";
 const MISSED: &str = "shadow_eyes_missed";
 const LOST: &str = "shadow_lost_share";
 const MAP_WRONG: &str = "shadow_map_wrong";
+const FILL_CPU: &str = "shadow_fill_cpu_ms";
+const FILL_GPU: &str = "shadow_fill_gpu_ms";
 
 const WHAT: &str = "A procedural port: a trestle dock, cranes, ships, containers. The reference sends rays in f64 \
      from each visible point to the sun, and a second test looks from the sun down. A volume's mask is what a \
@@ -27,186 +33,6 @@ const WHAT: &str = "A procedural port: a trestle dock, cranes, ships, containers
 /// What each optimisation of shadow volumes saves and gets wrong.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ShadowsChapter;
-
-/// A column: its heading and its metric.
-type Column = (&'static str, &'static str);
-
-/// A question's section.
-struct Section {
-    question: &'static str,
-    title: &'static str,
-    text: &'static str,
-    /// Conditions that name a row.
-    named_by: &'static [&'static str],
-    columns: &'static [Column],
-}
-
-const SECTIONS: [Section; 10] = [
-    Section {
-        question: "eyes",
-        title: "Which rule: the test of the eye",
-        text: "400 eyes on deck, 1.7 m over it. Published: z-fail where the segment from the eye to the light \
-               meets a caster. z-pass is right where the near rectangle is outside the volumes, so an eye in the \
-               light whose near rectangle is partly in shadow is missed.",
-        named_by: &["sun", "near_m", "eye_test"],
-        columns: &[
-            ("missed, %", MISSED),
-            ("needless, %", "shadow_eyes_needless"),
-            ("triangles by z-fail, %", "shadow_fail_triangles"),
-            (
-                "near rectangle in shadow where missed, %",
-                "shadow_near_dark",
-            ),
-        ],
-    },
-    Section {
-        question: "updates",
-        title: "Volumes, rules and suns",
-        text: "Seven channels over 270° from a bridge 30 m up. Volumes end at infinity or in a plane below the \
-               curved sea. Stencil writes per pixel are a cost without noise.",
-        named_by: &["sun", "extent", "rule"],
-        columns: &[
-            ("writes per pixel", UPDATES),
-            ("triangles", "shadow_volume_triangles"),
-            ("largest count", "shadow_max_overlap"),
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
-            ("in the band", "shadow_band_px"),
-            ("edge-on px", "shadow_edge_on_px"),
-            ("undecided px", "shadow_undecided_px"),
-            ("shadow px", "shadow_px"),
-        ],
-    },
-    Section {
-        question: "scissors",
-        title: "Scissors",
-        text: "Three readings of \"what lies above the sea\": rows above the horizon; a rectangle round each \
-               caster's volume, closed at the sea; and the same, cut by the rectangle round everything above \
-               the sea. The last leaves shadows on the sea out. z-fail, infinite volumes.",
-        named_by: &["sun", "scissor"],
-        columns: &[
-            ("shadow pixels lost, %", LOST),
-            ("writes per pixel", UPDATES),
-            ("false dark px", "shadow_false_dark_px"),
-        ],
-    },
-    Section {
-        question: "finite",
-        title: "Finite volumes",
-        text: "Volumes that end after so many metres, with a dark cap, by z-fail, beside those of the section above.",
-        named_by: &["sun", "length_m"],
-        columns: &[
-            ("shadow pixels lost, %", LOST),
-            ("writes per pixel", UPDATES),
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
-        ],
-    },
-    Section {
-        question: "rows",
-        title: "Eight bits",
-        text: "Plates in a row, all of which lie before the same water. A count that is a multiple of 256 wraps to \
-               0. The guard draws passes of at most 255 casters.",
-        named_by: &["casters", "counting"],
-        columns: &[
-            ("largest count", "shadow_max_overlap"),
-            ("shadow px", "shadow_px"),
-            ("shadow pixels lost, %", LOST),
-            ("false lit px", "shadow_false_lit_px"),
-            ("writes per pixel", UPDATES),
-        ],
-    },
-    Section {
-        question: "casters",
-        title: "Casters that are not closed",
-        text: "A hull of 1,022 triangles with a tenth of its deck missing, under each policy, against the shadow of \
-               the whole hull: what passes the hole meets the bottom. z-fail, volumes closed at the sea.",
-        named_by: &["policy"],
-        columns: &[
-            ("triangles", "shadow_mesh_triangles"),
-            ("shadow px", "shadow_px"),
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
-            ("largest count", "shadow_max_overlap"),
-            ("writes per pixel", UPDATES),
-        ],
-    },
-    Section {
-        question: "outlines",
-        title: "Outlines by a stencil value",
-        text: "Not a shadow technique: a value S for each model instead of a clear (McGuire & Hughes, 2004). The \
-               test is printed as \"stencil == S\"; inner contours are suppressed by ≠.",
-        named_by: &["models", "outline"],
-        columns: &[
-            ("clears", "shadow_clears"),
-            ("contour pixels wrong", "shadow_contour_px"),
-        ],
-    },
-    Section {
-        question: "silhouettes",
-        title: "Silhouettes on the CPU",
-        text: "The published stack of borders, the same toggle by a hash, and stored adjacency with a directed \
-               count. All read the same facing bits. With a face turned, two lit triangles have an edge the same \
-               way round: the toggles delete it, and the volume is open.",
-        named_by: &["mesh", "silhouette"],
-        columns: &[
-            ("CPU ms", TIME),
-            ("triangles", "shadow_mesh_triangles"),
-            ("sides", "shadow_sides"),
-            ("open edges", "shadow_open_edges"),
-        ],
-    },
-    Section {
-        question: "devices",
-        title: "Drawn by devices",
-        text: "The same volumes drawn into a stencil by the executors that fill regions: vertices from the CPU, sea and \
-               casters as a surface, one colour over the screen where the count is not 0. Times are those of the \
-               channel that has most shadow, all else is over seven channels. Rows of one sun differ in one thing \
-               from one to the next.",
-        named_by: &["sun", "api", "extent", "rule", "faces", "scissor"],
-        columns: &[
-            ("CPU ms", "shadow_fill_cpu_ms"),
-            ("GPU ms", "shadow_fill_gpu_ms"),
-            ("fragments per pixel", "shadow_fragments"),
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
-            ("in the band", "shadow_band_px"),
-            ("draws", "shadow_draws"),
-            ("casters left out", "shadow_casters_left_out"),
-            ("bytes", "shadow_bytes"),
-        ],
-    },
-    Section {
-        question: "maps",
-        title: "Shadow maps",
-        text: "One orthographic map along the light, fitted to the casters, drawn and asked on the CPU: the nearest \
-               texel, no filter. The bias is the best of 13 constants from 0 to 40 m, or of 7 multiples of texel and \
-               slope from 0 to 2. Wrong pixels are of all that the reference judges, the band included.",
-        named_by: &["sun", "texel_m", "bias"],
-        columns: &[
-            ("wrong, %", MAP_WRONG),
-            ("wrong without bias, %", "shadow_map_wrong_unbiased"),
-            ("best bias, m", "shadow_map_bias_m"),
-            ("false lit px", "shadow_false_lit_px"),
-            ("false dark px", "shadow_false_dark_px"),
-            ("in the band", "shadow_band_px"),
-            ("CPU ms", "shadow_map_cpu_ms"),
-            ("bytes", "shadow_bytes"),
-        ],
-    },
-];
-
-impl Section {
-    /// A case as its row has it.
-    fn name(&self, case: &Case) -> String {
-        let names: Vec<&str> = self
-            .named_by
-            .iter()
-            .map(|key| case.condition(key))
-            .collect();
-        names.join(", ")
-    }
-}
 
 impl Chapter for ShadowsChapter {
     fn study(&self) -> &'static str {
@@ -224,7 +50,11 @@ impl Chapter for ShadowsChapter {
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
         let own = Own::of(run);
         Ok(Answers {
-            blocks: own.findings().into_iter().map(Block::Finding).collect(),
+            blocks: own
+                .findings(run.clock())
+                .into_iter()
+                .map(Block::Finding)
+                .collect(),
             ..Answers::default()
         })
     }
@@ -235,7 +65,7 @@ impl Chapter for ShadowsChapter {
             return Ok(Vec::new());
         }
         let mut blocks = vec![Block::Text(WHAT.to_owned())];
-        blocks.extend(own.findings().into_iter().map(Block::Finding));
+        blocks.extend(own.findings(run.clock()).into_iter().map(Block::Finding));
         for section in SECTIONS.iter().filter(|section| own.has(section.question)) {
             blocks.push(Block::section(section.title));
             blocks.push(Block::Text(section.text.to_owned()));
@@ -558,278 +388,19 @@ impl<'a> Own<'a> {
         }
         curves
     }
-
-    fn findings(&self) -> Vec<Finding> {
-        let findings = [
-            self.masks(),
-            self.eye_test(),
-            self.pass_is_faster(),
-            self.closed_at_the_sea(),
-            self.horizon(),
-            self.clears(),
-            self.wrap(),
-            self.devices(),
-            self.maps(),
-        ];
-        findings.into_iter().flatten().collect()
-    }
-
-    /// Every rule and extent against the reference.
-    fn masks(&self) -> Option<Finding> {
-        let own: Vec<&Case> = self
-            .of_question("updates")
-            .filter(|case| !case.condition("rule").contains("printed"))
-            .collect();
-        let wrong = |case: &&Case| {
-            let px =
-                ["shadow_false_lit_px", "shadow_false_dark_px"].map(|metric| value(case, metric));
-            px.into_iter().try_fold(0.0, |sum, px| Some(sum + px?))
-        };
-        let all: Option<Vec<f64>> = own.iter().map(wrong).collect();
-        let total: f64 = all?.iter().sum();
-        (!own.is_empty()).then(|| Finding {
-            claim: "Every rule and extent has the reference's mask outside the band.".to_owned(),
-            standing: Standing::holds_if(total == 0.0),
-            because: format!("{} pixels wrong in {} cases", significant(total), own.len()),
-        })
-    }
-
-    /// Every way of drawing, by each interface.
-    fn devices(&self) -> Option<Finding> {
-        let own: Vec<&Case> = self.of_question("devices").collect();
-        let known: Vec<&Case> = own
-            .iter()
-            .copied()
-            .filter(|case| value(case, "shadow_false_lit_px").is_some())
-            .collect();
-        let right = known.iter().filter(|case| case.outcome == Outcome::Ok);
-        let right = right.count();
-        let keys = ["sun", "extent", "rule", "faces", "scissor"];
-        let is_same = |a: &Case, b: &Case| {
-            let mut keys = keys.iter();
-            keys.all(|key| a.condition(key) == b.condition(key))
-        };
-        let (mut pairs, mut equal) = (0, 0);
-        for (at, case) in known.iter().enumerate() {
-            for other in &known[at + 1..] {
-                if is_same(case, other) {
-                    pairs += 1;
-                    equal += u32::from(case.note("mask_hash") == other.note("mask_hash"));
-                }
-            }
-        }
-        (!known.is_empty()).then(|| Finding {
-            claim: "Devices draw the reference's shadows outside the band, and each interface the same mask."
-                .to_owned(),
-            standing: Standing::holds_if(right == known.len() && equal == pairs),
-            because: format!(
-                "{right} of {} cases right, {equal} of {pairs} pairs of masks equal",
-                known.len()
-            ),
-        })
-    }
-
-    /// Under each sun and bias, by texels.
-    fn maps(&self) -> Option<Finding> {
-        let of_sun = |sun: &&str| {
-            let mut texels: Vec<(f64, f64)> = self
-                .of_question("maps")
-                .filter(|case| {
-                    case.condition("sun") == *sun && case.condition("bias") == "constant"
-                })
-                .filter_map(|case| {
-                    Some((
-                        case.condition("texel_m").parse().ok()?,
-                        value(case, MAP_WRONG)?,
-                    ))
-                })
-                .collect();
-            texels.sort_by(|a, b| a.0.total_cmp(&b.0));
-            texels
-        };
-        let suns = self.suns("maps");
-        let all: Vec<(&str, Vec<(f64, f64)>)> =
-            suns.iter().map(|sun| (*sun, of_sun(sun))).collect();
-        let is_known = all.iter().any(|(_, texels)| texels.len() > 1);
-        let falls = |texels: &Vec<(f64, f64)>| texels.is_sorted_by(|a, b| a.1 <= b.1);
-        let text = all.iter().map(|(sun, texels)| {
-            let texels = texels
-                .iter()
-                .map(|(texel, wrong)| format!("{} % at {texel} m", significant(*wrong)));
-            format!("sun {sun}: {}", texels.collect::<Vec<_>>().join(", "))
-        });
-        is_known.then(|| Finding {
-            claim: "Smaller texels leave fewer wrong pixels of a shadow map, and none of them leaves none."
-                .to_owned(),
-            standing: Standing::holds_if(all.iter().all(|(_, texels)| {
-                falls(texels) && texels.iter().all(|(_, wrong)| *wrong > 0.0)
-            })),
-            because: format!("Best constant bias, {}", text.collect::<Vec<_>>().join("; ")),
-        })
-    }
-
-    fn eye_test(&self) -> Option<Finding> {
-        let published = self.values("eyes", &[("eye_test", "eye")], MISSED);
-        let exact = self.values("eyes", &[("eye_test", "near-exact")], MISSED);
-        let most = published.iter().copied().reduce(f64::max)?;
-        let least = published.iter().copied().reduce(f64::min)?;
-        let missed = exact.iter().copied().reduce(f64::max)?;
-        Some(Finding {
-            claim: "The segment from the eye to the light says where z-pass is right (Yang & Jin, 2006, anticipated)."
-                .to_owned(),
-            standing: Standing::holds_if(most == 0.0),
-            because: format!(
-                "It misses {} to {} % of the eyes on deck; the near rectangle tested exactly misses {} %",
-                significant(least),
-                significant(most),
-                significant(missed)
-            ),
-        })
-    }
-
-    /// Writes of a rule and extent under a sun.
-    fn writes(&self, sun: &str, extent: &str, rule: &str) -> Option<f64> {
-        self.value(
-            "updates",
-            &[("sun", sun), ("extent", extent), ("rule", rule)],
-            UPDATES,
-        )
-    }
-
-    fn pass_is_faster(&self) -> Option<Finding> {
-        let suns = self.suns("updates");
-        let ratios = |extent: &str| -> Option<[f64; 2]> {
-            let of = |sun: &&str| {
-                Some(self.writes(sun, extent, "z-fail")? / self.writes(sun, extent, "z-pass")?)
-            };
-            let all: Option<Vec<f64>> = suns.iter().map(of).collect();
-            let all = all?;
-            Some([
-                all.iter().copied().reduce(f64::min)?,
-                all.iter().copied().reduce(f64::max)?,
-            ])
-        };
-        let (infinite, closed) = (ratios("infinite")?, ratios("sea-closed")?);
-        let range = |of: [f64; 2]| format!("{} to {}", significant(of[0]), significant(of[1]));
-        Some(Finding {
-            claim: "z-pass writes less than z-fail (Yang & Jin, 2006, anticipated).".to_owned(),
-            standing: Standing::holds_if(infinite[0] > 1.0 && closed[0] > 1.0),
-            because: format!(
-                "z-fail over z-pass: {} for infinite volumes, {} for those closed at the sea",
-                range(infinite),
-                range(closed)
-            ),
-        })
-    }
-
-    fn closed_at_the_sea(&self) -> Option<Finding> {
-        let suns = self.suns("updates");
-        let ratio = |sun: &&str| {
-            let ratio = self.writes(sun, "infinite", "z-fail")?
-                / self.writes(sun, "sea-closed", "z-fail")?;
-            Some(format!("{} at {sun}", significant(ratio)))
-        };
-        let ratios: Option<Vec<String>> = suns.iter().map(ratio).collect();
-        let always = suns.iter().all(|sun| {
-            let closed = self.writes(sun, "sea-closed", "z-fail");
-            self.writes(sun, "infinite", "z-fail")
-                .zip(closed)
-                .is_some_and(|(open, closed)| closed < open)
-        });
-        Some(Finding {
-            claim: "Closing volumes at the sea saves stencil writes of z-fail.".to_owned(),
-            standing: Standing::holds_if(always),
-            because: format!(
-                "Writes of infinite volumes over closed ones: {}",
-                ratios?.join(", ")
-            ),
-        })
-    }
-
-    fn horizon(&self) -> Option<Finding> {
-        let lost = |scissor: &str| self.value("scissors", &[("scissor", scissor)], LOST);
-        let (horizon, caster) = (lost("horizon")?, lost("caster-rect")?);
-        Some(Finding {
-            claim: "There is no shadow below the horizon, so a scissor there loses none (Yang & Jin, 2006, considered)."
-                .to_owned(),
-            standing: Standing::holds_if(horizon == 0.0),
-            because: format!(
-                "It loses {} % of the shadow pixels; rectangles of casters lose {} %",
-                significant(horizon),
-                significant(caster)
-            ),
-        })
-    }
-
-    fn clears(&self) -> Option<Finding> {
-        let all = self
-            .of_question("outlines")
-            .filter(|case| case.condition("outline") == "value");
-        let pairs: Option<Vec<(f64, f64)>> = all
-            .map(|case| {
-                Some((
-                    case.condition("models").parse().ok()?,
-                    value(case, "shadow_clears")?,
-                ))
-            })
-            .collect();
-        let pairs = pairs.filter(|pairs| !pairs.is_empty())?;
-        let text = pairs
-            .iter()
-            .map(|(models, clears)| format!("{models}: {clears}"));
-        Some(Finding {
-            claim: "A stencil value for each model takes 1 + ⌊N/255⌋ clears.".to_owned(),
-            standing: Standing::holds_if(
-                pairs
-                    .iter()
-                    .all(|(models, clears)| *clears == 1.0 + (models / 255.0).floor()),
-            ),
-            because: format!("Clears by models: {}", text.collect::<Vec<_>>().join(", ")),
-        })
-    }
-
-    fn wrap(&self) -> Option<Finding> {
-        let lost = |casters: &str, counting: &str| {
-            self.value(
-                "rows",
-                &[("casters", casters), ("counting", counting)],
-                LOST,
-            )
-        };
-        let wrapping = "8 bits, wrapping";
-        let counts = ["255", "256", "257", "511", "512"];
-        let wraps: Option<Vec<f64>> = counts.iter().map(|count| lost(count, wrapping)).collect();
-        let guarded: Option<Vec<f64>> = counts
-            .iter()
-            .map(|count| lost(count, "passes of 255"))
-            .collect();
-        let (wraps, guarded) = (wraps?, guarded?);
-        let text = counts
-            .iter()
-            .zip(&wraps)
-            .map(|(count, lost)| format!("{count}: {} %", significant(*lost)));
-        Some(Finding {
-            claim: "Eight bits that wrap lose shadows of exactly 256 and 512 casters, and passes of 255 lose none."
-                .to_owned(),
-            standing: Standing::holds_if(
-                wraps.iter().zip(counts).all(|(lost, count)| (*lost > 0.0) == matches!(count, "256" | "512"))
-                    && guarded.iter().all(|lost| *lost == 0.0),
-            ),
-            because: format!("Shadow pixels lost by casters: {}", text.collect::<Vec<_>>().join(", ")),
-        })
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use terrafill_results::Standing;
     use terrafill_results::made_up::{MadeUpRun, case_id};
 
     fn finding(run: &MadeUpRun, claim: &str) -> Option<Standing> {
         let folder = tempfile::tempdir().expect("a folder");
         let run = run.write(folder.path()).expect("a run");
         let found = Own::of(&run)
-            .findings()
+            .findings(run.clock())
             .into_iter()
             .find(|finding| finding.claim.contains(claim));
         found.map(|finding| finding.standing)
@@ -880,6 +451,25 @@ mod tests {
             Some(Standing::DoesNotHold)
         );
         assert_eq!(finding(&cheap, "clears"), None, "not measured");
+    }
+
+    #[test]
+    fn a_way_is_faster_where_it_is_under_every_sun() {
+        let claim = "Two-sided stencil is faster";
+        let times = |values: [(&str, &str, f64); 4]| {
+            let mut run = MadeUpRun::default();
+            for (sun, faces, ms) in values {
+                let conditions = [("question", "devices"), ("sun", sun), ("faces", faces)];
+                let id = case_id(crate::STUDY, &format!("{sun}/{faces}"), &conditions);
+                run.case(id).timed(FILL_CPU, &[ms; 7]);
+            }
+            finding(&run, claim)
+        };
+        let high = [("60°", "two-sided", 1.0), ("60°", "two-pass", 2.0)];
+        let low = |ms: f64| [("5°", "two-sided", ms), ("5°", "two-pass", 2.0)];
+        let both = |[a, b]: [_; 2], [c, d]: [_; 2]| [a, b, c, d];
+        assert_eq!(times(both(high, low(1.5))), Some(Standing::Holds));
+        assert_eq!(times(both(high, low(3.0))), Some(Standing::DoesNotHold));
     }
 
     #[test]

@@ -16,6 +16,9 @@ use terrafill_vulkan::{
 };
 
 const SHADER: &str = "casters/volume.wgsl";
+const PULLED_SHADER: &str = "casters/pulled.wgsl";
+/// Of a piece that is a triangle of the light cap.
+pub(crate) const IS_CAP: u32 = 1 << 31;
 
 /// Volumes as one eye sees them.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -28,9 +31,42 @@ pub(crate) struct EyeVolumes {
     pub(crate) ranges: Vec<Range<u32>>,
 }
 
-impl EyeVolumes {
-    pub(crate) fn bytes(&self) -> u64 {
-        (size_of_val(&*self.vertices) + size_of_val(&*self.indices)) as u64
+/// Casters as one eye sees them, from which a vertex shader pulls their volumes.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct EyeMesh {
+    /// x, y, z from the eye, m, and 1; the last one: the direction away from the light, and 0.
+    pub(crate) places: Vec<[f32; 4]>,
+    /// Triangles and edges, as `casters/pulled.wgsl` reads them.
+    pub(crate) pieces: Vec<[u32; 4]>,
+    /// A bit a triangle.
+    pub(crate) lit: Vec<u32>,
+    /// Of each caster, by [`terrafill_fill::Volume::geometry`]: its range of pieces.
+    pub(crate) ranges: Vec<Range<u32>>,
+}
+
+/// What a device makes volumes of.
+#[derive(Debug)]
+pub(crate) enum VolumeSource {
+    Volumes(EyeVolumes),
+    Pulled(EyeMesh),
+}
+
+impl VolumeSource {
+    /// All that the device holds, and what of it another sun changes.
+    pub(crate) fn bytes(&self) -> [u64; 2] {
+        match self {
+            // Sides begin elsewhere: everything.
+            Self::Volumes(volumes) => {
+                let bytes = size_of_val(&*volumes.vertices) + size_of_val(&*volumes.indices);
+                [bytes as u64; 2]
+            }
+            Self::Pulled(mesh) => {
+                let fixed = size_of_val(&*mesh.places) + size_of_val(&*mesh.pieces);
+                // The bits and the direction.
+                let light = size_of_val(&*mesh.lit);
+                [(fixed + light) as u64, (light + 16) as u64]
+            }
+        }
     }
 }
 
@@ -57,17 +93,30 @@ impl Interface {
         devices: &Devices,
         switches: &Switches,
         view: SurfaceView<'_>,
-        volumes: EyeVolumes,
+        source: VolumeSource,
         work: StencilWork,
     ) -> Result<Box<dyn Draws>, DeviceError> {
         match self {
             Self::Wgpu => {
                 let gpu = terrafill_gpu::shared_gpu(devices)?;
                 let targets = terrafill_gpu::RenderTargets::shared(&gpu, view.size)?;
-                let make = |fill: &terrafill_gpu::VolumeFill| OnWgpu::new(fill, volumes);
-                loaded(&targets, switches, make, view, work)
+                type Fill = terrafill_gpu::VolumeFill;
+                match source {
+                    VolumeSource::Volumes(volumes) => {
+                        let make = |fill: &Fill| OnWgpu::new(fill, volumes);
+                        loaded(&targets, switches, make, view, work)
+                    }
+                    VolumeSource::Pulled(mesh) => {
+                        let make = |fill: &Fill| Pulling::new(fill, mesh);
+                        loaded(&targets, switches, make, view, work)
+                    }
+                }
             }
             Self::Vulkan => {
+                let VolumeSource::Volumes(volumes) = source else {
+                    let what = "storage buffers that vertex shaders pull from";
+                    return Err(DeviceError::unsupported(what, "the executor on Vulkan"));
+                };
                 let gpu = terrafill_vulkan::shared_gpu(devices)?;
                 let targets = terrafill_vulkan::RenderTargets::shared(&gpu, view.size)?;
                 let make = |_: &terrafill_vulkan::VolumeFill| OnVulkan::new(&gpu, volumes);
@@ -198,7 +247,81 @@ impl terrafill_gpu::Volumes for OnWgpu {
     }
 }
 
-/// The same on Vulkan.
+/// Meshes from which a vertex shader pulls volumes, on wgpu.
+struct Pulling {
+    shader: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
+    bound: wgpu::BindGroup,
+    ranges: Vec<Range<u32>>,
+    pipelines: HashMap<VolumeState, wgpu::RenderPipeline>,
+}
+
+impl Pulling {
+    fn new(fill: &terrafill_gpu::VolumeFill, mesh: EyeMesh) -> Result<Self, DeviceError> {
+        let gpu = fill.gpu();
+        let storage = wgpu::BufferBindingType::Storage { read_only: true };
+        let pulled = gpu.buffer_layout("casters", wgpu::ShaderStages::VERTEX, &[storage; 3]);
+        let upload = |label, bytes: &[u8]| gpu.upload(label, bytes, wgpu::BufferUsages::STORAGE);
+        let places = upload("caster places", bytemuck::cast_slice(&mesh.places))?;
+        let pieces = upload("caster pieces", bytemuck::cast_slice(&mesh.pieces))?;
+        let lit = upload("facing bits", bytemuck::cast_slice(&mesh.lit))?;
+        Ok(Self {
+            shader: gpu.shader(PULLED_SHADER)?,
+            layout: gpu.pipeline_layout(
+                "pulled shadows",
+                &[Some(fill.frame_layout()), Some(&pulled)],
+            ),
+            bound: gpu.bind_buffers("casters", &pulled, &[&places, &pieces, &lit]),
+            ranges: mesh.ranges,
+            pipelines: HashMap::new(),
+        })
+    }
+}
+
+impl terrafill_gpu::Volumes for Pulling {
+    fn ensure(
+        &mut self,
+        gpu: &terrafill_gpu::Gpu,
+        _list: &VolumeList,
+        draw: &VolumeDraw<'_>,
+        blends: bool,
+    ) {
+        let shader = VolumeShader {
+            module: &self.shader,
+            layout: &self.layout,
+            vertex_entry: "pulled_main",
+            constants: &[],
+            buffers: &[],
+            strip_index_format: None,
+            front_face: wgpu::FrontFace::Ccw,
+        };
+        let pipeline = || shader.pipeline(gpu, draw.state, blends);
+        self.pipelines.entry(draw.state).or_insert_with(pipeline);
+    }
+
+    fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_bind_group(1, &self.bound, &[]);
+    }
+
+    fn draw(
+        &mut self,
+        pass: &mut terrafill_gpu::VolumePass<'_>,
+        draw: &VolumeDraw<'_>,
+        _blends: bool,
+    ) {
+        let Some(pipeline) = self.pipelines.get(&draw.state) else {
+            return;
+        };
+        pass.raw.set_pipeline(pipeline);
+        for &volume in draw.volumes {
+            let pieces = &self.ranges[pass.list.volumes[volume].geometry];
+            pass.cut(volume, draw.scissor);
+            pass.draw(3 * pieces.start..3 * pieces.end, volume);
+        }
+    }
+}
+
+/// As [`OnWgpu`], on Vulkan.
 struct OnVulkan {
     vertices: Buffer,
     indices: Buffer,

@@ -6,13 +6,13 @@
 //! in the same order: only then both have the same depth, and equal depth fails.
 
 use crate::count::{Rule, Wrong};
-use crate::device::{Draws, EyeVolumes, Interface};
+use crate::device::{Draws, EyeMesh, EyeVolumes, IS_CAP, Interface, VolumeSource};
 use crate::reference::{Light, SEA_RADIUS_M, Truth};
 use crate::scissor::{Rectangle, of_parts};
 use crate::view::View;
 use crate::work::{End, Scene};
-use glam::{DMat3, DVec3};
-use terrafill_casters::{Mesh, Volume};
+use glam::{DMat3, DVec3, Vec3};
+use terrafill_casters::{EdgeTable, Mesh, Volume};
 use terrafill_core::{Ellipsoid, VolumeHeights};
 use terrafill_fill::{
     ColourWay, DepthRange, DepthRuleChoice, DeviceError, Devices, FacePasses, FillProgram,
@@ -27,10 +27,59 @@ use terrafill_surface::SurfaceFrame;
 const SECTOR_DEG: f64 = 1.0;
 const RING_RATIO: f64 = 1.1;
 
+/// What the numbers of vertices count from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Positions {
+    /// The eye: subtracted in `f64`, then rounded.
+    Eye,
+    /// An origin so many metres from the port: rounded to `f32`, then the eye subtracted, as rounded.
+    World(f64),
+}
+
+impl Positions {
+    pub(crate) fn name(self) -> String {
+        match self {
+            Self::Eye => "from the eye".to_owned(),
+            Self::World(m) => format!("f32, origin {} km away", m / 1e3),
+        }
+    }
+
+    fn relative(self, place: DVec3, eye: DVec3) -> Vec3 {
+        match self {
+            Self::Eye => (place - eye).as_vec3(),
+            Self::World(m) => {
+                // Along no axis, as places on a planet lie.
+                let port = DVec3::ONE.normalize() * m;
+                (port + place).as_vec3() - (port + eye).as_vec3()
+            }
+        }
+    }
+}
+
+/// Where silhouettes are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Silhouettes {
+    /// By the CPU from stored adjacency: volumes are handed over.
+    Adjacency,
+    /// By the vertex shader: meshes, edges and facing bits are handed over.
+    Pulled,
+}
+
+impl Silhouettes {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Adjacency => "adjacency",
+            Self::Pulled => "pulled",
+        }
+    }
+}
+
 /// How a device draws volumes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DeviceWay {
     pub(crate) interface: Interface,
+    pub(crate) silhouettes: Silhouettes,
+    pub(crate) positions: Positions,
     pub(crate) end: End,
     pub(crate) rule: Rule,
     pub(crate) faces: FacePasses,
@@ -62,8 +111,8 @@ pub(crate) struct DeviceDrawn {
     pub(crate) draws: u64,
     /// Of volumes; `None` where the device does not count them.
     pub(crate) fragments: Option<u64>,
-    /// Vertices and indices of a channel.
-    pub(crate) bytes: u64,
+    /// Of the volumes' source in a channel, and of it what another sun changes.
+    pub(crate) bytes: [u64; 2],
     /// Casters times channels that were not drawn.
     pub(crate) left_out: usize,
     pub(crate) volume_triangles: usize,
@@ -75,7 +124,7 @@ pub(crate) struct DeviceDrawn {
 
 /// What a channel's program runs on.
 struct Loadable {
-    volumes: EyeVolumes,
+    source: VolumeSource,
     list: Vec<terrafill_fill::Volume>,
     left_out: usize,
 }
@@ -104,8 +153,15 @@ impl Scene {
         };
         let mut all = Vec::new();
         for (at, (view, truth)) in self.channels.iter().enumerate() {
-            let loadable = loadable(view, self.mesh(), &volume, closed.as_ref());
-            drawn.bytes = drawn.bytes.max(loadable.volumes.bytes());
+            let mesh = self.mesh();
+            let loadable = match way.silhouettes {
+                Silhouettes::Adjacency => {
+                    loadable(way.positions, view, mesh, &volume, closed.as_ref())
+                }
+                Silhouettes::Pulled => self.pulled(view)?,
+            };
+            let bytes = loadable.source.bytes();
+            drawn.bytes = [0, 1].map(|at| drawn.bytes[at].max(bytes[at]));
             drawn.left_out += loadable.left_out;
             let mut channel = self.open(devices, way, view, loadable)?;
             let (counters, picture) = channel.draw()?;
@@ -126,6 +182,47 @@ impl Scene {
         Ok(drawn)
     }
 
+    /// Each caster as this eye sees it, for a shader that finds its silhouette.
+    fn pulled(&self, view: &View) -> Result<Loadable, DrawError> {
+        let mesh = self.mesh();
+        let places = mesh.vertices.iter();
+        let places = places.map(|place| (place - view.eye).as_vec3().extend(1.0));
+        let far = (-self.to_light).as_vec3().extend(0.0);
+        let all = places.chain([far]).map(|place| place.to_array());
+        let edges = EdgeTable::of(mesh).pairs();
+        let edges = edges.ok_or("an edge has not two triangles, one either way")?;
+        let part_of = mesh.part_of_triangles();
+        let mut sides: Vec<Vec<[u32; 4]>> = vec![Vec::new(); mesh.parts.len()];
+        for ([low, high], [forward, backward]) in edges {
+            sides[part_of[forward as usize] as usize].push([low, high, forward, backward]);
+        }
+        let mut eye = EyeMesh {
+            places: all.collect(),
+            lit: self.lit_bits(),
+            ..EyeMesh::default()
+        };
+        let mut list = Vec::new();
+        for caster in &mesh.casters {
+            let first = count(eye.pieces.len());
+            for part in caster.parts.clone() {
+                let caps = mesh.parts[part].triangles.clone();
+                let cap = |triangle: usize| {
+                    let [a, b, c] = mesh.triangles[triangle];
+                    [a, b, c, count(triangle) | IS_CAP]
+                };
+                eye.pieces.extend(caps.map(cap));
+                eye.pieces.append(&mut sides[part]);
+            }
+            list.push(listed(Rectangle::whole(view), eye.ranges.len()));
+            eye.ranges.push(first..count(eye.pieces.len()));
+        }
+        Ok(Loadable {
+            source: VolumeSource::Pulled(eye),
+            list,
+            left_out: 0,
+        })
+    }
+
     fn open(
         &self,
         devices: &Devices,
@@ -135,7 +232,7 @@ impl Scene {
     ) -> Result<Box<dyn Draws>, DrawError> {
         let body = Ellipsoid::new("sea", SEA_RADIUS_M, SEA_RADIUS_M).ok_or("no sphere")?;
         let camera = camera(view);
-        let surface = surface(view, self.mesh());
+        let surface = surface(way.positions, view, self.mesh());
         let id = ViewId::unique();
         let size = ImageSize {
             width: view.size[0],
@@ -162,7 +259,7 @@ impl Scene {
             blends: false,
         };
         let interface = way.interface;
-        Ok(interface.open(devices, &switches, seen, loadable.volumes, work)?)
+        Ok(interface.open(devices, &switches, seen, loadable.source, work)?)
     }
 }
 
@@ -197,10 +294,10 @@ fn camera(view: &View) -> Camera {
 }
 
 /// Sea and casters from the eye.
-fn surface(view: &View, mesh: &Mesh) -> SurfaceFrame {
+fn surface(positions: Positions, view: &View, mesh: &Mesh) -> SurfaceFrame {
     let (sea, sea_triangles) = sea(view);
     let all = mesh.vertices.iter().chain(&sea);
-    let vertices = all.map(|place| (place - view.eye).as_vec3().to_array());
+    let vertices = all.map(|place| positions.relative(*place, view.eye).to_array());
     let first = u32::try_from(mesh.vertices.len()).unwrap_or(u32::MAX);
     let of_sea = sea_triangles
         .into_iter()
@@ -258,21 +355,27 @@ fn sea(view: &View) -> (Vec<DVec3>, Vec<[u32; 3]>) {
 /// Each caster's volume as this eye sees it.
 ///
 /// - `closed`: what rectangles are made of, where volumes are cut
-fn loadable(view: &View, mesh: &Mesh, volume: &Volume, closed: Option<&Volume>) -> Loadable {
+fn loadable(
+    positions: Positions,
+    view: &View,
+    mesh: &Mesh,
+    volume: &Volume,
+    closed: Option<&Volume>,
+) -> Loadable {
     let places = volume.vertices.iter().map(|place| {
-        let along = (place.truncate() - view.eye * place.w).as_vec3();
-        #[allow(clippy::cast_possible_truncation, reason = "0 or 1")]
-        let w = place.w as f32;
+        let is_place = place.w > 0.0;
+        let along = match is_place {
+            true => positions.relative(place.truncate(), view.eye),
+            false => place.truncate().as_vec3(),
+        };
+        let w = f32::from(u8::from(is_place));
         along.extend(w).to_array().map(f32::to_bits)
     });
-    let mut loadable = Loadable {
-        volumes: EyeVolumes {
-            vertices: places.collect(),
-            ..EyeVolumes::default()
-        },
-        list: Vec::new(),
-        left_out: 0,
+    let mut volumes = EyeVolumes {
+        vertices: places.collect(),
+        ..EyeVolumes::default()
     };
+    let (mut list, mut left_out) = (Vec::new(), 0);
     let rectangles = closed.map(|closed| of_parts(view, closed, mesh.parts.len()));
     let mut of_parts: Vec<Vec<u32>> = vec![Vec::new(); mesh.parts.len()];
     for triangle in &volume.triangles {
@@ -288,30 +391,42 @@ fn loadable(view: &View, mesh: &Mesh, volume: &Volume, closed: Option<&Volume>) 
             None => Rectangle::whole(view),
         };
         if rectangle.is_empty() {
-            loadable.left_out += 1;
+            left_out += 1;
             continue;
         }
-        let indices = &mut loadable.volumes.indices;
-        let count = |indices: &[u32]| u32::try_from(indices.len()).unwrap_or(u32::MAX);
-        let first = count(indices);
+        let indices = &mut volumes.indices;
+        let first = count(indices.len());
         indices.extend(of_parts[own].iter().flatten());
-        loadable.list.push(terrafill_fill::Volume {
-            is_flat: false,
-            screen_rect: PixelRect {
-                left: rectangle.columns[0],
-                top: rectangle.rows[0],
-                right: rectangle.columns[1],
-                bottom: rectangle.rows[1],
-            },
-            depth: DepthRange::ANY,
-            // Rules are told, not chosen by the eye.
-            near_plane_meets_volume: false,
-            geometry: loadable.volumes.ranges.len(),
-        });
-        let range = first..count(indices);
-        loadable.volumes.ranges.push(range);
+        list.push(listed(rectangle, volumes.ranges.len()));
+        let range = first..count(indices.len());
+        volumes.ranges.push(range);
     }
-    loadable
+    Loadable {
+        source: VolumeSource::Volumes(volumes),
+        list,
+        left_out,
+    }
+}
+
+fn count(length: usize) -> u32 {
+    u32::try_from(length).unwrap_or(u32::MAX)
+}
+
+/// A caster's volume.
+fn listed(rectangle: Rectangle, geometry: usize) -> terrafill_fill::Volume {
+    terrafill_fill::Volume {
+        is_flat: false,
+        screen_rect: PixelRect {
+            left: rectangle.columns[0],
+            top: rectangle.rows[0],
+            right: rectangle.columns[1],
+            bottom: rectangle.rows[1],
+        },
+        depth: DepthRange::ANY,
+        // Rules are told, not chosen by the eye.
+        near_plane_meets_volume: false,
+        geometry,
+    }
 }
 
 /// What the cover reads of each volume, and of an empty list one all the same: its colour.

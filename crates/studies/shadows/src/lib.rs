@@ -12,6 +12,7 @@ mod drawing;
 mod images;
 mod list;
 mod maps;
+mod metrics;
 mod near;
 mod outline;
 mod reference;

@@ -4,7 +4,7 @@
 use crate::STUDY;
 use crate::count::Rule;
 use crate::device::Interface;
-use crate::drawing::DeviceWay;
+use crate::drawing::{DeviceWay, Positions, Silhouettes};
 use crate::maps::Bias;
 use crate::near::EyeTest;
 use crate::outline::Way;
@@ -30,6 +30,8 @@ const QUICK_SUNS: usize = 4;
 /// Suns of devices; a quick run has the first two.
 const DEVICE_SUNS: [[f64; 2]; 4] = [[10.0, -60.0], [5.0, 0.0], [60.0, 90.0], [1.0, 0.0]];
 const QUICK_DEVICE_SUNS: usize = 2;
+/// Distances of an origin from the port, m: the last is that of the earth's centre.
+const ORIGINS_M: [f64; 3] = [1e5, 1e6, 6.371e6];
 /// Suns of maps and their texels, m; a quick run has the first sun and the first two texels.
 const MAP_SUNS: [[f64; 2]; 5] = [
     [10.0, -60.0],
@@ -94,27 +96,52 @@ pub(crate) enum Job {
     Outline(u32, Way),
     Silhouette(&'static str, Method),
     Device([f64; 2], DeviceWay),
+    Origin([f64; 2], DeviceWay),
     Map([f64; 2], f64, Bias),
 }
 
 /// How devices draw: what differs from one to the next is one thing.
-fn device_ways(interface: Interface) -> [DeviceWay; 6] {
-    let way = |end, rule, faces, is_cut| DeviceWay {
+fn device_ways(interface: Interface) -> Vec<DeviceWay> {
+    let way = |silhouettes, end, rule, faces, is_cut| DeviceWay {
         interface,
+        silhouettes,
+        positions: Positions::Eye,
         end,
         rule,
         faces,
         is_cut,
     };
     let (one, two) = (FacePasses::TwoSided, FacePasses::TwoPass);
-    [
-        way(End::Infinite, Rule::Fail, one, false),
-        way(End::Infinite, Rule::Pass, one, false),
-        way(End::Sea, Rule::Fail, one, false),
-        way(End::Sea, Rule::Pass, one, false),
-        way(End::Sea, Rule::Fail, two, false),
-        way(End::Sea, Rule::Fail, one, true),
-    ]
+    let (cpu, pulled) = (Silhouettes::Adjacency, Silhouettes::Pulled);
+    let mut ways = vec![
+        way(cpu, End::Infinite, Rule::Fail, one, false),
+        way(cpu, End::Infinite, Rule::Pass, one, false),
+        way(cpu, End::Sea, Rule::Fail, one, false),
+        way(cpu, End::Sea, Rule::Pass, one, false),
+        way(cpu, End::Sea, Rule::Fail, two, false),
+        way(cpu, End::Sea, Rule::Fail, one, true),
+    ];
+    // On Vulkan geometry shaders would find them.
+    if interface == Interface::Wgpu {
+        ways.push(way(pulled, End::Infinite, Rule::Fail, one, false));
+    }
+    ways
+}
+
+/// Volumes closed at the sea from numbers that count from elsewhere.
+fn origin_ways(interface: Interface) -> impl Iterator<Item = DeviceWay> {
+    let way = DeviceWay {
+        interface,
+        silhouettes: Silhouettes::Adjacency,
+        positions: Positions::Eye,
+        end: End::Sea,
+        rule: Rule::Fail,
+        faces: FacePasses::TwoSided,
+        is_cut: false,
+    };
+    let worlds = ORIGINS_M.map(Positions::World).into_iter();
+    let all = std::iter::once(Positions::Eye).chain(worlds);
+    all.map(move |positions| DeviceWay { positions, ..way })
 }
 
 /// A question's cases.
@@ -154,6 +181,8 @@ pub(crate) fn questions(depth: Depth, samples: Option<u32>) -> Vec<Questions> {
         let ways = Interface::ALL.into_iter().flat_map(device_ways);
         ways.map(move |way| Job::Device(*sun, way))
     });
+    let origins = Interface::ALL.into_iter().flat_map(origin_ways);
+    let origins = origins.map(|way| Job::Origin(LOW_SUN, way));
     let (map_suns, texels) = match is_quick {
         true => (&MAP_SUNS[..1], &TEXELS_M[..2]),
         false => (&MAP_SUNS[..], &TEXELS_M[..]),
@@ -194,6 +223,7 @@ pub(crate) fn questions(depth: Depth, samples: Option<u32>) -> Vec<Questions> {
             "devices",
             cases(devices.collect(), samples.unwrap_or(SAMPLES)),
         ),
+        ("origins", cases(origins.collect(), 0)),
         ("maps", cases(maps.collect(), samples.unwrap_or(1))),
     ]
 }
@@ -277,6 +307,15 @@ fn planned(job: Job, samples: u32) -> PlannedCase {
             ],
             true,
         ),
+        Job::Origin(sun, way) => (
+            "origins",
+            vec![
+                ("sun", sun_name(sun)),
+                ("api", way.interface.name().to_owned()),
+                ("positions", way.positions.name()),
+            ],
+            way.positions != Positions::Eye,
+        ),
         Job::Device(sun, way) => {
             let scissor = if way.is_cut {
                 Scissor::CasterRectangle
@@ -294,6 +333,7 @@ fn planned(job: Job, samples: u32) -> PlannedCase {
                 ("rule", way.rule.name().to_owned()),
                 ("faces", faces.to_owned()),
                 ("scissor", scissor.name().to_owned()),
+                ("silhouette", way.silhouettes.name().to_owned()),
             ];
             ("devices", conditions.into(), false)
         }

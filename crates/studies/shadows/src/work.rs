@@ -289,6 +289,16 @@ impl Scene {
         Ok(drawn)
     }
 
+    /// A bit a triangle that faces the sun.
+    pub(crate) fn lit_bits(&self) -> Vec<u32> {
+        let words = self.facing.is_lit.chunks(u32::BITS as usize);
+        let word = |lit: &[bool]| {
+            let bits = lit.iter().rev();
+            bits.fold(0, |word, is_lit| word << 1 | u32::from(*is_lit))
+        };
+        words.map(word).collect()
+    }
+
     pub(crate) fn mesh(&self) -> &Mesh {
         &self.prepared.mesh
     }

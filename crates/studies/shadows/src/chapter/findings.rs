@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What was published, and what is measured.
+
+use super::{FILL_CPU, FILL_GPU, LOST, MAP_WRONG, MISSED, Own, UPDATES, number, value};
+use terrafill_plot::number::significant;
+use terrafill_results::{Case, Claim, Clock, Finding, Outcome, Standing, ratio};
+
+/// Two ways of a device that differ in one condition: its key, the way said to be faster, the other one.
+type Two = (&'static str, &'static str, &'static str);
+
+const RULES: Two = ("rule", "z-pass", "z-fail");
+const FACES: Two = ("faces", "two-sided", "two-pass");
+const PULLED: Two = ("silhouette", "pulled", "adjacency");
+
+/// What tells ways of a device apart.
+const DEVICE_KEYS: [&str; 7] = [
+    "sun",
+    "api",
+    "extent",
+    "rule",
+    "faces",
+    "scissor",
+    "silhouette",
+];
+
+impl Own<'_> {
+    pub(super) fn findings(&self, clock: Clock) -> Vec<Finding> {
+        let findings = [
+            self.masks(),
+            self.eye_test(),
+            self.pass_is_faster(),
+            self.closed_at_the_sea(),
+            self.horizon(),
+            self.clears(),
+            self.wrap(),
+            self.devices(),
+            self.faster(clock, "z-pass is faster than z-fail on a device", RULES),
+            self.faster(clock, "Two-sided stencil is faster than two passes", FACES),
+            self.faster(
+                clock,
+                "Frames are faster where a vertex shader finds silhouettes",
+                PULLED,
+            ),
+            self.origins(),
+            self.maps(),
+        ];
+        findings.into_iter().flatten().collect()
+    }
+
+    /// Every rule and extent against the reference.
+    fn masks(&self) -> Option<Finding> {
+        let own: Vec<&Case> = self
+            .of_question("updates")
+            .filter(|case| !case.condition("rule").contains("printed"))
+            .collect();
+        let wrong = |case: &&Case| {
+            let px =
+                ["shadow_false_lit_px", "shadow_false_dark_px"].map(|metric| value(case, metric));
+            px.into_iter().try_fold(0.0, |sum, px| Some(sum + px?))
+        };
+        let all: Option<Vec<f64>> = own.iter().map(wrong).collect();
+        let total: f64 = all?.iter().sum();
+        (!own.is_empty()).then(|| Finding {
+            claim: "Every rule and extent has the reference's mask outside the band.".to_owned(),
+            standing: Standing::holds_if(total == 0.0),
+            because: format!("{} pixels wrong in {} cases", significant(total), own.len()),
+        })
+    }
+
+    /// Every way of drawing, by each interface.
+    fn devices(&self) -> Option<Finding> {
+        let own: Vec<&Case> = self.of_question("devices").collect();
+        let known: Vec<&Case> = own
+            .iter()
+            .copied()
+            .filter(|case| value(case, "shadow_false_lit_px").is_some())
+            .collect();
+        let right = known.iter().filter(|case| case.outcome == Outcome::Ok);
+        let right = right.count();
+        let keys = ["sun", "extent", "rule", "faces", "scissor"];
+        let is_same = |a: &Case, b: &Case| {
+            let mut keys = keys.iter();
+            keys.all(|key| a.condition(key) == b.condition(key))
+        };
+        let (mut pairs, mut equal) = (0, 0);
+        for (at, case) in known.iter().enumerate() {
+            for other in &known[at + 1..] {
+                if is_same(case, other) {
+                    pairs += 1;
+                    equal += u32::from(case.note("mask_hash") == other.note("mask_hash"));
+                }
+            }
+        }
+        (!known.is_empty()).then(|| Finding {
+            claim: "Devices draw the reference's shadows outside the band, and each interface the same mask."
+                .to_owned(),
+            standing: Standing::holds_if(right == known.len() && equal == pairs),
+            because: format!(
+                "{right} of {} cases right, {equal} of {pairs} pairs of masks equal",
+                known.len()
+            ),
+        })
+    }
+
+    /// Whether one way takes less time than another, under each sun and by each interface.
+    fn faster(&self, clock: Clock, claim: &str, (key, fast, slow): Two) -> Option<Finding> {
+        let metric = clock.pick(FILL_GPU, FILL_CPU);
+        let of = |way: &'static str| {
+            let all = self.of_question("devices");
+            all.filter(move |case| case.condition(key) == way && case.outcome == Outcome::Ok)
+        };
+        let mut gains = Vec::new();
+        let mut standings = Vec::new();
+        for case in of(fast) {
+            let is_twin = |other: &Case| {
+                let mut others = DEVICE_KEYS.iter().filter(|known| **known != key);
+                others.all(|known| case.condition(known) == other.condition(known))
+            };
+            let twin = of(slow).find(|other| is_twin(other));
+            if let Some(gain) = twin.and_then(|other| ratio(other, case, metric)) {
+                gains.push(gain.middle);
+                standings.push(Claim::Faster.standing(&gain));
+            }
+        }
+        let count = |wanted: Standing| standings.iter().filter(|own| **own == wanted).count();
+        let (slower, open) = (count(Standing::DoesNotHold), count(Standing::CannotTell));
+        let least = gains.iter().copied().reduce(f64::min)?;
+        let most = gains.iter().copied().reduce(f64::max)?;
+        Some(Finding {
+            claim: format!("{claim} (Yang & Jin, 2006, anticipated)."),
+            standing: match (slower, open) {
+                (0, 0) => Standing::Holds,
+                (0, _) => Standing::CannotTell,
+                _ => Standing::DoesNotHold,
+            },
+            because: format!(
+                "{} to {} times as fast by {}. Of {} pairs {} are faster, {slower} not, {open} undecided",
+                significant(least),
+                significant(most),
+                clock.name(),
+                gains.len(),
+                count(Standing::Holds),
+            ),
+        })
+    }
+
+    /// Wrong pixels by what vertices count from.
+    fn origins(&self) -> Option<Finding> {
+        let mut all: Vec<(&str, f64)> = Vec::new();
+        for case in self.of_question("origins") {
+            let wrong = ["shadow_false_lit_px", "shadow_false_dark_px"];
+            let [lit, dark] = wrong.map(|metric| value(case, metric));
+            let (Some(lit), Some(dark)) = (lit, dark) else {
+                continue;
+            };
+            let name = case.condition("positions");
+            match all.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, most)) => *most = most.max(lit + dark),
+                None => all.push((name, lit + dark)),
+            }
+        }
+        let is_local = |name: &str| name.contains("the eye");
+        let is_right = |(name, wrong): &(&str, f64)| (*wrong == 0.0) == is_local(name);
+        let text = all
+            .iter()
+            .map(|(name, wrong)| format!("{name}: {}", number(*wrong)));
+        (all.len() > 1).then(|| Finding {
+            claim: "Places in f32 about an origin 100 km away are wrong, and about the eye right."
+                .to_owned(),
+            standing: Standing::holds_if(all.iter().all(is_right)),
+            because: format!("Wrong pixels, {}", text.collect::<Vec<_>>().join("; ")),
+        })
+    }
+
+    /// Under each sun and bias, by texels.
+    fn maps(&self) -> Option<Finding> {
+        let of_sun = |sun: &&str| {
+            let mut texels: Vec<(f64, f64)> = self
+                .of_question("maps")
+                .filter(|case| {
+                    case.condition("sun") == *sun && case.condition("bias") == "constant"
+                })
+                .filter_map(|case| {
+                    Some((
+                        case.condition("texel_m").parse().ok()?,
+                        value(case, MAP_WRONG)?,
+                    ))
+                })
+                .collect();
+            texels.sort_by(|a, b| a.0.total_cmp(&b.0));
+            texels
+        };
+        let suns = self.suns("maps");
+        let all: Vec<(&str, Vec<(f64, f64)>)> =
+            suns.iter().map(|sun| (*sun, of_sun(sun))).collect();
+        let is_known = all.iter().any(|(_, texels)| texels.len() > 1);
+        let falls = |texels: &Vec<(f64, f64)>| texels.is_sorted_by(|a, b| a.1 <= b.1);
+        let text = all.iter().map(|(sun, texels)| {
+            let texels = texels
+                .iter()
+                .map(|(texel, wrong)| format!("{} % at {texel} m", significant(*wrong)));
+            format!("sun {sun}: {}", texels.collect::<Vec<_>>().join(", "))
+        });
+        is_known.then(|| Finding {
+            claim: "Smaller texels leave fewer wrong pixels of a shadow map, and none of them leaves none."
+                .to_owned(),
+            standing: Standing::holds_if(all.iter().all(|(_, texels)| {
+                falls(texels) && texels.iter().all(|(_, wrong)| *wrong > 0.0)
+            })),
+            because: format!("Best constant bias, {}", text.collect::<Vec<_>>().join("; ")),
+        })
+    }
+
+    fn eye_test(&self) -> Option<Finding> {
+        let published = self.values("eyes", &[("eye_test", "eye")], MISSED);
+        let exact = self.values("eyes", &[("eye_test", "near-exact")], MISSED);
+        let most = published.iter().copied().reduce(f64::max)?;
+        let least = published.iter().copied().reduce(f64::min)?;
+        let missed = exact.iter().copied().reduce(f64::max)?;
+        Some(Finding {
+            claim: "The segment from the eye to the light says where z-pass is right (Yang & Jin, 2006, anticipated)."
+                .to_owned(),
+            standing: Standing::holds_if(most == 0.0),
+            because: format!(
+                "It misses {} to {} % of the eyes on deck; the near rectangle tested exactly misses {} %",
+                significant(least),
+                significant(most),
+                significant(missed)
+            ),
+        })
+    }
+
+    /// Writes of a rule and extent under a sun.
+    fn writes(&self, sun: &str, extent: &str, rule: &str) -> Option<f64> {
+        self.value(
+            "updates",
+            &[("sun", sun), ("extent", extent), ("rule", rule)],
+            UPDATES,
+        )
+    }
+
+    fn pass_is_faster(&self) -> Option<Finding> {
+        let suns = self.suns("updates");
+        let ratios = |extent: &str| -> Option<[f64; 2]> {
+            let of = |sun: &&str| {
+                Some(self.writes(sun, extent, "z-fail")? / self.writes(sun, extent, "z-pass")?)
+            };
+            let all: Option<Vec<f64>> = suns.iter().map(of).collect();
+            let all = all?;
+            Some([
+                all.iter().copied().reduce(f64::min)?,
+                all.iter().copied().reduce(f64::max)?,
+            ])
+        };
+        let (infinite, closed) = (ratios("infinite")?, ratios("sea-closed")?);
+        let range = |of: [f64; 2]| format!("{} to {}", significant(of[0]), significant(of[1]));
+        Some(Finding {
+            claim: "z-pass writes less than z-fail (Yang & Jin, 2006, anticipated).".to_owned(),
+            standing: Standing::holds_if(infinite[0] > 1.0 && closed[0] > 1.0),
+            because: format!(
+                "z-fail over z-pass: {} for infinite volumes, {} for those closed at the sea",
+                range(infinite),
+                range(closed)
+            ),
+        })
+    }
+
+    fn closed_at_the_sea(&self) -> Option<Finding> {
+        let suns = self.suns("updates");
+        let ratio = |sun: &&str| {
+            let ratio = self.writes(sun, "infinite", "z-fail")?
+                / self.writes(sun, "sea-closed", "z-fail")?;
+            Some(format!("{} at {sun}", significant(ratio)))
+        };
+        let ratios: Option<Vec<String>> = suns.iter().map(ratio).collect();
+        let always = suns.iter().all(|sun| {
+            let closed = self.writes(sun, "sea-closed", "z-fail");
+            self.writes(sun, "infinite", "z-fail")
+                .zip(closed)
+                .is_some_and(|(open, closed)| closed < open)
+        });
+        Some(Finding {
+            claim: "Closing volumes at the sea saves stencil writes of z-fail.".to_owned(),
+            standing: Standing::holds_if(always),
+            because: format!(
+                "Writes of infinite volumes over closed ones: {}",
+                ratios?.join(", ")
+            ),
+        })
+    }
+
+    fn horizon(&self) -> Option<Finding> {
+        let lost = |scissor: &str| self.value("scissors", &[("scissor", scissor)], LOST);
+        let (horizon, caster) = (lost("horizon")?, lost("caster-rect")?);
+        Some(Finding {
+            claim: "There is no shadow below the horizon, so a scissor there loses none (Yang & Jin, 2006, considered)."
+                .to_owned(),
+            standing: Standing::holds_if(horizon == 0.0),
+            because: format!(
+                "It loses {} % of the shadow pixels; rectangles of casters lose {} %",
+                significant(horizon),
+                significant(caster)
+            ),
+        })
+    }
+
+    fn clears(&self) -> Option<Finding> {
+        let all = self
+            .of_question("outlines")
+            .filter(|case| case.condition("outline") == "value");
+        let pairs: Option<Vec<(f64, f64)>> = all
+            .map(|case| {
+                Some((
+                    case.condition("models").parse().ok()?,
+                    value(case, "shadow_clears")?,
+                ))
+            })
+            .collect();
+        let pairs = pairs.filter(|pairs| !pairs.is_empty())?;
+        let text = pairs
+            .iter()
+            .map(|(models, clears)| format!("{models}: {clears}"));
+        Some(Finding {
+            claim: "A stencil value for each model takes 1 + ⌊N/255⌋ clears.".to_owned(),
+            standing: Standing::holds_if(
+                pairs
+                    .iter()
+                    .all(|(models, clears)| *clears == 1.0 + (models / 255.0).floor()),
+            ),
+            because: format!("Clears by models: {}", text.collect::<Vec<_>>().join(", ")),
+        })
+    }
+
+    fn wrap(&self) -> Option<Finding> {
+        let lost = |casters: &str, counting: &str| {
+            self.value(
+                "rows",
+                &[("casters", casters), ("counting", counting)],
+                LOST,
+            )
+        };
+        let wrapping = "8 bits, wrapping";
+        let counts = ["255", "256", "257", "511", "512"];
+        let wraps: Option<Vec<f64>> = counts.iter().map(|count| lost(count, wrapping)).collect();
+        let guarded: Option<Vec<f64>> = counts
+            .iter()
+            .map(|count| lost(count, "passes of 255"))
+            .collect();
+        let (wraps, guarded) = (wraps?, guarded?);
+        let text = counts
+            .iter()
+            .zip(&wraps)
+            .map(|(count, lost)| format!("{count}: {} %", significant(*lost)));
+        Some(Finding {
+            claim: "Eight bits that wrap lose shadows of exactly 256 and 512 casters, and passes of 255 lose none."
+                .to_owned(),
+            standing: Standing::holds_if(
+                wraps.iter().zip(counts).all(|(lost, count)| (*lost > 0.0) == matches!(count, "256" | "512"))
+                    && guarded.iter().all(|lost| *lost == 0.0),
+            ),
+            because: format!("Shadow pixels lost by casters: {}", text.collect::<Vec<_>>().join(", ")),
+        })
+    }
+}

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What the chapter asks, in order.
+
+use super::{LOST, MAP_WRONG, MISSED, TIME, UPDATES};
+use terrafill_results::Case;
+
+/// A column: its heading and its metric.
+type Column = (&'static str, &'static str);
+
+/// A question's section.
+pub(super) struct Section {
+    pub(super) question: &'static str,
+    pub(super) title: &'static str,
+    pub(super) text: &'static str,
+    /// Conditions that name a row.
+    pub(super) named_by: &'static [&'static str],
+    pub(super) columns: &'static [Column],
+}
+
+pub(super) const SECTIONS: [Section; 11] = [
+    Section {
+        question: "eyes",
+        title: "Which rule: the test of the eye",
+        text: "400 eyes on deck, 1.7 m over it. Published: z-fail where the segment from the eye to the light \
+               meets a caster. z-pass is right where the near rectangle is outside the volumes, so an eye in the \
+               light whose near rectangle is partly in shadow is missed.",
+        named_by: &["sun", "near_m", "eye_test"],
+        columns: &[
+            ("missed, %", MISSED),
+            ("needless, %", "shadow_eyes_needless"),
+            ("triangles by z-fail, %", "shadow_fail_triangles"),
+            (
+                "near rectangle in shadow where missed, %",
+                "shadow_near_dark",
+            ),
+        ],
+    },
+    Section {
+        question: "updates",
+        title: "Volumes, rules and suns",
+        text: "Seven channels over 270° from a bridge 30 m up. Volumes end at infinity or in a plane below the \
+               curved sea. Stencil writes per pixel are a cost without noise.",
+        named_by: &["sun", "extent", "rule"],
+        columns: &[
+            ("writes per pixel", UPDATES),
+            ("triangles", "shadow_volume_triangles"),
+            ("largest count", "shadow_max_overlap"),
+            ("false lit px", "shadow_false_lit_px"),
+            ("false dark px", "shadow_false_dark_px"),
+            ("in the band", "shadow_band_px"),
+            ("edge-on px", "shadow_edge_on_px"),
+            ("undecided px", "shadow_undecided_px"),
+            ("shadow px", "shadow_px"),
+        ],
+    },
+    Section {
+        question: "scissors",
+        title: "Scissors",
+        text: "Three readings of \"what lies above the sea\": rows above the horizon; a rectangle round each \
+               caster's volume, closed at the sea; and the same, cut by the rectangle round everything above \
+               the sea. The last leaves shadows on the sea out. z-fail, infinite volumes.",
+        named_by: &["sun", "scissor"],
+        columns: &[
+            ("shadow pixels lost, %", LOST),
+            ("writes per pixel", UPDATES),
+            ("false dark px", "shadow_false_dark_px"),
+        ],
+    },
+    Section {
+        question: "finite",
+        title: "Finite volumes",
+        text: "Volumes that end after so many metres, with a dark cap, by z-fail, beside those of the section above.",
+        named_by: &["sun", "length_m"],
+        columns: &[
+            ("shadow pixels lost, %", LOST),
+            ("writes per pixel", UPDATES),
+            ("false lit px", "shadow_false_lit_px"),
+            ("false dark px", "shadow_false_dark_px"),
+        ],
+    },
+    Section {
+        question: "rows",
+        title: "Eight bits",
+        text: "Plates in a row, all of which lie before the same water. A count that is a multiple of 256 wraps to \
+               0. The guard draws passes of at most 255 casters.",
+        named_by: &["casters", "counting"],
+        columns: &[
+            ("largest count", "shadow_max_overlap"),
+            ("shadow px", "shadow_px"),
+            ("shadow pixels lost, %", LOST),
+            ("false lit px", "shadow_false_lit_px"),
+            ("writes per pixel", UPDATES),
+        ],
+    },
+    Section {
+        question: "casters",
+        title: "Casters that are not closed",
+        text: "A hull of 1,022 triangles with a tenth of its deck missing, under each policy, against the shadow of \
+               the whole hull: what passes the hole meets the bottom. z-fail, volumes closed at the sea.",
+        named_by: &["policy"],
+        columns: &[
+            ("triangles", "shadow_mesh_triangles"),
+            ("shadow px", "shadow_px"),
+            ("false lit px", "shadow_false_lit_px"),
+            ("false dark px", "shadow_false_dark_px"),
+            ("largest count", "shadow_max_overlap"),
+            ("writes per pixel", UPDATES),
+        ],
+    },
+    Section {
+        question: "outlines",
+        title: "Outlines by a stencil value",
+        text: "Not a shadow technique: a value S for each model instead of a clear (McGuire & Hughes, 2004). The \
+               test is printed as \"stencil == S\"; inner contours are suppressed by ≠.",
+        named_by: &["models", "outline"],
+        columns: &[
+            ("clears", "shadow_clears"),
+            ("contour pixels wrong", "shadow_contour_px"),
+        ],
+    },
+    Section {
+        question: "silhouettes",
+        title: "Silhouettes on the CPU",
+        text: "The published stack of borders, the same toggle by a hash, and stored adjacency with a directed \
+               count. All read the same facing bits. With a face turned, two lit triangles have an edge the same \
+               way round: the toggles delete it, and the volume is open.",
+        named_by: &["mesh", "silhouette"],
+        columns: &[
+            ("CPU ms", TIME),
+            ("triangles", "shadow_mesh_triangles"),
+            ("sides", "shadow_sides"),
+            ("open edges", "shadow_open_edges"),
+        ],
+    },
+    Section {
+        question: "devices",
+        title: "Drawn by devices",
+        text: "The same volumes drawn into a stencil by the executors that fill regions: vertices from the CPU, sea and \
+               casters as a surface, one colour over the screen where the count is not 0. Times are those of the \
+               channel that has most shadow, all else is over seven channels. Rows of one sun differ in one thing \
+               from one to the next. In rows with \"pulled\" a vertex shader reads the two facing bits of each edge, \
+               and what is no side collapses; another sun then takes those bits alone.",
+        named_by: &[
+            "sun",
+            "api",
+            "extent",
+            "rule",
+            "faces",
+            "scissor",
+            "silhouette",
+        ],
+        columns: &[
+            ("CPU ms", "shadow_fill_cpu_ms"),
+            ("GPU ms", "shadow_fill_gpu_ms"),
+            ("fragments per pixel", "shadow_fragments"),
+            ("false lit px", "shadow_false_lit_px"),
+            ("false dark px", "shadow_false_dark_px"),
+            ("in the band", "shadow_band_px"),
+            ("draws", "shadow_draws"),
+            ("casters left out", "shadow_casters_left_out"),
+            ("bytes", "shadow_bytes"),
+            ("bytes of another sun", "shadow_sun_bytes"),
+        ],
+    },
+    Section {
+        question: "origins",
+        title: "Far from the origin",
+        text: "The volumes closed at the sea, by z-fail, with vertices from the eye as above, and as an engine has \
+               them that keeps places in f32 about an origin of its own: a step of f32 is 4 mm at 100 km, 6 cm at \
+               1,000 km and 25 cm at the earth's centre, here along each axis. The eye's place has the same steps.",
+        named_by: &["sun", "api", "positions"],
+        columns: &[
+            ("false lit px", "shadow_false_lit_px"),
+            ("false dark px", "shadow_false_dark_px"),
+            ("in the band", "shadow_band_px"),
+            ("shadow pixels lost, %", LOST),
+            ("shadow px", "shadow_px"),
+        ],
+    },
+    Section {
+        question: "maps",
+        title: "Shadow maps",
+        text: "One orthographic map along the light, fitted to the casters, drawn and asked on the CPU: the nearest \
+               texel, no filter. The bias is the best of 13 constants from 0 to 40 m, or of 7 multiples of texel and \
+               slope from 0 to 2. Wrong pixels are of all that the reference judges, the band included.",
+        named_by: &["sun", "texel_m", "bias"],
+        columns: &[
+            ("wrong, %", MAP_WRONG),
+            ("wrong without bias, %", "shadow_map_wrong_unbiased"),
+            ("best bias, m", "shadow_map_bias_m"),
+            ("false lit px", "shadow_false_lit_px"),
+            ("false dark px", "shadow_false_dark_px"),
+            ("in the band", "shadow_band_px"),
+            ("CPU ms", "shadow_map_cpu_ms"),
+            ("bytes", "shadow_bytes"),
+        ],
+    },
+];
+
+impl Section {
+    /// A case as its row has it.
+    pub(super) fn name(&self, case: &Case) -> String {
+        let names: Vec<&str> = self
+            .named_by
+            .iter()
+            .map(|key| case.condition(key))
+            .collect();
+        names.join(", ")
+    }
+}

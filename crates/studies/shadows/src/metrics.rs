@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What the study measures.
+
+use terrafill_results::{Kind, Metric};
+
+pub(crate) const METRICS: [Metric; 32] = [
+    Metric::less(
+        "shadow_silhouette_cpu_ms",
+        "ms",
+        Kind::Time,
+        "Process CPU time of finding the silhouette; facing bits and adjacency are there already.",
+    ),
+    Metric::less(
+        "shadow_fill_cpu_ms",
+        "ms",
+        Kind::Time,
+        "Process CPU time in which a device draws the shadows of the channel that has most; surface and volumes are there already.",
+    ),
+    Metric::less(
+        "shadow_fill_gpu_ms",
+        "ms",
+        Kind::Time,
+        "GPU time of the same.",
+    ),
+    Metric::less(
+        "shadow_fragments",
+        "",
+        Kind::Counter,
+        "Fragments of volumes per pixel over all channels, by the device's query.",
+    ),
+    Metric::less(
+        "shadow_draws",
+        "",
+        Kind::Counter,
+        "Draw calls of a device over all channels.",
+    ),
+    Metric::less(
+        "shadow_bytes",
+        "bytes",
+        Kind::Bytes,
+        "Vertices and indices of the volumes that a device holds for a channel, the largest; texels of a map.",
+    ),
+    Metric::less(
+        "shadow_sun_bytes",
+        "bytes",
+        Kind::Bytes,
+        "What of these a device is handed anew for another sun.",
+    ),
+    Metric::neither(
+        "shadow_casters_left_out",
+        "",
+        Kind::Counter,
+        "Casters whose shadow lands nowhere in view, summed over all channels: they are not drawn.",
+    ),
+    Metric::less(
+        "shadow_map_cpu_ms",
+        "ms",
+        Kind::Time,
+        "Process CPU time of drawing a shadow map on the CPU and asking it for every pixel of all channels.",
+    ),
+    Metric::less(
+        "shadow_map_wrong",
+        "%",
+        Kind::Error,
+        "Wrong pixels of all that the reference judges, the band included, at the best step of the bias.",
+    ),
+    Metric::less(
+        "shadow_map_wrong_unbiased",
+        "%",
+        Kind::Error,
+        "The same without a bias.",
+    ),
+    Metric::neither(
+        "shadow_map_bias_m",
+        "m",
+        Kind::Error,
+        "The best step of the bias, along the light, on level ground.",
+    ),
+    Metric::neither(
+        "shadow_sides",
+        "",
+        Kind::Counter,
+        "Silhouette edges: sides of the volumes.",
+    ),
+    Metric::neither(
+        "shadow_mesh_triangles",
+        "",
+        Kind::Counter,
+        "Triangles of the casters.",
+    ),
+    Metric::less(
+        "shadow_open_edges",
+        "",
+        Kind::Error,
+        "Directed edges of the volumes that are not met as often either way; 0 where every volume is closed.",
+    ),
+    Metric::less(
+        "shadow_eyes_missed",
+        "%",
+        Kind::Error,
+        "Eyes for which z-pass is chosen while part of the near rectangle is in shadow, so that pixels miscount.",
+    ),
+    Metric::less(
+        "shadow_eyes_needless",
+        "%",
+        Kind::Error,
+        "Eyes for which z-fail is chosen while no sample of the near rectangle is in shadow: slower and right.",
+    ),
+    Metric::less(
+        "shadow_fail_triangles",
+        "%",
+        Kind::Counter,
+        "Triangles of casters drawn by z-fail, mean over all eyes.",
+    ),
+    Metric::less(
+        "shadow_near_dark",
+        "%",
+        Kind::Error,
+        "Share of the near rectangle in shadow, mean over missed eyes: at most so many pixels are wrong.",
+    ),
+    Metric::neither(
+        "shadow_receiver_px",
+        "px",
+        Kind::Counter,
+        "Pixels of sea and casters in all channels.",
+    ),
+    Metric::neither(
+        "shadow_px",
+        "px",
+        Kind::Counter,
+        "Pixels in shadow by the reference, in all channels.",
+    ),
+    Metric::neither(
+        "shadow_edge_on_px",
+        "px",
+        Kind::Counter,
+        "Pixels on faces within 10⁻³ of edge-on to the sun, which are not judged.",
+    ),
+    Metric::less(
+        "shadow_undecided_px",
+        "px",
+        Kind::Error,
+        "Pixels on which the reference's two tests disagree, which are not judged.",
+    ),
+    Metric::less(
+        "shadow_false_lit_px",
+        "px",
+        Kind::Error,
+        "Pixels lit where the reference has shadow, outside the band of a pixel along its boundary.",
+    ),
+    Metric::less(
+        "shadow_false_dark_px",
+        "px",
+        Kind::Error,
+        "Pixels in shadow where the reference is lit, outside the band.",
+    ),
+    Metric::less(
+        "shadow_band_px",
+        "px",
+        Kind::Error,
+        "Wrong pixels in the band along the shadow's boundary.",
+    ),
+    Metric::less(
+        "shadow_lost_share",
+        "%",
+        Kind::Error,
+        "Shadow pixels that are lost, the band included, of all shadow pixels.",
+    ),
+    Metric::less(
+        "shadow_updates",
+        "",
+        Kind::Counter,
+        "Stencil writes per pixel over all channels, counted along the ray of each pixel: a cost without noise.",
+    ),
+    Metric::neither(
+        "shadow_volume_triangles",
+        "",
+        Kind::Counter,
+        "Triangles of all volumes.",
+    ),
+    Metric::neither(
+        "shadow_max_overlap",
+        "",
+        Kind::Counter,
+        "Largest count of a pixel.",
+    ),
+    Metric::less(
+        "shadow_contour_px",
+        "px",
+        Kind::Error,
+        "Contour pixels of outlines that are drawn inside their model or left out beside it.",
+    ),
+    Metric::less(
+        "shadow_clears",
+        "",
+        Kind::Counter,
+        "Clears of the stencil for outlines, the first included.",
+    ),
+];
