@@ -4,6 +4,7 @@
 mod findings;
 mod sections;
 
+use crate::metrics::{LOST, MAP_WRONG, MISSED, TIME, UPDATES};
 use sections::{SECTIONS, Section};
 use terrafill_plot::number::{count, significant};
 use terrafill_plot::{
@@ -13,14 +14,6 @@ use terrafill_results::{
     Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Heading, Outcome, Picture,
     PictureFigure, Pictures, Plot, Row, Run, Table, process_medians, sample_spread,
 };
-
-const TIME: &str = "shadow_silhouette_cpu_ms";
-const UPDATES: &str = "shadow_updates";
-const MISSED: &str = "shadow_eyes_missed";
-const LOST: &str = "shadow_lost_share";
-const MAP_WRONG: &str = "shadow_map_wrong";
-const FILL_CPU: &str = "shadow_fill_cpu_ms";
-const FILL_GPU: &str = "shadow_fill_gpu_ms";
 
 const WHAT: &str = "A procedural port: a trestle dock, cranes, ships, containers. The reference sends rays in f64 \
      from each visible point to the sun, and a second test looks from the sun down. A volume's mask is what a \
@@ -393,6 +386,7 @@ impl<'a> Own<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::metrics::FILL_CPU;
     use terrafill_results::Standing;
     use terrafill_results::made_up::{MadeUpRun, case_id};
 

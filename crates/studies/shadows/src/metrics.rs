@@ -3,6 +3,15 @@
 
 use terrafill_results::{Kind, Metric};
 
+// Those that the chapter reads in several places.
+pub(crate) const TIME: &str = "shadow_silhouette_cpu_ms";
+pub(crate) const UPDATES: &str = "shadow_updates";
+pub(crate) const MISSED: &str = "shadow_eyes_missed";
+pub(crate) const LOST: &str = "shadow_lost_share";
+pub(crate) const MAP_WRONG: &str = "shadow_map_wrong";
+pub(crate) const FILL_CPU: &str = "shadow_fill_cpu_ms";
+pub(crate) const FILL_GPU: &str = "shadow_fill_gpu_ms";
+
 pub(crate) const METRICS: [Metric; 32] = [
     Metric::less(
         "shadow_silhouette_cpu_ms",

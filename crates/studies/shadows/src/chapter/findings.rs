@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What was published, and what is measured.
 
-use super::{FILL_CPU, FILL_GPU, LOST, MAP_WRONG, MISSED, Own, UPDATES, number, value};
+use super::{Own, number, value};
+use crate::metrics::{FILL_CPU, FILL_GPU, LOST, MAP_WRONG, MISSED, UPDATES};
 use terrafill_plot::number::significant;
 use terrafill_results::{Case, Claim, Clock, Finding, Outcome, Standing, ratio};
 

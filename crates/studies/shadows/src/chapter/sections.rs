@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the chapter asks, in order.
 
-use super::{LOST, MAP_WRONG, MISSED, TIME, UPDATES};
+use crate::metrics::{LOST, MAP_WRONG, MISSED, TIME, UPDATES};
 use terrafill_results::Case;
 
 /// A column: its heading and its metric.
