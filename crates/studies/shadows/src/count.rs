@@ -94,6 +94,8 @@ pub(crate) struct Wrong {
     pub(crate) false_dark: usize,
     /// Either, in the band.
     pub(crate) in_band: usize,
+    /// Either, outside the band, where a device's rounding alone may make the difference.
+    pub(crate) at_rims: usize,
 }
 
 impl Wrong {
@@ -106,20 +108,33 @@ impl Wrong {
             false_lit: self.false_lit + other.false_lit,
             false_dark: self.false_dark + other.false_dark,
             in_band: self.in_band + other.in_band,
+            at_rims: self.at_rims + other.at_rims,
         }
     }
 
     /// A mask against the reference; what it cannot decide is not counted.
     pub(crate) fn of(mask: &[bool], truth: &Truth) -> Self {
+        Self::but_at_rims(mask, truth, |_, _| false)
+    }
+
+    /// The same of a device, which rounds.
+    ///
+    /// - `is_rim`: whether rounding may give that pixel this light
+    pub(crate) fn but_at_rims(
+        mask: &[bool],
+        truth: &Truth,
+        mut is_rim: impl FnMut(usize, Light) -> bool,
+    ) -> Self {
         let mut wrong = Self::default();
         for (at, &is_dark) in mask.iter().enumerate() {
-            let count = match (truth.light[at], is_dark) {
-                (Light::Lit, true) => &mut wrong.false_dark,
-                (Light::Shadow, false) => &mut wrong.false_lit,
+            let (count, drawn) = match (truth.light[at], is_dark) {
+                (Light::Lit, true) => (&mut wrong.false_dark, Light::Shadow),
+                (Light::Shadow, false) => (&mut wrong.false_lit, Light::Lit),
                 _ => continue,
             };
             match truth.band[at] {
                 true => wrong.in_band += 1,
+                false if is_rim(at, drawn) => wrong.at_rims += 1,
                 false => *count += 1,
             }
         }

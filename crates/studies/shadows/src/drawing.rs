@@ -7,7 +7,7 @@
 
 use crate::count::{Rule, Wrong};
 use crate::device::{Draws, EyeMesh, EyeVolumes, IS_CAP, Interface, VolumeSource};
-use crate::reference::{Light, SEA_RADIUS_M, Truth};
+use crate::reference::{Light, Reference, SEA_RADIUS_M, Truth};
 use crate::scissor::{Rectangle, of_parts};
 use crate::view::View;
 use crate::work::{End, Scene};
@@ -151,6 +151,7 @@ impl Scene {
             fragments: Some(0),
             ..DeviceDrawn::default()
         };
+        let reference = Reference::new(self.mesh(), self.to_light);
         let mut all = Vec::new();
         for (at, (view, truth)) in self.channels.iter().enumerate() {
             let mesh = self.mesh();
@@ -166,7 +167,11 @@ impl Scene {
             let mut channel = self.open(devices, way, view, loadable)?;
             let (counters, picture) = channel.draw()?;
             let mask = mask(&picture);
-            drawn.wrong = drawn.wrong.plus(Wrong::of(&mask, truth));
+            let is_rim = |at, light| {
+                reference.may_be(view, at, light) || self.is_beside_a_side(view, truth, at)
+            };
+            let wrong = Wrong::but_at_rims(&mask, truth, is_rim);
+            drawn.wrong = drawn.wrong.plus(wrong);
             drawn.lost += lost(&mask, truth);
             drawn.draws += counters.draws;
             let fragments = drawn.fragments.zip(counters.stencil_fragments);

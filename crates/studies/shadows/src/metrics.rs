@@ -12,7 +12,7 @@ pub(crate) const MAP_WRONG: &str = "shadow_map_wrong";
 pub(crate) const FILL_CPU: &str = "shadow_fill_cpu_ms";
 pub(crate) const FILL_GPU: &str = "shadow_fill_gpu_ms";
 
-pub(crate) const METRICS: [Metric; 32] = [
+pub(crate) const METRICS: [Metric; 33] = [
     Metric::less(
         "shadow_silhouette_cpu_ms",
         "ms",
@@ -162,6 +162,12 @@ pub(crate) const METRICS: [Metric; 32] = [
         "px",
         Kind::Error,
         "Pixels in shadow where the reference is lit, outside the band.",
+    ),
+    Metric::less(
+        "shadow_rim_px",
+        "px",
+        Kind::Error,
+        "Wrong pixels of a device outside the band, yet within its rounding: at a caster's rim (the reference says the same 1/256 of a pixel beside), or where the boundary of one part's shadow runs within the shadow of others.",
     ),
     Metric::less(
         "shadow_band_px",

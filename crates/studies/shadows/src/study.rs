@@ -241,6 +241,7 @@ fn device_figures(drawn: &DeviceDrawn, pixels: Pixels) -> Figures {
         ("shadow_false_lit_px", drawn.wrong.false_lit as f64),
         ("shadow_false_dark_px", drawn.wrong.false_dark as f64),
         ("shadow_band_px", drawn.wrong.in_band as f64),
+        ("shadow_rim_px", drawn.wrong.at_rims as f64),
         (
             "shadow_lost_share",
             percent(drawn.lost as f64, pixels.shadow),
@@ -547,8 +548,16 @@ mod tests {
 
     /// Verdicts of the cases of a question that `keep` names.
     fn verdicts(question: &str, keep: impl Fn(&str) -> bool) -> Vec<(String, Verdict)> {
+        verdicts_at(Depth::Quick, question, keep)
+    }
+
+    fn verdicts_at(
+        depth: Depth,
+        question: &str,
+        keep: impl Fn(&str) -> bool,
+    ) -> Vec<(String, Verdict)> {
         let request = Request {
-            depth: Depth::Quick,
+            depth,
             ..Request::default()
         };
         let planned = ShadowsStudy.plan(&request).expect("planned");
@@ -681,6 +690,21 @@ mod tests {
             assert!(hashes.len() >= 2, "{name}");
             assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{name}");
         }
+    }
+
+    #[test]
+    fn in_larger_pictures_a_device_differs_at_rims_of_casters_alone() {
+        let way = "wgpu/sea-closed/z-fail/two-sided/off";
+        let all = verdicts_at(Depth::Full, "devices", |name| name.contains(way));
+        assert_eq!(all.len(), 4);
+        let mut at_rims = 0.0;
+        for (name, verdict) in all {
+            if verdict.status != Status::Skipped {
+                assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
+                at_rims += figure(&verdict, "shadow_rim_px");
+            }
+        }
+        assert!(at_rims < 10.0, "{at_rims}");
     }
 
     #[test]

@@ -54,8 +54,16 @@ impl View {
 
     /// Direction through a pixel's centre; rows downwards.
     pub(crate) fn ray(&self, column: u32, row: u32) -> DVec3 {
-        let share = |at: u32, of: u32| (2.0 * f64::from(at) + 1.0) / f64::from(of) - 1.0;
-        self.towards(share(column, self.size[0]), -share(row, self.size[1]))
+        self.ray_beside(column, row, [0.0; 2])
+    }
+
+    /// The same, so many pixels beside it.
+    pub(crate) fn ray_beside(&self, column: u32, row: u32, [right, down]: [f64; 2]) -> DVec3 {
+        let share = |at: u32, beside: f64, of: u32| {
+            (2.0 * (f64::from(at) + beside) + 1.0) / f64::from(of) - 1.0
+        };
+        let [columns, rows] = self.size;
+        self.towards(share(column, right, columns), -share(row, down, rows))
     }
 
     /// Corners of the near rectangle, in turn.

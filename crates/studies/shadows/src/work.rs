@@ -289,6 +289,48 @@ impl Scene {
         Ok(drawn)
     }
 
+    /// Whether the boundary of a single part's shadow runs between a pixel and one of its neighbours: within
+    /// the shadow of others it is no boundary of light.
+    pub(crate) fn is_beside_a_side(&self, view: &View, truth: &Truth, at: usize) -> bool {
+        let (width, height) = (view.size[0] as usize, view.size[1] as usize);
+        let place = |at: usize| {
+            let [column, row] = [at % width, at / width].map(|at| u32::try_from(at).unwrap_or(0));
+            let depth = match truth.seen[at] {
+                Seen::Sky => return None,
+                Seen::Sea(depth) | Seen::Triangle(_, depth) => depth,
+            };
+            Some(view.eye + view.ray(column, row) * depth)
+        };
+        let (column, row) = (at % width, at / width);
+        let rows = row.saturating_sub(1)..height.min(row + 2);
+        let around = rows.flat_map(|row| {
+            let columns = column.saturating_sub(1)..width.min(column + 2);
+            columns.map(move |column| row * width + column)
+        });
+        let Some(own) = place(at) else {
+            return false;
+        };
+        let mesh = self.mesh();
+        around.filter_map(place).any(|other| {
+            // What lies sunwards of the way from one to the other: where an edge crosses it.
+            let way = other - own;
+            let normal = way.cross(self.to_light);
+            self.sides.iter().any(|side| {
+                let [a, b] = side.map(|vertex| mesh.vertices[vertex as usize] - own);
+                let [of_a, of_b] = [a, b].map(|place| place.dot(normal));
+                if (of_a < 0.0) == (of_b < 0.0) {
+                    return false;
+                }
+                let met = a + (b - a) * (of_a / (of_a - of_b));
+                let across = self.to_light.cross(normal);
+                let share = met.dot(across) / way.dot(across);
+                let sunwards = way.cross(normal);
+                let height = met.dot(sunwards) / self.to_light.dot(sunwards);
+                (0.0..=1.0).contains(&share) && height > 0.0
+            })
+        })
+    }
+
     /// A bit a triangle that faces the sun.
     pub(crate) fn lit_bits(&self) -> Vec<u32> {
         let words = self.facing.is_lit.chunks(u32::BITS as usize);
@@ -475,5 +517,35 @@ impl EyeTable {
             stencil.mask()
         });
         Ok(Some((truth.clone(), masks)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_pixels_outside_the_band_are_beside_a_side() {
+        let scene = Scene::new([10.0, -60.0], [64, 48]).expect("a port");
+        let (mut beside, mut all, mut in_band) = (0, 0, [0, 0]);
+        for (view, truth) in &scene.channels {
+            for at in 0..truth.light.len() {
+                let is_judged = matches!(truth.light[at], Light::Lit | Light::Shadow);
+                if !is_judged {
+                    continue;
+                }
+                let is_beside = usize::from(scene.is_beside_a_side(view, truth, at));
+                match truth.band[at] {
+                    true => in_band[is_beside] += 1,
+                    false => {
+                        all += 1;
+                        beside += is_beside;
+                    }
+                }
+            }
+        }
+        assert!(all > 5_000 && 10 * beside < all, "{beside} of {all}");
+        // Where light changes, some side is crossed, but for faces turned away.
+        assert!(in_band[0] < in_band[1], "{in_band:?}");
     }
 }

@@ -139,7 +139,9 @@ pub(super) const SECTIONS: [Section; 11] = [
                casters as a surface, one colour over the screen where the count is not 0. Times are those of the \
                channel that has most shadow, all else is over seven channels. Rows of one sun differ in one thing \
                from one to the next. In rows with \"pulled\" a vertex shader reads the two facing bits of each edge, \
-               and what is no side collapses; another sun then takes those bits alone.",
+               and what is no side collapses; another sun then takes those bits alone. Pixels \"at rims\" are outside the \
+               band and within a device's rounding: at a caster's rim, or on the boundary of one part's shadow inside \
+               the shadow of others.",
         named_by: &[
             "sun",
             "api",
@@ -156,6 +158,7 @@ pub(super) const SECTIONS: [Section; 11] = [
             ("false lit px", "shadow_false_lit_px"),
             ("false dark px", "shadow_false_dark_px"),
             ("in the band", "shadow_band_px"),
+            ("at rims", "shadow_rim_px"),
             ("draws", "shadow_draws"),
             ("casters left out", "shadow_casters_left_out"),
             ("bytes", "shadow_bytes"),
