@@ -12,6 +12,8 @@ use crate::work::Scene;
 use glam::{DVec2, DVec3};
 use terrafill_casters::Mesh;
 
+/// The most bytes of a map.
+const MAX_BYTES: f64 = 2.5e9;
 /// Steps of a constant bias, m along the light.
 const CONSTANT_M: [f64; 13] = [
     0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 40.0,
@@ -69,8 +71,21 @@ pub(crate) struct Map {
     nearest_m: Vec<f32>,
 }
 
+/// A map that is too large to be tried.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error(
+    "a map of texels of {texel_m} m takes {found_mb:.0} MB, allowed: {} MB",
+    MAX_BYTES / 1e6
+)]
+pub(crate) struct MapError {
+    texel_m: f64,
+    found_mb: f64,
+}
+
 impl Map {
-    pub(crate) fn of(mesh: &Mesh, to_light: DVec3, texel_m: f64) -> Self {
+    /// # Errors
+    /// [`MapError`] where it has more texels than it may.
+    pub(crate) fn of(mesh: &Mesh, to_light: DVec3, texel_m: f64) -> Result<Self, MapError> {
         let level = DVec3::Z.cross(to_light).try_normalize().unwrap_or(DVec3::X);
         let axes = [level, to_light.cross(level)];
         let flat = |place: DVec3| DVec2::new(place.dot(axes[0]), place.dot(axes[1]));
@@ -78,6 +93,13 @@ impl Map {
         let low = places().fold(DVec2::INFINITY, DVec2::min);
         let high = places().fold(low, DVec2::max);
         let count = ((high - low) / texel_m).ceil().max(DVec2::ONE);
+        let bytes = count.x * count.y * size_of::<f32>() as f64;
+        if bytes > MAX_BYTES {
+            return Err(MapError {
+                texel_m,
+                found_mb: bytes / 1e6,
+            });
+        }
         #[allow(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -96,7 +118,7 @@ impl Map {
         for triangle in 0..mesh.triangles.len() {
             map.draw(mesh.corners(triangle));
         }
-        map
+        Ok(map)
     }
 
     pub(crate) fn bytes(&self) -> u64 {
@@ -199,8 +221,11 @@ pub(crate) struct Mapped {
 
 impl Scene {
     /// Shadows by a map with texels of this size, at the step of the bias that leaves the fewest wrong.
-    pub(crate) fn mapped(&self, texel_m: f64, bias: Bias) -> Mapped {
-        let map = self.map(texel_m);
+    ///
+    /// # Errors
+    /// As [`Map::of`].
+    pub(crate) fn mapped(&self, texel_m: f64, bias: Bias) -> Result<Mapped, MapError> {
+        let map = self.map(texel_m)?;
         let asked = self.asked(&map);
         let masks = |step: f64| -> Vec<Vec<bool>> {
             let is_dark = |asked: &Option<Asked>| {
@@ -228,7 +253,7 @@ impl Scene {
         let mut masks = masks(best);
         let level = self.to_light.z;
         let level_slope = (1.0 - level * level).max(0.0).sqrt() / level;
-        Mapped {
+        Ok(Mapped {
             wrong: wrong(&masks),
             judged: self.judged(),
             unbiased,
@@ -238,7 +263,7 @@ impl Scene {
                 Some(darkest) => masks.swap_remove(darkest),
                 None => Vec::new(),
             },
-        }
+        })
     }
 
     fn judged(&self) -> usize {
@@ -249,7 +274,10 @@ impl Scene {
     }
 
     /// A map with texels of this size.
-    pub(crate) fn map(&self, texel_m: f64) -> Map {
+    ///
+    /// # Errors
+    /// As [`Map::of`].
+    pub(crate) fn map(&self, texel_m: f64) -> Result<Map, MapError> {
         Map::of(self.mesh(), self.to_light, texel_m)
     }
 
@@ -295,7 +323,7 @@ mod tests {
     #[test]
     fn a_map_knows_the_shadow_of_a_plate_to_a_texel() {
         let mesh = row(1);
-        let map = Map::of(&mesh, sun([30.0, 180.0]), 0.1);
+        let map = Map::of(&mesh, sun([30.0, 180.0]), 0.1).expect("small");
         let ends = 0.1 + 25.0 / 30_f64.to_radians().tan();
         let is_dark = |x: f64, bias_m: f64| map.above(DVec3::new(x, 3.0, 0.0)) > bias_m;
         assert!(is_dark(1.0, 0.2) && is_dark(ends - 0.5, 0.2));
@@ -312,7 +340,7 @@ mod tests {
             wrong as f64 / mapped.judged as f64
         };
         for bias in Bias::ALL {
-            let [fine, coarse] = [0.25, 2.0].map(|texel| scene.mapped(texel, bias));
+            let [fine, coarse] = [0.25, 2.0].map(|texel| scene.mapped(texel, bias).expect("small"));
             assert!(
                 share(&fine) < share(&coarse),
                 "{bias:?}: {} {}",
@@ -330,5 +358,11 @@ mod tests {
             assert!(fine.bias_m > 0.0);
             assert_eq!(fine.mask.len(), 64 * 48);
         }
+    }
+    #[test]
+    fn a_map_that_fills_the_memory_is_refused() {
+        let refused = Map::of(&row(1), sun([30.0, 180.0]), 1e-4).map(|map| map.bytes());
+        let words = refused.expect_err("billions of texels").to_string();
+        assert!(words.contains("allowed: 2500 MB"), "{words}");
     }
 }

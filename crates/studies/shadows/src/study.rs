@@ -363,7 +363,10 @@ impl Answering<'_> {
             Job::Silhouette(mesh, method) => self.silhouette(mesh, method),
             Job::Map(sun, texel_m, bias) => {
                 let scene = self.under(sun)?;
-                let mapped = scene.mapped(texel_m, bias);
+                let mapped = match scene.mapped(texel_m, bias) {
+                    Ok(mapped) => mapped,
+                    Err(error) => return Ok(Verdict::skipped(error.to_string())),
+                };
                 let wrong = mapped.wrong;
                 let all = wrong.outside() + wrong.in_band;
                 let share = |count: usize| percent(count as f64, mapped.judged);
@@ -520,7 +523,8 @@ impl Session for Answering<'_> {
             Job::Map(sun, texel_m, _) => {
                 let scene = self.under(sun)?;
                 let watch = CpuStopwatch::start();
-                let asked = scene.asked(&scene.map(texel_m));
+                let map = scene.map(texel_m).map_err(|error| error.to_string())?;
+                let asked = scene.asked(&map);
                 let cpu_ms = watch.cpu_ms();
                 return match asked.is_empty() {
                     true => Err("nothing is seen".to_owned()),
