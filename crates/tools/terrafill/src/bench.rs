@@ -337,7 +337,8 @@ fn lines_of_first_process() -> Receiver<String> {
         for line in std::io::stdin().lines().map_while(Result::ok) {
             drop(say.send(line));
         }
-        std::process::exit(Outcome::Inconclusive as i32);
+        // Not by `std::process::exit`: a driver's own clean-up at exit fails while another thread draws.
+        signal_hook::low_level::exit(Outcome::Inconclusive as i32);
     });
     lines
 }
