@@ -18,7 +18,7 @@ fn is_lit(triangle: u32) -> bool {
 }
 
 @vertex
-fn pulled_main(@builtin(vertex_index) index: u32) -> @invariant @builtin(position) vec4<f32> {
+fn vertex_main(@builtin(vertex_index) index: u32) -> @invariant @builtin(position) vec4<f32> {
     let piece = pieces[index / 3u];
     var corners = piece.xyz;
     var is_drawn = false;

@@ -100,17 +100,8 @@ impl Interface {
             Self::Wgpu => {
                 let gpu = terrafill_gpu::shared_gpu(devices)?;
                 let targets = terrafill_gpu::RenderTargets::shared(&gpu, view.size)?;
-                type Fill = terrafill_gpu::VolumeFill;
-                match source {
-                    VolumeSource::Volumes(volumes) => {
-                        let make = |fill: &Fill| OnWgpu::new(fill, volumes);
-                        loaded(&targets, switches, make, view, work)
-                    }
-                    VolumeSource::Pulled(mesh) => {
-                        let make = |fill: &Fill| Pulling::new(fill, mesh);
-                        loaded(&targets, switches, make, view, work)
-                    }
-                }
+                let make = |fill: &terrafill_gpu::VolumeFill| OnWgpu::new(fill, source);
+                loaded(&targets, switches, make, view, work)
             }
             Self::Vulkan => {
                 let VolumeSource::Volumes(volumes) = source else {
@@ -170,28 +161,62 @@ fn loaded<V: 'static, E: StencilExecutor<V> + 'static>(
     Ok(Box::new(Loaded { executor, volumes }))
 }
 
+/// What the vertex stage reads, on wgpu.
+enum Feed {
+    Buffers {
+        vertices: wgpu::Buffer,
+        indices: wgpu::Buffer,
+    },
+    Pulled(wgpu::BindGroup),
+}
+
 /// Buffers and pipelines on wgpu.
 struct OnWgpu {
     shader: wgpu::ShaderModule,
     layout: wgpu::PipelineLayout,
-    vertices: wgpu::Buffer,
-    indices: wgpu::Buffer,
+    feed: Feed,
+    /// Of each caster: its indices, or its vertices that the shader makes up.
     ranges: Vec<Range<u32>>,
     pipelines: HashMap<VolumeState, wgpu::RenderPipeline>,
 }
 
 impl OnWgpu {
-    fn new(fill: &terrafill_gpu::VolumeFill, volumes: EyeVolumes) -> Result<Self, DeviceError> {
+    fn new(fill: &terrafill_gpu::VolumeFill, source: VolumeSource) -> Result<Self, DeviceError> {
         let gpu = fill.gpu();
-        let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
-        let vertices = bytemuck::cast_slice(&volumes.vertices);
-        let indices = bytemuck::cast_slice(&volumes.indices);
+        let frame = Some(fill.frame_layout());
+        let (shader, layout, feed, ranges) = match source {
+            VolumeSource::Volumes(volumes) => {
+                let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
+                let vertices = bytemuck::cast_slice(&volumes.vertices);
+                let indices = bytemuck::cast_slice(&volumes.indices);
+                let feed = Feed::Buffers {
+                    vertices: gpu.upload("shadow vertices", vertices, vertex)?,
+                    indices: gpu.upload("shadow indices", indices, index)?,
+                };
+                let layout = gpu.pipeline_layout("shadows", &[frame]);
+                (SHADER, layout, feed, volumes.ranges)
+            }
+            VolumeSource::Pulled(mesh) => {
+                let storage = wgpu::BufferBindingType::Storage { read_only: true };
+                let vertex = wgpu::ShaderStages::VERTEX;
+                let own = gpu.buffer_layout("casters", vertex, &[storage; 3]);
+                let upload =
+                    |label, bytes: &[u8]| gpu.upload(label, bytes, wgpu::BufferUsages::STORAGE);
+                let places = upload("caster places", bytemuck::cast_slice(&mesh.places))?;
+                let pieces = upload("caster pieces", bytemuck::cast_slice(&mesh.pieces))?;
+                let lit = upload("facing bits", bytemuck::cast_slice(&mesh.lit))?;
+                let bound = gpu.bind_buffers("casters", &own, &[&places, &pieces, &lit]);
+                let layout = gpu.pipeline_layout("pulled shadows", &[frame, Some(&own)]);
+                let corners = |pieces: Range<u32>| 3 * pieces.start..3 * pieces.end;
+                let ranges = mesh.ranges.into_iter().map(corners).collect();
+                (PULLED_SHADER, layout, Feed::Pulled(bound), ranges)
+            }
+        };
         Ok(Self {
-            shader: gpu.shader(SHADER)?,
-            layout: gpu.pipeline_layout("shadows", &[Some(fill.frame_layout())]),
-            vertices: gpu.upload("shadow vertices", vertices, vertex)?,
-            indices: gpu.upload("shadow indices", indices, index)?,
-            ranges: volumes.ranges,
+            shader: gpu.shader(shader)?,
+            layout,
+            feed,
+            ranges,
             pipelines: HashMap::new(),
         })
     }
@@ -207,16 +232,20 @@ impl terrafill_gpu::Volumes for OnWgpu {
     ) {
         debug_assert_eq!(HandedOn::of(draw.state), HandedOn::Nothing, "one colour");
         let attributes = wgpu::vertex_attr_array![0 => Sint32x3, 1 => Uint32];
+        let vertices = [Some(wgpu::VertexBufferLayout {
+            array_stride: 16,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &attributes,
+        })];
         let shader = VolumeShader {
             module: &self.shader,
             layout: &self.layout,
             vertex_entry: "vertex_main",
             constants: &[],
-            buffers: &[Some(wgpu::VertexBufferLayout {
-                array_stride: 16,
-                step_mode: wgpu::VertexStepMode::Vertex,
-                attributes: &attributes,
-            })],
+            buffers: match self.feed {
+                Feed::Buffers { .. } => &vertices,
+                Feed::Pulled(_) => &[],
+            },
             strip_index_format: None,
             front_face: wgpu::FrontFace::Ccw,
         };
@@ -225,8 +254,13 @@ impl terrafill_gpu::Volumes for OnWgpu {
     }
 
     fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
-        pass.set_vertex_buffer(0, self.vertices.slice(..));
-        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+        match &self.feed {
+            Feed::Buffers { vertices, indices } => {
+                pass.set_vertex_buffer(0, vertices.slice(..));
+                pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
+            }
+            Feed::Pulled(bound) => pass.set_bind_group(1, bound, &[]),
+        }
     }
 
     fn draw(
@@ -242,81 +276,10 @@ impl terrafill_gpu::Volumes for OnWgpu {
         for &volume in draw.volumes {
             let range = self.ranges[pass.list.volumes[volume].geometry].clone();
             pass.cut(volume, draw.scissor);
-            pass.draw_indexed(range, 0, volume);
-        }
-    }
-}
-
-/// Meshes from which a vertex shader pulls volumes, on wgpu.
-struct Pulling {
-    shader: wgpu::ShaderModule,
-    layout: wgpu::PipelineLayout,
-    bound: wgpu::BindGroup,
-    ranges: Vec<Range<u32>>,
-    pipelines: HashMap<VolumeState, wgpu::RenderPipeline>,
-}
-
-impl Pulling {
-    fn new(fill: &terrafill_gpu::VolumeFill, mesh: EyeMesh) -> Result<Self, DeviceError> {
-        let gpu = fill.gpu();
-        let storage = wgpu::BufferBindingType::Storage { read_only: true };
-        let pulled = gpu.buffer_layout("casters", wgpu::ShaderStages::VERTEX, &[storage; 3]);
-        let upload = |label, bytes: &[u8]| gpu.upload(label, bytes, wgpu::BufferUsages::STORAGE);
-        let places = upload("caster places", bytemuck::cast_slice(&mesh.places))?;
-        let pieces = upload("caster pieces", bytemuck::cast_slice(&mesh.pieces))?;
-        let lit = upload("facing bits", bytemuck::cast_slice(&mesh.lit))?;
-        Ok(Self {
-            shader: gpu.shader(PULLED_SHADER)?,
-            layout: gpu.pipeline_layout(
-                "pulled shadows",
-                &[Some(fill.frame_layout()), Some(&pulled)],
-            ),
-            bound: gpu.bind_buffers("casters", &pulled, &[&places, &pieces, &lit]),
-            ranges: mesh.ranges,
-            pipelines: HashMap::new(),
-        })
-    }
-}
-
-impl terrafill_gpu::Volumes for Pulling {
-    fn ensure(
-        &mut self,
-        gpu: &terrafill_gpu::Gpu,
-        _list: &VolumeList,
-        draw: &VolumeDraw<'_>,
-        blends: bool,
-    ) {
-        let shader = VolumeShader {
-            module: &self.shader,
-            layout: &self.layout,
-            vertex_entry: "pulled_main",
-            constants: &[],
-            buffers: &[],
-            strip_index_format: None,
-            front_face: wgpu::FrontFace::Ccw,
-        };
-        let pipeline = || shader.pipeline(gpu, draw.state, blends);
-        self.pipelines.entry(draw.state).or_insert_with(pipeline);
-    }
-
-    fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
-        pass.set_bind_group(1, &self.bound, &[]);
-    }
-
-    fn draw(
-        &mut self,
-        pass: &mut terrafill_gpu::VolumePass<'_>,
-        draw: &VolumeDraw<'_>,
-        _blends: bool,
-    ) {
-        let Some(pipeline) = self.pipelines.get(&draw.state) else {
-            return;
-        };
-        pass.raw.set_pipeline(pipeline);
-        for &volume in draw.volumes {
-            let pieces = &self.ranges[pass.list.volumes[volume].geometry];
-            pass.cut(volume, draw.scissor);
-            pass.draw(3 * pieces.start..3 * pieces.end, volume);
+            match self.feed {
+                Feed::Buffers { .. } => pass.draw_indexed(range, 0, volume),
+                Feed::Pulled(_) => pass.draw(range, volume),
+            }
         }
     }
 }

@@ -2,8 +2,8 @@
 //! The port as devices draw it: sea and casters are a surface, and a stencil program counts the volumes.
 //!
 //! The origin is laid on the north pole of a sphere, so that ENU axes are the body's. A caster's lit
-//! triangles are drawn twice, as surface and as light cap, from the same `f32` numbers with the corners
-//! in the same order: only then both have the same depth, and equal depth fails.
+//! triangles are drawn twice, as surface and as light cap. Both take the same `f32` numbers with the corners
+//! in the same order, so that their depths are equal: equal depth fails.
 
 use crate::count::{Rule, Wrong};
 use crate::device::{Draws, EyeMesh, EyeVolumes, IS_CAP, Interface, VolumeSource};
@@ -12,6 +12,7 @@ use crate::scissor::{Rectangle, of_parts};
 use crate::view::View;
 use crate::work::{End, Scene};
 use glam::{DMat3, DVec3, Vec3};
+use std::cell::LazyCell;
 use terrafill_casters::{EdgeTable, Mesh, Volume};
 use terrafill_core::{Ellipsoid, VolumeHeights};
 use terrafill_fill::{
@@ -22,9 +23,10 @@ use terrafill_fill::{
 use terrafill_scene::{Camera, HeightRange, ImageSize, Overlap, PixelRect};
 use terrafill_surface::SurfaceFrame;
 
-/// Between meridians of the sea's patch, degrees, and from a ring to the next as a ratio: at 5 km a facet
-/// is 5 mm below the sphere, a ten-thousandth of a pixel.
+/// Between meridians of the sea's patch, degrees.
 const SECTOR_DEG: f64 = 1.0;
+/// Radius of a ring of the patch over that of the one before. At 5 km a facet is 5 mm below the sphere, a
+/// ten-thousandth of a pixel.
 const RING_RATIO: f64 = 1.1;
 
 /// What the numbers of vertices count from.
@@ -151,15 +153,17 @@ impl Scene {
             fragments: Some(0),
             ..DeviceDrawn::default()
         };
-        let reference = Reference::new(self.mesh(), self.to_light);
+        let mesh = self.mesh();
+        let pulled = match way.silhouettes {
+            Silhouettes::Adjacency => None,
+            Silhouettes::Pulled => Some(self.pulled()?),
+        };
+        let reference = LazyCell::new(|| Reference::new(mesh, self.to_light));
         let mut all = Vec::new();
         for (at, (view, truth)) in self.channels.iter().enumerate() {
-            let mesh = self.mesh();
-            let loadable = match way.silhouettes {
-                Silhouettes::Adjacency => {
-                    loadable(way.positions, view, mesh, &volume, closed.as_ref())
-                }
-                Silhouettes::Pulled => self.pulled(view)?,
+            let loadable = match &pulled {
+                None => loadable(way.positions, view, mesh, &volume, closed.as_ref()),
+                Some(pulled) => self.seen_from(view, pulled.clone()),
             };
             let bytes = loadable.source.bytes();
             drawn.bytes = [0, 1].map(|at| drawn.bytes[at].max(bytes[at]));
@@ -167,9 +171,7 @@ impl Scene {
             let mut channel = self.open(devices, way, view, loadable)?;
             let (counters, picture) = channel.draw()?;
             let mask = mask(&picture);
-            let is_rim = |at, light| {
-                reference.may_be(view, at, light) || self.is_beside_a_side(view, truth, at)
-            };
+            let is_rim = |at, light| self.is_within_rounding(&reference, view, at, light);
             let wrong = Wrong::but_at_rims(&mask, truth, is_rim);
             drawn.wrong = drawn.wrong.plus(wrong);
             drawn.lost += lost(&mask, truth);
@@ -187,13 +189,9 @@ impl Scene {
         Ok(drawn)
     }
 
-    /// Each caster as this eye sees it, for a shader that finds its silhouette.
-    fn pulled(&self, view: &View) -> Result<Loadable, DrawError> {
+    /// Casters for a shader that finds their silhouettes; no place yet, since places are the eye's.
+    fn pulled(&self) -> Result<EyeMesh, DrawError> {
         let mesh = self.mesh();
-        let places = mesh.vertices.iter();
-        let places = places.map(|place| (place - view.eye).as_vec3().extend(1.0));
-        let far = (-self.to_light).as_vec3().extend(0.0);
-        let all = places.chain([far]).map(|place| place.to_array());
         let edges = EdgeTable::of(mesh).pairs();
         let edges = edges.ok_or("an edge has not two triangles, one either way")?;
         let part_of = mesh.part_of_triangles();
@@ -201,31 +199,40 @@ impl Scene {
         for ([low, high], [forward, backward]) in edges {
             sides[part_of[forward as usize] as usize].push([low, high, forward, backward]);
         }
-        let mut eye = EyeMesh {
-            places: all.collect(),
+        let mut pulled = EyeMesh {
             lit: self.lit_bits(),
             ..EyeMesh::default()
         };
-        let mut list = Vec::new();
         for caster in &mesh.casters {
-            let first = count(eye.pieces.len());
+            let first = count(pulled.pieces.len());
             for part in caster.parts.clone() {
                 let caps = mesh.parts[part].triangles.clone();
                 let cap = |triangle: usize| {
                     let [a, b, c] = mesh.triangles[triangle];
                     [a, b, c, count(triangle) | IS_CAP]
                 };
-                eye.pieces.extend(caps.map(cap));
-                eye.pieces.append(&mut sides[part]);
+                pulled.pieces.extend(caps.map(cap));
+                pulled.pieces.append(&mut sides[part]);
             }
-            list.push(listed(Rectangle::whole(view), eye.ranges.len()));
-            eye.ranges.push(first..count(eye.pieces.len()));
+            pulled.ranges.push(first..count(pulled.pieces.len()));
         }
-        Ok(Loadable {
-            source: VolumeSource::Pulled(eye),
-            list,
+        Ok(pulled)
+    }
+
+    fn seen_from(&self, view: &View, mut pulled: EyeMesh) -> Loadable {
+        let places = self.mesh().vertices.iter();
+        let places = places.map(|place| (place - view.eye).as_vec3().extend(1.0));
+        let far = (-self.to_light).as_vec3().extend(0.0);
+        let all = places.chain([far]).map(|place| place.to_array());
+        pulled.places = all.collect();
+        let casters = 0..pulled.ranges.len();
+        Loadable {
+            list: casters
+                .map(|caster| listed(Rectangle::whole(view), caster))
+                .collect(),
+            source: VolumeSource::Pulled(pulled),
             left_out: 0,
-        })
+        }
     }
 
     fn open(
@@ -303,7 +310,7 @@ fn surface(positions: Positions, view: &View, mesh: &Mesh) -> SurfaceFrame {
     let (sea, sea_triangles) = sea(view);
     let all = mesh.vertices.iter().chain(&sea);
     let vertices = all.map(|place| positions.relative(*place, view.eye).to_array());
-    let first = u32::try_from(mesh.vertices.len()).unwrap_or(u32::MAX);
+    let first = count(mesh.vertices.len());
     let of_sea = sea_triangles
         .into_iter()
         .map(|corners| corners.map(|corner| corner + first));
@@ -344,8 +351,7 @@ fn sea(view: &View) -> (Vec<DVec3>, Vec<[u32; 3]>) {
             places.push(centre + direction * SEA_RADIUS_M);
         }
     }
-    let columns = u32::try_from(azimuths_deg.len()).unwrap_or(u32::MAX);
-    let rings = u32::try_from(away_m.len()).unwrap_or(u32::MAX);
+    let [columns, rings] = [azimuths_deg.len(), away_m.len()].map(count);
     let mut triangles = Vec::new();
     for ring in 1..rings {
         for column in 1..columns {
@@ -428,7 +434,7 @@ fn listed(rectangle: Rectangle, geometry: usize) -> terrafill_fill::Volume {
             bottom: rectangle.rows[1],
         },
         depth: DepthRange::ANY,
-        // Rules are told, not chosen by the eye.
+        // The case names its depth rule; only `DepthRuleChoice::Automatic` reads this.
         near_plane_meets_volume: false,
         geometry,
     }
@@ -478,7 +484,7 @@ fn lost(mask: &[bool], truth: &Truth) -> usize {
 fn hash(mask: &[bool]) -> String {
     mask_hash(&Frame {
         size: ImageSize {
-            width: u32::try_from(mask.len()).unwrap_or(u32::MAX),
+            width: count(mask.len()),
             height: 1,
         },
         ids: mask.iter().map(|is_dark| u32::from(*is_dark)).collect(),

@@ -100,37 +100,9 @@ pub(crate) enum Job {
     Map([f64; 2], f64, Bias),
 }
 
-/// How devices draw: what differs from one to the next is one thing.
-fn device_ways(interface: Interface) -> Vec<DeviceWay> {
-    let way = |silhouettes, end, rule, faces, is_cut| DeviceWay {
-        interface,
-        silhouettes,
-        positions: Positions::Eye,
-        end,
-        rule,
-        faces,
-        is_cut,
-    };
-    let (one, two) = (FacePasses::TwoSided, FacePasses::TwoPass);
-    let (cpu, pulled) = (Silhouettes::Adjacency, Silhouettes::Pulled);
-    let mut ways = vec![
-        way(cpu, End::Infinite, Rule::Fail, one, false),
-        way(cpu, End::Infinite, Rule::Pass, one, false),
-        way(cpu, End::Sea, Rule::Fail, one, false),
-        way(cpu, End::Sea, Rule::Pass, one, false),
-        way(cpu, End::Sea, Rule::Fail, two, false),
-        way(cpu, End::Sea, Rule::Fail, one, true),
-    ];
-    // On Vulkan geometry shaders would find them.
-    if interface == Interface::Wgpu {
-        ways.push(way(pulled, End::Infinite, Rule::Fail, one, false));
-    }
-    ways
-}
-
-/// Volumes closed at the sea from numbers that count from elsewhere.
-fn origin_ways(interface: Interface) -> impl Iterator<Item = DeviceWay> {
-    let way = DeviceWay {
+/// Volumes from the CPU, closed at the sea, z-fail, two-sided, whole.
+fn device_way(interface: Interface) -> DeviceWay {
+    DeviceWay {
         interface,
         silhouettes: Silhouettes::Adjacency,
         positions: Positions::Eye,
@@ -138,7 +110,39 @@ fn origin_ways(interface: Interface) -> impl Iterator<Item = DeviceWay> {
         rule: Rule::Fail,
         faces: FacePasses::TwoSided,
         is_cut: false,
-    };
+    }
+}
+
+/// How devices draw: what differs from one to the next is one thing.
+fn device_ways(interface: Interface) -> Vec<DeviceWay> {
+    let way = device_way(interface);
+    let (end, rule, faces) = (End::Infinite, Rule::Pass, FacePasses::TwoPass);
+    let mut ways = vec![
+        DeviceWay { end, ..way },
+        DeviceWay { end, rule, ..way },
+        way,
+        DeviceWay { rule, ..way },
+        DeviceWay { faces, ..way },
+        DeviceWay {
+            is_cut: true,
+            ..way
+        },
+    ];
+    // On Vulkan geometry shaders would find them.
+    if interface == Interface::Wgpu {
+        let silhouettes = Silhouettes::Pulled;
+        ways.push(DeviceWay {
+            end,
+            silhouettes,
+            ..way
+        });
+    }
+    ways
+}
+
+/// The same from numbers that count from elsewhere.
+fn origin_ways(interface: Interface) -> impl Iterator<Item = DeviceWay> {
+    let way = device_way(interface);
     let worlds = ORIGINS_M.map(Positions::World).into_iter();
     let all = std::iter::once(Positions::Eye).chain(worlds);
     all.map(move |positions| DeviceWay { positions, ..way })

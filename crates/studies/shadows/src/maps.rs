@@ -196,7 +196,7 @@ impl Map {
     }
 }
 
-/// What a receiver pixel is told.
+/// What a map says of a receiver pixel.
 pub(crate) struct Asked {
     /// What the map has above it along the light, m; −∞ outside the map.
     above_m: f64,
@@ -281,7 +281,7 @@ impl Scene {
         Map::of(self.mesh(), self.to_light, texel_m)
     }
 
-    /// What each pixel of each channel is told; `None` of the sky.
+    /// What the map says of each pixel of each channel; `None` for the sky.
     pub(crate) fn asked(&self, map: &Map) -> Vec<Vec<Option<Asked>>> {
         let channels = self.channels.iter();
         channels

@@ -167,7 +167,7 @@ pub(crate) const METRICS: [Metric; 33] = [
         "shadow_rim_px",
         "px",
         Kind::Error,
-        "Wrong pixels of a device outside the band, yet within its rounding: at a caster's rim (the reference says the same 1/256 of a pixel beside), or where the boundary of one part's shadow runs within the shadow of others.",
+        "Wrong pixels of a device outside the band, yet within its rounding, 1/32 of a pixel: at a caster's rim, or where the boundary of one part's shadow runs within the shadow of others.",
     ),
     Metric::less(
         "shadow_band_px",

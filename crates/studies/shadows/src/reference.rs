@@ -234,7 +234,7 @@ impl<'a> Reference<'a> {
     }
 
     /// Light of a visible point.
-    fn light(&self, view: &View, ray: DVec3, seen: Seen) -> Light {
+    pub(crate) fn light(&self, view: &View, ray: DVec3, seen: Seen) -> Light {
         let (depth, own) = match seen {
             Seen::Sky => return Light::Sky,
             Seen::Sea(depth) => (depth, None),
@@ -255,21 +255,6 @@ impl<'a> Reference<'a> {
             (false, false) => Light::Lit,
             _ => Light::Undecided,
         }
-    }
-
-    /// Whether a pixel has this light, or none that is judged, where a device may see it: rasterisers round
-    /// corners to 1/256 of a pixel.
-    pub(crate) fn may_be(&self, view: &View, at: usize, light: Light) -> bool {
-        const STEP_PX: f64 = 1.0 / 256.0;
-        let width = view.size[0] as usize;
-        let [column, row] = [at % width, at / width].map(|at| u32::try_from(at).unwrap_or(0));
-        let steps = [-STEP_PX, STEP_PX];
-        let corners = steps.map(|right| steps.map(|down| [right, down]));
-        corners.into_iter().flatten().any(|beside| {
-            let ray = view.ray_beside(column, row, beside);
-            let found = self.light(view, ray, self.seen(view.eye, ray, view.near));
-            found == light || matches!(found, Light::EdgeOn | Light::Undecided)
-        })
     }
 
     pub(crate) fn picture(&self, view: &View) -> Truth {

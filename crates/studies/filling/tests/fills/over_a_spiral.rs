@@ -77,6 +77,7 @@ fn every_technique_fills_rightly_over_a_spiral_in_every_view() {
     for pose in POSES {
         let input = look(&spiral, pose);
         let reference = judge(&input);
+        assert!(reference.filled_px() > 50, "{pose:?}: nothing to see");
         // From afar facets hang kilometres deep.
         let on_the_body = (pose[2] >= 8e6).then(|| judge(&look(&bare, pose)));
         for technique in TECHNIQUES {
@@ -118,7 +119,8 @@ fn coarse_uneven_hilly_and_wrong_spirals_are_filled_as_they_are_drawn() {
         let scene = over(&format!("kind = \"spiral\"\n{surface}"));
         for &pose in poses {
             let what = format!("{surface} {pose:?}");
-            open.assert_right(&what, &look(&scene, pose));
+            let judged = open.assert_right(&what, &look(&scene, pose));
+            assert!(judged.filled_px() > 50, "{what}: nothing to see");
         }
     }
 }

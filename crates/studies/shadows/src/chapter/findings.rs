@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What was published, and what is measured.
 
+use super::sections::DEVICE_KEYS;
 use super::{Own, number, value};
 use crate::metrics::{FILL_CPU, FILL_GPU, LOST, MAP_WRONG, MISSED, UPDATES};
 use terrafill_plot::number::significant;
@@ -13,16 +14,11 @@ const RULES: Two = ("rule", "z-pass", "z-fail");
 const FACES: Two = ("faces", "two-sided", "two-pass");
 const PULLED: Two = ("silhouette", "pulled", "adjacency");
 
-/// What tells ways of a device apart.
-const DEVICE_KEYS: [&str; 7] = [
-    "sun",
-    "api",
-    "extent",
-    "rule",
-    "faces",
-    "scissor",
-    "silhouette",
-];
+/// Whether two cases have the same conditions of a device, but for some.
+fn is_same_but(keys: &[&str], a: &Case, b: &Case) -> bool {
+    let mut others = DEVICE_KEYS.iter().filter(|key| !keys.contains(key));
+    others.all(|key| a.condition(key) == b.condition(key))
+}
 
 impl Own<'_> {
     pub(super) fn findings(&self, clock: Clock) -> Vec<Finding> {
@@ -78,15 +74,10 @@ impl Own<'_> {
             .collect();
         let right = known.iter().filter(|case| case.outcome == Outcome::Ok);
         let right = right.count();
-        let keys = ["sun", "extent", "rule", "faces", "scissor"];
-        let is_same = |a: &Case, b: &Case| {
-            let mut keys = keys.iter();
-            keys.all(|key| a.condition(key) == b.condition(key))
-        };
         let (mut pairs, mut equal) = (0, 0);
         for (at, case) in known.iter().enumerate() {
             for other in &known[at + 1..] {
-                if is_same(case, other) {
+                if is_same_but(&["api", "silhouette"], case, other) {
                     pairs += 1;
                     equal += u32::from(case.note("mask_hash") == other.note("mask_hash"));
                 }
@@ -113,11 +104,7 @@ impl Own<'_> {
         let mut gains = Vec::new();
         let mut standings = Vec::new();
         for case in of(fast) {
-            let is_twin = |other: &Case| {
-                let mut others = DEVICE_KEYS.iter().filter(|known| **known != key);
-                others.all(|known| case.condition(known) == other.condition(known))
-            };
-            let twin = of(slow).find(|other| is_twin(other));
+            let twin = of(slow).find(|other| is_same_but(&[key], case, other));
             if let Some(gain) = twin.and_then(|other| ratio(other, case, metric)) {
                 gains.push(gain.middle);
                 standings.push(Claim::Faster.standing(&gain));

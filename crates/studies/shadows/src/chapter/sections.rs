@@ -17,6 +17,17 @@ pub(super) struct Section {
     pub(super) columns: &'static [Column],
 }
 
+/// What tells ways of a device apart.
+pub(super) const DEVICE_KEYS: [&str; 7] = [
+    "sun",
+    "api",
+    "extent",
+    "rule",
+    "faces",
+    "scissor",
+    "silhouette",
+];
+
 pub(super) const SECTIONS: [Section; 11] = [
     Section {
         question: "eyes",
@@ -142,15 +153,7 @@ pub(super) const SECTIONS: [Section; 11] = [
                and what is no side collapses; another sun then takes those bits alone. Pixels \"at rims\" are outside the \
                band and within a device's rounding: at a caster's rim, or on the boundary of one part's shadow inside \
                the shadow of others.",
-        named_by: &[
-            "sun",
-            "api",
-            "extent",
-            "rule",
-            "faces",
-            "scissor",
-            "silhouette",
-        ],
+        named_by: &DEVICE_KEYS,
         columns: &[
             ("CPU ms", "shadow_fill_cpu_ms"),
             ("GPU ms", "shadow_fill_gpu_ms"),

@@ -44,19 +44,19 @@ struct Judged<'a> {
     by_vertex: Vec<(Switches, Frame)>,
 }
 
-impl Judged<'_> {
-    fn by_vertex(&mut self, targets: &AllTargets<'_>, switches: Switches) -> &Frame {
-        let known = self
-            .by_vertex
-            .iter()
-            .position(|(known, _)| *known == switches);
-        let index = known.unwrap_or_else(|| {
-            let frame = targets.draw(&self.sight.1, vertex(switches));
-            self.by_vertex.push((switches, frame));
-            self.by_vertex.len() - 1
-        });
-        &self.by_vertex[index].1
-    }
+/// The one with these switches, drawn unless it is there.
+fn by_vertex<'a>(
+    drawn: &'a mut Vec<(Switches, Frame)>,
+    targets: &AllTargets<'_>,
+    input: &FillInput,
+    switches: Switches,
+) -> &'a Frame {
+    let known = drawn.iter().position(|(known, _)| *known == switches);
+    let index = known.unwrap_or_else(|| {
+        drawn.push((switches, targets.draw(input, vertex(switches))));
+        drawn.len() - 1
+    });
+    &drawn[index].1
 }
 
 /// Every technique is right and the vertex backend's picture to the pixel, and every view has both
@@ -89,10 +89,10 @@ pub(crate) fn assert_all_right(sights: &[Sight], techniques: &[Technique]) {
         for judged in &mut judged {
             let (what, input) = judged.sight;
             let frame = draw_with(&mut *backend, input);
-            let reference = judged.reference.clone();
+            let drawn = &mut judged.by_vertex;
             let beside = is_held_against_vertex(&technique)
-                .then(|| judged.by_vertex(&targets, switches_of(&technique)));
-            assert_right(what, input, technique, &reference, &frame, beside);
+                .then(|| by_vertex(drawn, &targets, input, switches_of(&technique)));
+            assert_right(what, input, technique, &judged.reference, &frame, beside);
         }
     }
 }
