@@ -7,6 +7,7 @@
 use std::any::{Any, TypeId};
 use std::cell::RefCell;
 use std::collections::HashMap;
+use std::sync::{Arc, OnceLock};
 
 /// One value of each type.
 #[derive(Debug, Default)]
@@ -29,11 +30,29 @@ impl TypeMap {
     }
 }
 
+/// Whether a device is gone. Clones say the same, from any thread: drivers tell it by a callback.
+#[derive(Debug, Clone, Default)]
+pub struct DeviceLoss(Arc<OnceLock<String>>);
+
+impl DeviceLoss {
+    /// The device is gone; only the first message is kept, since others follow from it.
+    pub fn report(&self, message: &str) {
+        self.0.get_or_init(|| message.to_owned());
+    }
+
+    /// What the driver said when it lost the device; `None` while there is no loss.
+    #[must_use]
+    pub fn message(&self) -> Option<&str> {
+        self.0.get().map(String::as_str)
+    }
+}
+
 /// Devices on one adapter.
 #[derive(Debug, Default)]
 pub struct Devices {
     adapter: Option<String>,
     opened: TypeMap,
+    loss: DeviceLoss,
 }
 
 impl Devices {
@@ -44,8 +63,14 @@ impl Devices {
     pub fn new(adapter: Option<String>) -> Self {
         Self {
             adapter,
-            opened: TypeMap::default(),
+            ..Self::default()
         }
+    }
+
+    /// Whether one of them is gone. A device crate hands it to the device that it opens.
+    #[must_use]
+    pub fn loss(&self) -> &DeviceLoss {
+        &self.loss
     }
 
     /// Part of the adapter's name.
@@ -93,6 +118,18 @@ mod tests {
         // Twin: other devices open their own.
         assert_eq!(Devices::default().get(open), Ok(String::new()));
         assert_eq!(opened.get(), 3);
+    }
+
+    #[test]
+    fn a_loss_is_known_to_all_clones_by_its_first_message() {
+        let devices = Devices::default();
+        let device = devices.loss().clone();
+        assert_eq!(devices.loss().message(), None);
+        device.report("timed out");
+        device.report("a later call failed");
+        assert_eq!(devices.loss().message(), Some("timed out"));
+        // Twin: other devices are not lost.
+        assert_eq!(Devices::default().loss().message(), None);
     }
 
     #[test]

@@ -53,7 +53,7 @@ pub use constants::{
     FootprintConstants, ViewConstants, VolumeConstants, VolumePlace, changed_words,
 };
 pub use depth_range::DepthRange;
-pub use devices::Devices;
+pub use devices::{DeviceLoss, Devices};
 pub use error::DeviceError;
 pub use executor::{StencilExecutor, StencilWork};
 pub use fingerprint::{ids_hash, mask_hash};

@@ -333,6 +333,7 @@ fn run_groups(
             options,
             frames: plan.frames,
             known: &known,
+            devices,
             session: &mut *session,
         };
         let ready = running.verify(&todo, &mut steps)?;
@@ -496,6 +497,7 @@ struct Running<'a> {
     options: &'a RunOptions,
     frames: FramesPerSample,
     known: &'a BTreeMap<String, Known>,
+    devices: &'a Devices,
     session: &'a mut dyn Session,
 }
 
@@ -562,7 +564,20 @@ impl Running<'_> {
         })
     }
 
+    /// Refuses to write anything of a case when a device is gone: what it drew or failed to draw says nothing
+    /// of the technique, and the cases to come would all fail. They stay missing, so that the run can go on.
+    fn check_device(&self, case: usize) -> Result<(), StudyError> {
+        match self.devices.loss().message() {
+            None => Ok(()),
+            Some(message) => Err(StudyError::Broken {
+                place: self.key(case),
+                message: format!("the device was lost: {message}"),
+            }),
+        }
+    }
+
     fn record(&self, case: usize, is_own: bool, verdict: &Verdict) -> Result<(), StudyError> {
+        self.check_device(case)?;
         let planned = &self.group.cases[case];
         let key = planned.id.key();
         // Figures first: a case with a row has all of them. A twin's are those of its original.
@@ -591,6 +606,7 @@ impl Running<'_> {
     }
 
     fn fail(&self, case: usize, message: &str) -> Result<(), StudyError> {
+        self.check_device(case)?;
         Ok(self.folder.fail_case(&self.group.cases[case], message)?)
     }
 
@@ -646,6 +662,7 @@ impl Running<'_> {
             }
             Ok(_) if !counts => {}
             Ok(taken) => {
+                self.check_device(case)?;
                 let values = medians(&taken);
                 ready.next_sample += 1;
                 let key = self.key(case);

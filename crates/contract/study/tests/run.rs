@@ -5,7 +5,7 @@ use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::rc::Rc;
-use terrafill_fill::Devices;
+use terrafill_fill::{DeviceLoss, Devices};
 use terrafill_results::{
     Block, CaseId, Chapter, ChapterError, Clock, Kind, Metric, Outcome, PlannedCase, Run,
     RunEnvironment, RunError, RunFolder, SCHEMA, Shard, Status, Verdict,
@@ -29,6 +29,8 @@ struct Script {
     blocks: Cell<usize>,
     /// Breaks off, as a killed process does, once so many samples were taken.
     broken_after: Cell<Option<usize>>,
+    /// The device is lost once so many samples were taken: they and all that follow fail.
+    lost_after: Cell<Option<usize>>,
     /// The case that can no longer be drawn once it has been verified.
     failing: Cell<Option<usize>>,
     /// What a recheck answers.
@@ -144,12 +146,12 @@ impl Group for MadeUpGroup {
         &self.cases
     }
 
-    fn open<'a>(&'a self, _context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
-        Ok(Box::new(MadeUpSession))
+    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
+        Ok(Box::new(MadeUpSession(context.devices.loss().clone())))
     }
 }
 
-struct MadeUpSession;
+struct MadeUpSession(DeviceLoss);
 
 impl Session for MadeUpSession {
     fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
@@ -195,8 +197,13 @@ impl Session for MadeUpSession {
             std::panic::panic_any("killed");
         }
         script.sampled.borrow_mut().push(case);
+        let lost = script.lost_after.get();
+        if lost.is_some_and(|lost| script.sampled.borrow().len() > lost) {
+            self.0.report("timed out");
+            return Err("a fence was not signalled".to_owned());
+        }
         if script.failing.get() == Some(case) {
-            return Err("the device is lost".to_owned());
+            return Err("out of memory".to_owned());
         }
         Ok(vec![("cost_ms", 1.0 + case as f64)])
     }
@@ -322,6 +329,41 @@ fn a_killed_run_names_what_is_missing_and_goes_on_where_it_was() {
     script.verified.borrow_mut().clear();
     measure(&plan, &folder, &options());
     assert!(script.sampled.borrow().is_empty() && script.verified.borrow().is_empty());
+}
+
+#[test]
+fn a_lost_device_ends_the_run_and_fails_no_case() {
+    let script = fresh_script();
+    let place = tempfile::tempdir().expect("a folder");
+    let plan = planned(2, &options());
+    let folder = create(place.path(), &plan);
+    script.lost_after.set(Some(17));
+    let devices = Rc::new(Devices::default());
+    let ended = run(&plan, &folder, &devices, &options(), &mut Silent);
+    let said = ended.expect_err("lost").to_string();
+    assert!(
+        said.starts_with("made-up/group-0/case-")
+            && said.ends_with(": the device was lost: timed out"),
+        "{said}"
+    );
+    let counted = RunOutcome::of(place.path()).expect("a run");
+    assert_eq!((counted.failed, counted.ok), (0, 1), "{counted:?}");
+    let rows = |run: &Run| -> usize {
+        let cases = run.cases.iter();
+        cases.map(|case| case.timed_samples(0).len()).sum()
+    };
+    let run_then = Run::load(place.path()).expect("a run");
+    assert_eq!(
+        rows(&run_then),
+        17 - 7,
+        "all before the loss, but the warm-up"
+    );
+    // The same command with --resume, on devices that are there.
+    script.lost_after.set(None);
+    let folder = RunFolder::resume(place.path(), &environment(), plan.run_plan()).expect("there");
+    measure(&plan, &folder, &options());
+    let counted = RunOutcome::of(place.path()).expect("a run");
+    assert_eq!((counted.failed, counted.missing), (0, 0), "{counted:?}");
 }
 
 #[test]

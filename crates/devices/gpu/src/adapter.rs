@@ -3,7 +3,9 @@
 
 use crate::validation;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, DeviceType, WorkCounters, choose_adapter, device_for_test};
+use terrafill_fill::{
+    DeviceError, DeviceLoss, DeviceType, WorkCounters, choose_adapter, device_for_test,
+};
 
 /// How to choose a device.
 #[derive(Debug, Clone, Default)]
@@ -13,6 +15,8 @@ pub struct GpuOptions {
     pub adapter: Option<String>,
     /// Turn validation layers on; also on with `TERRAFILL_VALIDATION=1`.
     pub validation: bool,
+    /// Told when the device is lost.
+    pub loss: DeviceLoss,
 }
 
 /// What an adapter can do that not every one can.
@@ -133,6 +137,10 @@ impl Gpu {
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|error| DeviceError::DeviceLost(error.to_string()))?;
+        let loss = options.loss.clone();
+        device.set_device_lost_callback(move |reason, message| {
+            loss.report(&format!("{reason:?}: {message}"));
+        });
         let timestamp_period_ns = queue.get_timestamp_period();
         Ok(Arc::new(Self {
             device,

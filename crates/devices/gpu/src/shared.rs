@@ -19,6 +19,7 @@ pub fn shared_gpu(devices: &Devices) -> Result<Arc<Gpu>, DeviceError> {
     devices.get(|adapter| {
         Gpu::open(&GpuOptions {
             adapter: adapter.map(str::to_owned),
+            loss: devices.loss().clone(),
             ..GpuOptions::default()
         })
     })

@@ -2,10 +2,11 @@
 //! Tests that need a Vulkan device. Without one they are skipped with the reason printed, unless
 //! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.
 
+use terrafill_fill::{Devices, device_for_test};
 use terrafill_fixtures::globe::{SIZE, assert_depth_of_the_ellipsoid, globe_from};
 use terrafill_gpu::{
     Baseline, BaselineKind, GpuOptions, POSITIVE_CONTROL, RenderTargets, make_deliberate_error,
-    messages, open_for_test,
+    messages, open_for_test, shared_gpu,
 };
 use terrafill_scene::ImageSize;
 
@@ -31,6 +32,24 @@ fn a_deliberate_error_is_reported_when_validation_is_on() {
         "the validation layer is not at work: {:?}",
         messages()
     );
+}
+
+#[test]
+fn a_lost_device_is_known_to_the_devices_of_the_run_and_draws_nothing() {
+    let devices = Devices::default();
+    let Some(gpu) = device_for_test(shared_gpu(&devices)) else {
+        return;
+    };
+    let mut targets = RenderTargets::new(&gpu, SIZE).expect("small targets");
+    targets.prepare(&globe_from(8e6)).expect("fits");
+    // Twin: a device that draws is not lost.
+    targets.draw_surface().expect("draws");
+    assert_eq!(devices.loss().message(), None);
+    gpu.device.destroy();
+    let drawn = targets.draw_surface().and_then(|_| targets.read());
+    assert!(drawn.is_err(), "a picture by a device that is gone");
+    let said = devices.loss().message().unwrap_or_default();
+    assert!(said.starts_with("Destroyed"), "{said:?}");
 }
 
 #[test]

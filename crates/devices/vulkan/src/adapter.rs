@@ -13,7 +13,8 @@ use std::ffi::CStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use terrafill_fill::{
-    DeviceError, DeviceType, THIS_MACHINE, WorkCounters, WorkDone, choose_adapter, device_for_test,
+    DeviceError, DeviceLoss, DeviceType, THIS_MACHINE, WorkCounters, WorkDone, choose_adapter,
+    device_for_test,
 };
 
 /// How to choose a device.
@@ -24,6 +25,8 @@ pub struct GpuOptions {
     pub adapter: Option<String>,
     /// Turn validation layers on; also on with `TERRAFILL_VALIDATION=1`.
     pub validation: bool,
+    /// Told when the device is lost.
+    pub loss: DeviceLoss,
 }
 
 /// What an adapter can do that not every one can.
@@ -78,6 +81,7 @@ pub struct Gpu {
     pub(crate) shader_modules: ShaderModules,
     /// What it is.
     pub facts: DeviceFacts,
+    loss: DeviceLoss,
     queue: Mutex<Queue>,
     physical: vk::PhysicalDevice,
     // Dropped last: fields go in the order in which they are written.
@@ -311,10 +315,15 @@ impl Gpu {
             let name = &adapter.facts.name;
             return Err(DeviceError::unsupported("a graphics queue", name));
         };
-        Self::on(api, adapter, family)
+        Self::on(api, adapter, family, options.loss.clone())
     }
 
-    fn on(api: Api, adapter: &Adapter, family: u32) -> Result<Arc<Self>, DeviceError> {
+    fn on(
+        api: Api,
+        adapter: &Adapter,
+        family: u32,
+        loss: DeviceLoss,
+    ) -> Result<Arc<Self>, DeviceError> {
         let priorities = [1.0];
         let queues = [vk::DeviceQueueCreateInfo::default()
             .queue_family_index(family)
@@ -363,6 +372,7 @@ impl Gpu {
             facts: adapter.facts.clone(),
             queue: Mutex::new(queue),
             physical: adapter.raw,
+            loss,
             api,
         }))
     }
@@ -423,7 +433,13 @@ impl Gpu {
                 .and_then(|()| self.device.reset_fences(&[queue.fence]))
                 .and_then(|()| self.device.queue_submit(queue.raw, &submits, queue.fence))
                 .and_then(|()| self.device.wait_for_fences(&[queue.fence], true, u64::MAX))
-                .map_err(|error| failure(error, "submitting and waiting", 0))
+                .map_err(|error| {
+                    let failure = failure(error, "submitting and waiting", 0);
+                    if let DeviceError::DeviceLost(message) = &failure {
+                        self.loss.report(message);
+                    }
+                    failure
+                })
         }
     }
 }

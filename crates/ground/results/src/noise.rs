@@ -6,7 +6,7 @@
 //! its operands, so that half as long and twice as long differ by as much. A gap between two cases
 //! that is no larger than the largest noise of a pair is a tie.
 
-use crate::{Case, REPEATS, ratio};
+use crate::{Case, Estimate, REPEATS, ratio};
 
 /// By how much identical work differed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +17,8 @@ pub struct Noise {
     pub median: f64,
     /// Pairs behind it.
     pub pairs: usize,
+    /// Largest |ln end| of a pair's 95 % interval; `None` where too few processes give an interval.
+    pub reach: Option<f64>,
 }
 
 impl Noise {
@@ -24,21 +26,34 @@ impl Noise {
     /// case was measured twice.
     #[must_use]
     pub fn of<'a>(cases: impl Iterator<Item = &'a Case> + Clone, metric: &str) -> Option<Self> {
-        let gaps: Vec<f64> = cases
+        let ratios: Vec<Estimate> = cases
             .clone()
             .filter(|case| case.is_twin() && case.counts())
             .filter_map(|twin| {
                 let repeated = twin.condition(REPEATS);
                 let mut originals = cases.clone().filter(|case| case.id().key() == repeated);
                 let original = originals.find(|case| case.counts())?;
-                Some(ratio(twin, original, metric)?.middle.ln().abs())
+                ratio(twin, original, metric)
             })
             .collect();
+        let off = |ratio: f64| ratio.ln().abs();
+        let gaps: Vec<f64> = ratios.iter().map(|ratio| off(ratio.middle)).collect();
+        let ends = ratios.iter().flat_map(|ratio| ratio.interval).flatten();
         Some(Self {
             max: gaps.iter().copied().fold(0.0, f64::max),
             median: crate::median(&gaps)?,
             pairs: gaps.len(),
+            reach: ends.map(off).reduce(f64::max),
         })
+    }
+
+    /// How far from 1 the interval of a pair reaches, as a factor, 1 or more; the largest noise where there
+    /// is no interval.
+    ///
+    /// The least band of no difference by which identical work, measured as often, is found to be none.
+    #[must_use]
+    pub fn reach_factor(&self) -> f64 {
+        self.reach.unwrap_or(self.max).exp()
     }
 
     /// The largest noise as a factor, 1 or more.
@@ -113,6 +128,25 @@ mod tests {
         for gap in [1.11, 1.0 / 1.11, f64::NAN, 0.0] {
             assert!(!noise.is_tie(gap), "{gap}");
         }
+    }
+
+    #[test]
+    fn noise_reaches_as_far_as_an_interval_of_identical_work() {
+        let around = [9.9, 9.9, 10.0, 10.1, 10.1];
+        let noise = noise_of(&around, &[10.0; 5]).expect("two pairs");
+        let reach = noise.reach_factor();
+        assert!((noise.max_factor() - 1.02).abs() < 1e-12, "the other pair");
+        assert!((reach - 1.02).abs() < 1e-12, "{reach}");
+        let wide = around.map(|ms| 10.0 + 5.0 * (ms - 10.0));
+        let noise = noise_of(&wide, &[10.0; 5]).expect("two pairs");
+        assert!((noise.max_factor() - 1.02).abs() < 1e-12, "its median is 1");
+        assert!(
+            (noise.reach_factor() - 1.0 / 0.95).abs() < 1e-9,
+            "{noise:?}"
+        );
+        // Four processes give no interval: the largest gap has to do.
+        let few = noise_of(&[10.5; 4], &[10.0; 5]).expect("two pairs");
+        assert!((few.reach_factor() - 1.05).abs() < 1e-12, "{few:?}");
     }
 
     #[test]

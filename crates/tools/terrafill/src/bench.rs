@@ -10,7 +10,7 @@ use crate::outcome::{Failure, Outcome, complain, print};
 use crate::progress::{Said, Timed};
 use crate::registry::{RIVALS, STUDIES, chapters, metrics};
 use crate::report::print_report;
-use crate::stop::say_when_stopped;
+use crate::stop::{say_when_stopped, what_is_kept};
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::Path;
@@ -110,18 +110,22 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         _ => terrafill_study::run(&plan, &folder, &devices, &options, &mut progress),
     };
     let timed = progress.end();
-    ran.map_err(failure)?;
+    ran.map_err(|error| keeps_what_was_measured(failure(error), arguments))?;
     timed.map_err(Failure::bad_input)?;
     if options.process > 0 || arguments.in_suite {
         return Ok(Outcome::Done);
     }
     drop(devices);
-    for process in 1..processes {
-        run_process(process, &[])?;
-    }
-    if depth != Depth::Quick && arguments.processes.is_none() {
-        decide(arguments, processes)?;
-    }
+    let further = || -> Result<(), Failure> {
+        for process in 1..processes {
+            run_process(process, &[])?;
+        }
+        if depth != Depth::Quick && arguments.processes.is_none() {
+            decide(arguments, processes)?;
+        }
+        Ok(())
+    };
+    further().map_err(|failure| keeps_what_was_measured(failure, arguments))?;
     let outcome = RunOutcome::of(&arguments.out).map_err(Failure::bad_input)?;
     let driver_fault = match outcome.driver_fault {
         0 => String::new(),
@@ -383,6 +387,16 @@ fn failure(error: StudyError) -> Failure {
         StudyError::NoDevice(_) | StudyError::Broken { .. } => Failure::no_device(error),
         _ => Failure::bad_input(error),
     }
+}
+
+/// What a run that broke off leaves, for whoever started it: further processes leave the word to the first.
+fn keeps_what_was_measured(failure: Failure, arguments: &BenchArguments) -> Failure {
+    let Failure { outcome, message } = failure;
+    let message = match arguments.process {
+        0 => format!("{message}\n{}", what_is_kept(&arguments.out)),
+        _ => message,
+    };
+    Failure { outcome, message }
 }
 
 pub(crate) fn growth_sample(arguments: &GrowthSampleArguments) -> Result<Outcome, Failure> {

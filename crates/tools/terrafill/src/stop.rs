@@ -16,6 +16,14 @@ pub(crate) const STOPPED_ENDS: [i32; 3] = [
     ENDED_BY_SIGNAL + SIGHUP,
 ];
 
+/// What is left of a run that did not end, and how to go on.
+///
+/// - `out`: the run's folder
+pub(crate) fn what_is_kept(out: &Path) -> String {
+    let out = out.display();
+    format!("{out} keeps what was measured; the same command with --resume goes on")
+}
+
 /// From now on, ends this process by a message when it is interrupted, terminated or left by its terminal.
 /// Each value was written when it was measured, so nothing is lost but the sample that was being taken.
 /// Further processes of the run end by themselves, since their standard input does.
@@ -23,7 +31,7 @@ pub(crate) const STOPPED_ENDS: [i32; 3] = [
 /// - `out`: the run's folder
 pub(crate) fn say_when_stopped(out: &Path) -> Result<(), Failure> {
     let mut signals = Signals::new([SIGINT, SIGTERM, SIGHUP]).map_err(Failure::bad_input)?;
-    let out = out.display().to_string();
+    let kept = what_is_kept(out);
     std::thread::spawn(move || {
         if let Some(signal) = signals.forever().next() {
             let name = match signal {
@@ -31,9 +39,7 @@ pub(crate) fn say_when_stopped(out: &Path) -> Result<(), Failure> {
                 SIGTERM => "SIGTERM",
                 _ => "SIGHUP",
             };
-            complain(format!(
-                "stopped by {name}: {out} keeps what was measured; the same command with --resume goes on"
-            ));
+            complain(format!("stopped by {name}: {kept}"));
             // Not by `std::process::exit`: a driver's own clean-up at exit fails while its threads still draw.
             signal_hook::low_level::exit(ENDED_BY_SIGNAL + signal);
         }

@@ -2,10 +2,9 @@
 //! The table of every claim of Cozzi (2007): what it says, what was measured here, and whether they agree.
 //!
 //! Steps are those of the vertex shader's ladder, which is the version that the document timed. What is
-//! no difference is taken from the run: the largest gap between two measurements of identical work in the
-//! ladder's scene. A claim whose rows are not in the run has an empty cell.
+//! no difference is taken from the run: how far intervals of identical work reach in the ladder's scene. A claim whose rows are not in the run has an empty cell.
 
-use super::data::{Data, counter, distinct, has_role, is_approximate, is_baseline};
+use super::data::{Data, Timed, counter, distinct, has_role, is_approximate, is_baseline};
 use super::rungs::{Ladder, Rung, SOURCE, counters};
 use super::{fill_rate, memory, subdivision, textured};
 use crate::claims::{Basis, CLAIMS, Claimed, EVERY_VIEW, Rival, Test};
@@ -23,6 +22,9 @@ const ON_TERRAIN: [&str; 1] = ["hills"];
 
 /// Half of the document's smallest gain, 5.4 %: a wider band of no difference would hide it.
 const MAX_BAND: f64 = 1.027;
+
+/// What the document expects of the coarsest mesh's time over the finest's.
+const SUBDIVISION: Claim = Claim::NotFaster;
 
 /// What came out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -154,7 +156,12 @@ pub(super) fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed) 
         }
         Test::SecondPass(views) => second_pass(&steps(&own, "bottom-cap", views)),
         Test::FillRate => of_fill_rate(&own),
-        Test::Textured(index, claim) => of_textured(data, index, claim),
+        Test::Textured(index, claim) => of_ratios(
+            data,
+            &textured::compared(data, index),
+            claim,
+            textured::heading(index).to_owned(),
+        ),
         Test::FlatMesh => flat_mesh(data),
         Test::TexturedWorstAtHorizon => worst_at_horizon(data),
         Test::Sum {
@@ -172,28 +179,19 @@ pub(super) fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed) 
         Test::GeometryShaderBytes(claim) => of_geometry_shader(data, claim),
         Test::CentricNormals => centric_normals(data),
         Test::SurfaceIndependence => surface_independence(data),
-        Test::Subdivision => {
-            let found = subdivision::finest_over_coarsest(data);
-            of_ratios(
-                data,
-                found,
-                Claim::NotFaster,
-                "time of the coarsest ÷ that of the finest",
-            )
-        }
+        Test::Subdivision => of_ratios(
+            data,
+            &subdivision::coarsest_over_finest(data),
+            SUBDIVISION,
+            "time of the coarsest ÷ that of the finest".to_owned(),
+        ),
         Test::CostsMore(rival, metrics) => costs_more(data, rival, metrics),
-        Test::TimeOverVolumes(rival, claim) => {
-            let found = beside_volumes(data, rival);
-            let parts = found.into_iter().filter_map(|(title, own, volumes)| {
-                let over = ratio(own, volumes, data.metric)?;
-                let standing = claim.standing_beyond(&over, data.band(own.condition("scene")));
-                Some((format!("{title} {}", times(&over)), standing))
-            });
-            Judged::new(
-                parts.collect(),
-                format!("{} ÷ {TECHNIQUE}/doubled", rival.0),
-            )
-        }
+        Test::TimeOverVolumes(rival, claim) => of_ratios(
+            data,
+            &over_volumes(data, rival),
+            claim,
+            format!("{} ÷ {TECHNIQUE}/doubled", rival.0),
+        ),
         Test::WrongPixels(rival) => wrong_pixels(data, rival),
         Test::No(why) => Judged {
             ours: String::new(),
@@ -343,27 +341,12 @@ fn of_fill_rate(ladders: &[&Ladder<'_>]) -> Judged {
     )
 }
 
-/// Ratios of cases, each with its title and its scene, by the noise of that scene.
-fn of_ratios(
-    data: &Data<'_>,
-    found: Vec<(String, &str, Estimate)>,
-    claim: Claim,
-    reason: &str,
-) -> Judged {
-    let parts = found.into_iter().map(|(title, scene, ratio)| {
-        let standing = claim.standing_beyond(&ratio, data.band(scene));
-        (format!("{title} {}", times(&ratio)), standing)
+fn of_ratios(data: &Data<'_>, found: &[Timed<'_>], claim: Claim, reason: String) -> Judged {
+    let parts = found.iter().map(|timed| {
+        let text = format!("{} {}", timed.title, times(&timed.ratio));
+        (text, timed.standing(data, claim))
     });
-    Judged::new(parts.collect(), reason.to_owned())
-}
-
-fn of_textured(data: &Data<'_>, index: usize, claim: Claim) -> Judged {
-    of_ratios(
-        data,
-        textured::compared(data, index),
-        claim,
-        textured::heading(index),
-    )
+    Judged::new(parts.collect(), reason)
 }
 
 /// Barycentric coordinates have no more error than angles in f32 where a region is flat enough.
@@ -387,13 +370,14 @@ fn flat_mesh(data: &Data<'_>) -> Judged {
 
 fn worst_at_horizon(data: &Data<'_>) -> Judged {
     let all = textured::compared(data, 0);
-    let scenes = distinct(all.iter().map(|(_, scene, _)| *scene));
+    let scenes = distinct(all.iter().map(|timed| timed.scene));
     let parts = scenes.into_iter().filter_map(|scene| {
-        let own = || all.iter().filter(|(_, of, _)| *of == scene);
-        let at_horizon = |title: &str| title.ends_with("horizon");
-        let (_, _, horizon) = own().find(|(title, _, _)| at_horizon(title))?;
-        let others = own().filter(|(title, _, _)| !at_horizon(title));
-        let (_, _, next) = others.max_by(|a, b| a.2.middle.total_cmp(&b.2.middle))?;
+        let own = || all.iter().filter(|timed| timed.scene == scene);
+        let at_horizon = |timed: &&Timed<'_>| timed.title.ends_with("horizon");
+        let horizon = &own().find(at_horizon)?.ratio;
+        let others = own().filter(|timed| !at_horizon(timed));
+        let others = others.map(|timed| &timed.ratio);
+        let next = others.max_by(|a, b| a.middle.total_cmp(&b.middle))?;
         let standing = match (horizon.interval, next.interval) {
             (Some([low, _]), Some([_, high])) if low > high => Standing::Holds,
             (Some([_, high]), Some([low, _])) if high < low => Standing::DoesNotHold,
@@ -472,6 +456,20 @@ fn beside_volumes<'a>(
         Some((of.join(" "), own, cases().find(is_volumes)?))
     });
     pairs.collect()
+}
+
+/// Time of a rival over that of volumes.
+fn over_volumes<'a>(data: &Data<'a>, rival: Rival) -> Vec<Timed<'a>> {
+    let found = beside_volumes(data, rival).into_iter();
+    let timed = found.filter_map(|(title, own, volumes)| {
+        Some(Timed {
+            title,
+            scene: own.condition("scene"),
+            cases: [own, volumes],
+            ratio: ratio(own, volumes, data.metric)?,
+        })
+    });
+    timed.collect()
 }
 
 fn costs_more(data: &Data<'_>, rival: Rival, metrics: &[&str]) -> Judged {
@@ -672,27 +670,37 @@ pub(super) fn of_ladder(data: &Data<'_>, ladder: &Ladder<'_>) -> Vec<Finding> {
     findings.collect()
 }
 
-/// Keys of the cases whose steps further processes may decide: what is undecided, or all while noise is
-/// larger than [`MAX_BAND`].
+/// Keys of the cases that further processes may decide a claim by: what is undecided, or all steps while
+/// noise is larger than [`MAX_BAND`].
 pub(super) fn undecided(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<String> {
-    let mut keys: Vec<String> = Vec::new();
-    for ladder in documents(ladders) {
-        for claimed in &CLAIMS {
-            let Test::Step(step, claim, views) = claimed.test else {
+    let own = documents(ladders);
+    let Some(scene) = own.first().map(|ladder| ladder.scene) else {
+        return Vec::new();
+    };
+    let noise = data.ladder_noise(scene);
+    let is_noisy = noise.is_some_and(|noise| noise.reach_factor() > MAX_BAND);
+    let mut keys = textured::undecided(data);
+    for claimed in &CLAIMS {
+        let (found, claim) = match claimed.test {
+            Test::Step(step, claim, views) => {
+                for (ladder, rung) in steps(&own, step, views) {
+                    let is_open = standing(data, ladder, rung, claim) == Standing::CannotTell
+                        || (is_noisy && rung.gain.is_some());
+                    let cases = rung.before.into_iter().chain([rung.case]);
+                    keys.extend(cases.filter(|_| is_open).map(|case| case.id().key()));
+                }
                 continue;
-            };
-            for (_, rung) in steps(&[ladder], step, views) {
-                let noise = data.ladder_noise(ladder.scene);
-                let is_noisy = noise.is_some_and(|noise| noise.max_factor() > MAX_BAND);
-                let is_open = standing(data, ladder, rung, claim) == Standing::CannotTell
-                    || (is_noisy && rung.gain.is_some());
-                let cases = rung.before.into_iter().chain([rung.case]);
-                keys.extend(cases.filter(|_| is_open).map(|case| case.id().key()));
             }
-        }
-    }
-    if !documents(ladders).is_empty() {
-        keys.extend(textured::undecided(data));
+            Test::Textured(index, claim) => (textured::compared(data, index), claim),
+            Test::Subdivision => (subdivision::coarsest_over_finest(data), SUBDIVISION),
+            Test::TimeOverVolumes(rival, claim) => (over_volumes(data, rival), claim),
+            _ => continue,
+        };
+        let open = found
+            .iter()
+            .filter(|timed| timed.standing(data, claim) == Standing::CannotTell);
+        let cases = open.flat_map(|timed| timed.cases);
+        keys.extend(cases.map(|case| case.id().key()));
     }
     keys.sort_unstable();
     keys.dedup();

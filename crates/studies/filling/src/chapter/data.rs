@@ -7,8 +7,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use terrafill_plot::number::{significant, times};
 use terrafill_results::threshold::MIN_DIFFERENCE;
 use terrafill_results::{
-    Case, Cell, Estimate, Heading, Noise, Outcome, REPEATS, Run, Spread, process_medians, ratio,
-    sample_spread,
+    Case, Cell, Claim, Estimate, Heading, Noise, Outcome, REPEATS, Run, Spread, Standing,
+    process_medians, ratio, sample_spread,
 };
 
 /// Full-screen pass that reads depth in a shader and writes a constant.
@@ -43,6 +43,22 @@ const NO_SWITCHES: [&str; 11] = [
 /// Least band of no difference: clocks of software devices step by less, and what two of three pairs of
 /// identical work happen to agree by says little.
 const MIN_BAND: f64 = 1.005;
+
+/// Two times that a claim compares.
+pub(super) struct Timed<'a> {
+    pub(super) title: String,
+    pub(super) scene: &'a str,
+    pub(super) cases: [&'a Case; 2],
+    /// Time of the first over that of the second.
+    pub(super) ratio: Estimate,
+}
+
+impl Timed<'_> {
+    /// What the ratio says of a claim, by the noise of its scene.
+    pub(super) fn standing(&self, data: &Data<'_>, claim: Claim) -> Standing {
+        claim.standing_beyond(&self.ratio, data.band(self.scene))
+    }
+}
 
 /// Roles of cases that have a chapter of their own and no place in their scene's tables.
 const UNLISTED_ROLES: [&str; 4] = ["ladder", "matrix", "subdivision", "texture"];
@@ -160,11 +176,11 @@ impl<'a> Data<'a> {
         format!("{}{}", times(ratio), if is_tie { " (tie)" } else { "" })
     }
 
-    /// Ratios closer to 1 than this factor are no difference in a scene's ladder: the largest gap between
-    /// two measurements of identical work there.
+    /// Ratios closer to 1 than this factor are no difference in a scene's ladder: so far reach the intervals
+    /// of identical work there. A narrower band could not call identical work no difference.
     pub(super) fn band(&self, scene: &str) -> f64 {
         let noise = self.ladder_noise(scene);
-        noise.map_or(MIN_DIFFERENCE, |noise| noise.max_factor().max(MIN_BAND))
+        noise.map_or(MIN_DIFFERENCE, |noise| noise.reach_factor().max(MIN_BAND))
     }
 
     /// By how much identical work differed on a scene's ladder; anywhere in the scene where none of the
@@ -189,8 +205,8 @@ impl<'a> Data<'a> {
         let percent = significant(100.0 * (self.band(scene) - 1.0));
         match self.ladder_noise(scene) {
             Some(noise) => format!(
-                "Less than {percent} % either way is no difference: by so much identical work differed in \
-                 this run, measured twice under {} names.",
+                "Less than {percent} % either way is no difference: so far the intervals of identical work \
+                 reached in this run, measured twice under {} names.",
                 noise.pairs
             ),
             None => format!(

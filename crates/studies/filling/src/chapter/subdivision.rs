@@ -5,15 +5,14 @@
 //! Cozzi (2007, 2.1.7.2) expected coarse meshes with tall walls to win and left it unmeasured. How tall they
 //! must be at most follows from the step: `terrafill_core::MeshOptions::sagitta_bound_m`.
 
-use super::data::{Data, counter, distinct, has_role, title};
+use super::data::{Data, Timed, counter, distinct, has_role, title};
 use super::rungs::SOURCE;
 use terrafill_plot::number::{count, significant};
 use terrafill_plot::{
     Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
 };
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Claim, Estimate, Finding, Heading, Outcome, Plot, Row,
-    Standing, Table,
+    Block, Case, Cell, ChapterError, Claim, Finding, Heading, Outcome, Plot, Row, Standing, Table,
 };
 
 /// The switch whose values are swept.
@@ -129,15 +128,16 @@ fn table(data: &Data<'_>, sweep: &Sweep<'_>) -> Table {
     }
 }
 
-/// Time of the coarsest mesh over that of the finest, for each view, with its title and its scene.
-pub(super) fn finest_over_coarsest<'a>(data: &Data<'a>) -> Vec<(String, &'a str, Estimate)> {
+/// Time of the coarsest mesh over that of the finest, for each view.
+pub(super) fn coarsest_over_finest<'a>(data: &Data<'a>) -> Vec<Timed<'a>> {
     let of = |sweep: Sweep<'a>| {
         let (fine, coarse) = (sweep.cases.first()?.1, sweep.cases.last()?.1);
-        Some((
-            sweep.title,
-            fine.condition("scene"),
-            data.over(coarse, fine)?,
-        ))
+        Some(Timed {
+            ratio: data.over(coarse, fine)?,
+            scene: fine.condition("scene"),
+            title: sweep.title,
+            cases: [coarse, fine],
+        })
     };
     sweeps(data).into_iter().filter_map(of).collect()
 }

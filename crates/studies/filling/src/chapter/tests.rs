@@ -293,6 +293,29 @@ fn what_is_no_difference_follows_from_identical_work() {
 }
 
 #[test]
+fn identical_work_that_scatters_is_no_difference() {
+    let scatter = |percent: f64| {
+        [-1.0, -1.0, -1.0, 0.0, 0.0, 1.0, 1.0, 1.0].map(|f| 1.0 + f * percent / 100.0)
+    };
+    let standing = |step_percent: f64, again_percent: f64| {
+        let mut run = climbed("globe", &[("start", 100.0), ("strips", 100.0)]);
+        let twin = run.cases[2].id.twin();
+        let times = |percent| {
+            let scattered = PROCESSES.iter().zip(scatter(percent));
+            scattered
+                .map(|(factor, off)| 100.0 * factor * off)
+                .collect::<Vec<_>>()
+        };
+        run.case(twin).timed(TIME, &times(again_percent));
+        run.cases[1].timed(TIME, &times(step_percent));
+        findings(&section(&run, LADDER))[0].standing
+    };
+    assert_eq!(standing(1.0, 1.0), Standing::Holds);
+    // Twin: a step that scatters more widely than identical work tells nothing.
+    assert_eq!(standing(2.0, 1.0), Standing::CannotTell);
+}
+
+#[test]
 fn time_over_vertices_and_over_fragments_are_told_apart() {
     let found = |by_vertices_ms: f64, by_fragments_ms: f64| {
         let steps = [

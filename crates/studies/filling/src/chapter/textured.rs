@@ -5,7 +5,7 @@
 //! Cozzi (2007) named the two arctangents of the texture coordinates as what textured fill loses most
 //! on. Findings are compared with the measured interval; nothing here knows what came out.
 
-use super::data::{DEPTH_PASS, Data, counter, distinct, is_same, name, switches, title};
+use super::data::{DEPTH_PASS, Data, Timed, counter, distinct, is_same, name, switches, title};
 use terrafill_plot::number::{bytes, count, significant, spread};
 use terrafill_results::{
     Block, Case, Cell, Claim, Estimate, Finding, Heading, Outcome, Picture, PictureFigure,
@@ -387,12 +387,16 @@ pub(super) fn heading(index: usize) -> &'static str {
     COMPARISONS[index].heading
 }
 
-/// A comparison in every view that has it, with the view's title and its scene.
-pub(super) fn compared<'a>(data: &Data<'a>, index: usize) -> Vec<(String, &'a str, Estimate)> {
+/// A comparison in every view that has it.
+pub(super) fn compared<'a>(data: &Data<'a>, index: usize) -> Vec<Timed<'a>> {
     let of = |view: TexturedView<'a>| {
-        let ratio = compare(data, &view, &COMPARISONS[index])?;
-        let scene = view.cases.first()?.condition("scene");
-        Some((view.title, scene, ratio))
+        let cases = both(data, &view, &COMPARISONS[index])?;
+        Some(Timed {
+            ratio: ratio(cases[0], cases[1], data.metric)?,
+            scene: view.cases.first()?.condition("scene"),
+            title: view.title,
+            cases,
+        })
     };
     views(data).into_iter().filter_map(of).collect()
 }
