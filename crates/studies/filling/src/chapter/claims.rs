@@ -133,15 +133,23 @@ fn steps<'l, 'a>(
     found.collect()
 }
 
+/// The same where the frustum holds every region.
+fn steps_with_all_in_sight<'l, 'a>(
+    ladders: &[&'l Ladder<'a>],
+    step: &str,
+) -> Vec<(&'l Ladder<'a>, &'l Rung<'a>)> {
+    let mut found = steps(ladders, step, EVERY_VIEW);
+    found.retain(|(_, rung)| counter(rung.case, "regions_left_out") == Some(0));
+    found
+}
+
 /// What the run says of `claimed`.
 pub(super) fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed) -> Judged {
     let own = documents(ladders);
     match claimed.test {
         Test::Step(step, claim, views) => of_step(data, &steps(&own, step, views), claim),
         Test::StepWithAllInSight(step, claim) => {
-            let mut found = steps(&own, step, EVERY_VIEW);
-            found.retain(|(_, rung)| counter(rung.case, "regions_left_out") == Some(0));
-            of_step(data, &found, claim)
+            of_step(data, &steps_with_all_in_sight(&own, step), claim)
         }
         Test::Counter(step, metric, claim, views) => {
             of_counter(&steps(&own, step, views), metric, claim)
@@ -681,25 +689,27 @@ pub(super) fn undecided(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<String> 
     let is_noisy = noise.is_some_and(|noise| noise.reach_factor() > MAX_BAND);
     let mut keys = textured::undecided(data);
     for claimed in &CLAIMS {
-        let (found, claim) = match claimed.test {
-            Test::Step(step, claim, views) => {
-                for (ladder, rung) in steps(&own, step, views) {
-                    let is_open = standing(data, ladder, rung, claim) == Standing::CannotTell
-                        || (is_noisy && rung.gain.is_some());
-                    let cases = rung.before.into_iter().chain([rung.case]);
-                    keys.extend(cases.filter(|_| is_open).map(|case| case.id().key()));
-                }
-                continue;
+        let (rungs, timed, claim) = match claimed.test {
+            Test::Step(step, claim, views) => (steps(&own, step, views), Vec::new(), claim),
+            Test::StepWithAllInSight(step, claim) => {
+                (steps_with_all_in_sight(&own, step), Vec::new(), claim)
             }
-            Test::Textured(index, claim) => (textured::compared(data, index), claim),
-            Test::Subdivision => (subdivision::coarsest_over_finest(data), SUBDIVISION),
-            Test::TimeOverVolumes(rival, claim) => (over_volumes(data, rival), claim),
+            Test::Textured(index, claim) => (Vec::new(), textured::compared(data, index), claim),
+            Test::Subdivision => {
+                let timed = subdivision::coarsest_over_finest(data);
+                (Vec::new(), timed, SUBDIVISION)
+            }
+            Test::TimeOverVolumes(rival, claim) => (Vec::new(), over_volumes(data, rival), claim),
             _ => continue,
         };
-        let open = found
-            .iter()
-            .filter(|timed| timed.standing(data, claim) == Standing::CannotTell);
-        let cases = open.flat_map(|timed| timed.cases);
+        let rungs = rungs.into_iter().filter(|(ladder, rung)| {
+            standing(data, ladder, rung, claim) == Standing::CannotTell
+                || (is_noisy && rung.gain.is_some())
+        });
+        let of_rungs = rungs.flat_map(|(_, rung)| rung.before.into_iter().chain([rung.case]));
+        let timed = timed.iter();
+        let open = timed.filter(|timed| timed.standing(data, claim) == Standing::CannotTell);
+        let cases = of_rungs.chain(open.flat_map(|timed| timed.cases));
         keys.extend(cases.map(|case| case.id().key()));
     }
     keys.sort_unstable();
