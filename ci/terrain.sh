@@ -30,7 +30,7 @@ for scene in san-francisco everest grand-canyon; do
         file=$folder/$scene-$kind.toml
         awk 'BEGIN { RS = "\\[\\[views\\]\\]"; ORS = "" }
             NR == 1 { print; next }
-            !/name = "(street|valley)"/ { print "[[views]]" $0 }' "bench-scenes/terrain/$scene.toml" |
+            !/name = "(street|valley|bay)"/ { print "[[views]]" $0 }' "bench-scenes/terrain/$scene.toml" |
             sed -e "s/^kind = \"tiles\"/$surface/" -e "s/^name = \"$scene\"/name = \"$scene-$kind\"/" >"$file"
         scenes+=("$file")
     done

@@ -101,6 +101,19 @@ fn adapters(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
     found
 }
 
+/// Reports the device's loss. Whatever is made on a device that is gone is invalid, and using it an error
+/// that follows from the loss; any other error that nobody caught is a fault of this program.
+fn watch(device: &wgpu::Device, loss: &DeviceLoss) {
+    let reported = loss.clone();
+    device.set_device_lost_callback(move |reason, message| {
+        reported.report(&format!("{reason:?}: {message}"));
+    });
+    let known = loss.clone();
+    device.on_uncaptured_error(Arc::new(move |error| {
+        assert!(known.message().is_some(), "wgpu error: {error}");
+    }));
+}
+
 /// Every Vulkan adapter of this machine, in the order in which [`Gpu::open`] prefers them.
 #[must_use]
 pub fn list_adapters() -> Vec<DeviceFacts> {
@@ -137,10 +150,7 @@ impl Gpu {
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|error| DeviceError::DeviceLost(error.to_string()))?;
-        let loss = options.loss.clone();
-        device.set_device_lost_callback(move |reason, message| {
-            loss.report(&format!("{reason:?}: {message}"));
-        });
+        watch(&device, &options.loss);
         let timestamp_period_ns = queue.get_timestamp_period();
         Ok(Arc::new(Self {
             device,

@@ -2,7 +2,7 @@
 //! Tests that need a Vulkan device. Without one they are skipped with the reason printed, unless
 //! `TERRAFILL_REQUIRE_DEVICE` is set, as `ci/test.sh` does.
 
-use terrafill_fill::{Devices, device_for_test};
+use terrafill_fill::{DeviceError, Devices, device_for_test};
 use terrafill_fixtures::globe::{SIZE, assert_depth_of_the_ellipsoid, globe_from};
 use terrafill_gpu::{
     Baseline, BaselineKind, GpuOptions, POSITIVE_CONTROL, RenderTargets, make_deliberate_error,
@@ -46,6 +46,11 @@ fn a_lost_device_is_known_to_the_devices_of_the_run_and_draws_nothing() {
     targets.draw_surface().expect("draws");
     assert_eq!(devices.loss().message(), None);
     gpu.device.destroy();
+    // Told when the device is next looked at; a driver's own loss is told at once.
+    let waited = gpu.wait();
+    assert!(
+        waited.is_ok() || waited.is_err_and(|error| matches!(error, DeviceError::DeviceLost(_)))
+    );
     let drawn = targets.draw_surface().and_then(|_| targets.read());
     assert!(drawn.is_err(), "a picture by a device that is gone");
     let said = devices.loss().message().unwrap_or_default();

@@ -559,6 +559,14 @@ fn triangulate_groups(
                 crossings.extend(found);
                 counted_all &= complete;
             }
+            Err(TriangulateError::TooFine { points }) => {
+                return Err(vec![MeshError::CapStep {
+                    feature: region.index,
+                    name: region.name.clone(),
+                    found_deg: options.cap_step_deg,
+                    vertices: points,
+                }]);
+            }
             Err(TriangulateError::Refused(message)) => {
                 return Err(vec![MeshError::Triangulation {
                     feature: region.index,

@@ -101,6 +101,21 @@ pub enum MeshError {
         /// Its range.
         allowed: &'static str,
     },
+    /// A cap step so fine for the region's area that its mesh would fill the memory.
+    #[error(
+        "{}: cap_step_deg is {found_deg}, which takes about {vertices:.1e} vertices; allowed are {:.0e}",
+        feature_label(*feature, name), crate::triangulate::MAX_LATTICE_POINTS
+    )]
+    CapStep {
+        /// Index in the file.
+        feature: usize,
+        /// Its name.
+        name: String,
+        /// The step.
+        found_deg: f64,
+        /// About as many vertices would stand inside.
+        vertices: f64,
+    },
     /// A fault of this program, not of the file.
     #[error("{}: triangulation failed: {message}", feature_label(*feature, name))]
     Triangulation {
@@ -123,6 +138,7 @@ impl MeshError {
             | Self::MoreCrossings { feature, .. }
             | Self::OppositeEnds { feature, .. }
             | Self::NoArea { feature, .. }
+            | Self::CapStep { feature, .. }
             | Self::Triangulation { feature, .. } => Some(*feature),
             Self::Option { .. } => None,
         }
@@ -136,6 +152,7 @@ impl MeshError {
             Self::OppositeEnds { place, .. } => Some(*place),
             Self::MoreCrossings { .. }
             | Self::NoArea { .. }
+            | Self::CapStep { .. }
             | Self::Triangulation { .. }
             | Self::Option { .. } => None,
         }

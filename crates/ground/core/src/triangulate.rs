@@ -61,6 +61,11 @@ pub(crate) enum TriangulateError {
         /// Whether these are all.
         complete: bool,
     },
+    /// The step asks for more points inside than [`MAX_LATTICE_POINTS`].
+    TooFine {
+        /// About how many.
+        points: f64,
+    },
     /// The triangulation refused; a fault in this program rather than in the file.
     Refused(String),
 }
@@ -79,10 +84,18 @@ pub(crate) fn triangulate(
     let mut group = load_without_false_crossings(edges, rule, arcs)?;
     group.mesh.find_inside();
     if group.reaches_beyond(options.cap_step_deg) {
+        let points = group.lattice_points(options.cap_step_deg);
+        if points > MAX_LATTICE_POINTS {
+            return Err(TriangulateError::TooFine { points });
+        }
         group.refine(options.cap_step_deg)?;
     }
     group.extract()
 }
+
+/// Points that a cap step may add to a group: as many as the largest region has vertices. Eight million
+/// triangles take some gigabytes until they are a mesh.
+pub(crate) const MAX_LATTICE_POINTS: f64 = 4e6;
 
 /// Crossings of one group that are looked for: a list that long helps nobody, and a ring that
 /// crosses itself everywhere has as many as the square of its edges.
@@ -382,6 +395,22 @@ impl Group {
     }
 
     /// Points on parallels that are multiples of the step apart, about one step apart on each.
+    /// About how many points [`Self::insert_lattice`] will add: the area inside, in steps.
+    fn lattice_points(&self, step_deg: f64) -> f64 {
+        let triangles = 0..index_u32(self.mesh.triangle_count());
+        let inside = triangles.filter(|triangle| self.mesh.is_inside(*triangle));
+        let steps = inside.map(|triangle| {
+            let [a, b, c] = self
+                .mesh
+                .corners(triangle)
+                .map(|corner| self.position(corner));
+            let twice = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
+            let middle = (a[1] + b[1] + c[1]) / 3.0;
+            0.5 * twice.abs() * middle.to_radians().cos() / (step_deg * step_deg)
+        });
+        steps.sum()
+    }
+
     fn insert_lattice(&mut self, step_deg: f64) -> Result<Vec<u32>, TriangulateError> {
         let [west, south, east, north] = self.bounds;
         let mut chosen = Vec::new();
@@ -554,6 +583,7 @@ mod tests {
         match triangulate(edges.to_vec(), EdgeRule::Planar, &options, Arcs::AsDrawn) {
             Ok(mesh) => mesh,
             Err(TriangulateError::Crossings { found, .. }) => panic!("crossings at {found:?}"),
+            Err(TriangulateError::TooFine { points }) => panic!("{points} points"),
             Err(TriangulateError::Refused(message)) => panic!("{message}"),
         }
     }
@@ -638,6 +668,33 @@ mod tests {
         group.refine(options.cap_step_deg).ok().expect("refined");
         let added = group.mesh.vertex_count() - before;
         assert!((1..9).contains(&added), "{added}");
+    }
+
+    #[test]
+    fn points_of_a_step_are_foreseen_and_refused_before_they_fill_the_memory() {
+        let box_of =
+            |east: f64, north: f64| closed(&[[0.0, 0.0], [east, 0.0], [east, north], [0.0, north]]);
+        for (edges, step_deg) in [(box_of(20.0, 20.0), 0.25), (box_of(60.0, 70.0), 1.0)] {
+            let group =
+                load_without_false_crossings(edges.clone(), EdgeRule::Planar, Arcs::AsDrawn);
+            let mut group = group.ok().expect("a box");
+            group.mesh.find_inside();
+            let foreseen = group.lattice_points(step_deg);
+            let added = group.insert_lattice(step_deg).ok().expect("inserted").len() as f64;
+            assert!(
+                (0.7..1.5).contains(&(foreseen / added)),
+                "{foreseen} {added}"
+            );
+        }
+        let options = MeshOptions {
+            cap_step_deg: 0.01,
+            ..MeshOptions::default()
+        };
+        let meshed = |edges| triangulate(edges, EdgeRule::Planar, &options, Arcs::AsDrawn);
+        let refused = meshed(box_of(60.0, 60.0));
+        assert!(matches!(refused, Err(TriangulateError::TooFine { points }) if points > 2e7));
+        // Twin: a smaller box has room.
+        assert!(meshed(box_of(1.0, 1.0)).is_ok());
     }
 
     #[test]

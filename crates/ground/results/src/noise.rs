@@ -17,8 +17,8 @@ pub struct Noise {
     pub median: f64,
     /// Pairs behind it.
     pub pairs: usize,
-    /// Largest |ln end| of a pair's 95 % interval; `None` where too few processes give an interval.
-    pub reach: Option<f64>,
+    /// Largest |ln end| of a pair's 95 % interval; of its gap where too few processes give an interval.
+    pub reach: f64,
 }
 
 impl Noise {
@@ -38,22 +38,22 @@ impl Noise {
             .collect();
         let off = |ratio: f64| ratio.ln().abs();
         let gaps: Vec<f64> = ratios.iter().map(|ratio| off(ratio.middle)).collect();
-        let ends = ratios.iter().flat_map(|ratio| ratio.interval).flatten();
+        let ends = |ratio: &Estimate| ratio.interval.unwrap_or([ratio.middle; 2]);
+        let ends = ratios.iter().flat_map(ends).map(off);
         Some(Self {
             max: gaps.iter().copied().fold(0.0, f64::max),
             median: crate::median(&gaps)?,
             pairs: gaps.len(),
-            reach: ends.map(off).reduce(f64::max),
+            reach: ends.fold(0.0, f64::max),
         })
     }
 
-    /// How far from 1 the interval of a pair reaches, as a factor, 1 or more; the largest noise where there
-    /// is no interval.
+    /// How far from 1 the interval of a pair reaches, as a factor, 1 or more.
     ///
     /// The least band of no difference by which identical work, measured as often, is found to be none.
     #[must_use]
     pub fn reach_factor(&self) -> f64 {
-        self.reach.unwrap_or(self.max).exp()
+        self.reach.exp()
     }
 
     /// The largest noise as a factor, 1 or more.

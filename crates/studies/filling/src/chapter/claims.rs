@@ -143,6 +143,21 @@ fn steps_with_all_in_sight<'l, 'a>(
     found
 }
 
+/// The same where the step changes how many vertices are drawn.
+fn steps_that_act<'l, 'a>(
+    ladders: &[&'l Ladder<'a>],
+    step: &str,
+    views: &[&str],
+) -> Vec<(&'l Ladder<'a>, &'l Rung<'a>)> {
+    let vertices = |case: &Case| counter(case, "vertices");
+    let mut found = steps(ladders, step, views);
+    found.retain(|(_, rung)| {
+        let before = rung.before.and_then(vertices);
+        before != vertices(rung.case)
+    });
+    found
+}
+
 /// What the run says of `claimed`.
 pub(super) fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed) -> Judged {
     let own = documents(ladders);
@@ -150,6 +165,15 @@ pub(super) fn judge(data: &Data<'_>, ladders: &[Ladder<'_>], claimed: &Claimed) 
         Test::Step(step, claim, views) => of_step(data, &steps(&own, step, views), claim),
         Test::StepWithAllInSight(step, claim) => {
             of_step(data, &steps_with_all_in_sight(&own, step), claim)
+        }
+        Test::StepWhereItActs(step, claim, views) => {
+            let acting = steps_that_act(&own, step, views);
+            match acting.is_empty() && !steps(&own, step, views).is_empty() {
+                true => Judged::not_measured(
+                    "in these views the eye is inside every volume, or so near that the step changes nothing",
+                ),
+                false => of_step(data, &acting, claim),
+            }
         }
         Test::Counter(step, metric, claim, views) => {
             of_counter(&steps(&own, step, views), metric, claim)
@@ -654,11 +678,14 @@ pub(super) fn of_ladder(data: &Data<'_>, ladder: &Ladder<'_>) -> Vec<Finding> {
         return Vec::new();
     }
     let findings = CLAIMS.iter().filter_map(|claimed| {
-        let (step, claim) = match claimed.test {
-            Test::Step(step, claim, views) if views.contains(&ladder.view) => (step, claim),
+        let (found, claim) = match claimed.test {
+            Test::Step(step, claim, views) => (steps(&[ladder], step, views), claim),
+            Test::StepWhereItActs(step, claim, views) => {
+                (steps_that_act(&[ladder], step, views), claim)
+            }
             _ => return None,
         };
-        let rung = ladder.rungs.iter().find(|rung| rung.step == step)?;
+        let (_, rung) = found.first()?;
         let gain = rung.gain.as_ref().map(|gain| data.ratio_text(gain));
         let figure = match claimed.figure {
             "" => String::new(),
@@ -672,7 +699,7 @@ pub(super) fn of_ladder(data: &Data<'_>, ladder: &Ladder<'_>) -> Vec<Finding> {
                 claimed.words
             ),
             standing: standing(data, ladder, rung, claim),
-            because: gain.map_or(String::new(), |gain| format!("{step}: {gain}")),
+            because: gain.map_or(String::new(), |gain| format!("{}: {gain}", rung.step)),
         })
     });
     findings.collect()
@@ -693,6 +720,9 @@ pub(super) fn undecided(data: &Data<'_>, ladders: &[Ladder<'_>]) -> Vec<String> 
             Test::Step(step, claim, views) => (steps(&own, step, views), Vec::new(), claim),
             Test::StepWithAllInSight(step, claim) => {
                 (steps_with_all_in_sight(&own, step), Vec::new(), claim)
+            }
+            Test::StepWhereItActs(step, claim, views) => {
+                (steps_that_act(&own, step, views), Vec::new(), claim)
             }
             Test::Textured(index, claim) => (Vec::new(), textured::compared(data, index), claim),
             Test::Subdivision => {

@@ -421,8 +421,18 @@ fn every_claim_has_a_row_and_what_was_not_run_an_empty_cell() {
     let all = CLAIMS.len();
     assert!(words(&chapter).contains(&format!("{all} claims: ")));
     // Twin: another gain is another verdict.
-    let run = climbed("horizon", &[("start", 130.0), ("bottom-cap", 100.0)]);
+    let mut run = climbed("horizon", &[("start", 130.0), ("bottom-cap", 100.0)]);
+    run.cases[2].figure("vertices", 900.0);
     assert_eq!(claim_row(&run, CAP)[5], "disagrees");
+    // An eye inside keeps the cap: as many vertices say nothing of leaving it out.
+    let steps = [("start", 130.0), ("bottom-cap", 100.0), ("strips", 99.0)];
+    let inside = climbed("horizon", &steps);
+    let row = claim_row(&inside, CAP);
+    assert_eq!((row[4].as_str(), row[5].as_str()), ("–", "not measured"));
+    assert!(
+        row[6].starts_with("in these views the eye is inside"),
+        "{row:?}"
+    );
     // As data: a line for each claim.
     let (_folder, loaded) = written(&run);
     let tables = FillingChapter.tables(&loaded).expect("tables");

@@ -285,10 +285,18 @@ fn wrong_scenes_are_refused_and_leave_no_folder_behind() {
     );
     desk.write("key.toml", replace("heading_deg", "heding_deg"));
     desk.write("body.toml", replace("wgs84", "pluto"));
+    // Half the globe in steps of a hundredth of a degree: hundreds of millions of triangles.
+    desk.write_scene("half", &polygon(&rectangle(-80.0, -80.0, 80.0, 80.0)));
+    let half = desk.read_text("half.toml");
+    desk.write("fine.toml", format!("{half}[mesh]\ncap_step_deg = 0.01\n"));
     desk.write("broken.toml", &right[..right.len() / 2]);
     desk.write("empty.toml", "");
     desk.write("folder.toml/file", "");
-    let cases: [(&str, &[&[&str]]); 12] = [
+    let cases: [(&str, &[&[&str]]); 13] = [
+        (
+            "fine.toml",
+            &[&["feature 0", "cap_step_deg is 0.01", "allowed are 4e6"]],
+        ),
         (
             "atlantis",
             &[&["atlantis", "allowed: planet-134, california"]],

@@ -258,6 +258,43 @@ fn a_run_that_is_told_to_stop_says_what_is_left_and_goes_on() {
 }
 
 #[test]
+fn a_run_on_a_full_disk_says_what_was_not_written_and_goes_on() {
+    const FULL: &str = "/dev/full";
+    if !has_device() || !std::path::Path::new(FULL).exists() {
+        return;
+    }
+    let desk = Desk::new();
+    let mut command = desk.command(&filling(&[]));
+    let mut child = command.stderr(Stdio::piped()).spawn().expect("starts");
+    let started = Instant::now();
+    while measured_rows(&desk) < 400 && started.elapsed() < MAX_WAIT {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    // From one moment to the next there is no room for another row.
+    let [table, kept, full] =
+        ["run/measurements.csv", "kept.csv", "full"].map(|name| desk.path(name));
+    let swapped = std::fs::hard_link(&table, &kept)
+        .and_then(|()| std::os::unix::fs::symlink(FULL, &full))
+        .and_then(|()| std::fs::rename(&full, &table));
+    if swapped.is_err() {
+        child.kill().expect("killed");
+    }
+    let output = child.wait_with_output().expect("a child");
+    swapped.expect("swapped");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    for words in [
+        "run/measurements.csv: No space left on device",
+        "run keeps what was measured; the same command with --resume goes on",
+    ] {
+        assert!(said.contains(words), "{said}");
+    }
+    std::fs::rename(&kept, &table).expect("room again");
+    check_report(&desk);
+    check_resumed(&desk, &filling(&["--resume"]));
+}
+
+#[test]
 fn a_suite_that_is_told_to_stop_fails_no_case_and_leaves_nothing_that_goes_on_writing() {
     if !has_device() {
         return;
