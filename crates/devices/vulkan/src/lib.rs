@@ -22,6 +22,8 @@ mod adapter;
 mod bindings;
 mod covers;
 mod deliberate_error;
+mod direct;
+mod draw_pipeline;
 mod failure;
 mod fill;
 mod fixtures;
@@ -31,6 +33,7 @@ mod pipeline;
 mod queries;
 mod readback;
 mod render_targets;
+mod resources;
 mod sampled;
 mod shader_modules;
 mod shared;
@@ -46,6 +49,8 @@ pub use bindings::BindGroup;
 pub use terrafill_shaders::{HandsOn, RouteText, TexturedParts, TexturedPlacement};
 
 pub use deliberate_error::make_deliberate_error;
+pub use direct::{DirectDraw, DirectReport, Dispatch, DrawCall};
+pub use draw_pipeline::{ComputePipeline, DrawPipeline, GeometryOutput, PrimitiveStages, Shader};
 pub use fill::{VolumeFill, Volumes};
 pub use memory::{Buffer, BufferUse};
 pub use pass::{CoverState, DrawState, FillRecorder, Geometry, IndexWidth, PassRecorder};
@@ -53,6 +58,7 @@ pub use pipeline::{
     Fragments, GeometryStage, Pipeline, PipelineDescriptor, PipelineState, Topology, VertexFormat,
 };
 pub use queries::{FillTimes, PassStatistics};
+pub use resources::{Resource, Resources};
 pub use render_targets::{FillReport, Measured, RenderTargets, SharedTargets};
 pub use sampled::{ImageBindings, SampledImage};
 pub use shader_modules::VertexStage;

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Study `pipelines`: experiments of 2007 with the pipeline of shader model 4, beside what does the same
+//! work today.
+//!
+//! Height grids are drawn by every way in which vertices may come, and points are amplified to cells by
+//! geometry shaders. Every picture shows numbers of triangles, which `f64` rays against the triangles
+//! verify. Set-ups and figures published: Patidar, Bhattacharjee, Singh and Narayanan, "Exploiting the
+//! Shader Model 4.0 Architecture" (2007).
+
+mod chapter;
+mod draws;
+mod grid;
+mod metrics;
+mod on_vulkan;
+mod on_wgpu;
+mod rays;
+mod study;
+mod way;
+
+pub use chapter::PipelinesChapter;
+pub use study::PipelinesStudy;
+
+/// Name of the study.
+pub const STUDY: &str = "pipelines";
