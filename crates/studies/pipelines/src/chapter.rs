@@ -3,6 +3,7 @@
 
 mod amplification;
 mod grids;
+mod numbers;
 mod published;
 
 use terrafill_plot::number::{bytes, significant};
@@ -55,6 +56,7 @@ impl Chapter for PipelinesChapter {
         blocks.extend(requirements(&cases).into_iter().map(Block::Finding));
         blocks.extend(grids::section(&cases, clock)?);
         blocks.extend(amplification::section(&cases, clock));
+        blocks.extend(numbers::sections(&cases)?);
         Ok(blocks)
     }
 }
@@ -172,6 +174,7 @@ fn requirements(cases: &[&Case]) -> Vec<Finding> {
         ),
     ];
     findings.extend(amplification::bytes_finding(cases));
+    findings.extend(numbers::findings(cases));
     findings
 }
 

@@ -4,17 +4,21 @@
 //!
 //! Height grids are drawn by every way in which vertices may come, and points are amplified to cells by
 //! geometry shaders. Every picture shows numbers of triangles, which `f64` rays against the triangles
-//! verify. Set-ups and figures published: Patidar, Bhattacharjee, Singh and Narayanan, "Exploiting the
+//! verify. On the CPU in `f64` stand the errors of geometry images, variance shadows and motion blur. Set-ups and figures published: Patidar, Bhattacharjee, Singh and Narayanan, "Exploiting the
 //! Shader Model 4.0 Architecture" (2007).
 
+mod blur;
 mod chapter;
 mod draws;
+mod geometry_image;
 mod grid;
 mod metrics;
+mod numbers;
 mod on_vulkan;
 mod on_wgpu;
 mod rays;
 mod study;
+mod variance;
 mod way;
 
 pub use chapter::PipelinesChapter;

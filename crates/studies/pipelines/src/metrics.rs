@@ -3,7 +3,7 @@
 
 use terrafill_results::{Kind, Metric};
 
-pub(crate) const METRICS: [Metric; 14] = [
+pub(crate) const METRICS: [Metric; 33] = [
     Metric::less(
         "pipeline_cpu_ms",
         "ms",
@@ -87,5 +87,119 @@ pub(crate) const METRICS: [Metric; 14] = [
         "",
         Kind::DriverCounter,
         "Primitives that reached clipping, as the device counted them.",
+    ),
+    Metric::less(
+        "image_max_m",
+        "m",
+        Kind::Error,
+        "Largest distance of a geometry image's triangles from the shape along its normal, at seven points each.",
+    ),
+    Metric::less(
+        "image_rms_m",
+        "m",
+        Kind::Error,
+        "Root mean square of that distance.",
+    ),
+    Metric::less(
+        "image_max_px",
+        "px",
+        Kind::Error,
+        "The largest distance in pixels, where the shape fills a picture of 1,024.",
+    ),
+    Metric::less(
+        "image_normal_deg",
+        "°",
+        Kind::Error,
+        "Root mean square angle between the facets' normals and the shape's, weighted by area.",
+    ),
+    Metric::less(
+        "image_open_texels",
+        "",
+        Kind::Error,
+        "Texels of a geometry image's border that are not where their partner is.",
+    ),
+    Metric::less(
+        "variance_relative_rms",
+        "",
+        Kind::Error,
+        "Root mean square error of the variance of 25 taps over the exact one, relative to that.",
+    ),
+    Metric::less(
+        "variance_absolute_rms",
+        "",
+        Kind::Error,
+        "Root mean square error of the variance, of the depth range squared.",
+    ),
+    Metric::less(
+        "variance_absolute_max",
+        "",
+        Kind::Error,
+        "Largest error of the variance.",
+    ),
+    Metric::less(
+        "variance_non_finite",
+        "",
+        Kind::Error,
+        "Windows whose variance or light is NaN or infinite.",
+    ),
+    Metric::less(
+        "variance_dark_share",
+        "",
+        Kind::Error,
+        "Share of the pixels of a lit plane with less than 0.99 of the light.",
+    ),
+    Metric::less(
+        "variance_black_share",
+        "",
+        Kind::Error,
+        "Share of the pixels of a lit plane with less than 0.01 of the light.",
+    ),
+    Metric::less(
+        "variance_outside_share",
+        "",
+        Kind::Error,
+        "Share of the pixels of a lit plane whose light is below 0 or above 1.",
+    ),
+    Metric::less(
+        "variance_bleeding",
+        "",
+        Kind::Error,
+        "Largest light where two occluders hide a place wholly, and 0 is right.",
+    ),
+    Metric::less(
+        "hard_wrong_area",
+        "",
+        Kind::Error,
+        "Area that a hard shadow's map shows wrongly, as a share of the map.",
+    ),
+    Metric::neither(
+        "hard_area_share",
+        "",
+        Kind::Error,
+        "That area over the shadow's perimeter times the size of a texel.",
+    ),
+    Metric::less(
+        "hard_deviation_texels",
+        "",
+        Kind::Error,
+        "Largest distance of a wrongly shown place from the shadow's edge, in texels.",
+    ),
+    Metric::less(
+        "blur_rms",
+        "",
+        Kind::Error,
+        "Root mean square error of the trail's pixels against the integral over time, full scale 1.",
+    ),
+    Metric::less(
+        "blur_max",
+        "",
+        Kind::Error,
+        "Largest error of a pixel of the trail.",
+    ),
+    Metric::neither(
+        "blur_layers",
+        "",
+        Kind::Counter,
+        "Layers that are drawn.",
     ),
 ];

@@ -5,6 +5,7 @@ use crate::chapter::PipelinesChapter;
 use crate::draws::{Counted, Draws, open};
 use crate::grid::{Grid, View};
 use crate::metrics::METRICS;
+use crate::numbers::Numbers;
 use crate::rays::{Cut, Judged, Rays};
 use crate::way::{GRID_WAYS, Interface, Source, Strips, Way};
 use crate::{STUDY, way};
@@ -52,6 +53,10 @@ impl Study for PipelinesStudy {
         Depth::Full
     }
 
+    fn needs_device(&self) -> bool {
+        false
+    }
+
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let is_quick = request.depth == Depth::Quick;
         let samples = request.samples.unwrap_or(SAMPLES);
@@ -67,6 +72,9 @@ impl Study for PipelinesStudy {
         };
         for &cells in amplified {
             groups.push(Box::new(Grids::new("amplify", cells, amplified_ways(), samples)));
+        }
+        for numbers in Numbers::all(is_quick) {
+            groups.push(Box::new(numbers));
         }
         Ok(Planned {
             groups,
