@@ -14,8 +14,8 @@ pub(crate) const SIDE_M: f64 = 2_000.0;
 pub(crate) const TAN_HALF_VIEW: f64 = 0.577_350_269_189_625_8;
 /// Distance of the near plane: nothing is nearer.
 const NEAR_M: f64 = 1.0;
-const EYE: DVec3 = DVec3::new(900.0, -1_300.0, 900.0);
-const TARGET: DVec3 = DVec3::new(1_000.0, 800.0, 0.0);
+const EYE: DVec3 = DVec3::new(930.0, -1_500.0, 1_200.0);
+const TARGET: DVec3 = DVec3::new(1_000.0, 600.0, 0.0);
 
 /// Heights of (cells + 1)² vertices, so that no cell reaches beyond the grid.
 #[derive(Debug, Clone, PartialEq)]

@@ -168,7 +168,7 @@ impl OnVulkan {
 }
 
 fn whole(vertices: u32) -> Call {
-    Call::Ranges([0..vertices].into())
+    Call::Ranges(std::iter::once(0..vertices).collect())
 }
 
 fn sent(gpu: &Arc<Gpu>, bytes: &[u8]) -> Result<Feed, DeviceError> {

@@ -167,7 +167,7 @@ impl OnWgpu {
         };
         let call = match way {
             Way::SentStrips => Call::Ranges(strip_ranges(grid)),
-            Way::NoBuffer => Call::Ranges([0..6 * cells].into()),
+            Way::NoBuffer => whole(6 * cells),
             Way::IndexedPatch => {
                 let indices = patch_indices();
                 let bytes = bytemuck::cast_slice(&indices);
@@ -210,7 +210,7 @@ impl OnWgpu {
                     groups: side.div_ceil(8),
                 }
             }
-            _ => Call::Ranges([0..cells].into()),
+            _ => whole(cells),
         };
         Ok(Self {
             gpu: Arc::clone(gpu),
@@ -290,6 +290,10 @@ impl OnWgpu {
         self.gpu.queue.submit([encoder.finish()]);
         self.gpu.wait()
     }
+}
+
+fn whole(vertices: u32) -> Call {
+    Call::Ranges(std::iter::once(0..vertices).collect())
 }
 
 fn heights(gpu: &Gpu, grid: &Grid) -> Result<wgpu::TextureView, DeviceError> {

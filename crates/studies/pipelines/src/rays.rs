@@ -374,12 +374,12 @@ mod tests {
             for column in 0..16 {
                 // Perspective keeps the middle inside.
                 let corners = [(0, 0), (1, 0), (0, 1)];
-                let corners = corners.map(|(x, y)| rays.project(column + x, row + y).0);
-                let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+                let corners = corners.map(|(x, y)| rays.project(column + x, row + y));
+                let middle = (corners[0].0 + corners[1].0 + corners[2].0) / 3.0;
                 let number = 2 * (row * 16 + column) + 1;
                 let hit = rays.meet(middle).expect("on the ground");
                 // Another one only where it hides this one.
-                let away = rays.project(column, row).1;
+                let away = corners.map(|corner| corner.1).into_iter().fold(0.0, f64::max);
                 met += usize::from(hit.number == number);
                 assert!(hit.number == number || hit.away_m < away, "{column} {row}");
             }
@@ -394,13 +394,13 @@ mod tests {
         let truth = right.picture();
         let judged = right.judge_triangles(&truth, &truth);
         assert_eq!((judged.mismatched, judged.in_band), (0, 0));
-        assert!(judged.shown > 2_000, "{judged:?}");
+        assert!(judged.shown > 1_500, "{judged:?}");
         // Twins: cells cut along the other diagonal, a height changed, a column aside.
         let other = rays(&grid, Cut::Other).picture();
         assert!(right.judge_triangles(&other, &truth).mismatched > 500);
         let mut changed = grid.clone();
         let vertex = changed.index(16, 16);
-        changed.heights[vertex] += 20.0;
+        changed.heights[vertex] += 60.0;
         let changed = rays(&changed, Cut::Published).picture();
         assert!(right.judge_triangles(&changed, &truth).mismatched > 3);
         let mut aside = truth.clone();
