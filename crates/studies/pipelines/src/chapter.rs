@@ -41,6 +41,7 @@ impl Chapter for PipelinesChapter {
     fn answers(&self, run: &Run) -> Result<Answers, ChapterError> {
         let cases = cases(run);
         Ok(Answers {
+            blocks: recommended(&cases, run.clock()).into_iter().collect(),
             requirements: requirements(&cases),
             ..Answers::default()
         })
@@ -53,12 +54,20 @@ impl Chapter for PipelinesChapter {
         }
         let clock = run.clock();
         let mut blocks = vec![Block::Text(WHAT_IS_COMPARED.to_owned())];
+        blocks.extend(recommended(&cases, clock));
         blocks.extend(requirements(&cases).into_iter().map(Block::Finding));
         blocks.extend(grids::section(&cases, clock)?);
         blocks.extend(amplification::section(&cases, clock));
         blocks.extend(numbers::sections(&cases)?);
         Ok(blocks)
     }
+}
+
+/// Which way of each experiment that was measured.
+fn recommended(cases: &[&Case], clock: Clock) -> Option<Block> {
+    let mut sentences = grids::recommended(cases, clock);
+    sentences.extend(amplification::recommended(cases, clock));
+    (!sentences.is_empty()).then(|| Block::List(sentences))
 }
 
 /// The metric of times.
@@ -184,4 +193,110 @@ fn headings(names: &[(&str, Option<&'static str>)]) -> Vec<Heading> {
         None => Heading::plain(*name),
     };
     names.iter().map(heading).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::PipelinesStudy;
+    use crate::metrics::METRICS;
+    use std::rc::Rc;
+    use terrafill_fill::Devices;
+    use terrafill_results::made_up::{MadeUpRun, case_id};
+    use terrafill_results::{RunEnvironment, RunFolder, SCHEMA};
+    use terrafill_study::{Depth, Request, RunOptions, Silent, plan, run};
+
+    fn finding<'a>(findings: &'a [Finding], words: &str) -> &'a Finding {
+        let found = findings.iter().find(|finding| finding.claim.contains(words));
+        found.unwrap_or_else(|| panic!("{words:?} in {findings:?}"))
+    }
+
+    #[test]
+    fn a_quick_run_has_a_chapter_and_its_exact_claims_hold() {
+        let request = Request {
+            depth: Depth::Quick,
+            samples: Some(1),
+            ..Request::default()
+        };
+        let options = RunOptions {
+            processes: 1,
+            process: 0,
+            warm_up: 0,
+            seed: 1,
+            shard: None,
+        };
+        let plan = plan(&[&PipelinesStudy], &request, &options).expect("planned");
+        let environment = RunEnvironment {
+            schema: SCHEMA,
+            ..RunEnvironment::default()
+        };
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("run");
+        let run_folder = RunFolder::create(&path, environment, plan.run_plan().clone(), &METRICS);
+        let run_folder = run_folder.expect("a folder");
+        let devices = Rc::new(Devices::default());
+        run(&plan, &run_folder, &devices, &options, &mut Silent).expect("measured");
+        let run = Run::load(&path).expect("a run");
+        for case in &run.cases {
+            assert_ne!(case.outcome, Outcome::Wrong, "{}: {}", case.id(), case.reason);
+            assert_ne!(case.outcome, Outcome::Failed, "{}: {}", case.id(), case.reason);
+        }
+        let blocks = PipelinesChapter.blocks(&run).expect("a chapter");
+        let answers = PipelinesChapter.answers(&run).expect("answers");
+        let does_not_hold = answers
+            .requirements
+            .iter()
+            .filter(|finding| finding.standing == Standing::DoesNotHold);
+        assert_eq!(does_not_hold.collect::<Vec<_>>(), Vec::<&Finding>::new());
+        let sections = blocks.iter().filter(|block| matches!(block, Block::Heading { .. }));
+        let plots = blocks.iter().filter(|block| matches!(block, Block::Plot(_)));
+        assert!(sections.count() >= 3 && plots.count() >= 3);
+        let holds = |words| finding(&answers.requirements, words).standing == Standing::Holds;
+        assert!(holds("by 4.0 ± 0.2 a doubling"));
+        assert!(holds("2.5 times as near"));
+        assert!(holds("receiver subtracted"));
+    }
+
+    #[test]
+    fn pictures_that_differ_and_bytes_that_do_not_fall_are_said() {
+        let grid = |way: &str| {
+            let conditions = [("experiment", "grid"), ("api", "vulkan"), ("way", way), ("grid_cells", "64")];
+            case_id(crate::STUDY, way, &conditions)
+        };
+        let amplified = |cells: &str| {
+            let conditions = [
+                ("experiment", "amplify"),
+                ("grid_cells", "64"),
+                ("cells_per_point", cells),
+                ("strip", "cell"),
+                ("source", "sent"),
+            ];
+            case_id(crate::STUDY, cells, &conditions)
+        };
+        let made = |differing: f64, bytes: f64| {
+            let mut made = MadeUpRun::default();
+            for way in ["sent-strips", "mesh-shader"] {
+                let case = made.case(grid(way));
+                case.figure("pipeline_shown_px", 900.0);
+                case.figure("pipeline_mismatched_px", 0.0);
+                case.figure("pipeline_differing_px", differing);
+            }
+            for (cells, bytes) in [("1", 1600.0), ("4", bytes), ("16", 100.0)] {
+                made.case(amplified(cells)).figure("pipeline_sent_bytes", bytes);
+            }
+            let folder = tempfile::tempdir().expect("a folder");
+            let run = made.write(folder.path()).expect("a run");
+            requirements(&cases(&run))
+        };
+        let right = made(0.0, 400.0);
+        for words in ["same picture", "outside of the band", "a quarter and a sixteenth"] {
+            assert_eq!(finding(&right, words).standing, Standing::Holds, "{words}");
+        }
+        // Twins.
+        let wrong = made(3.0, 800.0);
+        let standing = |words| finding(&wrong, words).standing;
+        assert_eq!(standing("same picture"), Standing::DoesNotHold);
+        assert_eq!(standing("a quarter and a sixteenth"), Standing::DoesNotHold);
+        assert_eq!(standing("outside of the band"), Standing::Holds);
+    }
 }

@@ -27,6 +27,26 @@ pub(super) fn section(cases: &[&Case], clock: Clock) -> Vec<Block> {
     blocks
 }
 
+/// How many cells a point should make, by the largest grid.
+pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Option<String> {
+    let own = of(cases, &[("experiment", "amplify"), ("source", "stored")]);
+    let measured = own.into_iter().filter(|case| case.counts() && case.value(time(clock)).is_some());
+    let measured: Vec<&Case> = measured.collect();
+    let cells = numbers(&measured, "grid_cells").last()?.to_string();
+    let of_largest = of(&measured, &[("grid_cells", &cells)]);
+    let ms = |case: &&Case| case.value(time(clock)).unwrap_or(f64::INFINITY);
+    let best = of_largest.iter().copied().min_by(|a, b| ms(a).total_cmp(&ms(b)))?;
+    let given = best.value("pipeline_emitted_vertices").map(significant);
+    Some(format!(
+        "Geometry shaders make {cells}² cells of stored points fastest with {} cells a point in strips of a \
+         {}: {} ms for {} vertices given.",
+        best.condition("cells_per_point"),
+        best.condition("strip"),
+        significant(ms(&best)),
+        given.unwrap_or_else(|| "–".to_owned()),
+    ))
+}
+
 fn one<'a>(
     cases: &[&'a Case],
     cells: u32,

@@ -82,6 +82,49 @@ pub(super) fn section(cases: &[&Case], clock: Clock) -> Result<Vec<Block>, Chapt
     Ok(blocks)
 }
 
+/// The fastest way to draw the triangles of the largest grid on each interface, with the counters behind
+/// it, and by how much each published way of triangles is slower.
+pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
+    let own = of(cases, &[("experiment", "grid")]);
+    let mut sentences = Vec::new();
+    for api in ["vulkan", "wgpu"] {
+        let of_triangles = of(&own, &[("api", api)]).into_iter().filter(|case| {
+            let is_triangles = !case.condition("way").ends_with("-points");
+            is_triangles && case.counts() && case.value(time(clock)).is_some()
+        });
+        let of_triangles: Vec<&Case> = of_triangles.collect();
+        let Some(&cells) = numbers(&of_triangles, "grid_cells").last() else {
+            continue;
+        };
+        let of_largest = of(&of_triangles, &[("grid_cells", &cells.to_string())]);
+        let ms = |case: &&Case| case.value(time(clock)).unwrap_or(f64::INFINITY);
+        let Some(best) = of_largest.iter().copied().min_by(|a, b| ms(a).total_cmp(&ms(b))) else {
+            continue;
+        };
+        let given = best.value("pipeline_emitted_vertices").map(significant);
+        let mut sentence = format!(
+            "On {api} the fastest way to triangles of {cells}² cells is {}: {} ms for {} vertices given",
+            best.condition("way"),
+            significant(ms(&best)),
+            given.unwrap_or_else(|| "–".to_owned()),
+        );
+        if let Some(shaded) = best.value("pipeline_vertex_invocations") {
+            let shaded = significant(shaded);
+            sentence.push_str(&format!(" and {shaded} vertex shader invocations"));
+        }
+        for way in ["sent-strips", "geometry-shader"] {
+            let other = of_largest.iter().copied().find(|case| case.condition("way") == way);
+            let slower = other.filter(|other| other.id() != best.id());
+            if let Some(slower) = gain(slower, Some(best), time(clock)) {
+                sentence.push_str(&format!("; {way} takes {} times as long", times(&slower)));
+            }
+        }
+        sentence.push('.');
+        sentences.push(sentence);
+    }
+    sentences
+}
+
 fn one<'a>(cases: &[&'a Case], api: &str, way: &str, cells: u32) -> Option<&'a Case> {
     let cells = cells.to_string();
     let conditions = [("api", api), ("way", way), ("grid_cells", cells.as_str())];
