@@ -298,9 +298,10 @@ fn has_mesh_shader(instance: &ash::Instance, raw: vk::PhysicalDevice, api_versio
     }
     // SAFETY: the device is the instance's.
     let extensions = unsafe { instance.enumerate_device_extension_properties(raw) };
-    let is_there = extensions.unwrap_or_default().iter().any(|extension| {
-        extension.extension_name_as_c_str() == Ok(ext::mesh_shader::NAME)
-    });
+    let is_there = extensions
+        .unwrap_or_default()
+        .iter()
+        .any(|extension| extension.extension_name_as_c_str() == Ok(ext::mesh_shader::NAME));
     let mut mesh = vk::PhysicalDeviceMeshShaderFeaturesEXT::default();
     let mut features = vk::PhysicalDeviceFeatures2::default();
     if is_there {

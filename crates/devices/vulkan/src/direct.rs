@@ -196,8 +196,7 @@ unsafe fn record_dispatch(
     let barrier = [vk::MemoryBarrier::default()
         .src_access_mask(vk::AccessFlags::SHADER_WRITE)
         .dst_access_mask(vk::AccessFlags::SHADER_READ | vk::AccessFlags::INDIRECT_COMMAND_READ)];
-    let readers =
-        vk::PipelineStageFlags::ALL_GRAPHICS | vk::PipelineStageFlags::DRAW_INDIRECT;
+    let readers = vk::PipelineStageFlags::ALL_GRAPHICS | vk::PipelineStageFlags::DRAW_INDIRECT;
     // SAFETY: the caller's promise.
     unsafe {
         device.cmd_bind_pipeline(commands, compute, pipeline.raw);

@@ -129,7 +129,11 @@ impl DrawPipeline {
                 (VertexFormat::Number, Topology::Triangles)
             }
         };
-        shaders.push((vk::ShaderStageFlags::FRAGMENT, fragment, SpirvStage::Fragment));
+        shaders.push((
+            vk::ShaderStageFlags::FRAGMENT,
+            fragment,
+            SpirvStage::Fragment,
+        ));
         let named: Vec<(vk::ShaderStageFlags, vk::ShaderModule, CString)> = shaders
             .into_iter()
             .map(|(flag, shader, stage)| {

@@ -58,8 +58,8 @@ pub use pipeline::{
     Fragments, GeometryStage, Pipeline, PipelineDescriptor, PipelineState, Topology, VertexFormat,
 };
 pub use queries::{FillTimes, PassStatistics};
-pub use resources::{Resource, Resources};
 pub use render_targets::{FillReport, Measured, RenderTargets, SharedTargets};
+pub use resources::{Resource, Resources};
 pub use sampled::{ImageBindings, SampledImage};
 pub use shader_modules::VertexStage;
 pub use shared::{API, shared_gpu, shared_targets};

@@ -486,7 +486,9 @@ fn vertex_input(
 /// Counting behind the surface is right wherever the eye is and whatever the near plane cuts
 /// (Carmack, 2000; Everitt and Kilgard, 2002); counting in front of it (Heidmann, 1991) touches
 /// fewer fragments where the surface is close.
-pub(crate) fn depth_stencil(state: PipelineState) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
+pub(crate) fn depth_stencil(
+    state: PipelineState,
+) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
     let base = vk::PipelineDepthStencilStateCreateInfo::default();
     match state {
         PipelineState::Surface => base

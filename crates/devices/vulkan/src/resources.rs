@@ -134,7 +134,9 @@ impl Resources {
     }
 
     pub(crate) fn set(&self) -> vk::DescriptorSet {
-        self.pool.as_ref().map_or(vk::DescriptorSet::null(), |pool| pool.set)
+        self.pool
+            .as_ref()
+            .map_or(vk::DescriptorSet::null(), |pool| pool.set)
     }
 }
 

@@ -65,7 +65,11 @@ fn pipeline(gpu: &Arc<Gpu>, stages: PrimitiveStages) -> Result<DrawPipeline, Dev
 
 /// Numbers that the picture shows, and how many pixels show nothing.
 fn shown(numbers: &[u32]) -> (Vec<u32>, usize) {
-    let mut all: Vec<u32> = numbers.iter().copied().filter(|number| *number > 0).collect();
+    let mut all: Vec<u32> = numbers
+        .iter()
+        .copied()
+        .filter(|number| *number > 0)
+        .collect();
     let nothing = numbers.len() - all.len();
     all.sort_unstable();
     all.dedup();
@@ -120,7 +124,9 @@ fn points_have_a_pixel_each() {
         vertices: Some(&streamed),
         call: DrawCall::Vertices(std::slice::from_ref(&range)),
     };
-    targets.draw_directly(None, &draw, Measured::Nothing).expect("drawn");
+    targets
+        .draw_directly(None, &draw, Measured::Nothing)
+        .expect("drawn");
     let numbers = ids_of(&targets.read().expect("read"));
     let (all, nothing) = shown(&numbers);
     // The middle of the picture is a corner of four pixels; the lower border's are outside or not.
@@ -146,7 +152,9 @@ fn what_does_not_fit_is_refused() {
             vertices,
             call,
         };
-        targets.draw_directly(None, &draw, Measured::Nothing).is_ok()
+        targets
+            .draw_directly(None, &draw, Measured::Nothing)
+            .is_ok()
     };
     assert!(draw(Some(&stored), all));
     // Twins: no vertices, a buffer for something else, a mesh's call, arguments that are none.
@@ -159,7 +167,14 @@ fn what_does_not_fit_is_refused() {
     let streamed = Buffer::streamed(&gpu, "points", 4, BufferUse::Vertex).expect("a buffer");
     assert!(streamed.stream(&[0; 4]).is_ok());
     let error = streamed.stream(&[0; 8]).expect_err("too many");
-    assert!(matches!(error, DeviceError::OverCapacity { found: 8, allowed: 4, .. }));
+    assert!(matches!(
+        error,
+        DeviceError::OverCapacity {
+            found: 8,
+            allowed: 4,
+            ..
+        }
+    ));
 }
 
 #[test]

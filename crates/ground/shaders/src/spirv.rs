@@ -242,7 +242,10 @@ pub fn compiled_spirv(name: &str) -> Result<Vec<u32>, ShaderError> {
 
 /// Every GLSL file: what lies in `shaders/` must be these.
 pub fn glsl_paths() -> impl Iterator<Item = &'static str> {
-    let mut compiled: Vec<&str> = COMPILED_SHADERS.iter().map(|shader| shader.source).collect();
+    let mut compiled: Vec<&str> = COMPILED_SHADERS
+        .iter()
+        .map(|shader| shader.source)
+        .collect();
     // Variants of a source follow each other.
     compiled.dedup();
     let sources = GEOMETRY_SHADERS.iter().map(|shader| shader.source);
@@ -363,7 +366,12 @@ mod tests {
         let of = |stage| wgsl_to_spirv("pipelines/grid.wgsl", stage, "fetched_point", &[]);
         let (points, plain) = (of(SpirvStage::PointVertex), of(SpirvStage::Vertex));
         assert_ne!(points.expect("valid"), plain.expect("valid"));
-        let compute = wgsl_to_spirv("pipelines/expand.wgsl", SpirvStage::Compute, "compute_main", &[]);
+        let compute = wgsl_to_spirv(
+            "pipelines/expand.wgsl",
+            SpirvStage::Compute,
+            "compute_main",
+            &[],
+        );
         assert_eq!(compute.expect("valid")[0], MAGIC);
     }
 

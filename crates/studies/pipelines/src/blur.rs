@@ -156,7 +156,9 @@ pub(crate) fn blur_error(filter: Filter, moments: Moments, layers: u32) -> BlurE
                 continue;
             }
             let moments = moments.all(layers, &mut random);
-            let shown = moments.iter().map(|moment| filter.layer(pixel, start + MOTION_PX * moment));
+            let shown = moments
+                .iter()
+                .map(|moment| filter.layer(pixel, start + MOTION_PX * moment));
             pairs.push((shown.sum::<f64>() / f64::from(layers), exact));
         }
     }
@@ -238,9 +240,14 @@ mod tests {
             for pixel in [0, 3, 20, 31, 33, 51] {
                 let count = 100_000;
                 let moments = (0..count).map(|i| (f64::from(i) + 0.5) / f64::from(count));
-                let sum: f64 = moments.map(|t| filter.layer(pixel, 0.3 + MOTION_PX * t)).sum();
+                let sum: f64 = moments
+                    .map(|t| filter.layer(pixel, 0.3 + MOTION_PX * t))
+                    .sum();
                 let exact = filter.exact(pixel, 0.3);
-                assert!((sum / f64::from(count) - exact).abs() < 2e-5, "{filter:?} {pixel}");
+                assert!(
+                    (sum / f64::from(count) - exact).abs() < 2e-5,
+                    "{filter:?} {pixel}"
+                );
             }
         }
         // Twin: another place of the bar.

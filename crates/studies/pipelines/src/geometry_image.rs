@@ -151,7 +151,10 @@ fn image(texels_a_side: u32, stored: Texels) -> Vec<DVec3> {
         })
         .collect();
     let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let high = positions
+        .iter()
+        .copied()
+        .fold(DVec3::NEG_INFINITY, DVec3::max);
     let span = high - low;
     for position in &mut positions {
         let in_box = (*position - low) / span;

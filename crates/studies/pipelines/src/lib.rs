@@ -12,6 +12,7 @@ mod chapter;
 mod draws;
 mod geometry_image;
 mod grid;
+mod images;
 mod metrics;
 mod numbers;
 mod on_vulkan;

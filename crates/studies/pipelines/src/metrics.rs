@@ -196,10 +196,5 @@ pub(crate) const METRICS: [Metric; 33] = [
         Kind::Error,
         "Largest error of a pixel of the trail.",
     ),
-    Metric::neither(
-        "blur_layers",
-        "",
-        Kind::Counter,
-        "Layers that are drawn.",
-    ),
+    Metric::neither("blur_layers", "", Kind::Counter, "Layers that are drawn."),
 ];

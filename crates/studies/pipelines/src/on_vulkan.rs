@@ -9,9 +9,7 @@ use crate::way::{
 };
 use std::ops::Range;
 use std::sync::Arc;
-use terrafill_fill::{
-    CpuStopwatch, DeviceError, Picture, RouteTexelFormat, RouteTexels,
-};
+use terrafill_fill::{CpuStopwatch, DeviceError, Picture, RouteTexelFormat, RouteTexels};
 use terrafill_scene::ImageSize;
 use terrafill_vulkan::{
     Buffer, BufferUse, ComputePipeline, DirectDraw, DirectReport, Dispatch, DrawCall, DrawPipeline,
@@ -94,10 +92,7 @@ impl OnVulkan {
         let pipeline = DrawPipeline::new(gpu, &resources, stages, fragment)?;
         let all = grid.cells * grid.cells;
         let (feed, call) = match way {
-            Way::SentPoints => (
-                sent(gpu, bytemuck::cast_slice(&points(grid)))?,
-                whole(all),
-            ),
+            Way::SentPoints => (sent(gpu, bytemuck::cast_slice(&points(grid)))?, whole(all)),
             Way::SentStrips => (
                 sent(gpu, bytemuck::cast_slice(&strips(grid)))?,
                 Call::Ranges(strip_ranges(grid)),
@@ -198,7 +193,11 @@ fn stages(way: Way, adapter: &str) -> Result<(PrimitiveStages, Shader), DeviceEr
         format,
         topology,
     };
-    let (metres, word, none) = (VertexFormat::Metres, VertexFormat::Word, VertexFormat::Number);
+    let (metres, word, none) = (
+        VertexFormat::Metres,
+        VertexFormat::Word,
+        VertexFormat::Number,
+    );
     let fragment = wgsl(GRID, "fragment_main");
     Ok(match way {
         Way::SentPoints => (vertices("sent_point", metres, Topology::Points), fragment),
@@ -246,12 +245,14 @@ impl Draws for OnVulkan {
     fn draw(&mut self) -> Result<(Picture, Counted), DeviceError> {
         let report = self.frame(Measured::Statistics)?;
         let picture = self.targets.read()?;
-        let counted = report.statistics.map_or_else(Counted::default, |of| Counted {
-            vertex_invocations: Some(of.vertex_shader_invocations),
-            geometry_invocations: of.geometry_shader_invocations.filter(|count| *count > 0),
-            primitives: Some(of.clipper_invocations),
-            fragments: Some(of.fragment_shader_invocations),
-        });
+        let counted = report
+            .statistics
+            .map_or_else(Counted::default, |of| Counted {
+                vertex_invocations: Some(of.vertex_shader_invocations),
+                geometry_invocations: of.geometry_shader_invocations.filter(|count| *count > 0),
+                primitives: Some(of.clipper_invocations),
+                fragments: Some(of.fragment_shader_invocations),
+            });
         Ok((picture, counted))
     }
 

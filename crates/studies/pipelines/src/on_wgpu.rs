@@ -3,9 +3,7 @@
 
 use crate::draws::{Counted, Draws, Times};
 use crate::grid::{Grid, GridConstants, View};
-use crate::way::{
-    ARGUMENT_BYTES, PATCH_CELLS, Way, patch_indices, points, strip_ranges, strips,
-};
+use crate::way::{ARGUMENT_BYTES, PATCH_CELLS, Way, patch_indices, points, strip_ranges, strips};
 use std::ops::Range;
 use std::sync::Arc;
 use terrafill_fill::{CpuStopwatch, DeviceError, Picture, SKY};
@@ -63,7 +61,12 @@ fn stages(way: Way, gpu: &Gpu) -> Result<Stages, DeviceError> {
         Way::FetchedPoints => Ok(grid("fetched_point", points, word)),
         Way::NoBuffer => Ok(grid("no_buffer", triangles, None)),
         Way::ComputeIndirect => Ok(grid("placed_before", triangles, None)),
-        Way::IndexedPatch if gpu.device.features().contains(wgpu::Features::PRIMITIVE_INDEX) => {
+        Way::IndexedPatch
+            if gpu
+                .device
+                .features()
+                .contains(wgpu::Features::PRIMITIVE_INDEX) =>
+        {
             Ok(Stages {
                 path: "pipelines/patch.wgsl",
                 entry_point: "vertex_main",
@@ -80,7 +83,11 @@ fn stages(way: Way, gpu: &Gpu) -> Result<Stages, DeviceError> {
     }
 }
 
-fn entry(binding: u32, visibility: wgpu::ShaderStages, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
+fn entry(
+    binding: u32,
+    visibility: wgpu::ShaderStages,
+    ty: wgpu::BindingType,
+) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
         visibility,
@@ -181,7 +188,9 @@ impl OnWgpu {
                     usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT,
                     mapped_at_creation: false,
                 });
-                let kept = kept.as_ref().ok_or(DeviceError::Missing("buffer of vertices"))?;
+                let kept = kept
+                    .as_ref()
+                    .ok_or(DeviceError::Missing("buffer of vertices"))?;
                 let compute = wgpu::ShaderStages::COMPUTE;
                 let mut entries = base.to_vec();
                 entries.push(entry(2, compute, storage(false)));
@@ -240,8 +249,10 @@ impl OnWgpu {
             pass.set_bind_group(0, bound, &[]);
             pass.dispatch_workgroups(*groups, *groups, 1);
         }
-        let (colour, depth_stencil) =
-            (self.targets.colour_view(), self.targets.depth_stencil_view());
+        let (colour, depth_stencil) = (
+            self.targets.colour_view(),
+            self.targets.depth_stencil_view(),
+        );
         let [r, g, b, a] = SKY.map(f64::from);
         let store = wgpu::StoreOp::Store;
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -327,7 +338,8 @@ fn heights(gpu: &Gpu, grid: &Grid) -> Result<wgpu::TextureView, DeviceError> {
         rows_per_image: None,
     };
     let texels = bytemuck::cast_slice(&grid.heights);
-    gpu.queue.write_texture(texture.as_image_copy(), texels, layout, size);
+    gpu.queue
+        .write_texture(texture.as_image_copy(), texels, layout, size);
     Ok(texture.create_view(&Default::default()))
 }
 

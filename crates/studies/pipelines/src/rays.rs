@@ -26,7 +26,7 @@ pub(crate) enum Cut {
 }
 
 /// What a picture shows that it should not.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Judged {
     /// Pixels that show another triangle or point than they may.
     pub(crate) mismatched: usize,
@@ -34,6 +34,19 @@ pub(crate) struct Judged {
     pub(crate) in_band: usize,
     /// Pixels that show the grid.
     pub(crate) shown: usize,
+    /// Of each pixel, whether it is among the mismatched.
+    pub(crate) wrong: Vec<bool>,
+}
+
+impl Judged {
+    fn add(&mut self, shown: u32, truth: u32, may: impl FnOnce() -> bool) {
+        self.shown += usize::from(shown != 0);
+        let differs = shown != truth;
+        let is_wrong = differs && !may();
+        self.in_band += usize::from(differs && !is_wrong);
+        self.mismatched += usize::from(is_wrong);
+        self.wrong.push(is_wrong);
+    }
 }
 
 /// A grid and its view, for rays.
@@ -180,9 +193,8 @@ impl<'a> Rays<'a> {
         };
         // Rounding must not open a crack between halves: the band has a pixel's share anyway.
         const SLACK: f64 = 1e-9;
-        let in_cell = |x: f64, y: f64| {
-            x >= -SLACK && y >= -SLACK && x <= 1.0 + SLACK && y <= 1.0 + SLACK
-        };
+        let in_cell =
+            |x: f64, y: f64| x >= -SLACK && y >= -SLACK && x <= 1.0 + SLACK && y <= 1.0 + SLACK;
         let halves = match self.cut {
             Cut::Published => [
                 meet(near, right - near, below - near, &|x, y| {
@@ -235,15 +247,7 @@ impl<'a> Rays<'a> {
     pub(crate) fn judge_triangles(&self, numbers: &[u32], truth: &[u32]) -> Judged {
         let mut judged = Judged::default();
         for ((at, &shown), &met) in self.centres().zip(numbers).zip(truth) {
-            judged.shown += usize::from(shown != 0);
-            if shown == met {
-                continue;
-            }
-            if self.may_show(at, shown) {
-                judged.in_band += 1;
-            } else {
-                judged.mismatched += 1;
-            }
+            judged.add(shown, met, || self.may_show(at, shown));
         }
         judged
     }
@@ -253,7 +257,10 @@ impl<'a> Rays<'a> {
         let ring = [-1.0, 0.0, 1.0].into_iter();
         let ring = ring.flat_map(|x| [-1.0, 0.0, 1.0].map(|y| DVec2::new(x, y)));
         let hits: Vec<Option<Hit>> = ring.map(|way| self.meet(at + way * BAND_PX)).collect();
-        if hits.iter().any(|hit| hit.map_or(0, |hit| hit.number) == shown) {
+        if hits
+            .iter()
+            .any(|hit| hit.map_or(0, |hit| hit.number) == shown)
+        {
             return true;
         }
         // A triangle may be thinner than the ring.
@@ -266,8 +273,13 @@ impl<'a> Rays<'a> {
         let end = if shown % 2 == 1 { (0, 0) } else { (1, 1) };
         let corners = [middle[0], middle[1], end];
         let corners = corners.map(|(x, y)| self.project(column + x, row + y));
-        let nearest = corners.iter().map(|corner| corner.1).fold(f64::INFINITY, f64::min);
-        let farthest = hits.iter().map(|hit| hit.map_or(f64::INFINITY, |hit| hit.away_m));
+        let nearest = corners
+            .iter()
+            .map(|corner| corner.1)
+            .fold(f64::INFINITY, f64::min);
+        let farthest = hits
+            .iter()
+            .map(|hit| hit.map_or(f64::INFINITY, |hit| hit.away_m));
         let is_seen = nearest <= farthest.fold(0.0, f64::max) * (1.0 + EQUAL_DEPTH);
         is_seen && distance_to_triangle(at, corners.map(|corner| corner.0)) <= BAND_PX
     }
@@ -287,7 +299,8 @@ impl<'a> Rays<'a> {
                     continue;
                 };
                 let inside = at - at.floor();
-                let is_sure = inside.min_element() >= BAND_PX && inside.max_element() <= 1.0 - BAND_PX;
+                let is_sure =
+                    inside.min_element() >= BAND_PX && inside.max_element() <= 1.0 - BAND_PX;
                 if is_sure {
                     sure[pixel] = sure[pixel].min(away);
                 }
@@ -298,22 +311,14 @@ impl<'a> Rays<'a> {
         }
         let mut judged = Judged::default();
         for (pixel, &shown) in numbers.iter().enumerate() {
-            judged.shown += usize::from(shown != 0);
-            if shown == plain[pixel].0 {
-                continue;
-            }
-            let may = match shown {
+            judged.add(shown, plain[pixel].0, || match shown {
                 0 => sure[pixel].is_infinite(),
                 _ if shown > cells * cells => false,
                 _ => {
                     let (at, away) = self.project((shown - 1) % cells, (shown - 1) / cells);
                     is_near_pixel(at, pixel, width) && away <= sure[pixel] * (1.0 + EQUAL_DEPTH)
                 }
-            };
-            match may {
-                true => judged.in_band += 1,
-                false => judged.mismatched += 1,
-            }
+            });
         }
         judged
     }
@@ -321,8 +326,7 @@ impl<'a> Rays<'a> {
 
 /// Number of the pixel that a place lies in.
 fn pixel_of(at: DVec2, [width, height]: [u32; 2]) -> Option<usize> {
-    let is_inside =
-        at.min_element() >= 0.0 && at.x < f64::from(width) && at.y < f64::from(height);
+    let is_inside = at.min_element() >= 0.0 && at.x < f64::from(width) && at.y < f64::from(height);
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -379,7 +383,10 @@ mod tests {
                 let number = 2 * (row * 16 + column) + 1;
                 let hit = rays.meet(middle).expect("on the ground");
                 // Another one only where it hides this one.
-                let away = corners.map(|corner| corner.1).into_iter().fold(0.0, f64::max);
+                let away = corners
+                    .map(|corner| corner.1)
+                    .into_iter()
+                    .fold(0.0, f64::max);
                 met += usize::from(hit.number == number);
                 assert!(hit.number == number || hit.away_m < away, "{column} {row}");
             }
@@ -394,10 +401,13 @@ mod tests {
         let truth = right.picture();
         let judged = right.judge_triangles(&truth, &truth);
         assert_eq!((judged.mismatched, judged.in_band), (0, 0));
-        assert!(judged.shown > 1_500, "{judged:?}");
+        assert!(judged.shown > 1_500, "{}", judged.shown);
         // Twins: cells cut along the other diagonal, a height changed, a column aside.
         let other = rays(&grid, Cut::Other).picture();
-        assert!(right.judge_triangles(&other, &truth).mismatched > 500);
+        let judged = right.judge_triangles(&other, &truth);
+        assert!(judged.mismatched > 500);
+        let wrong = judged.wrong.iter().filter(|is_wrong| **is_wrong).count();
+        assert_eq!(wrong, judged.mismatched);
         let mut changed = grid.clone();
         let vertex = changed.index(16, 16);
         changed.heights[vertex] += 60.0;
@@ -441,12 +451,15 @@ mod tests {
         }
         let judged = rays.judge_points(&numbers);
         assert_eq!((judged.mismatched, judged.in_band), (0, 0));
-        assert!(judged.shown > 200, "{judged:?}");
+        assert!(judged.shown > 200, "{}", judged.shown);
         // Twins: a pixel aside, a point left out.
         numbers.rotate_right(1);
         assert!(rays.judge_points(&numbers).mismatched > 200);
         numbers.rotate_left(1);
-        let some = numbers.iter().position(|number| *number > 0).expect("a point");
+        let some = numbers
+            .iter()
+            .position(|number| *number > 0)
+            .expect("a point");
         let mut less = numbers.clone();
         less[some] = 0;
         assert!(rays.judge_points(&less).mismatched <= 1);

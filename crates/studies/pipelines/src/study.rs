@@ -4,6 +4,7 @@
 use crate::chapter::PipelinesChapter;
 use crate::draws::{Counted, Draws, open};
 use crate::grid::{Grid, View};
+use crate::images::write;
 use crate::metrics::METRICS;
 use crate::numbers::Numbers;
 use crate::rays::{Cut, Judged, Rays};
@@ -18,6 +19,8 @@ use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, S
 /// Cells a side; a quick run draws the first two.
 const GRID_CELLS: [u32; 6] = [64, 256, 512, 1_024, 2_048, 128];
 const QUICK_GRIDS: usize = 2;
+/// The size whose pictures are kept.
+const PICTURED_CELLS: u32 = 64;
 /// Cells a side of amplified grids, those published; a quick run has a smaller one instead.
 const AMPLIFIED_CELLS: [u32; 2] = [512, 1_024];
 const QUICK_AMPLIFIED_CELLS: [u32; 1] = [256];
@@ -61,7 +64,12 @@ impl Study for PipelinesStudy {
         let is_quick = request.depth == Depth::Quick;
         let samples = request.samples.unwrap_or(SAMPLES);
         let mut groups: Vec<Box<dyn Group>> = Vec::new();
-        let mut sizes = GRID_CELLS[..if is_quick { QUICK_GRIDS } else { GRID_CELLS.len() }].to_vec();
+        let mut sizes = GRID_CELLS[..if is_quick {
+            QUICK_GRIDS
+        } else {
+            GRID_CELLS.len()
+        }]
+            .to_vec();
         sizes.sort_unstable();
         for cells in sizes {
             groups.push(Box::new(Grids::new("grid", cells, grid_ways(), samples)));
@@ -71,7 +79,12 @@ impl Study for PipelinesStudy {
             false => &AMPLIFIED_CELLS,
         };
         for &cells in amplified {
-            groups.push(Box::new(Grids::new("amplify", cells, amplified_ways(), samples)));
+            groups.push(Box::new(Grids::new(
+                "amplify",
+                cells,
+                amplified_ways(),
+                samples,
+            )));
         }
         for numbers in Numbers::all(is_quick) {
             groups.push(Box::new(numbers));
@@ -116,7 +129,12 @@ fn amplified_ways() -> Vec<(Interface, Way)> {
 }
 
 /// Conditions of a case, in the order of its name.
-fn conditions(experiment: &str, interface: Interface, way: Way, cells: u32) -> Vec<(&'static str, String)> {
+fn conditions(
+    experiment: &str,
+    interface: Interface,
+    way: Way,
+    cells: u32,
+) -> Vec<(&'static str, String)> {
     let mut conditions = vec![
         ("experiment", experiment.to_owned()),
         ("api", interface.name().to_owned()),
@@ -193,7 +211,7 @@ impl Group for Grids {
         let grid = Grid::new(self.cells);
         let truth = rays(&grid).picture();
         Ok(Box::new(GridSession {
-            ways: &self.ways,
+            group: self,
             context,
             grid,
             truth,
@@ -209,7 +227,7 @@ fn rays(grid: &Grid) -> Rays<'_> {
 }
 
 struct GridSession<'a> {
-    ways: &'a [(Interface, Way)],
+    group: &'a Grids,
     context: Context<'a>,
     grid: Grid,
     /// Triangles' numbers by rays.
@@ -230,9 +248,43 @@ impl GridSession<'_> {
     }
 }
 
+impl GridSession<'_> {
+    /// Path of a case's picture, where it is kept: of the one size whose cells can be seen, or where it
+    /// is wrong.
+    fn picture(
+        &self,
+        case: usize,
+        numbers: &[u32],
+        judged: &Judged,
+    ) -> Result<Option<String>, StudyError> {
+        let is_shown = self.group.experiment == "grid" && self.grid.cells == PICTURED_CELLS;
+        if !is_shown && judged.mismatched == 0 {
+            return Ok(None);
+        }
+        let name = &self.group.cases[case].id.name;
+        let draws_points = self.group.ways[case].1.draws_points();
+        let size = [PICTURE.width, PICTURE.height];
+        let cells = self.grid.cells;
+        let folder = self.context.folder;
+        let written = write(
+            folder,
+            name,
+            size,
+            numbers,
+            draws_points,
+            cells,
+            &judged.wrong,
+        );
+        written.map(Some).map_err(|message| StudyError::Broken {
+            place: name.clone(),
+            message,
+        })
+    }
+}
+
 impl Session for GridSession<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
-        let (interface, way) = self.ways[case];
+        let (interface, way) = self.group.ways[case];
         let opened = open(
             self.context.devices,
             interface,
@@ -252,6 +304,7 @@ impl Session for GridSession<'_> {
         let first = first.or_insert_with(|| numbers.clone());
         let differing = numbers.iter().zip(&*first).filter(|(a, b)| a != b).count();
         self.opened.insert(case, opened);
+        let picture = self.picture(case, &numbers, &judged)?;
         let expected = way.primitives(&self.grid);
         let counts_fit = counted.primitives.is_none_or(|found| found == expected);
         let reason = match (judged.mismatched, differing) {
@@ -262,7 +315,9 @@ impl Session for GridSession<'_> {
             }
             (0, 0) => String::new(),
             (0, _) => format!("{differing} pixels differ from the first way's"),
-            (mismatched, _) => format!("{mismatched} pixels show what the reference does not allow"),
+            (mismatched, _) => {
+                format!("{mismatched} pixels show what the reference does not allow")
+            }
         };
         Ok(Verdict {
             status: match reason.is_empty() {
@@ -270,8 +325,8 @@ impl Session for GridSession<'_> {
                 false => Status::Wrong,
             },
             reason,
-            figures: figures(way, &self.grid, judged, differing, counted),
-            notes: Vec::new(),
+            figures: figures(way, &self.grid, &judged, differing, counted),
+            notes: picture.into_iter().map(|path| ("picture", path)).collect(),
         })
     }
 
@@ -290,7 +345,7 @@ impl Session for GridSession<'_> {
 fn figures(
     way: way::Way,
     grid: &Grid,
-    judged: Judged,
+    judged: &Judged,
     differing: usize,
     counted: Counted,
 ) -> Vec<(&'static str, f64)> {
@@ -301,12 +356,18 @@ fn figures(
         ("pipeline_shown_px", judged.shown as f64),
         ("pipeline_sent_bytes", way.sent_bytes(grid) as f64),
         ("pipeline_held_bytes", way.held_bytes(grid) as f64),
-        ("pipeline_emitted_vertices", way.emitted_vertices(grid) as f64),
+        (
+            "pipeline_emitted_vertices",
+            way.emitted_vertices(grid) as f64,
+        ),
         ("pipeline_draws", way.draws(grid) as f64),
     ];
     let counters = [
         ("pipeline_vertex_invocations", counted.vertex_invocations),
-        ("pipeline_geometry_invocations", counted.geometry_invocations),
+        (
+            "pipeline_geometry_invocations",
+            counted.geometry_invocations,
+        ),
         ("pipeline_primitives", counted.primitives),
     ];
     let known = counters.into_iter();
@@ -355,9 +416,10 @@ mod tests {
             return;
         }
         let devices = Rc::new(Devices::default());
+        let folder = tempfile::tempdir().expect("a folder");
         let context = Context {
             devices: &devices,
-            folder: std::path::Path::new("."),
+            folder: folder.path(),
         };
         let mut session = group.open(context).expect("opens");
         let mut right = 0;
@@ -395,7 +457,10 @@ mod tests {
         let devices = Devices::default();
         let grid = Grid::new(64);
         let truth = rays(&grid).picture();
-        for interface in Interface::ALL.into_iter().filter(|interface| has_device(*interface)) {
+        for interface in Interface::ALL
+            .into_iter()
+            .filter(|interface| has_device(*interface))
+        {
             for way in [Way::SentStrips, Way::NoBuffer, Way::SentPoints] {
                 let judge = |drawn: &Grid| {
                     let view = View::new();

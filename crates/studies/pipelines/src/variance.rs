@@ -264,11 +264,19 @@ pub(crate) fn hard_shadow(texels: u32, aside: f64) -> HardShadow {
             // Texels whose middles lie within.
             let start = ((x - sampled) / texel - 0.5 - aside).ceil() * texel;
             let end = ((x + sampled) / texel - 0.5 - aside).floor() * texel + texel;
-            let shadow = if sampled > 0.0 && end > start { Some([start, end]) } else { None };
+            let shadow = if sampled > 0.0 && end > start {
+                Some([start, end])
+            } else {
+                None
+            };
             for line in 0..LINES {
                 let at = first + (f64::from(line) + 0.5) / f64::from(LINES) * texel;
                 let half = half(at);
-                let disc = if half > 0.0 { Some([x - half, x + half]) } else { None };
+                let disc = if half > 0.0 {
+                    Some([x - half, x + half])
+                } else {
+                    None
+                };
                 wrong += difference(shadow, disc) * texel / f64::from(LINES);
                 for end in shadow.into_iter().flatten() {
                     let away = ((end - x).powi(2) + (at - y).powi(2)).sqrt() - RADIUS;
@@ -289,9 +297,9 @@ pub(crate) fn hard_shadow(texels: u32, aside: f64) -> HardShadow {
 /// Length of what only one of two intervals covers.
 fn difference(a: Option<[f64; 2]>, b: Option<[f64; 2]>) -> f64 {
     let length = |of: Option<[f64; 2]>| of.map_or(0.0, |[start, end]| end - start);
-    let both = a.zip(b).map_or(0.0, |(a, b)| {
-        (a[1].min(b[1]) - a[0].max(b[0])).max(0.0)
-    });
+    let both = a
+        .zip(b)
+        .map_or(0.0, |(a, b)| (a[1].min(b[1]) - a[0].max(b[0])).max(0.0));
     length(a) + length(b) - 2.0 * both
 }
 
@@ -302,7 +310,10 @@ mod tests {
     #[test]
     fn noise_is_that_of_sums_near_one_and_goes_with_the_receiver_subtracted() {
         let published = noise(Moments::Published, 1e-4);
-        assert!(published.absolute_rms > 5e-8 && published.absolute_rms < 5e-7, "{published:?}");
+        assert!(
+            published.absolute_rms > 5e-8 && published.absolute_rms < 5e-7,
+            "{published:?}"
+        );
         for sigma in [1e-2, 1e-3, 1e-4] {
             let subtracted = noise(Moments::FromReceiver, sigma);
             assert!(subtracted.relative_rms <= 2e-6, "{sigma}: {subtracted:?}");
@@ -317,7 +328,10 @@ mod tests {
         let bare = lit_plane(Moments::Published, DepthFormat::F32, NO_FLOOR);
         assert!(bare.dark > 0.0 && bare.outside > 0.0, "{bare:?}");
         let floored = lit_plane(Moments::Published, DepthFormat::F32, 1e-7);
-        assert_eq!((floored.dark, floored.outside, floored.non_finite), (0.0, 0.0, 0));
+        assert_eq!(
+            (floored.dark, floored.outside, floored.non_finite),
+            (0.0, 0.0, 0)
+        );
         // Twin: what is in shadow stays dark under that floor.
         let occluded = light(&[0.5; TAPS], 0.9, Moments::Published, 1e-7);
         assert!(occluded < 1e-5, "{occluded}");
@@ -327,7 +341,10 @@ mod tests {
     fn light_bleeds_as_the_formula_says() {
         for gaps in [0.5, 1.0, 2.0, 5.0] {
             let (found, most) = (bleeding(gaps), worst_bleeding(gaps));
-            assert!(found <= most && found > 0.97 * most, "{gaps}: {found} {most}");
+            assert!(
+                found <= most && found > 0.97 * most,
+                "{gaps}: {found} {most}"
+            );
         }
         // Twin: nothing bleeds without a second occluder.
         assert!(bleeding(0.0) <= 0.0);

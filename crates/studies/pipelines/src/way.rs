@@ -164,7 +164,11 @@ impl Way {
     /// Primitives of a frame.
     pub(crate) fn primitives(self, grid: &Grid) -> u64 {
         let cells = u64::from(grid.cells).pow(2);
-        if self.draws_points() { cells } else { 2 * cells }
+        if self.draws_points() {
+            cells
+        } else {
+            2 * cells
+        }
     }
 
     /// Vertices that the last stage before rasterisation gives, by the way's definition.
@@ -287,8 +291,14 @@ mod tests {
     #[test]
     fn lists_are_as_long_as_their_bytes_say() {
         let grid = Grid::new(64);
-        assert_eq!(size_of_val(&*points(&grid)) as u64, Way::SentPoints.sent_bytes(&grid));
-        assert_eq!(size_of_val(&*strips(&grid)) as u64, Way::SentStrips.sent_bytes(&grid));
+        assert_eq!(
+            size_of_val(&*points(&grid)) as u64,
+            Way::SentPoints.sent_bytes(&grid)
+        );
+        assert_eq!(
+            size_of_val(&*strips(&grid)) as u64,
+            Way::SentStrips.sent_bytes(&grid)
+        );
         assert_eq!(strip_ranges(&grid).last(), Some(&(63 * 130..64 * 130)));
         let indices = patch_indices();
         assert_eq!(indices.len(), 6 * 64 * 64);

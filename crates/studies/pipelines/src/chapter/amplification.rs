@@ -30,12 +30,17 @@ pub(super) fn section(cases: &[&Case], clock: Clock) -> Vec<Block> {
 /// How many cells a point should make, by the largest grid.
 pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Option<String> {
     let own = of(cases, &[("experiment", "amplify"), ("source", "stored")]);
-    let measured = own.into_iter().filter(|case| case.counts() && case.value(time(clock)).is_some());
+    let measured = own
+        .into_iter()
+        .filter(|case| case.counts() && case.value(time(clock)).is_some());
     let measured: Vec<&Case> = measured.collect();
     let cells = numbers(&measured, "grid_cells").last()?.to_string();
     let of_largest = of(&measured, &[("grid_cells", &cells)]);
     let ms = |case: &&Case| case.value(time(clock)).unwrap_or(f64::INFINITY);
-    let best = of_largest.iter().copied().min_by(|a, b| ms(a).total_cmp(&ms(b)))?;
+    let best = of_largest
+        .iter()
+        .copied()
+        .min_by(|a, b| ms(a).total_cmp(&ms(b)))?;
     let given = best.value("pipeline_emitted_vertices").map(significant);
     Some(format!(
         "Geometry shaders make {cells}² cells of stored points fastest with {} cells a point in strips of a \
@@ -83,7 +88,8 @@ pub(super) fn bytes_finding(cases: &[&Case]) -> Option<Finding> {
     }
     let is_right = |(fall, expected): &(f64, f64)| (fall - expected).abs() < 1e-9;
     Some(Finding {
-        claim: "Generating 4 and 16 cells of a point sends a quarter and a sixteenth of the bytes:".to_owned(),
+        claim: "Generating 4 and 16 cells of a point sends a quarter and a sixteenth of the bytes:"
+            .to_owned(),
         standing: match falls.is_empty() {
             true => Standing::NotMeasured,
             false => Standing::holds_if(falls.iter().all(is_right)),
@@ -191,11 +197,17 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
         ("time ÷ that of a cell a point", None),
         ("the same, published", None),
         ("vertices given", Some("pipeline_emitted_vertices")),
-        ("geometry invocations", Some("pipeline_geometry_invocations")),
+        (
+            "geometry invocations",
+            Some("pipeline_geometry_invocations"),
+        ),
         ("primitives", Some("pipeline_primitives")),
     ]);
     headings[6] = Heading::explained("time ÷ that of a cell a point", "with its 95 % interval");
-    headings[7] = Heading::explained("the same, published", "ratio of frames per second, 8800 GTX");
+    headings[7] = Heading::explained(
+        "the same, published",
+        "ratio of frames per second, 8800 GTX",
+    );
     Table {
         caption: "The same triangles by fewer and fewer points: bytes and time".to_owned(),
         headings,

@@ -9,8 +9,8 @@ use terrafill_plot::{
     Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, named_aside,
 };
 use terrafill_results::{
-    Block, Case, Cell, ChapterError, Claim, Clock, Estimate, Finding, Heading, Plot, Row, Table,
-    process_medians, sample_spread,
+    Block, Case, Cell, ChapterError, Claim, Clock, Estimate, Finding, Heading, Picture,
+    PictureFigure, Pictures, Plot, Row, Table, process_medians, sample_spread,
 };
 
 /// What the published figures cannot show.
@@ -76,6 +76,7 @@ pub(super) fn section(cases: &[&Case], clock: Clock) -> Result<Vec<Block>, Chapt
             })
         }));
     }
+    blocks.extend(pictures(&own));
     blocks.push(Block::Table(table(&own, clock)));
     blocks.push(Block::Table(comparisons(&own, clock)));
     blocks.push(Block::Remark(WHAT_THEY_CANNOT_SHOW.to_owned()));
@@ -98,7 +99,11 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
         };
         let of_largest = of(&of_triangles, &[("grid_cells", &cells.to_string())]);
         let ms = |case: &&Case| case.value(time(clock)).unwrap_or(f64::INFINITY);
-        let Some(best) = of_largest.iter().copied().min_by(|a, b| ms(a).total_cmp(&ms(b))) else {
+        let Some(best) = of_largest
+            .iter()
+            .copied()
+            .min_by(|a, b| ms(a).total_cmp(&ms(b)))
+        else {
             continue;
         };
         let given = best.value("pipeline_emitted_vertices").map(significant);
@@ -113,7 +118,10 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
             sentence.push_str(&format!(" and {shaded} vertex shader invocations"));
         }
         for way in ["sent-strips", "geometry-shader"] {
-            let other = of_largest.iter().copied().find(|case| case.condition("way") == way);
+            let other = of_largest
+                .iter()
+                .copied()
+                .find(|case| case.condition("way") == way);
             let slower = other.filter(|other| other.id() != best.id());
             if let Some(slower) = gain(slower, Some(best), time(clock)) {
                 sentence.push_str(&format!("; {way} takes {} times as long", times(&slower)));
@@ -131,7 +139,12 @@ fn one<'a>(cases: &[&'a Case], api: &str, way: &str, cells: u32) -> Option<&'a C
     of(cases, &conditions).first().copied()
 }
 
-fn gains(cases: &[&Case], comparison: &Comparison, api: &str, clock: Clock) -> Vec<(u32, Estimate)> {
+fn gains(
+    cases: &[&Case],
+    comparison: &Comparison,
+    api: &str,
+    clock: Clock,
+) -> Vec<(u32, Estimate)> {
     let [slow, fast] = comparison.ways;
     let sizes = numbers(cases, "grid_cells");
     let of_size = |cells| {
@@ -157,6 +170,33 @@ fn findings(cases: &[&Case], clock: Clock) -> Vec<Finding> {
         }
     }
     findings
+}
+
+/// Pictures of one size, those that are the same shown once with all their names.
+fn pictures(cases: &[&Case]) -> Option<Block> {
+    let mut figures: Vec<PictureFigure> = Vec::new();
+    for case in cases.iter().filter(|case| !case.note("picture").is_empty()) {
+        figures.push(PictureFigure {
+            pictures: vec![Picture {
+                path: case.note("picture").to_owned(),
+                caption: case.condition("way").to_owned(),
+            }],
+            notes: vec![format!(
+                "{} on {}",
+                case.condition("way"),
+                case.condition("api")
+            )],
+        });
+    }
+    (!figures.is_empty()).then(|| {
+        Block::Pictures(Pictures {
+            caption: "What is drawn: numbers of triangles or points, cells as a chessboard, both halves of a \
+                      cell in a shade of their own; wrong pixels would be red."
+                .to_owned(),
+            reference: String::new(),
+            figures,
+        })
+    })
 }
 
 /// A row for each way, interface and size.
@@ -192,9 +232,10 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
         }
     }
     Table {
-        caption: "Every way of every grid. Points of sent and fetched points are no triangles: compare \
+        caption:
+            "Every way of every grid. Points of sent and fetched points are no triangles: compare \
                   them with each other alone."
-            .to_owned(),
+                .to_owned(),
         headings: headings(&[
             ("cells a side", None),
             ("way", None),
@@ -248,15 +289,21 @@ fn comparisons(cases: &[&Case], clock: Clock) -> Table {
     }
     let cards = CARDS.map(|card| Heading::explained(card, "published: ratio of frames per second"));
     let ours = ["vulkan", "wgpu"].map(|api| {
-        Heading::explained(format!("here, {api}"), "ratio of times, with its 95 % interval")
+        Heading::explained(
+            format!("here, {api}"),
+            "ratio of times, with its 95 % interval",
+        )
     });
     Table {
         caption: "How many times as fast the second way is as the first".to_owned(),
-        headings: [Heading::plain("time of … ÷ time of …"), Heading::plain("cells a side")]
-            .into_iter()
-            .chain(cards)
-            .chain(ours)
-            .collect(),
+        headings: [
+            Heading::plain("time of … ÷ time of …"),
+            Heading::plain("cells a side"),
+        ]
+        .into_iter()
+        .chain(cards)
+        .chain(ours)
+        .collect(),
         rows,
         ..Table::default()
     }
@@ -300,5 +347,10 @@ fn drawing(cases: &[&Case], clock: Clock) -> Result<Option<String>, ChapterError
         curves,
         lines: Vec::new(),
     };
-    Ok(named_aside("time of a frame against points", &plot, &names, &palette)?)
+    Ok(named_aside(
+        "time of a frame against points",
+        &plot,
+        &names,
+        &palette,
+    )?)
 }
