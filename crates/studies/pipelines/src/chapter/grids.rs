@@ -176,10 +176,14 @@ fn findings(cases: &[&Case], clock: Clock) -> Vec<Finding> {
 fn pictures(cases: &[&Case]) -> Option<Block> {
     let mut figures: Vec<PictureFigure> = Vec::new();
     for case in cases.iter().filter(|case| !case.note("picture").is_empty()) {
+        let kind = match case.condition("way").ends_with("-points") {
+            true => "points",
+            false => "triangles",
+        };
         figures.push(PictureFigure {
             pictures: vec![Picture {
                 path: case.note("picture").to_owned(),
-                caption: case.condition("way").to_owned(),
+                caption: kind.to_owned(),
             }],
             notes: vec![format!(
                 "{} on {}",
