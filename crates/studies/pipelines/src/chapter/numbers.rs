@@ -35,7 +35,8 @@ const IMAGES: &str = "A geometry image keeps positions of a closed shape in a sq
 const SHADOWS: &str = "The published variance shadow sums 25 depths and their squares in f32 and subtracts: near depth 1 the \
      difference is noise. Depths less the receiver's are small numbers, and their variance keeps its \
      digits. On a lit plane every pixel should have all the light; rounding puts the receiver behind \
-     its own depth in some, which without a floor under the variance turn dark or black.";
+     its own depth in some, which without a floor under the variance turn dark or black. Subtracting the \
+     receiver does not cure that: without noise every such pixel is black, so the floor is needed all the same.";
 const HARD: &str = "A hard shadow's map shows texels whose middles are in shadow. Against the disc that casts it the wrong \
      area is about 0.244 of the perimeter times a texel, so it halves with the texel.";
 const BLUR: &str = "A bar of 20 pixels moves by 32 while the shutter is open. A picture is the mean of so many layers, each of \
