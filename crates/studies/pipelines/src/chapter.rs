@@ -2,18 +2,15 @@
 //! The chapter on pipelines: grids, amplification, and what was published beside them.
 
 mod amplification;
+mod cells;
 mod grids;
 mod numbers;
 mod published;
 
-use terrafill_plot::number::{bytes, significant};
+use cells::time;
 use terrafill_results::{
-    Answers, Block, Case, Cell, Chapter, ChapterError, Claim, Clock, Estimate, Finding, Heading,
-    Outcome, Run, Standing, ratio,
+    Answers, Block, Case, Chapter, ChapterError, Clock, Finding, Outcome, Run, Standing,
 };
-
-const CPU: &str = "pipeline_cpu_ms";
-const GPU: &str = "pipeline_gpu_ms";
 
 /// What is measured.
 const WHAT_IS_COMPARED: &str = "A square of 2 km of analytic ground is drawn as a grid into 256 × 256 pixels, the whole of it in view. \
@@ -70,90 +67,10 @@ fn recommended(cases: &[&Case], clock: Clock) -> Option<Block> {
     (!sentences.is_empty()).then_some(Block::List(sentences))
 }
 
-/// The metric of times.
-fn time(clock: Clock) -> &'static str {
-    clock.pick(GPU, CPU)
-}
-
 fn cases(run: &Run) -> Vec<&Case> {
     run.of_study(crate::STUDY)
         .filter(|case| !case.is_twin())
         .collect()
-}
-
-/// Of the conditions named.
-fn of<'a>(cases: &[&'a Case], conditions: &[(&str, &str)]) -> Vec<&'a Case> {
-    let fits = |case: &&Case| {
-        conditions
-            .iter()
-            .all(|(key, value)| case.condition(key) == *value)
-    };
-    cases.iter().copied().filter(fits).collect()
-}
-
-/// Values of a condition in rising order.
-fn numbers(cases: &[&Case], key: &str) -> Vec<u32> {
-    let values = cases
-        .iter()
-        .filter_map(|case| case.condition(key).parse().ok());
-    let mut values: Vec<u32> = values.collect();
-    values.sort_unstable();
-    values.dedup();
-    values
-}
-
-/// Why a cell is empty.
-fn why(case: &Case) -> &str {
-    match case.reason.as_str() {
-        "" => "not measured",
-        reason => reason,
-    }
-}
-
-fn count(case: &Case, metric: &str) -> Cell {
-    let text = case.value(metric).map(significant);
-    let absent = match (case.counts(), case.condition("api")) {
-        (false, _) => why(case),
-        (_, "wgpu") => "counted on Vulkan alone",
-        _ => "not counted by the device for this stage",
-    };
-    Cell::or_absent(text, absent)
-}
-
-/// Whole and positive, as written.
-#[allow(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "a count of bytes below 2⁵³"
-)]
-fn byte_cell(case: &Case, metric: &str) -> Cell {
-    let text = case.value(metric).map(|count| bytes(count as u64));
-    Cell::or_absent(text, why(case))
-}
-
-fn time_cell(case: &Case, metric: &str) -> Cell {
-    let value = case.value(metric).filter(|_| case.counts());
-    Cell::or_absent(value.map(significant), why(case))
-}
-
-/// How many times as fast `fast` is as `slow`: time of the second over time of the first.
-fn gain(slow: Option<&Case>, fast: Option<&Case>, metric: &str) -> Option<Estimate> {
-    let (slow, fast) = (
-        slow.filter(|case| case.counts())?,
-        fast.filter(|case| case.counts())?,
-    );
-    ratio(slow, fast, metric)
-}
-
-/// What the intervals of all sizes say of a claim: it fails where one does.
-fn standing(claim: Claim, gains: &[Estimate]) -> Standing {
-    let all: Vec<Standing> = gains.iter().map(|gain| claim.standing(gain)).collect();
-    match all.as_slice() {
-        [] => Standing::NotMeasured,
-        all if all.contains(&Standing::DoesNotHold) => Standing::DoesNotHold,
-        all if all.iter().all(|standing| *standing == Standing::Holds) => Standing::Holds,
-        _ => Standing::CannotTell,
-    }
 }
 
 /// What is required of every picture.
@@ -197,14 +114,6 @@ fn requirements(cases: &[&Case]) -> Vec<Finding> {
     findings.extend(amplification::bytes_finding(cases));
     findings.extend(numbers::findings(cases));
     findings
-}
-
-fn headings(names: &[(&str, Option<&'static str>)]) -> Vec<Heading> {
-    let heading = |(name, metric): &(&str, Option<&'static str>)| match metric {
-        Some(metric) => Heading::metric(*name, *metric),
-        None => Heading::plain(*name),
-    };
-    names.iter().map(heading).collect()
 }
 
 #[cfg(test)]

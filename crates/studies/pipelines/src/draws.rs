@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What an opened way does, on whichever interface.
 
-use crate::grid::{Grid, View};
-use crate::on_vulkan::OnVulkan;
-use crate::on_wgpu::OnWgpu;
-use crate::way::{Interface, Way};
-use terrafill_fill::{DeviceError, Devices, Picture};
-use terrafill_scene::ImageSize;
+use terrafill_fill::{DeviceError, Picture};
 
 /// Times of a frame, milliseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -35,25 +30,4 @@ pub(crate) trait Draws {
 
     /// Sends what is sent each frame, draws, and waits.
     fn time(&mut self) -> Result<Times, DeviceError>;
-}
-
-/// Makes everything that a way needs.
-pub(crate) fn open(
-    devices: &Devices,
-    interface: Interface,
-    way: Way,
-    grid: &Grid,
-    view: &View,
-    size: ImageSize,
-) -> Result<Box<dyn Draws>, DeviceError> {
-    Ok(match interface {
-        Interface::Wgpu => {
-            let gpu = terrafill_gpu::shared_gpu(devices)?;
-            Box::new(OnWgpu::new(&gpu, way, grid, view, size)?)
-        }
-        Interface::Vulkan => {
-            let gpu = terrafill_vulkan::shared_gpu(devices)?;
-            Box::new(OnVulkan::new(&gpu, way, grid, view, size)?)
-        }
-    })
 }

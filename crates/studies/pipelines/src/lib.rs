@@ -17,6 +17,7 @@ mod metrics;
 mod numbers;
 mod on_vulkan;
 mod on_wgpu;
+mod open;
 mod rays;
 mod study;
 mod variance;

@@ -2,11 +2,12 @@
 //! The cases: grids by way and size, and amplification by cells a point, strips and source.
 
 use crate::chapter::PipelinesChapter;
-use crate::draws::{Counted, Draws, open};
+use crate::draws::{Counted, Draws};
 use crate::grid::{Grid, View};
 use crate::images::write;
 use crate::metrics::METRICS;
 use crate::numbers::Numbers;
+use crate::open::open;
 use crate::rays::{Cut, Judged, Rays};
 use crate::way::{GRID_WAYS, Interface, Source, Strips, Way};
 use crate::{STUDY, way};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Amplification: bytes and time of grids whose cells a geometry shader makes of fewer and fewer points.
 
+use super::cells::{byte_cell, count, gain, headings, of, standing, time, time_cell, values, why};
 use super::published::AMPLIFICATION;
-use super::{byte_cell, count, gain, headings, numbers, of, standing, time, time_cell};
 use terrafill_plot::number::{significant, times};
 use terrafill_results::{
     Block, Case, Cell, Claim, Clock, Estimate, Finding, Heading, Row, Standing, Table,
@@ -34,7 +34,7 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Option<String> {
         .into_iter()
         .filter(|case| case.counts() && case.value(time(clock)).is_some());
     let measured: Vec<&Case> = measured.collect();
-    let cells = numbers(&measured, "grid_cells").last()?.to_string();
+    let cells = values(&measured, "grid_cells").last()?.to_string();
     let of_largest = of(&measured, &[("grid_cells", &cells)]);
     let ms = |case: &&Case| case.value(time(clock)).unwrap_or(f64::INFINITY);
     let best = of_largest
@@ -73,7 +73,7 @@ fn one<'a>(
 pub(super) fn bytes_finding(cases: &[&Case]) -> Option<Finding> {
     let own = of(cases, &[("experiment", "amplify")]);
     let mut falls = Vec::new();
-    for cells in numbers(&own, "grid_cells") {
+    for cells in values(&own, "grid_cells") {
         for (per_point, expected) in [(4, 4.0), (16, 16.0)] {
             let bytes = |per_point| {
                 let case = one(&own, cells, per_point, "cell", "sent")?;
@@ -115,7 +115,7 @@ fn slowdown(
 }
 
 fn findings(cases: &[&Case], clock: Clock) -> Vec<Finding> {
-    let sizes = numbers(cases, "grid_cells");
+    let sizes = values(cases, "grid_cells");
     let all = |per_point: u32| -> Vec<Estimate> {
         let of_size = |cells: &u32| {
             ["sent", "stored"].map(|source| {
@@ -154,9 +154,9 @@ fn published(cells: u32, per_point: u32, source: &str) -> Option<f64> {
 
 fn table(cases: &[&Case], clock: Clock) -> Table {
     let mut rows = Vec::new();
-    for cells in numbers(cases, "grid_cells") {
+    for cells in values(cases, "grid_cells") {
         for source in ["sent", "stored"] {
-            for per_point in numbers(cases, "cells_per_point") {
+            for per_point in values(cases, "cells_per_point") {
                 for strip in ["cell", "row"] {
                     let Some(case) = one(cases, cells, per_point, strip, source) else {
                         continue;
@@ -174,7 +174,7 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
                             Cell::name(strip),
                             byte_cell(case, "pipeline_sent_bytes"),
                             time_cell(case, time(clock)),
-                            Cell::or_absent(slowdown.as_ref().map(times), super::why(case)),
+                            Cell::or_absent(slowdown.as_ref().map(times), why(case)),
                             Cell::or_absent(published.map(significant), "not published"),
                             count(case, "pipeline_emitted_vertices"),
                             count(case, "pipeline_geometry_invocations"),

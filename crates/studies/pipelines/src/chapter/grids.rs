@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Height grids: every way of every size, and the published ratios beside ours.
 
+use super::cells::{byte_cell, count, gain, headings, of, standing, time, time_cell, values, why};
 use super::published::{CARDS, GRIDS, GridRow};
-use super::{byte_cell, count, gain, headings, numbers, of, standing, time, time_cell, why};
 use crate::way::GRID_WAYS;
 use terrafill_plot::number::{significant, times};
 use terrafill_plot::{
@@ -94,7 +94,7 @@ pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
             is_triangles && case.counts() && case.value(time(clock)).is_some()
         });
         let of_triangles: Vec<&Case> = of_triangles.collect();
-        let Some(&cells) = numbers(&of_triangles, "grid_cells").last() else {
+        let Some(&cells) = values(&of_triangles, "grid_cells").last() else {
             continue;
         };
         let of_largest = of(&of_triangles, &[("grid_cells", &cells.to_string())]);
@@ -146,7 +146,7 @@ fn gains(
     clock: Clock,
 ) -> Vec<(u32, Estimate)> {
     let [slow, fast] = comparison.ways;
-    let sizes = numbers(cases, "grid_cells");
+    let sizes = values(cases, "grid_cells");
     let of_size = |cells| {
         let [slow, fast] = [slow, fast].map(|way| one(cases, api, way, cells));
         Some((cells, gain(slow, fast, time(clock))?))
@@ -206,7 +206,7 @@ fn pictures(cases: &[&Case]) -> Option<Block> {
 /// A row for each way, interface and size.
 fn table(cases: &[&Case], clock: Clock) -> Table {
     let mut rows = Vec::new();
-    for cells in numbers(cases, "grid_cells") {
+    for cells in values(cases, "grid_cells") {
         for way in GRID_WAYS {
             for api in ["vulkan", "wgpu"] {
                 let Some(case) = one(cases, api, &way.name(), cells) else {
@@ -263,7 +263,7 @@ fn table(cases: &[&Case], clock: Clock) -> Table {
 fn comparisons(cases: &[&Case], clock: Clock) -> Table {
     let mut rows = Vec::new();
     for comparison in &COMPARISONS {
-        for cells in numbers(cases, "grid_cells") {
+        for cells in values(cases, "grid_cells") {
             let row = GRIDS.iter().find(|row| row.cells == cells);
             let published = |card| {
                 let ratio = row.and_then(|row| (comparison.published)(row, card));

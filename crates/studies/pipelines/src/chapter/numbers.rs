@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Sections that need no device: error against resolution and against layers, and what holds of them.
 
-use super::{headings, of};
+use super::cells::{headings, of};
 use crate::blur::MOTION_PX;
 use crate::variance::worst_bleeding;
 use terrafill_plot::number::significant;
