@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Geometry shaders: the SPIR-V that is checked in against its GLSL.
+//! Shaders that WGSL cannot say, of geometry and mesh stages: the SPIR-V that is checked in against its GLSL.
 //!
 //! A fresh machine builds without a GLSL compiler, so the SPIR-V lies beside the sources. Where
 //! `glslangValidator` is installed the sources are compiled again: byte for byte the same if it is the
@@ -10,15 +10,12 @@
 use anyhow::{Context as _, Result, bail};
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use terrafill_shaders::{GeometryShader, HandsOn, geometry_shaders};
+use terrafill_shaders::{GlslStage, compiled_shaders, geometry_shaders};
 
 /// Geometry shaders. Written down, so that a list that shrinks by accident fails.
 const EXPECTED: usize = 6;
 /// First line of the version of the compiler that made the files.
 const COMPILER_FILE: &str = "native/compiler.txt";
-/// What the sources are compiled for.
-const TARGET: &str = "vulkan1.1";
-
 /// Where the tools are looked for.
 #[derive(Debug, Clone, Copy)]
 struct Tools<'a> {
@@ -51,7 +48,7 @@ fn check_with(folder: &Path, tools: Tools<'_>) -> Result<String> {
         None => format!("{}: not installed, not compared", tools.compiler),
         Some(found) => {
             let is_same = found == recorded.trim();
-            compare(folder, tools.compiler, shaders, is_same)?;
+            compare(folder, tools.compiler, is_same)?;
             if is_same {
                 "as compiled again".to_owned()
             } else {
@@ -65,10 +62,11 @@ fn check_with(folder: &Path, tools: Tools<'_>) -> Result<String> {
     let validated = match version(tools.validator)? {
         None => format!("{}: not installed, not run", tools.validator),
         Some(_) => {
-            for (_, spirv, _) in outputs(shaders) {
+            for output in outputs() {
+                let (_, target) = output.stage.compiled_for();
                 run(Command::new(tools.validator)
-                    .args(["--target-env", TARGET])
-                    .arg(folder.join(spirv)))?;
+                    .args(["--target-env", target])
+                    .arg(folder.join(output.spirv)))?;
             }
             format!("{}: clean", tools.validator)
         }
@@ -76,7 +74,7 @@ fn check_with(folder: &Path, tools: Tools<'_>) -> Result<String> {
     Ok(format!(
         "{} geometry shaders, {} SPIR-V files: {compiled}; {validated}",
         shaders.len(),
-        outputs(shaders).count()
+        outputs().count()
     ))
 }
 
@@ -86,9 +84,9 @@ pub(crate) fn compile(folder: &Path) -> Result<String> {
         bail!("{} is not installed", TOOLS.compiler);
     };
     let mut count = 0;
-    for (source, spirv, hands_on) in outputs(geometry_shaders()) {
-        let bytes = compile_one(folder, TOOLS.compiler, source, hands_on)?;
-        let path = folder.join(spirv);
+    for output in outputs() {
+        let bytes = compile_one(folder, TOOLS.compiler, &output)?;
+        let path = folder.join(output.spirv);
         std::fs::write(&path, bytes).with_context(|| path.display().to_string())?;
         count += 1;
     }
@@ -97,25 +95,35 @@ pub(crate) fn compile(folder: &Path) -> Result<String> {
     Ok(format!("{count} SPIR-V files written by {found}"))
 }
 
-/// Source, SPIR-V and what the shader hands on.
-fn outputs(
-    shaders: &[GeometryShader],
-) -> impl Iterator<Item = (&'static str, &'static str, HandsOn)> {
-    shaders.iter().flat_map(|shader| {
-        shader
-            .spirv
-            .map(|(hands_on, spirv)| (shader.source, spirv, hands_on))
-    })
+/// A SPIR-V file and what it is made of.
+struct Output {
+    source: &'static str,
+    spirv: &'static str,
+    stage: GlslStage,
+    defines: Vec<&'static str>,
 }
 
-fn compare(
-    folder: &Path,
-    compiler: &str,
-    shaders: &[GeometryShader],
-    bytes_must_agree: bool,
-) -> Result<()> {
-    for (source, spirv, hands_on) in outputs(shaders) {
-        let again = compile_one(folder, compiler, source, hands_on)?;
+fn outputs() -> impl Iterator<Item = Output> {
+    let geometry = geometry_shaders().iter().flat_map(|shader| {
+        shader.spirv.map(|(hands_on, spirv)| Output {
+            source: shader.source,
+            spirv,
+            stage: GlslStage::Geometry,
+            defines: hands_on.define().into_iter().collect(),
+        })
+    });
+    geometry.chain(compiled_shaders().iter().map(|shader| Output {
+        source: shader.source,
+        spirv: shader.spirv,
+        stage: shader.stage,
+        defines: shader.defines.to_vec(),
+    }))
+}
+
+fn compare(folder: &Path, compiler: &str, bytes_must_agree: bool) -> Result<()> {
+    for output in outputs() {
+        let again = compile_one(folder, compiler, &output)?;
+        let Output { source, spirv, .. } = output;
         let path = folder.join(spirv);
         let there = std::fs::read(&path).with_context(|| path.display().to_string())?;
         if bytes_must_agree && there != again {
@@ -130,15 +138,15 @@ fn compare(
     Ok(())
 }
 
-fn compile_one(folder: &Path, compiler: &str, source: &str, hands_on: HandsOn) -> Result<Vec<u8>> {
-    let output = Scratch::new()?;
+fn compile_one(folder: &Path, compiler: &str, output: &Output) -> Result<Vec<u8>> {
+    let scratch = Scratch::new()?;
+    let (stage, target) = output.stage.compiled_for();
     let mut command = Command::new(compiler);
-    command.args(["--target-env", TARGET, "-S", "geom"]);
-    if let Some(define) = hands_on.define() {
-        command.arg(format!("-D{define}"));
-    }
-    run(command.arg("-o").arg(&output.0).arg(folder.join(source)))?;
-    std::fs::read(&output.0).with_context(|| output.0.display().to_string())
+    command.args(["--target-env", target, "-S", stage]);
+    let defines = output.defines.iter().map(|define| format!("-D{define}"));
+    command.args(defines).arg("-o").arg(&scratch.0);
+    run(command.arg(folder.join(output.source)))?;
+    std::fs::read(&scratch.0).with_context(|| scratch.0.display().to_string())
 }
 
 /// A file that goes again.
@@ -219,26 +227,25 @@ mod tests {
             return;
         }
         let folder = copy();
-        let shaders = geometry_shaders();
         compile_all(folder.path());
-        compare(folder.path(), TOOLS.compiler, shaders, true).expect("compiled just now");
+        compare(folder.path(), TOOLS.compiler, true).expect("compiled just now");
         let walls = folder.path().join("native/walls.geom");
         let text = std::fs::read_to_string(&walls).expect("readable");
         let turned = text.replace("wall(0, 1)", "wall(1, 0)");
         assert_ne!(text, turned);
         std::fs::write(&walls, turned).expect("writable");
-        let error = compare(folder.path(), TOOLS.compiler, shaders, true).expect_err("differs");
+        let error = compare(folder.path(), TOOLS.compiler, true).expect_err("differs");
         assert!(error.to_string().contains("native/walls.spv"), "{error}");
-        compare(folder.path(), TOOLS.compiler, shaders, false).expect("it compiles");
+        compare(folder.path(), TOOLS.compiler, false).expect("it compiles");
         std::fs::write(&walls, "#version 450\nvoid main() { nothing(); }").expect("writable");
-        assert!(compare(folder.path(), TOOLS.compiler, shaders, false).is_err());
+        assert!(compare(folder.path(), TOOLS.compiler, false).is_err());
     }
 
     /// Whatever version of the compiler is here.
     fn compile_all(folder: &Path) {
-        for (source, spirv, hands_on) in outputs(geometry_shaders()) {
-            let bytes = compile_one(folder, TOOLS.compiler, source, hands_on).expect("compiles");
-            std::fs::write(folder.join(spirv), bytes).expect("writable");
+        for output in outputs() {
+            let bytes = compile_one(folder, TOOLS.compiler, &output).expect("compiles");
+            std::fs::write(folder.join(output.spirv), bytes).expect("writable");
         }
     }
 

@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Endings of shader sources.
-const SOURCES: [&str; 3] = ["wgsl", "glsl", "geom"];
+const SOURCES: [&str; 5] = ["wgsl", "glsl", "geom", "mesh", "frag"];
 
 /// Checks the folder `shaders/`.
 pub(crate) fn check(folder: &Path) -> Result<String> {

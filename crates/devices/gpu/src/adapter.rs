@@ -140,7 +140,8 @@ impl Gpu {
             | wgpu::Features::FLOAT32_BLENDABLE
             | wgpu::Features::FLOAT32_FILTERABLE
             | wgpu::Features::TEXTURE_FORMAT_16BIT_NORM
-            | wgpu::Features::INDIRECT_FIRST_INSTANCE;
+            | wgpu::Features::INDIRECT_FIRST_INSTANCE
+            | wgpu::Features::PRIMITIVE_INDEX;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("terrafill"),
             required_features: wgpu::Features::DEPTH32FLOAT_STENCIL8

@@ -48,6 +48,8 @@ pub struct Features {
     pub blends_float: bool,
     /// Shaders can read the depth that the surface left.
     pub samples_depth: bool,
+    /// Mesh shaders.
+    pub mesh_shader: bool,
 }
 
 /// What a device is, for reports.
@@ -79,6 +81,8 @@ pub struct Gpu {
     pub(crate) allocated_bytes: AtomicU64,
     pub(crate) fixtures: Fixtures,
     pub(crate) shader_modules: ShaderModules,
+    /// Draws by mesh shaders, where there are any.
+    pub(crate) mesh: Option<ext::mesh_shader::Device>,
     /// What it is.
     pub facts: DeviceFacts,
     loss: DeviceLoss,
@@ -278,6 +282,7 @@ impl Adapter {
                     occlusion_query_precise: is(features.occlusion_query_precise),
                     depth_bounds: is(features.depth_bounds),
                     depth_clamp: is(features.depth_clamp),
+                    mesh_shader: has_mesh_shader(instance, raw, plain.api_version),
                     blends_float: numbers.optimal_tiling_features.contains(blends_and_reads),
                     samples_depth: format
                         .optimal_tiling_features
@@ -288,6 +293,27 @@ impl Adapter {
             },
         }
     }
+}
+
+/// Mesh shaders need SPIR-V 1.4, which Vulkan 1.2 has.
+fn has_mesh_shader(instance: &ash::Instance, raw: vk::PhysicalDevice, api_version: u32) -> bool {
+    if api_version < vk::API_VERSION_1_2 {
+        return false;
+    }
+    // SAFETY: the device is the instance's.
+    let extensions = unsafe { instance.enumerate_device_extension_properties(raw) };
+    let is_there = extensions
+        .unwrap_or_default()
+        .iter()
+        .any(|extension| extension.extension_name_as_c_str() == Ok(ext::mesh_shader::NAME));
+    let mut mesh = vk::PhysicalDeviceMeshShaderFeaturesEXT::default();
+    let mut features = vk::PhysicalDeviceFeatures2::default();
+    if is_there {
+        features = features.push_next(&mut mesh);
+    }
+    // SAFETY: of Vulkan 1.1, and what is chained is of an extension that is there.
+    unsafe { instance.get_physical_device_features2(raw, &mut features) };
+    mesh.mesh_shader == vk::TRUE
 }
 
 /// Every Vulkan adapter of this machine, in the order in which [`Gpu::open`] prefers them.
@@ -337,10 +363,19 @@ impl Gpu {
             .occlusion_query_precise(has.occlusion_query_precise == vk::TRUE)
             .depth_bounds(has.depth_bounds == vk::TRUE)
             .depth_clamp(has.depth_clamp == vk::TRUE);
-        let info = vk::DeviceCreateInfo::default()
+        let has_mesh = adapter.facts.features.mesh_shader;
+        let mut mesh_features =
+            vk::PhysicalDeviceMeshShaderFeaturesEXT::default().mesh_shader(true);
+        let extensions = [ext::mesh_shader::NAME.as_ptr()];
+        let mut info = vk::DeviceCreateInfo::default()
             .queue_create_infos(&queues)
             .enabled_features(&features);
-        // SAFETY: the family and the features are the adapter's.
+        if has_mesh {
+            info = info
+                .enabled_extension_names(&extensions)
+                .push_next(&mut mesh_features);
+        }
+        // SAFETY: the family, the features and the extension are the adapter's.
         let device = unsafe { api.instance.create_device(adapter.raw, &info, None) }
             .map_err(|error| failure(error, "device", 0))?;
         let made = Queue::new(&device, family).and_then(|queue| {
@@ -361,8 +396,10 @@ impl Gpu {
             api.instance
                 .get_physical_device_memory_properties(adapter.raw)
         };
+        let mesh = has_mesh.then(|| ext::mesh_shader::Device::new(&api.instance, &device));
         Ok(Arc::new(Self {
             device,
+            mesh,
             memory,
             limits: adapter.limits,
             work: WorkCounters::default(),

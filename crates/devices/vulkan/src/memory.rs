@@ -22,6 +22,8 @@ pub enum BufferUse {
     Constants,
     /// An array that shaders read.
     Storage,
+    /// Arguments of draws, which shaders may write.
+    Arguments,
 }
 
 impl BufferUse {
@@ -31,6 +33,9 @@ impl BufferUse {
             Self::Index => vk::BufferUsageFlags::INDEX_BUFFER,
             Self::Uniform | Self::Constants => vk::BufferUsageFlags::UNIFORM_BUFFER,
             Self::Storage => vk::BufferUsageFlags::STORAGE_BUFFER,
+            Self::Arguments => {
+                vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::INDIRECT_BUFFER
+            }
         }
     }
 }
@@ -43,6 +48,8 @@ pub struct Buffer {
     memory: Memory,
     size: u64,
     use_for: Option<BufferUse>,
+    /// In memory that the host sees, and free to be written between submissions.
+    is_streamed: bool,
 }
 
 /// One allocation.
@@ -155,23 +162,7 @@ impl Buffer {
         use_for: BufferUse,
     ) -> Result<Self, DeviceError> {
         let size = bytes.len().max(4) as u64;
-        let allowed = match use_for {
-            BufferUse::Uniform => u64::from(gpu.limits.max_uniform_buffer_range),
-            BufferUse::Storage => u64::from(gpu.limits.max_storage_buffer_range),
-            // What is bound of constants at a time is checked when it is.
-            BufferUse::Vertex | BufferUse::Index | BufferUse::Constants => u64::MAX,
-        };
-        if size > allowed {
-            return Err(DeviceError::OverCapacity {
-                what: format!("bytes of {label}"),
-                found: size,
-                allowed,
-            });
-        }
-        let usage = use_for.flags() | vk::BufferUsageFlags::TRANSFER_DST;
-        let mut buffer = Self::new(gpu, label, size, usage, DEVICE)?;
-        buffer.use_for = Some(use_for);
-        gpu.work.count_buffer();
+        let buffer = Self::unwritten(gpu, label, size, use_for)?;
         if !bytes.is_empty() {
             let staging = Self::staging(gpu, label, bytes)?;
             gpu.work.count_upload(bytes.len() as u64);
@@ -185,6 +176,89 @@ impl Buffer {
                 })?;
             }
         }
+        Ok(buffer)
+    }
+
+    /// A buffer in device memory for shaders to write.
+    ///
+    /// - `size`: in bytes, at least 1
+    ///
+    /// # Errors
+    /// As [`Buffer::upload`].
+    pub fn unwritten(
+        gpu: &Arc<Gpu>,
+        label: &str,
+        size: u64,
+        use_for: BufferUse,
+    ) -> Result<Self, DeviceError> {
+        Self::used(gpu, label, size, use_for, DEVICE)
+    }
+
+    /// A buffer that the CPU writes for each frame and the device reads where it lies.
+    ///
+    /// - `size`: in bytes, at least 1
+    ///
+    /// # Errors
+    /// As [`Buffer::upload`].
+    pub fn streamed(
+        gpu: &Arc<Gpu>,
+        label: &str,
+        size: u64,
+        use_for: BufferUse,
+    ) -> Result<Self, DeviceError> {
+        let mut buffer = Self::used(gpu, label, size, use_for, HOST)?;
+        buffer.is_streamed = true;
+        Ok(buffer)
+    }
+
+    /// Writes the start of a buffer of [`Buffer::streamed`].
+    ///
+    /// # Errors
+    /// [`DeviceError::OverCapacity`] when there are more bytes than the buffer has,
+    /// [`DeviceError::Unsupported`] when the buffer is no such one, [`DeviceError::OutOfMemory`].
+    pub fn stream(&self, bytes: &[u8]) -> Result<(), DeviceError> {
+        if !self.is_streamed {
+            let what = "mapping a buffer in device memory";
+            return Err(DeviceError::unsupported(what, &self.gpu.facts.name));
+        }
+        let found = bytes.len() as u64;
+        if found > self.size {
+            return Err(DeviceError::OverCapacity {
+                what: "bytes written into a streamed buffer".to_owned(),
+                found,
+                allowed: self.size,
+            });
+        }
+        self.gpu.work.count_upload(found);
+        self.write(bytes)
+    }
+
+    fn used(
+        gpu: &Arc<Gpu>,
+        label: &str,
+        size: u64,
+        use_for: BufferUse,
+        wanted: &[vk::MemoryPropertyFlags],
+    ) -> Result<Self, DeviceError> {
+        let allowed = match use_for {
+            BufferUse::Uniform => u64::from(gpu.limits.max_uniform_buffer_range),
+            BufferUse::Storage | BufferUse::Arguments => {
+                u64::from(gpu.limits.max_storage_buffer_range)
+            }
+            // What is bound of constants at a time is checked when it is.
+            BufferUse::Vertex | BufferUse::Index | BufferUse::Constants => u64::MAX,
+        };
+        if size > allowed {
+            return Err(DeviceError::OverCapacity {
+                what: format!("bytes of {label}"),
+                found: size,
+                allowed,
+            });
+        }
+        let usage = use_for.flags() | vk::BufferUsageFlags::TRANSFER_DST;
+        let mut buffer = Self::new(gpu, label, size, usage, wanted)?;
+        buffer.use_for = Some(use_for);
+        gpu.work.count_buffer();
         Ok(buffer)
     }
 
@@ -305,6 +379,7 @@ impl Buffer {
                 memory,
                 size,
                 use_for: None,
+                is_streamed: false,
             }),
             Err(error) => {
                 // SAFETY: never used.

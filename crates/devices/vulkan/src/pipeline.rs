@@ -54,11 +54,15 @@ pub enum VertexFormat {
     Fixed,
     /// Three `i32` and a `u32`, 16 bytes.
     FixedAndFlag,
+    /// A `u32`, 4 bytes.
+    Word,
 }
 
 /// How vertices become primitives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Topology {
+    /// One each.
+    Points,
     /// Three each.
     Triangles,
     /// Strips of triangles that the largest index ends.
@@ -75,7 +79,7 @@ impl Topology {
     /// Whether the largest index ends a primitive and begins another.
     fn restarts(self) -> bool {
         match self {
-            Self::Triangles | Self::TrianglesWithAdjacency => false,
+            Self::Points | Self::Triangles | Self::TrianglesWithAdjacency => false,
             Self::Strips | Self::LineStrips | Self::StripsWithAdjacency => true,
         }
     }
@@ -369,6 +373,7 @@ impl Assembly<'_> {
             .vertex_attribute_descriptions(&attributes);
         let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
             .topology(match self.topology {
+                Topology::Points => vk::PrimitiveTopology::POINT_LIST,
                 Topology::Triangles => vk::PrimitiveTopology::TRIANGLE_LIST,
                 Topology::Strips => vk::PrimitiveTopology::TRIANGLE_STRIP,
                 Topology::LineStrips => vk::PrimitiveTopology::LINE_STRIP,
@@ -460,6 +465,7 @@ fn vertex_input(
     let (stride, attributes) = match format {
         VertexFormat::Number => return (Vec::new(), Vec::new()),
         VertexFormat::Metres => (12, vec![position(vk::Format::R32G32B32_SFLOAT)]),
+        VertexFormat::Word => (4, vec![position(vk::Format::R32_UINT)]),
         VertexFormat::Fixed => (12, vec![position(vk::Format::R32G32B32_SINT)]),
         VertexFormat::FixedAndFlag => (
             16,
@@ -480,7 +486,9 @@ fn vertex_input(
 /// Counting behind the surface is right wherever the eye is and whatever the near plane cuts
 /// (Carmack, 2000; Everitt and Kilgard, 2002); counting in front of it (Heidmann, 1991) touches
 /// fewer fragments where the surface is close.
-fn depth_stencil(state: PipelineState) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
+pub(crate) fn depth_stencil(
+    state: PipelineState,
+) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
     let base = vk::PipelineDepthStencilStateCreateInfo::default();
     match state {
         PipelineState::Surface => base

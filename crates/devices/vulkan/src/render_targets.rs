@@ -55,8 +55,8 @@ pub struct FillReport {
 pub struct RenderTargets {
     gpu: Arc<Gpu>,
     size: ImageSize,
-    targets: Targets,
-    stamps: Option<Queries>,
+    pub(crate) targets: Targets,
+    pub(crate) stamps: Option<Queries>,
     surface: TriangleRenderer,
     prepared: Option<PreparedView>,
     /// The surface of what is prepared is in the targets, and these are in their layouts.
@@ -74,7 +74,7 @@ struct PreparedView {
 /// Stamps: three of a fill, two of the surface.
 const STAMPS: u32 = 5;
 
-const SURFACE_STAMPS: u32 = 3;
+pub(crate) const SURFACE_STAMPS: u32 = 3;
 
 impl RenderTargets {
     /// Targets of the given size.
@@ -328,6 +328,12 @@ impl RenderTargets {
             colour_ms: span(1, 2).filter(|_| passes == 2),
             fill_ms: span(0, 2),
         })
+    }
+
+    /// Something else than a prepared view's surface is in the targets.
+    pub(crate) fn set_drawn(&mut self) {
+        self.prepared = None;
+        self.is_drawn = true;
     }
 
     /// Reads the targets back.

@@ -157,6 +157,14 @@ impl SampledImage {
         })
     }
 
+    pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
+        Arc::ptr_eq(&self.gpu, gpu)
+    }
+
+    pub(crate) fn view(&self) -> vk::ImageView {
+        self.image.view
+    }
+
     /// Bytes of its texels.
     #[must_use]
     pub fn bytes(&self) -> u64 {

@@ -7,8 +7,8 @@ use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 use terrafill_fill::DeviceError;
 use terrafill_shaders::{
-    HandsOn, ShaderError, SpirvStage, compose, composed_to_spirv, geometry_spirv, wgsl_to_spirv,
-    with_footprints,
+    HandsOn, ShaderError, SpirvStage, compiled_spirv, compose, composed_to_spirv, geometry_spirv,
+    wgsl_to_spirv, with_footprints,
 };
 
 /// A vertex shader.
@@ -45,6 +45,10 @@ pub(crate) enum ModuleKey {
     Vertex(VertexStage),
     Geometry(&'static str, HandsOn),
     Fragment(&'static str, &'static str),
+    /// Path and entry point of a WGSL module.
+    Wgsl(SpirvStage, &'static str, &'static str),
+    /// Name of SPIR-V that was compiled beforehand.
+    Compiled(&'static str),
 }
 
 /// Shader modules, made once.
@@ -68,6 +72,10 @@ impl ShaderModules {
                 path,
                 wgsl_to_spirv(path, SpirvStage::Fragment, entry_point, &[]),
             ),
+            ModuleKey::Wgsl(stage, path, entry_point) => {
+                (path, wgsl_to_spirv(path, stage, entry_point, &[]))
+            }
+            ModuleKey::Compiled(name) => (name, compiled_spirv(name)),
         };
         let spirv = spirv.map_err(|error| DeviceError::Shader {
             name: path.to_owned(),

@@ -30,6 +30,11 @@ impl SplitMix64 {
         ((u128::from(self.next_u64()) * limit as u128) >> 64) as usize
     }
 
+    /// From 0 to below 1, in steps of 2⁻⁵³.
+    pub fn unit(&mut self) -> f64 {
+        (self.next_u64() >> 11) as f64 * (-53.0_f64).exp2()
+    }
+
     /// The numbers below `count` in random order (Fisher and Yates, 1938).
     pub fn shuffled(&mut self, count: usize) -> Vec<usize> {
         let mut order: Vec<usize> = (0..count).collect();
@@ -53,5 +58,10 @@ mod tests {
         }
         // Five standard deviations of a count with mean 10,000 are 463.
         assert!(drawn.iter().all(|&n| n.abs_diff(10_000) < 463), "{drawn:?}");
+        let units: Vec<f64> = (0..70_000).map(|_| random.unit()).collect();
+        assert!(units.iter().all(|unit| (0.0..1.0).contains(unit)));
+        // Five standard deviations of a mean of so many.
+        let mean = units.iter().sum::<f64>() / 70_000.0;
+        assert!((mean - 0.5).abs() < 0.0055, "{mean}");
     }
 }

@@ -10,8 +10,8 @@ mod textured;
 mod wgsl;
 
 pub use spirv::{
-    GeometryShader, HandsOn, SpirvStage, composed_to_spirv, geometry_shaders, geometry_spirv,
-    glsl_paths, wgsl_to_spirv,
+    CompiledShader, GeometryShader, GlslStage, HandsOn, SpirvStage, compiled_shaders,
+    compiled_spirv, composed_to_spirv, geometry_shaders, geometry_spirv, glsl_paths, wgsl_to_spirv,
 };
 pub use textured::{RouteText, TEXTURED_COVER, TexturedParts, TexturedPlacement};
 pub use wgsl::{
@@ -56,7 +56,9 @@ mod tests {
                 if path.is_dir() {
                     folders.push(path);
                 } else if path.extension().is_some_and(|extension| {
-                    ["wgsl", "glsl", "geom"].iter().any(|e| extension == *e)
+                    ["wgsl", "glsl", "geom", "mesh", "frag"]
+                        .iter()
+                        .any(|e| extension == *e)
                 }) {
                     let relative = path.strip_prefix(&root).expect("below the root");
                     found.push(relative.to_string_lossy().into_owned());

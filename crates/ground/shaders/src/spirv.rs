@@ -17,8 +17,12 @@ const LANGUAGE_VERSION: (u8, u8) = (1, 3);
 pub enum SpirvStage {
     /// Vertex shader.
     Vertex,
+    /// Vertex shader of points, which it gives a size of one pixel.
+    PointVertex,
     /// Fragment shader.
     Fragment,
+    /// Compute shader.
+    Compute,
 }
 
 /// SPIR-V of one entry point of the WGSL module at `path`, its `override` constants set.
@@ -54,8 +58,9 @@ pub fn composed_to_spirv(
     };
     let (module, info) = parse_and_validate(path, composed)?;
     let shader_stage = match stage {
-        SpirvStage::Vertex => naga::ShaderStage::Vertex,
+        SpirvStage::Vertex | SpirvStage::PointVertex => naga::ShaderStage::Vertex,
         SpirvStage::Fragment => naga::ShaderStage::Fragment,
+        SpirvStage::Compute => naga::ShaderStage::Compute,
     };
     let mut values = PipelineConstants::default();
     for &(name, value) in constants {
@@ -64,9 +69,15 @@ pub fn composed_to_spirv(
     let entry = Some((shader_stage, entry_point));
     let (module, info) = process_overrides(&module, &info, entry, &values)
         .map_err(|error| invalid(error.to_string()))?;
+    let mut flags = spv::WriterFlags::LABEL_VARYINGS;
+    // Vulkan draws points of no size that a shader did not write; WebGPU's have one pixel.
+    flags.set(
+        spv::WriterFlags::FORCE_POINT_SIZE,
+        stage == SpirvStage::PointVertex,
+    );
     let options = spv::Options {
         lang_version: LANGUAGE_VERSION,
-        flags: spv::WriterFlags::LABEL_VARYINGS,
+        flags,
         bounds_check_policies: BoundsCheckPolicies {
             index: BoundsCheckPolicy::Restrict,
             buffer: BoundsCheckPolicy::Unchecked,
@@ -143,7 +154,7 @@ const GEOMETRY_SHADERS: &[GeometryShader] = geometry_shaders![
 ];
 
 /// GLSL that geometry shaders include.
-const GEOMETRY_SHARED: &[&str] = &["native/volume.glsl"];
+const GEOMETRY_SHARED: &[&str] = &["native/volume.glsl", "native/grid.glsl"];
 
 /// Every geometry shader.
 #[must_use]
@@ -151,18 +162,108 @@ pub fn geometry_shaders() -> &'static [GeometryShader] {
     GEOMETRY_SHADERS
 }
 
-/// Every GLSL file: what lies in `shaders/` must be these.
-pub fn glsl_paths() -> impl Iterator<Item = &'static str> {
-    let sources = GEOMETRY_SHADERS.iter().map(|shader| shader.source);
-    sources.chain(GEOMETRY_SHARED.iter().copied())
+/// A stage that GLSL is compiled for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GlslStage {
+    /// Geometry shader.
+    Geometry,
+    /// Mesh shader.
+    Mesh,
+    /// Fragment shader of what a mesh shader makes.
+    MeshFragment,
 }
 
-/// Checked-in bytes of every geometry shader, for [`crate::source_hash`].
+impl GlslStage {
+    /// Name of the stage and the environment, as `glslangValidator` has them.
+    #[must_use]
+    pub fn compiled_for(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Geometry => ("geom", "vulkan1.1"),
+            // Mesh shaders need SPIR-V 1.4.
+            Self::Mesh => ("mesh", "vulkan1.2"),
+            Self::MeshFragment => ("frag", "vulkan1.2"),
+        }
+    }
+}
+
+/// SPIR-V that was made of GLSL beforehand, by what was defined when it was.
+#[derive(Debug, Clone, Copy)]
+pub struct CompiledShader {
+    /// GLSL, relative to `shaders/`.
+    pub source: &'static str,
+    /// SPIR-V, relative to `shaders/`: its name.
+    pub spirv: &'static str,
+    /// For which stage.
+    pub stage: GlslStage,
+    /// What is defined, `NAME` or `NAME=VALUE`.
+    pub defines: &'static [&'static str],
+    bytes: &'static [u8],
+}
+
+macro_rules! compiled_shaders {
+    ($($source:literal, $spirv:literal, $stage:ident, [$($define:literal),*];)*) => {
+        &[$(CompiledShader {
+            source: $source,
+            spirv: $spirv,
+            stage: GlslStage::$stage,
+            defines: &[$($define),*],
+            bytes: include_bytes!(concat!("../../../../shaders/", $spirv)),
+        }),*]
+    };
+}
+
+const COMPILED_SHADERS: &[CompiledShader] = compiled_shaders![
+    "native/grid.geom", "native/grid.cell1.spv", Geometry, ["CELLS=1"];
+    "native/grid.geom", "native/grid.cell2.spv", Geometry, ["CELLS=2"];
+    "native/grid.geom", "native/grid.cell4.spv", Geometry, ["CELLS=4"];
+    "native/grid.geom", "native/grid.cell8.spv", Geometry, ["CELLS=8"];
+    "native/grid.geom", "native/grid.row2.spv", Geometry, ["CELLS=2", "PER_ROW"];
+    "native/grid.geom", "native/grid.row4.spv", Geometry, ["CELLS=4", "PER_ROW"];
+    "native/grid.geom", "native/grid.row8.spv", Geometry, ["CELLS=8", "PER_ROW"];
+    "native/grid.mesh", "native/grid.mesh.spv", Mesh, [];
+    "native/grid.frag", "native/grid.frag.spv", MeshFragment, [];
+];
+
+/// Every shader that was compiled beforehand, those of [`geometry_shaders`] left out.
+#[must_use]
+pub fn compiled_shaders() -> &'static [CompiledShader] {
+    COMPILED_SHADERS
+}
+
+/// SPIR-V of a compiled shader by its name.
+///
+/// # Errors
+/// [`ShaderError::Unknown`], or [`ShaderError::Invalid`] when the file is no SPIR-V.
+pub fn compiled_spirv(name: &str) -> Result<Vec<u32>, ShaderError> {
+    let shader = COMPILED_SHADERS.iter().find(|shader| shader.spirv == name);
+    let shader = shader.ok_or_else(|| ShaderError::Unknown(name.to_owned()))?;
+    words(name, shader.bytes)
+}
+
+/// Every GLSL file: what lies in `shaders/` must be these.
+pub fn glsl_paths() -> impl Iterator<Item = &'static str> {
+    let mut compiled: Vec<&str> = COMPILED_SHADERS
+        .iter()
+        .map(|shader| shader.source)
+        .collect();
+    // Variants of a source follow each other.
+    compiled.dedup();
+    let sources = GEOMETRY_SHADERS.iter().map(|shader| shader.source);
+    sources
+        .chain(GEOMETRY_SHARED.iter().copied())
+        .chain(compiled)
+}
+
+/// Checked-in bytes of every shader compiled beforehand, for [`crate::source_hash`].
 pub(crate) fn geometry_bytes() -> impl Iterator<Item = u8> {
-    GEOMETRY_SHADERS.iter().flat_map(|shader| {
+    let others = COMPILED_SHADERS
+        .iter()
+        .flat_map(|shader| shader.spirv.bytes().chain(shader.bytes.iter().copied()));
+    let geometry = GEOMETRY_SHADERS.iter().flat_map(|shader| {
         let path = shader.source.bytes();
         path.chain(shader.bytes.iter().copied().flatten().copied())
-    })
+    });
+    geometry.chain(others)
 }
 
 /// SPIR-V of the geometry shader whose GLSL is at `path`.
@@ -245,6 +346,33 @@ mod tests {
             assert_ne!(coloured, numbered, "{}", shader.source);
         }
         assert!(geometry_spirv("native/nothing.geom", HandsOn::Nothing).is_err());
+    }
+
+    #[test]
+    fn compiled_shaders_are_spirv_and_each_is_another() {
+        let all: Vec<Vec<u32>> = compiled_shaders()
+            .iter()
+            .map(|shader| compiled_spirv(shader.spirv).expect("SPIR-V"))
+            .collect();
+        assert_eq!(all.len(), 9);
+        for (index, one) in all.iter().enumerate() {
+            assert!(all[..index].iter().all(|other| other != one), "{index}");
+        }
+        assert!(compiled_spirv("native/grid.geom").is_err());
+    }
+
+    #[test]
+    fn points_have_a_size_where_they_are_asked_for() {
+        let of = |stage| wgsl_to_spirv("pipelines/grid.wgsl", stage, "fetched_point", &[]);
+        let (points, plain) = (of(SpirvStage::PointVertex), of(SpirvStage::Vertex));
+        assert_ne!(points.expect("valid"), plain.expect("valid"));
+        let compute = wgsl_to_spirv(
+            "pipelines/expand.wgsl",
+            SpirvStage::Compute,
+            "compute_main",
+            &[],
+        );
+        assert_eq!(compute.expect("valid")[0], MAGIC);
     }
 
     #[test]

@@ -23,12 +23,13 @@ pub(crate) use shader_sources;
 pub(crate) const MODULES: &[ShaderSource] = include!(concat!(env!("OUT_DIR"), "/modules.rs"));
 
 /// Files that others import.
-pub(crate) const SHARED: [ShaderSource; 5] = shader_sources![
+pub(crate) const SHARED: [ShaderSource; 6] = shader_sources![
     "shared/view.wgsl",
     "shared/footprint.wgsl",
     "shared/region.wgsl",
     "shared/volume.wgsl",
     "shared/draw.wgsl",
+    "shared/grid.wgsl",
 ];
 
 /// What can be wrong with a shader.
@@ -140,7 +141,8 @@ pub(crate) fn parse_and_validate(
     };
     let module = naga::front::wgsl::parse_str(composed)
         .map_err(|error| invalid(error.emit_to_string_with_path(composed, path)))?;
-    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+    // A module that numbers primitives says so; its device is asked first.
+    let info = Validator::new(ValidationFlags::all(), Capabilities::PRIMITIVE_INDEX)
         .validate(&module)
         .map_err(|error| invalid(error.emit_to_string_with_path(composed, path)))?;
     Ok((module, info))

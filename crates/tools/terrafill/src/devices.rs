@@ -293,6 +293,7 @@ mod tests {
                 timestamps: true,
                 blends_float: true,
                 samples_depth: true,
+                mesh_shader: true,
             },
             lacks: Vec::new(),
         }

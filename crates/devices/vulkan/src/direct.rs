@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! One pass over cleared targets by a pipeline of the caller's own, after a dispatch where there is one.
+
+use crate::queries::{Queries, QueryKind, span_ms};
+use crate::render_targets::SURFACE_STAMPS;
+use crate::{
+    Buffer, BufferUse, ComputePipeline, DrawPipeline, IndexWidth, Measured, PassStatistics,
+    RenderTargets,
+};
+use ash::vk;
+use std::ops::Range;
+use terrafill_fill::{DeviceError, SKY};
+
+/// What is drawn.
+#[derive(Debug, Clone, Copy)]
+pub enum DrawCall<'a> {
+    /// Ranges of vertices, a draw each.
+    Vertices(&'a [Range<u32>]),
+    /// All of a range of indices.
+    Indexed {
+        /// Indices.
+        indices: &'a Buffer,
+        /// Their width.
+        width: IndexWidth,
+        /// How many of them.
+        count: u32,
+        /// How often.
+        instances: u32,
+    },
+    /// As many vertices as the buffer's first four numbers say.
+    Indirect(&'a Buffer),
+    /// Workgroups of a mesh shader.
+    MeshGroups([u32; 2]),
+}
+
+/// A draw and what it uses.
+#[derive(Debug, Clone, Copy)]
+pub struct DirectDraw<'a> {
+    /// Shaders and their resources.
+    pub pipeline: &'a DrawPipeline,
+    /// Vertices, where shaders read any.
+    pub vertices: Option<&'a Buffer>,
+    /// What is drawn.
+    pub call: DrawCall<'a>,
+}
+
+/// Work before the draw, which sees what it wrote.
+#[derive(Debug, Clone, Copy)]
+pub struct Dispatch<'a> {
+    /// Shader and its resources.
+    pub pipeline: &'a ComputePipeline,
+    /// Workgroups.
+    pub groups: [u32; 3],
+}
+
+/// What was measured; absent where the device cannot, or it was not asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct DirectReport {
+    /// GPU time of dispatch and draw, milliseconds.
+    pub gpu_ms: Option<f64>,
+    /// Pipeline statistics of the draw.
+    pub statistics: Option<PassStatistics>,
+}
+
+impl RenderTargets {
+    /// Clears the targets, dispatches, draws and waits.
+    ///
+    /// - `measured`: times or statistics; the statistics of mesh shaders are never counted
+    ///
+    /// # Errors
+    /// [`DeviceError::Unsupported`] when what is drawn does not fit together or is of another device,
+    /// [`DeviceError::DeviceLost`].
+    pub fn draw_directly(
+        &mut self,
+        dispatch: Option<Dispatch<'_>>,
+        draw: &DirectDraw<'_>,
+        measured: Measured,
+    ) -> Result<DirectReport, DeviceError> {
+        self.check(dispatch, draw)?;
+        let gpu = self.gpu();
+        let counts = measured == Measured::Statistics && !draw.pipeline.is_mesh();
+        let queries = match counts {
+            true => Queries::new(gpu, QueryKind::Statistics, 1)?,
+            false => None,
+        };
+        let stamps = self.stamps.as_ref().filter(|_| measured == Measured::Times);
+        let clears = [
+            vk::ClearValue {
+                color: vk::ClearColorValue { float32: SKY },
+            },
+            vk::ClearValue {
+                depth_stencil: vk::ClearDepthStencilValue::default(),
+            },
+        ];
+        let begin = vk::RenderPassBeginInfo::default()
+            .render_pass(gpu.fixtures.surface)
+            .framebuffer(self.targets.framebuffer(true))
+            .render_area(self.targets.area())
+            .clear_values(&clears);
+        // SAFETY: everything is of this device and fits, as checked above; it lives until the submission
+        // is done.
+        unsafe {
+            gpu.submit(|device, commands| {
+                if let Some(stamps) = stamps {
+                    device.cmd_reset_query_pool(commands, stamps.raw, SURFACE_STAMPS, 2);
+                    let start = vk::PipelineStageFlags::TOP_OF_PIPE;
+                    device.cmd_write_timestamp(commands, start, stamps.raw, SURFACE_STAMPS);
+                }
+                if let Some(queries) = &queries {
+                    device.cmd_reset_query_pool(commands, queries.raw, 0, 1);
+                }
+                if let Some(dispatch) = dispatch {
+                    record_dispatch(device, commands, dispatch);
+                }
+                device.cmd_begin_render_pass(commands, &begin, vk::SubpassContents::INLINE);
+                device.cmd_set_viewport(commands, 0, &[self.targets.viewport()]);
+                device.cmd_set_scissor(commands, 0, &[self.targets.area()]);
+                if let Some(queries) = &queries {
+                    let flags = vk::QueryControlFlags::empty();
+                    device.cmd_begin_query(commands, queries.raw, 0, flags);
+                }
+                record_draw(device, gpu.mesh.as_ref(), commands, draw);
+                if let Some(queries) = &queries {
+                    device.cmd_end_query(commands, queries.raw, 0);
+                }
+                device.cmd_end_render_pass(commands);
+                if let Some(stamps) = stamps {
+                    let end = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
+                    device.cmd_write_timestamp(commands, end, stamps.raw, SURFACE_STAMPS + 1);
+                }
+            })?;
+        }
+        let gpu_ms = match stamps {
+            Some(stamps) => {
+                let ticks = stamps.read(SURFACE_STAMPS, 2)?;
+                span_ms(ticks[0], ticks[1], gpu.timestamp_period_ns())
+            }
+            None => None,
+        };
+        let statistics = match &queries {
+            Some(queries) => Some(queries.read_statistics(1)?),
+            None => None,
+        };
+        self.set_drawn();
+        Ok(DirectReport { gpu_ms, statistics })
+    }
+
+    fn check(
+        &self,
+        dispatch: Option<Dispatch<'_>>,
+        draw: &DirectDraw<'_>,
+    ) -> Result<(), DeviceError> {
+        let gpu = self.gpu();
+        let is = |buffer: &Buffer, use_for| buffer.is_on(gpu) && buffer.use_for() == Some(use_for);
+        let vertices_fit = match draw.vertices {
+            Some(vertices) => is(vertices, BufferUse::Vertex),
+            None => !draw.pipeline.needs_vertices(),
+        };
+        let is_mesh = matches!(draw.call, DrawCall::MeshGroups(_));
+        let call_fits = match draw.call {
+            DrawCall::Vertices(_) | DrawCall::MeshGroups(_) => true,
+            DrawCall::Indexed {
+                indices,
+                width,
+                count,
+                ..
+            } => {
+                let needed = u64::from(count) * width.bytes();
+                is(indices, BufferUse::Index) && indices.size() >= needed
+            }
+            DrawCall::Indirect(arguments) => {
+                is(arguments, BufferUse::Arguments) && arguments.size() >= 16
+            }
+        };
+        let devices_fit = draw.pipeline.is_on(gpu)
+            && dispatch.is_none_or(|dispatch| dispatch.pipeline.is_on(gpu));
+        if vertices_fit && call_fits && devices_fit && is_mesh == draw.pipeline.is_mesh() {
+            return Ok(());
+        }
+        Err(DeviceError::unsupported(
+            "drawing what does not fit its pipeline",
+            &gpu.facts.name,
+        ))
+    }
+}
+
+/// # Safety
+/// Recording is under way, outside of a pass, on the device of the dispatch.
+unsafe fn record_dispatch(
+    device: &ash::Device,
+    commands: vk::CommandBuffer,
+    Dispatch { pipeline, groups }: Dispatch<'_>,
+) {
+    let compute = vk::PipelineBindPoint::COMPUTE;
+    let resources = &pipeline.resources;
+    let barrier = [vk::MemoryBarrier::default()
+        .src_access_mask(vk::AccessFlags::SHADER_WRITE)
+        .dst_access_mask(vk::AccessFlags::SHADER_READ | vk::AccessFlags::INDIRECT_COMMAND_READ)];
+    let readers = vk::PipelineStageFlags::ALL_GRAPHICS | vk::PipelineStageFlags::DRAW_INDIRECT;
+    // SAFETY: the caller's promise.
+    unsafe {
+        device.cmd_bind_pipeline(commands, compute, pipeline.raw);
+        let sets = [resources.set()];
+        device.cmd_bind_descriptor_sets(commands, compute, resources.layout, 0, &sets, &[]);
+        let [x, y, z] = groups;
+        device.cmd_dispatch(commands, x, y, z);
+        device.cmd_pipeline_barrier(
+            commands,
+            vk::PipelineStageFlags::COMPUTE_SHADER,
+            readers,
+            vk::DependencyFlags::empty(),
+            &barrier,
+            &[],
+            &[],
+        );
+    }
+}
+
+/// # Safety
+/// Recording is under way, in the surface's pass, on the device of the draw, which fits together.
+unsafe fn record_draw(
+    device: &ash::Device,
+    mesh: Option<&ash::ext::mesh_shader::Device>,
+    commands: vk::CommandBuffer,
+    draw: &DirectDraw<'_>,
+) {
+    let graphics = vk::PipelineBindPoint::GRAPHICS;
+    let resources = &draw.pipeline.resources;
+    // SAFETY: the caller's promise.
+    unsafe {
+        device.cmd_bind_pipeline(commands, graphics, draw.pipeline.raw);
+        let sets = [resources.set()];
+        device.cmd_bind_descriptor_sets(commands, graphics, resources.layout, 0, &sets, &[]);
+        if let Some(vertices) = draw.vertices {
+            device.cmd_bind_vertex_buffers(commands, 0, &[vertices.raw], &[0]);
+        }
+        match draw.call {
+            DrawCall::Vertices(ranges) => {
+                for range in ranges {
+                    let count = range.end - range.start;
+                    device.cmd_draw(commands, count, 1, range.start, 0);
+                }
+            }
+            DrawCall::Indexed {
+                indices,
+                width,
+                count,
+                instances,
+            } => {
+                let width = match width {
+                    IndexWidth::Short => vk::IndexType::UINT16,
+                    IndexWidth::Long => vk::IndexType::UINT32,
+                };
+                device.cmd_bind_index_buffer(commands, indices.raw, 0, width);
+                device.cmd_draw_indexed(commands, count, instances, 0, 0, 0);
+            }
+            DrawCall::Indirect(arguments) => {
+                device.cmd_draw_indirect(commands, arguments.raw, 0, 1, 16);
+            }
+            DrawCall::MeshGroups([x, y]) => {
+                if let Some(mesh) = mesh {
+                    mesh.cmd_draw_mesh_tasks(commands, x, y, 1);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,283 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Pipelines of any stages that draw into the colour and depth targets as the surface does, both faces
+//! kept, and compute pipelines beside them.
+
+use crate::failure::failure;
+use crate::pipeline::{Assembly, PipelineState, depth_stencil, entry_name};
+use crate::shader_modules::ModuleKey;
+use crate::{Gpu, Resources, Topology, VertexFormat};
+use ash::vk;
+use std::ffi::CString;
+use std::sync::Arc;
+use terrafill_fill::{DeviceError, FaceSet};
+use terrafill_shaders::SpirvStage;
+
+/// Where a shader comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shader {
+    /// A WGSL module.
+    Wgsl {
+        /// Relative to `shaders/`.
+        path: &'static str,
+        /// Its entry point.
+        entry_point: &'static str,
+    },
+    /// SPIR-V that was compiled beforehand, by its name ([`terrafill_shaders::compiled_spirv`]).
+    Compiled(&'static str),
+}
+
+impl Shader {
+    fn key(self, stage: SpirvStage) -> ModuleKey {
+        match self {
+            Self::Wgsl { path, entry_point } => ModuleKey::Wgsl(stage, path, entry_point),
+            Self::Compiled(name) => ModuleKey::Compiled(name),
+        }
+    }
+
+    fn entry_point(self) -> &'static str {
+        match self {
+            Self::Wgsl { entry_point, .. } => entry_point,
+            Self::Compiled(_) => "main",
+        }
+    }
+}
+
+/// A compiled geometry shader and what one invocation of it may emit: drivers have limits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct GeometryOutput {
+    /// Name of its SPIR-V.
+    pub name: &'static str,
+    /// Vertices.
+    pub vertices: u32,
+    /// Scalars of a vertex: four of its position, and what it hands on.
+    pub components: u32,
+}
+
+/// What makes primitives.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PrimitiveStages {
+    /// A vertex shader, and a geometry shader where there is one.
+    Vertices {
+        /// WGSL.
+        vertex: Shader,
+        /// Makes other primitives of each.
+        geometry: Option<GeometryOutput>,
+        /// What a vertex is made of.
+        format: VertexFormat,
+        /// How they become primitives.
+        topology: Topology,
+    },
+    /// A compiled mesh shader, by its name.
+    Mesh(&'static str),
+}
+
+/// A pipeline with the resources that its shaders find.
+#[derive(Debug)]
+pub struct DrawPipeline {
+    gpu: Arc<Gpu>,
+    pub(crate) raw: vk::Pipeline,
+    pub(crate) resources: Arc<Resources>,
+    stages: PrimitiveStages,
+}
+
+impl DrawPipeline {
+    /// Makes a pipeline: nearest depth wins.
+    ///
+    /// # Errors
+    /// [`DeviceError::Unsupported`] when the device lacks a stage, [`DeviceError::OverCapacity`] when
+    /// a geometry shader emits more than it allows, [`DeviceError::Shader`],
+    /// [`DeviceError::OutOfMemory`].
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        resources: &Arc<Resources>,
+        stages: PrimitiveStages,
+        fragment: Shader,
+    ) -> Result<Self, DeviceError> {
+        let lacks = |capability: &str| DeviceError::unsupported(capability, &gpu.facts.name);
+        if !resources.is_on(gpu) {
+            return Err(lacks("resources of another device"));
+        }
+        let mut shaders = Vec::new();
+        let (format, topology) = match stages {
+            PrimitiveStages::Vertices {
+                vertex,
+                geometry,
+                format,
+                topology,
+            } => {
+                let stage = match (topology, geometry) {
+                    (Topology::Points, None) => SpirvStage::PointVertex,
+                    _ => SpirvStage::Vertex,
+                };
+                shaders.push((vk::ShaderStageFlags::VERTEX, vertex, stage));
+                if let Some(output) = geometry {
+                    if !gpu.facts.features.geometry_shader {
+                        return Err(lacks("geometryShader"));
+                    }
+                    check_output(gpu, output)?;
+                    let shader = Shader::Compiled(output.name);
+                    shaders.push((vk::ShaderStageFlags::GEOMETRY, shader, stage));
+                }
+                (format, topology)
+            }
+            PrimitiveStages::Mesh(name) => {
+                if gpu.mesh.is_none() {
+                    return Err(lacks("VK_EXT_mesh_shader"));
+                }
+                let shader = Shader::Compiled(name);
+                shaders.push((vk::ShaderStageFlags::MESH_EXT, shader, SpirvStage::Vertex));
+                (VertexFormat::Number, Topology::Triangles)
+            }
+        };
+        shaders.push((
+            vk::ShaderStageFlags::FRAGMENT,
+            fragment,
+            SpirvStage::Fragment,
+        ));
+        let named: Vec<(vk::ShaderStageFlags, vk::ShaderModule, CString)> = shaders
+            .into_iter()
+            .map(|(flag, shader, stage)| {
+                let module = gpu.shader_modules.get(&gpu.device, shader.key(stage))?;
+                Ok((flag, module, entry_name(shader.entry_point())?))
+            })
+            .collect::<Result<_, DeviceError>>()?;
+        let infos: Vec<_> = named
+            .iter()
+            .map(|(flag, module, name)| {
+                vk::PipelineShaderStageCreateInfo::default()
+                    .stage(*flag)
+                    .module(*module)
+                    .name(name)
+            })
+            .collect();
+        let blends = [vk::PipelineColorBlendAttachmentState::default()
+            .color_write_mask(vk::ColorComponentFlags::RGBA)];
+        let raw = Assembly {
+            stages: &infos,
+            format,
+            topology,
+            faces: FaceSet::Both,
+            is_turned: false,
+            depth_stencil: depth_stencil(PipelineState::Surface),
+            depth_bounds: false,
+            blends: &blends,
+            layout: resources.layout,
+            render_pass: gpu.fixtures.surface,
+        }
+        .create(gpu)?;
+        gpu.work.count_pipeline();
+        Ok(Self {
+            gpu: Arc::clone(gpu),
+            raw,
+            resources: Arc::clone(resources),
+            stages,
+        })
+    }
+
+    pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
+        Arc::ptr_eq(&self.gpu, gpu)
+    }
+
+    pub(crate) fn is_mesh(&self) -> bool {
+        matches!(self.stages, PrimitiveStages::Mesh(_))
+    }
+
+    pub(crate) fn needs_vertices(&self) -> bool {
+        match self.stages {
+            PrimitiveStages::Vertices { format, .. } => format != VertexFormat::Number,
+            PrimitiveStages::Mesh(_) => false,
+        }
+    }
+}
+
+impl Drop for DrawPipeline {
+    fn drop(&mut self) {
+        // SAFETY: every submission that used it has been waited for.
+        unsafe { self.gpu.device.destroy_pipeline(self.raw, None) };
+    }
+}
+
+fn check_output(gpu: &Gpu, output: GeometryOutput) -> Result<(), DeviceError> {
+    let limits = &gpu.limits;
+    let all = [
+        (
+            "vertices that a geometry shader emits",
+            output.vertices,
+            limits.max_geometry_output_vertices,
+        ),
+        (
+            "components that a geometry shader emits",
+            output.vertices * output.components,
+            limits.max_geometry_total_output_components,
+        ),
+    ];
+    for (what, found, allowed) in all {
+        if found > allowed {
+            return Err(DeviceError::OverCapacity {
+                what: what.to_owned(),
+                found: u64::from(found),
+                allowed: u64::from(allowed),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// A compute pipeline with the resources that its shader finds.
+#[derive(Debug)]
+pub struct ComputePipeline {
+    gpu: Arc<Gpu>,
+    pub(crate) raw: vk::Pipeline,
+    pub(crate) resources: Arc<Resources>,
+}
+
+impl ComputePipeline {
+    /// Makes a pipeline.
+    ///
+    /// # Errors
+    /// [`DeviceError::Unsupported`] for resources of another device, [`DeviceError::Shader`],
+    /// [`DeviceError::OutOfMemory`].
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        resources: &Arc<Resources>,
+        shader: Shader,
+    ) -> Result<Self, DeviceError> {
+        if !resources.is_on(gpu) {
+            let what = "resources of another device";
+            return Err(DeviceError::unsupported(what, &gpu.facts.name));
+        }
+        let modules = &gpu.shader_modules;
+        let module = modules.get(&gpu.device, shader.key(SpirvStage::Compute))?;
+        let name = entry_name(shader.entry_point())?;
+        let stage = vk::PipelineShaderStageCreateInfo::default()
+            .stage(vk::ShaderStageFlags::COMPUTE)
+            .module(module)
+            .name(&name);
+        let infos = [vk::ComputePipelineCreateInfo::default()
+            .stage(stage)
+            .layout(resources.layout)];
+        // SAFETY: the structures live through the call; the shader was validated.
+        let made = unsafe {
+            let none = vk::PipelineCache::null();
+            gpu.device.create_compute_pipelines(none, &infos, None)
+        };
+        let pipelines = made.map_err(|(_, error)| failure(error, "compute pipeline", 0))?;
+        gpu.work.count_pipeline();
+        Ok(Self {
+            gpu: Arc::clone(gpu),
+            raw: pipelines.first().copied().unwrap_or_default(),
+            resources: Arc::clone(resources),
+        })
+    }
+
+    pub(crate) fn is_on(&self, gpu: &Arc<Gpu>) -> bool {
+        Arc::ptr_eq(&self.gpu, gpu)
+    }
+}
+
+impl Drop for ComputePipeline {
+    fn drop(&mut self) {
+        // SAFETY: every submission that used it has been waited for.
+        unsafe { self.gpu.device.destroy_pipeline(self.raw, None) };
+    }
+}

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Motion blur by layers: a bar that moves across pixels, as a mean of so many moments, against the exact
+//! integral over time.
+//!
+//! Pixels; a bar 20 pixels long moves by 32 while the shutter is open, full scale 1. The reference is the
+//! integral in closed form: of a point's coverage an interval of time, of a pixel's an integral of that.
+
+use terrafill_results::SplitMix64;
+
+const BAR_PX: f64 = 20.0;
+/// How far the bar moves, pixels.
+pub(crate) const MOTION_PX: f64 = 32.0;
+/// Places of the bar between pixels that are averaged over, apart by the golden ratio, which meets no
+/// grid.
+const PHASES: u32 = 64;
+const GOLDEN: f64 = 0.618_033_988_749_894_8;
+/// Pixels that the trail may touch.
+const PIXELS: u32 = 54;
+
+/// What a layer shows of a pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Filter {
+    /// Its middle, covered or not.
+    Point,
+    /// The share that is covered.
+    Box,
+}
+
+impl Filter {
+    pub(crate) const ALL: [Self; 2] = [Self::Point, Self::Box];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Point => "point",
+            Self::Box => "box",
+        }
+    }
+
+    /// Of a pixel, the bar beginning at `start`.
+    fn layer(self, pixel: u32, start: f64) -> f64 {
+        let left = f64::from(pixel);
+        match self {
+            Self::Point => {
+                let middle = left + 0.5;
+                f64::from(u8::from(middle >= start && middle < start + BAR_PX))
+            }
+            Self::Box => ((left + 1.0).min(start + BAR_PX) - left.max(start)).max(0.0),
+        }
+    }
+
+    /// Mean of the layers of all moments.
+    fn exact(self, pixel: u32, start: f64) -> f64 {
+        let left = f64::from(pixel);
+        match self {
+            Self::Point => covered(left + 0.5, start),
+            // The integral over the pixel of what each of its points has.
+            Self::Box => covered_until(left + 1.0, start) - covered_until(left, start),
+        }
+    }
+}
+
+/// Share of the time in which a point is covered.
+fn covered(place: f64, start: f64) -> f64 {
+    let [from, to] = times(place, start);
+    to - from
+}
+
+/// When a point is covered first and last, of the time from 0 to 1.
+fn times(place: f64, start: f64) -> [f64; 2] {
+    let reached = ((place - start - BAR_PX) / MOTION_PX).clamp(0.0, 1.0);
+    let left = ((place - start) / MOTION_PX).clamp(0.0, 1.0);
+    [reached, left]
+}
+
+/// Integral of [`covered`] from far to the left.
+fn covered_until(place: f64, start: f64) -> f64 {
+    let ramp = |from: f64| {
+        // Integral of the clamped ramp that begins there.
+        let along = (place - from) / MOTION_PX;
+        let rising = along.clamp(0.0, 1.0);
+        MOTION_PX * (0.5 * rising * rising + (along - 1.0).max(0.0))
+    };
+    ramp(start) - ramp(start + BAR_PX)
+}
+
+/// Which moments layers show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Moments {
+    /// The middle of each part of the exposure.
+    Middle,
+    /// Its end, as published: the current pose is one of them.
+    End,
+    /// Anywhere in each part.
+    Stratified,
+    /// Anywhere.
+    Random,
+}
+
+impl Moments {
+    pub(crate) const ALL: [Self; 4] = [Self::Middle, Self::End, Self::Stratified, Self::Random];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Middle => "middle",
+            Self::End => "end",
+            Self::Stratified => "stratified",
+            Self::Random => "random",
+        }
+    }
+
+    fn all(self, layers: u32, random: &mut SplitMix64) -> Vec<f64> {
+        let count = f64::from(layers);
+        let moment = |layer: u32| match self {
+            Self::Middle => (f64::from(layer) + 0.5) / count,
+            Self::End => (f64::from(layer) + 1.0) / count,
+            Self::Stratified => (f64::from(layer) + random.unit()) / count,
+            Self::Random => random.unit(),
+        };
+        (0..layers).map(moment).collect()
+    }
+}
+
+/// Errors of pixels of the trail.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct BlurError {
+    pub(crate) rms: f64,
+    pub(crate) max: f64,
+}
+
+fn starts() -> impl Iterator<Item = f64> {
+    (0..PHASES).map(|phase| (f64::from(phase) * GOLDEN).fract())
+}
+
+fn error_of(pairs: impl Iterator<Item = (f64, f64)>) -> BlurError {
+    let (mut squares, mut count, mut max) = (0.0, 0.0, 0.0_f64);
+    for (shown, exact) in pairs {
+        let error = (shown - exact).abs();
+        squares += error * error;
+        count += 1.0;
+        max = max.max(error);
+    }
+    BlurError {
+        rms: (squares / count).sqrt(),
+        max,
+    }
+}
+
+/// Error of the mean of so many layers.
+pub(crate) fn blur_error(filter: Filter, moments: Moments, layers: u32) -> BlurError {
+    let mut random = SplitMix64::new(3);
+    let mut pairs = Vec::new();
+    for start in starts() {
+        for pixel in 0..PIXELS {
+            let exact = filter.exact(pixel, start);
+            if exact <= 0.0 {
+                continue;
+            }
+            let moments = moments.all(layers, &mut random);
+            let shown = moments
+                .iter()
+                .map(|moment| filter.layer(pixel, start + MOTION_PX * moment));
+            pairs.push((shown.sum::<f64>() / f64::from(layers), exact));
+        }
+    }
+    error_of(pairs.into_iter())
+}
+
+/// How layers become a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Resolve {
+    /// As published: weights N − i for i from 1, 1 for the current pose, divided by the summed alpha.
+    Published,
+    /// These weights over a background that is opaque.
+    OverBackground,
+    /// The same with weight N for the current pose.
+    CurrentFirst,
+}
+
+impl Resolve {
+    pub(crate) const ALL: [Self; 3] = [Self::Published, Self::OverBackground, Self::CurrentFirst];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Published => "published",
+            Self::OverBackground => "over an opaque background",
+            Self::CurrentFirst => "current pose first",
+        }
+    }
+}
+
+/// Error of a resolve of so many layers against a trail that fades linearly with age.
+pub(crate) fn resolve_error(resolve: Resolve, layers: u32) -> BlurError {
+    let mut pairs = Vec::new();
+    for start in starts() {
+        for pixel in 0..PIXELS {
+            let place = f64::from(pixel) + 0.5;
+            // Age is what is left of the time; its weight is 2 (1 − age), of integral 1.
+            let [from, to] = times(place, start);
+            let exact = to * to - from * from;
+            if exact <= 0.0 {
+                continue;
+            }
+            let (mut light, mut all, mut alpha) = (0.0, 0.0, 0.0);
+            for layer in 0..layers {
+                let weight = match (layer, resolve) {
+                    (0, Resolve::CurrentFirst) => f64::from(layers),
+                    (0, _) => 1.0,
+                    _ => f64::from(layers - layer),
+                };
+                let moment = 1.0 - f64::from(layer) / f64::from(layers);
+                let shown = Filter::Point.layer(pixel, start + MOTION_PX * moment);
+                light += weight * shown;
+                alpha += weight * shown;
+                all += weight;
+            }
+            let shown = match resolve {
+                // What no layer covers is left as it was.
+                Resolve::Published if alpha > 0.0 => light / alpha,
+                Resolve::Published => 0.0,
+                _ => light / all,
+            };
+            pairs.push((shown, exact));
+        }
+    }
+    error_of(pairs.into_iter())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn slope(filter: Filter, moments: Moments, layers: [u32; 2]) -> f64 {
+        let [few, many] = layers.map(|layers| blur_error(filter, moments, layers).rms);
+        (many / few).ln() / (f64::from(layers[1]) / f64::from(layers[0])).ln()
+    }
+
+    #[test]
+    fn the_integrals_are_those_of_many_moments() {
+        for filter in Filter::ALL {
+            for pixel in [0, 3, 20, 31, 33, 51] {
+                let count = 100_000;
+                let moments = (0..count).map(|i| (f64::from(i) + 0.5) / f64::from(count));
+                let sum: f64 = moments
+                    .map(|t| filter.layer(pixel, 0.3 + MOTION_PX * t))
+                    .sum();
+                let exact = filter.exact(pixel, 0.3);
+                assert!(
+                    (sum / f64::from(count) - exact).abs() < 2e-5,
+                    "{filter:?} {pixel}"
+                );
+            }
+        }
+        // Twin: another place of the bar.
+        let moved = Filter::Box.exact(20, 0.3) - Filter::Box.exact(20, 1.3);
+        assert!(moved.abs() > 1e-2);
+    }
+
+    #[test]
+    fn errors_fall_by_one_order_of_points_and_two_of_boxes_at_middles() {
+        let near = |found: f64, expected: f64| (found - expected).abs() < 0.15;
+        let [few, many] = [64, 256].map(|n| [n, 4 * n]);
+        assert!(near(slope(Filter::Point, Moments::Middle, few), -1.0));
+        assert!(near(slope(Filter::Point, Moments::End, few), -1.0));
+        assert!(near(slope(Filter::Box, Moments::Middle, many), -2.0));
+        // Twins: ends of parts lose the order, and random moments a half.
+        assert!(near(slope(Filter::Box, Moments::End, many), -1.0));
+        assert!(near(slope(Filter::Point, Moments::Random, few), -0.5));
+    }
+
+    #[test]
+    fn the_published_resolve_is_far_from_a_fading_trail() {
+        for layers in [8, 32] {
+            assert!(resolve_error(Resolve::Published, layers).rms > 0.4);
+            assert!(resolve_error(Resolve::OverBackground, layers).rms < 0.2);
+        }
+        let [few, many] = [8, 32].map(|layers| resolve_error(Resolve::CurrentFirst, layers).rms);
+        assert!(many < 0.5 * few, "{few} {many}");
+    }
+}

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Cases by their conditions, and cells of tables with the reason of each that is empty.
+
+use terrafill_plot::number::{bytes, significant};
+use terrafill_results::{Case, Cell, Claim, Clock, Estimate, Heading, Standing, ratio};
+
+const CPU: &str = "pipeline_cpu_ms";
+const GPU: &str = "pipeline_gpu_ms";
+
+/// The metric of times.
+pub(super) fn time(clock: Clock) -> &'static str {
+    clock.pick(GPU, CPU)
+}
+
+/// Of the conditions named.
+pub(super) fn of<'a>(cases: &[&'a Case], conditions: &[(&str, &str)]) -> Vec<&'a Case> {
+    let fits = |case: &&Case| {
+        conditions
+            .iter()
+            .all(|(key, value)| case.condition(key) == *value)
+    };
+    cases.iter().copied().filter(fits).collect()
+}
+
+/// Values of a condition in rising order.
+pub(super) fn values(cases: &[&Case], key: &str) -> Vec<u32> {
+    let values = cases
+        .iter()
+        .filter_map(|case| case.condition(key).parse().ok());
+    let mut values: Vec<u32> = values.collect();
+    values.sort_unstable();
+    values.dedup();
+    values
+}
+
+/// Why a cell is empty.
+pub(super) fn why(case: &Case) -> &str {
+    match case.reason.as_str() {
+        "" => "not measured",
+        reason => reason,
+    }
+}
+
+pub(super) fn count(case: &Case, metric: &str) -> Cell {
+    let text = case.value(metric).map(significant);
+    let absent = match (case.counts(), case.condition("api")) {
+        (false, _) => why(case),
+        (_, "wgpu") => "counted on Vulkan alone",
+        _ => "not counted by the device for this stage",
+    };
+    Cell::or_absent(text, absent)
+}
+
+/// Whole and positive, as written.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a count of bytes below 2⁵³"
+)]
+pub(super) fn byte_cell(case: &Case, metric: &str) -> Cell {
+    let text = case.value(metric).map(|count| bytes(count as u64));
+    Cell::or_absent(text, why(case))
+}
+
+pub(super) fn time_cell(case: &Case, metric: &str) -> Cell {
+    let value = case.value(metric).filter(|_| case.counts());
+    Cell::or_absent(value.map(significant), why(case))
+}
+
+/// How many times as fast `fast` is as `slow`: time of the second over time of the first.
+pub(super) fn gain(slow: Option<&Case>, fast: Option<&Case>, metric: &str) -> Option<Estimate> {
+    let (slow, fast) = (
+        slow.filter(|case| case.counts())?,
+        fast.filter(|case| case.counts())?,
+    );
+    ratio(slow, fast, metric)
+}
+
+/// What the intervals of all sizes say of a claim: it fails where one does.
+pub(super) fn standing(claim: Claim, gains: &[Estimate]) -> Standing {
+    let all: Vec<Standing> = gains.iter().map(|gain| claim.standing(gain)).collect();
+    match all.as_slice() {
+        [] => Standing::NotMeasured,
+        all if all.contains(&Standing::DoesNotHold) => Standing::DoesNotHold,
+        all if all.iter().all(|standing| *standing == Standing::Holds) => Standing::Holds,
+        _ => Standing::CannotTell,
+    }
+}
+
+pub(super) fn headings(names: &[(&str, Option<&'static str>)]) -> Vec<Heading> {
+    let heading = |(name, metric): &(&str, Option<&'static str>)| match metric {
+        Some(metric) => Heading::metric(*name, *metric),
+        None => Heading::plain(*name),
+    };
+    names.iter().map(heading).collect()
+}

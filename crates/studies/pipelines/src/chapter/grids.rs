@@ -1,0 +1,360 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Height grids: every way of every size, and the published ratios beside ours.
+
+use super::cells::{byte_cell, count, gain, headings, of, standing, time, time_cell, values, why};
+use super::published::{CARDS, GRIDS, GridRow};
+use crate::way::GRID_WAYS;
+use terrafill_plot::number::{significant, times};
+use terrafill_plot::{
+    Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, named_aside,
+};
+use terrafill_results::{
+    Block, Case, Cell, ChapterError, Claim, Clock, Estimate, Finding, Heading, Picture,
+    PictureFigure, Pictures, Plot, Row, Table, process_medians, sample_spread,
+};
+
+/// What the published figures cannot show.
+const WHAT_THEY_CANNOT_SHOW: &str = "Published figures are frames per second, one a case. The window, the camera, the vertex formats and how \
+     vertices were sent are not stated, so fragments and transfers may be part of any of them. Columns 1 \
+     and 3 of that table draw points, 2 and 4 triangles: only 1 with 3 and 2 with 4 draw the same. The \
+     text's 14, 32 and 270 frames a second for 1000² fetched points agree with the table on the last card \
+     alone.";
+
+/// Sizes from which on the claims are read.
+const LEAST_CLAIMED: u32 = 256;
+
+/// A comparison that was published.
+struct Comparison {
+    claim: &'static str,
+    /// Ways whose times are divided: first over second.
+    ways: [&'static str; 2],
+    apis: &'static [&'static str],
+    says: Claim,
+    published: fn(&GridRow, usize) -> Option<f64>,
+}
+
+const COMPARISONS: [Comparison; 3] = [
+    Comparison {
+        claim: "Fetched heights beat sent points",
+        ways: ["sent-points", "fetched-points"],
+        apis: &["wgpu", "vulkan"],
+        says: Claim::Faster,
+        published: |row, card| Some(row.fps[card][2] / row.fps[card][0]),
+    },
+    Comparison {
+        claim: "Triangles of a geometry shader beat sent strips",
+        ways: ["sent-strips", "geometry-shader"],
+        apis: &["vulkan"],
+        says: Claim::Faster,
+        published: |row, card| (card == 2).then(|| row.geometry_fps / row.fps[card][1]),
+    },
+    Comparison {
+        claim: "Triangles of a geometry shader cost more than fetched points, at most 0.8 of their rate",
+        ways: ["fetched-points", "geometry-shader"],
+        apis: &["vulkan"],
+        says: Claim::LessThan(0.8),
+        published: |row, card| (card == 2).then(|| row.geometry_fps / row.fps[card][2]),
+    },
+];
+
+pub(super) fn section(cases: &[&Case], clock: Clock) -> Result<Vec<Block>, ChapterError> {
+    let own = of(cases, &[("experiment", "grid")]);
+    if own.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut blocks = vec![Block::section("Height grids")];
+    blocks.extend(findings(&own, clock).into_iter().map(Block::Finding));
+    for api in ["vulkan", "wgpu"] {
+        let svg = drawing(&of(&own, &[("api", api)]), clock)?;
+        blocks.extend(svg.map(|svg| {
+            Block::Plot(Plot {
+                caption: format!(
+                    "Time of a frame on {api} against the grid's points; whiskers: 5–95 % of the frames. \
+                     Left out: what the interface lacks."
+                ),
+                svg,
+            })
+        }));
+    }
+    blocks.extend(pictures(&own));
+    blocks.push(Block::Table(table(&own, clock)));
+    blocks.push(Block::Table(comparisons(&own, clock)));
+    blocks.push(Block::Remark(WHAT_THEY_CANNOT_SHOW.to_owned()));
+    Ok(blocks)
+}
+
+/// The fastest way to draw the triangles of the largest grid on each interface, with the counters behind
+/// it, and by how much each published way of triangles is slower.
+pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
+    let own = of(cases, &[("experiment", "grid")]);
+    let mut sentences = Vec::new();
+    for api in ["vulkan", "wgpu"] {
+        let of_triangles = of(&own, &[("api", api)]).into_iter().filter(|case| {
+            let is_triangles = !case.condition("way").ends_with("-points");
+            is_triangles && case.counts() && case.value(time(clock)).is_some()
+        });
+        let of_triangles: Vec<&Case> = of_triangles.collect();
+        let Some(&cells) = values(&of_triangles, "grid_cells").last() else {
+            continue;
+        };
+        let of_largest = of(&of_triangles, &[("grid_cells", &cells.to_string())]);
+        let ms = |case: &&Case| case.value(time(clock)).unwrap_or(f64::INFINITY);
+        let Some(best) = of_largest
+            .iter()
+            .copied()
+            .min_by(|a, b| ms(a).total_cmp(&ms(b)))
+        else {
+            continue;
+        };
+        let given = best.value("pipeline_emitted_vertices").map(significant);
+        let mut sentence = format!(
+            "On {api} the fastest way to triangles of {cells}² cells is {}: {} ms for {} vertices given",
+            best.condition("way"),
+            significant(ms(&best)),
+            given.unwrap_or_else(|| "–".to_owned()),
+        );
+        if let Some(shaded) = best.value("pipeline_vertex_invocations") {
+            let shaded = significant(shaded);
+            sentence.push_str(&format!(" and {shaded} vertex shader invocations"));
+        }
+        for way in ["sent-strips", "geometry-shader"] {
+            let other = of_largest
+                .iter()
+                .copied()
+                .find(|case| case.condition("way") == way);
+            let slower = other.filter(|other| other.id() != best.id());
+            if let Some(slower) = gain(slower, Some(best), time(clock)) {
+                sentence.push_str(&format!("; {way} takes {} times as long", times(&slower)));
+            }
+        }
+        sentence.push('.');
+        sentences.push(sentence);
+    }
+    sentences
+}
+
+fn one<'a>(cases: &[&'a Case], api: &str, way: &str, cells: u32) -> Option<&'a Case> {
+    let cells = cells.to_string();
+    let conditions = [("api", api), ("way", way), ("grid_cells", cells.as_str())];
+    of(cases, &conditions).first().copied()
+}
+
+fn gains(
+    cases: &[&Case],
+    comparison: &Comparison,
+    api: &str,
+    clock: Clock,
+) -> Vec<(u32, Estimate)> {
+    let [slow, fast] = comparison.ways;
+    let sizes = values(cases, "grid_cells");
+    let of_size = |cells| {
+        let [slow, fast] = [slow, fast].map(|way| one(cases, api, way, cells));
+        Some((cells, gain(slow, fast, time(clock))?))
+    };
+    sizes.into_iter().filter_map(of_size).collect()
+}
+
+fn findings(cases: &[&Case], clock: Clock) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for comparison in &COMPARISONS {
+        for api in comparison.apis {
+            let gains = gains(cases, comparison, api, clock);
+            let claimed = gains.iter().filter(|(cells, _)| *cells >= LEAST_CLAIMED);
+            let claimed: Vec<Estimate> = claimed.map(|(_, gain)| *gain).collect();
+            let ranges: Vec<String> = claimed.iter().map(times).collect();
+            findings.push(Finding {
+                claim: format!("{}, on {api} (published, measured):", comparison.claim),
+                standing: standing(comparison.says, &claimed),
+                because: ranges.join("; "),
+            });
+        }
+    }
+    findings
+}
+
+/// Pictures of one size, those that are the same shown once with all their names.
+fn pictures(cases: &[&Case]) -> Option<Block> {
+    let mut figures: Vec<PictureFigure> = Vec::new();
+    for case in cases.iter().filter(|case| !case.note("picture").is_empty()) {
+        let kind = match case.condition("way").ends_with("-points") {
+            true => "points",
+            false => "triangles",
+        };
+        figures.push(PictureFigure {
+            pictures: vec![Picture {
+                path: case.note("picture").to_owned(),
+                caption: kind.to_owned(),
+            }],
+            notes: vec![format!(
+                "{} on {}",
+                case.condition("way"),
+                case.condition("api")
+            )],
+        });
+    }
+    (!figures.is_empty()).then(|| {
+        Block::Pictures(Pictures {
+            caption: "What is drawn: numbers of triangles or points, cells as a chessboard, both halves of a \
+                      cell in a shade of their own; wrong pixels would be red."
+                .to_owned(),
+            reference: String::new(),
+            figures,
+        })
+    })
+}
+
+/// A row for each way, interface and size.
+fn table(cases: &[&Case], clock: Clock) -> Table {
+    let mut rows = Vec::new();
+    for cells in values(cases, "grid_cells") {
+        for way in GRID_WAYS {
+            for api in ["vulkan", "wgpu"] {
+                let Some(case) = one(cases, api, &way.name(), cells) else {
+                    continue;
+                };
+                let ms = case.value(time(clock)).filter(|_| case.counts());
+                let points = f64::from(cells).powi(2);
+                let rate = ms.map(|ms| significant(points / ms * 1e-3));
+                rows.push(Row {
+                    cells: vec![
+                        Cell::plain(cells.to_string()),
+                        Cell::name(way.name()),
+                        Cell::name(api),
+                        time_cell(case, time(clock)),
+                        Cell::or_absent(rate, why(case)),
+                        byte_cell(case, "pipeline_sent_bytes"),
+                        byte_cell(case, "pipeline_held_bytes"),
+                        count(case, "pipeline_emitted_vertices"),
+                        count(case, "pipeline_vertex_invocations"),
+                        count(case, "pipeline_draws"),
+                        count(case, "pipeline_band_px"),
+                    ],
+                    status: case.outcome.name().to_owned(),
+                    remark: case.reason.clone(),
+                });
+            }
+        }
+    }
+    Table {
+        caption:
+            "Every way of every grid. Points of sent and fetched points are no triangles: compare \
+                  them with each other alone."
+                .to_owned(),
+        headings: headings(&[
+            ("cells a side", None),
+            ("way", None),
+            ("interface", None),
+            ("time, ms", Some(time(clock))),
+            ("million points a second", None),
+            ("sent a frame", Some("pipeline_sent_bytes")),
+            ("held", Some("pipeline_held_bytes")),
+            ("vertices given", Some("pipeline_emitted_vertices")),
+            ("vertices shaded", Some("pipeline_vertex_invocations")),
+            ("draws", Some("pipeline_draws")),
+            ("pixels in the band", Some("pipeline_band_px")),
+        ]),
+        rows,
+        is_main: true,
+        ..Table::default()
+    }
+}
+
+/// The published ratios beside ours.
+fn comparisons(cases: &[&Case], clock: Clock) -> Table {
+    let mut rows = Vec::new();
+    for comparison in &COMPARISONS {
+        for cells in values(cases, "grid_cells") {
+            let row = GRIDS.iter().find(|row| row.cells == cells);
+            let published = |card| {
+                let ratio = row.and_then(|row| (comparison.published)(row, card));
+                let absent = match row {
+                    None => "not a published size",
+                    Some(_) => "this card has no geometry shaders",
+                };
+                Cell::or_absent(ratio.map(significant), absent)
+            };
+            let measured = |api: &str| {
+                if !comparison.apis.contains(&api) {
+                    return Cell::absent("WebGPU has no geometry shaders");
+                }
+                let gains = gains(cases, comparison, api, clock);
+                let gain = gains.into_iter().find(|gain| gain.0 == cells);
+                Cell::or_absent(gain.map(|gain| times(&gain.1)), "not measured")
+            };
+            let [slow, fast] = comparison.ways;
+            let mut cells = vec![
+                Cell::name(format!("{slow} ÷ {fast}")),
+                Cell::plain(cells.to_string()),
+            ];
+            cells.extend((0..CARDS.len()).map(published));
+            cells.extend(["vulkan", "wgpu"].map(measured));
+            rows.push(Row::new(cells));
+        }
+    }
+    let cards = CARDS.map(|card| Heading::explained(card, "published: ratio of frames per second"));
+    let ours = ["vulkan", "wgpu"].map(|api| {
+        Heading::explained(
+            format!("here, {api}"),
+            "ratio of times, with its 95 % interval",
+        )
+    });
+    Table {
+        caption: "How many times as fast the second way is as the first".to_owned(),
+        headings: [
+            Heading::plain("time of … ÷ time of …"),
+            Heading::plain("cells a side"),
+        ]
+        .into_iter()
+        .chain(cards)
+        .chain(ours)
+        .collect(),
+        rows,
+        ..Table::default()
+    }
+}
+
+fn drawing(cases: &[&Case], clock: Clock) -> Result<Option<String>, ChapterError> {
+    let metric = time(clock);
+    let point = |case: &&Case| {
+        let cells: f64 = case.condition("grid_cells").parse().ok()?;
+        let spread = sample_spread(case, metric).filter(|_| case.counts())?;
+        let replicates: Vec<f64> = process_medians(case, metric).into_values().collect();
+        Some(Point {
+            knob: cells,
+            label: String::new(),
+            x: Some(Reading::exact(cells * cells)),
+            y: Some(Reading::sampled(spread, &replicates)),
+            y_rms: None,
+            standing: PointStanding::Right,
+            command: String::new(),
+        })
+    };
+    let mut curves = Vec::new();
+    for way in GRID_WAYS {
+        let own = of(cases, &[("way", &way.name())]);
+        let mut points: Vec<Point> = own.iter().filter_map(point).collect();
+        points.sort_by(|a, b| a.knob.total_cmp(&b.knob));
+        if !points.is_empty() {
+            curves.push(Curve {
+                name: way.name(),
+                points,
+            });
+        }
+    }
+    let names: Vec<String> = curves.iter().map(|curve| curve.name.clone()).collect();
+    let palette = Palette::new(names.clone());
+    let plot = WorkPrecision {
+        title: "Time of a frame against points",
+        across: "points of the grid",
+        up: clock.pick("GPU ms: median, 5–95 %", "process CPU, ms: median, 5–95 %"),
+        upwards: Upwards::Amount,
+        curves,
+        lines: Vec::new(),
+    };
+    Ok(named_aside(
+        "time of a frame against points",
+        &plot,
+        &names,
+        &palette,
+    )?)
+}

@@ -1,0 +1,538 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Sections that need no device: error against resolution and against layers, and what holds of them.
+
+use super::cells::{headings, of};
+use crate::blur::MOTION_PX;
+use crate::variance::worst_bleeding;
+use terrafill_plot::number::significant;
+use terrafill_plot::{
+    Arrangement, Curve, Palette, Point, PointStanding, Reading, Upwards, WorkPrecision, panels,
+};
+use terrafill_results::{
+    Block, Case, Cell, ChapterError, Finding, Heading, Plot, Row, Standing, Table,
+};
+
+/// Fewest texels from which errors of images fall as they should.
+const RESOLVED_TEXELS: u32 = 65;
+/// What is asked of a doubling of texels, and of the better cut.
+const RATIO: f64 = 4.0;
+const RATIO_TOLERANCE: f64 = 0.2;
+const BETTER_CUT: f64 = 2.5;
+/// Of a factor known to two digits.
+const CUT_TOLERANCE: f64 = 0.1;
+/// What is asked of the variance with the receiver subtracted.
+const RELATIVE_NOISE: f64 = 2e-6;
+/// Of a straight edge at all angles, mean area between it and the texels whose middles it covers.
+const EDGE_SHARE: f64 = 0.244;
+const EDGE_TOLERANCE: f64 = 0.01;
+/// By how much a slope over several doublings may be off.
+const SLOPE_TOLERANCE: f64 = 0.15;
+
+const IMAGES: &str = "A geometry image keeps positions of a closed shape in a square; each cell is cut into two triangles. The \
+     shape is an analytic bumpy ball, 2.2 m across, on an octahedral square: no image of the published \
+     bunny ships. The published order of vertices cuts every cell from (x + 1, y) to (x, y + 1), which \
+     in half of the square crosses the octahedron's folds.";
+const SHADOWS: &str = "The published variance shadow sums 25 depths and their squares in f32 and subtracts: near depth 1 the \
+     difference is noise. Depths less the receiver's are small numbers, and their variance keeps its \
+     digits. On a lit plane every pixel should have all the light; rounding puts the receiver behind \
+     its own depth in some, which without a floor under the variance turn dark or black. Subtracting the \
+     receiver does not cure that: without noise every such pixel is black, so the floor is needed all the same.";
+const HARD: &str = "A hard shadow's map shows texels whose middles are in shadow. Against the disc that casts it the wrong \
+     area is about 0.244 of the perimeter times a texel, so it halves with the texel.";
+const BLUR: &str = "A bar of 20 pixels moves by 32 while the shutter is open. A picture is the mean of so many layers, each of \
+     another moment, and is held against the integral over time in closed form. Layers that show \
+     whether a pixel's middle is covered err by one order of their number at best; layers of covered \
+     shares by two, from a layer a pixel of motion on, at the middles of parts of the time alone. The \
+     published resolve divides by alpha, so that a trail is opaque wherever a layer covers it.";
+
+pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
+    if of(cases, &[("experiment", "geometry-image")]).is_empty() {
+        return Vec::new();
+    }
+    [
+        image_ratios(cases),
+        better_cut(cases),
+        closed_borders(cases),
+        subtracted(cases),
+        published_noise(cases),
+        lit(cases),
+        finite(cases),
+        edge(cases),
+        blur_slope(cases, "point", -1.0),
+        blur_slope(cases, "box", -2.0),
+    ]
+    .into()
+}
+
+pub(super) fn sections(cases: &[&Case]) -> Result<Vec<Block>, ChapterError> {
+    let is_there = |experiment| !of(cases, &[("experiment", experiment)]).is_empty();
+    let mut blocks = Vec::new();
+    if is_there("geometry-image") {
+        blocks.push(Block::section("Geometry images"));
+        blocks.push(Block::Text(IMAGES.to_owned()));
+        blocks.extend(image_plot(cases)?);
+        blocks.push(Block::Table(image_table(cases)));
+    }
+    if is_there("variance-noise") {
+        blocks.push(Block::section("Variance and hard shadows"));
+        blocks.push(Block::Text(SHADOWS.to_owned()));
+        blocks.push(Block::Table(noise_table(cases)));
+        blocks.push(Block::Table(lit_table(cases)));
+        blocks.push(Block::Table(bleeding_table(cases)));
+        blocks.push(Block::Text(HARD.to_owned()));
+        blocks.extend(hard_plot(cases)?);
+        blocks.push(Block::Table(hard_table(cases)));
+    }
+    if is_there("motion-blur") {
+        blocks.push(Block::section("Motion blur"));
+        blocks.push(Block::Text(BLUR.to_owned()));
+        blocks.extend(blur_plot(cases)?);
+        blocks.push(Block::Table(resolve_table(cases)));
+    }
+    Ok(blocks)
+}
+
+fn finding(claim: &str, holds: Option<bool>, because: String) -> Finding {
+    Finding {
+        claim: format!("{claim}:"),
+        standing: holds.map_or(Standing::NotMeasured, Standing::holds_if),
+        because,
+    }
+}
+
+/// Figure by a condition that is a number, in rising order.
+fn series(
+    cases: &[&Case],
+    conditions: &[(&str, &str)],
+    key: &str,
+    metric: &str,
+) -> Vec<(f64, f64)> {
+    let own = of(cases, conditions);
+    let pair = |case: &&Case| Some((case.condition(key).parse().ok()?, case.value(metric)?));
+    let mut pairs: Vec<(f64, f64)> = own.iter().filter_map(pair).collect();
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    pairs
+}
+
+fn images(cases: &[&Case], cut: &str, metric: &str) -> Vec<(f64, f64)> {
+    let conditions = [
+        ("experiment", "geometry-image"),
+        ("cut", cut),
+        ("stored", "f64"),
+    ];
+    series(cases, &conditions, "texels", metric)
+}
+
+fn resolved(all: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let is_resolved = |pair: &(f64, f64)| pair.0 >= f64::from(RESOLVED_TEXELS);
+    all.into_iter().filter(is_resolved).collect()
+}
+
+fn image_ratios(cases: &[&Case]) -> Finding {
+    let mut ratios = Vec::new();
+    for cut in ["published", "fold"] {
+        for metric in ["image_max_m", "image_rms_m"] {
+            let errors = resolved(images(cases, cut, metric));
+            ratios.extend(errors.windows(2).map(|pair| pair[0].1 / pair[1].1));
+        }
+    }
+    let is_right = |ratio: &f64| (ratio - RATIO).abs() <= RATIO_TOLERANCE;
+    let range = range(&ratios);
+    finding(
+        "A geometry image's error falls by 4.0 ± 0.2 a doubling from 65 texels on, whichever way cells are cut",
+        (!ratios.is_empty()).then(|| ratios.iter().all(is_right)),
+        range.map_or_else(String::new, |range| format!("by {range}")),
+    )
+}
+
+fn better_cut(cases: &[&Case]) -> Finding {
+    let published = resolved(images(cases, "published", "image_max_m"));
+    let fold = resolved(images(cases, "fold", "image_max_m"));
+    let gains: Vec<f64> = published
+        .iter()
+        .zip(&fold)
+        .map(|(p, f)| p.1 / f.1)
+        .collect();
+    let is_right = |gain: &f64| (gain - BETTER_CUT).abs() <= CUT_TOLERANCE;
+    finding(
+        "Cells cut along the fold are 2.5 ± 0.1 times as near to the shape as those of the published order",
+        (!gains.is_empty()).then(|| gains.iter().all(is_right)),
+        range(&gains).map_or_else(String::new, |range| format!("{range} times")),
+    )
+}
+
+fn closed_borders(cases: &[&Case]) -> Finding {
+    let own = of(cases, &[("experiment", "geometry-image")]);
+    let open: Vec<f64> = own
+        .iter()
+        .filter_map(|case| case.value("image_open_texels"))
+        .collect();
+    let most = open.iter().copied().max_by(f64::total_cmp);
+    finding(
+        "No texel of an image's border lies apart from its partner, however positions are stored",
+        most.map(|most| most <= 0.0),
+        most.map_or_else(String::new, |most| {
+            format!("at most {most} of {} images", open.len())
+        }),
+    )
+}
+
+fn noises(cases: &[&Case], moments: &str, metric: &str) -> Vec<(f64, f64)> {
+    let conditions = [("experiment", "variance-noise"), ("moments", moments)];
+    series(cases, &conditions, "sigma", metric)
+}
+
+fn subtracted(cases: &[&Case]) -> Finding {
+    let all = noises(cases, "receiver subtracted", "variance_relative_rms");
+    let most = all.iter().map(|pair| pair.1).max_by(f64::total_cmp);
+    finding(
+        "With the receiver subtracted the variance is right to 2·10⁻⁶ of itself at every spread",
+        most.map(|most| most <= RELATIVE_NOISE),
+        most.map(|most| format!("worst {}", significant(most)))
+            .unwrap_or_default(),
+    )
+}
+
+fn published_noise(cases: &[&Case]) -> Finding {
+    let all = noises(cases, "published", "variance_absolute_rms");
+    // The narrowest spread: noise alone.
+    let least = all.first().map(|pair| pair.1);
+    finding(
+        "The published sums carry noise of about 2·10⁻⁷ of the range squared",
+        least.map(|noise| (1e-7..=4e-7).contains(&noise)),
+        least.map(significant).unwrap_or_default(),
+    )
+}
+
+fn lit(cases: &[&Case]) -> Finding {
+    let of_floor = |floor| {
+        let own = of(
+            cases,
+            &[
+                ("experiment", "lit-plane"),
+                ("moments", "published"),
+                ("floor", floor),
+            ],
+        );
+        let of_fine = own
+            .iter()
+            .filter(|case| case.condition("depth") != "8 bits");
+        let shares = of_fine.filter_map(|case| case.value("variance_dark_share"));
+        shares.max_by(f64::total_cmp)
+    };
+    let (bare, floored) = (of_floor("none"), of_floor("1e-7"));
+    finding(
+        "A lit plane has dark pixels as published, and none with a floor of 10⁻⁷ from 16 bits of depth on",
+        bare.zip(floored)
+            .map(|(bare, floored)| bare > 0.0 && floored <= 0.0),
+        bare.zip(floored)
+            .map_or_else(String::new, |(bare, floored)| {
+                let [bare, floored] = [bare, floored].map(|share| significant(100.0 * share));
+                format!("up to {bare} % and {floored} %")
+            }),
+    )
+}
+
+fn finite(cases: &[&Case]) -> Finding {
+    let counts: Vec<f64> = cases
+        .iter()
+        .filter_map(|case| case.value("variance_non_finite"))
+        .collect();
+    let most = counts.iter().copied().max_by(f64::total_cmp);
+    finding(
+        "No variance and no light is NaN or infinite",
+        most.map(|most| most <= 0.0),
+        most.map(|most| format!("at most {most} of 20 000 windows"))
+            .unwrap_or_default(),
+    )
+}
+
+fn edge(cases: &[&Case]) -> Finding {
+    let all = series(
+        cases,
+        &[("experiment", "hard-shadow")],
+        "texels",
+        "hard_area_share",
+    );
+    let shares: Vec<f64> = all.iter().map(|pair| pair.1).collect();
+    let is_right = |share: &f64| (share - EDGE_SHARE).abs() <= EDGE_TOLERANCE;
+    finding(
+        "A hard shadow's map shows about 0.244 of its perimeter times a texel wrongly",
+        (!shares.is_empty()).then(|| shares.iter().all(is_right)),
+        range(&shares).unwrap_or_default(),
+    )
+}
+
+fn blurs(cases: &[&Case], filter: &str, moments: &str) -> Vec<(f64, f64)> {
+    let conditions = [
+        ("experiment", "motion-blur"),
+        ("filter", filter),
+        ("moments", moments),
+    ];
+    series(cases, &conditions, "layers", "blur_rms")
+}
+
+fn blur_slope(cases: &[&Case], filter: &str, expected: f64) -> Finding {
+    let all = blurs(cases, filter, "middle");
+    let fine: Vec<(f64, f64)> = all.into_iter().filter(|pair| pair.0 >= MOTION_PX).collect();
+    let slope = slope(&fine);
+    finding(
+        &format!(
+            "From a layer a pixel of motion on, blur of {filter} layers at middles falls with slope {expected}"
+        ),
+        slope.map(|slope| (slope - expected).abs() <= SLOPE_TOLERANCE),
+        slope.map(significant).unwrap_or_default(),
+    )
+}
+
+/// Least squares of log error over log number; `None` below three points.
+fn slope(errors: &[(f64, f64)]) -> Option<f64> {
+    let usable = errors.iter().filter(|pair| pair.1 > 0.0);
+    let logs: Vec<(f64, f64)> = usable.map(|pair| (pair.0.ln(), pair.1.ln())).collect();
+    if logs.len() < 3 {
+        return None;
+    }
+    let count = logs.len() as f64;
+    let mean_x = logs.iter().map(|log| log.0).sum::<f64>() / count;
+    let mean_y = logs.iter().map(|log| log.1).sum::<f64>() / count;
+    let products = logs.iter().map(|log| (log.0 - mean_x) * (log.1 - mean_y));
+    let squares = logs.iter().map(|log| (log.0 - mean_x).powi(2));
+    Some(products.sum::<f64>() / squares.sum::<f64>())
+}
+
+/// `3.95 to 4.02`.
+fn range(values: &[f64]) -> Option<String> {
+    let least = values.iter().copied().min_by(f64::total_cmp)?;
+    let most = values.iter().copied().max_by(f64::total_cmp)?;
+    Some(format!("{} to {}", significant(least), significant(most)))
+}
+
+fn curve(name: &str, pairs: &[(f64, f64)]) -> Curve {
+    let point = |&(x, y): &(f64, f64)| Point {
+        knob: x,
+        label: String::new(),
+        x: Some(Reading::exact(x)),
+        y: Some(Reading::exact(y)),
+        y_rms: None,
+        standing: PointStanding::Right,
+        command: String::new(),
+    };
+    Curve {
+        name: name.to_owned(),
+        points: pairs.iter().map(point).collect(),
+    }
+}
+
+fn draw(
+    title: &str,
+    caption: &str,
+    plots: &[WorkPrecision<'_>],
+) -> Result<Option<Block>, ChapterError> {
+    let mut names: Vec<String> = Vec::new();
+    for curve in plots.iter().flat_map(|plot| &plot.curves) {
+        if !names.contains(&curve.name) {
+            names.push(curve.name.clone());
+        }
+    }
+    let svg = panels(title, plots, Arrangement::SideBySide, &Palette::new(names))?;
+    Ok(svg.map(|svg| {
+        Block::Plot(Plot {
+            caption: caption.to_owned(),
+            svg,
+        })
+    }))
+}
+
+fn plot<'a>(title: &'a str, across: &'a str, up: &'a str, curves: Vec<Curve>) -> WorkPrecision<'a> {
+    WorkPrecision {
+        title,
+        across,
+        up,
+        upwards: Upwards::Error,
+        curves,
+        lines: Vec::new(),
+    }
+}
+
+fn image_plot(cases: &[&Case]) -> Result<Option<Block>, ChapterError> {
+    let of_cuts = |metric| {
+        let curves = ["published", "fold"].map(|cut| curve(cut, &images(cases, cut, metric)));
+        curves.into()
+    };
+    let across = "texels a side";
+    draw(
+        "error of geometry images",
+        "Error of a geometry image against its resolution, by the cut of its cells; positions in f64.",
+        &[
+            plot(
+                "distance",
+                across,
+                "largest distance, m",
+                of_cuts("image_max_m"),
+            ),
+            plot(
+                "normals",
+                across,
+                "normals, rms in degrees",
+                of_cuts("image_normal_deg"),
+            ),
+        ],
+    )
+}
+
+fn hard_plot(cases: &[&Case]) -> Result<Option<Block>, ChapterError> {
+    let all = |metric| series(cases, &[("experiment", "hard-shadow")], "texels", metric);
+    let area = curve("nearest texel", &all("hard_wrong_area"));
+    draw(
+        "error of a hard shadow",
+        "Area that a map of nearest texels shows wrongly against its resolution.",
+        &[plot(
+            "area",
+            "texels a side of the map",
+            "wrong area, share of the map",
+            vec![area],
+        )],
+    )
+}
+
+fn blur_plot(cases: &[&Case]) -> Result<Option<Block>, ChapterError> {
+    let of_filter = |filter| {
+        let moments = ["middle", "end", "stratified", "random"];
+        let curves = moments.map(|moments| curve(moments, &blurs(cases, filter, moments)));
+        curves.into()
+    };
+    let (across, up) = ("layers", "rms error of the trail");
+    draw(
+        "error of motion blur",
+        "Error of a mean of layers against the integral over time, by the moments that layers show.",
+        &[
+            plot("a pixel's middle", across, up, of_filter("point")),
+            plot("a pixel's covered share", across, up, of_filter("box")),
+        ],
+    )
+}
+
+/// Figures of an experiment, a row for each case.
+fn table(
+    cases: &[&Case],
+    caption: &str,
+    experiment: &str,
+    keys: &[(&str, &str)],
+    metrics: &[(&str, &'static str)],
+) -> Table {
+    let rows = of(cases, &[("experiment", experiment)])
+        .into_iter()
+        .map(|case| {
+            let mut cells: Vec<Cell> = Vec::new();
+            cells.extend(keys.iter().map(|(_, key)| Cell::name(case.condition(key))));
+            let values = metrics.iter().map(|(_, metric)| case.value(metric));
+            cells.extend(values.map(|value| Cell::or_absent(value.map(significant), "not finite")));
+            Row::new(cells)
+        });
+    let plain = keys.iter().map(|(text, _)| (*text, None));
+    let measured = metrics.iter().map(|(text, metric)| (*text, Some(*metric)));
+    Table {
+        caption: caption.to_owned(),
+        headings: headings(&plain.chain(measured).collect::<Vec<_>>()),
+        rows: rows.collect(),
+        ..Table::default()
+    }
+}
+
+fn image_table(cases: &[&Case]) -> Table {
+    table(
+        cases,
+        "Geometry images by cut, storage and resolution",
+        "geometry-image",
+        &[
+            ("cut", "cut"),
+            ("stored in", "stored"),
+            ("texels a side", "texels"),
+        ],
+        &[
+            ("largest distance, m", "image_max_m"),
+            ("rms, m", "image_rms_m"),
+            ("largest, px of 1,024", "image_max_px"),
+            ("normals, rms °", "image_normal_deg"),
+            ("open texels", "image_open_texels"),
+        ],
+    )
+}
+
+fn noise_table(cases: &[&Case]) -> Table {
+    table(
+        cases,
+        "Error of the variance of 25 taps near depth 1, in f32",
+        "variance-noise",
+        &[("moments", "moments"), ("spread of depths", "sigma")],
+        &[
+            ("relative, rms", "variance_relative_rms"),
+            ("absolute, rms", "variance_absolute_rms"),
+            ("absolute, largest", "variance_absolute_max"),
+            ("not finite", "variance_non_finite"),
+        ],
+    )
+}
+
+fn lit_table(cases: &[&Case]) -> Table {
+    table(
+        cases,
+        "A flat plane that nothing shadows: shares of its pixels",
+        "lit-plane",
+        &[
+            ("moments", "moments"),
+            ("depth", "depth"),
+            ("floor", "floor"),
+        ],
+        &[
+            ("below 0.99 of the light", "variance_dark_share"),
+            ("below 0.01", "variance_black_share"),
+            ("outside of 0 to 1", "variance_outside_share"),
+            ("not finite", "variance_non_finite"),
+        ],
+    )
+}
+
+/// What bleeds through two occluders, beside the formula.
+fn bleeding_table(cases: &[&Case]) -> Table {
+    let mut table = table(
+        cases,
+        "Light through two occluders that hide a place wholly, where 0 is right",
+        "bleeding",
+        &[("gap between them over gap to the receiver", "gaps")],
+        &[("largest light of 25 taps", "variance_bleeding")],
+    );
+    let own = of(cases, &[("experiment", "bleeding")]);
+    for (row, case) in table.rows.iter_mut().zip(own) {
+        let gaps: Option<f64> = case.condition("gaps").parse().ok();
+        let most = gaps.map(|gaps| significant(worst_bleeding(gaps)));
+        row.cells.push(Cell::or_absent(most, "no number"));
+    }
+    let heading = Heading::explained("(r / (r + 2))²", "of any number of taps");
+    table.headings.push(heading);
+    table
+}
+
+fn hard_table(cases: &[&Case]) -> Table {
+    table(
+        cases,
+        "A disc's hard shadow by a map of nearest texels",
+        "hard-shadow",
+        &[("texels a side", "texels")],
+        &[
+            ("wrong area, share of the map", "hard_wrong_area"),
+            ("over perimeter · texel", "hard_area_share"),
+            ("largest deviation, texels", "hard_deviation_texels"),
+        ],
+    )
+}
+
+fn resolve_table(cases: &[&Case]) -> Table {
+    table(
+        cases,
+        "Resolves of layers against a trail that fades linearly with age",
+        "blur-resolve",
+        &[("resolve", "resolve"), ("layers", "layers")],
+        &[("rms", "blur_rms"), ("largest", "blur_max")],
+    )
+}

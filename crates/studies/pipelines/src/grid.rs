@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The height grid that is drawn, its camera, and both as a device reads them.
+//!
+//! Metres; x along columns, y along rows, z up. The field is analytic, two waves of 1 km and 250 m, so
+//! that every size shows the same ground.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DMat4, DVec3, DVec4};
+use std::f64::consts::TAU;
+
+/// A side of the square of ground.
+pub(crate) const SIDE_M: f64 = 2_000.0;
+/// Tangent of half the field of view, either way: 60° hold the whole square.
+pub(crate) const TAN_HALF_VIEW: f64 = 0.577_350_269_189_625_8;
+/// Distance of the near plane: nothing is nearer.
+const NEAR_M: f64 = 1.0;
+const EYE: DVec3 = DVec3::new(930.0, -1_500.0, 1_200.0);
+const TARGET: DVec3 = DVec3::new(1_000.0, 600.0, 0.0);
+
+/// Heights of (cells + 1)² vertices, so that no cell reaches beyond the grid.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Grid {
+    /// A side.
+    pub(crate) cells: u32,
+    /// Metres, row by row, as the device gets them.
+    pub(crate) heights: Vec<f32>,
+}
+
+impl Grid {
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "rounding to what the GPU reads is the purpose"
+    )]
+    pub(crate) fn new(cells: u32) -> Self {
+        let step_m = SIDE_M / f64::from(cells);
+        let vertices = (0..=cells).flat_map(|row| (0..=cells).map(move |column| (column, row)));
+        let height = |(column, row)| {
+            let (x, y) = (f64::from(column) * step_m, f64::from(row) * step_m);
+            let wave = |length: f64| (TAU * x / length).sin() * (TAU * y / length + 0.3).sin();
+            (100.0 * wave(1_000.0) + 10.0 * wave(250.0)) as f32
+        };
+        Self {
+            cells,
+            heights: vertices.map(height).collect(),
+        }
+    }
+
+    pub(crate) fn step_m(&self) -> f64 {
+        SIDE_M / f64::from(self.cells)
+    }
+
+    pub(crate) fn index(&self, column: u32, row: u32) -> usize {
+        row as usize * (self.cells as usize + 1) + column as usize
+    }
+
+    /// Column, row and height of a vertex, as they are sent.
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "grids are far smaller than 2^24 cells a side"
+    )]
+    pub(crate) fn vertex(&self, column: u32, row: u32) -> [f32; 3] {
+        let height = self.heights[self.index(column, row)];
+        [column as f32, row as f32, height]
+    }
+}
+
+/// From where the grid is seen: an eye and the axes of the screen.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct View {
+    pub(crate) eye: DVec3,
+    pub(crate) right: DVec3,
+    pub(crate) up: DVec3,
+    pub(crate) forward: DVec3,
+}
+
+impl View {
+    pub(crate) fn new() -> Self {
+        let forward = (TARGET - EYE).normalize();
+        let right = forward.cross(DVec3::Z).normalize();
+        Self {
+            eye: EYE,
+            right,
+            up: right.cross(forward),
+            forward,
+        }
+    }
+}
+
+/// Twin of `GridConstants` in `shared/grid.wgsl`.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct GridConstants {
+    pub(crate) column: [f32; 4],
+    pub(crate) row: [f32; 4],
+    pub(crate) height: [f32; 4],
+    pub(crate) origin: [f32; 4],
+    pub(crate) cells: u32,
+    pub(crate) padding: [u32; 3],
+}
+
+impl GridConstants {
+    /// Reversed depth with the far plane at infinity.
+    pub(crate) fn new(grid: &Grid, view: &View) -> Self {
+        let axes = [view.right, view.up, -view.forward];
+        let rows = axes.map(|axis| axis.extend(-axis.dot(view.eye)));
+        let view_from_world = DMat4::from_cols(rows[0], rows[1], rows[2], DVec4::W).transpose();
+        let scale = TAN_HALF_VIEW.recip();
+        let clip_from_view = DMat4::from_cols(
+            DVec4::X * scale,
+            DVec4::Y * scale,
+            DVec4::NEG_W,
+            DVec4::Z * NEAR_M,
+        );
+        let clip = clip_from_view * view_from_world;
+        let step_m = grid.step_m();
+        let column = |of: DVec4| of.as_vec4().to_array();
+        Self {
+            column: column(clip.x_axis * step_m),
+            row: column(clip.y_axis * step_m),
+            height: column(clip.z_axis),
+            origin: column(clip.w_axis),
+            cells: grid.cells,
+            padding: [0; 3],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::mem::offset_of;
+    use terrafill_shaders::struct_layout;
+
+    #[test]
+    fn constants_lie_as_the_shader_reads_them() {
+        let layout = struct_layout("pipelines/grid.wgsl", "GridConstants").expect("a struct");
+        let offset = |name: &str| {
+            let member = layout.members.iter().find(|member| member.0 == name);
+            member.expect("a member").1 as usize
+        };
+        assert_eq!(offset("column"), offset_of!(GridConstants, column));
+        assert_eq!(offset("row"), offset_of!(GridConstants, row));
+        assert_eq!(offset("height"), offset_of!(GridConstants, height));
+        assert_eq!(offset("origin"), offset_of!(GridConstants, origin));
+        assert_eq!(offset("cells"), offset_of!(GridConstants, cells));
+        assert_eq!(layout.stride as usize, size_of::<GridConstants>());
+        // Twin: two members lie apart.
+        assert_ne!(offset("row"), offset_of!(GridConstants, height));
+    }
+
+    #[test]
+    fn every_corner_of_the_ground_is_on_screen_and_before_the_near_plane() {
+        let view = View::new();
+        for x in [0.0, SIDE_M] {
+            for y in [0.0, SIDE_M] {
+                for z in [-110.0, 110.0] {
+                    let from_eye = DVec3::new(x, y, z) - view.eye;
+                    let away = from_eye.dot(view.forward);
+                    assert!(away > NEAR_M, "{x} {y} {z}");
+                    let across = from_eye.dot(view.right).abs();
+                    let upwards = from_eye.dot(view.up).abs();
+                    assert!(across < away * TAN_HALF_VIEW, "{x} {y} {z}");
+                    assert!(upwards < away * TAN_HALF_VIEW, "{x} {y} {z}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Pictures of numbers: cells as a chessboard of two shades each, the sky, and in red what is wrong.
+
+use image::{ImageFormat, RgbImage};
+use std::path::Path;
+
+/// Red of a pixel that shows what it may not.
+const WRONG: [u8; 3] = [230, 30, 30];
+const SKY: [u8; 3] = [205, 225, 240];
+
+/// Colour of a triangle of a grid with so many cells a side.
+fn of_triangle(number: u32, cells: u32) -> [u8; 3] {
+    let Some(index) = number.checked_sub(1) else {
+        return SKY;
+    };
+    let cell = index / 2;
+    let is_even = (cell % cells + cell / cells).is_multiple_of(2);
+    match (is_even, index.is_multiple_of(2)) {
+        (true, true) => [95, 130, 85],
+        (true, false) => [115, 155, 100],
+        (false, true) => [190, 175, 130],
+        (false, false) => [215, 200, 155],
+    }
+}
+
+/// Colour of a point, dark before the sky.
+fn of_point(number: u32) -> [u8; 3] {
+    if number == 0 { SKY } else { [60, 80, 60] }
+}
+
+/// Writes a picture under `folder/images/` and returns its path relative to `folder`.
+///
+/// - `wrong`: of each pixel, whether it may not show what it shows
+///
+/// # Errors
+/// A message with the file's name.
+pub(crate) fn write(
+    folder: &Path,
+    name: &str,
+    [width, height]: [u32; 2],
+    numbers: &[u32],
+    draws_points: bool,
+    cells: u32,
+    wrong: &[bool],
+) -> Result<String, String> {
+    let relative = format!("images/pipelines-{}.png", name.replace('/', "-"));
+    let path = folder.join(&relative);
+    let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let pixels =
+        numbers
+            .iter()
+            .zip(wrong)
+            .flat_map(|(number, is_wrong)| match (is_wrong, draws_points) {
+                (true, _) => WRONG,
+                (false, true) => of_point(*number),
+                (false, false) => of_triangle(*number, cells),
+            });
+    let picture = RgbImage::from_raw(width, height, pixels.collect());
+    let picture = picture.ok_or_else(|| failed(&"wrong size"))?;
+    std::fs::create_dir_all(folder.join("images")).map_err(|error| failed(&error))?;
+    let saved = picture.save_with_format(&path, ImageFormat::Png);
+    saved.map_err(|error| failed(&error))?;
+    Ok(relative)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves_cells_and_sky_look_different() {
+        let colours = [0, 1, 2, 3, 4].map(|number| of_triangle(number, 8));
+        for (index, colour) in colours.iter().enumerate() {
+            assert!(
+                !colours[..index].contains(colour) && *colour != WRONG,
+                "{index}"
+            );
+        }
+        assert_ne!(of_point(0), of_point(1));
+    }
+}

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Study `pipelines`: experiments of 2007 with the pipeline of shader model 4, beside what does the same
+//! work today.
+//!
+//! Height grids are drawn by every way in which vertices may come, and points are amplified to cells by
+//! geometry shaders. Every picture shows numbers of triangles, which `f64` rays against the triangles
+//! verify. On the CPU in `f64` stand the errors of geometry images, variance shadows and motion blur. Set-ups and figures published: Patidar, Bhattacharjee, Singh and Narayanan, "Exploiting the
+//! Shader Model 4.0 Architecture" (2007).
+
+mod blur;
+mod chapter;
+mod draws;
+mod geometry_image;
+mod grid;
+mod images;
+mod metrics;
+mod numbers;
+mod on_vulkan;
+mod on_wgpu;
+mod open;
+mod rays;
+mod study;
+mod variance;
+mod way;
+
+pub use chapter::PipelinesChapter;
+pub use study::PipelinesStudy;
+
+/// Name of the study.
+pub const STUDY: &str = "pipelines";

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What is measured.
+
+use terrafill_results::{Kind, Metric};
+
+pub(crate) const METRICS: [Metric; 33] = [
+    Metric::less(
+        "pipeline_cpu_ms",
+        "ms",
+        Kind::Time,
+        "Process CPU time of a frame of a grid: sending what is sent, recording, and waiting for the device.",
+    ),
+    Metric::less(
+        "pipeline_wall_ms",
+        "ms",
+        Kind::Time,
+        "Wall clock over the same span.",
+    ),
+    Metric::less(
+        "pipeline_gpu_ms",
+        "ms",
+        Kind::Time,
+        "GPU time of drawing a grid; on Vulkan with the dispatch before it.",
+    ),
+    Metric::less(
+        "pipeline_mismatched_px",
+        "px",
+        Kind::Error,
+        "Pixels that show another triangle or point than the reference allows, outside of the band of 1/32 pixel.",
+    ),
+    Metric::neither(
+        "pipeline_band_px",
+        "px",
+        Kind::Error,
+        "Pixels that differ from the ray through their centre, whose border passes within 1/32 pixel of it.",
+    ),
+    Metric::less(
+        "pipeline_differing_px",
+        "px",
+        Kind::Error,
+        "Pixels that differ from those of the first way on the same interface with the same primitives.",
+    ),
+    Metric::neither(
+        "pipeline_shown_px",
+        "px",
+        Kind::DriverCounter,
+        "Pixels that show the grid.",
+    ),
+    Metric::less(
+        "pipeline_sent_bytes",
+        "bytes",
+        Kind::Bytes,
+        "Bytes of vertices or points that the CPU sends for each frame.",
+    ),
+    Metric::less(
+        "pipeline_held_bytes",
+        "bytes",
+        Kind::Bytes,
+        "Bytes that the device holds: heights where they are fetched, vertices, points, indices, expanded vertices.",
+    ),
+    Metric::less(
+        "pipeline_emitted_vertices",
+        "",
+        Kind::Counter,
+        "Vertices that the last stage before rasterisation gives, by the definition of the way.",
+    ),
+    Metric::less(
+        "pipeline_draws",
+        "",
+        Kind::Counter,
+        "Draw calls of a frame.",
+    ),
+    Metric::less(
+        "pipeline_vertex_invocations",
+        "",
+        Kind::DriverCounter,
+        "Vertex shader invocations that the device counted.",
+    ),
+    Metric::less(
+        "pipeline_geometry_invocations",
+        "",
+        Kind::DriverCounter,
+        "Geometry shader invocations that the device counted.",
+    ),
+    Metric::neither(
+        "pipeline_primitives",
+        "",
+        Kind::DriverCounter,
+        "Primitives that reached clipping, as the device counted them.",
+    ),
+    Metric::less(
+        "image_max_m",
+        "m",
+        Kind::Error,
+        "Largest distance of a geometry image's triangles from the shape along its normal, at seven points each.",
+    ),
+    Metric::less(
+        "image_rms_m",
+        "m",
+        Kind::Error,
+        "Root mean square of that distance.",
+    ),
+    Metric::less(
+        "image_max_px",
+        "px",
+        Kind::Error,
+        "The largest distance in pixels, where the shape fills a picture of 1,024.",
+    ),
+    Metric::less(
+        "image_normal_deg",
+        "°",
+        Kind::Error,
+        "Root mean square angle between the facets' normals and the shape's, weighted by area.",
+    ),
+    Metric::less(
+        "image_open_texels",
+        "",
+        Kind::Error,
+        "Texels of a geometry image's border that are not where their partner is.",
+    ),
+    Metric::less(
+        "variance_relative_rms",
+        "",
+        Kind::Error,
+        "Root mean square error of the variance of 25 taps over the exact one, relative to that.",
+    ),
+    Metric::less(
+        "variance_absolute_rms",
+        "",
+        Kind::Error,
+        "Root mean square error of the variance, of the depth range squared.",
+    ),
+    Metric::less(
+        "variance_absolute_max",
+        "",
+        Kind::Error,
+        "Largest error of the variance.",
+    ),
+    Metric::less(
+        "variance_non_finite",
+        "",
+        Kind::Error,
+        "Windows whose variance or light is NaN or infinite.",
+    ),
+    Metric::less(
+        "variance_dark_share",
+        "",
+        Kind::Error,
+        "Share of the pixels of a lit plane with less than 0.99 of the light.",
+    ),
+    Metric::less(
+        "variance_black_share",
+        "",
+        Kind::Error,
+        "Share of the pixels of a lit plane with less than 0.01 of the light.",
+    ),
+    Metric::less(
+        "variance_outside_share",
+        "",
+        Kind::Error,
+        "Share of the pixels of a lit plane whose light is below 0 or above 1.",
+    ),
+    Metric::less(
+        "variance_bleeding",
+        "",
+        Kind::Error,
+        "Largest light where two occluders hide a place wholly, and 0 is right.",
+    ),
+    Metric::less(
+        "hard_wrong_area",
+        "",
+        Kind::Error,
+        "Area that a hard shadow's map shows wrongly, as a share of the map.",
+    ),
+    Metric::neither(
+        "hard_area_share",
+        "",
+        Kind::Error,
+        "That area over the shadow's perimeter times the size of a texel.",
+    ),
+    Metric::less(
+        "hard_deviation_texels",
+        "",
+        Kind::Error,
+        "Largest distance of a wrongly shown place from the shadow's edge, in texels.",
+    ),
+    Metric::less(
+        "blur_rms",
+        "",
+        Kind::Error,
+        "Root mean square error of the trail's pixels against the integral over time, full scale 1.",
+    ),
+    Metric::less(
+        "blur_max",
+        "",
+        Kind::Error,
+        "Largest error of a pixel of the trail.",
+    ),
+    Metric::neither("blur_layers", "", Kind::Counter, "Layers that are drawn."),
+];

@@ -1,0 +1,442 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Grids on wgpu, which has no geometry shaders and, in WGSL, no mesh shaders.
+
+use crate::draws::{Counted, Draws, Times};
+use crate::grid::{Grid, GridConstants, View};
+use crate::way::{ARGUMENT_BYTES, PATCH_CELLS, Way, patch_indices, points, strip_ranges, strips};
+use std::ops::Range;
+use std::sync::Arc;
+use terrafill_fill::{CpuStopwatch, DeviceError, Picture, SKY};
+use terrafill_gpu::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, Gpu, RenderTargets, TimedPass};
+use terrafill_scene::ImageSize;
+
+/// What is drawn.
+enum Call {
+    Ranges(Vec<Range<u32>>),
+    Patches(wgpu::Buffer, u32),
+    Indirect {
+        arguments: wgpu::Buffer,
+        compute: wgpu::ComputePipeline,
+        bound: wgpu::BindGroup,
+        groups: u32,
+    },
+}
+
+/// A grid by one way.
+pub(crate) struct OnWgpu {
+    gpu: Arc<Gpu>,
+    targets: RenderTargets,
+    pipeline: wgpu::RenderPipeline,
+    bound: wgpu::BindGroup,
+    vertices: Option<wgpu::Buffer>,
+    /// Written into `vertices` before each frame.
+    sent: Option<Vec<u8>>,
+    call: Call,
+}
+
+/// Shaders of a way, and how its vertices come.
+struct Stages {
+    path: &'static str,
+    entry_point: &'static str,
+    topology: wgpu::PrimitiveTopology,
+    format: Option<wgpu::VertexFormat>,
+}
+
+fn stages(way: Way, gpu: &Gpu) -> Result<Stages, DeviceError> {
+    let grid = |entry_point, topology, format| Stages {
+        path: "pipelines/grid.wgsl",
+        entry_point,
+        topology,
+        format,
+    };
+    let points = wgpu::PrimitiveTopology::PointList;
+    let triangles = wgpu::PrimitiveTopology::TriangleList;
+    let strip = wgpu::PrimitiveTopology::TriangleStrip;
+    let metres = Some(wgpu::VertexFormat::Float32x3);
+    let word = Some(wgpu::VertexFormat::Uint32);
+    let lacks = |what| Err(DeviceError::unsupported(what, "WebGPU"));
+    match way {
+        Way::SentPoints => Ok(grid("sent_point", points, metres)),
+        Way::SentStrips => Ok(grid("sent_strip", strip, metres)),
+        Way::FetchedPoints => Ok(grid("fetched_point", points, word)),
+        Way::NoBuffer => Ok(grid("no_buffer", triangles, None)),
+        Way::ComputeIndirect => Ok(grid("placed_before", triangles, None)),
+        Way::IndexedPatch
+            if gpu
+                .device
+                .features()
+                .contains(wgpu::Features::PRIMITIVE_INDEX) =>
+        {
+            Ok(Stages {
+                path: "pipelines/patch.wgsl",
+                entry_point: "vertex_main",
+                topology: triangles,
+                format: None,
+            })
+        }
+        Way::IndexedPatch => {
+            let what = "the number of a primitive in fragment shaders";
+            Err(DeviceError::unsupported(what, &gpu.facts.name))
+        }
+        Way::Geometry { .. } => lacks("geometry shaders"),
+        Way::Mesh => lacks("mesh shaders in WGSL"),
+    }
+}
+
+fn entry(
+    binding: u32,
+    visibility: wgpu::ShaderStages,
+    ty: wgpu::BindingType,
+) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility,
+        ty,
+        count: None,
+    }
+}
+
+fn buffer_type(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
+    wgpu::BindingType::Buffer {
+        ty,
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    }
+}
+
+impl OnWgpu {
+    pub(crate) fn new(
+        gpu: &Arc<Gpu>,
+        way: Way,
+        grid: &Grid,
+        view: &View,
+        size: ImageSize,
+    ) -> Result<Self, DeviceError> {
+        let stages = stages(way, gpu)?;
+        let constants = GridConstants::new(grid, view);
+        let bytes = bytemuck::bytes_of(&constants);
+        let constants = gpu.upload("grid constants", bytes, wgpu::BufferUsages::UNIFORM)?;
+        let heights = heights(gpu, grid)?;
+        let side = grid.cells + 1;
+        let is_placed = way == Way::ComputeIndirect;
+        let kept = is_placed.then(|| {
+            gpu.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("clip positions"),
+                size: u64::from(side).pow(2) * 16,
+                usage: wgpu::BufferUsages::STORAGE,
+                mapped_at_creation: false,
+            })
+        });
+        let stage = wgpu::ShaderStages::VERTEX | wgpu::ShaderStages::COMPUTE;
+        let float = wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        };
+        // Fragments number triangles by the grid's cells.
+        let all = stage | wgpu::ShaderStages::FRAGMENT;
+        let uniform = buffer_type(wgpu::BufferBindingType::Uniform);
+        let base = [entry(0, all, uniform), entry(1, stage, float)];
+        let storage = |read_only| buffer_type(wgpu::BufferBindingType::Storage { read_only });
+        let vertex = wgpu::ShaderStages::VERTEX;
+        let mut entries = base.to_vec();
+        let mut resources = vec![
+            wgpu::BindGroupEntry {
+                binding: 0,
+                resource: constants.as_entire_binding(),
+            },
+            wgpu::BindGroupEntry {
+                binding: 1,
+                resource: wgpu::BindingResource::TextureView(&heights),
+            },
+        ];
+        let basic = resources.clone();
+        if let Some(kept) = &kept {
+            entries.push(entry(2, vertex, storage(true)));
+            resources.push(wgpu::BindGroupEntry {
+                binding: 2,
+                resource: kept.as_entire_binding(),
+            });
+        }
+        let (layout, bound) = bind(gpu, &entries, &resources);
+        let pipeline = pipeline(gpu, &stages, &layout)?;
+        let cells = grid.cells * grid.cells;
+        let numbers: Vec<u32> = (0..cells).collect();
+        let source: Option<Vec<u8>> = match way {
+            Way::SentPoints => Some(bytemuck::cast_slice(&points(grid)).to_vec()),
+            Way::SentStrips => Some(bytemuck::cast_slice(&strips(grid)).to_vec()),
+            Way::FetchedPoints => Some(bytemuck::cast_slice(&numbers).to_vec()),
+            _ => None,
+        };
+        let vertices = match &source {
+            Some(bytes) => Some(gpu.upload("vertices", bytes, wgpu::BufferUsages::VERTEX)?),
+            None => None,
+        };
+        let call = match way {
+            Way::SentStrips => Call::Ranges(strip_ranges(grid)),
+            Way::NoBuffer => whole(6 * cells),
+            Way::IndexedPatch => {
+                let indices = patch_indices();
+                let bytes = bytemuck::cast_slice(&indices);
+                let indices = gpu.upload("patch", bytes, wgpu::BufferUsages::INDEX)?;
+                Call::Patches(indices, cells / (PATCH_CELLS * PATCH_CELLS))
+            }
+            Way::ComputeIndirect => {
+                let arguments = gpu.create_buffer(&wgpu::BufferDescriptor {
+                    label: Some("draw arguments"),
+                    size: ARGUMENT_BYTES,
+                    usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::INDIRECT,
+                    mapped_at_creation: false,
+                });
+                let kept = kept
+                    .as_ref()
+                    .ok_or(DeviceError::Missing("buffer of vertices"))?;
+                let compute = wgpu::ShaderStages::COMPUTE;
+                let mut entries = base.to_vec();
+                entries.push(entry(2, compute, storage(false)));
+                entries.push(entry(3, compute, storage(false)));
+                let mut resources = basic;
+                for (binding, buffer) in [(2, kept), (3, &arguments)] {
+                    resources.push(wgpu::BindGroupEntry {
+                        binding,
+                        resource: buffer.as_entire_binding(),
+                    });
+                }
+                let (layout, bound) = bind(gpu, &entries, &resources);
+                let layout = gpu.pipeline_layout("expand grid", &[Some(&layout)]);
+                let compute = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                    label: Some("expand grid"),
+                    layout: Some(&layout),
+                    module: &gpu.shader("pipelines/expand.wgsl")?,
+                    entry_point: Some("compute_main"),
+                    compilation_options: Default::default(),
+                    cache: None,
+                });
+                Call::Indirect {
+                    arguments,
+                    compute,
+                    bound,
+                    groups: side.div_ceil(8),
+                }
+            }
+            _ => whole(cells),
+        };
+        Ok(Self {
+            gpu: Arc::clone(gpu),
+            targets: RenderTargets::new(gpu, size)?,
+            pipeline,
+            bound,
+            vertices,
+            sent: source.filter(|_| way.sent_bytes(grid) > 0),
+            call,
+        })
+    }
+
+    fn frame(&mut self) -> Result<(), DeviceError> {
+        if let (Some(buffer), Some(bytes)) = (&self.vertices, &self.sent) {
+            self.gpu.write_buffer(buffer, 0, bytes);
+        }
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        if let Call::Indirect {
+            compute,
+            bound,
+            groups,
+            ..
+        } = &self.call
+        {
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            pass.set_pipeline(compute);
+            pass.set_bind_group(0, bound, &[]);
+            pass.dispatch_workgroups(*groups, *groups, 1);
+        }
+        let (colour, depth_stencil) = (
+            self.targets.colour_view(),
+            self.targets.depth_stencil_view(),
+        );
+        let [r, g, b, a] = SKY.map(f64::from);
+        let store = wgpu::StoreOp::Store;
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("grid"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &colour,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
+                    store,
+                },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &depth_stencil,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store,
+                }),
+                stencil_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0),
+                    store,
+                }),
+            }),
+            timestamp_writes: self.targets.timer().map(|t| t.around(TimedPass::Surface)),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.bound, &[]);
+        if let Some(vertices) = &self.vertices {
+            pass.set_vertex_buffer(0, vertices.slice(..));
+        }
+        match &self.call {
+            Call::Ranges(ranges) => {
+                for range in ranges {
+                    pass.draw(range.clone(), 0..1);
+                }
+            }
+            Call::Patches(indices, instances) => {
+                pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint16);
+                pass.draw_indexed(0..6 * PATCH_CELLS * PATCH_CELLS, 0, 0..*instances);
+            }
+            Call::Indirect { arguments, .. } => pass.draw_indirect(arguments, 0),
+        }
+        drop(pass);
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.wait()
+    }
+}
+
+fn whole(vertices: u32) -> Call {
+    Call::Ranges(std::iter::once(0..vertices).collect())
+}
+
+fn heights(gpu: &Gpu, grid: &Grid) -> Result<wgpu::TextureView, DeviceError> {
+    let side = grid.cells + 1;
+    let allowed = gpu.device.limits().max_texture_dimension_2d;
+    if side > allowed {
+        return Err(DeviceError::OverCapacity {
+            what: "texels along a side of the heights".to_owned(),
+            found: u64::from(side),
+            allowed: u64::from(allowed),
+        });
+    }
+    let size = wgpu::Extent3d {
+        width: side,
+        height: side,
+        depth_or_array_layers: 1,
+    };
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("heights"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::R32Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(4 * side),
+        rows_per_image: None,
+    };
+    let texels = bytemuck::cast_slice(&grid.heights);
+    gpu.queue
+        .write_texture(texture.as_image_copy(), texels, layout, size);
+    Ok(texture.create_view(&Default::default()))
+}
+
+fn bind(
+    gpu: &Gpu,
+    entries: &[wgpu::BindGroupLayoutEntry],
+    resources: &[wgpu::BindGroupEntry<'_>],
+) -> (wgpu::BindGroupLayout, wgpu::BindGroup) {
+    let label = Some("grid");
+    let layout = gpu
+        .device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries });
+    let bound = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label,
+        layout: &layout,
+        entries: resources,
+    });
+    (layout, bound)
+}
+
+fn pipeline(
+    gpu: &Gpu,
+    stages: &Stages,
+    layout: &wgpu::BindGroupLayout,
+) -> Result<wgpu::RenderPipeline, DeviceError> {
+    let module = gpu.shader(stages.path)?;
+    let layout = gpu.pipeline_layout("grid", &[Some(layout)]);
+    let attributes = stages.format.map(|format| {
+        [wgpu::VertexAttribute {
+            format,
+            offset: 0,
+            shader_location: 0,
+        }]
+    });
+    let buffers: Vec<_> = attributes
+        .iter()
+        .map(|attributes| {
+            Some(wgpu::VertexBufferLayout {
+                array_stride: attributes[0].format.size(),
+                step_mode: wgpu::VertexStepMode::Vertex,
+                attributes,
+            })
+        })
+        .collect();
+    Ok(gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("grid"),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some(stages.entry_point),
+            compilation_options: Default::default(),
+            buffers: &buffers,
+        },
+        primitive: wgpu::PrimitiveState {
+            topology: stages.topology,
+            ..Default::default()
+        },
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH_STENCIL_FORMAT,
+            depth_write_enabled: Some(true),
+            depth_compare: Some(wgpu::CompareFunction::Greater),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("fragment_main"),
+            compilation_options: Default::default(),
+            targets: &[Some(COLOUR_FORMAT.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    }))
+}
+
+impl Draws for OnWgpu {
+    fn draw(&mut self) -> Result<(Picture, Counted), DeviceError> {
+        self.frame()?;
+        Ok((self.targets.read()?, Counted::default()))
+    }
+
+    fn time(&mut self) -> Result<Times, DeviceError> {
+        let watch = CpuStopwatch::start();
+        self.frame()?;
+        let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
+        let gpu_ms = match self.targets.timer() {
+            Some(timer) => {
+                let stamps = timer.read(&self.gpu, TimedPass::Surface, TimedPass::Surface)?;
+                stamps.pass_ms(TimedPass::Surface)
+            }
+            None => None,
+        };
+        Ok(Times {
+            cpu_ms,
+            wall_ms,
+            gpu_ms,
+        })
+    }
+}

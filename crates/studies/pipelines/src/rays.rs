@@ -1,0 +1,470 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! The reference: which triangle a pixel's ray meets first, and which point covers a pixel, in `f64`.
+//!
+//! Rays walk the cells below them one after the other and are intersected with both halves of each.
+//! Nothing of what draws is used: no matrix, no list of vertices, no projection. Devices snap vertices to
+//! 1/16 pixel or finer (the standard asks for four bits), so a pixel whose centre lies within [`BAND_PX`] of
+//! a border may show either side; every other difference is an error.
+
+use crate::grid::{Grid, TAN_HALF_VIEW, View};
+use glam::{DVec2, DVec3};
+
+/// Half a step of the coarsest grid that vertices may be snapped to.
+const BAND_PX: f64 = 1.0 / 32.0;
+/// Depths of points closer than this share are equal to `f32`: 2⁻²⁴ for the depth, a few times as much
+/// for the sums behind it.
+const EQUAL_DEPTH: f64 = 1e-6;
+
+/// How the cells of a grid are cut.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Cut {
+    /// From (column + 1, row) to (column, row + 1), as published.
+    Published,
+    /// The other diagonal: what a wrong picture shows.
+    #[cfg(test)]
+    Other,
+}
+
+/// What a picture shows that it should not.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct Judged {
+    /// Pixels that show another triangle or point than they may.
+    pub(crate) mismatched: usize,
+    /// Pixels that differ from the centre's ray, within the band along a border.
+    pub(crate) in_band: usize,
+    /// Pixels that show the grid.
+    pub(crate) shown: usize,
+    /// Of each pixel, whether it is among the mismatched.
+    pub(crate) wrong: Vec<bool>,
+}
+
+impl Judged {
+    fn add(&mut self, shown: u32, truth: u32, may: impl FnOnce() -> bool) {
+        self.shown += usize::from(shown != 0);
+        let differs = shown != truth;
+        let is_wrong = differs && !may();
+        self.in_band += usize::from(differs && !is_wrong);
+        self.mismatched += usize::from(is_wrong);
+        self.wrong.push(is_wrong);
+    }
+}
+
+/// A grid and its view, for rays.
+pub(crate) struct Rays<'a> {
+    grid: &'a Grid,
+    view: View,
+    /// Pixels, across and down.
+    size: [u32; 2],
+    cut: Cut,
+    lowest: f64,
+    highest: f64,
+}
+
+/// What a ray meets.
+#[derive(Debug, Clone, Copy)]
+struct Hit {
+    /// From 1, as it is drawn.
+    number: u32,
+    /// Distance along the view's axis, metres.
+    away_m: f64,
+}
+
+impl<'a> Rays<'a> {
+    pub(crate) fn new(grid: &'a Grid, view: View, size: [u32; 2], cut: Cut) -> Self {
+        let heights = grid.heights.iter().copied().map(f64::from);
+        Self {
+            grid,
+            view,
+            size,
+            cut,
+            lowest: heights.clone().fold(f64::INFINITY, f64::min),
+            highest: heights.fold(f64::NEG_INFINITY, f64::max),
+        }
+    }
+
+    fn height(&self, column: u32, row: u32) -> f64 {
+        f64::from(self.grid.heights[self.grid.index(column, row)])
+    }
+
+    /// Numbers of triangles at all pixels' centres, 0 for none.
+    pub(crate) fn picture(&self) -> Vec<u32> {
+        let centres = self.centres();
+        centres
+            .map(|at| self.meet(at).map_or(0, |hit| hit.number))
+            .collect()
+    }
+
+    fn centres(&self) -> impl Iterator<Item = DVec2> + use<> {
+        let [width, height] = self.size;
+        let rows = 0..height;
+        rows.flat_map(move |y| {
+            (0..width).map(move |x| DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5))
+        })
+    }
+
+    /// Where a direction's part along the view's axis is 1.
+    fn direction(&self, at_px: DVec2) -> DVec3 {
+        let [width, height] = self.size.map(f64::from);
+        let across = TAN_HALF_VIEW * (2.0 * at_px.x / width - 1.0);
+        let upwards = TAN_HALF_VIEW * (1.0 - 2.0 * at_px.y / height);
+        self.view.forward + self.view.right * across + self.view.up * upwards
+    }
+
+    /// The first triangle on the ray through a place of the picture.
+    fn meet(&self, at_px: DVec2) -> Option<Hit> {
+        let step_m = self.grid.step_m();
+        let along = self.direction(at_px);
+        // Columns, rows and metres from here on.
+        let scale = DVec3::new(1.0 / step_m, 1.0 / step_m, 1.0);
+        let (eye, along) = (self.view.eye * scale, along * scale);
+        let side = f64::from(self.grid.cells);
+        let (mut from, mut to) = (0.0_f64, f64::INFINITY);
+        let slabs = [
+            (eye.x, along.x, 0.0, side),
+            (eye.y, along.y, 0.0, side),
+            (eye.z, along.z, self.lowest, self.highest),
+        ];
+        for (start, slope, low, high) in slabs {
+            if slope.abs() < 1e-300 {
+                if start < low || start > high {
+                    return None;
+                }
+                continue;
+            }
+            let ends = [(low - start) / slope, (high - start) / slope];
+            from = from.max(ends[0].min(ends[1]));
+            to = to.min(ends[0].max(ends[1]));
+        }
+        // A flat grid has no thickness.
+        if from > to + 1e-9 {
+            return None;
+        }
+        let last = self.grid.cells - 1;
+        let clamp = |value: f64| {
+            // Floor of what lies in the grid.
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "held between 0 and the number of cells"
+            )]
+            let cell = value.floor().clamp(0.0, f64::from(last)) as u32;
+            cell
+        };
+        let start = eye + along * from;
+        let (mut column, mut row) = (clamp(start.x), clamp(start.y));
+        loop {
+            let hit = self.meet_cell(eye, along, column, row);
+            if hit.is_some() {
+                return hit;
+            }
+            let border = |start: f64, slope: f64, cell: u32| match slope {
+                slope if slope > 0.0 => (f64::from(cell) + 1.0 - start) / slope,
+                slope if slope < 0.0 => (f64::from(cell) - start) / slope,
+                _ => f64::INFINITY,
+            };
+            let next_x = border(eye.x, along.x, column);
+            let next_y = border(eye.y, along.y, row);
+            if next_x.min(next_y) > to {
+                return None;
+            }
+            let (cell, slope) = match next_x < next_y {
+                true => (&mut column, along.x),
+                false => (&mut row, along.y),
+            };
+            match slope > 0.0 {
+                true if *cell < last => *cell += 1,
+                false if *cell > 0 => *cell -= 1,
+                _ => return None,
+            }
+        }
+    }
+
+    fn meet_cell(&self, eye: DVec3, along: DVec3, column: u32, row: u32) -> Option<Hit> {
+        let corner = |x, y| self.height(column + x, row + y);
+        let [near, right, below, far] = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];
+        let local = eye - DVec3::new(f64::from(column), f64::from(row), 0.0);
+        // A half is a plane, height = base + x · across + y · down, over a triangle of the cell.
+        let meet = |base: f64, across: f64, down: f64, is_inside: &dyn Fn(f64, f64) -> bool| {
+            let rate = along.z - across * along.x - down * along.y;
+            let gap = base + across * local.x + down * local.y - local.z;
+            let away = gap / rate;
+            let (x, y) = (local.x + along.x * away, local.y + along.y * away);
+            (away.is_finite() && away > 0.0 && is_inside(x, y)).then_some(away)
+        };
+        // Rounding must not open a crack between halves: the band has a pixel's share anyway.
+        const SLACK: f64 = 1e-9;
+        let in_cell =
+            |x: f64, y: f64| x >= -SLACK && y >= -SLACK && x <= 1.0 + SLACK && y <= 1.0 + SLACK;
+        let halves = match self.cut {
+            Cut::Published => [
+                meet(near, right - near, below - near, &|x, y| {
+                    in_cell(x, y) && x + y <= 1.0 + SLACK
+                }),
+                meet(right + below - far, far - below, far - right, &|x, y| {
+                    in_cell(x, y) && x + y >= 1.0 - SLACK
+                }),
+            ],
+            #[cfg(test)]
+            Cut::Other => [
+                meet(near, far - below, below - near, &|x, y| {
+                    in_cell(x, y) && y >= x - SLACK
+                }),
+                meet(near, right - near, far - right, &|x, y| {
+                    in_cell(x, y) && y <= x + SLACK
+                }),
+            ],
+        };
+        let first = 2 * (row * self.grid.cells + column) + 1;
+        let hits = (first..).zip(halves).filter_map(|(number, away)| {
+            Some(Hit {
+                number,
+                away_m: away?,
+            })
+        });
+        hits.min_by(|a, b| a.away_m.total_cmp(&b.away_m))
+    }
+
+    /// A vertex on the picture, pixels, and its distance along the view's axis.
+    fn project(&self, column: u32, row: u32) -> (DVec2, f64) {
+        let step_m = self.grid.step_m();
+        let place = DVec3::new(
+            f64::from(column) * step_m,
+            f64::from(row) * step_m,
+            self.height(column, row),
+        );
+        let from_eye = place - self.view.eye;
+        let away = from_eye.dot(self.view.forward);
+        let [width, height] = self.size.map(f64::from);
+        let across = from_eye.dot(self.view.right) / (away * TAN_HALF_VIEW);
+        let upwards = from_eye.dot(self.view.up) / (away * TAN_HALF_VIEW);
+        let at = DVec2::new(0.5 * width * (1.0 + across), 0.5 * height * (1.0 - upwards));
+        (at, away)
+    }
+
+    /// Holds a picture of triangles' numbers against the rays.
+    ///
+    /// - `truth`: [`Rays::picture`]
+    pub(crate) fn judge_triangles(&self, numbers: &[u32], truth: &[u32]) -> Judged {
+        let mut judged = Judged::default();
+        for ((at, &shown), &met) in self.centres().zip(numbers).zip(truth) {
+            judged.add(shown, met, || self.may_show(at, shown));
+        }
+        judged
+    }
+
+    /// Whether the border of what is shown passes within the band of a place, and nothing hides it there.
+    fn may_show(&self, at: DVec2, shown: u32) -> bool {
+        let ring = [-1.0, 0.0, 1.0].into_iter();
+        let ring = ring.flat_map(|x| [-1.0, 0.0, 1.0].map(|y| DVec2::new(x, y)));
+        let hits: Vec<Option<Hit>> = ring.map(|way| self.meet(at + way * BAND_PX)).collect();
+        if hits
+            .iter()
+            .any(|hit| hit.map_or(0, |hit| hit.number) == shown)
+        {
+            return true;
+        }
+        // A triangle may be thinner than the ring.
+        if shown == 0 || shown > 2 * self.grid.cells * self.grid.cells {
+            return false;
+        }
+        let cell = (shown - 1) / 2;
+        let (column, row) = (cell % self.grid.cells, cell / self.grid.cells);
+        let middle = [(1, 0), (0, 1)];
+        let end = if shown % 2 == 1 { (0, 0) } else { (1, 1) };
+        let corners = [middle[0], middle[1], end];
+        let corners = corners.map(|(x, y)| self.project(column + x, row + y));
+        let nearest = corners
+            .iter()
+            .map(|corner| corner.1)
+            .fold(f64::INFINITY, f64::min);
+        let farthest = hits
+            .iter()
+            .map(|hit| hit.map_or(f64::INFINITY, |hit| hit.away_m));
+        let is_seen = nearest <= farthest.fold(0.0, f64::max) * (1.0 + EQUAL_DEPTH);
+        is_seen && distance_to_triangle(at, corners.map(|corner| corner.0)) <= BAND_PX
+    }
+
+    /// Holds a picture of points' numbers against their projections: a point covers the pixel that it
+    /// lies in.
+    pub(crate) fn judge_points(&self, numbers: &[u32]) -> Judged {
+        let [width, height] = self.size;
+        let cells = self.grid.cells;
+        // Nearest point that is in each pixel whatever the rounding, and nearest by its place alone.
+        let mut sure = vec![f64::INFINITY; numbers.len()];
+        let mut plain = vec![(0, f64::INFINITY); numbers.len()];
+        for row in 0..cells {
+            for column in 0..cells {
+                let (at, away) = self.project(column, row);
+                let Some(pixel) = pixel_of(at, [width, height]) else {
+                    continue;
+                };
+                let inside = at - at.floor();
+                let is_sure =
+                    inside.min_element() >= BAND_PX && inside.max_element() <= 1.0 - BAND_PX;
+                if is_sure {
+                    sure[pixel] = sure[pixel].min(away);
+                }
+                if away < plain[pixel].1 {
+                    plain[pixel] = (row * cells + column + 1, away);
+                }
+            }
+        }
+        let mut judged = Judged::default();
+        for (pixel, &shown) in numbers.iter().enumerate() {
+            judged.add(shown, plain[pixel].0, || match shown {
+                0 => sure[pixel].is_infinite(),
+                _ if shown > cells * cells => false,
+                _ => {
+                    let (at, away) = self.project((shown - 1) % cells, (shown - 1) / cells);
+                    is_near_pixel(at, pixel, width) && away <= sure[pixel] * (1.0 + EQUAL_DEPTH)
+                }
+            });
+        }
+        judged
+    }
+}
+
+/// Number of the pixel that a place lies in.
+fn pixel_of(at: DVec2, [width, height]: [u32; 2]) -> Option<usize> {
+    let is_inside = at.min_element() >= 0.0 && at.x < f64::from(width) && at.y < f64::from(height);
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "inside the picture"
+    )]
+    let number = |at: DVec2| at.y as usize * width as usize + at.x as usize;
+    is_inside.then(|| number(at))
+}
+
+fn is_near_pixel(at: DVec2, pixel: usize, width: u32) -> bool {
+    let width = width as usize;
+    let corner = DVec2::new((pixel % width) as f64, (pixel / width) as f64);
+    let inside = at - corner;
+    inside.min_element() >= -BAND_PX && inside.max_element() <= 1.0 + BAND_PX
+}
+
+/// 0 inside.
+fn distance_to_triangle(at: DVec2, corners: [DVec2; 3]) -> f64 {
+    let [a, b, c] = corners;
+    let sides = [(a, b), (b, c), (c, a)];
+    let turns = sides.map(|(from, to)| (to - from).perp_dot(at - from));
+    if turns.iter().all(|turn| *turn >= 0.0) || turns.iter().all(|turn| *turn <= 0.0) {
+        return 0.0;
+    }
+    let distances = sides.map(|(from, to)| {
+        let side = to - from;
+        let share = (at - from).dot(side) / side.length_squared();
+        (at - from - side * share.clamp(0.0, 1.0)).length()
+    });
+    distances.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: [u32; 2] = [96, 96];
+
+    fn rays(grid: &Grid, cut: Cut) -> Rays<'_> {
+        Rays::new(grid, View::new(), SIZE, cut)
+    }
+
+    #[test]
+    fn a_ray_through_a_projected_centre_meets_its_triangle() {
+        let grid = Grid::new(16);
+        let rays = rays(&grid, Cut::Published);
+        let mut met = 0;
+        for row in 0..16 {
+            for column in 0..16 {
+                // Perspective keeps the middle inside.
+                let corners = [(0, 0), (1, 0), (0, 1)];
+                let corners = corners.map(|(x, y)| rays.project(column + x, row + y));
+                let middle = (corners[0].0 + corners[1].0 + corners[2].0) / 3.0;
+                let number = 2 * (row * 16 + column) + 1;
+                let hit = rays.meet(middle).expect("on the ground");
+                // Another one only where it hides this one.
+                let away = corners
+                    .map(|corner| corner.1)
+                    .into_iter()
+                    .fold(0.0, f64::max);
+                met += usize::from(hit.number == number);
+                assert!(hit.number == number || hit.away_m < away, "{column} {row}");
+            }
+        }
+        assert!(met > 150, "{met}");
+    }
+
+    #[test]
+    fn a_picture_is_right_by_its_own_rays_and_wrong_by_the_other_cut() {
+        let grid = Grid::new(32);
+        let right = rays(&grid, Cut::Published);
+        let truth = right.picture();
+        let judged = right.judge_triangles(&truth, &truth);
+        assert_eq!((judged.mismatched, judged.in_band), (0, 0));
+        assert!(judged.shown > 1_500, "{}", judged.shown);
+        // Twins: cells cut along the other diagonal, a height changed, a column aside.
+        let other = rays(&grid, Cut::Other).picture();
+        let judged = right.judge_triangles(&other, &truth);
+        assert!(judged.mismatched > 500);
+        let wrong = judged.wrong.iter().filter(|is_wrong| **is_wrong).count();
+        assert_eq!(wrong, judged.mismatched);
+        let mut changed = grid.clone();
+        let vertex = changed.index(16, 16);
+        changed.heights[vertex] += 60.0;
+        let changed = rays(&changed, Cut::Published).picture();
+        assert!(right.judge_triangles(&changed, &truth).mismatched > 3);
+        let mut aside = truth.clone();
+        aside.rotate_right(1);
+        assert!(right.judge_triangles(&aside, &truth).mismatched > 500);
+    }
+
+    #[test]
+    fn only_a_border_within_the_band_excuses_a_pixel() {
+        let grid = Grid::new(32);
+        let rays = rays(&grid, Cut::Published);
+        let (a, b) = (rays.project(10, 10).0, rays.project(11, 10).0);
+        let border = 0.5 * (a + b);
+        let number = 2 * (10 * 32 + 10) + 1;
+        // Beyond the side towards the row before, in pixels.
+        let out = (b - a).perp().normalize();
+        let inside = rays.project(10, 11).0 - border;
+        let out = if out.dot(inside) > 0.0 { -out } else { out };
+        assert!(rays.may_show(border + out * 0.02, number));
+        assert!(!rays.may_show(border + out * 0.2, number));
+        assert!(!rays.may_show(border, 2 * 32 * 32 + 1));
+    }
+
+    #[test]
+    fn points_are_where_they_are_projected() {
+        let grid = Grid::new(16);
+        let rays = rays(&grid, Cut::Published);
+        let mut numbers = vec![0; (SIZE[0] * SIZE[1]) as usize];
+        let mut nearest = vec![f64::INFINITY; numbers.len()];
+        for row in 0..16 {
+            for column in 0..16 {
+                let (at, away) = rays.project(column, row);
+                let pixel = pixel_of(at, SIZE).expect("on screen");
+                if away < nearest[pixel] {
+                    (nearest[pixel], numbers[pixel]) = (away, row * 16 + column + 1);
+                }
+            }
+        }
+        let judged = rays.judge_points(&numbers);
+        assert_eq!((judged.mismatched, judged.in_band), (0, 0));
+        assert!(judged.shown > 200, "{}", judged.shown);
+        // Twins: a pixel aside, a point left out.
+        numbers.rotate_right(1);
+        assert!(rays.judge_points(&numbers).mismatched > 200);
+        numbers.rotate_left(1);
+        let some = numbers
+            .iter()
+            .position(|number| *number > 0)
+            .expect("a point");
+        let mut less = numbers.clone();
+        less[some] = 0;
+        assert!(rays.judge_points(&less).mismatched <= 1);
+        let all = less.iter_mut();
+        all.for_each(|number| *number = 0);
+        assert!(rays.judge_points(&less).mismatched > 150);
+    }
+}
