@@ -22,6 +22,7 @@ mod adapter;
 mod bindings;
 mod covers;
 mod deliberate_error;
+mod depth_copy;
 mod failure;
 mod fill;
 mod fixtures;
@@ -46,6 +47,7 @@ pub use bindings::BindGroup;
 pub use terrafill_shaders::{HandsOn, RouteText, TexturedParts, TexturedPlacement};
 
 pub use deliberate_error::make_deliberate_error;
+pub use depth_copy::DepthCopy;
 pub use fill::{VolumeFill, Volumes};
 pub use memory::{Buffer, BufferUse};
 pub use pass::{CoverState, DrawState, FillRecorder, Geometry, IndexWidth, PassRecorder};
@@ -57,6 +59,7 @@ pub use render_targets::{FillReport, Measured, RenderTargets, SharedTargets};
 pub use sampled::{ImageBindings, SampledImage};
 pub use shader_modules::VertexStage;
 pub use shared::{API, shared_gpu, shared_targets};
+pub use targets::Numbers;
 pub use textured_pipeline::{
     CoverPurpose, DepthBindings, Probe, TexturedDescriptor, TexturedPipeline,
 };

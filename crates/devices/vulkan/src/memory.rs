@@ -171,7 +171,7 @@ impl Buffer {
         let usage = use_for.flags() | vk::BufferUsageFlags::TRANSFER_DST;
         let mut buffer = Self::new(gpu, label, size, usage, DEVICE)?;
         buffer.use_for = Some(use_for);
-        gpu.work.count_buffer();
+        gpu.work.count_buffer(size);
         if !bytes.is_empty() {
             let staging = Self::staging(gpu, label, bytes)?;
             gpu.work.count_upload(bytes.len() as u64);
