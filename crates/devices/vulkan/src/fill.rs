@@ -39,7 +39,9 @@ pub struct VolumeFill {
     covers: Covers,
     /// Covers show the picture, if one is held.
     draws_texture: bool,
-    /// Where every frame copies depth, if it does.
+    /// Every frame copies depth.
+    copies_depth: bool,
+    /// Where to, once a program is there.
     depth_copy: Option<DepthCopy>,
     /// Covers of a textured fill, which stand where the plain ones would.
     textured: Option<TexturedFill>,
@@ -81,11 +83,11 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         if switches.depth_bounds && !facts.features.depth_bounds {
             return Err(lacks("depthBounds"));
         }
-        let copy = || targets.borrow().depth_copy();
         Ok(Self {
             targets: SharedTargets::clone(targets),
             draws_texture: switches.texture.is_some(),
-            depth_copy: switches.copies_depth.then(copy).transpose()?,
+            copies_depth: switches.copies_depth,
+            depth_copy: None,
             covers: Covers::default(),
             textured: None,
             loaded: None,
@@ -125,6 +127,9 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
             return Err(DeviceError::unsupported(what, crate::API.name));
         }
         let targets = self.targets.borrow();
+        if self.copies_depth && self.depth_copy.is_none() {
+            self.depth_copy = Some(targets.depth_copy()?);
+        }
         let numbers = match work.program.accumulates() {
             false => None,
             true => match before.as_mut().and_then(|held| held.numbers.take()) {

@@ -356,6 +356,8 @@ impl RegionVolumes for ComputeVolumes {
         bottoms: &BottomCaps,
     ) -> Result<(), DeviceError> {
         self.view = ViewBuffers::default();
+        // Of a view that draws nothing, no compute pass would clear them.
+        self.decided_draws.clear();
         let Some(scene) = &self.scene else {
             return Ok(());
         };
