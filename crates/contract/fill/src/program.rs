@@ -445,7 +445,7 @@ impl Builder<'_> {
         for classes in XorBatches::new(self.volumes).passes {
             let numbered = || (1..=u8::MAX).zip(&classes);
             // Bits that no number has stay 0 and are not looked at.
-            let largest = numbered().last().map_or(0, |(number, _)| number);
+            let largest = u8::try_from(classes.len()).unwrap_or(u8::MAX);
             let bits = u8::MAX.checked_shr(largest.leading_zeros()).unwrap_or(0);
             passes.push(FillPass {
                 clears_stencil: true,

@@ -582,8 +582,8 @@ mod tests {
                 "bottom caps",
                 "far",
                 "left out",
-                "",
-                "",
+                "–",
+                "–",
                 "64",
                 "bottom caps because of 0"
             ]
