@@ -280,12 +280,12 @@ impl Switches {
                 either(cleared_by_colour, ["at-start", "by-colour"]),
             ),
             (
-                "texture",
-                texture.map_or_else(|| "plain".to_owned(), RouteChoice::name),
-            ),
-            (
                 "texture-code",
                 either(self.loads_texture, ["needed", "loaded"]),
+            ),
+            (
+                "texture",
+                texture.map_or_else(|| "plain".to_owned(), RouteChoice::name),
             ),
             (
                 "vertices",

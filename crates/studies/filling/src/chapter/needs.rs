@@ -326,7 +326,7 @@ fn sentence(data: &Data<'_>, rungs: &[&Told<'_>]) -> Option<String> {
     };
     let time = data.over(first, last).map_or_else(
         || "the two were not timed, or one is not right".to_owned(),
-        |gain| format!("{} times as fast", data.ratio_text(&gain)),
+        |gain| format!("gain in time {}", data.ratio_text(&gain)),
     );
     Some(format!(
         "Leaving out what the view does not need: {} held instead of {}{share}; {time}.",
@@ -607,7 +607,7 @@ mod tests {
         });
         let said = said.expect("what it is worth");
         assert!(
-            said.contains("25 %") && said.contains("times as fast"),
+            said.contains("25.0 %") && said.contains("gain in time 4"),
             "{said}"
         );
         assert!(!blocks.iter().any(|block| matches!(block, Block::Alarm(_))));
