@@ -23,12 +23,14 @@ struct WorkGroup {
     first_bottom_output: u32,
     // Triangles or edges, at most 64.
     count: u32,
-    // Sum of `WALLS` and `SHORT_INDICES`.
+    // Sum of `WALLS`, `SHORT_INDICES` and `WITHOUT_BOTTOM`.
     kind: u32,
 };
 
 const WALLS: u32 = 1u;
 const SHORT_INDICES: u32 = 2u;
+// No draw of the view has the region's bottom cap, and there is no room for one.
+const WITHOUT_BOTTOM: u32 = 4u;
 
 // x, y, z of vertex i at 3i, 3i + 1, 3i + 2.
 @group(1) @binding(0) var<storage, read> positions: array<i32>;
@@ -103,7 +105,9 @@ fn expand(index: u32, lane: u32) {
     }
     let top = cap_corners(index, lane);
     write_top(first_output + 3u * lane, top);
-    write_bottom(work[index].first_bottom_output + 3u * lane, top);
+    if (work[index].kind & WITHOUT_BOTTOM) == 0u {
+        write_bottom(work[index].first_bottom_output + 3u * lane, top);
+    }
 }
 
 // Everything.
@@ -212,7 +216,7 @@ fn expand_visible(
     }
     let bottom_planes = corner_planes(top.x + 1u, region) & corner_planes(top.y + 1u, region)
         & corner_planes(top.z + 1u, region);
-    if bottom_planes == 0u {
+    if bottom_planes == 0u && (work[index].kind & WITHOUT_BOTTOM) == 0u {
         write_bottom(append_downwards(whole, 3u), top);
     }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What an opened backend promises.
 
-use crate::{DeviceError, FillInput, Frame, FrameTimes, MemoryUse, Picture};
+use crate::{DeviceError, FillInput, Frame, FrameTimes, MemoryUse, Needs, Picture};
 
 /// What a backend runs on and what it can do there.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -41,6 +41,15 @@ pub trait FillBackend {
     /// a textured fill.
     fn note(&self) -> Option<String> {
         None
+    }
+
+    /// What `input`, which was prepared last, holds and leaves out; `None` of a backend that keeps no such
+    /// record.
+    ///
+    /// # Errors
+    /// [`DeviceError::NotPrepared`].
+    fn needs(&self, _input: &FillInput) -> Result<Option<Needs>, DeviceError> {
+        Ok(None)
     }
 
     /// Builds and uploads everything the frame needs; nothing is uploaded later unless the input

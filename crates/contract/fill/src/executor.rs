@@ -6,8 +6,8 @@
 //! crate's own trait of volumes. Regions stay with [`crate::VolumeBackend`].
 
 use crate::{
-    Capabilities, Counters, DeviceError, FillProgram, FrameTimes, MemoryUse, Picture, Probed,
-    SurfaceView, Switches, TexturedPlan, ViewId, VolumeList, WorkDone,
+    Capabilities, Counters, DeviceError, Feature, FillProgram, FrameTimes, Holding, MemoryUse,
+    Picture, Probed, SurfaceView, Switches, TexturedPlan, ViewId, VolumeList, WorkDone,
 };
 use terrafill_scene::MipChain;
 
@@ -23,6 +23,26 @@ pub struct StencilWork {
     pub constants: Vec<u8>,
     /// Colours are blended over what lies under them.
     pub blends: bool,
+}
+
+impl StencilWork {
+    /// What the buffer of the constants is held for; with no volumes, what is in it only fills a binding.
+    ///
+    /// - `buffer_bytes`: of the buffer itself
+    #[must_use]
+    pub fn constants_held(&self, buffer_bytes: u64) -> Holding {
+        let constant_bytes = match self.list.volumes.is_empty() {
+            true => 0,
+            false => self.constants.len() as u64,
+        };
+        let memory = MemoryUse {
+            constant_bytes,
+            padding_bytes: buffer_bytes.saturating_sub(constant_bytes),
+            buffers: 1,
+            ..MemoryUse::default()
+        };
+        Holding::memory(Feature::RegionConstants, memory)
+    }
 }
 
 /// Runs stencil programs over volumes of type `V`.
@@ -121,6 +141,6 @@ pub trait StencilExecutor<V>: Sized {
     /// [`DeviceError::DeviceLost`].
     fn read(&self) -> Result<Picture, DeviceError>;
 
-    /// What it holds besides [`StencilWork::constants`], whose buffer counts all the same.
-    fn memory(&self) -> MemoryUse;
+    /// What it holds, the buffer of [`StencilWork::constants`] included.
+    fn holdings(&self) -> Vec<Holding>;
 }

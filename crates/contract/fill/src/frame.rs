@@ -97,6 +97,9 @@ pub struct MemoryUse {
     pub target_bytes: u64,
     /// Pictures of a textured fill with all their levels, and tables that its routes read.
     pub texture_bytes: u64,
+    /// What buffers have beyond what is written into them: they come in multiples of 4 bytes, and a
+    /// binding is never empty.
+    pub padding_bytes: u64,
     /// How many buffers hold the geometry and the constants.
     pub buffers: u64,
     /// Bytes handed to the device by `prepare`.
@@ -123,6 +126,7 @@ impl Add for MemoryUse {
             constant_bytes: self.constant_bytes + other.constant_bytes,
             target_bytes: self.target_bytes + other.target_bytes,
             texture_bytes: self.texture_bytes + other.texture_bytes,
+            padding_bytes: self.padding_bytes + other.padding_bytes,
             buffers: self.buffers + other.buffers,
             upload_bytes: self.upload_bytes + other.upload_bytes,
         }
@@ -134,6 +138,16 @@ impl MemoryUse {
     #[must_use]
     pub fn geometry_bytes(&self) -> u64 {
         self.vertex_bytes + self.index_bytes
+    }
+
+    /// Everything that is held: of all buffers and textures.
+    #[must_use]
+    pub fn held_bytes(&self) -> u64 {
+        self.geometry_bytes()
+            + self.constant_bytes
+            + self.target_bytes
+            + self.texture_bytes
+            + self.padding_bytes
     }
 }
 

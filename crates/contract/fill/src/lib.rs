@@ -9,6 +9,7 @@
 mod adapter;
 mod backend;
 mod batches;
+mod bottom_caps;
 mod clock;
 mod constants;
 mod depth_range;
@@ -24,6 +25,8 @@ mod identity;
 mod input;
 mod ladder;
 mod matrix;
+mod needs;
+mod needs_ladder;
 mod palette;
 mod picture;
 mod program;
@@ -37,6 +40,7 @@ mod texture;
 mod textured;
 mod textured_device;
 mod textured_work;
+mod uses;
 mod variant;
 mod volume_backend;
 mod volumes;
@@ -48,6 +52,7 @@ pub use adapter::{
 };
 pub use backend::{Capabilities, FillBackend, Uploaded};
 pub use batches::{VolumeClasses, XOR_NUMBERS, XorBatches, overlap_depth};
+pub use bottom_caps::BottomCaps;
 pub use clock::CpuStopwatch;
 pub use constants::{
     FootprintConstants, ViewConstants, VolumeConstants, VolumePlace, changed_words,
@@ -66,6 +71,8 @@ pub use identity::{NoSuchRegion, RegionSet, ViewId};
 pub use input::{FillInput, PreparedScene};
 pub use ladder::{Climb, LOD_PX, Rung};
 pub use matrix::matrix_row;
+pub use needs::{COLOUR_BYTES, DEPTH_STENCIL_BYTES, Feature, Holding, Need, Needs};
+pub use needs_ladder::needs_ladder;
 pub use palette::{Colours, paint, region_colour};
 pub use picture::{MAX_REGIONS, NO_REGION, Picture, ids_of};
 pub use program::{

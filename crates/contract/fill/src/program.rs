@@ -187,6 +187,17 @@ impl FillCommand {
 }
 
 impl FillPass {
+    /// Whether the stencil is cleared, written or looked at.
+    #[must_use]
+    pub fn touches_stencil(&self) -> bool {
+        let touches = |command: &FillCommand| match command {
+            FillCommand::Volumes { .. } => true,
+            FillCommand::Cover { test, .. } => test.read_mask != 0 || test.zeroes,
+            FillCommand::Accumulate { .. } | FillCommand::Resolve => false,
+        };
+        self.clears_stencil || self.commands.iter().any(touches)
+    }
+
     /// Whether the pass draws into the target of [`FillCommand::Accumulate`] and nothing else.
     #[must_use]
     pub fn accumulates(&self) -> bool {
@@ -433,6 +444,9 @@ impl Builder<'_> {
         let mut passes = Vec::new();
         for classes in XorBatches::new(self.volumes).passes {
             let numbered = || (1..=u8::MAX).zip(&classes);
+            // Bits that no number has stay 0 and are not looked at.
+            let largest = u8::try_from(classes.len()).unwrap_or(u8::MAX);
+            let bits = u8::MAX.checked_shr(largest.leading_zeros()).unwrap_or(0);
             passes.push(FillPass {
                 clears_stencil: true,
                 has_colour: false,
@@ -452,7 +466,7 @@ impl Builder<'_> {
                         test: StencilTest {
                             is_equal: true,
                             reference,
-                            read_mask: 0xff,
+                            read_mask: bits,
                             zeroes: false,
                         },
                         shape: CoverShape::Rectangle,
@@ -516,6 +530,7 @@ impl Builder<'_> {
                 test: MARKED,
                 shape: match self.switches.colour {
                     ColourWay::Volume => self.cover_shape(volume),
+                    _ if self.switches.covers_screen => CoverShape::Screen,
                     _ => CoverShape::Rectangle,
                 },
                 volumes: vec![volume],
@@ -724,6 +739,27 @@ mod tests {
             let accumulates = switches.colour == ColourWay::IdAccumulation;
             assert_eq!(program.passes[0].accumulates(), accumulates);
             assert_eq!(program.passes[0].clears_stencil, !accumulates);
+            let mut passes = program.passes.iter();
+            assert!(passes.all(|pass| pass.touches_stencil() != accumulates));
+        }
+    }
+
+    #[test]
+    fn covers_look_at_no_more_bits_than_numbers_have() {
+        let switches = Switches::default();
+        let many: Vec<Volume> = (0..5).map(|index| volume(index, 0, false)).collect();
+        for (volumes, numbers, bits) in [(&many[..1], 1, 1), (&many[..3], 3, 3), (&many[..], 5, 7)]
+        {
+            let program = FillProgram::new(volumes, &switches, Overlap::Disjoint);
+            let program = program.expect("allowed");
+            let tests = program.commands().filter_map(|command| match command {
+                FillCommand::Cover { test, .. } => Some((test.reference, test.read_mask)),
+                _ => None,
+            });
+            let expected = (1..=numbers).map(|number| (number, bits));
+            assert!(tests.eq(expected), "{numbers}");
+            // Twin: one bit less would take the largest number for another one.
+            assert_ne!(numbers & (bits >> 1), numbers);
         }
     }
 
@@ -774,6 +810,7 @@ mod tests {
             let program = program.expect("allowed");
             assert_eq!(program.passes.len(), 1, "{switches:?}");
             assert_eq!(program.counted().count(), 0, "{switches:?}");
+            assert!(!program.passes[0].touches_stencil(), "{switches:?}");
         }
     }
 

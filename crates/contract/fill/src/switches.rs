@@ -57,6 +57,12 @@ impl ColourWay {
         }
     }
 
+    /// Whether later regions cover earlier ones: regions are covered one by one in their order.
+    #[must_use]
+    pub fn keeps_order(self) -> bool {
+        matches!(self, Self::Rectangle | Self::Volume | Self::BitPlanes)
+    }
+
     /// Whether the picture tells regions apart; otherwise only the filled area is comparable.
     #[must_use]
     pub fn tells_regions_apart(self) -> bool {
@@ -168,12 +174,19 @@ pub struct Switches {
     pub first_pass: FirstPass,
     /// Volumes are cut to their region's screen rectangle as well, not only covers.
     pub scissor: bool,
+    /// Covers by triangles over the screen are not cut to their region's rectangle: what a rectangle saves.
+    pub covers_screen: bool,
     /// Covers by volume draw one kind of face only.
     pub cover_culls_faces: bool,
     /// What takes the stencil back to 0.
     pub stencil_clear: StencilClear,
     /// Fragments over surface outside the region's depth range are dropped before the stencil.
     pub depth_bounds: bool,
+    /// Every frame copies the surface's depth before it fills, as a fill must where depth cannot be read
+    /// while it is attached. Nothing reads the copy: what it costs is the question.
+    pub copies_depth: bool,
+    /// A plain fill makes ready what a textured one holds: picture, constants and pipelines.
+    pub loads_texture: bool,
     /// Regions are filled with the scene's picture, found by these routes; plain without.
     pub texture: Option<RouteChoice>,
     /// How a textured fill's fragments find their position; by way of the region's frame without.
@@ -200,10 +213,11 @@ impl Switches {
     /// Every key with its values.
     pub const KEYS: &str = "bottom-cap=always|first-pass|where-needed, \
         colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes|id-accumulation, \
-        cover-faces=both|culled, depth-bounds=off|on, depth-rule=zfail|zpass|automatic, faces=two-sided|two-pass, \
+        cover-area=rectangle|screen, cover-faces=both|culled, depth-bounds=off|on, depth-copy=none|made, \
+        depth-rule=zfail|zpass|automatic, faces=two-sided|two-pass, \
         first-pass=stencil|colour|program|program-colour, normalize=needed|superfluous, position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
         stencil-clear=at-start|by-colour, texture=plain|chosen|floor|a route such as gnomonic-3, \
-        vertices=stored|bent";
+        texture-code=needed|loaded, vertices=stored|bent";
 
     /// What is right and usually cheapest for a scene of this kind.
     #[must_use]
@@ -219,7 +233,7 @@ impl Switches {
 
     /// Every switch with its value, in alphabetical order.
     #[must_use]
-    pub fn settings(&self) -> [(&'static str, String); 13] {
+    pub fn settings(&self) -> [(&'static str, String); 16] {
         let either = |is_second: bool, [first, second]: [&str; 2]| {
             if is_second { second } else { first }.to_owned()
         };
@@ -240,10 +254,15 @@ impl Switches {
             ("bottom-cap", bottom_cap.to_owned()),
             ("colour", self.colour.name().to_owned()),
             (
+                "cover-area",
+                either(self.covers_screen, ["rectangle", "screen"]),
+            ),
+            (
                 "cover-faces",
                 either(self.cover_culls_faces, ["both", "culled"]),
             ),
             ("depth-bounds", either(self.depth_bounds, ["off", "on"])),
+            ("depth-copy", either(self.copies_depth, ["none", "made"])),
             ("depth-rule", depth_rule.to_owned()),
             (
                 "faces",
@@ -261,6 +280,10 @@ impl Switches {
                 either(cleared_by_colour, ["at-start", "by-colour"]),
             ),
             (
+                "texture-code",
+                either(self.loads_texture, ["needed", "loaded"]),
+            ),
+            (
                 "texture",
                 texture.map_or_else(|| "plain".to_owned(), RouteChoice::name),
             ),
@@ -269,6 +292,14 @@ impl Switches {
                 either(self.bends_footprints, ["stored", "bent"]),
             ),
         ]
+    }
+
+    /// The value of one switch; empty of no switch.
+    #[must_use]
+    pub fn setting(&self, key: &str) -> String {
+        let settings = self.settings().into_iter();
+        let mut own = settings.filter(|(known, _)| *known == key);
+        own.next().map(|(_, value)| value).unwrap_or_default()
     }
 
     /// `key=value` of every switch that differs from the default, in alphabetical order.
@@ -302,12 +333,20 @@ impl Switches {
                 let ways = ColourWay::ALL.map(|way| (way.name(), way));
                 self.colour = pick("colour", value, &ways)?;
             }
+            "cover-area" => {
+                let choices = [("rectangle", false), ("screen", true)];
+                self.covers_screen = pick("cover-area", value, &choices)?;
+            }
             "cover-faces" => {
                 let choices = [("both", false), ("culled", true)];
                 self.cover_culls_faces = pick("cover-faces", value, &choices)?;
             }
             "depth-bounds" => {
                 self.depth_bounds = pick("depth-bounds", value, &[("off", false), ("on", true)])?;
+            }
+            "depth-copy" => {
+                let choices = [("none", false), ("made", true)];
+                self.copies_depth = pick("depth-copy", value, &choices)?;
             }
             "depth-rule" => {
                 self.depth_rule = pick(
@@ -349,6 +388,10 @@ impl Switches {
                         .to_owned(),
                 })?;
                 self.texture = Some(choice);
+            }
+            "texture-code" => {
+                let choices = [("needed", false), ("loaded", true)];
+                self.loads_texture = pick("texture-code", value, &choices)?;
             }
             "scissor" => {
                 self.scissor = pick("scissor", value, &[("covers", false), ("volumes", true)])?;
@@ -397,6 +440,24 @@ impl Switches {
                     self.colour.name()
                 ),
                 allowed: "plain, or colour=xor or bit-planes".to_owned(),
+            });
+        }
+        let shares_numbers = covers_apart || self.colour == ColourWay::IdAccumulation;
+        if self.covers_screen && shares_numbers {
+            return Err(SwitchError {
+                switch: "cover-area",
+                found: format!(
+                    "screen with colour={}, whose regions share numbers or have no covers",
+                    self.colour.name()
+                ),
+                allowed: "rectangle, or colour=rectangle, volume or one colour".to_owned(),
+            });
+        }
+        if self.loads_texture && self.texture.is_some() {
+            return Err(SwitchError {
+                switch: "texture-code",
+                found: "loaded for a textured fill, which needs it".to_owned(),
+                allowed: "needed, or texture=plain".to_owned(),
             });
         }
         if self.bends_footprints && self.texture.is_some() {
@@ -487,9 +548,12 @@ mod tests {
             bottom_cap: BottomCap::WhereNeeded,
             first_pass: FirstPass::Program,
             scissor: true,
+            covers_screen: true,
             cover_culls_faces: true,
             stencil_clear: StencilClear::ByColour,
             depth_bounds: true,
+            copies_depth: true,
+            loads_texture: true,
             texture: Some(RouteChoice::Chosen),
             position: Some(PositionRoute::EyeEcef),
             superfluous_normalize: true,
@@ -502,7 +566,7 @@ mod tests {
         assert_eq!(Switches::default().names(), Vec::<String>::new());
         let changed = all_changed();
         let names = changed.names();
-        assert_eq!(names.len(), 13);
+        assert_eq!(names.len(), 16);
         assert!(names.is_sorted());
         let mut read = Switches::default();
         for name in &names {
@@ -535,6 +599,28 @@ mod tests {
             ..all_changed()
         };
         assert!(plain.check(Overlap::Ordered).is_ok());
+        // Nothing is loaded for nothing that is needed anyway, and shared numbers need rectangles.
+        let both = Switches {
+            loads_texture: true,
+            texture: Some(RouteChoice::Chosen),
+            ..Switches::default()
+        };
+        let error = both.check(Overlap::Disjoint).expect_err("needed");
+        assert_eq!(error.switch, "texture-code");
+        for colour in ColourWay::ALL {
+            let everywhere = Switches {
+                colour,
+                covers_screen: true,
+                ..Switches::default()
+            };
+            let shares = [
+                ColourWay::Xor,
+                ColourWay::BitPlanes,
+                ColourWay::IdAccumulation,
+            ];
+            let found = everywhere.check(Overlap::Disjoint);
+            assert_eq!(found.is_err(), shares.contains(&colour), "{colour:?}");
+        }
         let mixed = Switches {
             stencil_clear: StencilClear::ByColour,
             ..Switches::default()

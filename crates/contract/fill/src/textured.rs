@@ -506,7 +506,7 @@ fn whole(texels: f64) -> u32 {
 }
 
 /// Distance from `eye` to the nearest point of a box, and to the farthest.
-fn distances_m(bounds: &OrientedBox, eye: DVec3) -> (f64, f64) {
+pub(crate) fn distances_m(bounds: &OrientedBox, eye: DVec3) -> (f64, f64) {
     let local = (bounds.axes.transpose() * (eye - bounds.center_ecef)).abs();
     let outside = (local - bounds.half_extents_m).max(DVec3::ZERO);
     (outside.length(), (local + bounds.half_extents_m).length())

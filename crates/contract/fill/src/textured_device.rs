@@ -2,8 +2,8 @@
 //! What a device is handed for a textured fill, and what its probe hands back: the same on every API.
 
 use crate::{
-    FillInput, Frame, NO_REGION, SwitchError, Switches, TexturePixel, TexturedCover, TexturedPlan,
-    TexturedRegion,
+    FillInput, Frame, NO_REGION, RouteChoice, SwitchError, Switches, TexturePixel, TexturedCover,
+    TexturedPlan, TexturedRegion,
 };
 use terrafill_texture::{Filter, PositionRoute, TexelFormat};
 
@@ -82,7 +82,8 @@ impl TexturedCover {
 }
 
 impl TexturedPlan {
-    /// The textured fill that `switches` ask for; `None` for a plain one.
+    /// The textured fill that `switches` ask for; `None` for a plain one, unless it is to hold what a
+    /// textured one holds.
     ///
     /// # Errors
     /// As [`TexturedPlan::new`].
@@ -91,7 +92,8 @@ impl TexturedPlan {
         switches: &Switches,
     ) -> Result<Option<Self>, SwitchError> {
         let position = switches.position.unwrap_or(PositionRoute::EyeRegion);
-        let Some(choice) = switches.texture else {
+        let loaded = switches.loads_texture.then_some(RouteChoice::Chosen);
+        let Some(choice) = switches.texture.or(loaded) else {
             return Ok(None);
         };
         let mut plan = Self::new(input, choice, position)?;

@@ -19,12 +19,15 @@ struct Planned {
     view_id: ViewId,
     regions: Vec<PlannedRegion>,
     plan: TexturedPlan,
+    /// Covers are drawn by it; otherwise it is only held.
+    is_drawn: bool,
 }
 
 impl TexturedWork {
-    /// The plan of the view that was uploaded last; `None` of a plain fill.
+    /// The plan of the view that was uploaded last; `None` of a plain fill, whatever is loaded for it.
     pub(crate) fn plan(&self) -> Option<&TexturedPlan> {
-        self.planned.as_ref().map(|planned| &planned.plan)
+        let planned = self.planned.as_ref().filter(|planned| planned.is_drawn);
+        planned.map(|planned| &planned.plan)
     }
 
     /// Plans and uploads the view of `input`, if `switches` ask for texture; the same view again
@@ -48,7 +51,9 @@ impl TexturedWork {
             return Ok(());
         };
         self.planned = None;
-        if let Some(texture) = texture.filter(|_| !holds_picture) {
+        // With no region in view nothing shows the picture.
+        let is_seen = !plan.covers.is_empty();
+        if let Some(texture) = texture.filter(|_| is_seen && !holds_picture) {
             let copies = match texture.share {
                 TextureShare::One => 1,
                 TextureShare::Each => input.scene.regions.len(),
@@ -56,11 +61,14 @@ impl TexturedWork {
             executor.set_picture(&texture.image, copies)?;
             self.picture = Some(Arc::clone(texture));
         }
-        executor.set_covers(&plan)?;
+        if is_seen {
+            executor.set_covers(&plan)?;
+        }
         self.planned = Some(Planned {
             view_id: input.view_id,
             regions: input.plan.regions.clone(),
             plan,
+            is_drawn: switches.texture.is_some(),
         });
         Ok(())
     }

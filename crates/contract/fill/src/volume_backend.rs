@@ -6,10 +6,11 @@
 //! alike for all.
 
 use crate::textured_work::TexturedWork;
+use crate::uses::Uses;
 use crate::{
-    Capabilities, Colours, Counters, DeviceError, FillBackend, FillInput, FillProgram, Frame,
-    FrameTimes, MemoryUse, Picture, PositionFormat, StencilExecutor, StencilWork, Switches,
-    Uploaded, ViewId, VolumeConstants, VolumeList, VolumePlace, WorkDone,
+    BottomCaps, Capabilities, Colours, Counters, DeviceError, FillBackend, FillInput, FillProgram,
+    Frame, FrameTimes, Holding, MemoryUse, Needs, Picture, PositionFormat, StencilExecutor,
+    StencilWork, Switches, Uploaded, ViewId, VolumeConstants, VolumeList, VolumePlace, WorkDone,
 };
 use terrafill_scene::Overlap;
 
@@ -35,11 +36,21 @@ pub trait RegionVolumes: Sized {
     /// [`DeviceError::Shader`].
     fn new(executor: &Self::Executor, variant: Self::Variant) -> Result<Self, DeviceError>;
 
-    /// Uploads every mesh of the scene.
+    /// Whether bottom caps take bytes of their own; others are made by the device as they are drawn.
+    fn stores_bottom_caps(&self) -> bool {
+        false
+    }
+
+    /// Uploads every mesh of the scene, the bottom caps of some.
     ///
     /// # Errors
     /// [`DeviceError::OverCapacity`], [`DeviceError::OutOfMemory`]. The scene before stays.
-    fn upload(&mut self, executor: &Self::Executor, input: &FillInput) -> Result<(), DeviceError>;
+    fn upload(
+        &mut self,
+        executor: &Self::Executor,
+        input: &FillInput,
+        bottoms: &BottomCaps,
+    ) -> Result<(), DeviceError>;
 
     /// Writes the changed meshes over what they were. False, with nothing written, where one of
     /// them does not fit into its old place.
@@ -55,7 +66,7 @@ pub trait RegionVolumes: Sized {
         Ok(false)
     }
 
-    /// Makes what only this view needs.
+    /// Makes what only this view needs, the bottom caps of some meshes among it.
     ///
     /// # Errors
     /// As [`RegionVolumes::upload`].
@@ -63,6 +74,7 @@ pub trait RegionVolumes: Sized {
         &mut self,
         _executor: &Self::Executor,
         _input: &FillInput,
+        _bottoms: &BottomCaps,
     ) -> Result<(), DeviceError> {
         Ok(())
     }
@@ -84,7 +96,7 @@ pub trait RegionVolumes: Sized {
     }
 
     /// What they hold, besides the constants of the regions.
-    fn memory(&self) -> MemoryUse;
+    fn holdings(&self) -> Vec<Holding>;
 
     /// Vertices of the last frame's draws whose size only the device knows.
     ///
@@ -106,10 +118,14 @@ pub struct VolumeBackend<V: RegionVolumes> {
     textured: TexturedWork,
     /// Revision of the meshes that the volumes hold.
     meshes: Option<u64>,
+    /// Of which of them they hold bottom caps.
+    bottoms: BottomCaps,
     /// View of the program that the executor holds.
     view: Option<ViewId>,
     /// What the device did since the last frame, for the next one's counters.
     work: WorkDone,
+    /// What the device made since this was opened.
+    made: WorkDone,
 }
 
 impl<V: RegionVolumes> VolumeBackend<V> {
@@ -124,14 +140,18 @@ impl<V: RegionVolumes> VolumeBackend<V> {
     ) -> Result<Self, DeviceError> {
         let switches = V::switches(variant)?;
         let executor = V::Executor::new(targets, &switches)?;
+        let before = executor.work_done();
+        let volumes = V::new(&executor, variant)?;
         Ok(Self {
+            made: executor.work_done() - before,
             capabilities: executor.capabilities(V::TECHNIQUE),
             switches,
             variant,
-            volumes: V::new(&executor, variant)?,
+            volumes,
             executor,
             textured: TexturedWork::default(),
             meshes: None,
+            bottoms: BottomCaps::default(),
             view: None,
             work: WorkDone::default(),
         })
@@ -165,14 +185,8 @@ impl<V: RegionVolumes> VolumeBackend<V> {
         input.check_prepared(V::TECHNIQUE, self.meshes, self.view)
     }
 
-    /// Brings program and constants up to date. Where that fails after something was changed,
-    /// nothing is prepared any more.
-    fn load(
-        &mut self,
-        input: &FillInput,
-        colours: Colours,
-        blends: bool,
-    ) -> Result<(), DeviceError> {
+    /// What is drawn of `input`, and how.
+    fn program(&self, input: &FillInput) -> Result<(VolumeList, FillProgram), DeviceError> {
         let is_bent = self.switches.bends_footprints
             && self.volumes.positions() == PositionFormat::Fixed
             && self.switches.texture.is_none();
@@ -185,8 +199,21 @@ impl<V: RegionVolumes> VolumeBackend<V> {
         }
         let list = VolumeList::from(input);
         let program = FillProgram::new(&list.volumes, &self.switches, input.scene.overlap)?;
+        Ok((list, program))
+    }
+
+    /// Brings program and constants up to date. Where that fails after something was changed,
+    /// nothing is prepared any more.
+    fn load(
+        &mut self,
+        input: &FillInput,
+        (list, program): (VolumeList, FillProgram),
+        colours: Colours,
+        blends: bool,
+    ) -> Result<(), DeviceError> {
+        let bottoms = BottomCaps::drawn_by(&program, &list, &self.switches);
         self.view = None;
-        self.volumes.upload_view(&self.executor, input)?;
+        self.volumes.upload_view(&self.executor, input, &bottoms)?;
         let places = self.volumes.places();
         let place_of = places.ok_or_else(|| input.not_prepared(V::TECHNIQUE))?;
         let positions = self.volumes.positions();
@@ -203,22 +230,40 @@ impl<V: RegionVolumes> VolumeBackend<V> {
         Ok(())
     }
 
-    /// Uploads what is not there yet, and gives the bytes handed over since `before`.
+    /// Uploads what is not there yet, and gives the bytes handed over since `before`, and whether all meshes
+    /// were among them.
     fn bring_up_to_date(
         &mut self,
         input: &FillInput,
         before: WorkDone,
-    ) -> Result<u64, DeviceError> {
+    ) -> Result<(u64, bool), DeviceError> {
+        let (list, program) = self.program(input)?;
         let revision = Some(input.scene.meshes.revision());
-        if self.meshes != revision {
-            self.volumes.upload(&self.executor, input)?;
+        let mut bottoms = BottomCaps::drawn_by(&program, &list, &self.switches);
+        let is_new = self.meshes != revision;
+        let lacks = self.volumes.stores_bottom_caps() && !self.bottoms.hold(&bottoms);
+        if is_new || lacks {
+            if !is_new {
+                // What an earlier view needed, the next one may need again.
+                bottoms = bottoms.joined(&self.bottoms);
+            }
+            self.volumes.upload(&self.executor, input, &bottoms)?;
             self.meshes = revision;
+            self.bottoms = bottoms;
         }
-        self.load(input, Colours::Ids, false)?;
+        self.load(input, (list, program), Colours::Ids, false)?;
         self.executor.ensure(&mut self.volumes)?;
         let done = self.executor.work_done() - before;
         self.work = self.work + done;
-        Ok(done.upload_bytes)
+        self.made = self.made + done;
+        Ok((done.upload_bytes, is_new || lacks))
+    }
+
+    /// What all parts of the backend hold.
+    fn holdings(&self) -> Vec<Holding> {
+        let mut all = self.volumes.holdings();
+        all.extend(self.executor.holdings());
+        all
     }
 
     fn draw_and_read(&mut self, input: &FillInput) -> Result<(Picture, Counters), DeviceError> {
@@ -247,13 +292,28 @@ impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
     fn prepare(&mut self, input: &FillInput) -> Result<MemoryUse, DeviceError> {
         input.check_region_count()?;
         self.executor.set_view(input.into())?;
-        let upload_bytes = self.bring_up_to_date(input, self.executor.work_done())?;
-        let of_regions = MemoryUse {
-            constant_bytes: VolumeConstants::byte_count(input),
+        let (upload_bytes, _) = self.bring_up_to_date(input, self.executor.work_done())?;
+        let uploaded = MemoryUse {
             upload_bytes,
             ..MemoryUse::default()
         };
-        Ok(of_regions + self.volumes.memory() + self.executor.memory())
+        let held = self.holdings().into_iter().map(|held| held.memory);
+        Ok(held.fold(uploaded, std::ops::Add::add))
+    }
+
+    fn needs(&self, input: &FillInput) -> Result<Option<Needs>, DeviceError> {
+        self.check_prepared(input)?;
+        let (list, program) = self.program(input)?;
+        let uses = Uses::new(input, &list, &program, &self.switches);
+        let held = self.holdings();
+        let found = (held.as_slice(), self.made);
+        let drawn = BottomCaps::drawn_by(&program, &list, &self.switches);
+        let bottoms = match self.volumes.stores_bottom_caps() {
+            true => &self.bottoms,
+            false => &drawn,
+        };
+        let needs = Needs::new(input, &self.switches, &uses, bottoms, found);
+        Ok(Some(needs))
     }
 
     fn update(&mut self, input: &FillInput, changed: &[usize]) -> Result<Uploaded, DeviceError> {
@@ -263,40 +323,51 @@ impl<V: RegionVolumes> FillBackend for VolumeBackend<V> {
         let before = self.executor.work_done();
         self.meshes = None;
         let is_rewritten = self.volumes.rewrite(&self.executor, input, changed)?;
-        let regions = if is_rewritten {
+        if is_rewritten {
             self.meshes = Some(input.scene.meshes.revision());
-            changed.to_vec()
-        } else {
-            (0..input.scene.meshes.len()).collect()
+        }
+        let (bytes, has_all) = self.bring_up_to_date(input, before)?;
+        let regions = match has_all {
+            true => (0..input.scene.meshes.len()).collect(),
+            false => changed.to_vec(),
         };
-        Ok(Uploaded {
-            bytes: self.bring_up_to_date(input, before)?,
-            regions,
-        })
+        Ok(Uploaded { bytes, regions })
     }
 
     fn render(&mut self, input: &FillInput) -> Result<Frame, DeviceError> {
         self.check_prepared(input)?;
+        let before = self.executor.work_done();
         let (picture, mut counters) = self.draw_and_read(input)?;
         counters.vertices += self.volumes.vertices_by_device(&self.executor)?;
         counters.stencil_fragments = self.executor.count_fragments(&mut self.volumes)?;
         let plain = Frame::from_picture(&picture, counters);
-        let Some(plan) = self.textured.plan() else {
-            return Ok(plain);
+        let frame = match self.textured.plan() {
+            None => plain,
+            Some(plan) => {
+                let probed = match plan.covers.is_empty() {
+                    true => vec![None; input.size.pixel_count()],
+                    // Once more with covers that write ids and places, by the same functions.
+                    false => self.executor.probe(&mut self.volumes)?,
+                };
+                plan.frame(input, plain, &probed)
+            }
         };
-        // Once more with covers that write ids and places, by the same functions.
-        let probed = self.executor.probe(&mut self.volumes)?;
-        Ok(plan.frame(input, plain, &probed))
+        self.made = self.made + (self.executor.work_done() - before);
+        Ok(frame)
     }
 
     fn picture(&mut self, input: &FillInput) -> Result<Picture, DeviceError> {
         self.check_prepared(input)?;
         let opacity = self.volumes.opacity(input.scene.overlap)?;
         self.executor.set_view(input.into())?;
-        self.load(input, Colours::Palette { opacity }, opacity < 1.0)?;
+        let before = self.executor.work_done();
+        let work = self.program(input)?;
+        let colours = Colours::Palette { opacity };
+        self.load(input, work.clone(), colours, opacity < 1.0)?;
         let made = self.executor.ensure(&mut self.volumes);
         let drawn = made.and_then(|()| self.draw_and_read(input));
-        self.load(input, Colours::Ids, false)?;
+        self.load(input, work, Colours::Ids, false)?;
+        self.made = self.made + (self.executor.work_done() - before);
         drawn.map(|(picture, _)| picture)
     }
 

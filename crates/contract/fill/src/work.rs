@@ -13,6 +13,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub struct WorkDone {
     /// Buffers made.
     pub buffer_creations: u64,
+    /// Bytes of the buffers and textures made.
+    pub made_bytes: u64,
     /// Pipelines made.
     pub pipeline_creations: u64,
     /// Writes of the CPU into buffers.
@@ -35,6 +37,7 @@ impl WorkDone {
     fn zip(self, other: Self, join: fn(u64, u64) -> u64) -> Self {
         Self {
             buffer_creations: join(self.buffer_creations, other.buffer_creations),
+            made_bytes: join(self.made_bytes, other.made_bytes),
             pipeline_creations: join(self.pipeline_creations, other.pipeline_creations),
             uploads: join(self.uploads, other.uploads),
             upload_bytes: join(self.upload_bytes, other.upload_bytes),
@@ -62,6 +65,7 @@ impl Sub for WorkDone {
 #[derive(Debug, Default)]
 pub struct WorkCounters {
     buffer_creations: AtomicU64,
+    made_bytes: AtomicU64,
     pipeline_creations: AtomicU64,
     uploads: AtomicU64,
     upload_bytes: AtomicU64,
@@ -74,15 +78,22 @@ impl WorkCounters {
         let read = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
         WorkDone {
             buffer_creations: read(&self.buffer_creations),
+            made_bytes: read(&self.made_bytes),
             pipeline_creations: read(&self.pipeline_creations),
             uploads: read(&self.uploads),
             upload_bytes: read(&self.upload_bytes),
         }
     }
 
-    /// Counts a buffer.
-    pub fn count_buffer(&self) {
+    /// Counts a buffer of so many bytes.
+    pub fn count_buffer(&self, bytes: u64) {
         self.buffer_creations.fetch_add(1, Ordering::Relaxed);
+        self.made_bytes.fetch_add(bytes, Ordering::Relaxed);
+    }
+
+    /// Counts a texture whose texels take so many bytes.
+    pub fn count_texture(&self, bytes: u64) {
+        self.made_bytes.fetch_add(bytes, Ordering::Relaxed);
     }
 
     /// Counts a pipeline.
@@ -109,6 +120,7 @@ mod tests {
             uploads: 2 * n,
             upload_bytes: 3 * n,
             pipeline_creations: 4 * n,
+            made_bytes: 5 * n,
         }
     }
 
@@ -122,8 +134,9 @@ mod tests {
     #[test]
     fn each_count_goes_to_its_own() {
         let counters = WorkCounters::default();
-        counters.count_buffer();
-        counters.count_buffer();
+        counters.count_buffer(8);
+        counters.count_buffer(4);
+        counters.count_texture(100);
         counters.count_pipeline();
         counters.count_upload(0);
         counters.count_upload(12);
@@ -132,6 +145,7 @@ mod tests {
             pipeline_creations: 1,
             uploads: 1,
             upload_bytes: 12,
+            made_bytes: 112,
         };
         assert_eq!(counters.done(), done);
     }

@@ -185,10 +185,8 @@ pub struct FramePlan {
     pub regions: Vec<PlannedRegion>,
     /// In scene order.
     pub left_out: Vec<LeftOutRegion>,
-    /// [`PlanOptions::boundary_lod_px`] that the meshes were chosen by.
-    pub boundary_lod_px: Option<f64>,
-    /// [`PlanOptions::far_level_px`] that regions were held against.
-    pub far_level_px: Option<f64>,
+    /// What it was planned by.
+    pub options: PlanOptions,
 }
 
 /// A region's volume and a box around it before any view is known: what a plan looks at, so that
@@ -302,8 +300,7 @@ impl FramePlan {
             options,
         };
         let mut plan = Self {
-            boundary_lod_px: options.boundary_lod_px,
-            far_level_px: options.far_level_px,
+            options,
             ..Self::default()
         };
         let region_count = levels.region_count(meshes.len());
@@ -362,7 +359,8 @@ impl FramePlan {
 
     /// Boundary vertices of the drawn regions as written, and how many of them their levels leave
     /// out.
-    fn boundary_left_out(&self, meshes: &[RegionMesh]) -> (usize, usize) {
+    #[must_use]
+    pub fn boundary_left_out(&self, meshes: &[RegionMesh]) -> (usize, usize) {
         let sum = |mesh_of: fn(&PlannedRegion) -> usize| -> usize {
             let counts = self.regions.iter().map(|planned| {
                 let mesh = &meshes[mesh_of(planned)];
@@ -401,7 +399,7 @@ impl FramePlan {
             ));
         }
         let (left_out, of) = self.boundary_left_out(meshes);
-        if let (Some(pixels), 1..) = (self.boundary_lod_px, left_out) {
+        if let (Some(pixels), 1..) = (self.options.boundary_lod_px, left_out) {
             phrases.push(format!(
                 "boundary detail below {pixels} px: {left_out} of {of} vertices"
             ));
@@ -411,7 +409,7 @@ impl FramePlan {
             .iter()
             .filter(|planned| planned.is_flat)
             .count();
-        if let (Some(pixels), 1..) = (self.far_level_px, flat) {
+        if let (Some(pixels), 1..) = (self.options.far_level_px, flat) {
             phrases.push(format!(
                 "bottom caps and stencil of {flat} of {} regions, whose volumes are lower than \
                  {pixels} px",

@@ -6,13 +6,13 @@ use crate::attachments::target;
 use crate::volume_pipeline::{NUMBER_FORMAT, colour_state, colour_target, unchanged};
 use crate::{Gpu, VolumePass};
 use std::collections::HashMap;
-use terrafill_fill::{DeviceError, NUMBER_BYTES, StencilTest};
+use terrafill_fill::{DeviceError, Feature, Holding, NUMBER_BYTES, StencilTest};
 use terrafill_scene::ImageSize;
 
 /// Pipelines on one device, made when first asked for.
 #[derive(Debug)]
 pub(crate) struct Covers {
-    cover_shader: wgpu::ShaderModule,
+    cover_shader: Option<wgpu::ShaderModule>,
     cover_layout: wgpu::PipelineLayout,
     /// By test, and whether they are blended over what lies under them.
     covers: HashMap<(StencilTest, bool), wgpu::RenderPipeline>,
@@ -23,30 +23,46 @@ pub(crate) struct Covers {
 
 impl Covers {
     /// - `frame_layout`: group 0, view and volumes' constants
-    pub(crate) fn new(
-        gpu: &Gpu,
-        frame_layout: &wgpu::BindGroupLayout,
-    ) -> Result<Self, DeviceError> {
+    pub(crate) fn new(gpu: &Gpu, frame_layout: &wgpu::BindGroupLayout) -> Self {
         let number = wgpu::TextureSampleType::Float { filterable: false };
         let number_layout = gpu.texture_layout("accumulated numbers", number);
         let resolved = [Some(frame_layout), Some(&number_layout)];
-        Ok(Self {
-            cover_shader: gpu.shader("vertex/cover.wgsl")?,
+        Self {
+            cover_shader: None,
             cover_layout: gpu.pipeline_layout("cover", &[Some(frame_layout)]),
             covers: HashMap::new(),
             resolve_layout: gpu.pipeline_layout("resolve", &resolved),
             resolve: None,
             number_layout,
-        })
+        }
     }
 
     /// Makes a cover's pipeline unless it is there.
-    pub(crate) fn ensure_cover(&mut self, gpu: &Gpu, test: StencilTest, blends: bool) {
-        let (layout, shader) = (&self.cover_layout, &self.cover_shader);
-        self.covers.entry((test, blends)).or_insert_with(|| {
-            let (state, target) = (Some(colour_state(test)), colour_target(blends));
-            full_screen(gpu, "cover", layout, shader, state, target)
-        });
+    pub(crate) fn ensure_cover(
+        &mut self,
+        gpu: &Gpu,
+        test: StencilTest,
+        blends: bool,
+    ) -> Result<(), DeviceError> {
+        let key = cover_key(test, blends);
+        if self.covers.contains_key(&key) {
+            return Ok(());
+        }
+        let shader = match self.cover_shader.take() {
+            Some(shader) => shader,
+            None => gpu.shader("vertex/cover.wgsl")?,
+        };
+        let (state, target) = (Some(colour_state(test)), colour_target(blends));
+        let made = full_screen(gpu, "cover", &self.cover_layout, &shader, state, target);
+        self.covers.insert(key, made);
+        self.cover_shader = Some(shader);
+        Ok(())
+    }
+
+    /// Its pipelines.
+    pub(crate) fn holdings(&self) -> impl Iterator<Item = Holding> {
+        let pipelines = self.covers.len() + usize::from(self.resolve.is_some());
+        Holding::pipelines(std::iter::repeat_n(Feature::Covers, pipelines))
     }
 
     /// Makes the lookup's pipeline unless it is there.
@@ -70,7 +86,7 @@ impl Covers {
         scissor: bool,
         volumes: &[usize],
     ) {
-        if let Some(pipeline) = self.covers.get(&(test, blends)) {
+        if let Some(pipeline) = self.covers.get(&cover_key(test, blends)) {
             pass.raw.set_pipeline(pipeline);
         }
         pass.raw.set_stencil_reference(u32::from(test.reference));
@@ -91,6 +107,15 @@ impl Covers {
     }
 }
 
+/// The stencil reference is set by the pass: no pipeline differs in it alone.
+fn cover_key(test: StencilTest, blends: bool) -> (StencilTest, bool) {
+    let test = StencilTest {
+        reference: 0,
+        ..test
+    };
+    (test, blends)
+}
+
 /// The accumulation target.
 #[derive(Debug)]
 pub(crate) struct Numbers {
@@ -103,6 +128,8 @@ impl Numbers {
     pub(crate) fn new(gpu: &Gpu, covers: &Covers, size: ImageSize) -> Self {
         let sampled = wgpu::TextureUsages::TEXTURE_BINDING;
         let texture = target(gpu, size, "accumulated numbers", NUMBER_FORMAT, sampled);
+        gpu.work
+            .count_texture(size.pixel_count() as u64 * NUMBER_BYTES);
         let view = texture.create_view(&Default::default());
         let layout = &covers.number_layout;
         let bind_group = gpu.bind_texture("accumulated numbers", layout, &view);

@@ -6,7 +6,7 @@
 //! surface left it: it is attached read-only throughout. Covers of a textured fill read it there, and
 //! stand in passes that leave the stencil alone as well.
 
-use crate::attachments::{COLOUR_FORMAT, attached, read_only_depth, target};
+use crate::attachments::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, attached, read_only_depth, target};
 use crate::covers::{Covers, Numbers};
 use crate::statistics::Statistics;
 use crate::textured::{BoundCover, CoverPurpose, Probe, TexturedFill};
@@ -14,11 +14,12 @@ use crate::volume_pipeline::check_blendable;
 use crate::{API, Gpu, RenderTargets, SharedTargets, TimedPass, VolumePass};
 use std::sync::Arc;
 use terrafill_fill::{
-    Capabilities, Counters, CpuStopwatch, DeviceError, FillPass, FillStep, FirstPass, FrameTimes,
-    MemoryUse, Picture, Probed, StencilExecutor, StencilWork, SurfaceView, Switches, TexturedPlan,
-    ViewId, VolumeDraw, VolumeList, VolumeState, WorkDone, changed_words,
+    COLOUR_BYTES, Capabilities, Counters, CpuStopwatch, DEPTH_STENCIL_BYTES, DeviceError, Feature,
+    FillPass, FillStep, FirstPass, FrameTimes, Holding, Picture, Probed, StencilExecutor,
+    StencilTest, StencilWork, SurfaceView, Switches, TexturedPlan, ViewId, VolumeDraw, VolumeList,
+    VolumeState, WorkDone, changed_words,
 };
-use terrafill_scene::MipChain;
+use terrafill_scene::{ImageSize, MipChain};
 
 /// Volumes as the passes of a stencil program draw them.
 pub trait Volumes {
@@ -58,6 +59,10 @@ pub struct VolumeFill {
     targets: SharedTargets,
     /// Shaders bend discs into footprints.
     bends_footprints: bool,
+    /// Covers show the picture, if one is held.
+    draws_texture: bool,
+    /// Every frame copies depth.
+    copies_depth: bool,
     frame_layout: wgpu::BindGroupLayout,
     covers: Covers,
     /// Covers of a textured fill, which stand where the plain ones would.
@@ -75,6 +80,8 @@ struct Loaded {
     numbers: Option<Numbers>,
     /// Where colours of the first pass go, which nobody reads, if it has fragments.
     unread: Option<wgpu::TextureView>,
+    /// Where depth is copied to, which nobody reads, if it is.
+    depth_copy: Option<wgpu::Texture>,
 }
 
 impl Loaded {
@@ -113,8 +120,10 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         );
         Ok(Self {
             bends_footprints: switches.bends_footprints,
+            draws_texture: switches.texture.is_some(),
+            copies_depth: switches.copies_depth,
             targets: SharedTargets::clone(targets),
-            covers: Covers::new(&gpu, &frame_layout)?,
+            covers: Covers::new(&gpu, &frame_layout),
             textured: None,
             frame_layout,
             loaded: None,
@@ -150,13 +159,13 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
     fn load(&mut self, work: StencilWork) -> Result<(), DeviceError> {
         let targets = self.targets.borrow();
         let gpu = targets.gpu();
-        let (held, numbers) = match self.loaded.take() {
+        let (held, numbers, depth_copy) = match self.loaded.take() {
             Some(loaded) => {
                 let written = loaded.work.constants;
                 let held = (loaded.constants, written, loaded.bind_group);
-                (Some(held), loaded.numbers)
+                (Some(held), loaded.numbers, loaded.depth_copy)
             }
-            None => (None, None),
+            None => (None, None, None),
         };
         let size = work.list.size;
         let numbers = work.program.accumulates().then(|| {
@@ -187,6 +196,7 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         let has_fragments = passes.any(|pass| pass.first_pass != FirstPass::Stencil);
         let unread = has_fragments.then(|| {
             let unused = wgpu::TextureUsages::empty();
+            gpu.work.count_texture(unread_bytes(size));
             let unread = target(
                 gpu,
                 size,
@@ -196,12 +206,22 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
             );
             unread.create_view(&Default::default())
         });
+        let is_of_size =
+            |copy: &wgpu::Texture| copy.width() == size.width && copy.height() == size.height;
+        let depth_copy = self.copies_depth.then(|| {
+            depth_copy.filter(is_of_size).unwrap_or_else(|| {
+                gpu.work.count_texture(depth_copy_bytes(size));
+                let copied = wgpu::TextureUsages::COPY_DST;
+                target(gpu, size, "copy of depth", DEPTH_STENCIL_FORMAT, copied)
+            })
+        });
         self.loaded = Some(Loaded {
             work,
             constants,
             bind_group,
             numbers,
             unread,
+            depth_copy,
         });
         Ok(())
     }
@@ -233,10 +253,18 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
                     }
                     volumes.ensure(&gpu, list, &draw, *blends && is_coloured(&draw));
                 }
-                FillStep::Cover { test, volumes, .. } => match &mut self.textured {
-                    Some(textured) => textured.ensure(&gpu, test, CoverPurpose::Colour, volumes),
-                    None => self.covers.ensure_cover(&gpu, test, *blends),
-                },
+                FillStep::Cover { test, volumes, .. } => {
+                    if let Some(textured) = &mut self.textured {
+                        let test = StencilTest {
+                            zeroes: false,
+                            ..test
+                        };
+                        textured.ensure(&gpu, test, CoverPurpose::Colour, volumes);
+                    }
+                    if !self.draws_texture {
+                        self.covers.ensure_cover(&gpu, test, *blends)?;
+                    }
+                }
                 FillStep::Resolve => self.covers.ensure_resolve(&gpu)?,
             }
         }
@@ -273,7 +301,8 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
             fill_wall_ms: watch.wall_ms(),
             ..FrameTimes::default()
         };
-        self.read_stamps(&targets, volumes.are_made_per_frame(), &mut times)?;
+        let begins_before = volumes.are_made_per_frame() || self.copies_depth;
+        self.read_stamps(&targets, begins_before, &mut times)?;
         Ok(times)
     }
 
@@ -342,18 +371,25 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         self.targets.borrow().read()
     }
 
-    fn memory(&self) -> MemoryUse {
-        let unread = self.loaded.as_ref().filter(|l| l.unread.is_some());
-        let unread = unread.map_or(0, |l| 4 * l.work.list.size.pixel_count() as u64);
-        let numbers = self.loaded.as_ref().and_then(|l| l.numbers.as_ref());
-        let textured = self.textured.as_ref();
-        MemoryUse {
-            constant_bytes: textured.map_or(0, TexturedFill::constant_bytes),
-            target_bytes: unread + numbers.map_or(0, Numbers::bytes),
-            texture_bytes: textured.map_or(0, TexturedFill::texture_bytes),
-            buffers: 1 + u64::from(textured.is_some()),
-            ..MemoryUse::default()
+    fn holdings(&self) -> Vec<Holding> {
+        let mut all: Vec<Holding> = self.covers.holdings().collect();
+        all.extend(self.textured.iter().flat_map(TexturedFill::holdings));
+        if let Some(loaded) = &self.loaded {
+            let size = loaded.work.list.size;
+            let numbers = loaded.numbers.as_ref().map_or(0, Numbers::bytes);
+            let unread = loaded.unread.as_ref().map_or(0, |_| unread_bytes(size));
+            let copy = loaded
+                .depth_copy
+                .as_ref()
+                .map_or(0, |_| depth_copy_bytes(size));
+            all.push(loaded.work.constants_held(loaded.constants.size()));
+            all.extend([
+                Holding::target(Feature::NumberTarget, numbers),
+                Holding::target(Feature::FirstPassColours, unread),
+                Holding::target(Feature::DepthCopy, copy),
+            ]);
         }
+        all
     }
 }
 
@@ -381,14 +417,14 @@ impl VolumeFill {
     fn read_stamps(
         &self,
         targets: &RenderTargets,
-        makes_volumes: bool,
+        begins_before: bool,
         times: &mut FrameTimes,
     ) -> Result<(), DeviceError> {
         let (Some(timer), Some(loaded)) = (targets.timer(), &self.loaded) else {
             return Ok(());
         };
         let gpu = targets.gpu();
-        match (loaded.work.program.passes.len(), makes_volumes) {
+        match (loaded.work.program.passes.len(), begins_before) {
             // Nothing in view: no pass was recorded.
             (0, _) => {}
             (1, false) => {
@@ -426,11 +462,24 @@ impl VolumeFill {
             let stamps = compute_stamps(targets, recording, passes.len());
             volumes.make(&mut encoder, list, &loaded.bind_group, stamps);
         }
+        if let Some(copy) = loaded.depth_copy.as_ref().filter(|_| !passes.is_empty()) {
+            if !makes_volumes {
+                // Begins what is timed: a copy of its own cannot be stamped.
+                let timestamp_writes = compute_stamps(targets, recording, passes.len());
+                let label = Some("before the copy of depth");
+                drop(encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                    label,
+                    timestamp_writes,
+                }));
+            }
+            targets.copy_depth(&mut encoder, copy);
+        }
+        let begins_before = makes_volumes || loaded.depth_copy.is_some();
         let (colour, depth_stencil) = (targets.colour_view(), targets.depth_stencil_view());
         let probe_views = recording.probe.map(Probe::views);
         let mut zero = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
         for (index, steps) in passes.iter().enumerate() {
-            let is_textured = steps.has_colour && self.textured.is_some();
+            let is_textured = steps.has_colour && self.draws_texture && self.textured.is_some();
             let attachments = match (&loaded.numbers, &probe_views) {
                 (Some(numbers), _) if steps.accumulates() => {
                     let zero = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
@@ -452,8 +501,8 @@ impl VolumeFill {
                 }
                 _ => Vec::new(),
             };
-            let stencil = if is_textured {
-                // Depth is sampled in this pass, which nothing of the texture may be written in.
+            let stencil = if is_textured || !steps.touches_stencil() {
+                // Depth is sampled in a textured pass, which nothing of its texture may be written in.
                 None
             } else if steps.clears_stencil {
                 Some(wgpu::LoadOp::Clear(0))
@@ -468,7 +517,7 @@ impl VolumeFill {
                 }),
                 color_attachments: &attachments,
                 depth_stencil_attachment: Some(read_only_depth(&depth_stencil, stencil)),
-                timestamp_writes: stamps(targets, recording, index, passes.len(), makes_volumes),
+                timestamp_writes: stamps(targets, recording, index, passes.len(), begins_before),
                 ..Default::default()
             });
             if let Some(statistics) = recording.statistics {
@@ -480,7 +529,7 @@ impl VolumeFill {
             let mut bound = BoundCover::default();
             for step in steps.steps() {
                 match (&step, &self.textured) {
-                    (FillStep::Cover { .. }, Some(textured)) => {
+                    (FillStep::Cover { .. }, Some(textured)) if is_textured => {
                         let purpose = match recording.probe {
                             Some(_) => CoverPurpose::Probe,
                             None => CoverPurpose::Colour,
@@ -554,23 +603,33 @@ fn draw_textured(
     }
 }
 
+/// Of the target for colours that nobody reads.
+fn unread_bytes(size: ImageSize) -> u64 {
+    COLOUR_BYTES * size.pixel_count() as u64
+}
+
+/// Of a copy of depth, which takes the stencil with it.
+fn depth_copy_bytes(size: ImageSize) -> u64 {
+    DEPTH_STENCIL_BYTES * size.pixel_count() as u64
+}
+
 fn is_coloured(draw: &VolumeDraw<'_>) -> bool {
     matches!(draw.state, VolumeState::Colour { .. })
 }
 
 /// The last pass is stamped as colour; of several, the first as stencil. A compute pass before them
-/// has begun that slot.
+/// or a copy of depth has begun that slot.
 fn stamps<'a>(
     targets: &'a RenderTargets,
     recording: Recording<'_>,
     index: usize,
     count: usize,
-    makes_volumes: bool,
+    begins_before: bool,
 ) -> Option<wgpu::RenderPassTimestampWrites<'a>> {
     let timer = targets.timer().filter(|_| recording.timed)?;
     match index {
         _ if index + 1 == count => Some(timer.around(TimedPass::Colour)),
-        0 if makes_volumes => Some(timer.writes(None, Some(TimedPass::Stencil))),
+        0 if begins_before => Some(timer.writes(None, Some(TimedPass::Stencil))),
         0 => Some(timer.around(TimedPass::Stencil)),
         _ => None,
     }

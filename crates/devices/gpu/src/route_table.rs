@@ -135,6 +135,7 @@ fn upload(
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
+    gpu.work.count_texture(bytes.len() as u64);
     gpu.work.count_upload(bytes.len() as u64);
     gpu.queue.write_texture(
         texture.as_image_copy(),

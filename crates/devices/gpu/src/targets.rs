@@ -169,6 +169,15 @@ impl RenderTargets {
         Ok(())
     }
 
+    /// Copies depth, and the stencil with it, into a texture of this size.
+    pub(crate) fn copy_depth(&self, encoder: &mut wgpu::CommandEncoder, to: &wgpu::Texture) {
+        encoder.copy_texture_to_texture(
+            self.depth_stencil.as_image_copy(),
+            to.as_image_copy(),
+            self.depth_stencil.size(),
+        );
+    }
+
     /// Whether the targets hold the surface of this view.
     #[must_use]
     pub fn holds(&self, view: ViewId) -> bool {

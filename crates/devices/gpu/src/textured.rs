@@ -13,7 +13,8 @@ use crate::volume_pipeline::{colour_state, colour_target};
 use crate::{Gpu, RenderTargets};
 use std::collections::HashMap;
 use terrafill_fill::{
-    AddressMode, CoverOverrides, DeviceError, Probed, StencilTest, TexturedCover, TexturedPlan,
+    AddressMode, CoverOverrides, DeviceError, Feature, Holding, MemoryUse, Probed, StencilTest,
+    TexturedCover, TexturedPlan,
 };
 use terrafill_scene::{ImageSize, MipChain, MipLevel};
 use terrafill_shaders::{RouteText, TEXTURED_COVER, TexturedParts, TexturedPlacement};
@@ -137,19 +138,38 @@ impl TexturedFill {
         Ok(())
     }
 
-    /// Bytes of the pictures on the device, and of the routes' tables.
+    /// Pictures, constants, pipelines with their routes' tables, by what they are held for.
     #[must_use]
-    pub fn texture_bytes(&self) -> u64 {
+    pub fn holdings(&self) -> Vec<Holding> {
         let tables = self.shaders.iter().filter_map(|made| made.table.as_ref());
-        let images: u64 = self.images.iter().map(bytes_of).sum();
-        images + tables.map(|table| table.bytes).sum::<u64>()
-    }
-
-    /// Bytes of the regions' constants.
-    #[must_use]
-    pub fn constant_bytes(&self) -> u64 {
-        let written = self.view.as_ref().map(|view| size_of_val(&*view.written));
-        written.unwrap_or(0) as u64
+        let texture = |feature, texture_bytes| {
+            let memory = MemoryUse {
+                texture_bytes,
+                ..MemoryUse::default()
+            };
+            Holding::memory(feature, memory)
+        };
+        let constants = self.view.iter().map(|view| {
+            let constant_bytes = size_of_val(&*view.written) as u64;
+            let memory = MemoryUse {
+                constant_bytes,
+                padding_bytes: view.constants.size() - constant_bytes,
+                buffers: 1,
+                ..MemoryUse::default()
+            };
+            Holding::memory(Feature::TextureConstants, memory)
+        });
+        let purposes = self.pipelines.keys().map(|key| match key.purpose {
+            CoverPurpose::Colour => Feature::TextureCode,
+            CoverPurpose::Probe => Feature::Measuring,
+        });
+        let images = self.images.iter().map(bytes_of).sum();
+        let textures = [
+            texture(Feature::Picture, images),
+            texture(Feature::TextureCode, tables.map(|table| table.bytes).sum()),
+        ];
+        let held = textures.into_iter().chain(constants);
+        held.chain(Holding::pipelines(purposes)).collect()
     }
 
     /// Takes over a view: constants are written where they changed, shaders and bind groups made
@@ -265,7 +285,11 @@ impl TexturedFill {
         let colours = purpose == CoverPurpose::Colour;
         let key = CoverKey {
             shader: *shader,
-            test,
+            // Set by the pass: no pipeline differs in it alone.
+            test: StencilTest {
+                reference: 0,
+                ..test
+            },
             purpose,
             overrides: match purpose {
                 CoverPurpose::Colour => cover.overrides(),
@@ -504,6 +528,7 @@ fn picture(gpu: &Gpu, image: &MipChain) -> wgpu::Texture {
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
+    gpu.work.count_texture(bytes_of(&texture));
     for (mip_level, level) in (0..).zip(levels) {
         gpu.work.count_upload(level.rgba.len() as u64);
         gpu.queue.write_texture(

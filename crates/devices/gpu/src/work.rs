@@ -17,7 +17,7 @@ impl Gpu {
     /// Makes a buffer.
     #[must_use]
     pub fn create_buffer(&self, descriptor: &wgpu::BufferDescriptor<'_>) -> wgpu::Buffer {
-        self.work.count_buffer();
+        self.work.count_buffer(descriptor.size);
         self.device.create_buffer(descriptor)
     }
 

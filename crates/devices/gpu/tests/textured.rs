@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use terrafill_core::{Ellipsoid, Geodetic, parse_regions};
 use terrafill_fill::{
-    AddressMode, DeviceError, FillInput, PreparedScene, Probed, RegionSet, RouteChoice,
+    AddressMode, DeviceError, Feature, FillInput, PreparedScene, Probed, RegionSet, RouteChoice,
     StencilTest, Switches, TexturedPlan, TexturedRegion,
 };
 use terrafill_gpu::{
@@ -873,7 +873,13 @@ fn a_second_view_of_as_many_regions_makes_nothing_and_writes_what_changed() {
     let sight = sight("45°");
     let texture = sight.input.scene.texture.as_ref().expect("a picture");
     fill.upload_image(&gpu, &texture.image, 2).expect("fits");
-    assert_eq!(fill.texture_bytes(), 2 * texture.image.bytes());
+    let held = |fill: &TexturedFill, feature| {
+        let held = fill.holdings().into_iter();
+        let own = held.filter(|held| held.feature == feature);
+        own.map(|held| held.memory.texture_bytes + held.memory.constant_bytes)
+            .sum::<u64>()
+    };
+    assert_eq!(held(&fill, Feature::Picture), 2 * texture.image.bytes());
     let one = plan_of(&sight.input, "recentred-odd-rel-9");
     let mut other = one.clone();
     other.covers[0].region.alpha = 0.5;
@@ -887,16 +893,31 @@ fn a_second_view_of_as_many_regions_makes_nothing_and_writes_what_changed() {
     assert_eq!((again.buffer_creations, again.uploads), (0, 0));
     let moved = set(&mut fill, &other);
     assert_eq!((moved.buffer_creations, moved.uploads), (0, 1));
-    assert_eq!(moved.upload_bytes, fill.constant_bytes());
+    let constants = held(&fill, Feature::TextureConstants);
+    assert_eq!(moved.upload_bytes, constants);
     let cover = &one.covers[0];
     let vectors = cover.position_constants.len() + cover.route_constants.len();
     let used = 16 * (TexturedRegion::VECTORS + vectors) as u64;
     let alignment = u64::from(gpu.device.limits().min_uniform_buffer_offset_alignment);
-    assert_eq!(fill.constant_bytes(), used.next_multiple_of(alignment));
+    assert_eq!(constants, used.next_multiple_of(alignment));
     // Pipelines: one for each purpose, however often it is asked for.
     let before = gpu.work_done();
     for _ in 0..2 {
         fill.ensure(&gpu, EVERYWHERE, CoverPurpose::Colour, &[0]);
     }
     assert_eq!((gpu.work_done() - before).pipeline_creations, 1);
+    // A cover of another number takes the same one, since the number is the pass's.
+    let another = StencilTest {
+        reference: EVERYWHERE.reference ^ 1,
+        ..EVERYWHERE
+    };
+    fill.ensure(&gpu, another, CoverPurpose::Colour, &[0]);
+    assert_eq!((gpu.work_done() - before).pipeline_creations, 1);
+    // Twin: what the pipeline has to be told makes another one.
+    let masked = StencilTest {
+        read_mask: EVERYWHERE.read_mask ^ 1,
+        ..EVERYWHERE
+    };
+    fill.ensure(&gpu, masked, CoverPurpose::Colour, &[0]);
+    assert_eq!((gpu.work_done() - before).pipeline_creations, 2);
 }

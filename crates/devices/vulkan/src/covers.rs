@@ -9,7 +9,7 @@ use crate::{
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, FaceSet, StencilTest};
+use terrafill_fill::{DeviceError, FaceSet, Feature, Holding, StencilTest};
 
 /// Pipelines on one device, made when first asked for.
 #[derive(Debug, Default)]
@@ -42,6 +42,11 @@ impl Covers {
             place.insert(Pipeline::new(gpu, full_screen(path, state))?);
         }
         Ok(())
+    }
+
+    /// Its pipelines.
+    pub(crate) fn holdings(&self) -> impl Iterator<Item = Holding> {
+        Holding::pipelines(std::iter::repeat_n(Feature::Covers, self.made.len()))
     }
 
     /// Covers marked pixels in the colours of `volumes`, in this order.

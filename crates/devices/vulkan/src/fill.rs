@@ -9,14 +9,14 @@
 use crate::covers::Covers;
 use crate::textured::{Purpose, TexturedFill, probed};
 use crate::{
-    BindGroup, Buffer, BufferUse, FillRecorder, FillReport, Gpu, Measured, PassRecorder, Probe,
-    SharedTargets, VolumePass,
+    BindGroup, Buffer, BufferUse, DepthCopy, FillRecorder, FillReport, Gpu, Measured, Numbers,
+    PassRecorder, Probe, SharedTargets, VolumePass,
 };
 use std::sync::Arc;
 use terrafill_fill::{
-    Capabilities, Counters, CpuStopwatch, DeviceError, FillPass, FillStep, FirstPass, FrameTimes,
-    MemoryUse, NUMBER_BYTES, Picture, Probed, StencilExecutor, StencilWork, SurfaceView, Switches,
-    TexturedPlan, ViewId, VolumeDraw, WorkDone, changed_words,
+    Capabilities, Counters, CpuStopwatch, DeviceError, Feature, FillPass, FillStep, FirstPass,
+    FrameTimes, Holding, Picture, Probed, StencilExecutor, StencilTest, StencilWork, SurfaceView,
+    Switches, TexturedPlan, ViewId, VolumeDraw, WorkDone, changed_words,
 };
 use terrafill_scene::MipChain;
 
@@ -37,6 +37,12 @@ pub trait Volumes {
 pub struct VolumeFill {
     targets: SharedTargets,
     covers: Covers,
+    /// Covers show the picture, if one is held.
+    draws_texture: bool,
+    /// Every frame copies depth.
+    copies_depth: bool,
+    /// Where to, once a program is there.
+    depth_copy: Option<DepthCopy>,
     /// Covers of a textured fill, which stand where the plain ones would.
     textured: Option<TexturedFill>,
     loaded: Option<Loaded>,
@@ -49,6 +55,8 @@ struct Loaded {
     view_constants: Arc<Buffer>,
     constants: Arc<Buffer>,
     bindings: BindGroup,
+    /// Where the program accumulates numbers, if it does.
+    numbers: Option<Numbers>,
 }
 
 impl Loaded {
@@ -66,7 +74,7 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         let gpu = Arc::clone(targets.borrow().gpu());
         let facts = &gpu.facts;
         let lacks = |capability: &str| DeviceError::unsupported(capability, &facts.name);
-        if switches.texture.is_some() && !facts.features.samples_depth {
+        if (switches.texture.is_some() || switches.loads_texture) && !facts.features.samples_depth {
             return Err(lacks("reading depth in shaders"));
         }
         if switches.first_pass != FirstPass::Stencil {
@@ -77,6 +85,9 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         }
         Ok(Self {
             targets: SharedTargets::clone(targets),
+            draws_texture: switches.texture.is_some(),
+            copies_depth: switches.copies_depth,
+            depth_copy: None,
             covers: Covers::default(),
             textured: None,
             loaded: None,
@@ -110,15 +121,22 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
     }
 
     fn load(&mut self, work: StencilWork) -> Result<(), DeviceError> {
-        let before = self.loaded.take();
+        let mut before = self.loaded.take();
         if work.blends {
             let what = "blending colours of stencil programs";
             return Err(DeviceError::unsupported(what, crate::API.name));
         }
-        if work.program.accumulates() {
-            self.targets.borrow_mut().ensure_numbers()?;
-        }
         let targets = self.targets.borrow();
+        if self.copies_depth && self.depth_copy.is_none() {
+            self.depth_copy = Some(targets.depth_copy()?);
+        }
+        let numbers = match work.program.accumulates() {
+            false => None,
+            true => match before.as_mut().and_then(|held| held.numbers.take()) {
+                None => Some(targets.numbers()?),
+                held => held,
+            },
+        };
         let gpu = targets.gpu();
         let view_constants = targets.view_constants();
         let view_constants = view_constants.ok_or(DeviceError::Missing("view of a surface"))?;
@@ -150,6 +168,7 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
             view_constants: Arc::clone(view_constants),
             constants,
             bindings,
+            numbers,
         });
         Ok(())
     }
@@ -172,10 +191,19 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         for step in loaded.steps() {
             match step {
                 FillStep::Volumes(draw) => volumes.ensure(&gpu, &draw)?,
-                FillStep::Cover { test, volumes, .. } => match &mut self.textured {
-                    Some(textured) => textured.ensure(&gpu, test, Purpose::Colour, volumes)?,
-                    None => self.covers.ensure_cover(&gpu, test)?,
-                },
+                FillStep::Cover { test, volumes, .. } => {
+                    if let Some(textured) = &mut self.textured {
+                        // Textured covers write no stencil.
+                        let test = StencilTest {
+                            zeroes: false,
+                            ..test
+                        };
+                        textured.ensure(&gpu, test, Purpose::Colour, volumes)?;
+                    }
+                    if !self.draws_texture {
+                        self.covers.ensure_cover(&gpu, test)?;
+                    }
+                }
                 FillStep::Resolve => self.covers.ensure_resolve(&gpu)?,
             }
         }
@@ -251,22 +279,26 @@ impl<V: Volumes> StencilExecutor<V> for VolumeFill {
         self.targets.borrow().read()
     }
 
-    fn memory(&self) -> MemoryUse {
-        let accumulates = |loaded: &&Loaded| loaded.work.program.accumulates();
-        let numbers = self.loaded.as_ref().filter(accumulates);
-        let pixels = numbers.map_or(0, |loaded| loaded.work.list.size.pixel_count());
-        let textured = self.textured.as_ref();
-        MemoryUse {
-            constant_bytes: textured.map_or(0, TexturedFill::constant_bytes),
-            target_bytes: pixels as u64 * NUMBER_BYTES,
-            texture_bytes: textured.map_or(0, TexturedFill::texture_bytes),
-            buffers: 1 + u64::from(textured.is_some()),
-            ..MemoryUse::default()
+    fn holdings(&self) -> Vec<Holding> {
+        let mut all: Vec<Holding> = self.covers.holdings().collect();
+        all.extend(self.textured.iter().flat_map(TexturedFill::holdings));
+        if let Some(loaded) = &self.loaded {
+            all.push(loaded.work.constants_held(loaded.constants.size()));
+            let numbers = loaded.numbers.as_ref().map_or(0, Numbers::bytes);
+            all.push(Holding::target(Feature::NumberTarget, numbers));
         }
+        let copy = self.depth_copy.as_ref().map_or(0, DepthCopy::bytes);
+        all.push(Holding::target(Feature::DepthCopy, copy));
+        all
     }
 }
 
 impl VolumeFill {
+    /// Whether covers show a picture.
+    fn shows_texture(&self) -> bool {
+        self.draws_texture && self.textured.is_some()
+    }
+
     /// The device.
     #[must_use]
     pub fn gpu(&self) -> Arc<Gpu> {
@@ -324,7 +356,20 @@ impl<'a> Recording<'a> {
         volumes: &'a V,
         counters: &mut Counters,
     ) {
-        let Loaded { work, bindings, .. } = self.loaded;
+        let Loaded {
+            work,
+            bindings,
+            numbers,
+            ..
+        } = self.loaded;
+        if let Some(copy) = self
+            .fill
+            .depth_copy
+            .as_ref()
+            .filter(|_| !work.program.passes.is_empty())
+        {
+            recorder.copy_depth(copy);
+        }
         for pass in &work.program.passes {
             let steps = |recorder: &mut PassRecorder<'a, '_>| {
                 let mut volume_pass = VolumePass::new(recorder, &work.list, bindings, counters);
@@ -332,9 +377,9 @@ impl<'a> Recording<'a> {
                     self.step(&mut volume_pass, volumes, &step);
                 }
             };
-            if pass.accumulates() {
-                recorder.accumulate(steps);
-            } else if pass.has_colour && self.fill.textured.is_some() {
+            if let (true, Some(numbers)) = (pass.accumulates(), numbers) {
+                recorder.accumulate(numbers, steps);
+            } else if pass.has_colour && self.fill.shows_texture() {
                 // Depth is read in this pass, which holds covers only and writes no stencil.
                 match self.probe {
                     Some(probe) => recorder.probe(probe, steps),
@@ -352,7 +397,8 @@ impl<'a> Recording<'a> {
         volumes: &'a V,
         step: &FillStep<'_>,
     ) {
-        match (step, &self.fill.textured) {
+        let shown = self.fill.textured.as_ref();
+        match (step, shown.filter(|_| self.fill.draws_texture)) {
             (FillStep::Volumes(draw), _) => volumes.draw(pass, draw),
             (
                 FillStep::Cover {

@@ -22,6 +22,7 @@ mod adapter;
 mod bindings;
 mod covers;
 mod deliberate_error;
+mod depth_copy;
 mod direct;
 mod draw_pipeline;
 mod failure;
@@ -49,6 +50,7 @@ pub use bindings::BindGroup;
 pub use terrafill_shaders::{HandsOn, RouteText, TexturedParts, TexturedPlacement};
 
 pub use deliberate_error::make_deliberate_error;
+pub use depth_copy::DepthCopy;
 pub use direct::{DirectDraw, DirectReport, Dispatch, DrawCall};
 pub use draw_pipeline::{ComputePipeline, DrawPipeline, GeometryOutput, PrimitiveStages, Shader};
 pub use fill::{VolumeFill, Volumes};
@@ -63,6 +65,7 @@ pub use resources::{Resource, Resources};
 pub use sampled::{ImageBindings, SampledImage};
 pub use shader_modules::VertexStage;
 pub use shared::{API, shared_gpu, shared_targets};
+pub use targets::Numbers;
 pub use textured_pipeline::{
     CoverPurpose, DepthBindings, Probe, TexturedDescriptor, TexturedPipeline,
 };

@@ -258,7 +258,7 @@ impl Buffer {
         let usage = use_for.flags() | vk::BufferUsageFlags::TRANSFER_DST;
         let mut buffer = Self::new(gpu, label, size, usage, wanted)?;
         buffer.use_for = Some(use_for);
-        gpu.work.count_buffer();
+        gpu.work.count_buffer(size);
         Ok(buffer)
     }
 

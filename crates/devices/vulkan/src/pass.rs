@@ -6,9 +6,9 @@
 
 use crate::pipeline::PassTarget;
 use crate::queries::{Queries, QueryKind};
-use crate::targets::Targets;
+use crate::targets::{Numbers, Targets};
 use crate::{
-    BindGroup, Buffer, BufferUse, DepthBindings, Gpu, ImageBindings, Pipeline, Probe,
+    BindGroup, Buffer, BufferUse, DepthBindings, DepthCopy, Gpu, ImageBindings, Pipeline, Probe,
     TexturedPipeline,
 };
 use ash::vk;
@@ -82,8 +82,8 @@ pub struct FillRecorder<'a> {
     counted: Option<(vk::QueryPool, vk::QueryControlFlags, u32)>,
     /// Stamps: start, end of the first pass, end of all.
     stamps: Option<vk::QueryPool>,
-    /// Numbers were accumulated in this fill.
-    has_numbers: bool,
+    /// Accumulated in this fill.
+    numbers: Option<&'a Numbers>,
     /// Of the probe that was cleared in this fill.
     probed: vk::Framebuffer,
     passes: u32,
@@ -130,7 +130,7 @@ impl<'a> FillRecorder<'a> {
                 (queries.raw, flags, queries.count)
             }),
             stamps: stamps.map(|queries| queries.raw),
-            has_numbers: false,
+            numbers: None,
             probed: vk::Framebuffer::null(),
             passes: 0,
             refused: None,
@@ -191,16 +191,32 @@ impl<'a> FillRecorder<'a> {
         self.run(target, render_pass, framebuffer, record);
     }
 
-    /// One pass over the accumulated numbers, which it clears, depth read-only; the targets must have
-    /// been asked for them.
-    pub fn accumulate(&mut self, record: impl FnOnce(&mut PassRecorder<'a, '_>)) {
-        let Some(numbers) = self.targets.numbers() else {
-            self.refused.get_or_insert(DeviceError::unsupported(
-                "drawing: numbers that the targets were not asked for",
-                &self.gpu.facts.name,
-            ));
+    /// Copies depth as the surface left it, before the first pass.
+    pub fn copy_depth(&mut self, copy: &'a DepthCopy) {
+        if !copy.is_of(self.targets) {
+            self.refuse("drawing: a copy of other targets' depth");
             return;
-        };
+        }
+        // SAFETY: recording is under way, outside of a pass; the surface or a fill has left depth as passes
+        // leave it, and both images outlive the fill.
+        unsafe { copy.record(self.commands) };
+    }
+
+    fn refuse(&mut self, what: &str) {
+        let refused = DeviceError::unsupported(what, &self.gpu.facts.name);
+        self.refused.get_or_insert(refused);
+    }
+
+    /// One pass over accumulated numbers, which it clears, depth read-only.
+    pub fn accumulate(
+        &mut self,
+        numbers: &'a Numbers,
+        record: impl FnOnce(&mut PassRecorder<'a, '_>),
+    ) {
+        if !numbers.is_beside(self.targets) {
+            self.refuse("drawing: numbers beside other targets");
+            return;
+        }
         let render_pass = self.gpu.fixtures.numbers;
         self.run(
             PassTarget::Numbers,
@@ -208,7 +224,7 @@ impl<'a> FillRecorder<'a> {
             numbers.framebuffer,
             record,
         );
-        self.has_numbers = true;
+        self.numbers = Some(numbers);
     }
 
     /// One pass over the targets' targets for textured covers, which writes neither depth nor stencil.
@@ -221,10 +237,7 @@ impl<'a> FillRecorder<'a> {
     /// One pass over the probe's targets in place of one over the targets'; the first clears them.
     pub fn probe(&mut self, probe: &'a Probe, record: impl FnOnce(&mut PassRecorder<'a, '_>)) {
         if !probe.is_beside(self.targets) {
-            self.refused.get_or_insert(DeviceError::unsupported(
-                "drawing: a probe of other targets",
-                &self.gpu.facts.name,
-            ));
+            self.refuse("drawing: a probe of other targets");
             return;
         }
         let render_pass = self.gpu.fixtures.probe(self.probed != probe.framebuffer);
@@ -430,11 +443,7 @@ impl<'a> PassRecorder<'a, '_> {
     }
 
     fn refuse(&mut self, what: &str) {
-        let adapter = self.fill.gpu.facts.name.clone();
-        self.fill.refused.get_or_insert(DeviceError::Unsupported {
-            capability: format!("drawing: {what}"),
-            adapter,
-        });
+        self.fill.refuse(&format!("drawing: {what}"));
     }
 
     /// Binds what is not bound yet; false when something does not fit.
@@ -477,12 +486,12 @@ impl<'a> PassRecorder<'a, '_> {
         let fits = pipeline.is_on(self.fill.gpu)
             && !pipeline.is_surface()
             && pipeline.target() == self.target
-            && (self.fill.has_numbers || !pipeline.reads_numbers());
+            && (self.fill.numbers.is_some() || !pipeline.reads_numbers());
         if !fits {
             self.refuse("a pipeline of another device or made for another kind of pass");
             return false;
         }
-        if let (true, Some(numbers)) = (pipeline.reads_numbers(), self.fill.targets.numbers()) {
+        if let (true, Some(numbers)) = (pipeline.reads_numbers(), self.fill.numbers) {
             // SAFETY: of the layout that every pipeline has; a pass of this fill has left the image
             // to be read.
             unsafe { self.bind_set(1, numbers.set) };

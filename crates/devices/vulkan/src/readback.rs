@@ -9,7 +9,7 @@ use ash::vk;
 use std::sync::Arc;
 use terrafill_fill::DeviceError;
 
-const DEPTH_AND_STENCIL: vk::ImageAspectFlags = vk::ImageAspectFlags::from_raw(
+pub(crate) const DEPTH_AND_STENCIL: vk::ImageAspectFlags = vk::ImageAspectFlags::from_raw(
     vk::ImageAspectFlags::DEPTH.as_raw() | vk::ImageAspectFlags::STENCIL.as_raw(),
 );
 
@@ -140,7 +140,7 @@ unsafe fn let_host_read(device: &ash::Device, commands: vk::CommandBuffer) {
 
 /// # Safety
 /// The image lives until the submission is done and is in layout `from`.
-unsafe fn change_layout(
+pub(crate) unsafe fn change_layout(
     device: &ash::Device,
     commands: vk::CommandBuffer,
     image: vk::Image,

@@ -8,10 +8,10 @@
 use crate::queries::{Queries, QueryKind, span_ms};
 use crate::readback::read_targets;
 use crate::surface::{SurfacePass, TriangleRenderer};
-use crate::targets::Targets;
+use crate::targets::{Numbers, Targets};
 use crate::{
-    BindGroup, Buffer, BufferUse, DepthBindings, FillRecorder, FillTimes, Gpu, PassStatistics,
-    Probe,
+    BindGroup, Buffer, BufferUse, DepthBindings, DepthCopy, FillRecorder, FillTimes, Gpu,
+    PassStatistics, Probe,
 };
 use ash::vk;
 use std::cell::RefCell;
@@ -127,22 +127,27 @@ impl RenderTargets {
         self.prepared.as_ref().map(|prepared| &prepared.constants)
     }
 
-    /// Makes the target of accumulated numbers, unless it is there.
+    /// A target of accumulated numbers beside these.
     ///
     /// # Errors
     /// [`DeviceError::Unsupported`] when the device cannot blend into it,
     /// [`DeviceError::OutOfMemory`].
-    pub fn ensure_numbers(&mut self) -> Result<(), DeviceError> {
+    pub fn numbers(&self) -> Result<Numbers, DeviceError> {
         if !self.gpu.facts.features.blends_float {
             return Err(DeviceError::unsupported(
                 "blending into R32_SFLOAT",
                 &self.gpu.facts.name,
             ));
         }
-        if self.targets.numbers().is_none() {
-            self.targets.make_numbers()?;
-        }
-        Ok(())
+        Numbers::new(&self.targets)
+    }
+
+    /// Room for a copy of their depth.
+    ///
+    /// # Errors
+    /// [`DeviceError::OutOfMemory`].
+    pub fn depth_copy(&self) -> Result<DepthCopy, DeviceError> {
+        DepthCopy::new(&self.gpu, &self.targets)
     }
 
     /// The depth that the surface leaves and regions' constants, for textured covers on these targets.

@@ -150,10 +150,12 @@ impl SampledImage {
                 device.cmd_pipeline_barrier(commands, all, all, none, &[], &[], &after);
             })?;
         }
+        let bytes = sizes_of(&copies, kind.layers(), texel_bytes(kind.format));
+        gpu.work.count_texture(bytes);
         Ok(Self {
             gpu: Arc::clone(gpu),
             image,
-            bytes: sizes_of(&copies, kind.layers(), texel_bytes(kind.format)),
+            bytes,
         })
     }
 

@@ -7,7 +7,7 @@ use crate::fixtures::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, NUMBER_FORMAT};
 use crate::memory::Image;
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::DeviceError;
+use terrafill_fill::{DeviceError, NUMBER_BYTES};
 use terrafill_scene::ImageSize;
 
 /// Colour, depth and stencil, as attachments.
@@ -20,21 +20,22 @@ pub(crate) struct Targets {
     depth_stencil: Arc<Image>,
     /// Depth and stencil only, with colour, and with colour for textured covers.
     framebuffers: [vk::Framebuffer; 3],
-    numbers: Option<Numbers>,
 }
 
-/// Target of accumulated numbers, and how shaders read it.
+/// Target of accumulated numbers, and how shaders read it. Each fill that accumulates has its own.
 #[derive(Debug)]
-pub(crate) struct Numbers {
+pub struct Numbers {
     gpu: Arc<Gpu>,
     _image: Image,
+    depth: Arc<Image>,
     pub(crate) framebuffer: vk::Framebuffer,
     pool: vk::DescriptorPool,
     pub(crate) set: vk::DescriptorSet,
+    bytes: u64,
 }
 
 impl Numbers {
-    fn new(targets: &Targets) -> Result<Self, DeviceError> {
+    pub(crate) fn new(targets: &Targets) -> Result<Self, DeviceError> {
         let gpu = &targets.gpu;
         let image = Image::target(
             gpu,
@@ -48,9 +49,13 @@ impl Numbers {
         let mut numbers = Self {
             gpu: Arc::clone(gpu),
             _image: image,
+            depth: Arc::clone(&targets.depth_stencil),
             framebuffer: vk::Framebuffer::null(),
             pool: vk::DescriptorPool::null(),
             set: vk::DescriptorSet::null(),
+            bytes: NUMBER_BYTES
+                * u64::from(targets.extent.width)
+                * u64::from(targets.extent.height),
         };
         let views = [view, targets.depth_stencil.view];
         let framebuffer_info = vk::FramebufferCreateInfo::default()
@@ -99,7 +104,18 @@ impl Numbers {
                 .image_info(&images);
             gpu.device.update_descriptor_sets(&[write], &[]);
         }
+        gpu.work.count_texture(numbers.bytes);
         Ok(numbers)
+    }
+
+    /// Bytes of its texels.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Whether it stands beside the depth of these targets.
+    pub(crate) fn is_beside(&self, targets: &Targets) -> bool {
+        Arc::ptr_eq(&self.depth, targets.depth_stencil())
     }
 }
 
@@ -144,7 +160,6 @@ impl Targets {
                 vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL,
             )?),
             framebuffers: [vk::Framebuffer::null(); 3],
-            numbers: None,
         };
         let views = [targets.colour.view, targets.depth_stencil.view];
         let fixtures = &gpu.fixtures;
@@ -173,15 +188,6 @@ impl Targets {
 
     pub(crate) fn textured_framebuffer(&self) -> vk::Framebuffer {
         self.framebuffers[2]
-    }
-
-    pub(crate) fn numbers(&self) -> Option<&Numbers> {
-        self.numbers.as_ref()
-    }
-
-    pub(crate) fn make_numbers(&mut self) -> Result<(), DeviceError> {
-        self.numbers = Some(Numbers::new(self)?);
-        Ok(())
     }
 
     pub(crate) fn area(&self) -> vk::Rect2D {

@@ -12,7 +12,10 @@ use crate::{
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
-use terrafill_fill::{AddressMode, DeviceError, Probed, StencilTest, TexturedCover, TexturedPlan};
+use terrafill_fill::{
+    AddressMode, DeviceError, Feature, Holding, MemoryUse, Probed, StencilTest, TexturedCover,
+    TexturedPlan,
+};
 use terrafill_scene::MipChain;
 
 /// A copy of the picture, and what is seen beyond it.
@@ -65,17 +68,40 @@ pub(crate) enum Purpose {
 }
 
 impl TexturedFill {
-    /// Bytes of the pictures on the device, and of the routes' tables.
-    pub(crate) fn texture_bytes(&self) -> u64 {
+    /// Pictures, constants, pipelines with their routes' tables, by what they are held for.
+    pub(crate) fn holdings(&self) -> Vec<Holding> {
         let tables = self.shaders.iter().filter_map(|made| made.table.as_ref());
-        let tables = tables.map(|table| &table.image);
-        self.images.iter().chain(tables).map(|i| i.bytes()).sum()
-    }
-
-    /// Bytes of the covers' constants.
-    pub(crate) fn constant_bytes(&self) -> u64 {
-        let written = self.view.as_ref().map(|view| size_of_val(&*view.written));
-        written.unwrap_or(0) as u64
+        let texture = |feature, texture_bytes| {
+            let memory = MemoryUse {
+                texture_bytes,
+                ..MemoryUse::default()
+            };
+            Holding::memory(feature, memory)
+        };
+        let constants = self.view.iter().map(|view| {
+            let constant_bytes = size_of_val(&*view.written) as u64;
+            let memory = MemoryUse {
+                constant_bytes,
+                padding_bytes: view.constants.size() - constant_bytes,
+                buffers: 1,
+                ..MemoryUse::default()
+            };
+            Holding::memory(Feature::TextureConstants, memory)
+        });
+        let purposes = self.pipelines.keys().map(|(_, _, purpose)| match purpose {
+            CoverPurpose::Colour { .. } => Feature::TextureCode,
+            CoverPurpose::Probe { .. } => Feature::Measuring,
+        });
+        let tables = tables.map(|table| table.image.bytes()).sum();
+        let textures = [
+            texture(
+                Feature::Picture,
+                self.images.iter().map(|image| image.bytes()).sum(),
+            ),
+            texture(Feature::TextureCode, tables),
+        ];
+        let held = textures.into_iter().chain(constants);
+        held.chain(Holding::pipelines(purposes)).collect()
     }
 
     /// Takes over a view: constants are written where they changed, tables and bindings made where

@@ -339,9 +339,21 @@ fn a_draw_that_does_not_fit_is_refused_and_nothing_is_drawn() {
         });
     });
     assert!(without_vertices.is_err());
-    let numbers = targets.fill(1, Measured::Nothing, |recorder| recorder.accumulate(|_| {}));
-    let error = numbers.expect_err("the targets were not asked for numbers");
-    assert!(error.to_string().contains("numbers"), "{error}");
+    let other = drawn(&gpu);
+    if let Ok(numbers) = other.numbers() {
+        let refused = targets.fill(1, Measured::Nothing, |recorder| {
+            recorder.accumulate(&numbers, |_| {});
+        });
+        let error = refused.expect_err("numbers beside other targets");
+        assert!(error.to_string().contains("numbers"), "{error}");
+    }
+    let copy = other.depth_copy().expect("small");
+    let refused = targets.fill(1, Measured::Nothing, |recorder| recorder.copy_depth(&copy));
+    let error = refused.expect_err("a copy of other targets' depth");
+    assert!(error.to_string().contains("depth"), "{error}");
+    // Twin: beside its own targets it is recorded.
+    let copied = other.fill(1, Measured::Nothing, |recorder| recorder.copy_depth(&copy));
+    copied.expect("its own depth");
     let resolve = PipelineDescriptor {
         vertex: VertexStage {
             path: "vertex/resolve.wgsl",

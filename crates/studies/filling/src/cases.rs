@@ -7,7 +7,7 @@ use crate::subject::Subject;
 use crate::textured::{ShownPicture, is_of_2007, is_picture_scene, textured_variants};
 use std::sync::Arc;
 use terrafill_core::{MeshOptions, RegionMesh};
-use terrafill_fill::{Role, Technique, Variant, matrix_row};
+use terrafill_fill::{Role, Technique, Variant, matrix_row, needs_ladder};
 use terrafill_gpu::BaselineKind;
 use terrafill_results::{CaseId, PlannedCase};
 use terrafill_scene::{Overlap, PlanOptions, Scene, View, WallHeights};
@@ -40,6 +40,8 @@ pub(crate) enum Purpose {
     Memory,
     /// What a user would pick instead: its error is part of the answer.
     Rival,
+    /// What a view needs, or a step on the way there from everything.
+    Needs,
     /// A view of a suite.
     Suite,
 }
@@ -57,6 +59,7 @@ impl Purpose {
             Self::Texture => "texture",
             Self::Memory => "memory",
             Self::Rival => "rival",
+            Self::Needs => "needs",
             Self::Suite => "suite",
         }
     }
@@ -88,6 +91,8 @@ pub(crate) struct FillCase {
     pub(crate) purposes: Vec<Purpose>,
     /// Where it stands on its technique's ladder.
     pub(crate) place: Option<Place>,
+    /// Where it stands between everything and what the view needs.
+    pub(crate) needs_place: Option<Place>,
     /// Of bytes by formula: for so many regions.
     pub(crate) regions: Option<usize>,
     /// Timed frames in a process; 0 for a case that is only drawn and compared.
@@ -224,6 +229,7 @@ impl Builder<'_> {
                 }
             }
         }
+        self.add_needs();
         if wishes.wants_matrix(&scene.name) {
             for technique in &wishes.techniques {
                 for base in technique.variants(scene, Role::Layouts) {
@@ -231,6 +237,39 @@ impl Builder<'_> {
                         self.add(Subject::Fill(*technique, variant), Purpose::Matrix, 0);
                     }
                 }
+            }
+        }
+    }
+
+    /// What the view needs, drawn and not timed; with the scene's ladder, the way there from everything too.
+    fn add_needs(&mut self) {
+        let (scene, wishes) = (self.scene, self.wishes);
+        let techniques = wishes.techniques.iter();
+        // One technique says what a view needs; a full run says it of all.
+        let told = if wishes.is_full() { usize::MAX } else { 1 };
+        let ladders = techniques.map(|technique| {
+            let has_picture = scene.texture.is_some();
+            (
+                *technique,
+                needs_ladder(*technique, scene.overlap, has_picture),
+            )
+        });
+        let ladders = ladders.filter(|(_, rungs)| !rungs.is_empty());
+        for (technique, mut rungs) in ladders.take(told) {
+            let has_ladder = wishes.wants_ladder(&scene.name);
+            let frames = if has_ladder { wishes.few_frames() } else { 0 };
+            if !has_ladder {
+                rungs.drain(..rungs.len() - 1);
+            }
+            for (rung, number) in rungs.into_iter().zip(1..) {
+                let subject = Subject::Fill(technique, rung.variant);
+                let case = self.add(subject, Purpose::Needs, frames);
+                case.needs_place = has_ladder.then_some(Place {
+                    rung: number,
+                    step: rung.step,
+                    change: rung.change,
+                    is_aside: false,
+                });
             }
         }
     }
@@ -243,6 +282,7 @@ impl Builder<'_> {
             shown: ShownPicture::Scene,
             purposes: vec![purpose],
             place: None,
+            needs_place: None,
             regions: None,
             frames,
         };
@@ -284,6 +324,7 @@ impl Builder<'_> {
                 shown,
                 purposes: vec![Purpose::Texture],
                 place: None,
+                needs_place: None,
                 regions: None,
                 frames: frames[usize::from(is_varied)],
             });
@@ -322,6 +363,7 @@ impl Builder<'_> {
                 shown: ShownPicture::Scene,
                 purposes: vec![purpose],
                 place: None,
+                needs_place: None,
                 regions: None,
                 frames,
             });
@@ -349,6 +391,7 @@ impl Builder<'_> {
             cases.extend([own].into_iter().chain(others).map(|regions| FillCase {
                 purposes: vec![Purpose::Memory],
                 place: None,
+                needs_place: None,
                 regions: Some(regions),
                 frames: 0,
                 ..case.clone()
@@ -438,6 +481,12 @@ impl Builder<'_> {
         }
         if case.subject.is_approximate() {
             conditions.push(condition(APPROXIMATE, "yes".to_owned()));
+        }
+        if let Some(place) = case.needs_place {
+            conditions.extend([
+                condition("needs-rung", place.rung.to_string()),
+                condition("needs-step", place.step.to_owned()),
+            ]);
         }
         if let Some(place) = case.place {
             conditions.extend([

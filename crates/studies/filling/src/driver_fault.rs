@@ -187,6 +187,7 @@ mod tests {
             shown: Default::default(),
             purposes: vec![Purpose::Ladder],
             place: None,
+            needs_place: None,
             regions: None,
             frames: 0,
         }

@@ -4,7 +4,7 @@
 use terrafill_results::{Kind, Metric};
 
 /// Times first, then bytes, counters, errors, textured fills and bytes of layouts.
-pub(crate) const METRICS: [Metric; 68] = [
+pub(crate) const METRICS: [Metric; 73] = [
     Metric::less(
         "fill_cpu_ms",
         "ms",
@@ -100,6 +100,36 @@ pub(crate) const METRICS: [Metric; 68] = [
         "",
         Kind::Counter,
         "Number of buffers the technique holds.",
+    ),
+    Metric::less(
+        "held_bytes",
+        "bytes",
+        Kind::Bytes,
+        "Bytes of every buffer and texture that the fill holds for the view, padding included: the sum over the features in the `need_` notes.",
+    ),
+    Metric::less(
+        "made_bytes",
+        "bytes",
+        Kind::Bytes,
+        "Bytes of the buffers and textures that the device was asked to make for the fill, measuring included. Must equal `held_bytes`: a backend is prepared once.",
+    ),
+    Metric::neither(
+        "spared_bytes",
+        "bytes",
+        Kind::Bytes,
+        "Bytes that the features left out would take, where they would take any.",
+    ),
+    Metric::less(
+        "held_pipelines",
+        "",
+        Kind::Counter,
+        "Pipelines that the fill holds for the view and for measuring: the sum over the features in the `need_` notes.",
+    ),
+    Metric::less(
+        "made_pipelines",
+        "",
+        Kind::Counter,
+        "Pipelines that the device was asked to make for the fill since its backend was opened. Must equal `held_pipelines`.",
     ),
     Metric::less("draws", "", Kind::Counter, "Draw calls of one fill."),
     Metric::less(

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a probe frame says about its case, and what of it is written.
 
-use crate::cases::FillCase;
+use crate::cases::{FillCase, Place};
 use terrafill_conformance::{ErrorFigures, TextureErrors};
 use terrafill_core::{MeshOptions, RegionMesh, VolumeHeights};
-use terrafill_fill::{Counters, DeviceError, FillInput, Frame, MemoryUse};
+use terrafill_fill::{Counters, DeviceError, FillInput, Frame, MemoryUse, Needs};
 use terrafill_results::{Status, Verdict};
 use terrafill_scene::HeightRange;
 
@@ -38,6 +38,8 @@ pub(crate) struct Probe {
     pub(crate) texture_errors: Option<TextureErrors>,
     /// Largest and mean difference of a colour channel from the reference's picture.
     pub(crate) colour: Option<(u64, f64)>,
+    /// What the view holds and leaves out, where that is told.
+    pub(crate) needs: Option<Needs>,
     /// Pixels on which the reference's own tests disagree, in all and outside the boundary band.
     pub(crate) disagreements: Option<(u64, u64)>,
     /// How far the boundary as drawn lies from the true one: largest and 99th percentile, pixels.
@@ -126,23 +128,29 @@ impl Probe {
         [mask_hash, ids_hash, texture_route]: [String; 3],
     ) -> Verdict {
         let figures = self.values(case);
-        let change = case.place.map_or("", |place| place.change).to_owned();
+        let change = |place: Option<Place>| place.map_or("", |place| place.change).to_owned();
+        let needs = self.needs.iter().flat_map(|needs| &needs.list);
+        let needs: Vec<_> = needs
+            .map(|need| (need.feature.note(), need.line()))
+            .collect();
+        let own = vec![
+            ("left_out", self.left_out),
+            ("texture_route", texture_route),
+            ("mask_hash", mask_hash),
+            ("ids_hash", ids_hash),
+            ("image", self.image),
+            ("difference_image", self.difference_image),
+            ("reference_image", self.reference_image),
+            ("worst_image", self.worst_image),
+            ("worst_px", self.worst_px),
+            ("change", change(case.place)),
+            ("needs_change", change(case.needs_place)),
+        ];
         Verdict {
             status: self.status,
             reason: self.reason,
             figures,
-            notes: vec![
-                ("left_out", self.left_out),
-                ("texture_route", texture_route),
-                ("mask_hash", mask_hash),
-                ("ids_hash", ids_hash),
-                ("image", self.image),
-                ("difference_image", self.difference_image),
-                ("reference_image", self.reference_image),
-                ("worst_image", self.worst_image),
-                ("worst_px", self.worst_px),
-                ("change", change),
-            ],
+            notes: own.into_iter().chain(needs).collect(),
         }
     }
 
@@ -189,6 +197,16 @@ impl Probe {
                 ("stencil_fragments", counters.stencil_fragments),
                 ("buffer_creations", Some(counters.buffer_creations)),
                 ("pipeline_creations", Some(counters.pipeline_creations)),
+            ]);
+        }
+        if let Some(needs) = &self.needs {
+            let spared = needs.list.iter().map(|need| need.spared_bytes);
+            counts.extend([
+                ("held_bytes", Some(needs.held_bytes())),
+                ("made_bytes", Some(needs.made.made_bytes)),
+                ("spared_bytes", Some(spared.sum())),
+                ("held_pipelines", Some(needs.pipelines())),
+                ("made_pipelines", Some(needs.made.pipeline_creations)),
             ]);
         }
         if let Some(counters) = &self.steady {

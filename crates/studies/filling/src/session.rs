@@ -319,6 +319,12 @@ impl<'a> ViewSession<'a> {
             .flatten();
         probe.wall_shift_m = case.subject.figure("wall_shift_m", &drawn.input);
         probe.prepare_cpu_ms = Some(drawn.prepare_cpu_ms).filter(|_| !is_rival);
+        if tells_needs(case) {
+            match drawn.backend.needs(&drawn.input) {
+                Ok(needs) => probe.needs = needs,
+                Err(error) => return Ok(failed(&error)),
+            }
+        }
         // What is timed is a frame like the one before it.
         if case.frames > 0 {
             match drawn.backend.render(&drawn.input) {
@@ -838,6 +844,13 @@ fn shows_chosen(case: &FillCase) -> bool {
         .switches()
         .and_then(|switches| switches.texture);
     route == Some(RouteChoice::Chosen) && case.shown == ShownPicture::Scene
+}
+
+/// Whether what it holds and leaves out is told: of techniques as they should be used, and of what a view
+/// needs.
+fn tells_needs(case: &FillCase) -> bool {
+    let is_plain_main = case.is(Purpose::Main) && !case.variant_name().contains('=');
+    case.is(Purpose::Needs) || is_plain_main || shows_chosen(case)
 }
 
 /// Whether stencil and colour share a pass.

@@ -70,12 +70,16 @@ pub(crate) struct WorkGroup {
 
 const WALLS: u32 = 1;
 const SHORT_INDICES: u32 = 2;
+const WITHOUT_BOTTOM: u32 = 4;
 
 /// Where a region's volume lies in the list of all, in indices: the bottom cap first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct OutputSlice {
     pub(crate) first_index: u32,
+    /// 0 where no bottom is made.
     pub(crate) bottom_count: u32,
+    /// Of the top cap alone.
+    pub(crate) top_count: u32,
     /// Top cap and walls.
     pub(crate) upper_count: u32,
 }
@@ -90,16 +94,16 @@ pub(crate) struct ExpansionPlan {
 }
 
 impl ExpansionPlan {
-    /// Lays the volumes of `meshes` one after the other.
+    /// Lays the volumes of `meshes` one after the other, each with its bottom cap or without.
     ///
     /// # Errors
     /// [`DeviceError::OverCapacity`] when an index would have no 32-bit number.
     pub(crate) fn new<'a>(
-        meshes: impl Iterator<Item = (&'a RegionMesh, &'a MeshSlice)>,
+        meshes: impl Iterator<Item = (&'a RegionMesh, &'a MeshSlice, bool)>,
     ) -> Result<Self, DeviceError> {
         let mut plan = Self::default();
-        for (mesh, slice) in meshes {
-            plan.push(mesh, slice)?;
+        for (mesh, slice, has_bottom) in meshes {
+            plan.push(mesh, slice, has_bottom)?;
         }
         Ok(plan)
     }
@@ -108,18 +112,25 @@ impl ExpansionPlan {
         clippy::cast_possible_truncation,
         reason = "the sum is checked against 2^32 before any part of it is cast"
     )]
-    fn push(&mut self, mesh: &RegionMesh, slice: &MeshSlice) -> Result<(), DeviceError> {
-        let end = self.index_count + slice.output_indices();
+    fn push(
+        &mut self,
+        mesh: &RegionMesh,
+        slice: &MeshSlice,
+        has_bottom: bool,
+    ) -> Result<(), DeviceError> {
+        let end = self.index_count + slice.output_indices(has_bottom);
         check("indices of expanded volumes", end, u64::from(u32::MAX))?;
         let region = self.outputs.len() as u32;
         let first_index = self.index_count as u32;
-        let bottom_count = 3 * slice.place.triangle_count;
+        let top_count = 3 * slice.place.triangle_count;
+        let bottom_count = if has_bottom { top_count } else { 0 };
         let first_top = first_index + bottom_count;
         let short = if slice.place.has_short_indices {
             SHORT_INDICES
         } else {
             0
         };
+        let bottom = if has_bottom { 0 } else { WITHOUT_BOTTOM };
         for first in (0..slice.place.triangle_count).step_by(WORKGROUP_SIZE) {
             self.work.push(WorkGroup {
                 region,
@@ -127,11 +138,11 @@ impl ExpansionPlan {
                 first_output: first_top + 3 * first,
                 first_bottom_output: first_index + 3 * first,
                 count: (slice.place.triangle_count - first).min(WORKGROUP_SIZE as u32),
-                kind: short,
+                kind: short | bottom,
             });
         }
         let mut first_input = slice.place.first_loop_index;
-        let mut first_output = first_top + bottom_count;
+        let mut first_output = first_top + top_count;
         for ring in &mesh.boundary_loops {
             let edges = ring.len() as u32;
             for first in (0..edges).step_by(WORKGROUP_SIZE) {
@@ -151,7 +162,8 @@ impl ExpansionPlan {
         self.outputs.push(OutputSlice {
             first_index,
             bottom_count,
-            upper_count: bottom_count + 6 * slice.edge_count,
+            top_count,
+            upper_count: top_count + 6 * slice.edge_count,
         });
         self.index_count = end;
         Ok(())
@@ -221,8 +233,14 @@ mod tests {
     use terrafill_shaders::struct_layout;
 
     fn plan(meshes: &[RegionMesh]) -> ExpansionPlan {
+        plan_with(meshes, true)
+    }
+
+    fn plan_with(meshes: &[RegionMesh], has_bottom: bool) -> ExpansionPlan {
         let geometry = SceneGeometry::build(meshes);
-        ExpansionPlan::new(meshes.iter().zip(&geometry.meshes)).expect("fits")
+        let slices = meshes.iter().zip(&geometry.meshes);
+        let meshes = slices.map(|(mesh, slice)| (mesh, slice, has_bottom));
+        ExpansionPlan::new(meshes).expect("fits")
     }
 
     /// How often each index of the list is written.
@@ -239,7 +257,9 @@ mod tests {
                 write(group.first_output, 6 * group.count);
             } else {
                 write(group.first_output, 3 * group.count);
-                write(group.first_bottom_output, 3 * group.count);
+                if group.kind & WITHOUT_BOTTOM == 0 {
+                    write(group.first_bottom_output, 3 * group.count);
+                }
             }
         }
         writes
@@ -257,6 +277,14 @@ mod tests {
             .map(|mesh| crate::compute_bytes(mesh).output_index_bytes)
             .sum();
         assert_eq!(plan.output_bytes(), bytes);
+        let whole = plan.output_bytes();
+        let mut without = plan_with(&meshes, false);
+        assert!(writes(&without).iter().all(|&count| count == 1));
+        let triangles: usize = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+        assert_eq!(whole - without.output_bytes(), 12 * triangles as u64);
+        // Twin: a bottom that nothing made room for is noticed.
+        without.work[0].kind &= !WITHOUT_BOTTOM;
+        assert!(writes(&without).iter().any(|&count| count > 1));
         // Twin: a workgroup less is noticed.
         plan.work.pop();
         assert!(writes(&plan).contains(&0));

@@ -113,9 +113,10 @@ impl MeshSlice {
         self.place.first_triangle_index as usize / in_a_word
     }
 
-    /// Indices that the region's volume takes.
-    pub(crate) fn output_indices(&self) -> u64 {
-        6 * (u64::from(self.place.triangle_count) + u64::from(self.edge_count))
+    /// Indices that the region's volume takes, with its bottom cap or without.
+    pub(crate) fn output_indices(&self, has_bottom: bool) -> u64 {
+        let caps = if has_bottom { 2 } else { 1 };
+        3 * caps * u64::from(self.place.triangle_count) + 6 * u64::from(self.edge_count)
     }
 }
 
@@ -185,7 +186,7 @@ impl SceneGeometry {
         ComputeBytes {
             input_vertex_bytes: self.positions.len() as u64 * 4,
             input_index_bytes: self.indices.len() as u64 * 4,
-            output_index_bytes: self.meshes.iter().map(|m| 4 * m.output_indices()).sum(),
+            output_index_bytes: self.meshes.iter().map(|m| 4 * m.output_indices(true)).sum(),
             output_vertex_bytes: 0,
         }
     }

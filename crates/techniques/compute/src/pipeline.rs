@@ -3,7 +3,7 @@
 
 use crate::{ComputeVariant, Expansion, GpuCulling, Transform};
 use std::collections::HashMap;
-use terrafill_fill::{DeviceError, VolumeState};
+use terrafill_fill::{DeviceError, Feature, Holding, VolumeState};
 use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
 
 /// What each bind group holds, by its number; 0 holds view and regions.
@@ -145,6 +145,16 @@ impl Pipelines {
             let pipeline = self.volume_pipeline(gpu, state);
             self.volumes.insert(state, pipeline);
         }
+    }
+
+    /// Those of the compute pass.
+    pub(crate) fn of_compute(&self) -> u64 {
+        1 + u64::from(self.cull.is_some()) + u64::from(self.place.is_some())
+    }
+
+    /// What the others are for.
+    pub(crate) fn holdings(&self) -> impl Iterator<Item = Holding> {
+        Holding::pipelines(self.volumes.keys().copied().map(Feature::of_state))
     }
 
     /// A pipeline that [`Pipelines::ensure`] made.

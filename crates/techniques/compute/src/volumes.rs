@@ -7,8 +7,8 @@ use crate::layout::{MeshSlice, SceneGeometry};
 use crate::pipeline::Pipelines;
 use crate::{ComputeBytes, ComputeVariant, Expansion, GpuCulling, Transform};
 use terrafill_fill::{
-    DeviceError, FillInput, MemoryUse, RegionVolumes, Switches, VolumeBackend, VolumeConstants,
-    VolumePlace,
+    BottomCaps, DeviceError, Feature, FillInput, Holding, MemoryUse, RegionVolumes, Switches,
+    VolumeBackend, VolumeConstants, VolumePlace,
 };
 use terrafill_gpu::{Gpu, VolumeFill, read_buffer};
 use terrafill_scene::PlannedRegion;
@@ -39,6 +39,8 @@ pub(crate) struct SceneBuffers {
     /// Both of them.
     pub(crate) bind_group: wgpu::BindGroup,
     bytes: ComputeBytes,
+    /// Of which meshes [`Expansion::Cached`] makes bottom caps.
+    bottoms: BottomCaps,
     /// [`Expansion::Cached`]: all volumes, by mesh.
     pub(crate) expanded: Option<Expanded>,
 }
@@ -101,8 +103,52 @@ impl Filled {
         pass.dispatch_workgroups(columns, rows, 1);
     }
 
-    fn buffers(&self) -> usize {
-        [&self.buffer, &self.work].len()
+    /// What it takes to fill it.
+    fn work_held(&self) -> Holding {
+        let work = MemoryUse {
+            constant_bytes: self.work_bytes,
+            ..beyond(&self.work, self.work_bytes)
+        };
+        Holding::memory(Feature::Expansion, work)
+    }
+}
+
+/// One buffer, and what it has beyond what is written into it.
+fn beyond(buffer: &wgpu::Buffer, written: u64) -> MemoryUse {
+    MemoryUse {
+        padding_bytes: buffer.size().saturating_sub(written),
+        buffers: 1,
+        ..MemoryUse::default()
+    }
+}
+
+impl Expanded {
+    /// The list by what its indices are.
+    fn holdings(&self) -> [Holding; 3] {
+        let bytes = |count: fn(&OutputSlice) -> u32| {
+            let counts = self.outputs.iter().map(|output| u64::from(count(output)));
+            4 * counts.sum::<u64>()
+        };
+        let of = |index_bytes| MemoryUse {
+            index_bytes,
+            ..MemoryUse::default()
+        };
+        let tops = MemoryUse {
+            index_bytes: bytes(|output| output.top_count),
+            ..beyond(&self.indices.buffer, self.indices.output_bytes)
+        };
+        let bottoms = of(bytes(|output| output.bottom_count));
+        [
+            Holding::memory(Feature::TopCaps, tops),
+            Holding {
+                spared_bytes: bytes(|output| output.top_count - output.bottom_count),
+                ..Holding::memory(Feature::BottomCaps, bottoms)
+            },
+            Holding::memory(
+                Feature::Walls,
+                of(bytes(|output| output.upper_count - output.top_count)),
+            ),
+        ]
     }
 }
 
@@ -130,6 +176,8 @@ pub(crate) struct Culling {
     /// Of the plan's regions, in its order.
     meshes: Vec<usize>,
     bytes: u64,
+    /// Of a list of boxes without one.
+    padding_bytes: u64,
 }
 
 impl Placed {
@@ -187,23 +235,55 @@ impl RegionVolumes for ComputeVolumes {
         Some(|mesh: usize| scene.meshes[mesh].place)
     }
 
-    fn memory(&self) -> MemoryUse {
-        let bytes = self.bytes();
-        let lists = self.expanded().map(|expanded| &expanded.indices);
-        let corners = self.view.placed.as_ref().map(|placed| &placed.corners);
-        let filled = || lists.into_iter().chain(corners);
-        let scene = self.scene.as_ref();
-        let read = scene.map_or(0, |s| [&s.positions, &s.indices].len());
-        // Draws, boxes, horizon, states.
-        let culling = self.view.culling.as_ref().map_or((0, 0), |c| (4, c.bytes));
-        MemoryUse {
-            vertex_bytes: bytes.input_vertex_bytes + bytes.output_vertex_bytes,
-            index_bytes: bytes.input_index_bytes + bytes.output_index_bytes,
-            // What the compute pass reads besides meshes and the constants of regions.
-            constant_bytes: filled().map(|filled| filled.work_bytes).sum::<u64>() + culling.1,
-            buffers: (read + filled().map(Filled::buffers).sum::<usize>() + culling.0) as u64,
-            ..MemoryUse::default()
+    /// What the compute pass reads besides positions is held for [`Feature::Expansion`], what it writes for
+    /// the caps and walls that it is.
+    fn holdings(&self) -> Vec<Holding> {
+        let mut all = vec![Holding {
+            pipelines: self.pipelines.of_compute(),
+            ..Holding::of(Feature::Expansion)
+        }];
+        all.extend(self.pipelines.holdings());
+        if let Some(scene) = &self.scene {
+            let bytes = scene.bytes;
+            let positions = MemoryUse {
+                vertex_bytes: bytes.input_vertex_bytes,
+                ..beyond(&scene.positions, bytes.input_vertex_bytes)
+            };
+            let indices = MemoryUse {
+                index_bytes: bytes.input_index_bytes,
+                ..beyond(&scene.indices, bytes.input_index_bytes)
+            };
+            all.push(Holding::memory(Feature::Positions, positions));
+            all.push(Holding::memory(Feature::Expansion, indices));
         }
+        if let Some(placed) = &self.view.placed {
+            let corners = &placed.corners;
+            let written = MemoryUse {
+                vertex_bytes: corners.output_bytes,
+                ..beyond(&corners.buffer, corners.output_bytes)
+            };
+            all.push(Holding::memory(Feature::Positions, written));
+            all.push(corners.work_held());
+        }
+        if let Some(expanded) = self.expanded() {
+            all.extend(expanded.holdings());
+            all.push(expanded.indices.work_held());
+        }
+        if let Some(culling) = &self.view.culling {
+            let constants = MemoryUse {
+                constant_bytes: culling.bytes,
+                padding_bytes: culling.padding_bytes,
+                // Draws, boxes, horizon, states.
+                buffers: 4,
+                ..MemoryUse::default()
+            };
+            all.push(Holding::memory(Feature::Expansion, constants));
+        }
+        all
+    }
+
+    fn stores_bottom_caps(&self) -> bool {
+        self.variant.expansion == Expansion::Cached
     }
 
     fn vertices_by_device(&self, fill: &VolumeFill) -> Result<u64, DeviceError> {
@@ -215,7 +295,12 @@ impl RegionVolumes for ComputeVolumes {
         Ok(self.decided_draws.iter().map(vertices).sum())
     }
 
-    fn upload(&mut self, fill: &VolumeFill, input: &FillInput) -> Result<(), DeviceError> {
+    fn upload(
+        &mut self,
+        fill: &VolumeFill,
+        input: &FillInput,
+        bottoms: &BottomCaps,
+    ) -> Result<(), DeviceError> {
         let gpu = fill.gpu();
         let geometry = SceneGeometry::build(&input.scene.meshes);
         let bytes = geometry.bytes();
@@ -229,7 +314,8 @@ impl RegionVolumes for ComputeVolumes {
         let indices = gpu.upload("mesh indices", indices, storage)?;
         let layout = &self.pipelines.bindings.geometry;
         let bind_group = gpu.bind_buffers("meshes", layout, &[&positions, &indices]);
-        let expanded = self.expand_scene(&gpu, input, &geometry.meshes, &bind_group)?;
+        let work = (geometry.meshes.as_slice(), bottoms);
+        let expanded = self.expand_scene(&gpu, input, work, &bind_group)?;
         self.scene = Some(SceneBuffers {
             meshes: geometry.meshes,
             positions,
@@ -237,6 +323,7 @@ impl RegionVolumes for ComputeVolumes {
             index_words: geometry.indices,
             bind_group,
             bytes,
+            bottoms: bottoms.clone(),
             expanded,
         });
         Ok(())
@@ -255,14 +342,22 @@ impl RegionVolumes for ComputeVolumes {
         let gpu = fill.gpu();
         let is_rewritten = scene.rewrite(&gpu, input, changed);
         if is_rewritten {
-            scene.expanded = self.expand_scene(&gpu, input, &scene.meshes, &scene.bind_group)?;
+            let work = (scene.meshes.as_slice(), &scene.bottoms);
+            scene.expanded = self.expand_scene(&gpu, input, work, &scene.bind_group)?;
         }
         self.scene = Some(scene);
         Ok(is_rewritten)
     }
 
-    fn upload_view(&mut self, fill: &VolumeFill, input: &FillInput) -> Result<(), DeviceError> {
+    fn upload_view(
+        &mut self,
+        fill: &VolumeFill,
+        input: &FillInput,
+        bottoms: &BottomCaps,
+    ) -> Result<(), DeviceError> {
         self.view = ViewBuffers::default();
+        // Of a view that draws nothing, no compute pass would clear them.
+        self.decided_draws.clear();
         let Some(scene) = &self.scene else {
             return Ok(());
         };
@@ -272,7 +367,9 @@ impl RegionVolumes for ComputeVolumes {
             Expansion::Cached => None,
             Expansion::PerFrame => {
                 let mesh = |region: &PlannedRegion| {
-                    (&input.scene.meshes[region.mesh], &scene.meshes[region.mesh])
+                    let mesh = region.mesh;
+                    let slice = &scene.meshes[mesh];
+                    (&input.scene.meshes[mesh], slice, bottoms.has(mesh))
                 };
                 let plan = ExpansionPlan::new(planned.iter().map(mesh))?;
                 Some(self.make_room(gpu, plan)?)
@@ -360,13 +457,14 @@ impl ComputeVolumes {
         &self,
         gpu: &Gpu,
         input: &FillInput,
-        meshes: &[MeshSlice],
+        (slices, bottoms): (&[MeshSlice], &BottomCaps),
         bind_group: &wgpu::BindGroup,
     ) -> Result<Option<Expanded>, DeviceError> {
         if self.variant.expansion == Expansion::PerFrame {
             return Ok(None);
         }
-        let meshes = input.scene.meshes.iter().zip(meshes);
+        let meshes = input.scene.meshes.iter().zip(slices).enumerate();
+        let meshes = meshes.map(|(place, (mesh, slice))| (mesh, slice, bottoms.has(place)));
         let expanded = self.make_room(gpu, ExpansionPlan::new(meshes)?)?;
         self.expand_once(gpu, bind_group, &expanded);
         Ok(Some(expanded))
@@ -454,6 +552,7 @@ impl ComputeVolumes {
         let uniform = wgpu::BufferUsages::UNIFORM;
         let horizon = gpu.upload("horizon", bytemuck::bytes_of(&horizon), uniform)?;
         let regions = storage_bytes(&regions);
+        let padding_bytes = regions.len() as u64 - region_bytes;
         let regions = gpu.upload("region boxes", &regions, wgpu::BufferUsages::STORAGE)?;
         let draws = gpu.create_buffer(&wgpu::BufferDescriptor {
             label: Some("draw arguments"),
@@ -478,6 +577,7 @@ impl ComputeVolumes {
             states,
             meshes: planned.iter().map(|planned| planned.mesh).collect(),
             bytes: draw_bytes + region_bytes + horizon_bytes + state_bytes,
+            padding_bytes,
         })
     }
 }

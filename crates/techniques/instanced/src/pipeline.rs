@@ -3,7 +3,7 @@
 
 use crate::layout::Position;
 use std::collections::HashMap;
-use terrafill_fill::{DeviceError, VolumeState};
+use terrafill_fill::{DeviceError, Feature, Holding, VolumeState};
 use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
 
 /// Which part of a volume a pipeline draws.
@@ -67,6 +67,15 @@ impl Pipelines {
             let pipeline = self.volume_pipeline(gpu, part, state);
             self.volumes.insert((part, state), pipeline);
         }
+    }
+
+    /// What they are for: those of bottoms have no bytes, since tops' triangles do for both.
+    pub(crate) fn holdings(&self) -> impl Iterator<Item = Holding> {
+        let features = self.volumes.keys().map(|(part, state)| match part {
+            Part::BottomCap if !matches!(state, VolumeState::Count { .. }) => Feature::BottomCaps,
+            _ => Feature::of_state(*state),
+        });
+        Holding::pipelines(features)
     }
 
     /// A pipeline that [`Pipelines::ensure`] made.

@@ -4,8 +4,8 @@
 use crate::layout::{RegionSlice, SceneGeometry};
 use crate::pipeline::{Part, Pipelines, VERTICES, WALL_CORNERS, WALLS};
 use terrafill_fill::{
-    DeviceError, FillInput, GeometryBytes, MemoryUse, RegionVolumes, Switches, VolumeBackend,
-    VolumeDraw, VolumeList, VolumePlace,
+    BottomCaps, DeviceError, Feature, FillInput, GeometryBytes, Holding, MemoryUse, RegionVolumes,
+    Switches, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
 };
 use terrafill_gpu::{Gpu, VolumeFill, VolumePass, Volumes};
 
@@ -24,9 +24,12 @@ pub struct InstancedVolumes {
 struct SceneBuffers {
     regions: Vec<RegionSlice>,
     vertices: wgpu::Buffer,
-    short_indices: wgpu::Buffer,
-    long_indices: wgpu::Buffer,
+    /// Indices of 16 and of 32 bits; `None` where no region has such.
+    short_indices: Option<wgpu::Buffer>,
+    long_indices: Option<wgpu::Buffer>,
     walls: wgpu::Buffer,
+    /// Of positions without walls.
+    position_bytes: u64,
     bytes: GeometryBytes,
 }
 
@@ -53,16 +56,17 @@ impl RegionVolumes for InstancedVolumes {
         Some(|mesh: usize| scene.regions[mesh].place)
     }
 
-    fn memory(&self) -> MemoryUse {
-        let held = self.scene.as_ref().map(|scene| MemoryUse {
-            // Vertices, indices of both widths, and walls.
-            buffers: 4,
-            ..scene.bytes.into()
-        });
-        held.unwrap_or_default()
+    fn holdings(&self) -> Vec<Holding> {
+        let geometry = self.scene.iter().flat_map(SceneBuffers::holdings);
+        geometry.chain(self.pipelines.holdings()).collect()
     }
 
-    fn upload(&mut self, fill: &VolumeFill, input: &FillInput) -> Result<(), DeviceError> {
+    fn upload(
+        &mut self,
+        fill: &VolumeFill,
+        input: &FillInput,
+        _bottoms: &BottomCaps,
+    ) -> Result<(), DeviceError> {
         self.upload_geometry(&fill.gpu(), SceneGeometry::build(&input.scene.meshes))
     }
 }
@@ -79,10 +83,15 @@ impl InstancedVolumes {
         let short = bytemuck::cast_slice(&geometry.indices.short);
         let long = bytemuck::cast_slice(&geometry.indices.long);
         let walls = bytemuck::cast_slice(&geometry.walls);
+        let indices = |label: &str, bytes: &[u8]| {
+            let held = (!bytes.is_empty()).then(|| gpu.upload(label, bytes, index));
+            held.transpose()
+        };
         self.scene = Some(SceneBuffers {
             vertices: upload("volume vertices", vertices, vertex)?,
-            short_indices: upload("16-bit indices", short, index)?,
-            long_indices: upload("32-bit indices", long, index)?,
+            short_indices: indices("16-bit indices", short)?,
+            long_indices: indices("32-bit indices", long)?,
+            position_bytes: vertices.len() as u64,
             walls: upload("walls", walls, vertex)?,
             bytes: geometry.bytes(),
             regions: geometry.regions,
@@ -92,17 +101,50 @@ impl InstancedVolumes {
 }
 
 impl SceneBuffers {
+    /// Bytes of its buffers by what they are for.
+    fn holdings(&self) -> [Holding; 3] {
+        let indices = [self.short_indices.as_ref(), self.long_indices.as_ref()];
+        let indices: Vec<&wgpu::Buffer> = indices.into_iter().flatten().collect();
+        let of_buffers = |buffers: &[&wgpu::Buffer], bytes: GeometryBytes| {
+            let sizes = buffers.iter().map(|buffer| buffer.size());
+            MemoryUse {
+                padding_bytes: sizes.sum::<u64>().saturating_sub(bytes.total()),
+                buffers: buffers.len() as u64,
+                ..bytes.into()
+            }
+        };
+        let GeometryBytes {
+            vertex_bytes,
+            index_bytes,
+        } = self.bytes;
+        let vertices = |vertex_bytes| GeometryBytes {
+            vertex_bytes,
+            index_bytes: 0,
+        };
+        let positions = of_buffers(&[&self.vertices], vertices(self.position_bytes));
+        let caps = GeometryBytes {
+            vertex_bytes: 0,
+            index_bytes,
+        };
+        let walls = vertices(vertex_bytes.saturating_sub(self.position_bytes));
+        [
+            Holding::memory(Feature::Positions, positions),
+            Holding::memory(Feature::TopCaps, of_buffers(&indices, caps)),
+            Holding::memory(Feature::Walls, of_buffers(&[&self.walls], walls)),
+        ]
+    }
+
     fn slice(&self, list: &VolumeList, volume: usize) -> &RegionSlice {
         &self.regions[list.volumes[volume].geometry]
     }
 
     fn bind_indices(&self, pass: &mut wgpu::RenderPass<'_>, is_short: bool) {
-        if is_short {
-            let indices = self.short_indices.slice(..);
-            pass.set_index_buffer(indices, wgpu::IndexFormat::Uint16);
-        } else {
-            let indices = self.long_indices.slice(..);
-            pass.set_index_buffer(indices, wgpu::IndexFormat::Uint32);
+        let (indices, format) = match is_short {
+            true => (&self.short_indices, wgpu::IndexFormat::Uint16),
+            false => (&self.long_indices, wgpu::IndexFormat::Uint32),
+        };
+        if let Some(indices) = indices {
+            pass.set_index_buffer(indices.slice(..), format);
         }
     }
 

@@ -107,6 +107,8 @@ pub(crate) struct RegionSlice {
     /// In stored vertices: two per mesh vertex with `vs-control`.
     pub(crate) first_vertex: u32,
     pub(crate) vertex_count: u32,
+    /// Its bottom cap can be drawn: its indices are stored, or a geometry shader needs none.
+    pub(crate) has_bottom: bool,
     pub(crate) short_indices: bool,
     /// In indices of the region's width: caps, or all there is.
     pub(crate) first_index: u32,
@@ -122,7 +124,8 @@ impl RegionSlice {
     pub(crate) fn replaced_by(&self, other: &Self) -> Option<Self> {
         let counts = |slice: &Self| {
             let indices = [slice.index_count, slice.wall_index_count];
-            (slice.vertex_count, indices, slice.short_indices)
+            let has = [slice.short_indices, slice.has_bottom];
+            (slice.vertex_count, indices, has)
         };
         let fixed = other.fixed;
         (counts(self) == counts(other)).then_some(Self { fixed, ..*self })
@@ -152,10 +155,18 @@ pub(crate) struct SceneGeometry {
 
 impl SceneGeometry {
     /// Lays out every mesh.
-    pub(crate) fn build(technique: Extrusion, indices: Indices, meshes: &[RegionMesh]) -> Self {
+    ///
+    /// - `has_bottom`: of which ones, by their place, bottom caps are stored, where a technique stores any
+    pub(crate) fn build(
+        technique: Extrusion,
+        indices: Indices,
+        meshes: &[RegionMesh],
+        has_bottom: impl Fn(usize) -> bool,
+    ) -> Self {
         let mut geometry = Self::default();
-        for mesh in meshes {
-            geometry.push(technique, technique.indices(indices), mesh);
+        for (place, mesh) in meshes.iter().enumerate() {
+            let has_bottom = has_bottom(place) || technique.needs_geometry_shader();
+            geometry.push(technique, technique.indices(indices), mesh, has_bottom);
         }
         geometry
     }
@@ -169,7 +180,13 @@ impl SceneGeometry {
         clippy::cast_possible_truncation,
         reason = "buffers are refused by the device long before 2^32 elements"
     )]
-    fn push(&mut self, technique: Extrusion, indices: Indices, mesh: &RegionMesh) {
+    fn push(
+        &mut self,
+        technique: Extrusion,
+        indices: Indices,
+        mesh: &RegionMesh,
+        has_bottom: bool,
+    ) {
         let fixed = FixedPoint::for_mesh(mesh);
         let first_vertex = self.vertex_count(technique) as u32;
         let ring_order = (technique == Extrusion::GsPerTriangle).then(|| RingOrder::new(mesh));
@@ -198,7 +215,7 @@ impl SceneGeometry {
                 let with_beside = |corner: &StripCorner| [Some(corner.vertex), Some(corner.beside)];
                 self.push_strips(short, mesh, with_beside);
             }
-            (Extrusion::VsControl, _) => self.push_doubled_caps(short, mesh),
+            (Extrusion::VsControl, _) => self.push_doubled_caps(short, mesh, has_bottom),
             (Extrusion::GsAdjacency, _) => {
                 for index in with_neighbours(mesh) {
                     self.indices.push(short, index);
@@ -245,6 +262,7 @@ impl SceneGeometry {
             fixed,
             first_vertex,
             vertex_count: self.vertex_count(technique) as u32 - first_vertex,
+            has_bottom,
             short_indices: short,
             first_index,
             index_count: first_wall_index - first_index,
@@ -254,9 +272,12 @@ impl SceneGeometry {
     }
 
     /// All of the top, then all of the bottom, so that the bottom may be left out of a draw.
-    fn push_doubled_caps(&mut self, short: bool, mesh: &RegionMesh) {
+    fn push_doubled_caps(&mut self, short: bool, mesh: &RegionMesh, has_bottom: bool) {
         for corner in mesh.triangles.as_flattened() {
             self.indices.push(short, 2 * corner);
+        }
+        if !has_bottom {
+            return;
         }
         for &[a, b, c] in &mesh.triangles {
             for corner in [a, c, b] {
@@ -435,7 +456,7 @@ pub(crate) mod tests {
             assert_eq!(layouts.len(), storages().len());
             for (technique, indices) in storages() {
                 let meshes = std::slice::from_ref(&mesh);
-                let built = SceneGeometry::build(technique, indices, meshes).bytes();
+                let built = SceneGeometry::build(technique, indices, meshes, |_| true).bytes();
                 let name = (technique.name(), indices);
                 let formula = native_bytes(technique, indices, &mesh);
                 let key = match technique.default_indices() == indices {
@@ -455,7 +476,7 @@ pub(crate) mod tests {
             let mesh = annulus(count);
             for technique in [Extrusion::VsControl, Extrusion::GsLine] {
                 let meshes = std::slice::from_ref(&mesh);
-                let geometry = SceneGeometry::build(technique, Indices::List, meshes);
+                let geometry = SceneGeometry::build(technique, Indices::List, meshes, |_| true);
                 let short = geometry.indices.short.iter().filter(|&&i| i == u16::MAX);
                 let long = geometry.indices.long.iter().filter(|&&i| i == u32::MAX);
                 let found = short.count() + long.count();
@@ -471,7 +492,7 @@ pub(crate) mod tests {
             let strips = strip_counts(&mesh).strips;
             for (technique, loops) in [(Extrusion::GsDegenerate, 2), (Extrusion::GsAdjacency, 0)] {
                 let meshes = std::slice::from_ref(&mesh);
-                let geometry = SceneGeometry::build(technique, Indices::Strip, meshes);
+                let geometry = SceneGeometry::build(technique, Indices::Strip, meshes, |_| true);
                 let short = geometry.indices.short.iter().filter(|&&i| i == u16::MAX);
                 let long = geometry.indices.long.iter().filter(|&&i| i == u32::MAX);
                 let found = short.count() + long.count();
@@ -593,7 +614,12 @@ pub(crate) mod tests {
     }
 
     fn strip_indices(technique: Extrusion, mesh: &RegionMesh) -> Vec<u32> {
-        let geometry = SceneGeometry::build(technique, Indices::Strip, std::slice::from_ref(mesh));
+        let geometry = SceneGeometry::build(
+            technique,
+            Indices::Strip,
+            std::slice::from_ref(mesh),
+            |_| true,
+        );
         let short = geometry.indices.short.iter();
         short
             .map(|&index| {
@@ -730,7 +756,7 @@ pub(crate) mod tests {
     #[test]
     fn a_doubled_vertex_is_stored_twice_and_flagged_once() {
         let meshes = [annulus(3)];
-        let geometry = SceneGeometry::build(Extrusion::VsControl, Indices::List, &meshes);
+        let geometry = SceneGeometry::build(Extrusion::VsControl, Indices::List, &meshes, |_| true);
         for pair in geometry.vertices.chunks(8) {
             assert_eq!(pair[..3], pair[4..7]);
             assert_eq!((pair[3], pair[7]), (0, 1));

@@ -8,8 +8,8 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 use terrafill_fill::{
-    DeviceError, FillInput, GeometryBytes, IndexLists, MemoryUse, RegionVolumes, Switches,
-    VolumeBackend, VolumeDraw, VolumeList, VolumePlace, VolumeState,
+    BottomCaps, DeviceError, Feature, FillInput, GeometryBytes, Holding, IndexLists, MemoryUse,
+    RegionVolumes, Switches, VolumeBackend, VolumeDraw, VolumeList, VolumePlace, VolumeState,
 };
 use terrafill_vulkan::{
     Buffer, BufferUse, Geometry, Gpu, IndexWidth, Pipeline, PipelineDescriptor, VolumeFill,
@@ -29,7 +29,7 @@ const MAX_VERTICES: usize = 1 << 24;
 #[derive(Debug)]
 pub struct NativeVolumes {
     variant: NativeVariant,
-    pipelines: HashMap<PipelineDescriptor, Pipeline>,
+    pipelines: HashMap<PipelineDescriptor, (Pipeline, Feature)>,
     scene: Option<SceneBuffers>,
 }
 
@@ -38,8 +38,9 @@ pub struct NativeVolumes {
 struct SceneBuffers {
     regions: Vec<RegionSlice>,
     vertices: Buffer,
-    short_indices: Buffer,
-    long_indices: Buffer,
+    /// Indices of 16 and of 32 bits; `None` where no region has such.
+    short_indices: Option<Buffer>,
+    long_indices: Option<Buffer>,
     /// What the two hold.
     indices: IndexLists,
     bytes: GeometryBytes,
@@ -71,18 +72,27 @@ impl RegionVolumes for NativeVolumes {
         Some(|mesh: usize| scene.regions[mesh].place())
     }
 
-    fn memory(&self) -> MemoryUse {
-        let held = self.scene.as_ref().map(|scene| MemoryUse {
-            // Vertices, and indices of both widths.
-            buffers: 3,
-            ..scene.bytes.into()
-        });
-        held.unwrap_or_default()
+    fn holdings(&self) -> Vec<Holding> {
+        let technique = self.variant.technique;
+        let scene = self.scene.iter();
+        let geometry = scene.flat_map(|scene| scene.holdings(technique));
+        let features = self.pipelines.values().map(|(_, feature)| *feature);
+        geometry.chain(Holding::pipelines(features)).collect()
     }
 
-    fn upload(&mut self, fill: &VolumeFill, input: &FillInput) -> Result<(), DeviceError> {
+    fn stores_bottom_caps(&self) -> bool {
+        !self.variant.technique.needs_geometry_shader()
+    }
+
+    fn upload(
+        &mut self,
+        fill: &VolumeFill,
+        input: &FillInput,
+        bottoms: &BottomCaps,
+    ) -> Result<(), DeviceError> {
         let (technique, indices) = (self.variant.technique, self.variant.indices());
-        let geometry = SceneGeometry::build(technique, indices, &input.scene.meshes);
+        let has_bottom = |mesh| bottoms.has(mesh);
+        let geometry = SceneGeometry::build(technique, indices, &input.scene.meshes, has_bottom);
         self.upload_geometry(&fill.gpu(), geometry)
     }
 
@@ -99,7 +109,8 @@ impl RegionVolumes for NativeVolumes {
         let mut rewritten = Vec::with_capacity(changed.len());
         for &mesh in changed {
             let mesh_alone = std::slice::from_ref(&input.scene.meshes[mesh]);
-            let geometry = SceneGeometry::build(technique, indices, mesh_alone);
+            let has_bottom = scene.regions[mesh].has_bottom;
+            let geometry = SceneGeometry::build(technique, indices, mesh_alone, |_| has_bottom);
             let Some(slice) = scene.regions[mesh].replaced_by(&geometry.regions[0]) else {
                 return Ok(false);
             };
@@ -122,8 +133,11 @@ impl RegionVolumes for NativeVolumes {
             scene.regions[*mesh] = *slice;
         }
         scene.vertices.rewrite_parts(&vertices)?;
-        scene.short_indices.rewrite_parts(&short)?;
-        scene.long_indices.rewrite_parts(&long)?;
+        for (buffer, parts) in [(&scene.short_indices, short), (&scene.long_indices, long)] {
+            if let Some(buffer) = buffer {
+                buffer.rewrite_parts(&parts)?;
+            }
+        }
         Ok(true)
     }
 }
@@ -137,22 +151,25 @@ impl NativeVolumes {
         let technique = self.variant.technique;
         check_numbers(technique, geometry.vertex_count(technique))?;
         let bytes = geometry.bytes();
-        let upload = |label, bytes, use_for| Buffer::upload(gpu, label, bytes, use_for);
+        let upload =
+            |label: &str, bytes: &[u8], use_for| Buffer::upload(gpu, label, bytes, use_for);
+        let indices = |label: &str, bytes: &[u8]| {
+            let held = (!bytes.is_empty()).then(|| upload(label, bytes, BufferUse::Index));
+            held.transpose()
+        };
         self.scene = Some(SceneBuffers {
             vertices: upload(
                 "volume vertices",
                 bytemuck::cast_slice(&geometry.vertices),
                 BufferUse::Vertex,
             )?,
-            short_indices: upload(
+            short_indices: indices(
                 "16-bit indices",
                 bytemuck::cast_slice(&geometry.indices.short),
-                BufferUse::Index,
             )?,
-            long_indices: upload(
+            long_indices: indices(
                 "32-bit indices",
                 bytemuck::cast_slice(&geometry.indices.long),
-                BufferUse::Index,
             )?,
             regions: geometry.regions,
             indices: geometry.indices,
@@ -192,15 +209,65 @@ impl SceneBuffers {
         }
     }
 
-    fn geometry(&self, width: IndexWidth) -> Geometry<'_> {
-        Geometry {
+    /// `None` where no region has indices of this width.
+    fn geometry(&self, width: IndexWidth) -> Option<Geometry<'_>> {
+        let indices = match width {
+            IndexWidth::Short => &self.short_indices,
+            IndexWidth::Long => &self.long_indices,
+        };
+        Some(Geometry {
             vertices: &self.vertices,
-            indices: match width {
-                IndexWidth::Short => &self.short_indices,
-                IndexWidth::Long => &self.long_indices,
-            },
+            indices: indices.as_ref()?,
             width,
+        })
+    }
+
+    /// Bytes of its buffers by what they are for. One list makes tops, bottoms and walls in a geometry
+    /// shader; it counts as that of the tops.
+    fn holdings(&self, technique: Extrusion) -> [Holding; 4] {
+        let (mut top_caps, mut bottom_caps, mut walls, mut spared) = (0, 0, 0, 0);
+        for slice in &self.regions {
+            let index_size = if slice.short_indices { 2 } else { 4 };
+            let caps = u64::from(slice.index_count) * index_size;
+            walls += u64::from(slice.wall_index_count) * index_size;
+            match (technique.needs_geometry_shader(), slice.has_bottom) {
+                (true, _) => top_caps += caps,
+                (false, true) => {
+                    top_caps += caps / 2;
+                    bottom_caps += caps / 2;
+                }
+                (false, false) => {
+                    top_caps += caps;
+                    spared += caps;
+                }
+            }
         }
+        let indices = [self.short_indices.as_ref(), self.long_indices.as_ref()];
+        let sizes = indices.iter().flatten().map(|buffer| buffer.size());
+        let of_indices = |index_bytes| MemoryUse {
+            index_bytes,
+            ..MemoryUse::default()
+        };
+        let positions = MemoryUse {
+            vertex_bytes: self.bytes.vertex_bytes,
+            padding_bytes: self.vertices.size().saturating_sub(self.bytes.vertex_bytes),
+            buffers: 1,
+            ..MemoryUse::default()
+        };
+        let of_tops = MemoryUse {
+            padding_bytes: sizes.sum::<u64>().saturating_sub(self.bytes.index_bytes),
+            buffers: indices.iter().flatten().count() as u64,
+            ..of_indices(top_caps)
+        };
+        [
+            Holding::memory(Feature::Positions, positions),
+            Holding::memory(Feature::TopCaps, of_tops),
+            Holding {
+                spared_bytes: spared,
+                ..Holding::memory(Feature::BottomCaps, of_indices(bottom_caps))
+            },
+            Holding::memory(Feature::Walls, of_indices(walls)),
+        ]
     }
 }
 
@@ -208,7 +275,8 @@ impl Volumes for NativeVolumes {
     fn ensure(&mut self, gpu: &Arc<Gpu>, draw: &VolumeDraw<'_>) -> Result<(), DeviceError> {
         for (_, descriptor) in self.pipelines_of(draw.state, draw.without_bottom) {
             if let Entry::Vacant(place) = self.pipelines.entry(descriptor) {
-                place.insert(Pipeline::new(gpu, descriptor)?);
+                let feature = Feature::of_state(draw.state);
+                place.insert((Pipeline::new(gpu, descriptor)?, feature));
             }
         }
         Ok(())
@@ -220,8 +288,11 @@ impl Volumes for NativeVolumes {
         };
         let list = pass.list;
         for width in WIDTHS {
+            let Some(geometry) = scene.geometry(width) else {
+                continue;
+            };
             for (part, key) in self.pipelines_of(draw.state, draw.without_bottom) {
-                let Some(pipeline) = self.pipelines.get(&key) else {
+                let Some((pipeline, _)) = self.pipelines.get(&key) else {
                     continue;
                 };
                 let drawn = draw.volumes.iter().copied();
@@ -238,6 +309,7 @@ impl Volumes for NativeVolumes {
                         // theirs out.
                         Part::Caps
                             if draw.without_bottom
+                                && slice.has_bottom
                                 && self.variant.technique == Extrusion::VsControl =>
                         {
                             (slice.first_index, slice.index_count / 2)
@@ -247,7 +319,6 @@ impl Volumes for NativeVolumes {
                         }
                     };
                     let base_vertex = i32::try_from(slice.first_vertex).unwrap_or(i32::MAX);
-                    let geometry = scene.geometry(width);
                     let indices = first..first + count;
                     pass.draw_indexed(pipeline, geometry, indices, base_vertex, volume);
                 }
@@ -354,7 +425,8 @@ mod tests {
                 };
                 let mut backend = NativeBackend::new(&targets, variant).expect("has the features");
                 backend.prepare(&input).expect("fits");
-                let mut geometry = SceneGeometry::build(technique, indices, &input.scene.meshes);
+                let mut geometry =
+                    SceneGeometry::build(technique, indices, &input.scene.meshes, |_| true);
                 change(&mut geometry);
                 let uploaded = backend.volumes_mut().upload_geometry(&gpu, geometry);
                 uploaded.expect("fits");

@@ -105,6 +105,8 @@ pub fn per_triangle_volume_bytes(
 pub(crate) struct RegionSlice {
     /// Vertices are counted as stored: two per mesh vertex when doubled.
     pub(crate) place: VolumePlace,
+    /// Its bottom cap can be drawn: its indices are stored, or shaders need none.
+    pub(crate) has_bottom: bool,
     pub(crate) vertex_count: u32,
     /// Indices of the strips, or entries of the loop list.
     pub(crate) loop_index_count: u32,
@@ -141,6 +143,35 @@ impl RegionSlice {
     }
 }
 
+/// Bytes of indices by what they are for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct IndexBytes {
+    pub(crate) top_caps: u64,
+    pub(crate) bottom_caps: u64,
+    pub(crate) walls: u64,
+    /// Bottom caps that are not stored.
+    pub(crate) spared: u64,
+}
+
+impl IndexBytes {
+    /// Of these regions.
+    pub(crate) fn of(layout: Layout, regions: &[RegionSlice]) -> Self {
+        let mut bytes = Self::default();
+        for slice in regions {
+            let index_size = if slice.place.has_short_indices { 2 } else { 4 };
+            let cap = 3 * u64::from(slice.place.triangle_count) * index_size;
+            bytes.top_caps += cap;
+            bytes.walls += u64::from(slice.loop_index_count) * index_size;
+            match (layout.is_doubled(), slice.has_bottom) {
+                (false, _) => {}
+                (true, true) => bytes.bottom_caps += cap,
+                (true, false) => bytes.spared += cap,
+            }
+        }
+        bytes
+    }
+}
+
 /// Contents of a scene's geometry buffers.
 #[derive(Debug, Default)]
 pub(crate) struct SceneGeometry {
@@ -154,14 +185,21 @@ pub(crate) struct SceneGeometry {
 
 impl SceneGeometry {
     /// Lays out every mesh.
-    pub(crate) fn build(variant: &VertexVariant, meshes: &[RegionMesh]) -> Self {
+    ///
+    /// - `has_bottom`: of which ones, by their place, bottom caps are stored, where a layout stores any
+    pub(crate) fn build(
+        variant: &VertexVariant,
+        meshes: &[RegionMesh],
+        has_bottom: impl Fn(usize) -> bool,
+    ) -> Self {
         let mut geometry = Self::default();
         let flags = shared_flag_bytes(variant.layout, meshes) / FLAG_BYTES as u64;
         geometry.flags = (0..flags)
             .map(|vertex| [if vertex % 2 == 0 { 0 } else { 255 }, 0, 0, 0])
             .collect();
-        for mesh in meshes {
-            geometry.push(variant, mesh);
+        for (place, mesh) in meshes.iter().enumerate() {
+            let has_bottom = has_bottom(place) || !variant.layout.is_doubled();
+            geometry.push(variant, mesh, has_bottom);
         }
         geometry
     }
@@ -170,7 +208,7 @@ impl SceneGeometry {
         clippy::cast_possible_truncation,
         reason = "buffers are refused by the device long before 2^32 elements"
     )]
-    fn push(&mut self, variant: &VertexVariant, mesh: &RegionMesh) {
+    fn push(&mut self, variant: &VertexVariant, mesh: &RegionMesh, has_bottom: bool) {
         let ordered;
         let mesh = match variant.vertex_order {
             VertexOrder::Mesh => mesh,
@@ -198,7 +236,7 @@ impl SceneGeometry {
         let layout = variant.layout;
         let short_indices = has_short_indices(layout, mesh.vertices_ecef.len());
         let first_triangle_index = self.indices.count(short_indices);
-        self.push_caps(layout, short_indices, &triangles);
+        self.push_caps(layout, short_indices, &triangles, has_bottom);
         let first_loop_index = self.indices.count(short_indices);
         let mut turned_index_count = 0;
         match layout {
@@ -218,6 +256,7 @@ impl SceneGeometry {
                 triangle_count: mesh.triangles.len() as u32,
                 has_short_indices: short_indices,
             },
+            has_bottom,
             vertex_count: (self.vertices.len() / variant.vertex_words()) as u32 - first_vertex,
             loop_index_count: self.indices.count(short_indices) - first_loop_index,
             turned_index_count,
@@ -243,13 +282,13 @@ impl SceneGeometry {
         }
     }
 
-    fn push_caps(&mut self, layout: Layout, short: bool, triangles: &[[u32; 3]]) {
+    fn push_caps(&mut self, layout: Layout, short: bool, triangles: &[[u32; 3]], has_bottom: bool) {
         // All of the top, then all of the bottom, so that the bottom may be left out of a draw.
         let copies = if layout.is_doubled() { 2 } else { 1 };
         for corner in triangles.as_flattened() {
             self.indices.push(short, copies * corner);
         }
-        if layout.is_doubled() {
+        if layout.is_doubled() && has_bottom {
             for &[a, b, c] in triangles {
                 for corner in [a, c, b] {
                     self.indices.push(short, 2 * corner + 1);
@@ -484,7 +523,7 @@ mod tests {
                 if count > 100 && variant.index_order == IndexOrder::Cache {
                     continue;
                 }
-                let built = SceneGeometry::build(&variant, &meshes).bytes();
+                let built = SceneGeometry::build(&variant, &meshes, |_| true).bytes();
                 let mut formula: GeometryBytes = meshes
                     .iter()
                     .map(|mesh| variant_bytes(&variant, mesh))
@@ -526,7 +565,7 @@ mod tests {
                 continue;
             }
             let meshes = std::slice::from_ref(&mesh);
-            let geometry = SceneGeometry::build(&variant, meshes);
+            let geometry = SceneGeometry::build(&variant, meshes, |_| true);
             let short = &geometry.indices.short;
             assert!(is_closed(short), "{variant:?}");
             // Twin: without its last triangle it is open.
@@ -553,7 +592,7 @@ mod tests {
             ..VertexVariant::default()
         };
         let mesh = disc(9);
-        let geometry = SceneGeometry::build(&variant, std::slice::from_ref(&mesh));
+        let geometry = SceneGeometry::build(&variant, std::slice::from_ref(&mesh), |_| true);
         let walls = &geometry.indices.short[6 * mesh.triangles.len()..];
         // Nine outer edges, nine inner ones seen twice, two triangles each.
         let turned = geometry.regions[0].turned_index_count as usize;
@@ -576,7 +615,7 @@ mod tests {
             let in_mesh_order = |v: &VertexVariant| v.index_order == IndexOrder::Mesh;
             for variant in every_storage().into_iter().filter(in_mesh_order) {
                 let meshes = std::slice::from_ref(&mesh);
-                let geometry = SceneGeometry::build(&variant, meshes);
+                let geometry = SceneGeometry::build(&variant, meshes, |_| true);
                 let short = geometry.indices.short.iter().filter(|&&i| i == 0xffff);
                 let long = geometry.indices.long.iter().filter(|&&i| i == u32::MAX);
                 let separates = variant.has_strips() || variant.layout == Layout::Pulled;
@@ -604,7 +643,7 @@ mod tests {
                 ..VertexVariant::default()
             };
             let words = variant.vertex_words();
-            let geometry = SceneGeometry::build(&variant, &meshes);
+            let geometry = SceneGeometry::build(&variant, &meshes, |_| true);
             for pair in geometry.vertices.chunks(2 * words) {
                 assert_eq!(pair[..3], pair[words..words + 3]);
                 assert_eq!((pair[3], pair[words + 3]), (0, 1));
@@ -614,7 +653,7 @@ mod tests {
             layout: Layout::Separate,
             ..VertexVariant::default()
         };
-        let geometry = SceneGeometry::build(&separate, &meshes);
+        let geometry = SceneGeometry::build(&separate, &meshes, |_| true);
         for pair in geometry.vertices.chunks(6) {
             assert_eq!(pair[..3], pair[3..]);
         }
@@ -643,11 +682,11 @@ mod tests {
             let more = bytes(&stored).vertex_bytes - bytes(&geodetic).vertex_bytes;
             assert_eq!(more, 12 * copies * vertices);
             let meshes = [mesh.clone(), disc(7)];
-            let built = SceneGeometry::build(&stored, &meshes);
+            let built = SceneGeometry::build(&stored, &meshes, |_| true);
             let mut formula: GeometryBytes = meshes.iter().map(|m| variant_bytes(&stored, m)).sum();
             formula.vertex_bytes += shared_flag_bytes(layout, &meshes);
             assert_eq!(built.bytes(), formula, "{layout:?}");
-            let plain = SceneGeometry::build(&geodetic, &meshes);
+            let plain = SceneGeometry::build(&geodetic, &meshes, |_| true);
             let (words, plain_words) = (stored.vertex_words(), geodetic.vertex_words());
             let both = built
                 .vertices

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Volumes as the passes of a fill draw them: caps, then walls, then those that are turned over.
 
-use crate::layout::{RegionSlice, SceneGeometry};
+use crate::layout::{IndexBytes, RegionSlice, SceneGeometry};
 use crate::pipeline::{Part, PipelineKey, Pipelines, parts};
 use crate::{Buffers, Layout, VertexVariant};
 use std::ops::Range;
 use terrafill_fill::{
-    DeviceError, FaceSet, FillInput, GeometryBytes, IndexLists, MemoryUse, PositionFormat,
-    RegionVolumes, Switches, VolumeBackend, VolumeDraw, VolumeList, VolumePlace,
+    BottomCaps, DeviceError, FaceSet, Feature, FillInput, GeometryBytes, Holding, IndexLists,
+    MemoryUse, PositionFormat, RegionVolumes, Switches, VolumeBackend, VolumeDraw, VolumeList,
+    VolumePlace,
 };
 use terrafill_gpu::{Gpu, VolumeFill, VolumePass, Volumes};
 use terrafill_scene::Overlap;
@@ -30,12 +31,13 @@ struct SceneBuffers {
     vertices: wgpu::Buffer,
     /// Layout `separate`: the flags that all regions share.
     flags: Option<wgpu::Buffer>,
-    short_indices: wgpu::Buffer,
-    long_indices: wgpu::Buffer,
+    /// Indices of 16 and of 32 bits; `None` where no region has such.
+    short_indices: Option<wgpu::Buffer>,
+    long_indices: Option<wgpu::Buffer>,
     /// What `short_indices` holds: a device is written to in words, which two regions may share.
     short: Vec<u16>,
     /// Layout `pulled`: the vertices with the short and with the long indices.
-    pulled: Option<[wgpu::BindGroup; 2]>,
+    pulled: Option<[Option<wgpu::BindGroup>; 2]>,
     /// What is handed over anew in every frame, if it is.
     streamed: Option<Streamed>,
     bytes: GeometryBytes,
@@ -80,19 +82,26 @@ impl RegionVolumes for VertexVolumes {
         Ok(f32::from(self.variant.opacity_percent) / 100.0)
     }
 
-    fn memory(&self) -> MemoryUse {
-        let held = self.scene.as_ref().map(|scene| MemoryUse {
-            // Vertices, and indices of both widths.
-            buffers: 3 + u64::from(scene.flags.is_some()),
-            ..scene.bytes.into()
-        });
-        held.unwrap_or_default()
+    fn holdings(&self) -> Vec<Holding> {
+        let scene = self.scene.iter();
+        let geometry = scene.flat_map(|scene| scene.holdings(self.variant.layout));
+        geometry.chain(self.pipelines.holdings()).collect()
     }
 
-    fn upload(&mut self, fill: &VolumeFill, input: &FillInput) -> Result<(), DeviceError> {
+    fn stores_bottom_caps(&self) -> bool {
+        self.variant.layout.is_doubled()
+    }
+
+    fn upload(
+        &mut self,
+        fill: &VolumeFill,
+        input: &FillInput,
+        bottoms: &BottomCaps,
+    ) -> Result<(), DeviceError> {
         let gpu = fill.gpu();
         let layout = self.variant.layout;
-        let geometry = SceneGeometry::build(&self.variant, &input.scene.meshes);
+        let has_bottom = |mesh| bottoms.has(mesh);
+        let geometry = SceneGeometry::build(&self.variant, &input.scene.meshes, has_bottom);
         let bytes = geometry.bytes();
         let (vertex_usage, index_usage) = match layout {
             Layout::Pulled => (wgpu::BufferUsages::STORAGE, wgpu::BufferUsages::STORAGE),
@@ -112,13 +121,18 @@ impl RegionVolumes for VertexVolumes {
             )?),
             _ => None,
         };
+        let indices = |label: &str, bytes: &[u8]| {
+            let held = (!bytes.is_empty()).then(|| gpu.upload(label, bytes, index_usage));
+            held.transpose()
+        };
         let short = bytemuck::cast_slice(&geometry.indices.short);
-        let short_indices = upload("16-bit indices", short, index_usage)?;
+        let short_indices = indices("16-bit indices", short)?;
         let long = bytemuck::cast_slice(&geometry.indices.long);
-        let long_indices = upload("32-bit indices", long, index_usage)?;
-        let bind = |indices: &wgpu::Buffer| {
+        let long_indices = indices("32-bit indices", long)?;
+        let bind = |indices: &Option<wgpu::Buffer>| {
             let layout = &self.pipelines.geometry_layout;
-            gpu.bind_buffers("pulled geometry", layout, &[&vertices, indices])
+            let bind = |indices| gpu.bind_buffers("pulled geometry", layout, &[&vertices, indices]);
+            indices.as_ref().map(bind)
         };
         let pulled =
             (layout == Layout::Pulled).then(|| [bind(&short_indices), bind(&long_indices)]);
@@ -153,7 +167,8 @@ impl RegionVolumes for VertexVolumes {
         let mut rewritten = Vec::with_capacity(changed.len());
         for &mesh in changed {
             let mesh_alone = std::slice::from_ref(&input.scene.meshes[mesh]);
-            let geometry = SceneGeometry::build(&self.variant, mesh_alone);
+            let has_bottom = scene.regions[mesh].has_bottom;
+            let geometry = SceneGeometry::build(&self.variant, mesh_alone, |_| has_bottom);
             let Some(slice) = scene.regions[mesh].replaced_by(&geometry.regions[0]) else {
                 return Ok(false);
             };
@@ -172,7 +187,50 @@ impl RegionVolumes for VertexVolumes {
     }
 }
 
+/// Writes into a buffer that is there wherever something is to be written.
+fn write(gpu: &Gpu, buffer: Option<&wgpu::Buffer>, first_byte: u64, bytes: &[u8]) {
+    if let Some(buffer) = buffer {
+        gpu.write_buffer(buffer, first_byte, bytes);
+    }
+}
+
 impl SceneBuffers {
+    /// Bytes of its buffers by what they are for; what all regions' indices share is the top caps'.
+    fn holdings(&self, layout: Layout) -> [Holding; 4] {
+        let vertices = [Some(&self.vertices), self.flags.as_ref()];
+        let indices = [self.short_indices.as_ref(), self.long_indices.as_ref()];
+        let of_buffers = |buffers: [Option<&wgpu::Buffer>; 2], written: u64| {
+            let sizes = buffers.iter().flatten().map(|buffer| buffer.size());
+            MemoryUse {
+                padding_bytes: sizes.sum::<u64>().saturating_sub(written),
+                buffers: buffers.iter().flatten().count() as u64,
+                ..MemoryUse::default()
+            }
+        };
+        let index_bytes = IndexBytes::of(layout, &self.regions);
+        let of_indices = |index_bytes| MemoryUse {
+            index_bytes,
+            ..MemoryUse::default()
+        };
+        let positions = MemoryUse {
+            vertex_bytes: self.bytes.vertex_bytes,
+            ..of_buffers(vertices, self.bytes.vertex_bytes)
+        };
+        let top_caps = MemoryUse {
+            index_bytes: index_bytes.top_caps,
+            ..of_buffers(indices, self.bytes.index_bytes)
+        };
+        [
+            Holding::memory(Feature::Positions, positions),
+            Holding::memory(Feature::TopCaps, top_caps),
+            Holding {
+                spared_bytes: index_bytes.spared,
+                ..Holding::memory(Feature::BottomCaps, of_indices(index_bytes.bottom_caps))
+            },
+            Holding::memory(Feature::Walls, of_indices(index_bytes.walls)),
+        ]
+    }
+
     /// Holds a region's new geometry for the frames to come, where they are handed it.
     fn keep_streamed(&mut self, slice: &RegionSlice, new: &SceneGeometry, words: usize) {
         if let Some(streamed) = &mut self.streamed {
@@ -197,15 +255,12 @@ impl SceneBuffers {
             gpu.write_buffer(&self.vertices, first_byte, bytemuck::cast_slice(vertices));
             if slice.place.has_short_indices {
                 let (first_byte, pairs) = whole_words(&self.short, slice.indices());
-                gpu.write_buffer(
-                    &self.short_indices,
-                    first_byte,
-                    bytemuck::cast_slice(&pairs),
-                );
+                let pairs = bytemuck::cast_slice(&pairs);
+                write(gpu, self.short_indices.as_ref(), first_byte, pairs);
             } else {
                 let first_byte = 4 * slice.indices().start as u64;
                 let long = bytemuck::cast_slice(&streamed.long[slice.indices()]);
-                gpu.write_buffer(&self.long_indices, first_byte, long);
+                write(gpu, self.long_indices.as_ref(), first_byte, long);
             }
         }
     }
@@ -215,14 +270,14 @@ impl SceneBuffers {
         if !indices.long.is_empty() {
             let first_byte = 4 * range.start as u64;
             let long = bytemuck::cast_slice(&indices.long);
-            gpu.write_buffer(&self.long_indices, first_byte, long);
+            write(gpu, self.long_indices.as_ref(), first_byte, long);
         }
         // Where triangles stay as they are, so do their indices.
         if !indices.short.is_empty() && self.short[range.clone()] != indices.short {
             self.short[range.clone()].copy_from_slice(&indices.short);
             let (first_byte, words) = whole_words(&self.short, range);
             let words = bytemuck::cast_slice(&words);
-            gpu.write_buffer(&self.short_indices, first_byte, words);
+            write(gpu, self.short_indices.as_ref(), first_byte, words);
         }
     }
 
@@ -245,13 +300,15 @@ impl SceneBuffers {
 
     fn bind_indices(&self, pass: &mut wgpu::RenderPass<'_>, short_indices: bool) {
         if let Some(pulled) = &self.pulled {
-            pass.set_bind_group(1, &pulled[usize::from(!short_indices)], &[]);
-        } else if short_indices {
-            let indices = self.short_indices.slice(..);
-            pass.set_index_buffer(indices, wgpu::IndexFormat::Uint16);
-        } else {
-            let indices = self.long_indices.slice(..);
-            pass.set_index_buffer(indices, wgpu::IndexFormat::Uint32);
+            pass.set_bind_group(1, pulled[usize::from(!short_indices)].as_ref(), &[]);
+            return;
+        }
+        let (indices, format) = match short_indices {
+            true => (&self.short_indices, wgpu::IndexFormat::Uint16),
+            false => (&self.long_indices, wgpu::IndexFormat::Uint32),
+        };
+        if let Some(indices) = indices {
+            pass.set_index_buffer(indices.slice(..), format);
         }
     }
 }
@@ -344,7 +401,9 @@ impl VertexVolumes {
         draw: &VolumeDraw<'_>,
     ) {
         let slice = scene.slice(pass.list, volume);
-        let caps = if draw.without_bottom { 3 } else { 6 } * slice.place.triangle_count;
+        let with_bottom = !draw.without_bottom && slice.has_bottom;
+        debug_assert!(slice.has_bottom || draw.without_bottom, "no bottom is held");
+        let caps = if with_bottom { 6 } else { 3 } * slice.place.triangle_count;
         if scene.pulled.is_some() {
             let count = match part {
                 Part::Caps => caps,

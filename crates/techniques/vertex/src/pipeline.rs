@@ -3,7 +3,7 @@
 
 use crate::{BOTTOM_PX, Bottom, FLAG_BYTES, Layout, Normals, VertexVariant};
 use std::collections::HashMap;
-use terrafill_fill::{DeviceError, PositionFormat, VolumeState};
+use terrafill_fill::{DeviceError, Feature, Holding, PositionFormat, VolumeState};
 use terrafill_gpu::{Gpu, HandedOn, VolumeFill, VolumeShader};
 
 /// Which part of a volume a pipeline draws. Doubled walls may be strips, and a strip's restart value
@@ -78,6 +78,12 @@ impl Pipelines {
             let pipeline = self.volume_pipeline(gpu, key);
             self.volumes.insert(key, pipeline);
         }
+    }
+
+    /// What they are for.
+    pub(crate) fn holdings(&self) -> impl Iterator<Item = Holding> {
+        let states = self.volumes.keys().map(|key| key.state);
+        Holding::pipelines(states.map(Feature::of_state))
     }
 
     /// A pipeline that [`Pipelines::ensure`] made.

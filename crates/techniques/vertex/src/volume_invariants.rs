@@ -563,7 +563,7 @@ impl Scene {
     }
 
     fn build(&self, variant: &VertexVariant) -> SceneGeometry {
-        SceneGeometry::build(variant, &self.meshes)
+        SceneGeometry::build(variant, &self.meshes, |_| true)
     }
 
     fn check(&self, variant: &VertexVariant) -> Result<Count, String> {

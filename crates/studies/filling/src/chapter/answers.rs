@@ -6,7 +6,7 @@
 //! picture is right and its time was measured.
 
 use super::data::{Data, View, competes, counter, distinct, has_role, is_approximate};
-use super::{fronts, memory, textured};
+use super::{fronts, memory, needs, textured};
 use terrafill_plot::Palette;
 use terrafill_plot::number::{bytes, count, figure, significant, spread};
 use terrafill_results::{
@@ -462,6 +462,7 @@ fn requirements(data: &Data<'_>) -> Vec<Finding> {
     }
     let mut requirements = vec![pictures(data)];
     requirements.extend(memory::requirement(data));
+    requirements.extend(needs::requirement(data));
     requirements.extend(textured::requirements(data));
     requirements
 }

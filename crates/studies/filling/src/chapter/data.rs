@@ -26,8 +26,10 @@ const DEFAULT_SIZE: (u32, u32) = (1024, 1024);
 const LEVELS: &str = "boundary-lod-px";
 
 /// Conditions that say which case it is and not how its technique is set.
-const NO_SWITCHES: [&str; 11] = [
+const NO_SWITCHES: [&str; 13] = [
     "aside",
+    "needs-rung",
+    "needs-step",
     APPROXIMATE,
     "scene",
     "view",
@@ -61,7 +63,7 @@ impl Timed<'_> {
 }
 
 /// Roles of cases that have a chapter of their own and no place in their scene's tables.
-const UNLISTED_ROLES: [&str; 4] = ["ladder", "matrix", "subdivision", "texture"];
+const UNLISTED_ROLES: [&str; 5] = ["ladder", "matrix", "needs", "subdivision", "texture"];
 
 /// The study in a run.
 pub(super) struct Data<'a> {

@@ -16,6 +16,7 @@ mod fronts;
 mod ladder;
 mod matrix;
 mod memory;
+mod needs;
 mod pairs;
 mod published;
 mod rivals;
@@ -71,6 +72,7 @@ impl Chapter for FillingChapter {
         blocks.extend(pairs::blocks(&data));
         blocks.extend(matrix::blocks(&data));
         blocks.extend(memory::blocks(&data)?);
+        blocks.extend(needs::blocks(&data)?);
         blocks.extend(exponent::blocks(&data));
         blocks.extend(subdivision::blocks(&data)?);
         blocks.extend(textured::blocks(&data));

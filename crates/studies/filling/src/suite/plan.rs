@@ -267,6 +267,7 @@ impl SuiteGroup {
                 shown: ShownPicture::Scene,
                 purposes: vec![Purpose::Suite],
                 place: None,
+                needs_place: None,
                 regions: None,
                 frames: FRAMES,
             });

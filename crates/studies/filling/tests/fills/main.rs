@@ -11,6 +11,7 @@ mod extreme_views;
 mod far_level;
 mod level_of_detail;
 mod native_against_reference;
+mod needs;
 mod over_a_spiral;
 mod over_terrain;
 mod overlaps;

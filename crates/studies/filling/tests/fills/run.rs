@@ -144,13 +144,13 @@ fn a_small_run_is_right_and_resumes_without_measuring_twice() {
     let whole = measured(place.path(), &wanted);
     let own = |case: &&Case| !case.is_twin();
     let counted = whole.cases.iter().filter(own);
-    // Three views of two baselines and seven techniques, two textured fills from above, and the
-    // bytes of seven layouts for twelve numbers of regions.
-    assert_eq!(counted.count(), 3 * 9 + 2 + 7 * 12);
+    // Three views of two baselines, seven techniques and what the view needs, two textured fills from above,
+    // and the bytes of seven layouts for twelve numbers of regions.
+    assert_eq!(counted.count(), 3 * 10 + 2 + 7 * 12);
     for case in &whole.cases {
         assert_eq!(case.outcome, Outcome::Ok, "{}: {}", case.id(), case.reason);
-        let is_memory = case.condition("role") == "memory";
-        let samples = if is_memory { 0 } else { 2 };
+        let is_untimed = ["memory", "needs"].contains(&case.condition("role"));
+        let samples = if is_untimed { 0 } else { 2 };
         assert_eq!(case.timed_samples(0).len(), samples, "{}", case.id());
     }
     // The surface is timed on every interface, where the device has a clock.
@@ -549,7 +549,7 @@ fn every_switch_is_a_column_and_tells_cases_apart_without_their_variant() {
     }
     assert!(checked > 500, "{checked}");
     // A rung's number and name are no switches.
-    let ignored = ["variant", "rung", "step"];
+    let ignored = ["variant", "rung", "step", "needs-rung", "needs-step"];
     assert_eq!(confused(&cases, &ignored), [""; 0]);
     // Twin: without a switch's column two cases are one.
     for switch in ["depth-rule", "walls", "positions", "horizon-culling"] {

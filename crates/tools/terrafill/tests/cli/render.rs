@@ -552,7 +552,7 @@ fn switches_of_another_backend_are_refused_with_the_backends_own() {
         let ends = "faces=two-sided|two-pass, first-pass=stencil|colour|program|program-colour, normalize=needed|superfluous, \
             position=eye-region|eye-ecef|inverse-ecef, scissor=covers|volumes, \
             stencil-clear=at-start|by-colour, texture=plain|chosen|floor|a route such as gnomonic-3, \
-            vertices=stored|bent, \
+            texture-code=needed|loaded, vertices=stored|bent, \
             boundary-lod-px=PIXELS|off, far-level-px=PIXELS|off, frustum-culling=on|off, horizon-culling=on|off, \
             too-small-culling=on|off, wall-heights=region|global, boundary-tolerance-m=METRES";
         desk.run(&[&SCENE[..], &more].concat()).refused(&[&[ends]]);

@@ -1,0 +1,710 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What one view of one scene holds under one variant, and what it leaves out, each with its reason.
+//!
+//! Bytes and pipelines are those that the backend's parts hold ([`Holding`]); nothing here assumes them. So
+//! their sums can be held against what the device was asked to make ([`Needs::undeclared`]).
+
+use crate::uses::{Uses, length};
+use crate::{
+    BottomCaps, DepthRule, DepthRuleChoice, FillInput, MemoryUse, NUMBER_BYTES, Switches,
+    VolumeState, WorkDone,
+};
+use terrafill_scene::{LeftOutReason, Overlap, TextureShare};
+
+/// Bytes of a pixel of depth and stencil: 32 bits and 8.
+pub const DEPTH_STENCIL_BYTES: u64 = 5;
+/// Bytes of a pixel of the colour target.
+pub const COLOUR_BYTES: u64 = 4;
+/// Bits of a pixel's stencil.
+const STENCIL_BITS: u32 = 8;
+
+/// Something that a fill may hold or do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Feature {
+    /// Positions and flags of the volumes' vertices.
+    Positions,
+    /// Triangles of the volumes' tops.
+    TopCaps,
+    /// Triangles of their bottoms, stored.
+    BottomCaps,
+    /// Triangles or edges of their walls.
+    Walls,
+    /// What shaders read of each region.
+    RegionConstants,
+    /// What a device reads to make volumes and to decide what is drawn.
+    Expansion,
+    /// Pipelines that count fragments behind the surface.
+    CountBehind,
+    /// Pipelines that count fragments in front of it.
+    CountBefore,
+    /// Bits of the stencil that are written.
+    StencilBits,
+    /// What brings the plain colours.
+    Covers,
+    /// Top caps and walls in place of low volumes.
+    FlatMeshes,
+    /// A target that regions' numbers add up in.
+    NumberTarget,
+    /// A target for colours of the first pass.
+    FirstPassColours,
+    /// Later regions cover earlier ones.
+    Order,
+    /// Draws are cut to regions' rectangles.
+    Rectangles,
+    /// Fragments outside the surface's depth are dropped.
+    DepthBounds,
+    /// The scene's picture with its levels.
+    Picture,
+    /// Pipelines of textured covers.
+    TextureCode,
+    /// What textured covers read of each region.
+    TextureConstants,
+    /// Depth that shaders read.
+    ReadableDepth,
+    /// A copy of the surface's depth.
+    DepthCopy,
+    /// Pipelines that only measuring needs.
+    Measuring,
+    /// A test of each volume against the near plane.
+    NearPlaneTest,
+    /// Regions outside the view frustum are left out.
+    FrustumCulling,
+    /// Regions that the body hides are left out.
+    HorizonCulling,
+    /// Regions that no pixel's centre can show are left out.
+    TooSmallCulling,
+    /// Coarser boundaries.
+    BoundaryLevels,
+}
+
+impl Feature {
+    /// Every feature, with its name in `notes.csv`.
+    pub const ALL: [(Self, &'static str); 27] = [
+        (Self::Positions, "need_positions"),
+        (Self::TopCaps, "need_top_caps"),
+        (Self::BottomCaps, "need_bottom_caps"),
+        (Self::Walls, "need_walls"),
+        (Self::RegionConstants, "need_region_constants"),
+        (Self::Expansion, "need_expansion"),
+        (Self::CountBehind, "need_count_behind"),
+        (Self::CountBefore, "need_count_before"),
+        (Self::StencilBits, "need_stencil_bits"),
+        (Self::Covers, "need_covers"),
+        (Self::FlatMeshes, "need_flat_meshes"),
+        (Self::NumberTarget, "need_number_target"),
+        (Self::FirstPassColours, "need_first_pass_colours"),
+        (Self::Order, "need_order"),
+        (Self::Rectangles, "need_rectangles"),
+        (Self::DepthBounds, "need_depth_bounds"),
+        (Self::Picture, "need_picture"),
+        (Self::TextureCode, "need_texture_code"),
+        (Self::TextureConstants, "need_texture_constants"),
+        (Self::ReadableDepth, "need_readable_depth"),
+        (Self::DepthCopy, "need_depth_copy"),
+        (Self::Measuring, "need_measuring"),
+        (Self::NearPlaneTest, "need_near_plane_test"),
+        (Self::FrustumCulling, "need_frustum_culling"),
+        (Self::HorizonCulling, "need_horizon_culling"),
+        (Self::TooSmallCulling, "need_too_small_culling"),
+        (Self::BoundaryLevels, "need_boundary_levels"),
+    ];
+
+    /// Its name in `notes.csv`.
+    #[must_use]
+    pub fn note(self) -> &'static str {
+        let named = Self::ALL.iter().find(|(feature, _)| *feature == self);
+        named.map_or("", |(_, note)| note)
+    }
+
+    /// What pipelines of this state are for.
+    #[must_use]
+    pub fn of_state(state: VolumeState) -> Self {
+        let counts = |depth| match depth {
+            DepthRule::Fail => Self::CountBehind,
+            DepthRule::Pass => Self::CountBefore,
+        };
+        match state {
+            VolumeState::Mark { rule, .. } => counts(rule.depth),
+            VolumeState::Accumulate { depth, .. } => counts(depth),
+            VolumeState::Colour {
+                is_before_surface: true,
+                ..
+            } => Self::FlatMeshes,
+            VolumeState::Colour { .. } => Self::Covers,
+            VolumeState::Count { .. } => Self::Measuring,
+        }
+    }
+}
+
+/// What one part of a backend holds for one feature.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Holding {
+    /// What for.
+    pub feature: Feature,
+    /// Buffers and textures.
+    pub memory: MemoryUse,
+    /// Pipelines.
+    pub pipelines: u64,
+    /// Bytes that the feature would take beside these.
+    pub spared_bytes: u64,
+}
+
+impl Holding {
+    /// Nothing yet.
+    #[must_use]
+    pub fn of(feature: Feature) -> Self {
+        Self {
+            feature,
+            memory: MemoryUse::default(),
+            pipelines: 0,
+            spared_bytes: 0,
+        }
+    }
+
+    /// Buffers and textures.
+    #[must_use]
+    pub fn memory(feature: Feature, memory: MemoryUse) -> Self {
+        Self {
+            memory,
+            ..Self::of(feature)
+        }
+    }
+
+    /// A target that is drawn or copied into.
+    #[must_use]
+    pub fn target(feature: Feature, target_bytes: u64) -> Self {
+        let memory = MemoryUse {
+            target_bytes,
+            ..MemoryUse::default()
+        };
+        Self::memory(feature, memory)
+    }
+
+    /// A pipeline each; those of one feature are added up.
+    pub fn pipelines(features: impl IntoIterator<Item = Feature>) -> impl Iterator<Item = Self> {
+        let one = |feature| Self {
+            pipelines: 1,
+            ..Self::of(feature)
+        };
+        features.into_iter().map(one)
+    }
+}
+
+/// One feature of one view.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Need {
+    /// Which.
+    pub feature: Feature,
+    /// It is built in.
+    pub is_held: bool,
+    /// Bytes of its buffers and textures.
+    pub bytes: u64,
+    /// Bytes that it would take beside these.
+    pub spared_bytes: u64,
+    /// Pipelines made for it.
+    pub pipelines: u64,
+    /// Why, with the value that decided it.
+    pub reason: String,
+}
+
+impl Need {
+    /// As one line of text: the inverse of [`Need::read`].
+    #[must_use]
+    pub fn line(&self) -> String {
+        format!(
+            "{}; bytes {}; spared bytes {}; pipelines {}; {}",
+            if self.is_held { "held" } else { "left out" },
+            self.bytes,
+            self.spared_bytes,
+            self.pipelines,
+            self.reason
+        )
+    }
+
+    /// What a line says of `feature`; `None` of any other text.
+    #[must_use]
+    pub fn read(feature: Feature, line: &str) -> Option<Self> {
+        let mut parts = line.splitn(5, "; ");
+        let is_held = match parts.next()? {
+            "held" => true,
+            "left out" => false,
+            _ => return None,
+        };
+        let mut number = |name: &str| {
+            let value = parts.next()?.strip_prefix(name)?.strip_prefix(' ')?;
+            value.parse::<u64>().ok()
+        };
+        Some(Self {
+            feature,
+            is_held,
+            bytes: number("bytes")?,
+            spared_bytes: number("spared bytes")?,
+            pipelines: number("pipelines")?,
+            reason: parts.next()?.to_owned(),
+        })
+    }
+}
+
+/// Everything that a view holds and leaves out.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Needs {
+    /// In the order of [`Feature::ALL`].
+    pub list: Vec<Need>,
+    /// What the device was asked to make since the backend was opened. Of a backend that was prepared
+    /// once, all of that is held.
+    pub made: WorkDone,
+}
+
+impl Needs {
+    /// What of `input` a backend holds.
+    ///
+    /// - `bottoms`: of which meshes bottom caps are held
+    /// - `holdings`: of all parts of the backend
+    pub(crate) fn new(
+        input: &FillInput,
+        switches: &Switches,
+        uses: &Uses,
+        bottoms: &BottomCaps,
+        (holdings, made): (&[Holding], WorkDone),
+    ) -> Self {
+        let told = Told {
+            input,
+            switches,
+            uses,
+            bottoms,
+        };
+        let need = |&(feature, _): &(Feature, &str)| {
+            let own = holdings.iter().filter(|held| held.feature == feature);
+            let mut need = Need {
+                feature,
+                is_held: false,
+                bytes: 0,
+                spared_bytes: 0,
+                pipelines: 0,
+                reason: String::new(),
+            };
+            for held in own {
+                need.bytes += held.memory.held_bytes();
+                need.pipelines += held.pipelines;
+                need.spared_bytes += held.spared_bytes;
+            }
+            told.tell(need)
+        };
+        Self {
+            list: Feature::ALL.iter().map(need).collect(),
+            made,
+        }
+    }
+
+    /// What is said of a feature.
+    #[must_use]
+    pub fn of(&self, feature: Feature) -> Option<&Need> {
+        self.list.iter().find(|need| need.feature == feature)
+    }
+
+    /// Bytes of all buffers and textures that are held.
+    #[must_use]
+    pub fn held_bytes(&self) -> u64 {
+        self.list.iter().map(|need| need.bytes).sum()
+    }
+
+    /// Pipelines that are held.
+    #[must_use]
+    pub fn pipelines(&self) -> u64 {
+        self.list.iter().map(|need| need.pipelines).sum()
+    }
+
+    /// What the device made for a backend that was prepared once, and no feature accounts for; `None` where
+    /// the sums agree.
+    #[must_use]
+    pub fn undeclared(&self) -> Option<String> {
+        let sums = [
+            ("bytes", self.held_bytes(), self.made.made_bytes),
+            ("pipelines", self.pipelines(), self.made.pipeline_creations),
+        ];
+        let differing = sums.iter().filter(|(_, held, made)| held != made);
+        let told: Vec<String> = differing
+            .map(|(what, held, made)| format!("{held} {what} are declared, {made} were made"))
+            .collect();
+        (!told.is_empty()).then(|| told.join("; "))
+    }
+}
+
+/// What reasons are made from.
+struct Told<'a> {
+    input: &'a FillInput,
+    switches: &'a Switches,
+    uses: &'a Uses,
+    bottoms: &'a BottomCaps,
+}
+
+impl Told<'_> {
+    /// Completes a feature whose bytes and pipelines are known.
+    fn tell(&self, mut need: Need) -> Need {
+        let exists = need.bytes > 0 || need.pipelines > 0;
+        let (is_used, reason) = self.used(&need, exists);
+        need.is_held = exists || is_used;
+        need.reason = match (exists, is_used) {
+            (true, false) => format!("{reason}; what is held was made for another view"),
+            _ => reason,
+        };
+        if !need.is_held && need.spared_bytes == 0 {
+            need.spared_bytes = self.spared_bytes(need.feature);
+        }
+        need
+    }
+
+    /// Whether the view uses a feature, and why or why not.
+    fn used(&self, need: &Need, exists: bool) -> (bool, String) {
+        let feature = need.feature;
+        let (uses, switches) = (self.uses, self.switches);
+        let regions = self.input.scene.meshes.len();
+        let drawn = uses.volumes;
+        let of_scene = format!("of all {regions} meshes of the scene; the view draws {drawn}");
+        match feature {
+            Feature::Positions | Feature::TopCaps | Feature::Walls => (drawn > 0, of_scene),
+            Feature::BottomCaps => self.bottom_caps(need),
+            Feature::RegionConstants => (true, format!("of the {drawn} regions drawn")),
+            Feature::Expansion => {
+                let told = match exists {
+                    true => "volumes are made on the device from these",
+                    false => "volumes are stored, none is made on the device",
+                };
+                (exists, told.to_owned())
+            }
+            Feature::CountBehind => (uses.behind > 0, self.count_behind()),
+            Feature::CountBefore => (uses.before > 0, self.count_before()),
+            Feature::StencilBits => self.stencil_bits(),
+            Feature::Covers => (
+                uses.covers > 0,
+                match uses.covers {
+                    0 => "nothing is coloured plainly".to_owned(),
+                    some => format!("colour={}: {some} covers", switches.colour.name()),
+                },
+            ),
+            Feature::FlatMeshes => (
+                uses.flat > 0,
+                match self.input.plan.options.far_level_px {
+                    None => "far-level-px=off".to_owned(),
+                    Some(px) => format!("{} of {drawn} volumes are lower than {px} px", uses.flat),
+                },
+            ),
+            Feature::NumberTarget => by_switch(uses.accumulates, "colour", switches.colour.name()),
+            Feature::FirstPassColours => by_switch(
+                switches.first_pass.writes_colour(),
+                "first-pass",
+                switches.first_pass.name(),
+            ),
+            Feature::Order => {
+                let overlap = match self.input.scene.overlap {
+                    Overlap::Disjoint => "disjoint",
+                    Overlap::Ordered => "ordered",
+                };
+                let way = switches.colour;
+                let reason = format!("colour={}; the scene says overlap={overlap}", way.name());
+                (way.keeps_order(), reason)
+            }
+            Feature::Rectangles => self.rectangles(),
+            Feature::DepthBounds => {
+                let is_on = switches.depth_bounds;
+                by_switch(is_on, "depth-bounds", if is_on { "on" } else { "off" })
+            }
+            Feature::Picture | Feature::TextureCode | Feature::TextureConstants => self.texture(),
+            Feature::ReadableDepth => (
+                switches.texture.is_some(),
+                match switches.texture {
+                    Some(_) => {
+                        "textured covers read the depth that the surface left, where it lies"
+                    }
+                    None => "no shader of a plain fill reads depth",
+                }
+                .to_owned(),
+            ),
+            Feature::DepthCopy => match switches.copies_depth {
+                true => (true, "depth-copy=made: nothing reads it".to_owned()),
+                false if switches.texture.is_some() => (
+                    false,
+                    "depth is read where it lies, by a pass that writes neither depth nor stencil"
+                        .to_owned(),
+                ),
+                false => (false, "nothing reads depth".to_owned()),
+            },
+            Feature::Measuring => {
+                let told = match exists {
+                    true => "fragments were counted or texels probed",
+                    false => "neither fragments were counted nor texels probed",
+                };
+                (exists, told.to_owned())
+            }
+            Feature::NearPlaneTest => self.near_plane_test(),
+            Feature::FrustumCulling
+            | Feature::HorizonCulling
+            | Feature::TooSmallCulling
+            | Feature::BoundaryLevels => self.planned(feature),
+        }
+    }
+
+    fn bottom_caps(&self, need: &Need) -> (bool, String) {
+        let uses = self.uses;
+        let is_drawn = uses.bottoms > 0;
+        let drawn = uses.volumes;
+        let reason = match (self.bottoms, is_drawn) {
+            (BottomCaps::All, _) => format!(
+                "bottom-cap={} with depth-rule={}: of all meshes, whatever the view; {} of {drawn} volumes \
+                 are drawn with theirs",
+                self.switches.setting("bottom-cap"),
+                self.switches.setting("depth-rule"),
+                uses.bottoms
+            ),
+            (BottomCaps::Of(_), true) => format!(
+                "{} of {drawn} volumes count behind the surface, where bottoms lie",
+                uses.bottoms
+            ),
+            (BottomCaps::Of(_), false) => {
+                format!("no volume is drawn with its bottom: {}", self.near_plane())
+            }
+        };
+        let is_held = is_drawn || *self.bottoms == BottomCaps::All;
+        let reason = match is_held && need.bytes == 0 {
+            true => format!("{reason}; they are made of the tops' triangles and take no bytes"),
+            false => reason,
+        };
+        (is_held, reason)
+    }
+
+    fn count_behind(&self) -> String {
+        match self.switches.depth_rule {
+            DepthRuleChoice::Fail => "depth-rule=zfail, whatever the view".to_owned(),
+            DepthRuleChoice::Pass => "depth-rule=zpass, whatever the view".to_owned(),
+            DepthRuleChoice::Automatic => self.near_plane(),
+        }
+    }
+
+    fn count_before(&self) -> String {
+        match self.switches.depth_rule {
+            DepthRuleChoice::Automatic => format!(
+                "{} of {} volumes: {}",
+                self.uses.before,
+                self.uses.volumes,
+                self.near_plane()
+            ),
+            _ => self.count_behind(),
+        }
+    }
+
+    /// Where the near plane is.
+    fn near_plane(&self) -> String {
+        let met = self.uses.met_by_near_plane;
+        let (volumes, nearest) = (self.uses.volumes, self.uses.nearest_m);
+        let met = match met {
+            0 => "none".to_owned(),
+            some => some.to_string(),
+        };
+        let eye = match nearest {
+            None => "nothing is in view".to_owned(),
+            Some(nearest_m) if nearest_m > 0.0 => {
+                format!(
+                    "the eye is {} from the nearest one's box",
+                    length(nearest_m)
+                )
+            }
+            Some(_) => "the eye is inside one's box".to_owned(),
+        };
+        format!("the near plane meets {met} of {volumes} volumes, {eye}")
+    }
+
+    fn stencil_bits(&self) -> (bool, String) {
+        let uses = self.uses;
+        let bits = uses.stencil_bits.count_ones();
+        let why = match (bits, uses.counts_in_stencil) {
+            (0, _) => "no step writes the stencil".to_owned(),
+            (_, true) => "volumes are counted modulo 256".to_owned(),
+            (_, false) => format!("numbers up to {}", uses.stencil_bits),
+        };
+        (
+            bits > 0,
+            format!("{bits} of the {STENCIL_BITS} bits that the shared target has: {why}"),
+        )
+    }
+
+    fn rectangles(&self) -> (bool, String) {
+        let uses = self.uses;
+        let reason = format!(
+            "{} covers and {} volumes are cut to their region's rectangle",
+            uses.cut_covers, uses.cut_volumes
+        );
+        (uses.cut_covers + uses.cut_volumes > 0, reason)
+    }
+
+    fn texture(&self) -> (bool, String) {
+        let switches = self.switches;
+        let reason = match (&self.input.scene.texture, switches.texture) {
+            (None, _) => "a plain fill of a scene without a picture".to_owned(),
+            (Some(_), None) if switches.loads_texture => {
+                "texture-code=loaded: nothing draws with it".to_owned()
+            }
+            (Some(_), None) => "texture=plain: the scene's picture is not shown".to_owned(),
+            (Some(_), Some(route)) => format!(
+                "texture={} over {} regions",
+                route.name(),
+                self.uses.volumes
+            ),
+        };
+        let is_used = switches.texture.is_some() || switches.loads_texture;
+        (is_used && self.uses.volumes > 0, reason)
+    }
+
+    fn near_plane_test(&self) -> (bool, String) {
+        match self.switches.depth_rule {
+            DepthRuleChoice::Automatic => (true, self.near_plane()),
+            _ if self.switches.cover_culls_faces => (true, self.near_plane()),
+            _ => (
+                false,
+                format!(
+                    "depth-rule={} is the same for all volumes",
+                    self.switches.setting("depth-rule")
+                ),
+            ),
+        }
+    }
+
+    fn planned(&self, feature: Feature) -> (bool, String) {
+        let plan = &self.input.plan;
+        let options = plan.options;
+        let (is_on, switch, why) = match feature {
+            Feature::FrustumCulling => (
+                options.frustum_culling,
+                "frustum-culling",
+                LeftOutReason::OutsideFrustum,
+            ),
+            Feature::HorizonCulling => (
+                options.horizon_culling,
+                "horizon-culling",
+                LeftOutReason::BeyondHorizon,
+            ),
+            Feature::TooSmallCulling => (
+                options.too_small_culling,
+                "too-small-culling",
+                LeftOutReason::TooSmall,
+            ),
+            _ => return self.boundary_levels(),
+        };
+        if !is_on {
+            return (false, format!("{switch}=off"));
+        }
+        let left_out = plan.left_out.iter().filter(|region| region.reason == why);
+        let all = plan.left_out.len() + plan.regions.len();
+        let reason = format!("{} of {all} regions are {}", left_out.count(), why.name());
+        (true, reason)
+    }
+
+    fn boundary_levels(&self) -> (bool, String) {
+        let Some(px) = self.input.plan.options.boundary_lod_px else {
+            return (false, "boundary-lod-px=off".to_owned());
+        };
+        let (left_out, all) = self.input.plan.boundary_left_out(&self.input.scene.meshes);
+        (
+            true,
+            format!("{left_out} of {all} boundary vertices move it by less than {px} px"),
+        )
+    }
+
+    /// Bytes that something would take that is not there at all.
+    fn spared_bytes(&self, feature: Feature) -> u64 {
+        let pixels = self.input.size.pixel_count() as u64;
+        match feature {
+            Feature::NumberTarget => NUMBER_BYTES * pixels,
+            Feature::FirstPassColours => COLOUR_BYTES * pixels,
+            Feature::DepthCopy => DEPTH_STENCIL_BYTES * pixels,
+            Feature::Picture => {
+                let texture = self.input.scene.texture.as_ref();
+                texture.map_or(0, |texture| {
+                    let copies = match texture.share {
+                        TextureShare::One => 1,
+                        TextureShare::Each => self.input.scene.regions.len() as u64,
+                    };
+                    copies * texture.image.bytes()
+                })
+            }
+            _ => 0,
+        }
+    }
+}
+
+/// Whether a switch asks for something, and its value.
+fn by_switch(is_on: bool, switch: &str, value: &str) -> (bool, String) {
+    (is_on, format!("{switch}={value}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn need(feature: Feature, bytes: u64, pipelines: u64) -> Need {
+        Need {
+            feature,
+            is_held: bytes + pipelines > 0,
+            bytes,
+            spared_bytes: 7,
+            pipelines,
+            reason: "because of this; and of that".to_owned(),
+        }
+    }
+
+    #[test]
+    fn a_line_says_it_all() {
+        for found in [need(Feature::Walls, 12, 0), need(Feature::Picture, 0, 0)] {
+            let line = found.line();
+            assert_eq!(Need::read(found.feature, &line), Some(found), "{line}");
+        }
+        for wrong in [
+            "",
+            "held",
+            "here; bytes 1; spared bytes 0; pipelines 0; why",
+            "held; bytes x; spared bytes 0; pipelines 0; why",
+            "held; spared bytes 0; bytes 1; pipelines 0; why",
+        ] {
+            assert_eq!(Need::read(Feature::Walls, wrong), None, "{wrong}");
+        }
+    }
+
+    #[test]
+    fn every_feature_has_a_name_of_its_own() {
+        let names: std::collections::BTreeSet<_> = Feature::ALL
+            .iter()
+            .map(|(feature, _)| feature.note())
+            .collect();
+        assert_eq!(names.len(), Feature::ALL.len());
+        assert!(names.iter().all(|name| name.starts_with("need_")));
+        let mut sorted = Feature::ALL.map(|(feature, _)| feature);
+        sorted.sort_unstable();
+        assert_eq!(sorted, Feature::ALL.map(|(feature, _)| feature));
+    }
+
+    #[test]
+    fn what_is_held_and_not_declared_is_noticed() {
+        let made = WorkDone {
+            made_bytes: 30,
+            pipeline_creations: 3,
+            ..WorkDone::default()
+        };
+        let honest = Needs {
+            list: vec![need(Feature::Walls, 20, 1), need(Feature::TopCaps, 10, 2)],
+            made,
+        };
+        assert_eq!(honest.undeclared(), None);
+        assert_eq!((honest.held_bytes(), honest.pipelines()), (30, 3));
+        // Twins: a buffer, or a pipeline, that no feature accounts for.
+        let mut forged = honest.clone();
+        forged.list[1].bytes = 0;
+        let said = forged.undeclared().expect("10 bytes are missing");
+        assert_eq!(said, "20 bytes are declared, 30 were made");
+        let mut forged = honest;
+        forged.list.pop();
+        let said = forged.undeclared().expect("both are missing");
+        assert!(
+            said.contains("1 pipelines are declared, 3 were made"),
+            "{said}"
+        );
+    }
+}

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What the stencil program of a view does, counted: what reasons for what it holds are made from.
+
+use crate::textured::distances_m;
+use crate::{
+    CoverShape, DepthRule, FaceEffect, FillCommand, FillInput, FillProgram, Switches, VolumeList,
+};
+use std::collections::BTreeSet;
+
+/// Counts over a program.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Uses {
+    /// In view.
+    pub(crate) volumes: usize,
+    /// Those whose volumes the near plane may meet.
+    pub(crate) met_by_near_plane: usize,
+    /// From the eye to the nearest one's box, metres; 0 inside, `None` without any.
+    pub(crate) nearest_m: Option<f64>,
+    /// Volumes marked behind the surface, and in front of it.
+    pub(crate) behind: usize,
+    pub(crate) before: usize,
+    /// Volumes drawn with their bottoms.
+    pub(crate) bottoms: usize,
+    /// Plain covers, by triangles over the screen or by volumes.
+    pub(crate) covers: usize,
+    /// Low volumes.
+    pub(crate) flat: usize,
+    /// Bits of the stencil that are written.
+    pub(crate) stencil_bits: u8,
+    /// Volumes are counted in it.
+    pub(crate) counts_in_stencil: bool,
+    /// Numbers add up in a target.
+    pub(crate) accumulates: bool,
+    /// Covers and volumes that are cut to their region's rectangle.
+    pub(crate) cut_covers: usize,
+    pub(crate) cut_volumes: usize,
+}
+
+impl Uses {
+    pub(crate) fn new(
+        input: &FillInput,
+        list: &VolumeList,
+        program: &FillProgram,
+        switches: &Switches,
+    ) -> Self {
+        let met = list.volumes.iter();
+        let nearest = input.plan.regions.iter().filter_map(|planned| {
+            let bounds = input.scene.bounds.get(planned.mesh)?;
+            Some(distances_m(&bounds.bounds, input.camera.eye_ecef).0)
+        });
+        let mut uses = Self {
+            volumes: list.volumes.len(),
+            met_by_near_plane: met.filter(|volume| volume.near_plane_meets_volume).count(),
+            nearest_m: nearest.reduce(f64::min),
+            accumulates: program.accumulates(),
+            ..Self::default()
+        };
+        // Two commands mark a volume where its faces do so apart.
+        let none = || BTreeSet::<usize>::new();
+        let [mut behind, mut before, mut bottoms, mut cut] = [none(), none(), none(), none()];
+        let mut mark =
+            |depth: DepthRule, without_bottom: bool, scissor: bool, volumes: &[usize]| {
+                match depth {
+                    DepthRule::Fail => behind.extend(volumes),
+                    DepthRule::Pass => before.extend(volumes),
+                }
+                if !without_bottom {
+                    bottoms.extend(volumes);
+                }
+                if scissor {
+                    cut.extend(volumes);
+                }
+            };
+        for command in program.commands() {
+            match command {
+                FillCommand::Volumes {
+                    rule,
+                    without_bottom,
+                    scissor,
+                    volumes,
+                } => {
+                    mark(rule.depth, *without_bottom, *scissor, volumes);
+                    let (front, _, mask) = rule.effects();
+                    uses.stencil_bits |= mask;
+                    uses.counts_in_stencil |= front != FaceEffect::Invert;
+                }
+                FillCommand::Accumulate {
+                    depth,
+                    without_bottom,
+                    scissor,
+                    volumes,
+                    ..
+                } => mark(*depth, *without_bottom, *scissor, volumes),
+                FillCommand::Cover { shape, volumes, .. } => match shape {
+                    CoverShape::Flat => uses.flat += volumes.len(),
+                    // Of textured ones, other features speak.
+                    CoverShape::Rectangle => {
+                        uses.cut_covers += volumes.len();
+                        uses.add_covers(volumes.len(), switches);
+                    }
+                    CoverShape::Screen | CoverShape::Volume { .. } => {
+                        uses.add_covers(volumes.len(), switches);
+                    }
+                },
+                FillCommand::Resolve => uses.covers += 1,
+            }
+        }
+        uses.behind = behind.len();
+        uses.before = before.len();
+        uses.bottoms = bottoms.len();
+        uses.cut_volumes = cut.len();
+        uses
+    }
+
+    fn add_covers(&mut self, covers: usize, switches: &Switches) {
+        if switches.texture.is_none() {
+            self.covers += covers;
+        }
+    }
+}
+
+/// A length in the unit that it is read in.
+pub(crate) fn length(metres: f64) -> String {
+    if metres < 1e3 {
+        format!("{metres:.1} m")
+    } else if metres < 1e5 {
+        format!("{:.1} km", metres / 1e3)
+    } else {
+        format!("{:.0} km", metres / 1e3)
+    }
+}
