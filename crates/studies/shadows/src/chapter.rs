@@ -15,7 +15,9 @@ use terrafill_results::{
     PictureFigure, Pictures, Plot, Row, Run, Table, process_medians, sample_spread,
 };
 
-const WHAT: &str = "A procedural port: a trestle dock, cranes, ships, containers. The reference sends rays in f64 \
+const PORT: &str = "A procedural port: a trestle dock, cranes, ships, containers, from a bridge 30 m up.";
+const BROUGHT: &str = "A model from a file over the sea, its middle at the origin, seen from four sides, above its top.";
+const WHAT: &str = "The reference sends rays in f64 \
      from each visible point to the sun, and a second test looks from the sun down. A volume's mask is what a \
      stencil would hold: its triangles, counted along the ray of each pixel. Devices draw the same volumes in a \
      section of their own. \
@@ -57,7 +59,8 @@ impl Chapter for ShadowsChapter {
         if own.cases.is_empty() {
             return Ok(Vec::new());
         }
-        let mut blocks = vec![Block::Text(WHAT.to_owned())];
+        let casters = if own.has("model") { BROUGHT } else { PORT };
+        let mut blocks = vec![Block::Text(format!("{casters} {WHAT}"))];
         blocks.extend(own.findings(run.clock()).into_iter().map(Block::Finding));
         for section in SECTIONS.iter().filter(|section| own.has(section.question)) {
             blocks.push(Block::section(section.title));

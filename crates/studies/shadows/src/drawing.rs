@@ -193,7 +193,10 @@ impl Scene {
     fn pulled(&self) -> Result<EyeMesh, DrawError> {
         let mesh = self.mesh();
         let edges = EdgeTable::of(mesh).pairs();
-        let edges = edges.ok_or("an edge has not two triangles, one either way")?;
+        let edges = edges.ok_or_else(|| {
+            let needs = "pulled silhouettes: found an edge without two triangles, one either way; allowed: closed meshes";
+            DrawError::Unfit(needs.to_owned())
+        })?;
         let part_of = mesh.part_of_triangles();
         let mut sides: Vec<Vec<[u32; 4]>> = vec![Vec::new(); mesh.parts.len()];
         for ([low, high], [forward, backward]) in edges {
@@ -280,6 +283,9 @@ impl Scene {
 pub(crate) enum DrawError {
     #[error(transparent)]
     Device(#[from] DeviceError),
+    /// What is drawn is not for that way.
+    #[error("{0}")]
+    Unfit(String),
     #[error("{0}")]
     Other(String),
 }

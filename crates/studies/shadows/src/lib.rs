@@ -3,8 +3,9 @@
 //!
 //! After Yang & Jin (IV'06), whose only figure is a frame rate. Rays to the sun, in `f64` on the CPU, are the
 //! reference. A volume's mask is the count of its triangles along the ray of each pixel, as a stencil would
-//! hold it; devices draw the same volumes into a stencil.
+//! hold it; devices draw the same volumes into a stencil. The casters are a procedural port, or a user's model.
 
+mod brought;
 mod chapter;
 mod count;
 mod device;

@@ -2,6 +2,7 @@
 //! Which cases there are.
 
 use crate::STUDY;
+use crate::brought::Brought;
 use crate::count::Rule;
 use crate::device::Interface;
 use crate::drawing::{DeviceWay, Positions, Silhouettes};
@@ -61,8 +62,20 @@ const MESHES: [&str; 8] = [
     "port-l3",
 ];
 const QUICK_MESHES: usize = 5;
+/// Stands for a user's mesh where meshes are named.
+pub(crate) const BROUGHT: &str = "";
 /// Timed silhouettes, and frames of a device, a process.
 const SAMPLES: u32 = 5;
+
+/// Questions that a user's model is asked, in order.
+const OF_ANY_MODEL: [&str; 6] = [
+    "model",
+    "updates",
+    "scissors",
+    "silhouettes",
+    "devices",
+    "maps",
+];
 
 /// How a silhouette is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -95,6 +108,8 @@ pub(crate) enum Job {
     Casters(Policy),
     Outline(u32, Way),
     Silhouette(&'static str, Method),
+    /// What a user's file holds.
+    Model,
     Device([f64; 2], DeviceWay),
     Origin([f64; 2], DeviceWay),
     Map([f64; 2], f64, Bias),
@@ -156,10 +171,20 @@ pub(crate) fn sun_name([elevation, azimuth]: [f64; 2]) -> String {
 }
 
 /// All of a depth, by question.
-pub(crate) fn questions(depth: Depth, samples: Option<u32>) -> Vec<Questions> {
+///
+/// - `brought`: a user's model, of which the questions are asked that any model answers
+pub(crate) fn questions(
+    depth: Depth,
+    samples: Option<u32>,
+    brought: Option<&Brought>,
+) -> Vec<Questions> {
     let is_quick = depth == Depth::Quick;
     let suns = &SUNS[..if is_quick { QUICK_SUNS } else { SUNS.len() }];
-    let meshes = &MESHES[..if is_quick { QUICK_MESHES } else { MESHES.len() }];
+    let meshes = match brought {
+        Some(_) => &[BROUGHT][..],
+        None if is_quick => &MESHES[..QUICK_MESHES],
+        None => &MESHES,
+    };
     let eyes = DECK_SUNS.into_iter().flat_map(|sun| {
         let of = move |near| EyeTest::ALL.map(|test| Job::Eye(sun, near, test));
         NEARS.into_iter().flat_map(of)
@@ -197,10 +222,11 @@ pub(crate) fn questions(depth: Depth, samples: Option<u32>) -> Vec<Questions> {
     });
     let cases = |jobs: Vec<Job>, samples: u32| {
         jobs.into_iter()
-            .map(|job| (job, planned(job, samples)))
+            .map(|job| (job, planned(job, samples, brought)))
             .collect()
     };
-    vec![
+    let all = vec![
+        ("model", cases(vec![Job::Model], 0)),
         ("eyes", cases(eyes.collect(), 0)),
         ("updates", cases(updates.collect(), 0)),
         (
@@ -229,11 +255,17 @@ pub(crate) fn questions(depth: Depth, samples: Option<u32>) -> Vec<Questions> {
         ),
         ("origins", cases(origins.collect(), 0)),
         ("maps", cases(maps.collect(), samples.unwrap_or(1))),
-    ]
+    ];
+    let is_asked = |name| match brought {
+        Some(_) => OF_ANY_MODEL.contains(&name),
+        None => name != "model",
+    };
+    all.into_iter().filter(|(name, _)| is_asked(*name)).collect()
 }
 
-fn planned(job: Job, samples: u32) -> PlannedCase {
+fn planned(job: Job, samples: u32, brought: Option<&Brought>) -> PlannedCase {
     let (question, conditions, may_be_wrong): (_, Vec<(&str, String)>, _) = match job {
+        Job::Model => ("model", Vec::new(), false),
         Job::Eye(sun, near, test) => (
             "eyes",
             vec![
@@ -296,10 +328,13 @@ fn planned(job: Job, samples: u32) -> PlannedCase {
         ),
         Job::Silhouette(mesh, method) => (
             "silhouettes",
-            vec![
-                ("mesh", mesh.to_owned()),
-                ("silhouette", method.name().to_owned()),
-            ],
+            match brought {
+                Some(_) => vec![("silhouette", method.name().to_owned())],
+                None => vec![
+                    ("mesh", mesh.to_owned()),
+                    ("silhouette", method.name().to_owned()),
+                ],
+            },
             mesh.contains("turned") && method != Method::Adjacency,
         ),
         Job::Map(sun, texel, bias) => (
@@ -342,12 +377,16 @@ fn planned(job: Job, samples: u32) -> PlannedCase {
             ("devices", conditions.into(), false)
         }
     };
+    let model = brought.map(|brought| ("model", brought.name.clone()));
+    let conditions: Vec<(&str, String)> = model.into_iter().chain(conditions).collect();
     let values: Vec<&str> = conditions.iter().map(|(_, value)| value.as_str()).collect();
     let name = format!("{question}/{}", values.join("/"));
     let conditions = std::iter::once(("question", question.to_owned())).chain(conditions.clone());
+    // Of a mesh that is not closed, any answer but the verdict may be wrong.
+    let may_leak = brought.is_some_and(|brought| brought.policy == Policy::AsIs);
     PlannedCase {
         id: CaseId::new(STUDY, name, conditions),
         samples,
-        may_be_wrong,
+        may_be_wrong: may_be_wrong || may_leak,
     }
 }

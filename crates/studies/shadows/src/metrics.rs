@@ -12,7 +12,7 @@ pub(crate) const MAP_WRONG: &str = "shadow_map_wrong";
 pub(crate) const FILL_CPU: &str = "shadow_fill_cpu_ms";
 pub(crate) const FILL_GPU: &str = "shadow_fill_gpu_ms";
 
-pub(crate) const METRICS: [Metric; 33] = [
+pub(crate) const METRICS: [Metric; 35] = [
     Metric::less(
         "shadow_silhouette_cpu_ms",
         "ms",
@@ -96,6 +96,18 @@ pub(crate) const METRICS: [Metric; 33] = [
         "",
         Kind::Counter,
         "Triangles of the casters.",
+    ),
+    Metric::neither(
+        "shadow_mesh_models",
+        "",
+        Kind::Counter,
+        "Models in a user's file: its objects, or its nodes with a mesh.",
+    ),
+    Metric::neither(
+        "shadow_mesh_parts",
+        "",
+        Kind::Counter,
+        "Parts of these that hang together.",
     ),
     Metric::less(
         "shadow_open_edges",

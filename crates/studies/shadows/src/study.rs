@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The cases, by question: each question is a group.
 
+use crate::brought::{Brought, SETTING};
 use crate::chapter::ShadowsChapter;
 use crate::count::{Rule, Wrong};
 use crate::device::Draws;
@@ -13,6 +14,7 @@ use crate::view::sun;
 use crate::work::{Drawn, End, EyeTable, Pixels, Scene, Scissor};
 use crate::{STUDY, images};
 use std::collections::BTreeMap;
+use std::rc::Rc;
 use terrafill_casters::{
     EdgeTable, Extent, Facing, Mesh, Policy, PortSize, Prepared, Side, Volume, by_hash, by_stack,
     hull, port,
@@ -55,7 +57,8 @@ impl Study for ShadowsStudy {
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let is_quick = request.depth == Depth::Quick;
         let size = if is_quick { QUICK_SIZE } else { SIZE };
-        let groups = questions(request.depth, request.samples).into_iter();
+        let brought = brought(request)?.map(Rc::new);
+        let groups = questions(request.depth, request.samples, brought.as_deref()).into_iter();
         let groups = groups.map(|(name, cases)| -> Box<dyn Group> {
             let (jobs, cases) = cases.into_iter().unzip();
             Box::new(Question {
@@ -63,6 +66,7 @@ impl Study for ShadowsStudy {
                 jobs,
                 cases,
                 size,
+                brought: brought.clone(),
             })
         });
         Ok(Planned {
@@ -76,12 +80,28 @@ impl Study for ShadowsStudy {
     }
 }
 
+/// The model that the request names.
+fn brought(request: &Request) -> Result<Option<Brought>, StudyError> {
+    let settings = request.settings.get(SETTING).map_or(&[][..], Vec::as_slice);
+    match settings {
+        [] => Ok(None),
+        [one] => Brought::new(one).map(Some).map_err(StudyError::BadInput),
+        more => {
+            let found = more.len();
+            let message = format!("--{SETTING}: found {found} files, allowed: 1");
+            Err(StudyError::BadInput(message))
+        }
+    }
+}
+
 /// Cases that share what they are computed from.
 struct Question {
     name: &'static str,
     jobs: Vec<Job>,
     cases: Vec<PlannedCase>,
     size: [u32; 2],
+    /// Instead of the port.
+    brought: Option<Rc<Brought>>,
 }
 
 impl Group for Question {
@@ -126,7 +146,10 @@ struct Answering<'a> {
 
 type Figures = Vec<(&'static str, f64)>;
 
-fn ready(name: &'static str) -> Result<Ready, String> {
+fn ready(name: &'static str, brought: Option<&Brought>) -> Result<Ready, String> {
+    if let Some(own) = brought {
+        return Ok(Ready::of(name, own.prepared.clone()));
+    }
     let mut mesh = mesh_named(name)?;
     let policy = match name.contains("turned") {
         true => {
@@ -136,12 +159,7 @@ fn ready(name: &'static str) -> Result<Ready, String> {
         false => Policy::Refuse,
     };
     let prepared = policy.prepare(mesh).map_err(|error| error.to_string())?;
-    Ok(Ready {
-        name,
-        facing: Facing::of(&prepared.mesh, sun(SILHOUETTE_SUN)),
-        table: EdgeTable::of(&prepared.mesh),
-        prepared,
-    })
+    Ok(Ready::of(name, prepared))
 }
 
 fn mesh_named(name: &str) -> Result<Mesh, String> {
@@ -180,11 +198,20 @@ fn turn_a_lit_face(mesh: &mut Mesh) {
 }
 
 impl Ready {
+    fn of(name: &'static str, prepared: Prepared) -> Self {
+        Self {
+            name,
+            facing: Facing::of(&prepared.mesh, sun(SILHOUETTE_SUN)),
+            table: EdgeTable::of(&prepared.mesh),
+            prepared,
+        }
+    }
+
     fn sides(&self, method: Method) -> Vec<Side> {
         match method {
             Method::Stack => by_stack(&self.prepared.mesh, &self.facing),
             Method::Hash => by_hash(&self.prepared.mesh, &self.facing),
-            Method::Adjacency => self.table.silhouette(&self.facing),
+            Method::Adjacency => self.table.sides(&self.prepared, &self.facing),
         }
     }
 }
@@ -274,8 +301,14 @@ impl Answering<'_> {
     }
 
     fn under(&mut self, sun: [f64; 2]) -> Result<&Scene, String> {
-        let size = self.question.size;
-        self.scene(&format!("{sun:?}"), || Scene::new(sun, size))
+        let Question { size, brought, .. } = self.question;
+        self.scene(&format!("{sun:?}"), || match brought {
+            Some(own) => {
+                let prepared = own.prepared.clone();
+                Ok(Scene::of_prepared(prepared, sun, own.views(*size)))
+            }
+            None => Scene::new(sun, *size),
+        })
     }
 
     fn answer(&mut self, job: Job) -> Result<Verdict, String> {
@@ -361,6 +394,20 @@ impl Answering<'_> {
                 Ok(verdict(wrong == 0 && clears == expected, reason, figures))
             }
             Job::Silhouette(mesh, method) => self.silhouette(mesh, method),
+            Job::Model => {
+                let own = self.question.brought.as_deref().ok_or("no model")?;
+                let mesh = &own.prepared.mesh;
+                Ok(Verdict {
+                    status: Status::Ok,
+                    reason: format!("policy {}: {}", own.policy.name(), own.verdict),
+                    figures: vec![
+                        ("shadow_mesh_triangles", mesh.triangles.len() as f64),
+                        ("shadow_mesh_models", mesh.casters.len() as f64),
+                        ("shadow_mesh_parts", mesh.parts.len() as f64),
+                    ],
+                    notes: Vec::new(),
+                })
+            }
             Job::Map(sun, texel_m, bias) => {
                 let scene = self.under(sun)?;
                 let mapped = match scene.mapped(texel_m, bias) {
@@ -456,7 +503,8 @@ impl Answering<'_> {
         let place = match self.meshes.iter().position(|own| own.name == name) {
             Some(place) => place,
             None => {
-                self.meshes.push(ready(name)?);
+                let brought = self.question.brought.as_deref();
+                self.meshes.push(ready(name, brought)?);
                 self.meshes.len() - 1
             }
         };
@@ -505,6 +553,7 @@ impl Session for Answering<'_> {
             DrawError::Device(error @ DeviceError::Unsupported { .. }) => {
                 Verdict::skipped(error.to_string())
             }
+            error @ DrawError::Unfit(_) => Verdict::skipped(error.to_string()),
             error => Verdict::failed(error.to_string()),
         }))
     }
@@ -547,7 +596,6 @@ impl Session for Answering<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::rc::Rc;
     use terrafill_fill::Devices;
 
     /// Verdicts of the cases of a question that `keep` names.

@@ -171,25 +171,29 @@ impl Scene {
         Ok((drawn, caster.prepared.mesh.triangles.len()))
     }
 
-    fn of(mesh: Mesh, at: [f64; 2], views: Vec<View>) -> Result<Self, String> {
+    pub(crate) fn of(mesh: Mesh, at: [f64; 2], views: Vec<View>) -> Result<Self, String> {
         let prepared = Policy::Refuse
             .prepare(mesh)
             .map_err(|error| error.to_string())?;
+        Ok(Self::of_prepared(prepared, at, views))
+    }
+
+    pub(crate) fn of_prepared(prepared: Prepared, at: [f64; 2], views: Vec<View>) -> Self {
         let to_light = sun(at);
         let facing = Facing::of(&prepared.mesh, to_light);
-        let sides = EdgeTable::of(&prepared.mesh).silhouette(&facing);
+        let sides = EdgeTable::of(&prepared.mesh).sides(&prepared, &facing);
         let reference = Reference::new(&prepared.mesh, to_light);
         let channels = views.into_iter().map(|view| {
             let truth = reference.picture(&view);
             (view, truth)
         });
-        Ok(Self {
+        Self {
             to_light,
             channels: channels.collect(),
             facing,
             sides,
             prepared,
-        })
+        }
     }
 
     pub(crate) fn pixels(&self) -> Pixels {

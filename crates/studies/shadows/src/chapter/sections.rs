@@ -28,7 +28,19 @@ pub(super) const DEVICE_KEYS: [&str; 7] = [
     "silhouette",
 ];
 
-pub(super) const SECTIONS: [Section; 11] = [
+pub(super) const SECTIONS: [Section; 12] = [
+    Section {
+        question: "model",
+        title: "The model",
+        text: "What the file holds, what keeps it from being closed, and the policy that was applied. Each part hangs \
+               together; parts may touch.",
+        named_by: &["model"],
+        columns: &[
+            ("triangles", "shadow_mesh_triangles"),
+            ("models", "shadow_mesh_models"),
+            ("parts", "shadow_mesh_parts"),
+        ],
+    },
     Section {
         question: "eyes",
         title: "Which rule: the test of the eye",
