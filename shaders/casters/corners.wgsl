@@ -13,8 +13,8 @@ const IS_CAP = 0x80000000u;
 
 fn is_lit(a: u32, b: u32, c: u32) -> bool {
     let to_light = -places[arrayLength(&places) - 1u].xyz;
-    let from = places[a].xyz;
-    return dot(cross(places[b].xyz - from, places[c].xyz - from), to_light) > 0.0;
+    let first = places[a].xyz;
+    return dot(cross(places[b].xyz - first, places[c].xyz - first), to_light) > 0.0;
 }
 
 @vertex

@@ -314,7 +314,8 @@ mod tests {
         }
         let truth = &ours.channels[0].1;
         assert_eq!(Wrong::of(&mask(&from_glb, Rule::Fail), truth).outside(), 0);
-        assert!(truth.count(crate::reference::Light::Shadow) > 300);
+        let shadow = truth.count(crate::reference::Light::Shadow);
+        assert!(shadow > 50, "{shadow}");
     }
 
     #[test]
@@ -340,10 +341,10 @@ mod tests {
 
     #[test]
     fn options_are_read_from_the_end_and_refused_by_name() {
-        let read = options("a,b=c,d.obj").err().expect("b is no option");
+        let read = options("a.obj,b=c").err().expect("b is no option");
         assert_eq!(
             read,
-            r#"--casters: found "b=c,d.obj", allowed: up=…, unit=…, policy=…"#
+            r#"--casters: found "b=c", allowed: up=…, unit=…, policy=…"#
         );
         let read = options("a, b.obj,up=z,unit=0.3048,policy=cap").expect("read");
         assert_eq!(read.file, "a, b.obj");

@@ -4,7 +4,8 @@
 mod findings;
 mod sections;
 
-use crate::metrics::{LOST, MAP_WRONG, MISSED, TIME, UPDATES};
+use crate::metrics::{FILL_CPU, LOST, MAP_WRONG, MISSED, TIME, UPDATES};
+use findings::is_plain;
 use sections::{SECTIONS, Section};
 use terrafill_plot::number::{count, significant};
 use terrafill_plot::{
@@ -87,6 +88,17 @@ struct Own<'a> {
 fn value(case: &Case, metric: &str) -> Option<f64> {
     let is_known = matches!(case.outcome, Outcome::Ok | Outcome::Wrong);
     case.value(metric).filter(|_| is_known)
+}
+
+/// Wrong pixels of volumes, the band included, in per cent of what is seen.
+fn own_share(case: &Case) -> Option<f64> {
+    let px = [
+        "shadow_false_lit_px",
+        "shadow_false_dark_px",
+        "shadow_band_px",
+    ];
+    let px: Option<f64> = px.iter().map(|metric| value(case, metric)).sum();
+    Some(100.0 * px? / value(case, "shadow_receiver_px")?)
 }
 
 /// Counts as they are, everything else in three digits.
@@ -258,6 +270,13 @@ impl<'a> Own<'a> {
                 Upwards::Error,
                 "Wrong pixels against bytes, texel in m beside the points; volumes have none outside the band.",
             ),
+            "device-maps" => (
+                "process CPU ms of a frame, median",
+                "wrong pixels, %",
+                Upwards::Error,
+                "Wrong pixels, the band included, against time; texel in m beside the points. Volumes closed at the sea \
+                 under the same suns stand beside.",
+            ),
             _ => return Ok(None),
         };
         let curves = self.curves(section.question);
@@ -288,6 +307,10 @@ impl<'a> Own<'a> {
                 && case.condition("rule") == "z-fail"
                 && suns.contains(&case.condition("sun"))
         });
+        let volumes = self.of_question("devices").filter(|case| {
+            question == "device-maps" && is_plain(case) && suns.contains(&case.condition("sun"))
+        });
+        let others = others.chain(volumes);
         for case in self.of_question(question).chain(others) {
             let number = |key: &str| case.condition(key).parse::<f64>().ok();
             let elevation = || case.condition("sun").split('°').next()?.parse::<f64>().ok();
@@ -337,8 +360,24 @@ impl<'a> Own<'a> {
                         texel,
                     )
                 }
+                "device-maps" => {
+                    let (sun, texel) = (case.condition("sun"), case.condition("texel_m"));
+                    let wrong = match texel {
+                        "" => own_share(case),
+                        _ => of(MAP_WRONG),
+                    };
+                    let name = match texel {
+                        "" => format!("volumes, sun {sun}"),
+                        _ => format!("map, sun {sun}, {}", case.condition("bias")),
+                    };
+                    let knob = number("texel_m").or(Some(0.0));
+                    (name, knob, of(FILL_CPU), wrong, texel.to_owned())
+                }
                 _ => {
-                    let kind = case.condition("mesh").split('-').next().unwrap_or_default();
+                    let kind = match case.condition("mesh").split('-').next() {
+                        None | Some("") => "the model",
+                        Some(kind) => kind,
+                    };
                     let name = format!("{}, {kind}", case.condition("silhouette"));
                     let triangles = of("shadow_mesh_triangles");
                     let is_whole = !case.condition("mesh").contains("turned");
@@ -389,7 +428,6 @@ impl<'a> Own<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metrics::FILL_CPU;
     use terrafill_results::Standing;
     use terrafill_results::made_up::{MadeUpRun, case_id};
 
