@@ -1,5 +1,5 @@
 // Casters for geometry shaders, which find the silhouette: one invocation a vertex of a triangle or an edge with
-// adjacency, or a corner of a cap. What is read lies behind the volumes' constants, as words of 32 bits; the
+// adjacency, or a corner of a cap, which is drawn beside. What is read lies behind the volumes' constants, as words of 32 bits; the
 // last five say where the table of volumes, the corners, the facing bits, the places and the caps begin.
 #import shared/view.wgsl
 #import shared/volume.wgsl
@@ -67,18 +67,51 @@ fn lines(
     return corner(words[part(1u) + at], bit(2u * (at / 4u) + (at % 4u) / 2u));
 }
 
-// Three a triangle: its corners, behind each other, and its bit behind those of all edges.
+// Caps are not made by the geometry shader: its triangles may begin with another corner than the surface's, and
+// depths that must be equal then differ by a rounding. What is not lit collapses into a point.
+fn cap(index: u32, is_lit: bool) -> vec4<f32> {
+    if !is_lit {
+        return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+    }
+    return clip_from_eye_relative(place(index));
+}
+
+// Three a triangle: its corners, behind each other, and its bit in a word behind those of all edges.
 @vertex
 fn caps(
     @builtin(vertex_index) vertex: u32,
     @builtin(instance_index) volume: u32,
 ) -> @invariant @builtin(position) vec4<f32> {
     let at = 3u * words[part(0u) + 2u * volume + 1u] + vertex;
-    // Where there are no edges in between, bits begin at a word of their own.
     let edges = (part(4u) - part(1u)) / 4u;
     let first_bit = 32u * ((2u * edges + 31u) / 32u);
-    if !bit(first_bit + at / 3u) {
-        return vec4<f32>(0.0, 0.0, 0.0, 1.0);
-    }
-    return clip_from_eye_relative(place(words[part(4u) + at]));
+    return cap(words[part(4u) + at], bit(first_bit + at / 3u));
+}
+
+fn corner_of(triangle: u32, number: u32) -> u32 {
+    return words[part(1u) + 6u * triangle + 2u * (number % 3u)];
+}
+
+// The same from triangles with adjacency.
+@vertex
+fn triangle_caps(
+    @builtin(vertex_index) vertex: u32,
+    @builtin(instance_index) volume: u32,
+) -> @invariant @builtin(position) vec4<f32> {
+    let triangle = words[part(0u) + 2u * volume] + vertex / 3u;
+    return cap(corner_of(triangle, vertex), bit(4u * triangle));
+}
+
+// The same where no bit is stored: the sign from the corners in their own order.
+@vertex
+fn corner_caps(
+    @builtin(vertex_index) vertex: u32,
+    @builtin(instance_index) volume: u32,
+) -> @invariant @builtin(position) vec4<f32> {
+    let triangle = words[part(0u) + 2u * volume] + vertex / 3u;
+    let first = place(corner_of(triangle, 0u));
+    let second = place(corner_of(triangle, 1u)) - first;
+    let third = place(corner_of(triangle, 2u)) - first;
+    let is_lit = dot(cross(second, third), -place(0u)) > 0.0;
+    return cap(corner_of(triangle, vertex), is_lit);
 }

@@ -5,14 +5,13 @@
 // of the neighbours from their corners in `f32`. An invocation at the other side of an edge has the same
 // corners in another order.
 layout(triangles_adjacency) in;
-layout(triangle_strip, max_vertices = 12) out;
+layout(triangle_strip, max_vertices = 9) out;
 #include "sides.glsl"
 
 void main() {
     if (!computed(0, 2, 4)) {
         return;
     }
-    cap(0, 2, 4);
     if (!computed(2, 0, 1)) {
         side(0, 2);
     }

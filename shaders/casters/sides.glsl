@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 // What the geometry shaders of casters share: corners as `adjacent.wgsl` hands them over, and the
-// faces of infinite volumes. Every face is emitted counter-clockwise seen from outside.
+// sides of infinite volumes. Every side is emitted counter-clockwise seen from outside.
 
 in gl_PerVertex {
     vec4 gl_Position;
@@ -19,13 +19,6 @@ layout(location = 2) in vec4 away[];
 void emit(vec4 clip) {
     gl_Position = clip;
     EmitVertex();
-}
-
-void cap(int a, int b, int c) {
-    emit(gl_in[a].gl_Position);
-    emit(gl_in[b].gl_Position);
-    emit(gl_in[c].gl_Position);
-    EndPrimitive();
 }
 
 // The side of an edge that leads from a to b in its lit triangle.

@@ -1,18 +1,17 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // SPDX-License-Identifier: MIT OR Apache-2.0
-// Silhouettes of casters: one invocation makes the cap of a lit triangle, and a side below each edge
-// whose neighbour is not lit: 0 to 4 triangles. Facing bits come with the corners: one a triangle, decided
+// Silhouettes of casters: one invocation makes a side below each edge of a lit triangle whose
+// neighbour is not lit: 0 to 3 triangles. Caps are drawn beside. Facing bits come with the corners: one a triangle, decided
 // once. Corners are 0, 2, 4; the vertex after each is the neighbour's across the edge that follows.
 layout(triangles_adjacency) in;
-layout(triangle_strip, max_vertices = 12) out;
+layout(triangle_strip, max_vertices = 9) out;
 #include "sides.glsl"
 
 void main() {
     if (!bit(0)) {
         return;
     }
-    cap(0, 2, 4);
     if (!bit(1)) {
         side(0, 2);
     }

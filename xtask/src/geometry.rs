@@ -194,7 +194,9 @@ mod tests {
     fn copy() -> tempfile::TempDir {
         let folder = tempfile::tempdir().expect("temporary folder");
         for own in ["native", "casters"] {
-            let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders").join(own);
+            let from = Path::new(env!("CARGO_MANIFEST_DIR"))
+                .join("../shaders")
+                .join(own);
             let to = folder.path().join(own);
             std::fs::create_dir(&to).expect("writable");
             for entry in std::fs::read_dir(from).expect("readable") {

@@ -55,7 +55,10 @@ fn connected(
     let mut groups: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
     for &triangle in triangles {
         let [a, ..] = corners(triangle);
-        groups.entry(root(&mut parent, a)).or_default().push(triangle);
+        groups
+            .entry(root(&mut parent, a))
+            .or_default()
+            .push(triangle);
     }
     groups.into_values().collect()
 }

@@ -8,9 +8,9 @@
 mod glb;
 mod obj;
 
+use crate::Mesh;
 use crate::mesh::index;
 use crate::pieces::pieces;
-use crate::Mesh;
 use glam::DVec3;
 use std::path::Path;
 
@@ -84,11 +84,7 @@ struct Wrong {
     allowed: String,
 }
 
-fn wrong(
-    element: impl Into<String>,
-    found: impl ToString,
-    allowed: impl Into<String>,
-) -> Wrong {
+fn wrong(element: impl Into<String>, found: impl ToString, allowed: impl Into<String>) -> Wrong {
     Wrong {
         element: element.into(),
         found: found.to_string(),
@@ -111,7 +107,11 @@ impl Mesh {
     /// [`ReadError`] with file, element, what was found and what is allowed.
     pub fn read(path: &Path, reading: Reading) -> Result<Self, ReadError> {
         let file = path.display().to_string();
-        let named = |Wrong { element, found, allowed }: Wrong| ReadError::Element {
+        let named = |Wrong {
+                         element,
+                         found,
+                         allowed,
+                     }: Wrong| ReadError::Element {
             file: file.clone(),
             element,
             found,
@@ -122,7 +122,13 @@ impl Mesh {
             match extension.to_ascii_lowercase().as_str() {
                 "obj" => obj::read,
                 "glb" => glb::read,
-                _ => return Err(named(wrong("extension", format!("{extension:?}"), "obj, glb"))),
+                _ => {
+                    return Err(named(wrong(
+                        "extension",
+                        format!("{extension:?}"),
+                        "obj, glb",
+                    )));
+                }
             };
         let is_obj = extension.eq_ignore_ascii_case("obj");
         let bytes = std::fs::read(path).map_err(|error| ReadError::File {
@@ -140,7 +146,10 @@ impl Mesh {
             return Err(wrong("vertices", count, u32::MAX.to_string()));
         }
         let mut mesh = Self::default();
-        for model in models.into_iter().filter(|model| !model.triangles.is_empty()) {
+        for model in models
+            .into_iter()
+            .filter(|model| !model.triangles.is_empty())
+        {
             let places = model.places.iter().map(|place| enu(*place));
             let places: Vec<DVec3> = places.collect();
             if let Some(at) = places.iter().position(|place| !place.is_finite()) {
@@ -188,7 +197,8 @@ mod tests {
         })
     }
 
-    const TETRAHEDRON: &str = "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    const TETRAHEDRON: &str =
+        "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 
     #[test]
     fn axes_and_units_are_as_told_and_the_mesh_stays_right_side_out() {
@@ -200,7 +210,10 @@ mod tests {
             (y_up, [DVec3::X, DVec3::Z, -DVec3::Y]),
         ] {
             // `tobj` numbers them as faces name them.
-            assert!(places.iter().all(|place| mesh.vertices.contains(place)), "{mesh:?}");
+            assert!(
+                places.iter().all(|place| mesh.vertices.contains(place)),
+                "{mesh:?}"
+            );
             assert_eq!(crate::verdict(&mesh).to_string(), "closed");
         }
     }

@@ -196,7 +196,10 @@ pub(crate) mod tests {
         let mesh = Mesh::from_triangles("in", vertices.clone(), inwards).expect("finite");
         let found = verdict(&mesh);
         assert_eq!((found.inside_out, found.is_closed()), (1, false));
-        assert!(found.to_string().starts_with("inside out 1 parts"), "{found}");
+        assert!(
+            found.to_string().starts_with("inside out 1 parts"),
+            "{found}"
+        );
         // The same around it, four times as large, the right way out.
         let outer = vertices.iter().map(|place| *place * 4.0 - 0.5);
         let outer = Mesh::from_triangles("out", outer.collect(), triangles).expect("finite");

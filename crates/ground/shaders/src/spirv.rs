@@ -261,9 +261,14 @@ mod tests {
         assert_eq!(geometry_shaders().len(), 9);
         for shader in geometry_shaders() {
             let kinds = shader.spirv.iter();
-            let kinds = kinds.map(|(kind, _)| geometry_spirv(shader.source, *kind).expect("SPIR-V"));
+            let kinds =
+                kinds.map(|(kind, _)| geometry_spirv(shader.source, *kind).expect("SPIR-V"));
             let mut kinds: Vec<Vec<u32>> = kinds.collect();
-            let count = if shader.source.starts_with("casters/") { 1 } else { 3 };
+            let count = if shader.source.starts_with("casters/") {
+                1
+            } else {
+                3
+            };
             assert_eq!(kinds.len(), count, "{}", shader.source);
             kinds.sort_unstable();
             kinds.dedup();

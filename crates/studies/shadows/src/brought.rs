@@ -47,7 +47,9 @@ fn options(text: &str) -> Result<Options<'_>, String> {
             break;
         };
         let wrong = |allowed: &str| {
-            Err(format!("--{SETTING}: {key}: found {value:?}, allowed: {allowed}"))
+            Err(format!(
+                "--{SETTING}: {key}: found {value:?}, allowed: {allowed}"
+            ))
         };
         match key {
             "up" => match value {
@@ -60,7 +62,9 @@ fn options(text: &str) -> Result<Options<'_>, String> {
                 _ => return wrong("metres above 0"),
             },
             "policy" => {
-                let found = Policy::ALL.into_iter().find(|policy| policy.name() == value);
+                let found = Policy::ALL
+                    .into_iter()
+                    .find(|policy| policy.name() == value);
                 match found {
                     Some(policy) => options.policy = policy,
                     None => return wrong(&Policy::ALL.map(Policy::name).join(", ")),
@@ -195,7 +199,13 @@ mod tests {
                 format!("[{x},{y},{z}]")
             });
             for (count, kind, component, size, bounds) in [
-                (places.len(), "VEC3", 5126, 12, format!(r#","min":{low},"max":{high}"#)),
+                (
+                    places.len(),
+                    "VEC3",
+                    5126,
+                    12,
+                    format!(r#","min":{low},"max":{high}"#),
+                ),
                 (3 * triangles.len(), "SCALAR", 5125, 4, String::new()),
             ] {
                 let start = match kind {
@@ -218,7 +228,11 @@ mod tests {
             }
             let first = u32::try_from(vertices.start).expect("few");
             for corners in &mesh.triangles[triangles] {
-                bin.extend(corners.iter().flat_map(|corner| (corner - first).to_le_bytes()));
+                bin.extend(
+                    corners
+                        .iter()
+                        .flat_map(|corner| (corner - first).to_le_bytes()),
+                );
             }
         }
         let all: Vec<String> = (0..nodes.len()).map(|node| node.to_string()).collect();
@@ -236,7 +250,11 @@ mod tests {
         }
         let mut bytes = b"glTF".to_vec();
         let lengths = [2, 12 + 8 + json.len() + 8 + bin.len(), json.len()];
-        bytes.extend(lengths.iter().flat_map(|length| (*length as u32).to_le_bytes()));
+        bytes.extend(
+            lengths
+                .iter()
+                .flat_map(|length| (*length as u32).to_le_bytes()),
+        );
         bytes.extend(b"JSON");
         bytes.extend(json.into_bytes());
         bytes.extend((bin.len() as u32).to_le_bytes());
@@ -274,9 +292,16 @@ mod tests {
             // Vertices are numbered as faces name them, so places are compared.
             assert_eq!(own.vertices.len(), as_read.vertices.len());
             for triangle in 0..own.triangles.len() {
-                assert_eq!(own.corners(triangle), as_read.corners(triangle), "{triangle}");
+                assert_eq!(
+                    own.corners(triangle),
+                    as_read.corners(triangle),
+                    "{triangle}"
+                );
             }
-            assert_eq!((&own.parts, &own.casters), (&as_read.parts, &as_read.casters));
+            assert_eq!(
+                (&own.parts, &own.casters),
+                (&as_read.parts, &as_read.casters)
+            );
         }
         let view = bridge([64, 48])[4];
         let scene = |mesh: &Mesh| {
@@ -328,7 +353,10 @@ mod tests {
         let as_glb = |mesh: &Mesh| glb(mesh);
         let mut turned = ours.clone();
         turned.triangles[40].swap(1, 2);
-        for (bytes, name) in [(&as_obj as &dyn Fn(&Mesh) -> _, "a.obj"), (&as_glb, "a.glb")] {
+        for (bytes, name) in [
+            (&as_obj as &dyn Fn(&Mesh) -> _, "a.obj"),
+            (&as_glb, "a.glb"),
+        ] {
             assert_eq!(closed(&ours, bytes, name).expect("read"), "closed");
             let found = closed(&turned, bytes, name).expect("read");
             assert!(found.starts_with("flipped 3 edges"), "{found}");
@@ -352,7 +380,10 @@ mod tests {
         assert_eq!(read.reading.unit_m.to_bits(), 0.3048_f64.to_bits());
         for (text, message) in [
             ("a.obj,up=x", r#"--casters: up: found "x", allowed: y, z"#),
-            ("a.obj,unit=0", r#"--casters: unit: found "0", allowed: metres above 0"#),
+            (
+                "a.obj,unit=0",
+                r#"--casters: unit: found "0", allowed: metres above 0"#,
+            ),
             (
                 "a.obj,policy=close",
                 r#"--casters: policy: found "close", allowed: refuse, cap, robust, as-is"#,
@@ -395,7 +426,8 @@ mod tests {
         let error = Brought::of("a", open.clone(), Policy::Refuse).err();
         let error = error.expect("open");
         assert!(
-            error.starts_with("border 3 edges") && error.ends_with("policies: refuse, cap, robust, as-is"),
+            error.starts_with("border 3 edges")
+                && error.ends_with("policies: refuse, cap, robust, as-is"),
             "{error}"
         );
         let capped = Brought::of("a", open, Policy::Cap).expect("capped");

@@ -16,7 +16,8 @@ use terrafill_results::{
     PictureFigure, Pictures, Plot, Row, Run, Table, process_medians, sample_spread,
 };
 
-const PORT: &str = "A procedural port: a trestle dock, cranes, ships, containers, from a bridge 30 m up.";
+const PORT: &str = "A procedural port: a trestle dock, cranes, ships, containers, in seven channels \
+     over 270° from a bridge 30 m up.";
 const BROUGHT: &str = "A model from a file over the sea, its middle at the origin, seen from four sides, above its top.";
 const WHAT: &str = "The reference sends rays in f64 \
      from each visible point to the sun, and a second test looks from the sun down. A volume's mask is what a \

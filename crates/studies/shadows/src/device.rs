@@ -59,7 +59,7 @@ pub(crate) struct Computed {
 pub(crate) enum Adjacency {
     /// Triangles with the corners opposite to their edges, and a facing bit of each of the four.
     Triangles,
-    /// Edges with the corners opposite to them, and two facing bits; caps are drawn beside them.
+    /// Edges with the corners opposite to them, and two facing bits.
     Lines,
     /// As triangles, of which it computes the facing itself, in `f32`.
     Corners,
@@ -69,7 +69,7 @@ pub(crate) enum Adjacency {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Adjacent {
     pub(crate) by: Adjacency,
-    /// Of each caster: vertices of its triangles or edges, and of its caps where they are drawn beside.
+    /// Of each caster: vertices of its triangles or edges, and of its caps, which are drawn beside.
     pub(crate) vertices: Vec<[u32; 2]>,
     /// What `casters/adjacent.wgsl` reads behind the volumes' constants.
     pub(crate) words: Vec<u32>,
@@ -175,7 +175,9 @@ impl Interface {
             Self::Vulkan => {
                 let gpu = terrafill_vulkan::shared_gpu(devices)?;
                 let targets = terrafill_vulkan::RenderTargets::shared(&gpu, view.size)?;
-                let make = |_: &terrafill_vulkan::VolumeFill| OnVulkan::new(&gpu, source, switches.depth_bounds);
+                let make = |_: &terrafill_vulkan::VolumeFill| {
+                    OnVulkan::new(&gpu, source, switches.depth_bounds)
+                };
                 loaded(&targets, switches, make, view, work)
             }
         }

@@ -193,7 +193,8 @@ impl DeviceMap {
             let mut numbers = channel.numbers;
             let metres = bias.metres(step, texel_m, 1.0) as f32;
             numbers[BIAS_WORDS[usize::from(bias == Bias::Slope)]] = metres;
-            self.gpu.write_buffer(&channel.asking, 0, bytemuck::cast_slice(&numbers));
+            self.gpu
+                .write_buffer(&channel.asking, 0, bytemuck::cast_slice(&numbers));
             let read = self.gpu.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("answers"),
                 size: u64::from(row_bytes) * u64::from(height),
@@ -274,7 +275,9 @@ impl DeviceMap {
             pass.set_vertex_buffer(0, own.vertices.slice(..));
             pass.draw(0..self.casters, 0..1);
         }
-        let answer = self.answer.create_view(&wgpu::TextureViewDescriptor::default());
+        let answer = self
+            .answer
+            .create_view(&wgpu::TextureViewDescriptor::default());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("asking"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -352,8 +355,7 @@ fn pipelines(
     layout: &wgpu::BindGroupLayout,
 ) -> Result<[wgpu::RenderPipeline; 2], DeviceError> {
     let module = gpu.shader(SHADER)?;
-    let attributes =
-        wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32];
+    let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32];
     let buffers = [Some(wgpu::VertexBufferLayout {
         array_stride: size_of::<Vertex>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,

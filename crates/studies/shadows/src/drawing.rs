@@ -7,11 +7,11 @@
 
 use crate::count::{Rule, Wrong};
 use crate::device::{Draws, Interface, VolumeSource};
-use crate::reference::{Light, Reference, SEA_RADIUS_M, Truth};
 use crate::loading::{Loadable, listed, program};
 use crate::near::EyeTest;
-use crate::sea::surface;
+use crate::reference::{Light, Reference, SEA_RADIUS_M, Truth};
 use crate::scissor::Rectangle;
+use crate::sea::surface;
 use crate::silhouettes::Silhouettes;
 use crate::view::View;
 use crate::work::{End, Scene};
@@ -20,9 +20,9 @@ use std::cell::LazyCell;
 use terrafill_casters::Volume;
 use terrafill_core::{Ellipsoid, VolumeHeights};
 use terrafill_fill::{
-    ColourWay, DepthRuleChoice, DeviceError, Devices, FacePasses,
-    FixedPoint, Frame, Picture, PositionFormat, StencilWork, SurfaceView, Switches, ViewId,
-    VolumeConstants, VolumeList, VolumePlace, mask_hash,
+    ColourWay, DepthRuleChoice, DeviceError, Devices, FacePasses, FixedPoint, Frame, Picture,
+    PositionFormat, StencilWork, SurfaceView, Switches, ViewId, VolumeConstants, VolumeList,
+    VolumePlace, mask_hash,
 };
 use terrafill_scene::{Camera, ImageSize};
 

@@ -350,10 +350,7 @@ pub(crate) fn questions(
             "devices",
             cases(devices.collect(), samples.unwrap_or(SAMPLES)),
         ),
-        (
-            "near",
-            cases(nears.collect(), samples.unwrap_or(SAMPLES)),
-        ),
+        ("near", cases(nears.collect(), samples.unwrap_or(SAMPLES))),
         (
             "device-rows",
             cases(device_rows.collect(), samples.unwrap_or(SAMPLES)),
@@ -370,7 +367,9 @@ pub(crate) fn questions(
         Some(_) => OF_ANY_MODEL.contains(&name),
         None => name != "model",
     };
-    all.into_iter().filter(|(name, _)| is_asked(*name)).collect()
+    all.into_iter()
+        .filter(|(name, _)| is_asked(*name))
+        .collect()
 }
 
 fn counting(is_guarded: bool) -> &'static str {
@@ -456,7 +455,11 @@ fn planned(job: Job, samples: u32, brought: Option<&Brought>) -> PlannedCase {
             mesh.contains("turned") && method != Method::Adjacency,
         ),
         Job::Map(sun, texel, bias) | Job::DeviceMap(sun, texel, bias) => (
-            if matches!(job, Job::Map(..)) { "maps" } else { "device-maps" },
+            if matches!(job, Job::Map(..)) {
+                "maps"
+            } else {
+                "device-maps"
+            },
             vec![
                 ("sun", sun_name(sun)),
                 ("texel_m", texel.to_string()),
@@ -498,7 +501,10 @@ fn planned(job: Job, samples: u32, brought: Option<&Brought>) -> PlannedCase {
             "facings",
             vec![
                 ("sun", sun_name(sun)),
-                ("boxes", if is_edge_on { "edge-on" } else { "at random" }.to_owned()),
+                (
+                    "boxes",
+                    if is_edge_on { "edge-on" } else { "at random" }.to_owned(),
+                ),
                 ("api", way.interface.name().to_owned()),
                 ("silhouette", way.silhouettes.name().to_owned()),
             ],
@@ -521,7 +527,10 @@ fn planned(job: Job, samples: u32, brought: Option<&Brought>) -> PlannedCase {
                 ("rule", way.rule_name()),
                 ("faces", faces.to_owned()),
                 ("scissor", scissor.name().to_owned()),
-                ("depth_bounds", if way.has_bounds { "on" } else { "off" }.to_owned()),
+                (
+                    "depth_bounds",
+                    if way.has_bounds { "on" } else { "off" }.to_owned(),
+                ),
                 ("silhouette", way.silhouettes.name().to_owned()),
             ];
             ("devices", conditions.into(), false)

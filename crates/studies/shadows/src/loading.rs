@@ -15,9 +15,7 @@ use crate::work::Scene;
 use glam::DVec4;
 use std::ops::Range;
 use terrafill_casters::Volume;
-use terrafill_fill::{
-    DepthRange, DepthRule, DeviceError, FillCommand, FillProgram, Switches,
-};
+use terrafill_fill::{DepthRange, DepthRule, DeviceError, FillCommand, FillProgram, Switches};
 use terrafill_scene::{Overlap, PixelRect};
 
 /// Volumes that 8 bits count over one pixel.
@@ -47,16 +45,24 @@ impl Scene {
             is_near: false,
         };
         match way.counting {
-            Counting::Casters | Counting::ZpPlus => {
-                mesh.casters.iter().map(|caster| all(caster.parts.clone())).collect()
-            }
-            Counting::Parts { .. } => (0..mesh.parts.len()).map(|part| all(part..part + 1)).collect(),
+            Counting::Casters | Counting::ZpPlus => mesh
+                .casters
+                .iter()
+                .map(|caster| all(caster.parts.clone()))
+                .collect(),
+            Counting::Parts { .. } => (0..mesh.parts.len())
+                .map(|part| all(part..part + 1))
+                .collect(),
             Counting::Chosen(test) => {
                 let (boxes, facing) = (Boxes::of(mesh), self.facing());
                 let fail = chosen(test, view, self.to_light, mesh, facing, &boxes, reference);
                 let of = |caster: &terrafill_casters::Caster| {
                     let split = [false, true].map(|is_near| Together {
-                        parts: caster.parts.clone().filter(|part| fail[*part] == is_near).collect(),
+                        parts: caster
+                            .parts
+                            .clone()
+                            .filter(|part| fail[*part] == is_near)
+                            .collect(),
                         is_near,
                     });
                     split.into_iter().filter(|own| !own.parts.is_empty())
@@ -115,7 +121,9 @@ impl Scene {
                 depth,
                 ..listed(rectangle, volumes.ranges.len())
             });
-            volumes.ranges.push(count(first)..count(volumes.indices.len()));
+            volumes
+                .ranges
+                .push(count(first)..count(volumes.indices.len()));
         }
         if way.counting == Counting::ZpPlus {
             let caps = near_caps(view, self.to_light, mesh, self.facing());
@@ -193,7 +201,11 @@ pub(crate) fn program(
 ) -> Result<FillProgram, DeviceError> {
     let mut program = match way.counting {
         Counting::Parts { is_guarded } => {
-            let together = if is_guarded { COUNTABLE } else { list.len().max(1) };
+            let together = if is_guarded {
+                COUNTABLE
+            } else {
+                list.len().max(1)
+            };
             let mut program = FillProgram::default();
             for first in (0..list.len()).step_by(together) {
                 // Of one volume, which stands for all that are counted with it: the contract's own guard would

@@ -173,7 +173,9 @@ const MIN_SLOPE: f64 = 1e-3;
 
 /// A view in which the sun is in the picture's own plane.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("zp-plus: found {found} between view and sun, a cosine, allowed: {MIN_SLOPE} and more, either way")]
+#[error(
+    "zp-plus: found {found} between view and sun, a cosine, allowed: {MIN_SLOPE} and more, either way"
+)]
 pub(crate) struct SlopeError {
     found: f64,
 }
@@ -194,8 +196,12 @@ pub(crate) fn near_caps(
     let deep = |place: DVec3| view.forward.dot(place - view.eye) - near;
     let mut caps = Vec::new();
     for triangle in (0..mesh.triangles.len()).filter(|at| facing.is_lit[*at]) {
-        let ring = cut(&mesh.corners(triangle), |place| slope.signum() * deep(place));
-        let moved = ring.iter().map(|place| *place - to_light * (deep(*place) / slope));
+        let ring = cut(&mesh.corners(triangle), |place| {
+            slope.signum() * deep(place)
+        });
+        let moved = ring
+            .iter()
+            .map(|place| *place - to_light * (deep(*place) / slope));
         let moved: Vec<DVec3> = moved.collect();
         for at in 1..moved.len().saturating_sub(1) {
             let [a, b, c] = [moved[0], moved[at], moved[at + 1]];

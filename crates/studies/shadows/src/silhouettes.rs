@@ -111,7 +111,11 @@ impl Scene {
             sides[part].push([edge[0], edge[1], first, second]);
         }
         let mut made = EyeMesh {
-            lit: if by_corners { Vec::new() } else { self.lit_bits() },
+            lit: if by_corners {
+                Vec::new()
+            } else {
+                self.lit_bits()
+            },
             ..EyeMesh::default()
         };
         for caster in &mesh.casters {
@@ -181,6 +185,7 @@ impl Scene {
                         bits.extend([is_lit(neighbour)]);
                     }
                     counted[0] += 6;
+                    counted[1] += 3;
                 }
             }
             vertices.push(counted);
@@ -217,7 +222,9 @@ impl Scene {
         match &found.source {
             VolumeSource::Pulled(mesh) | VolumeSource::Corners(mesh) => {
                 let mut mesh = mesh.clone();
-                let all = places.map(|place| place.extend(1.0)).chain([away.extend(0.0)]);
+                let all = places
+                    .map(|place| place.extend(1.0))
+                    .chain([away.extend(0.0)]);
                 mesh.places = all.map(|place| place.to_array()).collect();
                 match found.source {
                     VolumeSource::Pulled(_) => VolumeSource::Pulled(mesh),
@@ -234,7 +241,8 @@ impl Scene {
             VolumeSource::Adjacent(own) => {
                 let mut own = own.clone();
                 let all = std::iter::once(away).chain(places);
-                own.words.extend(all.flat_map(|place| place.to_array()).map(f32::to_bits));
+                own.words
+                    .extend(all.flat_map(|place| place.to_array()).map(f32::to_bits));
                 VolumeSource::Adjacent(own)
             }
             VolumeSource::Volumes(volumes) => VolumeSource::Volumes(volumes.clone()),

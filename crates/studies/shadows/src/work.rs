@@ -146,11 +146,7 @@ impl Scene {
     }
 
     /// Boxes over the sea, two faces of each of which are edge-on to the sun, or all turned at random.
-    pub(crate) fn of_boxes(
-        at: [f64; 2],
-        is_edge_on: bool,
-        size: [u32; 2],
-    ) -> Result<Self, String> {
+    pub(crate) fn of_boxes(at: [f64; 2], is_edge_on: bool, size: [u32; 2]) -> Result<Self, String> {
         let to_light = sun(at);
         let mut random = SplitMix64::new(BOXES_SEED);
         // 53 bits are as many as an `f64` has.
@@ -165,7 +161,9 @@ impl Scene {
                     false => first,
                 };
                 let normal = normal.normalize_or(DVec3::X);
-                let along = normal.cross(second).normalize_or(normal.any_orthonormal_vector());
+                let along = normal
+                    .cross(second)
+                    .normalize_or(normal.any_orthonormal_vector());
                 let axes = [normal, along, normal.cross(along)].map(|axis| axis * BOX_M / 2.0);
                 let [x, y] = [column, row].map(|place| 2.5 * BOX_M * f64::from(place));
                 let middle = DVec3::new(x, y, 1.5 * BOX_M);
@@ -680,7 +678,12 @@ mod tests {
             let whole = scene.drawn(End::Sea, rule, Scissor::Off).expect("above");
             let within = scene.drawn_within(rule, BOUNDS_SHARE).expect("above");
             assert_eq!(within.wrong, whole.wrong, "{}", rule.name());
-            assert!(2 * within.updates < whole.updates, "{} {}", within.updates, whole.updates);
+            assert!(
+                2 * within.updates < whole.updates,
+                "{} {}",
+                within.updates,
+                whole.updates
+            );
             let tight = scene.drawn_within(rule, -1.0 / 32.0).expect("above");
             assert!(tight.wrong.outside() > 0, "{}", rule.name());
         }

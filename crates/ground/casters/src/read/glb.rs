@@ -18,7 +18,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Vec<Model>, Wrong> {
     check_header(bytes)?;
     let Gltf { document, blob } = Gltf::from_slice(bytes).map_err(refused)?;
     let blob = blob.unwrap_or_default();
-    let scene = document.default_scene().or_else(|| document.scenes().next());
+    let scene = document
+        .default_scene()
+        .or_else(|| document.scenes().next());
     let scene = scene.ok_or_else(|| wrong("scenes", 0, "at least 1"))?;
     let mut walk = Walk {
         document: &document,
@@ -47,7 +49,11 @@ fn check_header(bytes: &[u8]) -> Result<(), Wrong> {
         return Err(wrong("version", version, "2"));
     }
     if length as usize != bytes.len() || bytes.len() < HEADER_BYTES {
-        return Err(wrong("length", bytes.len(), format!("{length}, as its header says")));
+        return Err(wrong(
+            "length",
+            bytes.len(),
+            format!("{length}, as its header says"),
+        ));
     }
     Ok(())
 }
@@ -93,7 +99,9 @@ impl Walk<'_> {
                 }
             }
             for place in &mut model.places {
-                *place = scene_from_node.transform_point3(DVec3::from(*place)).to_array();
+                *place = scene_from_node
+                    .transform_point3(DVec3::from(*place))
+                    .to_array();
             }
             self.models.push(model);
         }
@@ -114,7 +122,11 @@ impl Walk<'_> {
             Mode::Triangles => {}
             Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => return Ok(()),
             other => {
-                return Err(wrong(format!("{element}.mode"), format!("{other:?}"), "Triangles"));
+                return Err(wrong(
+                    format!("{element}.mode"),
+                    format!("{other:?}"),
+                    "Triangles",
+                ));
             }
         }
         let positions = primitive.get(&Semantic::Positions);
@@ -148,7 +160,10 @@ impl Walk<'_> {
             }
             None => {
                 let past = u32::try_from(count).unwrap_or(u32::MAX);
-                ((0..past).collect(), format!("accessors[{}]", positions.index()))
+                (
+                    (0..past).collect(),
+                    format!("accessors[{}]", positions.index()),
+                )
             }
         };
         if corners.len() % 3 != 0 {
@@ -235,7 +250,10 @@ mod tests {
     fn bin() -> Vec<u8> {
         let places: [[f32; 3]; 4] = [[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]];
         let corners: [u16; 12] = [0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3];
-        let places = places.iter().flatten().flat_map(|value| value.to_le_bytes());
+        let places = places
+            .iter()
+            .flatten()
+            .flat_map(|value| value.to_le_bytes());
         let corners = corners.iter().flat_map(|corner| corner.to_le_bytes());
         places.chain(corners).collect()
     }
@@ -268,7 +286,11 @@ mod tests {
     fn text_of(read: Result<Vec<Model>, Wrong>) -> String {
         match read {
             Ok(_) => "read".to_owned(),
-            Err(Wrong { element, found, allowed }) => {
+            Err(Wrong {
+                element,
+                found,
+                allowed,
+            }) => {
                 format!("{element}: found {found}, allowed: {allowed}")
             }
         }
@@ -281,7 +303,10 @@ mod tests {
             panic!("one model, found {models:?}");
         };
         assert_eq!(hull.name, "hull");
-        assert_eq!(hull.places[1..], [[-2.0, 0.0, 10.0], [0.0, 2.0, 10.0], [0.0, 0.0, 12.0]]);
+        assert_eq!(
+            hull.places[1..],
+            [[-2.0, 0.0, 10.0], [0.0, 2.0, 10.0], [0.0, 0.0, 12.0]]
+        );
         let volume = |model: &Model| {
             let triangles = model.triangles.iter().map(|corners| {
                 let [a, b, c] = corners.map(|at| DVec3::from(model.places[at as usize]));
@@ -301,8 +326,16 @@ mod tests {
     #[test]
     fn each_broken_element_is_named_with_what_is_allowed() {
         for (from, to, message) in [
-            (r#""indices":1"#, r#""indices":7"#, "indices: found Index out of bounds"),
-            (r#""count":12"#, r#""count":11"#, "accessors[1]: found 11 corners, allowed: 3 for each triangle"),
+            (
+                r#""indices":1"#,
+                r#""indices":7"#,
+                "indices: found Index out of bounds",
+            ),
+            (
+                r#""count":12"#,
+                r#""count":11"#,
+                "accessors[1]: found 11 corners, allowed: 3 for each triangle",
+            ),
             (
                 r#""count":12"#,
                 r#""count":15"#,
@@ -325,7 +358,11 @@ mod tests {
                 r#"5121,"count":4,"type":"VEC3""#,
                 "accessors[0]: found Vec3 of U8, allowed: Vec3 of F32",
             ),
-            (r#"5123"#, r#"5126"#, "accessors[1]: found F32, allowed: U8, U16 or U32"),
+            (
+                r#"5123"#,
+                r#"5126"#,
+                "accessors[1]: found F32, allowed: U8, U16 or U32",
+            ),
             (
                 r#""mode":4"#,
                 r#""mode":5"#,
@@ -336,8 +373,16 @@ mod tests {
                 r#""extensionsRequired":["KHR_draco_mesh_compression"],"asset""#,
                 "extensionsRequired[0] = \"KHR_draco_mesh_compression\": found Unsupported extension",
             ),
-            (r#""scene":0,"scenes":[{"nodes":[0]}],"#, "", "scenes: found 0, allowed: at least 1"),
-            (r#""mesh":0,"#, r#""mesh":0,"children":[0],"#, "found a node below itself, allowed: a tree"),
+            (
+                r#""scene":0,"scenes":[{"nodes":[0]}],"#,
+                "",
+                "scenes: found 0, allowed: at least 1",
+            ),
+            (
+                r#""mesh":0,"#,
+                r#""mesh":0,"children":[0],"#,
+                "found a node below itself, allowed: a tree",
+            ),
             (r#"{"asset""#, r#"["asset""#, "JSON: found "),
         ] {
             assert!(JSON.contains(from), "{from}");
@@ -362,7 +407,10 @@ mod tests {
         for length in [0_u32, 5, 11, 12, 20, 4_000_000_000] {
             let mut bytes = whole.clone();
             bytes[8..12].copy_from_slice(&length.to_le_bytes());
-            assert!(text_of(read(&bytes)).contains("as its header says"), "{length}");
+            assert!(
+                text_of(read(&bytes)).contains("as its header says"),
+                "{length}"
+            );
             // The chunk's own length.
             let mut bytes = whole.clone();
             bytes[12..16].copy_from_slice(&length.to_le_bytes());

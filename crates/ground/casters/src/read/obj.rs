@@ -50,7 +50,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Vec<Model>, Wrong> {
         let keyword = line.split_whitespace().next();
         matches!(keyword, Some("v" | "f" | "o"))
     };
-    let kept = text.lines().map(|line| Some(line).filter(casts).unwrap_or_default());
+    let kept = text
+        .lines()
+        .map(|line| Some(line).filter(casts).unwrap_or_default());
     let kept: Vec<&str> = kept.collect();
     let kept = kept.join("\n") + "\n";
     let mut counted = Counted {
@@ -75,20 +77,29 @@ fn at_line(text: &str, taken: usize, error: LoadError) -> Wrong {
         LoadError::PositionParseError => (taken, "v x y z".to_owned()),
         LoadError::ColorParseError => (taken, "v x y z, or v x y z r g b".to_owned()),
         LoadError::ScalingByZeroError => (taken, "a weight that is not 0".to_owned()),
-        LoadError::FaceParseError => (taken, "f and whole numbers, as v, v/vt or v/vt/vn".to_owned()),
-        LoadError::FaceVertexOutOfBounds => missing_vertex(text).unwrap_or((
+        LoadError::FaceParseError => (
             taken,
-            "faces behind the vertices that they name".to_owned(),
-        )),
+            "f and whole numbers, as v, v/vt or v/vt/vn".to_owned(),
+        ),
+        LoadError::FaceVertexOutOfBounds => missing_vertex(text)
+            .unwrap_or((taken, "faces behind the vertices that they name".to_owned())),
         other => (taken, format!("a line that tobj takes: {other}")),
     };
-    let found = text.lines().nth(number.saturating_sub(1)).unwrap_or_default();
+    let found = text
+        .lines()
+        .nth(number.saturating_sub(1))
+        .unwrap_or_default();
     wrong(format!("line {number}"), format!("{found:?}"), allowed)
 }
 
 /// The first face that names a vertex which there is not: its line and what it may name.
 fn missing_vertex(text: &str) -> Option<(usize, String)> {
-    let keyword = |line: &str| line.split_whitespace().next().unwrap_or_default().to_owned();
+    let keyword = |line: &str| {
+        line.split_whitespace()
+            .next()
+            .unwrap_or_default()
+            .to_owned()
+    };
     let all = text.lines().filter(|line| keyword(line) == "v").count();
     let mut before = 0;
     for (number, line) in text.lines().enumerate() {
@@ -96,7 +107,8 @@ fn missing_vertex(text: &str) -> Option<(usize, String)> {
             "v" => before += 1,
             "f" => {
                 let vertices = line.split_whitespace().skip(1);
-                let mut vertices = vertices.filter_map(|corner| corner.split('/').next()?.parse().ok());
+                let mut vertices =
+                    vertices.filter_map(|corner| corner.split('/').next()?.parse().ok());
                 let is_there = |vertex: i64| match usize::try_from(vertex.unsigned_abs()) {
                     Ok(0) | Err(_) => false,
                     Ok(at) => at <= if vertex < 0 { before } else { all },
@@ -131,7 +143,9 @@ fn model(loaded: &tobj::Model) -> Result<Model, Wrong> {
         let past = first + *arity as usize;
         let ring = mesh.indices.get(first..past).unwrap_or_default();
         let element = || format!("object {:?}, face {face}", model.name);
-        let places = ring.iter().map(|at| DVec3::from(model.places[*at as usize]));
+        let places = ring
+            .iter()
+            .map(|at| DVec3::from(model.places[*at as usize]));
         let places: Vec<DVec3> = places.collect();
         if ring.len() < 3 {
             return Err(wrong(element(), format!("{arity} corners"), "3 and more"));

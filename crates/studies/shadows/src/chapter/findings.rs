@@ -27,7 +27,9 @@ pub(super) fn is_plain(case: &Case) -> bool {
         ("depth_bounds", "off"),
         ("silhouette", "adjacency"),
     ];
-    plain.iter().all(|(key, value)| case.condition(key) == *value)
+    plain
+        .iter()
+        .all(|(key, value)| case.condition(key) == *value)
 }
 
 /// Whether two cases have the same conditions of a device, but for some.
@@ -94,7 +96,8 @@ impl Own<'_> {
     fn near(&self) -> Option<Finding> {
         let rule = |case: &Case| case.condition("rule").to_owned();
         let is_published = |case: &Case| rule(case) == "automatic, eye";
-        let [others, published] = self.wrong_by("near", |case| rule(case) == "z-pass" || is_published(case));
+        let [others, published] =
+            self.wrong_by("near", |case| rule(case) == "z-pass" || is_published(case));
         let most = published.iter().copied().reduce(f64::max)?;
         let total: f64 = others.iter().sum();
         (!others.is_empty()).then(|| Finding {
@@ -117,7 +120,11 @@ impl Own<'_> {
         let cases: Option<Vec<(&str, bool, f64)>> = cases
             .filter(|case| matches!(case.outcome, Outcome::Ok | Outcome::Wrong))
             .map(|case| {
-                Some((case.condition("casters"), is_wrapping(case), value(case, LOST)?))
+                Some((
+                    case.condition("casters"),
+                    is_wrapping(case),
+                    value(case, LOST)?,
+                ))
             })
             .collect();
         let cases = cases.filter(|cases| !cases.is_empty())?;

@@ -62,8 +62,7 @@ pub(super) const SECTIONS: [Section; 17] = [
     Section {
         question: "updates",
         title: "Volumes, rules and suns",
-        text: "Seven channels over 270° from a bridge 30 m up. Volumes end at infinity or in a plane below the \
-               curved sea. Stencil writes per pixel are a cost without noise.",
+        text: "Volumes end at infinity or in a plane below the curved sea. Stencil writes per pixel are a cost without noise.",
         named_by: &["sun", "extent", "rule"],
         columns: &[
             ("writes per pixel", UPDATES),
@@ -175,7 +174,7 @@ pub(super) const SECTIONS: [Section; 17] = [
         title: "Drawn by devices",
         text: "The same volumes drawn into a stencil by the executors that fill regions: vertices from the CPU, sea and \
                casters as a surface, one colour over the screen where the count is not 0. Times are those of the \
-               channel that has most shadow, all else is over seven channels. Rows of one sun differ in one thing \
+               channel that has most shadow, all else is over all channels. Rows of one sun differ in one thing \
                from one to the next. In rows with \"pulled\" a vertex shader reads the two facing bits of each edge, \
                and what is no side collapses; with \"compute\" a compute shader writes indices and draw arguments; \
                with \"gs\" a geometry shader makes sides of triangles or of edges with adjacency. Another sun then takes \

@@ -31,7 +31,8 @@ enum Feed {
 enum Part {
     /// The volume, or what a geometry shader makes of it.
     Volume,
-    /// Caps beside it.
+    /// Caps beside it, as a geometry shader may begin a triangle with another corner than the surface does: on
+    /// llvmpipe 106 pixels of lit casters were in their own shadow, by depths that differed in the last bit.
     Caps,
 }
 
@@ -76,8 +77,8 @@ impl OnVulkan {
 
     fn parts(&self) -> &'static [Part] {
         match self.feed {
-            Feed::Adjacent(Adjacency::Lines, _) => &[Part::Volume, Part::Caps],
-            _ => &[Part::Volume],
+            Feed::Adjacent(..) => &[Part::Volume, Part::Caps],
+            Feed::Buffers { .. } => &[Part::Volume],
         }
     }
 
@@ -101,7 +102,14 @@ impl OnVulkan {
         };
         let (entry_point, geometry, topology) = match (&self.feed, part) {
             (Feed::Buffers { .. }, _) => ("vertex_main", None, Topology::Triangles),
-            (Feed::Adjacent(..), Part::Caps) => ("caps", None, Topology::Triangles),
+            (Feed::Adjacent(by, _), Part::Caps) => {
+                let entry_point = match by {
+                    Adjacency::Triangles => "triangle_caps",
+                    Adjacency::Corners => "corner_caps",
+                    Adjacency::Lines => "caps",
+                };
+                (entry_point, None, Topology::Triangles)
+            }
             (Feed::Adjacent(by, _), Part::Volume) => match by {
                 Adjacency::Triangles => (
                     "triangles",
@@ -179,7 +187,11 @@ impl Volumes for OnVulkan {
                     }
                     Feed::Adjacent(_, vertices) => {
                         let [of_volume, of_caps] = vertices[caster];
-                        let count = if part == Part::Caps { of_caps } else { of_volume };
+                        let count = if part == Part::Caps {
+                            of_caps
+                        } else {
+                            of_volume
+                        };
                         pass.draw(pipeline, count, volume);
                     }
                 }

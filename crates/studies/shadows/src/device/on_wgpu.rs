@@ -52,10 +52,18 @@ impl Finder {
         let shape = [word(pieces), own.far, u32::from(own.is_closed), 0];
         let (storage, copied) = (wgpu::BufferUsages::STORAGE, wgpu::BufferUsages::COPY_SRC);
         let upload = |label, bytes: &[u8], usage| gpu.upload(label, bytes, usage);
-        let read = upload("caster pieces", bytemuck::cast_slice(&own.mesh.pieces), storage)?;
+        let read = upload(
+            "caster pieces",
+            bytemuck::cast_slice(&own.mesh.pieces),
+            storage,
+        )?;
         let owners = upload("casters of pieces", bytemuck::cast_slice(&owners), storage)?;
         let lit = upload("facing bits", bytemuck::cast_slice(&own.mesh.lit), storage)?;
-        let shape = upload("shape", bytemuck::cast_slice(&shape), wgpu::BufferUsages::UNIFORM)?;
+        let shape = upload(
+            "shape",
+            bytemuck::cast_slice(&shape),
+            wgpu::BufferUsages::UNIFORM,
+        )?;
         let vertices = bytemuck::cast_slice(&own.vertices);
         let vertices = upload("shadow vertices", vertices, wgpu::BufferUsages::VERTEX)?;
         let none = upload("no indices", bytemuck::cast_slice(&none), copied)?;
@@ -72,8 +80,10 @@ impl Finder {
         // A caster without pieces draws nothing, and a binding of 0 bytes is not allowed.
         let bytes = (4 * of_piece * pieces.max(1)) as u64;
         let indices = room("found indices", bytes, wgpu::BufferUsages::INDEX);
-        let kinds = [true, true, true].map(|read_only| wgpu::BufferBindingType::Storage { read_only });
-        let written = [false, false].map(|read_only| wgpu::BufferBindingType::Storage { read_only });
+        let kinds =
+            [true, true, true].map(|read_only| wgpu::BufferBindingType::Storage { read_only });
+        let written =
+            [false, false].map(|read_only| wgpu::BufferBindingType::Storage { read_only });
         let kinds = [&kinds[..], &[wgpu::BufferBindingType::Uniform], &written].concat();
         let layout = gpu.buffer_layout("silhouettes", wgpu::ShaderStages::COMPUTE, &kinds);
         let buffers = [&read, &owners, &lit, &shape, &draws, &indices];
@@ -201,13 +211,7 @@ impl Volumes for OnWgpu {
         }
     }
 
-    fn ensure(
-        &mut self,
-        gpu: &Gpu,
-        _list: &VolumeList,
-        draw: &VolumeDraw<'_>,
-        blends: bool,
-    ) {
+    fn ensure(&mut self, gpu: &Gpu, _list: &VolumeList, draw: &VolumeDraw<'_>, blends: bool) {
         debug_assert_eq!(HandedOn::of(draw.state), HandedOn::Nothing, "one colour");
         let attributes = wgpu::vertex_attr_array![0 => Sint32x3, 1 => Uint32];
         let vertices = [Some(wgpu::VertexBufferLayout {
@@ -245,12 +249,7 @@ impl Volumes for OnWgpu {
         }
     }
 
-    fn draw(
-        &mut self,
-        pass: &mut VolumePass<'_>,
-        draw: &VolumeDraw<'_>,
-        _blends: bool,
-    ) {
+    fn draw(&mut self, pass: &mut VolumePass<'_>, draw: &VolumeDraw<'_>, _blends: bool) {
         let Some(pipeline) = self.pipelines.get(&draw.state) else {
             return;
         };

@@ -126,7 +126,9 @@ fn is_drawn(name: &str, verdict: &Verdict, may_lack: bool) -> bool {
 
 fn mask_hash(verdict: &Verdict) -> &str {
     let mut notes = verdict.notes.iter();
-    notes.find(|(key, _)| *key == "mask_hash").map_or("", |(_, hash)| hash)
+    notes
+        .find(|(key, _)| *key == "mask_hash")
+        .map_or("", |(_, hash)| hash)
 }
 
 #[test]
@@ -137,8 +139,13 @@ fn devices_draw_the_reference_s_shadows_and_the_same_by_both_interfaces() {
     for (name, verdict) in all {
         let has_bounds = name.contains("/on/");
         if !is_drawn(&name, &verdict, has_bounds) {
-            let lacks = ["depth-bounds test", "depthBounds"].map(|lack| verdict.reason.contains(lack));
-            assert!(!has_bounds || lacks.contains(&true), "{name}: {}", verdict.reason);
+            let lacks =
+                ["depth-bounds test", "depthBounds"].map(|lack| verdict.reason.contains(lack));
+            assert!(
+                !has_bounds || lacks.contains(&true),
+                "{name}: {}",
+                verdict.reason
+            );
             continue;
         }
         assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
@@ -147,10 +154,16 @@ fn devices_draw_the_reference_s_shadows_and_the_same_by_both_interfaces() {
         let is_cut = name.contains("caster-rect");
         let left_out = figure(&verdict, "shadow_casters_left_out");
         assert_eq!(left_out > 0.0, is_cut, "{name}: {left_out}");
-        let way = name.replace("/wgpu/", "/").replace("/vulkan/", "/").replace("/on/", "/off/");
+        let way = name
+            .replace("/wgpu/", "/")
+            .replace("/vulkan/", "/")
+            .replace("/on/", "/off/");
         // Whoever finds the silhouettes.
         let (same, _) = way.rsplit_once('/').expect("a silhouette");
-        hashes.entry(same.to_owned()).or_default().push(mask_hash(&verdict).to_owned());
+        hashes
+            .entry(same.to_owned())
+            .or_default()
+            .push(mask_hash(&verdict).to_owned());
     }
     for (name, hashes) in hashes {
         assert!(hashes.len() >= 2, "{name}");
@@ -169,7 +182,10 @@ fn a_facing_that_each_edge_decides_for_itself_leaks_where_walls_are_edge_on() {
         let boxes = name.split('/').nth(2).expect("boxes").to_owned();
         if !name.contains("by corners") {
             assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
-            hashes.entry(boxes).or_default().push(mask_hash(&verdict).to_owned());
+            hashes
+                .entry(boxes)
+                .or_default()
+                .push(mask_hash(&verdict).to_owned());
         } else if boxes == "edge-on" {
             assert_eq!(verdict.status, Status::Wrong, "{name}: no leak");
             assert!(figure(&verdict, "shadow_undecided_facings") > 0.0, "{name}");
@@ -207,8 +223,13 @@ fn a_device_s_rows_wrap_at_256_and_512_and_the_guard_s_do_not() {
         if !is_drawn(&name, &verdict, false) {
             continue;
         }
-        let is_wrapped = name.contains("wrapping") && (name.contains("/256/") || name.contains("/512/"));
-        let status = if is_wrapped { Status::Wrong } else { Status::Ok };
+        let is_wrapped =
+            name.contains("wrapping") && (name.contains("/256/") || name.contains("/512/"));
+        let status = if is_wrapped {
+            Status::Wrong
+        } else {
+            Status::Ok
+        };
         assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
         let lost = figure(&verdict, "shadow_lost_share");
         assert_eq!(lost > 50.0, is_wrapped, "{name}: {lost} %");
@@ -224,7 +245,10 @@ fn a_device_s_map_says_what_the_cpu_s_says() {
         }
         assert_ne!(verdict.status, Status::Failed, "{name}: {}", verdict.reason);
         let same = name.replace("device-maps", "maps");
-        let (_, of_cpu) = of_cpu.iter().find(|(own, _)| *own == same).expect("the CPU's");
+        let (_, of_cpu) = of_cpu
+            .iter()
+            .find(|(own, _)| *own == same)
+            .expect("the CPU's");
         let [own, cpu] = [&verdict, of_cpu].map(|verdict| figure(verdict, "shadow_map_wrong"));
         assert!((own - cpu).abs() < 0.1 * cpu, "{name}: {own} and {cpu} %");
         let differs = figure(&verdict, "shadow_map_differs");
@@ -244,7 +268,10 @@ fn a_device_s_map_half_a_texel_aside_is_noticed() {
             map => map.expect("a map"),
         };
         let masks = map.masks(Bias::Constant, mapped.step, 1.0).expect("masks");
-        Some(percent(differing(&scene, &masks, &mapped.masks) as f64, scene.judged()))
+        Some(percent(
+            differing(&scene, &masks, &mapped.masks) as f64,
+            scene.judged(),
+        ))
     };
     if let (Some(own), Some(aside)) = (share(0.0), share(0.5)) {
         assert!(own < MAX_DIFFERS && aside > MAX_DIFFERS, "{own} {aside} %");

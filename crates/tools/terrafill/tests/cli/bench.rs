@@ -252,32 +252,44 @@ fn a_model_of_one_s_own_gets_the_rows_of_study_shadows() {
     let ran = desk.run(&bench("hut.obj,up=z", "run")).succeeded();
     assert!(ran.contains(" right, 0 wrong, 0 failed"), "{ran}");
     let run = load(&desk, "run");
-    let model = run.cases.iter().find(|case| case.id().name == "model/hut.obj");
+    let model = run
+        .cases
+        .iter()
+        .find(|case| case.id().name == "model/hut.obj");
     let model = model.expect("a verdict");
     assert_eq!(model.reason, "policy refuse: closed");
     assert_eq!(model.value("shadow_mesh_triangles"), Some(12.0));
     let asked = |question: &str| {
         let all = run.cases.iter();
         let own = all.filter(|case| case.condition("question") == question);
-        own.filter(|case| case.condition("model") == "hut.obj").count()
+        own.filter(|case| case.condition("model") == "hut.obj")
+            .count()
     };
     for question in ["updates", "scissors", "silhouettes", "devices", "maps"] {
         assert!(asked(question) > 0, "{question}");
     }
     assert_eq!(asked("eyes"), 0, "of the port's deck");
     let page = desk.read_text("run/index.html");
-    assert!(page.contains("A model from a file"), "the chapter says what it is of");
+    assert!(
+        page.contains("A model from a file"),
+        "the chapter says what it is of"
+    );
 
     // Without its lid it is refused by name, closed by a policy, and refused again where that cannot help.
     desk.write("open.obj", hut().replace(LID, ""));
     let open = "open.obj: border 4 edges, the first from";
-    desk.run(&bench("open.obj,up=z", "none"))
-        .refused(&[&[open, "refused by policy refuse; policies: refuse, cap, robust, as-is"]]);
+    desk.run(&bench("open.obj,up=z", "none")).refused(&[&[
+        open,
+        "refused by policy refuse; policies: refuse, cap, robust, as-is",
+    ]]);
     assert!(!desk.path("none").exists(), "nothing was written");
     let capped = desk.run(&bench("open.obj,up=z,policy=cap", "capped"));
     capped.succeeded();
     let run = load(&desk, "capped");
-    let model = run.cases.iter().find(|case| case.id().name == "model/open.obj");
+    let model = run
+        .cases
+        .iter()
+        .find(|case| case.id().name == "model/open.obj");
     assert!(model.is_some_and(|case| case.reason.starts_with("policy cap: border 4 edges")));
     let flipped = hut().replace(LID, "f 8 7 6 5\n");
     desk.write("flipped.obj", flipped);
@@ -296,9 +308,18 @@ fn casters_that_are_none_are_refused_with_place_and_what_is_allowed() {
     };
     for (casters, phrase) in [
         ("none.obj", "none.obj: "),
-        ("hut.txt", r#"hut.txt: extension: found "txt", allowed: obj, glb"#),
-        ("torn.obj", r#"torn.obj: line 10: found "f 4 3 2 9", allowed: vertices 1 … 8, or -8 … -1"#),
-        ("text.glb", r#"text.glb: first bytes: found "no m", allowed: "glTF""#),
+        (
+            "hut.txt",
+            r#"hut.txt: extension: found "txt", allowed: obj, glb"#,
+        ),
+        (
+            "torn.obj",
+            r#"torn.obj: line 10: found "f 4 3 2 9", allowed: vertices 1 … 8, or -8 … -1"#,
+        ),
+        (
+            "text.glb",
+            r#"text.glb: first bytes: found "no m", allowed: "glTF""#,
+        ),
         ("hut.obj,up=x", r#"--casters: up: found "x", allowed: y, z"#),
     ] {
         desk.run(&bench("shadows", casters)).refused(&[&[phrase]]);
