@@ -29,6 +29,7 @@ pub(crate) struct Brought {
 }
 
 /// Options behind the file's name, at its end.
+#[derive(Debug)]
 struct Options<'a> {
     file: &'a str,
     reading: Reading,
@@ -369,7 +370,7 @@ mod tests {
 
     #[test]
     fn options_are_read_from_the_end_and_refused_by_name() {
-        let read = options("a.obj,b=c").err().expect("b is no option");
+        let read = options("a.obj,b=c").expect_err("b is no option");
         assert_eq!(
             read,
             r#"--casters: found "b=c", allowed: up=…, unit=…, policy=…"#
@@ -389,7 +390,7 @@ mod tests {
                 r#"--casters: policy: found "close", allowed: refuse, cap, robust, as-is"#,
             ),
         ] {
-            assert_eq!(options(text).err().expect(text), message);
+            assert_eq!(options(text).expect_err(text), message);
         }
     }
 
@@ -417,7 +418,7 @@ mod tests {
         for place in &mut sunk.vertices {
             place.z -= 100.0;
         }
-        let error = Brought::of("a", sunk, Policy::Refuse).err().expect("sunk");
+        let error = Brought::of("a", sunk, Policy::Refuse).expect_err("sunk");
         assert!(error.starts_with("highest place: found -"), "{error}");
         let mut open = hull(1_000);
         open.triangles.pop();

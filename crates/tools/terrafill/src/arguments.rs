@@ -174,7 +174,7 @@ pub(crate) struct BenchArguments {
     pub(crate) ladder: Vec<String>,
     #[arg(long, value_name = "SCENE", help = MATRIX_HELP)]
     pub(crate) matrix: Vec<String>,
-    #[arg(long, value_name = "FILE[,KEY=VALUE…]", requires = "study", help = CASTERS_HELP)]
+    #[arg(long, value_name = "FILE", requires = "study", help = CASTERS_HELP)]
     pub(crate) casters: Option<String>,
 }
 
