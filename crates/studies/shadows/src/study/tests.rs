@@ -158,6 +158,10 @@ fn devices_draw_the_reference_s_shadows_and_the_same_by_both_interfaces() {
             .replace("/wgpu/", "/")
             .replace("/vulkan/", "/")
             .replace("/on/", "/off/");
+        // Sides that a geometry shader makes may begin with another corner, and round otherwise: in the band.
+        if name.contains("/gs-") {
+            continue;
+        }
         // Whoever finds the silhouettes.
         let (same, _) = way.rsplit_once('/').expect("a silhouette");
         hashes
@@ -182,10 +186,13 @@ fn a_facing_that_each_edge_decides_for_itself_leaks_where_walls_are_edge_on() {
         let boxes = name.split('/').nth(2).expect("boxes").to_owned();
         if !name.contains("by corners") {
             assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
-            hashes
-                .entry(boxes)
-                .or_default()
-                .push(mask_hash(&verdict).to_owned());
+            // As above.
+            if !name.contains("/gs-") {
+                hashes
+                    .entry(boxes)
+                    .or_default()
+                    .push(mask_hash(&verdict).to_owned());
+            }
         } else if boxes == "edge-on" {
             assert_eq!(verdict.status, Status::Wrong, "{name}: no leak");
             assert!(figure(&verdict, "shadow_undecided_facings") > 0.0, "{name}");
@@ -193,7 +200,7 @@ fn a_facing_that_each_edge_decides_for_itself_leaks_where_walls_are_edge_on() {
         }
     }
     for (boxes, hashes) in hashes {
-        assert!(hashes.len() >= 5, "{boxes}");
+        assert_eq!(hashes.len(), 3, "{boxes}");
         assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{boxes}");
         assert_eq!(leaks, 2, "a vertex and a geometry shader");
     }
