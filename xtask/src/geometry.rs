@@ -13,7 +13,7 @@ use std::process::Command;
 use terrafill_shaders::{GlslStage, compiled_shaders, geometry_shaders};
 
 /// Geometry shaders. Written down, so that a list that shrinks by accident fails.
-const EXPECTED: usize = 6;
+const EXPECTED: usize = 9;
 /// First line of the version of the compiler that made the files.
 const COMPILER_FILE: &str = "native/compiler.txt";
 /// Where the tools are looked for.
@@ -105,7 +105,8 @@ struct Output {
 
 fn outputs() -> impl Iterator<Item = Output> {
     let geometry = geometry_shaders().iter().flat_map(|shader| {
-        shader.spirv.map(|(hands_on, spirv)| Output {
+        let kinds = shader.spirv.iter();
+        kinds.map(|&(hands_on, spirv)| Output {
             source: shader.source,
             spirv,
             stage: GlslStage::Geometry,
@@ -201,14 +202,18 @@ mod tests {
 
     /// A copy of the shaders that may be broken.
     fn copy() -> tempfile::TempDir {
-        let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders/native");
         let folder = tempfile::tempdir().expect("temporary folder");
-        let to = folder.path().join("native");
-        std::fs::create_dir(&to).expect("writable");
-        for entry in std::fs::read_dir(from).expect("readable") {
-            let path = entry.expect("readable").path();
-            let name = path.file_name().expect("a file");
-            std::fs::copy(&path, to.join(name)).expect("writable");
+        for own in ["native", "casters"] {
+            let from = Path::new(env!("CARGO_MANIFEST_DIR"))
+                .join("../shaders")
+                .join(own);
+            let to = folder.path().join(own);
+            std::fs::create_dir(&to).expect("writable");
+            for entry in std::fs::read_dir(from).expect("readable") {
+                let path = entry.expect("readable").path();
+                let name = path.file_name().expect("a file");
+                std::fs::copy(&path, to.join(name)).expect("writable");
+            }
         }
         folder
     }

@@ -19,6 +19,8 @@ pub enum DepthRule {
     Fail,
     /// Those that pass it: in front.
     Pass,
+    /// All, as with [`DepthRule::Fail`]: the first step of a stencil that is preloaded.
+    Always,
 }
 
 /// Faces of a closed volume, seen from the eye.
@@ -41,8 +43,8 @@ pub enum StencilOperation {
         /// Bits that are flipped; the stencil's write mask.
         mask: u8,
     },
-    /// Adds or takes away one, modulo 256: with [`DepthRule::Fail`] back faces add and front faces
-    /// take away, with [`DepthRule::Pass`] the other way round.
+    /// Adds or takes away one, modulo 256: with [`DepthRule::Fail`] and [`DepthRule::Always`] back faces
+    /// add and front faces take away, with [`DepthRule::Pass`] the other way round.
     Count,
 }
 
@@ -76,7 +78,9 @@ impl StencilRule {
             (StencilOperation::Invert { mask }, _) => {
                 (FaceEffect::Invert, FaceEffect::Invert, mask)
             }
-            (StencilOperation::Count, DepthRule::Fail) => (FaceEffect::Take, FaceEffect::Add, 0xff),
+            (StencilOperation::Count, DepthRule::Fail | DepthRule::Always) => {
+                (FaceEffect::Take, FaceEffect::Add, 0xff)
+            }
             (StencilOperation::Count, DepthRule::Pass) => (FaceEffect::Add, FaceEffect::Take, 0xff),
         }
     }

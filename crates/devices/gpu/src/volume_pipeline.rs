@@ -100,7 +100,7 @@ impl VolumeShader<'_> {
             ),
             VolumeState::Accumulate { depth, .. } => {
                 let entry = match depth {
-                    DepthRule::Fail => "number_behind",
+                    DepthRule::Fail | DepthRule::Always => "number_behind",
                     DepthRule::Pass => "number_before",
                 };
                 let added = target(NUMBER_FORMAT, Some(ADDED), wgpu::ColorWrites::ALL);
@@ -215,6 +215,7 @@ fn accumulate_state(depth: DepthRule) -> wgpu::DepthStencilState {
     unchanged(match depth {
         DepthRule::Fail => wgpu::CompareFunction::LessEqual,
         DepthRule::Pass => wgpu::CompareFunction::Greater,
+        DepthRule::Always => wgpu::CompareFunction::Always,
     })
 }
 
@@ -223,19 +224,18 @@ fn accumulate_state(depth: DepthRule) -> wgpu::DepthStencilState {
 /// fewer fragments where the surface is close.
 fn mark_state(rule: StencilRule) -> wgpu::DepthStencilState {
     let keep = wgpu::StencilOperation::Keep;
-    let face = |operation| match rule.depth {
-        DepthRule::Fail => wgpu::StencilFaceState {
+    let face = |operation| {
+        let (depth_fail_op, pass_op) = match rule.depth {
+            DepthRule::Fail => (operation, keep),
+            DepthRule::Pass => (keep, operation),
+            DepthRule::Always => (operation, operation),
+        };
+        wgpu::StencilFaceState {
             compare: wgpu::CompareFunction::Always,
             fail_op: keep,
-            depth_fail_op: operation,
-            pass_op: keep,
-        },
-        DepthRule::Pass => wgpu::StencilFaceState {
-            compare: wgpu::CompareFunction::Always,
-            fail_op: keep,
-            depth_fail_op: keep,
-            pass_op: operation,
-        },
+            depth_fail_op,
+            pass_op,
+        }
     };
     let operation = |effect| match effect {
         FaceEffect::Invert => wgpu::StencilOperation::Invert,

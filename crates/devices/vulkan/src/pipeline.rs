@@ -73,13 +73,18 @@ pub enum Topology {
     TrianglesWithAdjacency,
     /// Strips of triangles that the largest index ends: after each corner one of a neighbour.
     StripsWithAdjacency,
+    /// Four each: two ends, before and behind them those of what is next to the line.
+    LinesWithAdjacency,
 }
 
 impl Topology {
     /// Whether the largest index ends a primitive and begins another.
     fn restarts(self) -> bool {
         match self {
-            Self::Points | Self::Triangles | Self::TrianglesWithAdjacency => false,
+            Self::Points
+            | Self::Triangles
+            | Self::TrianglesWithAdjacency
+            | Self::LinesWithAdjacency => false,
             Self::Strips | Self::LineStrips | Self::StripsWithAdjacency => true,
         }
     }
@@ -383,6 +388,7 @@ impl Assembly<'_> {
                 Topology::StripsWithAdjacency => {
                     vk::PrimitiveTopology::TRIANGLE_STRIP_WITH_ADJACENCY
                 }
+                Topology::LinesWithAdjacency => vk::PrimitiveTopology::LINE_LIST_WITH_ADJACENCY,
             })
             .primitive_restart_enable(self.topology.restarts());
         let viewport = vk::PipelineViewportStateCreateInfo::default()
@@ -509,6 +515,7 @@ pub(crate) fn depth_stencil(
                 // The complement of `Greater`.
                 DepthRule::Fail => vk::CompareOp::LESS_OR_EQUAL,
                 DepthRule::Pass => vk::CompareOp::GREATER,
+                DepthRule::Always => vk::CompareOp::ALWAYS,
             })
         }
         PipelineState::Colour {
@@ -560,6 +567,7 @@ fn mark_face(depth: DepthRule, effect: FaceEffect, mask: u8) -> vk::StencilOpSta
     let (pass_op, depth_fail_op) = match depth {
         DepthRule::Fail => (keep, operation),
         DepthRule::Pass => (operation, keep),
+        DepthRule::Always => (operation, operation),
     };
     vk::StencilOpState {
         fail_op: keep,

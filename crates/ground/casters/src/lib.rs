@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! Meshes that cast shadows: what is wrong with one, a procedural port, silhouettes and volumes.
+//! Meshes that cast shadows: readers, what is wrong with one, a procedural port, silhouettes and volumes.
 //!
 //! Metres, `f64`, ENU axes: x along the dock, y to land, z up from the sea at the origin. Nothing here
 //! draws. Facing is one bit a plane, decided once ([`Facing`]), and every method reads that bit.
 //! Sources: Aldridge & Woods (2004) and Kim, Kim & Turk (2008) for the directed count of an edge.
 
 mod mesh;
+mod pieces;
 mod policy;
 mod port;
+mod read;
 mod silhouette;
 mod verdict;
 mod volume;
@@ -15,6 +17,7 @@ mod volume;
 pub use mesh::{Caster, Mesh, MeshError, Part};
 pub use policy::{Policy, Prepared};
 pub use port::{PortSize, hull, port, row};
+pub use read::{ReadError, Reading, Up};
 pub use silhouette::{EdgeTable, Facing, Side, by_hash, by_stack};
 pub use verdict::{Verdict, verdict};
 pub use volume::{Extent, Face, LightError, Volume, VolumeTriangle, sea_level_below};

@@ -129,7 +129,7 @@ impl Mesh {
         });
     }
 
-    fn push_part(
+    pub(crate) fn push_part(
         &mut self,
         vertices: Vec<DVec3>,
         expected: usize,
@@ -150,7 +150,7 @@ impl Mesh {
     }
 
     /// A convex polygon as a fan, in one plane.
-    fn push_face(&mut self, ring: &[u32]) {
+    pub(crate) fn push_face(&mut self, ring: &[u32]) {
         let plane = index(self.normals.len());
         let places: Vec<DVec3> = ring.iter().map(|at| self.vertices[*at as usize]).collect();
         self.normals.push(fan_normal(&places));

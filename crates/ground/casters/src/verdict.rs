@@ -2,7 +2,8 @@
 //! What is wrong with a mesh as a caster: found at load, with a place.
 //!
 //! A mesh is closed if every directed edge occurs once and its reverse once. Vertices are the same
-//! where their places have equal bits: a file often repeats them a triangle.
+//! where their places have equal bits: a file often repeats them a triangle. A closed part that holds a
+//! negative volume is inside out, unless it lies in another part's box and may be a cavity.
 
 use crate::mesh::index;
 use crate::{Mesh, Part};
@@ -20,15 +21,17 @@ pub struct Verdict {
     pub flipped: usize,
     /// Triangles without area.
     pub degenerate: usize,
+    /// Closed parts whose faces look inwards.
+    pub inside_out: usize,
     /// Ends of the first of them, m.
     pub first: Option<[DVec3; 2]>,
 }
 
 impl Verdict {
-    /// Whether every edge is met once in either direction and every triangle has an area.
+    /// Whether every edge is met once in either direction, every triangle has an area and looks outwards.
     #[must_use]
     pub fn is_closed(&self) -> bool {
-        self.border + self.non_manifold + self.flipped + self.degenerate == 0
+        self.border + self.non_manifold + self.flipped + self.degenerate + self.inside_out == 0
     }
 }
 
@@ -42,6 +45,7 @@ impl std::fmt::Display for Verdict {
             ("non-manifold", self.non_manifold, "edges"),
             ("flipped", self.flipped, "edges"),
             ("degenerate", self.degenerate, "triangles"),
+            ("inside out", self.inside_out, "parts"),
         ];
         let found = counts.iter().filter(|(_, count, _)| *count > 0);
         let words: Vec<String> = found
@@ -86,7 +90,9 @@ pub(crate) fn edges(
 #[must_use]
 pub fn verdict(mesh: &Mesh) -> Verdict {
     let mut verdict = Verdict::default();
+    let mut inwards: Vec<&Part> = Vec::new();
     for part in &mesh.parts {
+        let found = verdict;
         for triangle in part.triangles.clone() {
             let [a, b, c] = mesh.corners(triangle);
             if (b - a).cross(c - a) == DVec3::ZERO {
@@ -105,8 +111,41 @@ pub fn verdict(mesh: &Mesh) -> Verdict {
             let place = |at: u32| mesh.vertices[at as usize];
             verdict.first.get_or_insert([place(low), place(high)]);
         }
+        if verdict == found && volume_m3(mesh, part) < 0.0 {
+            inwards.push(part);
+        }
+    }
+    for part in inwards {
+        let [low, high] = extent(mesh, part);
+        let holds = |other: &Part| {
+            let [lowest, highest] = extent(mesh, other);
+            lowest.cmple(low).all() && high.cmple(highest).all() && [low, high] != [lowest, highest]
+        };
+        if !mesh.parts.iter().any(holds) {
+            verdict.inside_out += 1;
+            let [a, b, _] = mesh.corners(part.triangles.start);
+            verdict.first.get_or_insert([a, b]);
+        }
     }
     verdict
+}
+
+/// Volume inside a closed part, m³; negative where its faces look inwards.
+fn volume_m3(mesh: &Mesh, part: &Part) -> f64 {
+    let from = mesh.vertices[part.vertices.start];
+    let triangles = part.triangles.clone().map(|triangle| {
+        let [a, b, c] = mesh.corners(triangle).map(|place| place - from);
+        a.dot(b.cross(c)) / 6.0
+    });
+    triangles.sum()
+}
+
+fn extent(mesh: &Mesh, part: &Part) -> [DVec3; 2] {
+    let places = mesh.vertices[part.vertices.clone()].iter().copied();
+    [
+        places.clone().fold(DVec3::INFINITY, DVec3::min),
+        places.fold(DVec3::NEG_INFINITY, DVec3::max),
+    ]
 }
 
 /// Edges of a part, whose vertices of equal bits are one.
@@ -147,6 +186,26 @@ pub(crate) mod tests {
         assert_eq!((twice.non_manifold, twice.border), (3, 0));
         let sliver = judged(|vertices, _| vertices[3] = DVec3::new(0.5, 0.0, 0.0));
         assert_eq!(sliver.degenerate, 1);
+    }
+
+    #[test]
+    fn a_body_inside_out_is_named_and_a_cavity_is_not() {
+        let (vertices, triangles) = tetrahedron();
+        let turned = |own: &[u32; 3]| [own[0], own[2], own[1]];
+        let inwards: Vec<[u32; 3]> = triangles.iter().map(turned).collect();
+        let mesh = Mesh::from_triangles("in", vertices.clone(), inwards).expect("finite");
+        let found = verdict(&mesh);
+        assert_eq!((found.inside_out, found.is_closed()), (1, false));
+        assert!(
+            found.to_string().starts_with("inside out 1 parts"),
+            "{found}"
+        );
+        // The same around it, four times as large, the right way out.
+        let outer = vertices.iter().map(|place| *place * 4.0 - 0.5);
+        let outer = Mesh::from_triangles("out", outer.collect(), triangles).expect("finite");
+        let mut tank = mesh;
+        tank.append(&outer, DVec3::ZERO);
+        assert_eq!(verdict(&tank).to_string(), "closed");
     }
 
     #[test]

@@ -99,8 +99,8 @@ pub struct GeometryShader {
     /// GLSL, relative to `shaders/`.
     pub source: &'static str,
     /// SPIR-V by what fragments get, relative to `shaders/`.
-    pub spirv: [(HandsOn, &'static str); 3],
-    bytes: [&'static [u8]; 3],
+    pub spirv: &'static [(HandsOn, &'static str)],
+    bytes: &'static [&'static [u8]],
 }
 
 /// What a geometry shader hands on to fragments besides the position.
@@ -126,35 +126,61 @@ impl HandsOn {
     }
 }
 
-macro_rules! geometry_shaders {
-    ($($name:literal),* $(,)?) => {
-        &[$(GeometryShader {
+/// A file below `shaders/`.
+macro_rules! shader_bytes {
+    ($path:expr) => {
+        include_bytes!(concat!("../../../../shaders/", $path))
+    };
+}
+
+/// Of regions: in three kinds.
+macro_rules! region_shader {
+    ($name:literal) => {
+        GeometryShader {
             source: concat!("native/", $name, ".geom"),
-            spirv: [
+            spirv: &[
                 (HandsOn::Nothing, concat!("native/", $name, ".spv")),
                 (HandsOn::Colour, concat!("native/", $name, ".coloured.spv")),
                 (HandsOn::Number, concat!("native/", $name, ".numbered.spv")),
             ],
-            bytes: [
-                include_bytes!(concat!("../../../../shaders/native/", $name, ".spv")),
-                include_bytes!(concat!("../../../../shaders/native/", $name, ".coloured.spv")),
-                include_bytes!(concat!("../../../../shaders/native/", $name, ".numbered.spv")),
+            bytes: &[
+                shader_bytes!(concat!("native/", $name, ".spv")),
+                shader_bytes!(concat!("native/", $name, ".coloured.spv")),
+                shader_bytes!(concat!("native/", $name, ".numbered.spv")),
             ],
-        }),*]
+        }
     };
 }
 
-const GEOMETRY_SHADERS: &[GeometryShader] = geometry_shaders![
-    "degenerate",
-    "two_edges",
-    "caps",
-    "walls",
-    "adjacency",
-    "per_triangle",
+/// Of casters, which are marked and never coloured.
+macro_rules! caster_shader {
+    ($name:literal) => {
+        GeometryShader {
+            source: concat!("casters/", $name, ".geom"),
+            spirv: &[(HandsOn::Nothing, concat!("casters/", $name, ".spv"))],
+            bytes: &[shader_bytes!(concat!("casters/", $name, ".spv"))],
+        }
+    };
+}
+
+const GEOMETRY_SHADERS: &[GeometryShader] = &[
+    region_shader!("degenerate"),
+    region_shader!("two_edges"),
+    region_shader!("caps"),
+    region_shader!("walls"),
+    region_shader!("adjacency"),
+    region_shader!("per_triangle"),
+    caster_shader!("triangles"),
+    caster_shader!("corners"),
+    caster_shader!("lines"),
 ];
 
 /// GLSL that geometry shaders include.
-const GEOMETRY_SHARED: &[&str] = &["native/volume.glsl", "native/grid.glsl"];
+const GEOMETRY_SHARED: &[&str] = &[
+    "native/volume.glsl",
+    "native/grid.glsl",
+    "casters/sides.glsl",
+];
 
 /// Every geometry shader.
 #[must_use]
@@ -337,14 +363,23 @@ mod tests {
 
     #[test]
     fn geometry_shaders_are_spirv_and_come_in_three_kinds() {
-        assert_eq!(geometry_shaders().len(), 6);
+        assert_eq!(geometry_shaders().len(), 9);
         for shader in geometry_shaders() {
-            let [plain, coloured, numbered] = shader
-                .spirv
-                .map(|(kind, _)| geometry_spirv(shader.source, kind).expect("SPIR-V"));
-            assert_ne!(plain, coloured, "{}", shader.source);
-            assert_ne!(coloured, numbered, "{}", shader.source);
+            let kinds = shader.spirv.iter();
+            let kinds =
+                kinds.map(|(kind, _)| geometry_spirv(shader.source, *kind).expect("SPIR-V"));
+            let mut kinds: Vec<Vec<u32>> = kinds.collect();
+            let count = if shader.source.starts_with("casters/") {
+                1
+            } else {
+                3
+            };
+            assert_eq!(kinds.len(), count, "{}", shader.source);
+            kinds.sort_unstable();
+            kinds.dedup();
+            assert_eq!(kinds.len(), count, "{}: two are the same", shader.source);
         }
+        assert!(geometry_spirv("casters/lines.geom", HandsOn::Colour).is_err());
         assert!(geometry_spirv("native/nothing.geom", HandsOn::Nothing).is_err());
     }
 

@@ -4,7 +4,8 @@
 mod findings;
 mod sections;
 
-use crate::metrics::{LOST, MAP_WRONG, MISSED, TIME, UPDATES};
+use crate::metrics::{FILL_CPU, LOST, MAP_WRONG, MISSED, TIME, UPDATES};
+use findings::is_plain;
 use sections::{SECTIONS, Section};
 use terrafill_plot::number::{count, significant};
 use terrafill_plot::{
@@ -15,7 +16,10 @@ use terrafill_results::{
     PictureFigure, Pictures, Plot, Row, Run, Table, process_medians, sample_spread,
 };
 
-const WHAT: &str = "A procedural port: a trestle dock, cranes, ships, containers. The reference sends rays in f64 \
+const PORT: &str = "A procedural port: a trestle dock, cranes, ships, containers, in seven channels \
+     over 270° from a bridge 30 m up.";
+const BROUGHT: &str = "A model from a file over the sea, its middle at the origin, seen from four sides, above its top.";
+const WHAT: &str = "The reference sends rays in f64 \
      from each visible point to the sun, and a second test looks from the sun down. A volume's mask is what a \
      stencil would hold: its triangles, counted along the ray of each pixel. Devices draw the same volumes in a \
      section of their own. \
@@ -57,7 +61,8 @@ impl Chapter for ShadowsChapter {
         if own.cases.is_empty() {
             return Ok(Vec::new());
         }
-        let mut blocks = vec![Block::Text(WHAT.to_owned())];
+        let casters = if own.has("model") { BROUGHT } else { PORT };
+        let mut blocks = vec![Block::Text(format!("{casters} {WHAT}"))];
         blocks.extend(own.findings(run.clock()).into_iter().map(Block::Finding));
         for section in SECTIONS.iter().filter(|section| own.has(section.question)) {
             blocks.push(Block::section(section.title));
@@ -84,6 +89,17 @@ struct Own<'a> {
 fn value(case: &Case, metric: &str) -> Option<f64> {
     let is_known = matches!(case.outcome, Outcome::Ok | Outcome::Wrong);
     case.value(metric).filter(|_| is_known)
+}
+
+/// Wrong pixels of volumes, the band included, in per cent of what is seen.
+fn own_share(case: &Case) -> Option<f64> {
+    let px = [
+        "shadow_false_lit_px",
+        "shadow_false_dark_px",
+        "shadow_band_px",
+    ];
+    let px: Option<f64> = px.iter().map(|metric| value(case, metric)).sum();
+    Some(100.0 * px? / value(case, "shadow_receiver_px")?)
 }
 
 /// Counts as they are, everything else in three digits.
@@ -255,6 +271,13 @@ impl<'a> Own<'a> {
                 Upwards::Error,
                 "Wrong pixels against bytes, texel in m beside the points; volumes have none outside the band.",
             ),
+            "device-maps" => (
+                "process CPU ms of a frame, median",
+                "wrong pixels, %",
+                Upwards::Error,
+                "Wrong pixels, the band included, against time; texel in m beside the points. Volumes closed at the sea \
+                 under the same suns stand beside.",
+            ),
             _ => return Ok(None),
         };
         let curves = self.curves(section.question);
@@ -285,6 +308,10 @@ impl<'a> Own<'a> {
                 && case.condition("rule") == "z-fail"
                 && suns.contains(&case.condition("sun"))
         });
+        let volumes = self.of_question("devices").filter(|case| {
+            question == "device-maps" && is_plain(case) && suns.contains(&case.condition("sun"))
+        });
+        let others = others.chain(volumes);
         for case in self.of_question(question).chain(others) {
             let number = |key: &str| case.condition(key).parse::<f64>().ok();
             let elevation = || case.condition("sun").split('°').next()?.parse::<f64>().ok();
@@ -334,8 +361,24 @@ impl<'a> Own<'a> {
                         texel,
                     )
                 }
+                "device-maps" => {
+                    let (sun, texel) = (case.condition("sun"), case.condition("texel_m"));
+                    let wrong = match texel {
+                        "" => own_share(case),
+                        _ => of(MAP_WRONG),
+                    };
+                    let name = match texel {
+                        "" => format!("volumes, sun {sun}"),
+                        _ => format!("map, sun {sun}, {}", case.condition("bias")),
+                    };
+                    let knob = number("texel_m").or(Some(0.0));
+                    (name, knob, of(FILL_CPU), wrong, texel.to_owned())
+                }
                 _ => {
-                    let kind = case.condition("mesh").split('-').next().unwrap_or_default();
+                    let kind = match case.condition("mesh").split('-').next() {
+                        None | Some("") => "the model",
+                        Some(kind) => kind,
+                    };
                     let name = format!("{}, {kind}", case.condition("silhouette"));
                     let triangles = of("shadow_mesh_triangles");
                     let is_whole = !case.condition("mesh").contains("turned");
@@ -386,7 +429,6 @@ impl<'a> Own<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::metrics::FILL_CPU;
     use terrafill_results::Standing;
     use terrafill_results::made_up::{MadeUpRun, case_id};
 

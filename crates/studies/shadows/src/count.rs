@@ -205,6 +205,21 @@ pub(crate) fn draw(
     truth: &Truth,
     how: &dyn Fn(u32) -> Draw,
 ) {
+    draw_within(stencil, view, mesh, volume, truth, how, &[]);
+}
+
+/// The same where what is seen lies between two depths.
+///
+/// - `bounds`: of each part, m, nearest and farthest; empty for none
+pub(crate) fn draw_within(
+    stencil: &mut Stencil,
+    view: &View,
+    mesh: &Mesh,
+    volume: &Volume,
+    truth: &Truth,
+    how: &dyn Fn(u32) -> Draw,
+    bounds: &[[f64; 2]],
+) {
     let depths = depths(view, mesh, truth);
     for triangle in &volume.triangles {
         let Some((rule, rectangle)) = how(triangle.part) else {
@@ -218,7 +233,11 @@ pub(crate) fn draw(
             continue;
         }
         let seen = Rectangle::around(view, &spanned.corners).and(rectangle);
+        let bounds = bounds.get(triangle.part as usize);
         fill(view, &spanned, seen, |at, depth, is_front| {
+            if bounds.is_some_and(|[near, far]| !(*near..=*far).contains(&depths[at])) {
+                return;
+            }
             let (add, writes) = rule.adds(is_front, depth < depths[at]);
             stencil.counts[at] += add;
             stencil.updates += writes;

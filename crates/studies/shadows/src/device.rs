@@ -1,22 +1,19 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Shadow volumes on devices, through the executors of stencil programs that fill regions too.
 
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
+mod on_vulkan;
+mod on_wgpu;
+
+use self::on_vulkan::OnVulkan;
+use self::on_wgpu::OnWgpu;
 use std::ops::Range;
-use std::sync::Arc;
 use terrafill_fill::{
     Counters, DeviceError, Devices, FrameTimes, Picture, StencilExecutor, StencilWork, SurfaceView,
-    Switches, VolumeDraw, VolumeList, VolumeState,
-};
-use terrafill_gpu::{HandedOn, VolumeShader};
-use terrafill_vulkan::{
-    Buffer, BufferUse, Fragments, Geometry, IndexWidth, Pipeline, PipelineDescriptor, Topology,
-    VertexFormat, VertexStage,
+    Switches,
 };
 
+/// Draws vertices as they are.
 const SHADER: &str = "casters/volume.wgsl";
-const PULLED_SHADER: &str = "casters/pulled.wgsl";
 /// Of a piece that is a triangle of the light cap.
 pub(crate) const IS_CAP: u32 = 1 << 31;
 
@@ -44,11 +41,53 @@ pub(crate) struct EyeMesh {
     pub(crate) ranges: Vec<Range<u32>>,
 }
 
+/// Casters as one eye sees them, whose volumes a compute shader puts together from these vertices.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Computed {
+    /// As those of [`EyeVolumes`]: places, then their ends, or the one end that all have.
+    pub(crate) vertices: Vec<[u32; 4]>,
+    /// Without places.
+    pub(crate) mesh: EyeMesh,
+    /// From a place to its end; or that of the one end.
+    pub(crate) far: u32,
+    /// Whether each place has an end of its own.
+    pub(crate) is_closed: bool,
+}
+
+/// How a geometry shader is given casters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Adjacency {
+    /// Triangles with the corners opposite to their edges, and a facing bit of each of the four.
+    Triangles,
+    /// Edges with the corners opposite to them, and two facing bits.
+    Lines,
+    /// As triangles, of which it computes the facing itself, in `f32`.
+    Corners,
+}
+
+/// Casters as one eye sees them, for a geometry shader.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Adjacent {
+    pub(crate) by: Adjacency,
+    /// Of each caster: vertices of its triangles or edges, and of its caps, which are drawn beside.
+    pub(crate) vertices: Vec<[u32; 2]>,
+    /// What `casters/adjacent.wgsl` reads behind the volumes' constants.
+    pub(crate) words: Vec<u32>,
+    /// Where in these the table of volumes, corners, facing bits, places and caps begin.
+    pub(crate) begins: [u32; 5],
+    /// Bytes of the facing bits.
+    pub(crate) light_bytes: u64,
+}
+
 /// What a device makes volumes of.
 #[derive(Debug)]
 pub(crate) enum VolumeSource {
     Volumes(EyeVolumes),
     Pulled(EyeMesh),
+    /// As pulled, without facing bits.
+    Corners(EyeMesh),
+    Computed(Computed),
+    Adjacent(Adjacent),
 }
 
 impl VolumeSource {
@@ -60,13 +99,43 @@ impl VolumeSource {
                 let bytes = size_of_val(&*volumes.vertices) + size_of_val(&*volumes.indices);
                 [bytes as u64; 2]
             }
-            Self::Pulled(mesh) => {
+            Self::Pulled(mesh) | Self::Corners(mesh) => {
                 let fixed = size_of_val(&*mesh.places) + size_of_val(&*mesh.pieces);
                 // The bits and the direction.
                 let light = size_of_val(&*mesh.lit);
                 [(fixed + light) as u64, (light + 16) as u64]
             }
+            Self::Computed(own) => {
+                let pieces = own.mesh.pieces.len();
+                let light = size_of_val(&*own.mesh.lit);
+                let ends = match own.is_closed {
+                    true => size_of_val(&*own.vertices) / 2,
+                    false => 16,
+                };
+                // Pieces with their casters, and room for the indices of each.
+                let fixed = pieces * (16 + 4 + 4 * own.indices_of_piece());
+                let all = fixed + size_of_val(&*own.vertices) + light;
+                [all as u64, (light + ends) as u64]
+            }
+            // The bits and the direction.
+            Self::Adjacent(own) => [size_of_val(&*own.words) as u64, own.light_bytes + 16],
         }
+    }
+}
+
+impl Adjacent {
+    /// The words as they lie behind so many bytes, and where what begins.
+    pub(crate) fn words_behind(&self, bytes: usize) -> Vec<u32> {
+        let before = u32::try_from(bytes / size_of::<u32>()).unwrap_or(u32::MAX);
+        let begins = self.begins.map(|own| own + before);
+        self.words.iter().copied().chain(begins).collect()
+    }
+}
+
+impl Computed {
+    /// Indices of a triangle or of two.
+    fn indices_of_piece(&self) -> usize {
+        if self.is_closed { 6 } else { 3 }
     }
 }
 
@@ -104,13 +173,11 @@ impl Interface {
                 loaded(&targets, switches, make, view, work)
             }
             Self::Vulkan => {
-                let VolumeSource::Volumes(volumes) = source else {
-                    let what = "storage buffers that vertex shaders pull from";
-                    return Err(DeviceError::unsupported(what, "the executor on Vulkan"));
-                };
                 let gpu = terrafill_vulkan::shared_gpu(devices)?;
                 let targets = terrafill_vulkan::RenderTargets::shared(&gpu, view.size)?;
-                let make = |_: &terrafill_vulkan::VolumeFill| OnVulkan::new(&gpu, volumes);
+                let make = |_: &terrafill_vulkan::VolumeFill| {
+                    OnVulkan::new(&gpu, source, switches.depth_bounds)
+                };
                 loaded(&targets, switches, make, view, work)
             }
         }
@@ -159,207 +226,4 @@ fn loaded<V: 'static, E: StencilExecutor<V> + 'static>(
     executor.load(work)?;
     executor.ensure(&mut volumes)?;
     Ok(Box::new(Loaded { executor, volumes }))
-}
-
-/// What the vertex stage reads, on wgpu.
-enum Feed {
-    Buffers {
-        vertices: wgpu::Buffer,
-        indices: wgpu::Buffer,
-    },
-    Pulled(wgpu::BindGroup),
-}
-
-/// Buffers and pipelines on wgpu.
-struct OnWgpu {
-    shader: wgpu::ShaderModule,
-    layout: wgpu::PipelineLayout,
-    feed: Feed,
-    /// Of each caster: its indices, or its vertices that the shader makes up.
-    ranges: Vec<Range<u32>>,
-    pipelines: HashMap<VolumeState, wgpu::RenderPipeline>,
-}
-
-impl OnWgpu {
-    fn new(fill: &terrafill_gpu::VolumeFill, source: VolumeSource) -> Result<Self, DeviceError> {
-        let gpu = fill.gpu();
-        let frame = Some(fill.frame_layout());
-        let (shader, layout, feed, ranges) = match source {
-            VolumeSource::Volumes(volumes) => {
-                let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
-                let vertices = bytemuck::cast_slice(&volumes.vertices);
-                let indices = bytemuck::cast_slice(&volumes.indices);
-                let feed = Feed::Buffers {
-                    vertices: gpu.upload("shadow vertices", vertices, vertex)?,
-                    indices: gpu.upload("shadow indices", indices, index)?,
-                };
-                let layout = gpu.pipeline_layout("shadows", &[frame]);
-                (SHADER, layout, feed, volumes.ranges)
-            }
-            VolumeSource::Pulled(mesh) => {
-                let storage = wgpu::BufferBindingType::Storage { read_only: true };
-                let vertex = wgpu::ShaderStages::VERTEX;
-                let own = gpu.buffer_layout("casters", vertex, &[storage; 3]);
-                let upload =
-                    |label, bytes: &[u8]| gpu.upload(label, bytes, wgpu::BufferUsages::STORAGE);
-                let places = upload("caster places", bytemuck::cast_slice(&mesh.places))?;
-                let pieces = upload("caster pieces", bytemuck::cast_slice(&mesh.pieces))?;
-                let lit = upload("facing bits", bytemuck::cast_slice(&mesh.lit))?;
-                let bound = gpu.bind_buffers("casters", &own, &[&places, &pieces, &lit]);
-                let layout = gpu.pipeline_layout("pulled shadows", &[frame, Some(&own)]);
-                let corners = |pieces: Range<u32>| 3 * pieces.start..3 * pieces.end;
-                let ranges = mesh.ranges.into_iter().map(corners).collect();
-                (PULLED_SHADER, layout, Feed::Pulled(bound), ranges)
-            }
-        };
-        Ok(Self {
-            shader: gpu.shader(shader)?,
-            layout,
-            feed,
-            ranges,
-            pipelines: HashMap::new(),
-        })
-    }
-}
-
-impl terrafill_gpu::Volumes for OnWgpu {
-    fn ensure(
-        &mut self,
-        gpu: &terrafill_gpu::Gpu,
-        _list: &VolumeList,
-        draw: &VolumeDraw<'_>,
-        blends: bool,
-    ) {
-        debug_assert_eq!(HandedOn::of(draw.state), HandedOn::Nothing, "one colour");
-        let attributes = wgpu::vertex_attr_array![0 => Sint32x3, 1 => Uint32];
-        let vertices = [Some(wgpu::VertexBufferLayout {
-            array_stride: 16,
-            step_mode: wgpu::VertexStepMode::Vertex,
-            attributes: &attributes,
-        })];
-        let shader = VolumeShader {
-            module: &self.shader,
-            layout: &self.layout,
-            vertex_entry: "vertex_main",
-            constants: &[],
-            buffers: match self.feed {
-                Feed::Buffers { .. } => &vertices,
-                Feed::Pulled(_) => &[],
-            },
-            strip_index_format: None,
-            front_face: wgpu::FrontFace::Ccw,
-        };
-        let pipeline = || shader.pipeline(gpu, draw.state, blends);
-        self.pipelines.entry(draw.state).or_insert_with(pipeline);
-    }
-
-    fn bind(&self, pass: &mut wgpu::RenderPass<'_>) {
-        match &self.feed {
-            Feed::Buffers { vertices, indices } => {
-                pass.set_vertex_buffer(0, vertices.slice(..));
-                pass.set_index_buffer(indices.slice(..), wgpu::IndexFormat::Uint32);
-            }
-            Feed::Pulled(bound) => pass.set_bind_group(1, bound, &[]),
-        }
-    }
-
-    fn draw(
-        &mut self,
-        pass: &mut terrafill_gpu::VolumePass<'_>,
-        draw: &VolumeDraw<'_>,
-        _blends: bool,
-    ) {
-        let Some(pipeline) = self.pipelines.get(&draw.state) else {
-            return;
-        };
-        pass.raw.set_pipeline(pipeline);
-        for &volume in draw.volumes {
-            let range = self.ranges[pass.list.volumes[volume].geometry].clone();
-            pass.cut(volume, draw.scissor);
-            match self.feed {
-                Feed::Buffers { .. } => pass.draw_indexed(range, 0, volume),
-                Feed::Pulled(_) => pass.draw(range, volume),
-            }
-        }
-    }
-}
-
-/// As [`OnWgpu`], on Vulkan.
-struct OnVulkan {
-    vertices: Buffer,
-    indices: Buffer,
-    ranges: Vec<Range<u32>>,
-    pipelines: HashMap<VolumeState, Pipeline>,
-}
-
-impl OnVulkan {
-    fn new(gpu: &Arc<terrafill_vulkan::Gpu>, volumes: EyeVolumes) -> Result<Self, DeviceError> {
-        let upload = |label, bytes, use_for| Buffer::upload(gpu, label, bytes, use_for);
-        let vertices = bytemuck::cast_slice(&volumes.vertices);
-        let indices = bytemuck::cast_slice(&volumes.indices);
-        Ok(Self {
-            vertices: upload("shadow vertices", vertices, BufferUse::Vertex)?,
-            indices: upload("shadow indices", indices, BufferUse::Index)?,
-            ranges: volumes.ranges,
-            pipelines: HashMap::new(),
-        })
-    }
-}
-
-fn descriptor(state: VolumeState) -> PipelineDescriptor {
-    let fragments = match state {
-        VolumeState::Mark {
-            has_colour: true, ..
-        } => Fragments::Shader {
-            path: SHADER,
-            entry_point: "no_colour",
-        },
-        _ => Fragments::None,
-    };
-    PipelineDescriptor {
-        vertex: VertexStage {
-            path: SHADER,
-            entry_point: "vertex_main",
-            bends_footprints: false,
-        },
-        geometry: None,
-        fragments,
-        format: VertexFormat::FixedAndFlag,
-        topology: Topology::Triangles,
-        state: state.into(),
-        depth_bounds: false,
-    }
-}
-
-impl terrafill_vulkan::Volumes for OnVulkan {
-    fn ensure(
-        &mut self,
-        gpu: &Arc<terrafill_vulkan::Gpu>,
-        draw: &VolumeDraw<'_>,
-    ) -> Result<(), DeviceError> {
-        if let Entry::Vacant(place) = self.pipelines.entry(draw.state) {
-            place.insert(Pipeline::new(gpu, descriptor(draw.state))?);
-        }
-        Ok(())
-    }
-
-    fn draw<'a>(
-        &'a self,
-        pass: &mut terrafill_vulkan::VolumePass<'a, '_, '_>,
-        draw: &VolumeDraw<'_>,
-    ) {
-        let Some(pipeline) = self.pipelines.get(&draw.state) else {
-            return;
-        };
-        let geometry = Geometry {
-            vertices: &self.vertices,
-            indices: &self.indices,
-            width: IndexWidth::Long,
-        };
-        for &volume in draw.volumes {
-            let range = self.ranges[pass.list.volumes[volume].geometry].clone();
-            pass.cut(volume, draw.scissor);
-            pass.draw_indexed(pipeline, geometry, range, 0, volume);
-        }
-    }
 }

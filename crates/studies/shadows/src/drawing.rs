@@ -6,28 +6,25 @@
 //! in the same order, so that their depths are equal: equal depth fails.
 
 use crate::count::{Rule, Wrong};
-use crate::device::{Draws, EyeMesh, EyeVolumes, IS_CAP, Interface, VolumeSource};
+use crate::device::{Draws, Interface, VolumeSource};
+use crate::loading::{Loadable, listed, program};
+use crate::near::EyeTest;
 use crate::reference::{Light, Reference, SEA_RADIUS_M, Truth};
-use crate::scissor::{Rectangle, of_parts};
+use crate::scissor::Rectangle;
+use crate::sea::surface;
+use crate::silhouettes::Silhouettes;
 use crate::view::View;
 use crate::work::{End, Scene};
 use glam::{DMat3, DVec3, Vec3};
 use std::cell::LazyCell;
-use terrafill_casters::{EdgeTable, Mesh, Volume};
+use terrafill_casters::Volume;
 use terrafill_core::{Ellipsoid, VolumeHeights};
 use terrafill_fill::{
-    ColourWay, DepthRange, DepthRuleChoice, DeviceError, Devices, FacePasses, FillProgram,
-    FixedPoint, Frame, Picture, PositionFormat, StencilWork, SurfaceView, Switches, ViewId,
-    VolumeConstants, VolumeList, VolumePlace, mask_hash,
+    ColourWay, DepthRuleChoice, DeviceError, Devices, FacePasses, FixedPoint, Frame, Picture,
+    PositionFormat, StencilWork, SurfaceView, Switches, ViewId, VolumeConstants, VolumeList,
+    VolumePlace, mask_hash,
 };
-use terrafill_scene::{Camera, HeightRange, ImageSize, Overlap, PixelRect};
-use terrafill_surface::SurfaceFrame;
-
-/// Between meridians of the sea's patch, degrees.
-const SECTOR_DEG: f64 = 1.0;
-/// Radius of a ring of the patch over that of the one before. At 5 km a facet is 5 mm below the sphere, a
-/// ten-thousandth of a pixel.
-const RING_RATIO: f64 = 1.1;
+use terrafill_scene::{Camera, ImageSize};
 
 /// What the numbers of vertices count from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,7 +43,7 @@ impl Positions {
         }
     }
 
-    fn relative(self, place: DVec3, eye: DVec3) -> Vec3 {
+    pub(crate) fn relative(self, place: DVec3, eye: DVec3) -> Vec3 {
         match self {
             Self::Eye => (place - eye).as_vec3(),
             Self::World(m) => {
@@ -54,24 +51,6 @@ impl Positions {
                 let port = DVec3::ONE.normalize() * m;
                 (port + place).as_vec3() - (port + eye).as_vec3()
             }
-        }
-    }
-}
-
-/// Where silhouettes are found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Silhouettes {
-    /// By the CPU from stored adjacency: volumes are handed over.
-    Adjacency,
-    /// By the vertex shader: meshes, edges and facing bits are handed over.
-    Pulled,
-}
-
-impl Silhouettes {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Adjacency => "adjacency",
-            Self::Pulled => "pulled",
         }
     }
 }
@@ -87,17 +66,44 @@ pub(crate) struct DeviceWay {
     pub(crate) faces: FacePasses,
     /// Each caster is cut to its rectangle, and left out where that is empty.
     pub(crate) is_cut: bool,
+    pub(crate) counting: Counting,
+    /// Fragments count only where the surface's depth is in a caster's range.
+    pub(crate) has_bounds: bool,
+}
+
+/// What is counted together, and who chooses the rule.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Counting {
+    /// All casters, by [`DeviceWay::rule`].
+    Casters,
+    /// All parts, z-fail for those that a test chooses and z-pass for the others.
+    Chosen(EyeTest),
+    /// All casters by z-pass, the near plane's own count drawn beside them.
+    ZpPlus,
+    /// Each part for itself by [`DeviceWay::rule`], in passes of 255 or all at once.
+    Parts { is_guarded: bool },
 }
 
 impl DeviceWay {
+    /// As rows have it.
+    pub(crate) fn rule_name(self) -> String {
+        match self.counting {
+            Counting::Chosen(test) => format!("automatic, {}", test.name()),
+            Counting::ZpPlus => "zp-plus".to_owned(),
+            Counting::Casters | Counting::Parts { .. } => self.rule.name().to_owned(),
+        }
+    }
+
     fn switches(self) -> Switches {
         Switches {
             colour: ColourWay::OneColour,
             faces: self.faces,
-            depth_rule: match self.rule {
-                Rule::Pass => DepthRuleChoice::Pass,
+            depth_rule: match (self.counting, self.rule) {
+                (Counting::Chosen(_), _) => DepthRuleChoice::Automatic,
+                (Counting::ZpPlus, _) | (_, Rule::Pass | Rule::Preload) => DepthRuleChoice::Pass,
                 _ => DepthRuleChoice::Fail,
             },
+            depth_bounds: self.has_bounds,
             scissor: self.is_cut,
             ..Switches::default()
         }
@@ -124,13 +130,6 @@ pub(crate) struct DeviceDrawn {
     pub(crate) darkest: Option<(Box<dyn Draws>, Vec<bool>)>,
 }
 
-/// What a channel's program runs on.
-struct Loadable {
-    source: VolumeSource,
-    list: Vec<terrafill_fill::Volume>,
-    left_out: usize,
-}
-
 impl Scene {
     /// Draws every channel by a device.
     ///
@@ -154,16 +153,21 @@ impl Scene {
             ..DeviceDrawn::default()
         };
         let mesh = self.mesh();
-        let pulled = match way.silhouettes {
-            Silhouettes::Adjacency => None,
-            Silhouettes::Pulled => Some(self.pulled()?),
-        };
+        let found = self.found_by(way, &volume)?;
         let reference = LazyCell::new(|| Reference::new(mesh, self.to_light));
         let mut all = Vec::new();
         for (at, (view, truth)) in self.channels.iter().enumerate() {
-            let loadable = match &pulled {
-                None => loadable(way.positions, view, mesh, &volume, closed.as_ref()),
-                Some(pulled) => self.seen_from(view, pulled.clone()),
+            let loadable = match &found {
+                None => self.loadable(way, view, &volume, closed.as_ref(), &reference)?,
+                Some(found) => {
+                    let casters = 0..mesh.casters.len();
+                    let whole = Rectangle::whole(view);
+                    Loadable {
+                        list: casters.map(|caster| listed(whole, caster)).collect(),
+                        source: self.seen_from(view, found),
+                        left_out: 0,
+                    }
+                }
             };
             let bytes = loadable.source.bytes();
             drawn.bytes = [0, 1].map(|at| drawn.bytes[at].max(bytes[at]));
@@ -189,52 +193,6 @@ impl Scene {
         Ok(drawn)
     }
 
-    /// Casters for a shader that finds their silhouettes; no place yet, since places are the eye's.
-    fn pulled(&self) -> Result<EyeMesh, DrawError> {
-        let mesh = self.mesh();
-        let edges = EdgeTable::of(mesh).pairs();
-        let edges = edges.ok_or("an edge has not two triangles, one either way")?;
-        let part_of = mesh.part_of_triangles();
-        let mut sides: Vec<Vec<[u32; 4]>> = vec![Vec::new(); mesh.parts.len()];
-        for ([low, high], [forward, backward]) in edges {
-            sides[part_of[forward as usize] as usize].push([low, high, forward, backward]);
-        }
-        let mut pulled = EyeMesh {
-            lit: self.lit_bits(),
-            ..EyeMesh::default()
-        };
-        for caster in &mesh.casters {
-            let first = count(pulled.pieces.len());
-            for part in caster.parts.clone() {
-                let caps = mesh.parts[part].triangles.clone();
-                let cap = |triangle: usize| {
-                    let [a, b, c] = mesh.triangles[triangle];
-                    [a, b, c, count(triangle) | IS_CAP]
-                };
-                pulled.pieces.extend(caps.map(cap));
-                pulled.pieces.append(&mut sides[part]);
-            }
-            pulled.ranges.push(first..count(pulled.pieces.len()));
-        }
-        Ok(pulled)
-    }
-
-    fn seen_from(&self, view: &View, mut pulled: EyeMesh) -> Loadable {
-        let places = self.mesh().vertices.iter();
-        let places = places.map(|place| (place - view.eye).as_vec3().extend(1.0));
-        let far = (-self.to_light).as_vec3().extend(0.0);
-        let all = places.chain([far]).map(|place| place.to_array());
-        pulled.places = all.collect();
-        let casters = 0..pulled.ranges.len();
-        Loadable {
-            list: casters
-                .map(|caster| listed(Rectangle::whole(view), caster))
-                .collect(),
-            source: VolumeSource::Pulled(pulled),
-            left_out: 0,
-        }
-    }
-
     fn open(
         &self,
         devices: &Devices,
@@ -258,8 +216,12 @@ impl Scene {
             surface: &surface,
         };
         let switches = way.switches();
-        let program = FillProgram::new(&loadable.list, &switches, Overlap::Ordered)?;
+        let program = program(way, &switches, &loadable.list)?;
         let constants = constants(&camera, loadable.list.len());
+        let mut constants = bytemuck::cast_slice(&constants).to_vec();
+        if let VolumeSource::Adjacent(own) = &loadable.source {
+            constants.extend_from_slice(bytemuck::cast_slice(&own.words_behind(constants.len())));
+        }
         let work = StencilWork {
             list: VolumeList {
                 view_id: id,
@@ -267,7 +229,7 @@ impl Scene {
                 volumes: loadable.list,
             },
             program,
-            constants: bytemuck::cast_slice(&constants).to_vec(),
+            constants,
             blends: false,
         };
         let interface = way.interface;
@@ -280,6 +242,9 @@ impl Scene {
 pub(crate) enum DrawError {
     #[error(transparent)]
     Device(#[from] DeviceError),
+    /// What is drawn is not for that way.
+    #[error("{0}")]
+    Unfit(String),
     #[error("{0}")]
     Other(String),
 }
@@ -305,74 +270,8 @@ fn camera(view: &View) -> Camera {
     }
 }
 
-/// Sea and casters from the eye.
-fn surface(positions: Positions, view: &View, mesh: &Mesh) -> SurfaceFrame {
-    let (sea, sea_triangles) = sea(view);
-    let all = mesh.vertices.iter().chain(&sea);
-    let vertices = all.map(|place| positions.relative(*place, view.eye).to_array());
-    let first = count(mesh.vertices.len());
-    let of_sea = sea_triangles
-        .into_iter()
-        .map(|corners| corners.map(|corner| corner + first));
-    SurfaceFrame {
-        vertices_rte: vertices.collect(),
-        triangles: mesh.triangles.iter().copied().chain(of_sea).collect(),
-        heights: HeightRange {
-            lowest_m: 0.0,
-            highest_m: 0.0,
-        },
-        parts: [].into(),
-    }
-}
-
-/// The sea in sight of a level camera, as rings about the foot of the eye.
-fn sea(view: &View) -> (Vec<DVec3>, Vec<[u32; 3]>) {
-    let centre = DVec3::NEG_Z * SEA_RADIUS_M;
-    let up = (view.eye - centre).normalize();
-    let height_m = (view.eye - centre).length() - SEA_RADIUS_M;
-    let ahead = (view.forward - up * up.dot(view.forward)).normalize();
-    let right = ahead.cross(up);
-    let horizon_m = (2.0 * SEA_RADIUS_M * height_m).sqrt();
-    let mut away_m = vec![0.5 * height_m];
-    while away_m.last().is_some_and(|last| *last < 1.2 * horizon_m) {
-        away_m.extend(away_m.last().map(|last| last * RING_RATIO));
-    }
-    let half_deg = view.tan[0].atan().to_degrees() + SECTOR_DEG;
-    let mut azimuths_deg = vec![-half_deg];
-    while azimuths_deg.last().is_some_and(|last| *last < half_deg) {
-        azimuths_deg.extend(azimuths_deg.last().map(|last| last + SECTOR_DEG));
-    }
-    let mut places = Vec::with_capacity(away_m.len() * azimuths_deg.len());
-    for away in &away_m {
-        let (sin, cos) = (away / SEA_RADIUS_M).sin_cos();
-        for azimuth in &azimuths_deg {
-            let (aside, along) = azimuth.to_radians().sin_cos();
-            let direction = up * cos + (ahead * along + right * aside) * sin;
-            places.push(centre + direction * SEA_RADIUS_M);
-        }
-    }
-    let [columns, rings] = [azimuths_deg.len(), away_m.len()].map(count);
-    let mut triangles = Vec::new();
-    for ring in 1..rings {
-        for column in 1..columns {
-            let [near, far] = [ring - 1, ring].map(|ring| ring * columns + column);
-            triangles.push([near - 1, near, far]);
-            triangles.push([near - 1, far, far - 1]);
-        }
-    }
-    (places, triangles)
-}
-
-/// Each caster's volume as this eye sees it.
-///
-/// - `closed`: what rectangles are made of, where volumes are cut
-fn loadable(
-    positions: Positions,
-    view: &View,
-    mesh: &Mesh,
-    volume: &Volume,
-    closed: Option<&Volume>,
-) -> Loadable {
+/// Vertices of volumes as this eye has them: bits of `f32`.
+pub(crate) fn eye_vertices(positions: Positions, view: &View, volume: &Volume) -> Vec<[u32; 4]> {
     let places = volume.vertices.iter().map(|place| {
         let is_place = place.w > 0.0;
         let along = match is_place {
@@ -382,62 +281,11 @@ fn loadable(
         let w = f32::from(u8::from(is_place));
         along.extend(w).to_array().map(f32::to_bits)
     });
-    let mut volumes = EyeVolumes {
-        vertices: places.collect(),
-        ..EyeVolumes::default()
-    };
-    let (mut list, mut left_out) = (Vec::new(), 0);
-    let rectangles = closed.map(|closed| of_parts(view, closed, mesh.parts.len()));
-    let mut of_parts: Vec<Vec<u32>> = vec![Vec::new(); mesh.parts.len()];
-    for triangle in &volume.triangles {
-        of_parts[triangle.part as usize].extend(triangle.corners);
-    }
-    for caster in &mesh.casters {
-        let own = caster.parts.clone();
-        let rectangle = match &rectangles {
-            Some(all) => all[own.clone()]
-                .iter()
-                .copied()
-                .fold(Rectangle::NONE, Rectangle::or),
-            None => Rectangle::whole(view),
-        };
-        if rectangle.is_empty() {
-            left_out += 1;
-            continue;
-        }
-        let indices = &mut volumes.indices;
-        let first = count(indices.len());
-        indices.extend(of_parts[own].iter().flatten());
-        list.push(listed(rectangle, volumes.ranges.len()));
-        let range = first..count(indices.len());
-        volumes.ranges.push(range);
-    }
-    Loadable {
-        source: VolumeSource::Volumes(volumes),
-        list,
-        left_out,
-    }
+    places.collect()
 }
 
-fn count(length: usize) -> u32 {
+pub(crate) fn count(length: usize) -> u32 {
     u32::try_from(length).unwrap_or(u32::MAX)
-}
-
-/// A caster's volume.
-fn listed(rectangle: Rectangle, geometry: usize) -> terrafill_fill::Volume {
-    terrafill_fill::Volume {
-        is_flat: false,
-        screen_rect: PixelRect {
-            left: rectangle.columns[0],
-            top: rectangle.rows[0],
-            right: rectangle.columns[1],
-            bottom: rectangle.rows[1],
-        },
-        depth: DepthRange::ANY,
-        // The case names its depth rule; only `DepthRuleChoice::Automatic` reads this.
-        near_plane_meets_volume: false,
-        geometry,
-    }
 }
 
 /// What the cover reads of each volume, and of an empty list one all the same: its colour.

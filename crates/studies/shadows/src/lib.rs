@@ -3,20 +3,25 @@
 //!
 //! After Yang & Jin (IV'06), whose only figure is a frame rate. Rays to the sun, in `f64` on the CPU, are the
 //! reference. A volume's mask is the count of its triangles along the ray of each pixel, as a stencil would
-//! hold it; devices draw the same volumes into a stencil.
+//! hold it; devices draw the same volumes into a stencil. The casters are a procedural port, or a user's model.
 
+mod brought;
 mod chapter;
 mod count;
 mod device;
+mod device_map;
 mod drawing;
 mod images;
 mod list;
+mod loading;
 mod maps;
 mod metrics;
 mod near;
 mod outline;
 mod reference;
 mod scissor;
+mod sea;
+mod silhouettes;
 mod study;
 mod view;
 mod work;

@@ -2,12 +2,14 @@
 //! Which cases there are.
 
 use crate::STUDY;
+use crate::brought::Brought;
 use crate::count::Rule;
-use crate::device::Interface;
-use crate::drawing::{DeviceWay, Positions, Silhouettes};
+use crate::device::{Adjacency, Interface};
+use crate::drawing::{Counting, DeviceWay, Positions};
 use crate::maps::Bias;
 use crate::near::EyeTest;
 use crate::outline::Way;
+use crate::silhouettes::Silhouettes;
 use crate::work::{End, NEARS, Scissor};
 use terrafill_casters::Policy;
 use terrafill_fill::FacePasses;
@@ -30,6 +32,8 @@ const QUICK_SUNS: usize = 4;
 /// Suns of devices; a quick run has the first two.
 const DEVICE_SUNS: [[f64; 2]; 4] = [[10.0, -60.0], [5.0, 0.0], [60.0, 90.0], [1.0, 0.0]];
 const QUICK_DEVICE_SUNS: usize = 2;
+/// Sun of facings.
+const FACING_SUN: [f64; 2] = [30.0, -60.0];
 /// Distances of an origin from the port, m: the last is that of the earth's centre.
 const ORIGINS_M: [f64; 3] = [1e5, 1e6, 6.371e6];
 /// Suns of maps and their texels, m; a quick run has the first sun and the first two texels.
@@ -61,8 +65,22 @@ const MESHES: [&str; 8] = [
     "port-l3",
 ];
 const QUICK_MESHES: usize = 5;
+/// Stands for a user's mesh where meshes are named.
+pub(crate) const BROUGHT: &str = "";
 /// Timed silhouettes, and frames of a device, a process.
 const SAMPLES: u32 = 5;
+
+/// Questions that a user's model is asked, in order.
+const OF_ANY_MODEL: [&str; 8] = [
+    "model",
+    "updates",
+    "scissors",
+    "bounds",
+    "silhouettes",
+    "devices",
+    "maps",
+    "device-maps",
+];
 
 /// How a silhouette is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -90,14 +108,23 @@ pub(crate) enum Job {
     Eye([f64; 2], f64, EyeTest),
     Updates([f64; 2], End, Rule),
     Scissor([f64; 2], Scissor),
+    /// By depth bounds, volumes closed at the sea.
+    Bounds([f64; 2], Rule),
     Finite([f64; 2], f64),
     Row(u32, bool),
     Casters(Policy),
     Outline(u32, Way),
     Silhouette(&'static str, Method),
+    /// What a user's file holds.
+    Model,
     Device([f64; 2], DeviceWay),
     Origin([f64; 2], DeviceWay),
+    /// Of boxes, turned so that faces are edge-on or at random.
+    Facing([f64; 2], bool, DeviceWay),
+    Near([f64; 2], DeviceWay),
+    DeviceRow(u32, DeviceWay),
     Map([f64; 2], f64, Bias),
+    DeviceMap([f64; 2], f64, Bias),
 }
 
 /// Volumes from the CPU, closed at the sea, z-fail, two-sided, whole.
@@ -110,6 +137,8 @@ fn device_way(interface: Interface) -> DeviceWay {
         rule: Rule::Fail,
         faces: FacePasses::TwoSided,
         is_cut: false,
+        counting: Counting::Casters,
+        has_bounds: false,
     }
 }
 
@@ -127,17 +156,81 @@ fn device_ways(interface: Interface) -> Vec<DeviceWay> {
             is_cut: true,
             ..way
         },
-    ];
-    // On Vulkan geometry shaders would find them.
-    if interface == Interface::Wgpu {
-        let silhouettes = Silhouettes::Pulled;
-        ways.push(DeviceWay {
-            end,
-            silhouettes,
+        DeviceWay {
+            has_bounds: true,
             ..way
-        });
+        },
+        DeviceWay {
+            rule: Rule::Preload,
+            ..way
+        },
+    ];
+    let found = |silhouettes, end| DeviceWay {
+        end,
+        silhouettes,
+        ..way
+    };
+    match interface {
+        Interface::Wgpu => ways.extend([
+            found(Silhouettes::Pulled, end),
+            found(Silhouettes::Computed, end),
+            found(Silhouettes::Computed, End::Sea),
+        ]),
+        Interface::Vulkan => ways.extend([
+            found(Silhouettes::Geometry(Adjacency::Triangles), end),
+            found(Silhouettes::Geometry(Adjacency::Lines), end),
+        ]),
     }
     ways
+}
+
+/// Whose near plane is partly in shadow: by rule, and by who chooses it.
+fn near_ways(interface: Interface) -> Vec<DeviceWay> {
+    let way = device_way(interface);
+    let rule = |rule| DeviceWay { rule, ..way };
+    let counting = |counting| DeviceWay { counting, ..way };
+    vec![
+        rule(Rule::Pass),
+        counting(Counting::Chosen(EyeTest::Eye)),
+        counting(Counting::Chosen(EyeTest::PartBox)),
+        counting(Counting::Chosen(EyeTest::Exact)),
+        counting(Counting::ZpPlus),
+        rule(Rule::Preload),
+        way,
+    ]
+}
+
+/// Plates in a row, each of which is a volume.
+fn row_ways(interface: Interface) -> impl Iterator<Item = DeviceWay> {
+    [false, true].into_iter().map(move |is_guarded| DeviceWay {
+        end: End::Infinite,
+        rule: Rule::Pass,
+        counting: Counting::Parts { is_guarded },
+        ..device_way(interface)
+    })
+}
+
+/// Infinite volumes by z-fail, by who decides which triangles face the sun.
+fn facing_ways(interface: Interface) -> Vec<DeviceWay> {
+    let all = match interface {
+        Interface::Wgpu => vec![
+            Silhouettes::Adjacency,
+            Silhouettes::Pulled,
+            Silhouettes::Computed,
+            Silhouettes::Corners,
+        ],
+        Interface::Vulkan => vec![
+            Silhouettes::Geometry(Adjacency::Triangles),
+            Silhouettes::Geometry(Adjacency::Lines),
+            Silhouettes::Geometry(Adjacency::Corners),
+        ],
+    };
+    let of = |silhouettes| DeviceWay {
+        end: End::Infinite,
+        silhouettes,
+        ..device_way(interface)
+    };
+    all.into_iter().map(of).collect()
 }
 
 /// The same from numbers that count from elsewhere.
@@ -156,10 +249,20 @@ pub(crate) fn sun_name([elevation, azimuth]: [f64; 2]) -> String {
 }
 
 /// All of a depth, by question.
-pub(crate) fn questions(depth: Depth, samples: Option<u32>) -> Vec<Questions> {
+///
+/// - `brought`: a user's model, of which the questions are asked that any model answers
+pub(crate) fn questions(
+    depth: Depth,
+    samples: Option<u32>,
+    brought: Option<&Brought>,
+) -> Vec<Questions> {
     let is_quick = depth == Depth::Quick;
     let suns = &SUNS[..if is_quick { QUICK_SUNS } else { SUNS.len() }];
-    let meshes = &MESHES[..if is_quick { QUICK_MESHES } else { MESHES.len() }];
+    let meshes = match brought {
+        Some(_) => &[BROUGHT][..],
+        None if is_quick => &MESHES[..QUICK_MESHES],
+        None => &MESHES[..],
+    };
     let eyes = DECK_SUNS.into_iter().flat_map(|sun| {
         let of = move |near| EyeTest::ALL.map(|test| Job::Eye(sun, near, test));
         NEARS.into_iter().flat_map(of)
@@ -167,6 +270,10 @@ pub(crate) fn questions(depth: Depth, samples: Option<u32>) -> Vec<Questions> {
     let updates = suns.iter().flat_map(|sun| {
         let of = |end| Rule::ALL.map(|rule| Job::Updates(*sun, end, rule));
         [End::Infinite, End::Sea].into_iter().flat_map(of)
+    });
+    let bounds = suns.iter().flat_map(|sun| {
+        let rules = [Rule::Pass, Rule::Fail];
+        rules.map(|rule| Job::Bounds(*sun, rule))
     });
     let rows = ROWS
         .into_iter()
@@ -187,20 +294,35 @@ pub(crate) fn questions(depth: Depth, samples: Option<u32>) -> Vec<Questions> {
     });
     let origins = Interface::ALL.into_iter().flat_map(origin_ways);
     let origins = origins.map(|way| Job::Origin(LOW_SUN, way));
+    let facings = [true, false].into_iter().flat_map(|is_edge_on| {
+        let ways = Interface::ALL.into_iter().flat_map(facing_ways);
+        ways.map(move |way| Job::Facing(FACING_SUN, is_edge_on, way))
+    });
+    let nears = Interface::ALL.into_iter().flat_map(near_ways);
+    let nears = nears.map(|way| Job::Near(DECK_SUNS[1], way));
+    let device_rows = ROWS.into_iter().flat_map(|casters| {
+        let ways = Interface::ALL.into_iter().flat_map(row_ways);
+        ways.map(move |way| Job::DeviceRow(casters, way))
+    });
     let (map_suns, texels) = match is_quick {
         true => (&MAP_SUNS[..1], &TEXELS_M[..2]),
         false => (&MAP_SUNS[..], &TEXELS_M[..]),
     };
+    let device_maps = map_suns.iter().flat_map(|sun| {
+        let of = move |texel: &f64| Bias::ALL.map(|bias| Job::DeviceMap(*sun, *texel, bias));
+        texels.iter().flat_map(of)
+    });
     let maps = map_suns.iter().flat_map(|sun| {
         let of = move |texel: &f64| Bias::ALL.map(|bias| Job::Map(*sun, *texel, bias));
         texels.iter().flat_map(of)
     });
     let cases = |jobs: Vec<Job>, samples: u32| {
         jobs.into_iter()
-            .map(|job| (job, planned(job, samples)))
+            .map(|job| (job, planned(job, samples, brought)))
             .collect()
     };
-    vec![
+    let all = vec![
+        ("model", cases(vec![Job::Model], 0)),
         ("eyes", cases(eyes.collect(), 0)),
         ("updates", cases(updates.collect(), 0)),
         (
@@ -212,6 +334,7 @@ pub(crate) fn questions(depth: Depth, samples: Option<u32>) -> Vec<Questions> {
                 0,
             ),
         ),
+        ("bounds", cases(bounds.collect(), 0)),
         (
             "finite",
             cases(LENGTHS.map(|length| Job::Finite(LOW_SUN, length)).into(), 0),
@@ -227,13 +350,38 @@ pub(crate) fn questions(depth: Depth, samples: Option<u32>) -> Vec<Questions> {
             "devices",
             cases(devices.collect(), samples.unwrap_or(SAMPLES)),
         ),
+        ("near", cases(nears.collect(), samples.unwrap_or(SAMPLES))),
+        (
+            "device-rows",
+            cases(device_rows.collect(), samples.unwrap_or(SAMPLES)),
+        ),
+        ("facings", cases(facings.collect(), 0)),
         ("origins", cases(origins.collect(), 0)),
         ("maps", cases(maps.collect(), samples.unwrap_or(1))),
-    ]
+        (
+            "device-maps",
+            cases(device_maps.collect(), samples.unwrap_or(SAMPLES)),
+        ),
+    ];
+    let is_asked = |name| match brought {
+        Some(_) => OF_ANY_MODEL.contains(&name),
+        None => name != "model",
+    };
+    all.into_iter()
+        .filter(|(name, _)| is_asked(*name))
+        .collect()
 }
 
-fn planned(job: Job, samples: u32) -> PlannedCase {
+fn counting(is_guarded: bool) -> &'static str {
+    match is_guarded {
+        true => "passes of 255",
+        false => "8 bits, wrapping",
+    }
+}
+
+fn planned(job: Job, samples: u32, brought: Option<&Brought>) -> PlannedCase {
     let (question, conditions, may_be_wrong): (_, Vec<(&str, String)>, _) = match job {
+        Job::Model => ("model", Vec::new(), false),
         Job::Eye(sun, near, test) => (
             "eyes",
             vec![
@@ -260,6 +408,15 @@ fn planned(job: Job, samples: u32) -> PlannedCase {
             ],
             !matches!(scissor, Scissor::Off | Scissor::CasterRectangle),
         ),
+        Job::Bounds(sun, rule) => (
+            "bounds",
+            vec![
+                ("sun", sun_name(sun)),
+                ("rule", rule.name().to_owned()),
+                ("depth_bounds", "on".to_owned()),
+            ],
+            false,
+        ),
         Job::Finite(sun, length) => (
             "finite",
             vec![("sun", sun_name(sun)), ("length_m", length.to_string())],
@@ -269,15 +426,7 @@ fn planned(job: Job, samples: u32) -> PlannedCase {
             "rows",
             vec![
                 ("casters", count.to_string()),
-                (
-                    "counting",
-                    if guard {
-                        "passes of 255"
-                    } else {
-                        "8 bits, wrapping"
-                    }
-                    .to_owned(),
-                ),
+                ("counting", counting(guard).to_owned()),
             ],
             !guard,
         ),
@@ -296,14 +445,21 @@ fn planned(job: Job, samples: u32) -> PlannedCase {
         ),
         Job::Silhouette(mesh, method) => (
             "silhouettes",
-            vec![
-                ("mesh", mesh.to_owned()),
-                ("silhouette", method.name().to_owned()),
-            ],
+            match brought {
+                Some(_) => vec![("silhouette", method.name().to_owned())],
+                None => vec![
+                    ("mesh", mesh.to_owned()),
+                    ("silhouette", method.name().to_owned()),
+                ],
+            },
             mesh.contains("turned") && method != Method::Adjacency,
         ),
-        Job::Map(sun, texel, bias) => (
-            "maps",
+        Job::Map(sun, texel, bias) | Job::DeviceMap(sun, texel, bias) => (
+            if matches!(job, Job::Map(..)) {
+                "maps"
+            } else {
+                "device-maps"
+            },
             vec![
                 ("sun", sun_name(sun)),
                 ("texel_m", texel.to_string()),
@@ -320,6 +476,40 @@ fn planned(job: Job, samples: u32) -> PlannedCase {
             ],
             way.positions != Positions::Eye,
         ),
+        Job::Near(sun, way) => {
+            let may_be_wrong = match way.counting {
+                Counting::Casters => way.rule == Rule::Pass,
+                counting => counting == Counting::Chosen(EyeTest::Eye),
+            };
+            let conditions = vec![
+                ("sun", sun_name(sun)),
+                ("api", way.interface.name().to_owned()),
+                ("rule", way.rule_name()),
+            ];
+            ("near", conditions, may_be_wrong)
+        }
+        Job::DeviceRow(count, way) => {
+            let is_guarded = way.counting == Counting::Parts { is_guarded: true };
+            let conditions = vec![
+                ("casters", count.to_string()),
+                ("api", way.interface.name().to_owned()),
+                ("counting", counting(is_guarded).to_owned()),
+            ];
+            ("device-rows", conditions, !is_guarded)
+        }
+        Job::Facing(sun, is_edge_on, way) => (
+            "facings",
+            vec![
+                ("sun", sun_name(sun)),
+                (
+                    "boxes",
+                    if is_edge_on { "edge-on" } else { "at random" }.to_owned(),
+                ),
+                ("api", way.interface.name().to_owned()),
+                ("silhouette", way.silhouettes.name().to_owned()),
+            ],
+            way.silhouettes.decides_by_corners(),
+        ),
         Job::Device(sun, way) => {
             let scissor = if way.is_cut {
                 Scissor::CasterRectangle
@@ -334,20 +524,28 @@ fn planned(job: Job, samples: u32) -> PlannedCase {
                 ("sun", sun_name(sun)),
                 ("api", way.interface.name().to_owned()),
                 ("extent", way.end.name().to_owned()),
-                ("rule", way.rule.name().to_owned()),
+                ("rule", way.rule_name()),
                 ("faces", faces.to_owned()),
                 ("scissor", scissor.name().to_owned()),
+                (
+                    "depth_bounds",
+                    if way.has_bounds { "on" } else { "off" }.to_owned(),
+                ),
                 ("silhouette", way.silhouettes.name().to_owned()),
             ];
             ("devices", conditions.into(), false)
         }
     };
+    let model = brought.map(|brought| ("model", brought.name.clone()));
+    let conditions: Vec<(&str, String)> = model.into_iter().chain(conditions).collect();
     let values: Vec<&str> = conditions.iter().map(|(_, value)| value.as_str()).collect();
     let name = format!("{question}/{}", values.join("/"));
     let conditions = std::iter::once(("question", question.to_owned())).chain(conditions.clone());
+    // Of a mesh that is not closed, any answer but the verdict may be wrong.
+    let may_leak = brought.is_some_and(|brought| brought.policy == Policy::AsIs);
     PlannedCase {
         id: CaseId::new(STUDY, name, conditions),
         samples,
-        may_be_wrong,
+        may_be_wrong: may_be_wrong || may_leak,
     }
 }

@@ -50,7 +50,7 @@ impl Bias {
     /// Metres of a step.
     ///
     /// - `slope`: tangent between normal and light
-    fn metres(self, step: f64, texel_m: f64, slope: f64) -> f64 {
+    pub(crate) fn metres(self, step: f64, texel_m: f64, slope: f64) -> f64 {
         match self {
             Self::Constant => step,
             Self::Slope => step * texel_m * slope,
@@ -58,15 +58,21 @@ impl Bias {
     }
 }
 
-/// Distances towards the sun by texel.
-pub(crate) struct Map {
+/// Where a map lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Frame {
     to_light: DVec3,
     /// Level, and upwards across the light.
     axes: [DVec3; 2],
     low: DVec2,
-    texel_m: f64,
-    columns: usize,
-    rows: usize,
+    pub(crate) texel_m: f64,
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
+}
+
+/// Distances towards the sun by texel.
+pub(crate) struct Map {
+    frame: Frame,
     /// From the origin towards the sun, m; −∞ where nothing is.
     nearest_m: Vec<f32>,
 }
@@ -82,7 +88,9 @@ pub(crate) struct MapError {
     found_mb: f64,
 }
 
-impl Map {
+impl Frame {
+    /// Round all casters.
+    ///
     /// # Errors
     /// [`MapError`] where it has more texels than it may.
     pub(crate) fn of(mesh: &Mesh, to_light: DVec3, texel_m: f64) -> Result<Self, MapError> {
@@ -106,14 +114,48 @@ impl Map {
             reason = "a port's texels: whole, positive and few"
         )]
         let [columns, rows] = count.to_array().map(|count| count as usize);
-        let mut map = Self {
+        Ok(Self {
             to_light,
             axes,
             low,
             texel_m,
             columns,
             rows,
-            nearest_m: vec![f32::NEG_INFINITY; columns * rows],
+        })
+    }
+
+    /// The same so many texels aside, along either axis.
+    #[cfg(test)]
+    pub(crate) fn moved(mut self, texels: f64) -> Self {
+        self.low += texels * self.texel_m;
+        self
+    }
+
+    /// In texels from the low corner.
+    pub(crate) fn place(&self, place: DVec3) -> DVec2 {
+        let flat = DVec2::new(place.dot(self.axes[0]), place.dot(self.axes[1]));
+        (flat - self.low) / self.texel_m
+    }
+
+    /// Of casters along the light, lowest and highest, m; the lowest a metre lower, since the least depth stands
+    /// for nothing.
+    pub(crate) fn heights(&self, mesh: &Mesh) -> [f64; 2] {
+        let all = || mesh.vertices.iter().map(|place| place.dot(self.to_light));
+        [
+            all().fold(f64::INFINITY, f64::min) - 1.0,
+            all().fold(f64::NEG_INFINITY, f64::max),
+        ]
+    }
+}
+
+impl Map {
+    /// # Errors
+    /// As [`Frame::of`].
+    pub(crate) fn of(mesh: &Mesh, to_light: DVec3, texel_m: f64) -> Result<Self, MapError> {
+        let frame = Frame::of(mesh, to_light, texel_m)?;
+        let mut map = Self {
+            frame,
+            nearest_m: vec![f32::NEG_INFINITY; frame.columns * frame.rows],
         };
         for triangle in 0..mesh.triangles.len() {
             map.draw(mesh.corners(triangle));
@@ -123,12 +165,6 @@ impl Map {
 
     pub(crate) fn bytes(&self) -> u64 {
         size_of_val(&*self.nearest_m) as u64
-    }
-
-    /// In texels from the low corner.
-    fn place(&self, place: DVec3) -> DVec2 {
-        let flat = DVec2::new(place.dot(self.axes[0]), place.dot(self.axes[1]));
-        (flat - self.low) / self.texel_m
     }
 
     /// Texels whose centres lie between two places along an axis.
@@ -144,18 +180,24 @@ impl Map {
 
     #[allow(clippy::cast_possible_truncation, reason = "a map holds f32")]
     fn draw(&mut self, corners: [DVec3; 3]) {
-        let flat = corners.map(|corner| self.place(corner));
+        let Frame {
+            to_light,
+            columns,
+            rows,
+            ..
+        } = self.frame;
+        let flat = corners.map(|corner| self.frame.place(corner));
         let [a, b, c] = flat;
         let (ab, ac) = (b - a, c - a);
         let area = ab.perp_dot(ac);
         if area == 0.0 {
             return;
         }
-        let heights = corners.map(|corner| corner.dot(self.to_light));
+        let heights = corners.map(|corner| corner.dot(to_light));
         let rise = [heights[1] - heights[0], heights[2] - heights[0]];
         let low = a.min(b).min(c);
         let high = a.max(b).max(c);
-        for row in Self::between(low.y, high.y, self.rows) {
+        for row in Self::between(low.y, high.y, rows) {
             let y = row as f64 + 0.5;
             // Where the row's centre line meets the triangle's edges.
             let mut span = [f64::INFINITY, f64::NEG_INFINITY];
@@ -168,11 +210,11 @@ impl Map {
             if span[0] > span[1] {
                 continue;
             }
-            for column in Self::between(span[0], span[1], self.columns) {
+            for column in Self::between(span[0], span[1], columns) {
                 let at = DVec2::new(column as f64 + 0.5, y) - a;
                 let shares = [at.perp_dot(ac) / area, ab.perp_dot(at) / area];
                 let height = heights[0] + shares[0] * rise[0] + shares[1] * rise[1];
-                let own = &mut self.nearest_m[row * self.columns + column];
+                let own = &mut self.nearest_m[row * columns + column];
                 *own = own.max(height as f32);
             }
         }
@@ -185,14 +227,19 @@ impl Map {
         reason = "checked to lie in the map"
     )]
     fn above(&self, place: DVec3) -> f64 {
-        let at = self.place(place);
-        let is_in =
-            at.x >= 0.0 && at.y >= 0.0 && at.x < self.columns as f64 && at.y < self.rows as f64;
+        let Frame {
+            to_light,
+            columns,
+            rows,
+            ..
+        } = self.frame;
+        let at = self.frame.place(place);
+        let is_in = at.x >= 0.0 && at.y >= 0.0 && at.x < columns as f64 && at.y < rows as f64;
         if !is_in {
             return f64::NEG_INFINITY;
         }
-        let texel = at.y as usize * self.columns + at.x as usize;
-        f64::from(self.nearest_m[texel]) - place.dot(self.to_light)
+        let texel = at.y as usize * columns + at.x as usize;
+        f64::from(self.nearest_m[texel]) - place.dot(to_light)
     }
 }
 
@@ -213,10 +260,11 @@ pub(crate) struct Mapped {
     /// Of these, wrong without a bias.
     pub(crate) unbiased: usize,
     /// The best step, and what it is in metres on level ground.
+    pub(crate) step: f64,
     pub(crate) bias_m: f64,
     pub(crate) bytes: u64,
-    /// Of the channel with the most shadow.
-    pub(crate) mask: Vec<bool>,
+    /// Of each channel, at that step.
+    pub(crate) masks: Vec<Vec<bool>>,
 }
 
 impl Scene {
@@ -250,7 +298,7 @@ impl Scene {
         let steps = bias.steps().iter().copied();
         let best = steps.min_by_key(|step| all(wrong(&masks(*step))));
         let best = best.unwrap_or(0.0);
-        let mut masks = masks(best);
+        let masks = masks(best);
         let level = self.to_light.z;
         let level_slope = (1.0 - level * level).max(0.0).sqrt() / level;
         Ok(Mapped {
@@ -259,14 +307,20 @@ impl Scene {
             unbiased,
             bias_m: bias.metres(best, texel_m, level_slope),
             bytes: map.bytes(),
-            mask: match self.darkest_channel() {
-                Some(darkest) => masks.swap_remove(darkest),
-                None => Vec::new(),
-            },
+            step: best,
+            masks,
         })
     }
 
-    fn judged(&self) -> usize {
+    /// Where a map with texels of this size lies.
+    ///
+    /// # Errors
+    /// As [`Frame::of`].
+    pub(crate) fn frame(&self, texel_m: f64) -> Result<Frame, MapError> {
+        Frame::of(self.mesh(), self.to_light, texel_m)
+    }
+
+    pub(crate) fn judged(&self) -> usize {
         let channels = self.channels.iter();
         channels
             .map(|(_, truth)| truth.count(Light::Lit) + truth.count(Light::Shadow))
@@ -356,7 +410,7 @@ mod tests {
             let wrong = fine.wrong.outside() + fine.wrong.in_band;
             assert!(fine.unbiased > 5 * wrong, "{} {wrong}", fine.unbiased);
             assert!(fine.bias_m > 0.0);
-            assert_eq!(fine.mask.len(), 64 * 48);
+            assert!(fine.masks.len() == 7 && fine.masks.iter().all(|mask| mask.len() == 64 * 48));
         }
     }
     #[test]

@@ -12,7 +12,7 @@ pub(crate) const MAP_WRONG: &str = "shadow_map_wrong";
 pub(crate) const FILL_CPU: &str = "shadow_fill_cpu_ms";
 pub(crate) const FILL_GPU: &str = "shadow_fill_gpu_ms";
 
-pub(crate) const METRICS: [Metric; 33] = [
+pub(crate) const METRICS: [Metric; 38] = [
     Metric::less(
         "shadow_silhouette_cpu_ms",
         "ms",
@@ -68,6 +68,18 @@ pub(crate) const METRICS: [Metric; 33] = [
         "Process CPU time of drawing a shadow map on the CPU and asking it for every pixel of all channels.",
     ),
     Metric::less(
+        "shadow_map_gpu_ms",
+        "ms",
+        Kind::Time,
+        "GPU time of drawing a device's shadow map.",
+    ),
+    Metric::less(
+        "shadow_map_differs",
+        "%",
+        Kind::Error,
+        "Pixels of which a device's map says otherwise than the CPU's, of all that the reference judges.",
+    ),
+    Metric::less(
         "shadow_map_wrong",
         "%",
         Kind::Error,
@@ -96,6 +108,24 @@ pub(crate) const METRICS: [Metric; 33] = [
         "",
         Kind::Counter,
         "Triangles of the casters.",
+    ),
+    Metric::neither(
+        "shadow_mesh_models",
+        "",
+        Kind::Counter,
+        "Models in a user's file: its objects, or its nodes with a mesh.",
+    ),
+    Metric::neither(
+        "shadow_mesh_parts",
+        "",
+        Kind::Counter,
+        "Parts of these that hang together.",
+    ),
+    Metric::less(
+        "shadow_undecided_facings",
+        "%",
+        Kind::Error,
+        "Triangles whose sign of facing in f32 depends on which corner comes first, in the channel with most.",
     ),
     Metric::less(
         "shadow_open_edges",

@@ -165,6 +165,53 @@ pub(crate) fn chosen(
     }
 }
 
+/// Deeper than the near plane by this share, m a metre: rounding must not clip what is drawn there.
+const NEAR_SHARE: f64 = 1e-4;
+/// Least slope of the view against the sun at which places are moved along it to the near plane. Below, an
+/// error of 10⁻⁷ of a place becomes a pixel and more.
+const MIN_SLOPE: f64 = 1e-3;
+
+/// A view in which the sun is in the picture's own plane.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error(
+    "zp-plus: found {found} between view and sun, a cosine, allowed: {MIN_SLOPE} and more, either way"
+)]
+pub(crate) struct SlopeError {
+    found: f64,
+}
+
+/// Lit triangles between the near plane and the sun, moved along the light into the near plane, where they face
+/// the eye: z-pass counts them, and thereby the volumes that the near plane is in (Hornus et al., 2005).
+pub(crate) fn near_caps(
+    view: &View,
+    to_light: DVec3,
+    mesh: &Mesh,
+    facing: &Facing,
+) -> Result<Vec<[DVec3; 3]>, SlopeError> {
+    let slope = view.forward.dot(to_light);
+    if slope.abs() < MIN_SLOPE {
+        return Err(SlopeError { found: slope });
+    }
+    let near = view.near * (1.0 + NEAR_SHARE);
+    let deep = |place: DVec3| view.forward.dot(place - view.eye) - near;
+    let mut caps = Vec::new();
+    for triangle in (0..mesh.triangles.len()).filter(|at| facing.is_lit[*at]) {
+        let ring = cut(&mesh.corners(triangle), |place| {
+            slope.signum() * deep(place)
+        });
+        let moved = ring
+            .iter()
+            .map(|place| *place - to_light * (deep(*place) / slope));
+        let moved: Vec<DVec3> = moved.collect();
+        for at in 1..moved.len().saturating_sub(1) {
+            let [a, b, c] = [moved[0], moved[at], moved[at + 1]];
+            let faces_eye = (b - a).cross(c - a).dot(view.forward) < 0.0;
+            caps.push(if faces_eye { [a, b, c] } else { [a, c, b] });
+        }
+    }
+    Ok(caps)
+}
+
 /// Parts that hold a sample of the near rectangle in their shadow, and the share of samples in any.
 ///
 /// By rays from the samples to each part's triangles, not by the prism.

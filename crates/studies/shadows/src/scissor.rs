@@ -118,6 +118,27 @@ pub(crate) fn cut(ring: &[DVec3], side: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
     kept
 }
 
+/// Of each part, the depths between which its closed volume lies, m, wider by a share on either side.
+pub(crate) fn depths_of_parts(
+    view: &View,
+    volume: &Volume,
+    parts: usize,
+    share: f64,
+) -> Vec<[f64; 2]> {
+    let mut depths = vec![[f64::INFINITY, f64::NEG_INFINITY]; parts];
+    for triangle in &volume.triangles {
+        let [near, far] = &mut depths[triangle.part as usize];
+        for corner in triangle.corners {
+            let place = volume.vertices[corner as usize];
+            let depth = view.forward.dot(place.truncate() - view.eye * place.w);
+            *near = near.min(depth);
+            *far = far.max(depth);
+        }
+    }
+    let widened = |[near, far]: [f64; 2]| [near - share * near.abs(), far + share * far.abs()];
+    depths.into_iter().map(widened).collect()
+}
+
 /// Of each part, the rectangle of its volume.
 pub(crate) fn of_parts(view: &View, volume: &Volume, parts: usize) -> Vec<Rectangle> {
     let mut rectangles = vec![Rectangle::NONE; parts];

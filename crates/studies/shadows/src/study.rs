@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The cases, by question: each question is a group.
 
+use crate::brought::{Brought, SETTING};
 use crate::chapter::ShadowsChapter;
 use crate::count::{Rule, Wrong};
 use crate::device::Draws;
-use crate::drawing::{DeviceDrawn, DeviceWay, DrawError};
+use crate::device_map::{DeviceMap, differing};
+use crate::drawing::{DeviceDrawn, DrawError};
 use crate::list::{Job, Method, questions};
+use crate::maps::Bias;
 use crate::metrics::METRICS;
 use crate::near::EyeTest;
 use crate::outline::{Way, outlines};
 use crate::view::sun;
-use crate::work::{Drawn, End, EyeTable, Pixels, Scene, Scissor};
+use crate::work::{BOUNDS_SHARE, Drawn, End, EyeTable, Pixels, Scene, Scissor};
 use crate::{STUDY, images};
 use std::collections::BTreeMap;
+use std::rc::Rc;
 use terrafill_casters::{
     EdgeTable, Extent, Facing, Mesh, Policy, PortSize, Prepared, Side, Volume, by_hash, by_stack,
     hull, port,
@@ -26,6 +30,10 @@ const QUICK_SIZE: [u32; 2] = [128, 96];
 const SIZE: [u32; 2] = [200, 150];
 /// Sun of silhouettes: every mesh has faces to and from it.
 const SILHOUETTE_SUN: [f64; 2] = [30.0, -60.0];
+
+/// Share of pixels on which a device's map and the CPU's may differ, %: texels' borders and heights are
+/// rounded to f32.
+const MAX_DIFFERS: f64 = 0.5;
 
 /// What each optimisation of shadow volumes costs and what it gets wrong.
 #[derive(Debug, Clone, Copy)]
@@ -55,7 +63,8 @@ impl Study for ShadowsStudy {
     fn plan(&self, request: &Request) -> Result<Planned, StudyError> {
         let is_quick = request.depth == Depth::Quick;
         let size = if is_quick { QUICK_SIZE } else { SIZE };
-        let groups = questions(request.depth, request.samples).into_iter();
+        let brought = brought(request)?.map(Rc::new);
+        let groups = questions(request.depth, request.samples, brought.as_deref()).into_iter();
         let groups = groups.map(|(name, cases)| -> Box<dyn Group> {
             let (jobs, cases) = cases.into_iter().unzip();
             Box::new(Question {
@@ -63,6 +72,7 @@ impl Study for ShadowsStudy {
                 jobs,
                 cases,
                 size,
+                brought: brought.clone(),
             })
         });
         Ok(Planned {
@@ -76,12 +86,28 @@ impl Study for ShadowsStudy {
     }
 }
 
+/// The model that the request names.
+fn brought(request: &Request) -> Result<Option<Brought>, StudyError> {
+    let settings = request.settings.get(SETTING).map_or(&[][..], Vec::as_slice);
+    match settings {
+        [] => Ok(None),
+        [one] => Brought::new(one).map(Some).map_err(StudyError::BadInput),
+        more => {
+            let found = more.len();
+            let message = format!("--{SETTING}: found {found} files, allowed: 1");
+            Err(StudyError::BadInput(message))
+        }
+    }
+}
+
 /// Cases that share what they are computed from.
 struct Question {
     name: &'static str,
     jobs: Vec<Job>,
     cases: Vec<PlannedCase>,
     size: [u32; 2],
+    /// Instead of the port.
+    brought: Option<Rc<Brought>>,
 }
 
 impl Group for Question {
@@ -101,6 +127,7 @@ impl Group for Question {
             eyes: None,
             meshes: Vec::new(),
             opened: BTreeMap::new(),
+            map: None,
         }))
     }
 }
@@ -122,11 +149,16 @@ struct Answering<'a> {
     meshes: Vec<Ready>,
     /// By case: what a device drew.
     opened: BTreeMap<usize, Box<dyn Draws>>,
+    /// The last one, of a sun and a size of texels: it may fill half of a device.
+    map: Option<([f64; 2], f64, DeviceMap)>,
 }
 
 type Figures = Vec<(&'static str, f64)>;
 
-fn ready(name: &'static str) -> Result<Ready, String> {
+fn ready(name: &'static str, brought: Option<&Brought>) -> Result<Ready, String> {
+    if let Some(own) = brought {
+        return Ok(Ready::of(name, own.prepared.clone()));
+    }
     let mut mesh = mesh_named(name)?;
     let policy = match name.contains("turned") {
         true => {
@@ -136,12 +168,7 @@ fn ready(name: &'static str) -> Result<Ready, String> {
         false => Policy::Refuse,
     };
     let prepared = policy.prepare(mesh).map_err(|error| error.to_string())?;
-    Ok(Ready {
-        name,
-        facing: Facing::of(&prepared.mesh, sun(SILHOUETTE_SUN)),
-        table: EdgeTable::of(&prepared.mesh),
-        prepared,
-    })
+    Ok(Ready::of(name, prepared))
 }
 
 fn mesh_named(name: &str) -> Result<Mesh, String> {
@@ -180,11 +207,20 @@ fn turn_a_lit_face(mesh: &mut Mesh) {
 }
 
 impl Ready {
+    fn of(name: &'static str, prepared: Prepared) -> Self {
+        Self {
+            name,
+            facing: Facing::of(&prepared.mesh, sun(SILHOUETTE_SUN)),
+            table: EdgeTable::of(&prepared.mesh),
+            prepared,
+        }
+    }
+
     fn sides(&self, method: Method) -> Vec<Side> {
         match method {
             Method::Stack => by_stack(&self.prepared.mesh, &self.facing),
             Method::Hash => by_hash(&self.prepared.mesh, &self.facing),
-            Method::Adjacency => self.table.silhouette(&self.facing),
+            Method::Adjacency => self.table.sides(&self.prepared, &self.facing),
         }
     }
 }
@@ -274,8 +310,14 @@ impl Answering<'_> {
     }
 
     fn under(&mut self, sun: [f64; 2]) -> Result<&Scene, String> {
-        let size = self.question.size;
-        self.scene(&format!("{sun:?}"), || Scene::new(sun, size))
+        let Question { size, brought, .. } = self.question;
+        self.scene(&format!("{sun:?}"), || match brought {
+            Some(own) => {
+                let prepared = own.prepared.clone();
+                Ok(Scene::of_prepared(prepared, sun, own.views(*size)))
+            }
+            None => Scene::new(sun, *size),
+        })
     }
 
     fn answer(&mut self, job: Job) -> Result<Verdict, String> {
@@ -311,6 +353,11 @@ impl Answering<'_> {
                 let path = images::write(folder, scissor.name(), &channel.1, Some(&mask))?;
                 verdict.notes.push(("image", path));
                 Ok(verdict)
+            }
+            Job::Bounds(sun, rule) => {
+                let scene = self.under(sun)?;
+                let drawn = scene.drawn_within(rule, BOUNDS_SHARE)?;
+                Ok(drawn_verdict(&drawn, scene.pixels()))
             }
             Job::Finite(sun, length) => {
                 let scene = self.under(sun)?;
@@ -361,6 +408,20 @@ impl Answering<'_> {
                 Ok(verdict(wrong == 0 && clears == expected, reason, figures))
             }
             Job::Silhouette(mesh, method) => self.silhouette(mesh, method),
+            Job::Model => {
+                let own = self.question.brought.as_deref().ok_or("no model")?;
+                let mesh = &own.prepared.mesh;
+                Ok(Verdict {
+                    status: Status::Ok,
+                    reason: format!("policy {}: {}", own.policy.name(), own.verdict),
+                    figures: vec![
+                        ("shadow_mesh_triangles", mesh.triangles.len() as f64),
+                        ("shadow_mesh_models", mesh.casters.len() as f64),
+                        ("shadow_mesh_parts", mesh.parts.len() as f64),
+                    ],
+                    notes: Vec::new(),
+                })
+            }
             Job::Map(sun, texel_m, bias) => {
                 let scene = self.under(sun)?;
                 let mapped = match scene.mapped(texel_m, bias) {
@@ -380,21 +441,106 @@ impl Answering<'_> {
                     ("shadow_band_px", wrong.in_band as f64),
                 ];
                 let mut verdict = verdict_of(wrong, figures);
-                let (_, truth) = scene.darkest().ok_or("no channel")?;
+                let darkest = scene.darkest_channel().ok_or("no channel")?;
                 let name = format!("map-{}-{texel_m}-{}", sun[0], bias.name());
-                let path = images::write(folder, &name, truth, Some(&mapped.mask))?;
+                let (truth, mask) = (&scene.channels[darkest].1, &mapped.masks[darkest]);
+                let path = images::write(folder, &name, truth, Some(mask))?;
                 verdict.notes.push(("image", path));
                 Ok(verdict)
             }
-            Job::Device(..) | Job::Origin(..) => Err("devices answer by case".to_owned()),
+            Job::Device(..)
+            | Job::Origin(..)
+            | Job::Facing(..)
+            | Job::Near(..)
+            | Job::DeviceRow(..)
+            | Job::DeviceMap(..) => Err("devices answer by case".to_owned()),
         }
     }
 
-    fn device(&mut self, case: usize, sun: [f64; 2], way: DeviceWay) -> Result<Verdict, DrawError> {
-        let (context, question) = (self.context, self.question.name);
+    /// A map on the device, made if the last one is another.
+    fn map(&mut self, sun: [f64; 2], texel_m: f64) -> Result<&DeviceMap, DrawError> {
+        let is_there = |map: &([f64; 2], f64, DeviceMap)| map.0 == sun && map.1 == texel_m;
+        if !self.map.as_ref().is_some_and(is_there) {
+            // Two at a time may be more than there is room for.
+            self.map = None;
+            let devices = self.context.devices;
+            let scene = self.under(sun)?;
+            let frame = scene.frame(texel_m);
+            let frame = frame.map_err(|error| DrawError::Unfit(error.to_string()))?;
+            let map = scene.device_map(devices, &frame)?;
+            self.map = Some((sun, texel_m, map));
+        }
+        let map = self.map.as_ref().map(|(.., map)| map);
+        map.ok_or_else(|| "no map".into())
+    }
+
+    /// The device's map beside the CPU's, at the step of the bias that is best there.
+    fn device_mapped(
+        &mut self,
+        sun: [f64; 2],
+        texel_m: f64,
+        bias: Bias,
+    ) -> Result<Verdict, DrawError> {
+        self.map(sun, texel_m)?;
+        let mapped = self.under(sun)?.mapped(texel_m, bias);
+        let mapped = mapped.map_err(|error| DrawError::Unfit(error.to_string()))?;
+        let masks = self.map(sun, texel_m)?.masks(bias, mapped.step, texel_m)?;
         let scene = self.under(sun)?;
+        let channels = masks.iter().zip(&scene.channels);
+        let wrong = channels.fold(Wrong::default(), |sum, (mask, (_, truth))| {
+            sum.plus(Wrong::of(mask, truth))
+        });
+        let share = |count: usize| percent(count as f64, scene.judged());
+        let differs = share(differing(scene, &masks, &mapped.masks));
+        if differs > MAX_DIFFERS {
+            let message = format!(
+                "{differs:.2} % of the pixels say otherwise than the CPU's map, allowed: {MAX_DIFFERS} %"
+            );
+            return Ok(Verdict::failed(message));
+        }
+        Ok(verdict_of(
+            wrong,
+            vec![
+                ("shadow_map_wrong", share(wrong.outside() + wrong.in_band)),
+                ("shadow_map_differs", differs),
+                ("shadow_map_bias_m", mapped.bias_m),
+                ("shadow_bytes", mapped.bytes as f64),
+                ("shadow_false_lit_px", wrong.false_lit as f64),
+                ("shadow_false_dark_px", wrong.false_dark as f64),
+                ("shadow_band_px", wrong.in_band as f64),
+            ],
+        ))
+    }
+
+    /// What a device draws.
+    fn device(&mut self, case: usize, job: Job) -> Result<Verdict, DrawError> {
+        let (context, question, size) = (self.context, self.question.name, self.question.size);
+        let (scene, way) = match job {
+            Job::Device(sun, way) | Job::Origin(sun, way) => (self.under(sun)?, way),
+            Job::Facing(sun, is_edge_on, way) => {
+                let make = || Scene::of_boxes(sun, is_edge_on, size);
+                (self.scene(&format!("{sun:?} {is_edge_on}"), make)?, way)
+            }
+            Job::Near(sun, way) => {
+                let make = || Scene::of_missed_eye(sun, size);
+                (self.scene(&format!("{sun:?}"), make)?, way)
+            }
+            Job::DeviceRow(count, way) => {
+                let make = || Scene::of_row(count, size);
+                (self.scene(&count.to_string(), make)?, way)
+            }
+            _ => return Err("no device draws it".into()),
+        };
         let mut drawn = scene.drawn_by(context.devices, way)?;
         let mut verdict = verdict_of(drawn.wrong, device_figures(&drawn, scene.pixels()));
+        if way.silhouettes.decides_by_corners() {
+            let views = scene.channels.iter();
+            let undecided = views.map(|(view, _)| scene.undecided_facings(view)).max();
+            let all = scene.mesh().triangles.len();
+            let share = undecided.map(|count| percent(count as f64, all));
+            let share = share.map(|share| ("shadow_undecided_facings", share));
+            verdict.figures.extend(share);
+        }
         let (channel, mask) = drawn.darkest.take().ok_or("no channel")?;
         let (_, truth) = scene.darkest().ok_or("no channel")?;
         let name = format!("{question}-{case}");
@@ -456,7 +602,8 @@ impl Answering<'_> {
         let place = match self.meshes.iter().position(|own| own.name == name) {
             Some(place) => place,
             None => {
-                self.meshes.push(ready(name)?);
+                let brought = self.question.brought.as_deref();
+                self.meshes.push(ready(name, brought)?);
                 self.meshes.len() - 1
             }
         };
@@ -497,7 +644,12 @@ impl Answering<'_> {
 impl Session for Answering<'_> {
     fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
         let answer = match self.question.jobs[case] {
-            Job::Device(sun, way) | Job::Origin(sun, way) => self.device(case, sun, way),
+            job @ (Job::Device(..)
+            | Job::Origin(..)
+            | Job::Facing(..)
+            | Job::Near(..)
+            | Job::DeviceRow(..)) => self.device(case, job),
+            Job::DeviceMap(sun, texel_m, bias) => self.device_mapped(sun, texel_m, bias),
             job => self.answer(job).map_err(DrawError::from),
         };
         Ok(answer.unwrap_or_else(|error| match error {
@@ -505,6 +657,7 @@ impl Session for Answering<'_> {
             DrawError::Device(error @ DeviceError::Unsupported { .. }) => {
                 Verdict::skipped(error.to_string())
             }
+            error @ DrawError::Unfit(_) => Verdict::skipped(error.to_string()),
             error => Verdict::failed(error.to_string()),
         }))
     }
@@ -512,11 +665,21 @@ impl Session for Answering<'_> {
     fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
         let (name, method) = match self.question.jobs[case] {
             Job::Silhouette(name, method) => (name, method),
-            Job::Device(..) => {
+            Job::Device(..) | Job::Near(..) | Job::DeviceRow(..) => {
                 let channel = self.opened.get_mut(&case).ok_or("it was not verified")?;
                 let times = channel.time().map_err(|error| error.to_string())?;
                 let mut values = vec![("shadow_fill_cpu_ms", times.fill_cpu_ms)];
                 values.extend(times.fill_gpu_ms.map(|ms| ("shadow_fill_gpu_ms", ms)));
+                return Ok(values);
+            }
+            Job::DeviceMap(sun, texel_m, _) => {
+                let failed = |error: DrawError| error.to_string();
+                let darkest = self.under(sun)?.darkest_channel().ok_or("no channel")?;
+                let times = self.map(sun, texel_m).map_err(failed)?.time(darkest);
+                let times = times.map_err(|error| error.to_string())?;
+                let mut values = vec![("shadow_fill_cpu_ms", times.fill_cpu_ms)];
+                values.extend(times.fill_gpu_ms.map(|ms| ("shadow_fill_gpu_ms", ms)));
+                values.extend(times.stencil_gpu_ms.map(|ms| ("shadow_map_gpu_ms", ms)));
                 return Ok(values);
             }
             // The bias costs nothing: one comparison takes it in.
@@ -545,201 +708,4 @@ impl Session for Answering<'_> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use std::rc::Rc;
-    use terrafill_fill::Devices;
-
-    /// Verdicts of the cases of a question that `keep` names.
-    fn verdicts(question: &str, keep: impl Fn(&str) -> bool) -> Vec<(String, Verdict)> {
-        verdicts_at(Depth::Quick, question, keep)
-    }
-
-    fn verdicts_at(
-        depth: Depth,
-        question: &str,
-        keep: impl Fn(&str) -> bool,
-    ) -> Vec<(String, Verdict)> {
-        let request = Request {
-            depth,
-            ..Request::default()
-        };
-        let planned = ShadowsStudy.plan(&request).expect("planned");
-        let mut groups = planned.groups.iter();
-        let name = format!("{STUDY}/{question}");
-        let group = groups
-            .find(|group| group.name() == name)
-            .expect("such a group");
-        let folder = tempfile::tempdir().expect("a folder");
-        let devices = Rc::new(Devices::default());
-        let context = Context {
-            devices: &devices,
-            folder: folder.path(),
-        };
-        let mut session = group.open(context).expect("opens");
-        let cases = group.cases().iter().enumerate();
-        let cases = cases.filter(|(_, case)| keep(&case.id.name));
-        cases
-            .map(|(at, case)| (case.id.name.clone(), session.verify(at).expect("a verdict")))
-            .collect()
-    }
-
-    fn figure(verdict: &Verdict, metric: &str) -> f64 {
-        let mut all = verdict.figures.iter();
-        all.find(|(name, _)| *name == metric)
-            .map_or(f64::NAN, |(_, value)| *value)
-    }
-
-    #[test]
-    fn rows_wrap_at_256_and_the_guard_does_not() {
-        for (name, verdict) in verdicts("rows", |_| true) {
-            let is_wrapped =
-                name.contains("wrapping") && (name.contains("256/") || name.contains("512/"));
-            let status = if is_wrapped {
-                Status::Wrong
-            } else {
-                Status::Ok
-            };
-            assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
-            assert!(figure(&verdict, "shadow_px") > 50.0, "{name}");
-            let casters: f64 = name
-                .split('/')
-                .nth(1)
-                .expect("a number")
-                .parse()
-                .expect("a number");
-            assert_eq!(
-                figure(&verdict, "shadow_max_overlap").to_bits(),
-                casters.to_bits()
-            );
-        }
-    }
-
-    #[test]
-    fn an_open_hull_is_refused_capped_or_doubled_and_leaks_as_it_is() {
-        let all = verdicts("casters", |_| true);
-        let names: Vec<&str> = all.iter().map(|(name, _)| name.as_str()).collect();
-        assert_eq!(
-            names,
-            [
-                "casters/refuse",
-                "casters/cap",
-                "casters/robust",
-                "casters/as-is"
-            ]
-        );
-        assert!(
-            all[0].1.reason.contains("border") && all[0].1.figures.is_empty(),
-            "{}",
-            all[0].1.reason
-        );
-        for (name, verdict) in &all[1..] {
-            let status = if name.contains("as-is") {
-                Status::Wrong
-            } else {
-                Status::Ok
-            };
-            assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
-            let layers = if name.contains("robust") { 2.0 } else { 1.0 };
-            assert_eq!(
-                figure(verdict, "shadow_max_overlap").to_bits(),
-                f64::to_bits(layers),
-                "{name}"
-            );
-        }
-    }
-
-    #[test]
-    fn silhouettes_close_their_volumes_unless_a_face_is_turned() {
-        let small = |name: &str| !name.contains("port-m");
-        for (name, verdict) in verdicts("silhouettes", small) {
-            let is_open = name.contains("turned") && !name.contains("adjacency");
-            let status = if is_open { Status::Wrong } else { Status::Ok };
-            assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
-        }
-    }
-
-    #[test]
-    fn devices_draw_the_reference_s_shadows_and_the_same_by_both_interfaces() {
-        let all = verdicts("devices", |_| true);
-        assert_eq!(all.len(), 26);
-        let mut hashes: BTreeMap<String, Vec<String>> = BTreeMap::new();
-        for (name, verdict) in all {
-            if verdict.status == Status::Skipped {
-                eprintln!("skipped: {}", verdict.reason);
-                assert!(
-                    std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_none(),
-                    "{name}"
-                );
-                continue;
-            }
-            assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
-            assert!(figure(&verdict, "shadow_px") > 1_000.0, "{name}");
-            assert!(figure(&verdict, "shadow_band_px") < 200.0, "{name}");
-            let is_cut = name.contains("caster-rect");
-            let left_out = figure(&verdict, "shadow_casters_left_out");
-            assert_eq!(left_out > 0.0, is_cut, "{name}: {left_out}");
-            let hash = verdict
-                .notes
-                .into_iter()
-                .find(|(key, _)| *key == "mask_hash");
-            let way = name.replace("/wgpu/", "/").replace("/vulkan/", "/");
-            let same = way.replace("/pulled", "/adjacency");
-            hashes
-                .entry(same)
-                .or_default()
-                .extend(hash.map(|(_, hash)| hash));
-        }
-        for (name, hashes) in hashes {
-            assert!(hashes.len() >= 2, "{name}");
-            assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{name}");
-        }
-    }
-
-    #[test]
-    fn in_larger_pictures_a_device_differs_at_rims_of_casters_alone() {
-        let way = "wgpu/sea-closed/z-fail/two-sided/off";
-        let all = verdicts_at(Depth::Full, "devices", |name| name.contains(way));
-        assert_eq!(all.len(), 4);
-        let mut at_rims = 0.0;
-        for (name, verdict) in all {
-            if verdict.status != Status::Skipped {
-                assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
-                at_rims += figure(&verdict, "shadow_rim_px");
-            }
-        }
-        assert!(at_rims < 10.0, "{at_rims}");
-    }
-
-    #[test]
-    fn an_origin_far_away_is_wrong_in_f32_and_from_the_eye_right() {
-        for (name, verdict) in verdicts("origins", |_| true) {
-            if verdict.status == Status::Skipped {
-                continue;
-            }
-            let is_right = verdict.status == Status::Ok;
-            let band_px = figure(&verdict, "shadow_band_px");
-            eprintln!("{name}: {} {band_px} px in the band", verdict.reason);
-            assert!(!name.contains("the eye") || is_right, "{name}");
-            // At the earth's centre a step is a quarter of a metre.
-            assert!(!name.contains("6371") || !is_right, "{name}");
-        }
-    }
-
-    #[test]
-    fn a_quick_plan_is_a_part_of_the_whole() {
-        let count = |depth| {
-            let request = Request {
-                depth,
-                ..Request::default()
-            };
-            let planned = ShadowsStudy.plan(&request).expect("planned");
-            planned
-                .groups
-                .iter()
-                .map(|group| group.cases().len())
-                .sum::<usize>()
-        };
-        assert!(count(Depth::Quick) < count(Depth::Full));
-    }
-}
+mod tests;

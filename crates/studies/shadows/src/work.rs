@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the cases compute.
 
-use crate::count::{Rule, Stencil, Wrong, draw};
+use crate::count::{Rule, Stencil, Wrong, draw, draw_within};
 use crate::near::{Boxes, EyeTest, chosen, shadowed_share};
 use crate::reference::{Light, Reference, Seen, Truth};
-use crate::scissor::{Rectangle, above_horizon, around_pixels, of_parts};
+use crate::scissor::{Rectangle, above_horizon, around_pixels, depths_of_parts, of_parts};
 use crate::view::{View, bridge, deck_eyes, sun};
 use glam::{DVec2, DVec3};
 use terrafill_casters::{
     EdgeTable, Extent, Facing, LightError, Mesh, MeshError, Policy, PortSize, Prepared, Side,
     Volume, hull, port, row, sea_level_below,
 };
+use terrafill_results::SplitMix64;
 
 /// Eyes on deck.
 pub(crate) const EYES: usize = 400;
@@ -18,8 +19,15 @@ pub(crate) const EYES: usize = 400;
 pub(crate) const NEARS: [f64; 3] = [0.1, 0.5, 1.0];
 /// Below the sea at its lowest, m: waves of a harbour.
 const MARGIN_M: f64 = 1.0;
+/// Boxes along either axis, their size, m, and their seed.
+const BOXES: [u32; 2] = [8, 12];
+const BOX_M: f64 = 6.0;
+const BOXES_SEED: u64 = 38;
 /// Casters that 8 bits can count.
 const MAX_COUNT: u32 = 255;
+
+/// Ranges of depth are wider than volumes by this share, as a device's are for its rounding.
+pub(crate) const BOUNDS_SHARE: f64 = 1.0 / 1024.0;
 
 /// Where volumes end.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -119,6 +127,70 @@ impl Scene {
         )
     }
 
+    /// The eye on deck that stands in the light while most of its near rectangle is in shadow.
+    pub(crate) fn of_missed_eye(at: [f64; 2], size: [u32; 2]) -> Result<Self, String> {
+        let mesh = port(PortSize::named("port-m").ok_or("no port-m")?);
+        let to_light = sun(at);
+        let reference = Reference::new(&mesh, to_light);
+        let near = NEARS[NEARS.len() - 1];
+        let eyes = deck_eyes(&mesh, EYES, near).into_iter();
+        let lit = eyes.filter(|view| !reference.is_shadowed(view.eye, None));
+        let dark = lit.map(|view| (shadowed_share(&view, &reference), view));
+        let worst = dark.max_by(|(one, _), (other, _)| one.total_cmp(other));
+        let (share, view) = worst.ok_or("no eye in the light")?;
+        if share == 0.0 {
+            return Err("no eye is missed".to_owned());
+        }
+        drop(reference);
+        Self::of(mesh, at, vec![View { size, ..view }])
+    }
+
+    /// Boxes over the sea, two faces of each of which are edge-on to the sun, or all turned at random.
+    pub(crate) fn of_boxes(at: [f64; 2], is_edge_on: bool, size: [u32; 2]) -> Result<Self, String> {
+        let to_light = sun(at);
+        let mut random = SplitMix64::new(BOXES_SEED);
+        // 53 bits are as many as an `f64` has.
+        let mut share = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
+        let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+        for column in 0..BOXES[0] {
+            for row in 0..BOXES[1] {
+                let mut direction = || DVec3::new(share(), share(), share());
+                let (first, second) = (direction(), direction());
+                let normal = match is_edge_on {
+                    true => first.cross(to_light),
+                    false => first,
+                };
+                let normal = normal.normalize_or(DVec3::X);
+                let along = normal
+                    .cross(second)
+                    .normalize_or(normal.any_orthonormal_vector());
+                let axes = [normal, along, normal.cross(along)].map(|axis| axis * BOX_M / 2.0);
+                let [x, y] = [column, row].map(|place| 2.5 * BOX_M * f64::from(place));
+                let middle = DVec3::new(x, y, 1.5 * BOX_M);
+                let start = u32::try_from(vertices.len()).unwrap_or(u32::MAX);
+                vertices.extend((0..8).map(|corner| {
+                    let way = |bit: u32| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
+                    middle + axes[0] * way(0) + axes[1] * way(1) + axes[2] * way(2)
+                }));
+                let quads = [
+                    [0, 4, 6, 2],
+                    [1, 3, 7, 5],
+                    [0, 1, 5, 4],
+                    [2, 6, 7, 3],
+                    [0, 2, 3, 1],
+                    [4, 5, 7, 6],
+                ];
+                for [a, b, c, d] in quads.map(|quad| quad.map(|corner: u32| start + corner)) {
+                    triangles.extend([[a, b, c], [a, c, d]]);
+                }
+            }
+        }
+        let mesh = Mesh::from_triangles("boxes", vertices, triangles);
+        let mesh = mesh.map_err(|error| error.to_string())?;
+        let eye = DVec3::new(45.0, -120.0, 45.0);
+        Self::of(mesh, at, vec![View::level(eye, 90.0, 0.5, size)])
+    }
+
     /// A hull whose shadow falls towards the eye, seen from below its deck.
     pub(crate) fn of_hull(size: [u32; 2]) -> Result<Self, String> {
         let eye = DVec3::new(0.0, -150.0, 9.0);
@@ -171,25 +243,29 @@ impl Scene {
         Ok((drawn, caster.prepared.mesh.triangles.len()))
     }
 
-    fn of(mesh: Mesh, at: [f64; 2], views: Vec<View>) -> Result<Self, String> {
+    pub(crate) fn of(mesh: Mesh, at: [f64; 2], views: Vec<View>) -> Result<Self, String> {
         let prepared = Policy::Refuse
             .prepare(mesh)
             .map_err(|error| error.to_string())?;
+        Ok(Self::of_prepared(prepared, at, views))
+    }
+
+    pub(crate) fn of_prepared(prepared: Prepared, at: [f64; 2], views: Vec<View>) -> Self {
         let to_light = sun(at);
         let facing = Facing::of(&prepared.mesh, to_light);
-        let sides = EdgeTable::of(&prepared.mesh).silhouette(&facing);
+        let sides = EdgeTable::of(&prepared.mesh).sides(&prepared, &facing);
         let reference = Reference::new(&prepared.mesh, to_light);
         let channels = views.into_iter().map(|view| {
             let truth = reference.picture(&view);
             (view, truth)
         });
-        Ok(Self {
+        Self {
             to_light,
             channels: channels.collect(),
             facing,
             sides,
             prepared,
-        })
+        }
     }
 
     pub(crate) fn pixels(&self) -> Pixels {
@@ -229,6 +305,26 @@ impl Scene {
         };
         for (view, truth) in &self.channels {
             let stencil = self.stencil((view, truth), &volume, rule, scissor)?;
+            drawn.add(&stencil, &stencil.mask(), truth);
+        }
+        Ok(drawn)
+    }
+
+    /// The same closed at the sea, where what is seen lies in each part's range of depths.
+    ///
+    /// - `share`: by which ranges are wider than the volumes
+    pub(crate) fn drawn_within(&self, rule: Rule, share: f64) -> Result<Drawn, String> {
+        let volume = self.volume(End::Sea).map_err(|error| error.to_string())?;
+        let mesh = &self.prepared.mesh;
+        let mut drawn = Drawn {
+            volume_triangles: volume.triangles.len(),
+            ..Drawn::default()
+        };
+        for (view, truth) in &self.channels {
+            let bounds = depths_of_parts(view, &volume, mesh.parts.len(), share);
+            let mut stencil = Stencil::clear(view);
+            let how = |_| Some((rule, Rectangle::whole(view)));
+            draw_within(&mut stencil, view, mesh, &volume, truth, &how, &bounds);
             drawn.add(&stencil, &stencil.mask(), truth);
         }
         Ok(drawn)
@@ -343,6 +439,21 @@ impl Scene {
             let height = met.dot(sunwards) / self.to_light.dot(sunwards);
             (0.0..=1.0).contains(&share) && height > 0.0
         })
+    }
+
+    /// Which triangles face the sun.
+    pub(crate) fn facing(&self) -> &Facing {
+        &self.facing
+    }
+
+    /// Whether every triangle casts, see [`terrafill_casters::Policy::Robust`].
+    pub(crate) fn is_robust(&self) -> bool {
+        self.prepared.is_robust
+    }
+
+    /// Whether a triangle faces the sun.
+    pub(crate) fn is_lit(&self, triangle: usize) -> bool {
+        self.facing.is_lit[triangle]
     }
 
     /// A bit a triangle that faces the sun.
@@ -555,8 +666,27 @@ mod tests {
                 excused += usize::from(is_excused);
             }
         }
+        // 116 of 9,170.
         assert!(all > 5_000 && 50 * excused < all, "{excused} of {all}");
         assert!(excused > 0);
+    }
+
+    #[test]
+    fn depth_bounds_write_less_and_lose_nothing_unless_too_tight() {
+        let scene = Scene::new([10.0, -60.0], [64, 48]).expect("a port");
+        for rule in [Rule::Pass, Rule::Fail] {
+            let whole = scene.drawn(End::Sea, rule, Scissor::Off).expect("above");
+            let within = scene.drawn_within(rule, BOUNDS_SHARE).expect("above");
+            assert_eq!(within.wrong, whole.wrong, "{}", rule.name());
+            assert!(
+                2 * within.updates < whole.updates,
+                "{} {}",
+                within.updates,
+                whole.updates
+            );
+            let tight = scene.drawn_within(rule, -1.0 / 32.0).expect("above");
+            assert!(tight.wrong.outside() > 0, "{}", rule.name());
+        }
     }
 
     #[test]

@@ -190,7 +190,7 @@ impl Extrusion {
                 VolumeState::Accumulate { depth, .. } => Fragments::Shader {
                     path,
                     entry_point: match depth {
-                        DepthRule::Fail => "number_behind",
+                        DepthRule::Fail | DepthRule::Always => "number_behind",
                         DepthRule::Pass => "number_before",
                     },
                 },

@@ -174,6 +174,8 @@ pub(crate) struct BenchArguments {
     pub(crate) ladder: Vec<String>,
     #[arg(long, value_name = "SCENE", help = MATRIX_HELP)]
     pub(crate) matrix: Vec<String>,
+    #[arg(long, value_name = "FILE", requires = "study", help = CASTERS_HELP)]
+    pub(crate) casters: Option<String>,
 }
 
 impl BenchArguments {
@@ -486,6 +488,11 @@ const LADDER_HELP: &str = "\
 Scene to measure switch by switch, from the un-optimised
 method to the full plan, or none; may be repeated
 [default: none, with --full planet-134]";
+
+const CASTERS_HELP: &str = "\
+OBJ or GLB file whose models cast the shadows of study
+shadows, m; ,up=z where an OBJ file is z up; ,unit=METRES;
+,policy=refuse|cap|robust|as-is if it is not closed";
 
 const MATRIX_HELP: &str = "\
 Scene to draw by every backend, layout and switch, or none;

@@ -46,6 +46,15 @@ pub(crate) fn run(arguments: &BenchArguments) -> Result<Outcome, Failure> {
         _ => Depth::Main,
     };
     let studies = studies(arguments, depth)?;
+    let casts = |study: &&dyn Study| study.name() == terrafill_shadows::STUDY;
+    if arguments.casters.is_some() && !studies.iter().any(casts) {
+        let found: Vec<&str> = studies.iter().map(|study| study.name()).collect();
+        return Err(Failure::bad_input(format!(
+            "--casters: found --study {}, allowed: {}",
+            found.join(", "),
+            terrafill_shadows::STUDY
+        )));
+    }
     let request = request(arguments, depth);
     let processes = arguments.processes.unwrap_or(match depth {
         _ if arguments.in_suite => 1,
@@ -213,9 +222,14 @@ fn request(arguments: &BenchArguments, depth: Depth) -> Request {
         data_dir: data_dir(arguments.data.as_deref()),
         ..Request::default()
     };
-    for (key, scenes) in [("ladder", &arguments.ladder), ("matrix", &arguments.matrix)] {
-        if !scenes.is_empty() {
-            request.settings.insert(key.to_owned(), scenes.clone());
+    let casters = arguments.casters.iter().cloned().collect();
+    for (key, values) in [
+        ("ladder", &arguments.ladder),
+        ("matrix", &arguments.matrix),
+        ("casters", &casters),
+    ] {
+        if !values.is_empty() {
+            request.settings.insert(key.to_owned(), values.clone());
         }
     }
     request

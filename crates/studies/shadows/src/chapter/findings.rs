@@ -13,6 +13,24 @@ type Two = (&'static str, &'static str, &'static str);
 const RULES: Two = ("rule", "z-pass", "z-fail");
 const FACES: Two = ("faces", "two-sided", "two-pass");
 const PULLED: Two = ("silhouette", "pulled", "adjacency");
+const COMPUTED: Two = ("silhouette", "compute", "adjacency");
+const TRIANGLES: Two = ("silhouette", "gs-adjacency", "adjacency");
+
+/// Volumes closed at the sea as the rows of a device begin with them, on the interface that draws maps.
+pub(super) fn is_plain(case: &Case) -> bool {
+    let plain = [
+        ("api", "wgpu"),
+        ("extent", "sea-closed"),
+        ("rule", "z-fail"),
+        ("faces", "two-sided"),
+        ("scissor", "off"),
+        ("depth_bounds", "off"),
+        ("silhouette", "adjacency"),
+    ];
+    plain
+        .iter()
+        .all(|(key, value)| case.condition(key) == *value)
+}
 
 /// Whether two cases have the same conditions of a device, but for some.
 fn is_same_but(keys: &[&str], a: &Case, b: &Case) -> bool {
@@ -27,6 +45,7 @@ impl Own<'_> {
             self.eye_test(),
             self.pass_is_faster(),
             self.closed_at_the_sea(),
+            self.bounds(),
             self.horizon(),
             self.clears(),
             self.wrap(),
@@ -38,10 +57,115 @@ impl Own<'_> {
                 "Frames are faster where a vertex shader finds silhouettes",
                 PULLED,
             ),
+            self.faster(
+                clock,
+                "Frames are faster where a compute shader finds silhouettes",
+                COMPUTED,
+            ),
+            self.faster(
+                clock,
+                "Frames are faster where a geometry shader finds silhouettes of triangles",
+                TRIANGLES,
+            ),
+            self.near(),
+            self.device_rows(),
+            self.facings(),
             self.origins(),
             self.maps(),
+            self.volumes_or_maps(clock),
         ];
         findings.into_iter().flatten().collect()
+    }
+
+    /// Wrong pixels of a case, outside the band.
+    fn wrong_px(case: &Case) -> Option<f64> {
+        let px = ["shadow_false_lit_px", "shadow_false_dark_px"].map(|metric| value(case, metric));
+        px.into_iter().try_fold(0.0, |sum, px| Some(sum + px?))
+    }
+
+    /// Cases of a question that a device drew, by whether `is_own`, and their wrong pixels.
+    fn wrong_by(&self, question: &str, is_own: impl Fn(&Case) -> bool) -> [Vec<f64>; 2] {
+        let mut wrong = [Vec::new(), Vec::new()];
+        for case in self.of_question(question) {
+            let own = &mut wrong[usize::from(is_own(case))];
+            own.extend(Self::wrong_px(case));
+        }
+        wrong
+    }
+
+    fn near(&self) -> Option<Finding> {
+        let rule = |case: &Case| case.condition("rule").to_owned();
+        let is_published = |case: &Case| rule(case) == "automatic, eye";
+        let [others, published] =
+            self.wrong_by("near", |case| rule(case) == "z-pass" || is_published(case));
+        let most = published.iter().copied().reduce(f64::max)?;
+        let total: f64 = others.iter().sum();
+        (!others.is_empty()).then(|| Finding {
+            claim: "Where the near plane is partly in shadow, zp-plus, preload, z-fail and tests of the near rectangle \
+                    draw no wrong pixel on a device, and z-pass does."
+                .to_owned(),
+            standing: Standing::holds_if(total == 0.0 && most > 0.0),
+            because: format!(
+                "{} pixels outside the band are wrong in {} cases; z-pass, which the eye's test chooses, has {}",
+                number(total),
+                others.len(),
+                number(most)
+            ),
+        })
+    }
+
+    fn device_rows(&self) -> Option<Finding> {
+        let is_wrapping = |case: &Case| case.condition("counting").contains("wrapping");
+        let cases = self.of_question("device-rows");
+        let cases: Option<Vec<(&str, bool, f64)>> = cases
+            .filter(|case| matches!(case.outcome, Outcome::Ok | Outcome::Wrong))
+            .map(|case| {
+                Some((
+                    case.condition("casters"),
+                    is_wrapping(case),
+                    value(case, LOST)?,
+                ))
+            })
+            .collect();
+        let cases = cases.filter(|cases| !cases.is_empty())?;
+        let is_multiple = |casters: &str| matches!(casters, "256" | "512");
+        let as_computed = cases.iter().all(|(casters, is_wrapping, lost)| {
+            (*lost > 0.0) == (*is_wrapping && is_multiple(casters))
+        });
+        let losing = cases.iter().filter(|(.., lost)| *lost > 0.0);
+        let losing: Vec<String> = losing
+            .map(|(casters, _, lost)| format!("{casters}: {} %", significant(*lost)))
+            .collect();
+        Some(Finding {
+            claim: "On a device, 8 bits lose shadows of exactly 256 and 512 casters, and passes of 255 lose none."
+                .to_owned(),
+            standing: Standing::holds_if(as_computed),
+            because: format!(
+                "Of {} cases these lose shadow pixels: {}",
+                cases.len(),
+                match losing.is_empty() {
+                    true => "none".to_owned(),
+                    false => losing.join(", "),
+                }
+            ),
+        })
+    }
+
+    fn facings(&self) -> Option<Finding> {
+        let by_corners = |case: &Case| case.condition("silhouette").contains("by corners");
+        let [bits, corners] = self.wrong_by("facings", by_corners);
+        let most = corners.iter().copied().reduce(f64::max)?;
+        let total: f64 = bits.iter().sum();
+        (!bits.is_empty()).then(|| Finding {
+            claim: "A facing decided once a triangle never leaks, one that each edge computes in f32 does.".to_owned(),
+            standing: Standing::holds_if(total == 0.0 && most > 0.0),
+            because: format!(
+                "{} wrong pixels outside the band in {} cases with facing bits, up to {} in those without",
+                number(total),
+                bits.len(),
+                number(most)
+            ),
+        })
     }
 
     /// Every rule and extent against the reference.
@@ -199,6 +323,44 @@ impl Own<'_> {
         })
     }
 
+    /// Time and wrong pixels of a device's maps beside those of volumes, by sun.
+    fn volumes_or_maps(&self, clock: Clock) -> Option<Finding> {
+        let metric = clock.pick(FILL_GPU, FILL_CPU);
+        let all_wrong = |case: &Case| {
+            let px = Self::wrong_px(case)? + value(case, "shadow_band_px")?;
+            Some((value(case, metric)?, px))
+        };
+        let mut better = Vec::new();
+        let mut pairs = 0;
+        for sun in self.suns("device-maps") {
+            let own = |question| {
+                let all = self.of_question(question);
+                all.filter(move |case: &&Case| case.condition("sun") == sun)
+            };
+            let volumes = own("devices").filter(|case| is_plain(case));
+            let volumes = volumes.filter_map(all_wrong).next();
+            let Some((time, px)) = volumes else { continue };
+            for case in own("device-maps") {
+                let Some((map_time, map_px)) = all_wrong(case) else {
+                    continue;
+                };
+                pairs += 1;
+                if map_time <= time && map_px < px {
+                    better.push(case.id().name.clone());
+                }
+            }
+        }
+        (pairs > 0).then(|| Finding {
+            claim: "No shadow map takes less time than volumes and has fewer wrong pixels, those in the band included."
+                .to_owned(),
+            standing: Standing::holds_if(better.is_empty()),
+            because: match better.is_empty() {
+                true => format!("None of {pairs} maps does, by {}", clock.name()),
+                false => format!("These do, by {}: {}", clock.name(), better.join(", ")),
+            },
+        })
+    }
+
     fn eye_test(&self) -> Option<Finding> {
         let published = self.values("eyes", &[("eye_test", "eye")], MISSED);
         let exact = self.values("eyes", &[("eye_test", "near-exact")], MISSED);
@@ -273,6 +435,28 @@ impl Own<'_> {
             because: format!(
                 "Writes of infinite volumes over closed ones: {}",
                 ratios?.join(", ")
+            ),
+        })
+    }
+
+    fn bounds(&self) -> Option<Finding> {
+        let mut texts = Vec::new();
+        let (mut is_less, mut lost) = (true, 0.0);
+        for case in self.of_question("bounds") {
+            let (sun, rule) = (case.condition("sun"), case.condition("rule"));
+            let (whole, within) = (self.writes(sun, "sea-closed", rule)?, value(case, UPDATES)?);
+            is_less &= within < whole;
+            lost += Self::wrong_px(case)?;
+            let [whole, within] = [whole, within].map(significant);
+            texts.push(format!("{rule} at {sun}: {whole} to {within}"));
+        }
+        (!texts.is_empty()).then(|| Finding {
+            claim: "Depth bounds save stencil writes and change no pixel (Yang & Jin, 2006, anticipated).".to_owned(),
+            standing: Standing::holds_if(is_less && lost == 0.0),
+            because: format!(
+                "{} pixels outside the band are wrong; writes per pixel, {}",
+                number(lost),
+                texts.join(", ")
             ),
         })
     }

@@ -227,6 +227,108 @@ fn a_study_is_named_as_it_is_listed() {
     assert!(!desk.path("run/summary.csv").exists(), "of filling alone");
 }
 
+/// A box of 4 × 6 × 3 m on piles that stand in the sea, z up, and how its lid is written.
+const LID: &str = "f 5 6 7 8\n";
+fn hut() -> String {
+    let place = |at: usize| {
+        let high = |bit: usize| at & bit != 0;
+        let x = if matches!(at & 3, 1 | 2) { 4 } else { 0 };
+        let y = if high(2) { 6 } else { 0 };
+        let z = if high(4) { 3 } else { -1 };
+        format!("v {x} {y} {z}\n")
+    };
+    let places: String = (0..8).map(place).collect();
+    format!("o hut\n{places}f 4 3 2 1\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n{LID}")
+}
+
+#[test]
+fn a_model_of_one_s_own_gets_the_rows_of_study_shadows() {
+    let desk = Desk::new();
+    desk.write("hut.obj", hut());
+    let bench = |casters: &'static str, out: &'static str| {
+        let options = ["bench", "--study", "shadows", "--quick", "--samples", "1"];
+        [&options[..], &["--casters", casters, "--out", out]].concat()
+    };
+    let ran = desk.run(&bench("hut.obj,up=z", "run")).succeeded();
+    assert!(ran.contains(" right, 0 wrong, 0 failed"), "{ran}");
+    let run = load(&desk, "run");
+    let model = run
+        .cases
+        .iter()
+        .find(|case| case.id().name == "model/hut.obj");
+    let model = model.expect("a verdict");
+    assert_eq!(model.reason, "policy refuse: closed");
+    assert_eq!(model.value("shadow_mesh_triangles"), Some(12.0));
+    let asked = |question: &str| {
+        let all = run.cases.iter();
+        let own = all.filter(|case| case.condition("question") == question);
+        own.filter(|case| case.condition("model") == "hut.obj")
+            .count()
+    };
+    for question in ["updates", "scissors", "silhouettes", "devices", "maps"] {
+        assert!(asked(question) > 0, "{question}");
+    }
+    assert_eq!(asked("eyes"), 0, "of the port's deck");
+    let page = desk.read_text("run/index.html");
+    assert!(
+        page.contains("A model from a file"),
+        "the chapter says what it is of"
+    );
+
+    // Without its lid it is refused by name, closed by a policy, and refused again where that cannot help.
+    desk.write("open.obj", hut().replace(LID, ""));
+    let open = "open.obj: border 4 edges, the first from";
+    desk.run(&bench("open.obj,up=z", "none")).refused(&[&[
+        open,
+        "refused by policy refuse; policies: refuse, cap, robust, as-is",
+    ]]);
+    assert!(!desk.path("none").exists(), "nothing was written");
+    let capped = desk.run(&bench("open.obj,up=z,policy=cap", "capped"));
+    capped.succeeded();
+    let run = load(&desk, "capped");
+    let model = run
+        .cases
+        .iter()
+        .find(|case| case.id().name == "model/open.obj");
+    assert!(model.is_some_and(|case| case.reason.starts_with("policy cap: border 4 edges")));
+    let flipped = hut().replace(LID, "f 8 7 6 5\n");
+    desk.write("flipped.obj", flipped);
+    desk.run(&bench("flipped.obj,up=z,policy=cap", "none"))
+        .refused(&[&["flipped.obj: flipped 4 edges", "refused by policy cap"]]);
+}
+
+#[test]
+fn casters_that_are_none_are_refused_with_place_and_what_is_allowed() {
+    let desk = Desk::new();
+    desk.write("hut.obj", hut());
+    desk.write("torn.obj", hut().replace("f 4 3 2 1", "f 4 3 2 9"));
+    desk.write("text.glb", "no model");
+    let bench = |study: &'static str, casters: &'static str| {
+        ["bench", "--study", study, "--quick", "--casters", casters]
+    };
+    for (casters, phrase) in [
+        ("none.obj", "none.obj: "),
+        (
+            "hut.txt",
+            r#"hut.txt: extension: found "txt", allowed: obj, glb"#,
+        ),
+        (
+            "torn.obj",
+            r#"torn.obj: line 10: found "f 4 3 2 9", allowed: vertices 1 … 8, or -8 … -1"#,
+        ),
+        (
+            "text.glb",
+            r#"text.glb: first bytes: found "no m", allowed: "glTF""#,
+        ),
+        ("hut.obj,up=x", r#"--casters: up: found "x", allowed: y, z"#),
+    ] {
+        desk.run(&bench("shadows", casters)).refused(&[&[phrase]]);
+    }
+    desk.run(&bench("growth", "hut.obj"))
+        .refused(&[&["--casters: found --study growth, allowed: shadows"]]);
+    assert_eq!(desk.names().len(), 3, "nothing was written");
+}
+
 #[test]
 fn old_names_of_options_still_work() {
     if !has_device() {

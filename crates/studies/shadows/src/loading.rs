@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Volumes from the CPU as a device is handed them, and the stencil program that counts them.
+//!
+//! Casters, parts, or parts by rule are a volume each of the program's list. Over 255 volumes may lie over one
+//! pixel only in passes of 255, each of which darkens for itself.
+
+use crate::count::Rule;
+use crate::device::{EyeVolumes, VolumeSource};
+use crate::drawing::{Counting, DeviceWay, DrawError, count, eye_vertices};
+use crate::near::{Boxes, chosen, near_caps};
+use crate::reference::Reference;
+use crate::scissor::{Rectangle, of_parts};
+use crate::view::View;
+use crate::work::Scene;
+use glam::DVec4;
+use std::ops::Range;
+use terrafill_casters::Volume;
+use terrafill_fill::{DepthRange, DepthRule, DeviceError, FillCommand, FillProgram, Switches};
+use terrafill_scene::{Overlap, PixelRect};
+
+/// Volumes that 8 bits count over one pixel.
+const COUNTABLE: usize = 255;
+/// A depth range is wider by this share and by this much, as that of regions is.
+const RELATIVE: f64 = 1.0 / 1024.0;
+const ABSOLUTE: f64 = 1.0 / (1 << 22) as f64;
+
+/// What a channel's program runs on.
+pub(crate) struct Loadable {
+    pub(crate) source: VolumeSource,
+    pub(crate) list: Vec<terrafill_fill::Volume>,
+    pub(crate) left_out: usize,
+}
+
+/// Parts that are one volume of the list, and whether the near plane may meet it.
+struct Together {
+    parts: Vec<usize>,
+    is_near: bool,
+}
+
+impl Scene {
+    fn together(&self, way: DeviceWay, view: &View, reference: &Reference<'_>) -> Vec<Together> {
+        let mesh = self.mesh();
+        let all = |parts: Range<usize>| Together {
+            parts: parts.collect(),
+            is_near: false,
+        };
+        match way.counting {
+            Counting::Casters | Counting::ZpPlus => mesh
+                .casters
+                .iter()
+                .map(|caster| all(caster.parts.clone()))
+                .collect(),
+            Counting::Parts { .. } => (0..mesh.parts.len())
+                .map(|part| all(part..part + 1))
+                .collect(),
+            Counting::Chosen(test) => {
+                let (boxes, facing) = (Boxes::of(mesh), self.facing());
+                let fail = chosen(test, view, self.to_light, mesh, facing, &boxes, reference);
+                let of = |caster: &terrafill_casters::Caster| {
+                    let split = [false, true].map(|is_near| Together {
+                        parts: caster
+                            .parts
+                            .clone()
+                            .filter(|part| fail[*part] == is_near)
+                            .collect(),
+                        is_near,
+                    });
+                    split.into_iter().filter(|own| !own.parts.is_empty())
+                };
+                mesh.casters.iter().flat_map(of).collect()
+            }
+        }
+    }
+
+    /// Volumes as this eye sees them.
+    ///
+    /// - `closed`: what rectangles are made of, where volumes are cut
+    pub(crate) fn loadable(
+        &self,
+        way: DeviceWay,
+        view: &View,
+        volume: &Volume,
+        closed: Option<&Volume>,
+        reference: &Reference<'_>,
+    ) -> Result<Loadable, DrawError> {
+        let mesh = self.mesh();
+        let mut volumes = EyeVolumes {
+            vertices: eye_vertices(way.positions, view, volume),
+            ..EyeVolumes::default()
+        };
+        let (mut list, mut left_out) = (Vec::new(), 0);
+        let rectangles = closed.map(|closed| of_parts(view, closed, mesh.parts.len()));
+        let mut of_part: Vec<Vec<u32>> = vec![Vec::new(); mesh.parts.len()];
+        for triangle in &volume.triangles {
+            of_part[triangle.part as usize].extend(triangle.corners);
+        }
+        for Together { parts, is_near } in self.together(way, view, reference) {
+            let rectangle = match &rectangles {
+                Some(all) => {
+                    let own = parts.iter().map(|part| all[*part]);
+                    own.fold(Rectangle::NONE, Rectangle::or)
+                }
+                None => Rectangle::whole(view),
+            };
+            if rectangle.is_empty() {
+                left_out += 1;
+                continue;
+            }
+            let first = volumes.indices.len();
+            for part in parts {
+                volumes.indices.extend(&of_part[part]);
+            }
+            let own = &volumes.indices[first..];
+            let places = own.iter().map(|at| volume.vertices[*at as usize]);
+            let depth = match way.has_bounds {
+                true => depth_range(view, places),
+                false => DepthRange::ANY,
+            };
+            list.push(terrafill_fill::Volume {
+                near_plane_meets_volume: is_near,
+                depth,
+                ..listed(rectangle, volumes.ranges.len())
+            });
+            volumes
+                .ranges
+                .push(count(first)..count(volumes.indices.len()));
+        }
+        if way.counting == Counting::ZpPlus {
+            let caps = near_caps(view, self.to_light, mesh, self.facing());
+            let caps = caps.map_err(|error| DrawError::Unfit(error.to_string()))?;
+            let first = count(volumes.indices.len());
+            for place in caps.iter().flatten() {
+                let along = (*place - view.eye).as_vec3().extend(1.0);
+                volumes.indices.push(count(volumes.vertices.len()));
+                volumes.vertices.push(along.to_array().map(f32::to_bits));
+            }
+            if !caps.is_empty() {
+                list.push(listed(Rectangle::whole(view), volumes.ranges.len()));
+                volumes.ranges.push(first..count(volumes.indices.len()));
+            }
+        }
+        Ok(Loadable {
+            source: VolumeSource::Volumes(volumes),
+            list,
+            left_out,
+        })
+    }
+}
+
+/// Depths of the surface at which a closed volume of these corners can be around it.
+#[allow(
+    clippy::cast_possible_truncation,
+    reason = "rounding to f32 is far less than what the range is widened by"
+)]
+fn depth_range(view: &View, corners: impl Iterator<Item = DVec4>) -> DepthRange {
+    let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
+    for corner in corners {
+        let along = corner.truncate() - view.eye * corner.w;
+        let distance = match corner.w > 0.0 {
+            true => along.dot(view.forward),
+            // At infinity, before the eye or behind it.
+            false => along.dot(view.forward).signum() * f64::INFINITY,
+        };
+        nearest = nearest.min(distance);
+        farthest = farthest.max(distance);
+    }
+    let depth = |distance: f64| match distance > view.near {
+        true => view.near / distance,
+        false => 1.0,
+    };
+    let low = depth(farthest) * (1.0 - RELATIVE) - ABSOLUTE;
+    let high = depth(nearest) * (1.0 + RELATIVE) + ABSOLUTE;
+    DepthRange {
+        low: low.clamp(0.0, 1.0) as f32,
+        high: high.clamp(0.0, 1.0) as f32,
+    }
+}
+
+/// A volume over the whole depth.
+pub(crate) fn listed(rectangle: Rectangle, geometry: usize) -> terrafill_fill::Volume {
+    terrafill_fill::Volume {
+        is_flat: false,
+        screen_rect: PixelRect {
+            left: rectangle.columns[0],
+            top: rectangle.rows[0],
+            right: rectangle.columns[1],
+            bottom: rectangle.rows[1],
+        },
+        depth: DepthRange::ANY,
+        // The case names its depth rule; only `DepthRuleChoice::Automatic` reads this.
+        near_plane_meets_volume: false,
+        geometry,
+    }
+}
+
+/// What counts these volumes.
+pub(crate) fn program(
+    way: DeviceWay,
+    switches: &Switches,
+    list: &[terrafill_fill::Volume],
+) -> Result<FillProgram, DeviceError> {
+    let mut program = match way.counting {
+        Counting::Parts { is_guarded } => {
+            let together = if is_guarded {
+                COUNTABLE
+            } else {
+                list.len().max(1)
+            };
+            let mut program = FillProgram::default();
+            for first in (0..list.len()).step_by(together) {
+                // Of one volume, which stands for all that are counted with it: the contract's own guard would
+                // refuse a case that is to show what wrapping does.
+                let mut own = FillProgram::new(&list[first..=first], switches, Overlap::Ordered)?;
+                let past = list.len().min(first + together);
+                for command in own.passes.iter_mut().flat_map(|pass| &mut pass.commands) {
+                    match command {
+                        FillCommand::Volumes { volumes, .. } => *volumes = (first..past).collect(),
+                        FillCommand::Cover { volumes, .. } => *volumes = vec![first],
+                        FillCommand::Accumulate { .. } | FillCommand::Resolve => {}
+                    }
+                }
+                program.passes.extend(own.passes);
+            }
+            program
+        }
+        _ => FillProgram::new(list, switches, Overlap::Ordered)?,
+    };
+    if way.rule == Rule::Preload {
+        for pass in &mut program.passes {
+            let commands = std::mem::take(&mut pass.commands);
+            let preloads = commands.iter().filter_map(|command| match command {
+                FillCommand::Volumes { rule, .. } => {
+                    let mut always = command.clone();
+                    if let FillCommand::Volumes { rule: own, .. } = &mut always {
+                        *own = terrafill_fill::StencilRule {
+                            depth: DepthRule::Always,
+                            ..*rule
+                        };
+                    }
+                    Some(always)
+                }
+                _ => None,
+            });
+            let preloads: Vec<FillCommand> = preloads.collect();
+            pass.commands = preloads.into_iter().chain(commands).collect();
+        }
+    }
+    Ok(program)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn a_depth_range_holds_its_corners_and_infinity_ends_it() {
+        let view = View::level(DVec3::ZERO, 0.0, 0.5, [4, 3]);
+        let place = |x: f64| DVec3::new(x, 3.0, 1.0).extend(1.0);
+        let held = |range: DepthRange, x: f64| {
+            let depth = 0.5 / x;
+            f64::from(range.low) <= depth && depth <= f64::from(range.high)
+        };
+        let range = depth_range(&view, [place(10.0), place(20.0)].into_iter());
+        assert!(held(range, 10.0) && held(range, 20.0));
+        assert!(!held(range, 9.9) && !held(range, 20.1));
+        let away = |x: f64| DVec3::new(x, 0.0, -0.1).extend(0.0);
+        let range = depth_range(&view, [place(10.0), away(1.0)].into_iter());
+        assert_eq!(range.low.to_bits(), 0.0_f32.to_bits());
+        assert!(held(range, 1e9) && !held(range, 9.9));
+        let range = depth_range(&view, [place(10.0), away(-1.0)].into_iter());
+        assert_eq!(range.high.to_bits(), 1.0_f32.to_bits());
+        assert!(held(range, 0.6) && !held(range, 10.1));
+    }
+}

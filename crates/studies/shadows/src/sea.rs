@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! What devices draw shadows on: the casters, and the sea as rings about the foot of the eye.
+
+use crate::drawing::{Positions, count};
+use crate::reference::SEA_RADIUS_M;
+use crate::view::View;
+use glam::DVec3;
+use terrafill_casters::Mesh;
+use terrafill_scene::HeightRange;
+use terrafill_surface::SurfaceFrame;
+
+/// Between meridians of the sea's patch, degrees.
+const SECTOR_DEG: f64 = 1.0;
+/// Radius of a ring of the patch over that of the one before. At 5 km a facet is 5 mm below the sphere, a
+/// ten-thousandth of a pixel.
+const RING_RATIO: f64 = 1.1;
+
+/// Sea and casters from the eye.
+pub(crate) fn surface(positions: Positions, view: &View, mesh: &Mesh) -> SurfaceFrame {
+    let (sea, sea_triangles) = sea(view);
+    let all = mesh.vertices.iter().chain(&sea);
+    let vertices = all.map(|place| positions.relative(*place, view.eye).to_array());
+    let first = count(mesh.vertices.len());
+    let of_sea = sea_triangles
+        .into_iter()
+        .map(|corners| corners.map(|corner| corner + first));
+    SurfaceFrame {
+        vertices_rte: vertices.collect(),
+        triangles: mesh.triangles.iter().copied().chain(of_sea).collect(),
+        heights: HeightRange {
+            lowest_m: 0.0,
+            highest_m: 0.0,
+        },
+        parts: [].into(),
+    }
+}
+
+/// The sea in sight of a level camera, as rings about the foot of the eye.
+fn sea(view: &View) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let centre = DVec3::NEG_Z * SEA_RADIUS_M;
+    let up = (view.eye - centre).normalize();
+    let height_m = (view.eye - centre).length() - SEA_RADIUS_M;
+    let ahead = (view.forward - up * up.dot(view.forward)).normalize();
+    let right = ahead.cross(up);
+    let horizon_m = (2.0 * SEA_RADIUS_M * height_m).sqrt();
+    let mut away_m = vec![0.5 * height_m];
+    while away_m.last().is_some_and(|last| *last < 1.2 * horizon_m) {
+        away_m.extend(away_m.last().map(|last| last * RING_RATIO));
+    }
+    let half_deg = view.tan[0].atan().to_degrees() + SECTOR_DEG;
+    let mut azimuths_deg = vec![-half_deg];
+    while azimuths_deg.last().is_some_and(|last| *last < half_deg) {
+        azimuths_deg.extend(azimuths_deg.last().map(|last| last + SECTOR_DEG));
+    }
+    let mut places = Vec::with_capacity(away_m.len() * azimuths_deg.len());
+    for away in &away_m {
+        let (sin, cos) = (away / SEA_RADIUS_M).sin_cos();
+        for azimuth in &azimuths_deg {
+            let (aside, along) = azimuth.to_radians().sin_cos();
+            let direction = up * cos + (ahead * along + right * aside) * sin;
+            places.push(centre + direction * SEA_RADIUS_M);
+        }
+    }
+    let [columns, rings] = [azimuths_deg.len(), away_m.len()].map(count);
+    let mut triangles = Vec::new();
+    for ring in 1..rings {
+        for column in 1..columns {
+            let [near, far] = [ring - 1, ring].map(|ring| ring * columns + column);
+            triangles.push([near - 1, near, far]);
+            triangles.push([near - 1, far, far - 1]);
+        }
+    }
+    (places, triangles)
+}

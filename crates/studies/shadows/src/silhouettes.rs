@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Casters for shaders that find their silhouettes: what each way of finding them reads.
+//!
+//! One facing bit a triangle, decided by the CPU in `f64`, is what all of them share. Two ways compute the
+//! facing in `f32` instead, from corners in the order in which they have them, as engines do: there the
+//! edges of one triangle may disagree where it is edge-on.
+
+use crate::device::{Adjacency, Adjacent, Computed, EyeMesh, IS_CAP, VolumeSource};
+use crate::drawing::{DeviceWay, DrawError, count, eye_vertices};
+use crate::view::View;
+use crate::work::{End, Scene};
+use terrafill_casters::{EdgeTable, Mesh, Side, Volume};
+
+/// Where silhouettes are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Silhouettes {
+    /// By the CPU from stored adjacency: volumes are handed over.
+    Adjacency,
+    /// By the vertex shader: meshes, edges and facing bits are handed over.
+    Pulled,
+    /// The same without bits.
+    Corners,
+    /// By a compute shader, which writes indices and draw arguments.
+    Computed,
+    /// By a geometry shader.
+    Geometry(Adjacency),
+}
+
+impl Silhouettes {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Adjacency => "adjacency",
+            Self::Pulled => "pulled",
+            Self::Corners => "pulled, f32 by corners",
+            Self::Computed => "compute",
+            Self::Geometry(Adjacency::Triangles) => "gs-adjacency",
+            Self::Geometry(Adjacency::Corners) => "gs-adjacency, f32 by corners",
+            Self::Geometry(Adjacency::Lines) => "gs-line-adjacency",
+        }
+    }
+
+    /// Whether a shader computes the facing in `f32`, each edge for itself.
+    pub(crate) fn decides_by_corners(self) -> bool {
+        matches!(self, Self::Corners | Self::Geometry(Adjacency::Corners))
+    }
+}
+
+/// An edge, from its lower to its higher vertex, and the triangles that have it so and the other way round.
+type Edge = (Side, [u32; 2]);
+
+impl Scene {
+    /// What a shader finds silhouettes of; no place yet, since places are the eye's. `None` where the CPU has
+    /// found them.
+    ///
+    /// # Errors
+    /// [`DrawError::Unfit`] for a mesh in which an edge has not two triangles, one either way.
+    pub(crate) fn found_by(
+        &self,
+        way: DeviceWay,
+        volume: &Volume,
+    ) -> Result<Option<Found>, DrawError> {
+        let source = match way.silhouettes {
+            Silhouettes::Adjacency => return Ok(None),
+            Silhouettes::Pulled => VolumeSource::Pulled(self.pieces(false)?),
+            Silhouettes::Corners => VolumeSource::Corners(self.pieces(true)?),
+            Silhouettes::Computed => VolumeSource::Computed(Computed {
+                vertices: Vec::new(),
+                mesh: self.pieces(false)?,
+                far: count(self.mesh().vertices.len()),
+                is_closed: way.end != End::Infinite,
+            }),
+            Silhouettes::Geometry(by) => VolumeSource::Adjacent(self.adjacent(by)?),
+        };
+        Ok(Some(Found {
+            way,
+            source,
+            volume: volume.clone(),
+        }))
+    }
+
+    /// Edges, those within a plane among them if asked for: a facing that is no plane's may differ there.
+    fn edges(&self, within_planes: bool) -> Result<Vec<Edge>, DrawError> {
+        let mut mesh = self.mesh().clone();
+        if within_planes {
+            mesh.planes = (0..count(mesh.triangles.len())).collect();
+        }
+        let unfit = || {
+            let needs = "silhouettes on devices: found an edge without two triangles, one either way; allowed: \
+                         closed meshes";
+            DrawError::Unfit(needs.to_owned())
+        };
+        match self.is_robust() {
+            true => Err(unfit()),
+            false => EdgeTable::of(&mesh).pairs().ok_or_else(unfit),
+        }
+    }
+
+    /// Triangles and edges by caster.
+    ///
+    /// - `by_corners`: with the opposite corners instead of the triangles of an edge
+    fn pieces(&self, by_corners: bool) -> Result<EyeMesh, DrawError> {
+        let mesh = self.mesh();
+        let part_of = mesh.part_of_triangles();
+        let mut sides: Vec<Vec<[u32; 4]>> = vec![Vec::new(); mesh.parts.len()];
+        for (edge, pair) in self.edges(by_corners)? {
+            let [first, second] = match by_corners {
+                true => pair.map(|triangle| opposite(mesh, triangle, edge)),
+                false => pair,
+            };
+            let part = part_of[pair[0] as usize] as usize;
+            sides[part].push([edge[0], edge[1], first, second]);
+        }
+        let mut made = EyeMesh {
+            lit: if by_corners {
+                Vec::new()
+            } else {
+                self.lit_bits()
+            },
+            ..EyeMesh::default()
+        };
+        for caster in &mesh.casters {
+            let first = count(made.pieces.len());
+            for part in caster.parts.clone() {
+                let caps = mesh.parts[part].triangles.clone();
+                let cap = |triangle: usize| {
+                    let [a, b, c] = mesh.triangles[triangle];
+                    [a, b, c, count(triangle) | IS_CAP]
+                };
+                made.pieces.extend(caps.map(cap));
+                made.pieces.append(&mut sides[part]);
+            }
+            made.ranges.push(first..count(made.pieces.len()));
+        }
+        Ok(made)
+    }
+
+    /// Corners with adjacency and facing bits, as `casters/adjacent.wgsl` reads them.
+    fn adjacent(&self, by: Adjacency) -> Result<Adjacent, DrawError> {
+        let mesh = self.mesh();
+        // A geometry shader looks at every edge of a triangle; one that is given edges can be given fewer.
+        let edges = self.edges(by != Adjacency::Lines)?;
+        let (mut table, mut vertices) = (Vec::new(), Vec::new());
+        let (mut corners, mut caps) = (Vec::new(), Vec::new());
+        let mut bits = Bits::default();
+        let is_lit = |triangle: u32| self.is_lit(triangle as usize);
+        // The direction is before all places.
+        let placed = |vertex: u32| vertex + 1;
+        let part_of = mesh.part_of_triangles();
+        let mut by_part: Vec<Vec<Edge>> = vec![Vec::new(); mesh.parts.len()];
+        let mut across = vec![[0; 3]; mesh.triangles.len()];
+        for (edge, pair) in edges {
+            by_part[part_of[pair[0] as usize] as usize].push((edge, pair));
+            for (own, other) in [(pair[0], pair[1]), (pair[1], pair[0])] {
+                let corners = mesh.triangles[own as usize];
+                let at = corners.iter().position(|corner| !edge.contains(corner));
+                // The edge opposite to a corner follows the next one.
+                across[own as usize][(at.unwrap_or_default() + 1) % 3] = other;
+            }
+        }
+        for caster in &mesh.casters {
+            let parts = mesh.parts[caster.parts.clone()].iter();
+            let triangles = parts.flat_map(|part| part.triangles.clone());
+            let mut counted = [0, 0];
+            if by == Adjacency::Lines {
+                table.extend([count(corners.len() / 4), count(caps.len() / 3)]);
+                for &(edge, pair) in by_part[caster.parts.clone()].iter().flatten() {
+                    let [first, second] = pair.map(|triangle| opposite(mesh, triangle, edge));
+                    corners.extend([first, edge[0], edge[1], second].map(placed));
+                    bits.extend(pair.map(is_lit));
+                    counted[0] += 4;
+                }
+                for triangle in triangles {
+                    caps.extend(mesh.triangles[triangle].map(placed));
+                    counted[1] += 3;
+                }
+            } else {
+                table.extend([count(corners.len() / 6), 0]);
+                for triangle in triangles {
+                    let own = mesh.triangles[triangle];
+                    bits.extend([is_lit(count(triangle))]);
+                    for at in 0..3 {
+                        let neighbour = across[triangle][at];
+                        let edge = [own[at], own[(at + 1) % 3]];
+                        corners.extend([own[at], opposite(mesh, neighbour, edge)].map(placed));
+                        bits.extend([is_lit(neighbour)]);
+                    }
+                    counted[0] += 6;
+                    counted[1] += 3;
+                }
+            }
+            vertices.push(counted);
+        }
+        if by == Adjacency::Lines {
+            bits.end_word();
+            let parts = mesh.casters.iter().flat_map(|caster| caster.parts.clone());
+            let triangles = parts.flat_map(|part| mesh.parts[part].triangles.clone());
+            bits.extend(triangles.map(|triangle| self.is_lit(triangle)));
+        }
+        let bits = bits.words;
+        let begins = |parts: [usize; 3]| parts.map(count);
+        let [corners_at, caps_at, bits_at] = begins([
+            table.len(),
+            table.len() + corners.len(),
+            table.len() + corners.len() + caps.len(),
+        ]);
+        let places_at = bits_at + count(bits.len());
+        let light_bytes = size_of_val(&*bits) as u64;
+        Ok(Adjacent {
+            by,
+            vertices,
+            begins: [0, corners_at, bits_at, places_at, caps_at],
+            words: [table, corners, caps, bits].concat(),
+            light_bytes,
+        })
+    }
+
+    /// The same as this eye has it.
+    pub(crate) fn seen_from(&self, view: &View, found: &Found) -> VolumeSource {
+        let away = (-self.to_light).as_vec3();
+        let places = self.mesh().vertices.iter();
+        let places = places.map(|place| (place - view.eye).as_vec3());
+        match &found.source {
+            VolumeSource::Pulled(mesh) | VolumeSource::Corners(mesh) => {
+                let mut mesh = mesh.clone();
+                let all = places
+                    .map(|place| place.extend(1.0))
+                    .chain([away.extend(0.0)]);
+                mesh.places = all.map(|place| place.to_array()).collect();
+                match found.source {
+                    VolumeSource::Pulled(_) => VolumeSource::Pulled(mesh),
+                    _ => VolumeSource::Corners(mesh),
+                }
+            }
+            VolumeSource::Computed(own) => {
+                let vertices = eye_vertices(found.way.positions, view, &found.volume);
+                VolumeSource::Computed(Computed {
+                    vertices,
+                    ..own.clone()
+                })
+            }
+            VolumeSource::Adjacent(own) => {
+                let mut own = own.clone();
+                let all = std::iter::once(away).chain(places);
+                own.words
+                    .extend(all.flat_map(|place| place.to_array()).map(f32::to_bits));
+                VolumeSource::Adjacent(own)
+            }
+            VolumeSource::Volumes(volumes) => VolumeSource::Volumes(volumes.clone()),
+        }
+    }
+
+    /// Triangles whose sign of facing in `f32` from an eye depends on which corner comes first.
+    pub(crate) fn undecided_facings(&self, view: &View) -> usize {
+        let to_light = self.to_light.as_vec3();
+        let is_split = |corners: &&[u32; 3]| {
+            let places = corners.map(|at| (self.mesh().vertices[at as usize] - view.eye).as_vec3());
+            let signs = [0, 1, 2].map(|first| {
+                let [a, b, c] = [0, 1, 2].map(|at| places[(first + at) % 3]);
+                (b - a).cross(c - a).dot(to_light) > 0.0
+            });
+            signs.iter().any(|sign| *sign != signs[0])
+        };
+        self.mesh().triangles.iter().filter(is_split).count()
+    }
+}
+
+/// What [`Scene::found_by`] gives.
+pub(crate) struct Found {
+    way: DeviceWay,
+    source: VolumeSource,
+    volume: Volume,
+}
+
+/// The corner of a triangle that is on no end of an edge.
+fn opposite(mesh: &Mesh, triangle: u32, edge: Side) -> u32 {
+    let corners = mesh.triangles[triangle as usize];
+    let other = corners.into_iter().find(|corner| !edge.contains(corner));
+    // Of a triangle without area.
+    other.unwrap_or(corners[0])
+}
+
+/// Bits in words, the lowest first.
+#[derive(Default)]
+struct Bits {
+    words: Vec<u32>,
+    count: usize,
+}
+
+impl Bits {
+    fn extend(&mut self, bits: impl IntoIterator<Item = bool>) {
+        for bit in bits {
+            let at = self.count % 32;
+            if at == 0 {
+                self.words.push(0);
+            }
+            if let Some(word) = self.words.last_mut() {
+                *word |= u32::from(bit) << at;
+            }
+            self.count += 1;
+        }
+    }
+
+    fn end_word(&mut self) {
+        self.count = 32 * self.words.len();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bits_fill_words_from_the_lowest_on() {
+        let mut bits = Bits::default();
+        bits.extend([true, false, true]);
+        bits.end_word();
+        bits.extend([false; 32]);
+        bits.extend([true]);
+        assert_eq!(bits.words, [5, 0, 1]);
+    }
+
+    #[test]
+    fn corners_disagree_where_faces_are_edge_on_and_nowhere_else() {
+        let count = |is_edge_on| {
+            let scene = Scene::of_boxes([30.0, -60.0], is_edge_on, [8, 6]).expect("boxes");
+            scene.undecided_facings(&scene.channels[0].0)
+        };
+        let (edge_on, random) = (count(true), count(false));
+        assert!(edge_on > 5 && random == 0, "{edge_on} {random}");
+    }
+}

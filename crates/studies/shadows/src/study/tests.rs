@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Each question's answers, and twins that must be wrong.
+
+use super::*;
+use terrafill_fill::Devices;
+
+/// Verdicts of the cases of a question that `keep` names.
+fn verdicts(question: &str, keep: impl Fn(&str) -> bool) -> Vec<(String, Verdict)> {
+    verdicts_at(Depth::Quick, question, keep)
+}
+
+fn verdicts_at(
+    depth: Depth,
+    question: &str,
+    keep: impl Fn(&str) -> bool,
+) -> Vec<(String, Verdict)> {
+    let request = Request {
+        depth,
+        ..Request::default()
+    };
+    let planned = ShadowsStudy.plan(&request).expect("planned");
+    let mut groups = planned.groups.iter();
+    let name = format!("{STUDY}/{question}");
+    let group = groups
+        .find(|group| group.name() == name)
+        .expect("such a group");
+    let folder = tempfile::tempdir().expect("a folder");
+    let devices = Rc::new(Devices::default());
+    let context = Context {
+        devices: &devices,
+        folder: folder.path(),
+    };
+    let mut session = group.open(context).expect("opens");
+    let cases = group.cases().iter().enumerate();
+    let cases = cases.filter(|(_, case)| keep(&case.id.name));
+    cases
+        .map(|(at, case)| (case.id.name.clone(), session.verify(at).expect("a verdict")))
+        .collect()
+}
+
+fn figure(verdict: &Verdict, metric: &str) -> f64 {
+    let mut all = verdict.figures.iter();
+    all.find(|(name, _)| *name == metric)
+        .map_or(f64::NAN, |(_, value)| *value)
+}
+
+#[test]
+fn rows_wrap_at_256_and_the_guard_does_not() {
+    for (name, verdict) in verdicts("rows", |_| true) {
+        let is_wrapped =
+            name.contains("wrapping") && (name.contains("256/") || name.contains("512/"));
+        let status = if is_wrapped {
+            Status::Wrong
+        } else {
+            Status::Ok
+        };
+        assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
+        assert!(figure(&verdict, "shadow_px") > 50.0, "{name}");
+        let casters: f64 = name
+            .split('/')
+            .nth(1)
+            .expect("a number")
+            .parse()
+            .expect("a number");
+        assert_eq!(
+            figure(&verdict, "shadow_max_overlap").to_bits(),
+            casters.to_bits()
+        );
+    }
+}
+
+#[test]
+fn an_open_hull_is_refused_capped_or_doubled_and_leaks_as_it_is() {
+    let all = verdicts("casters", |_| true);
+    let names: Vec<&str> = all.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(
+        names,
+        [
+            "casters/refuse",
+            "casters/cap",
+            "casters/robust",
+            "casters/as-is"
+        ]
+    );
+    assert!(
+        all[0].1.reason.contains("border") && all[0].1.figures.is_empty(),
+        "{}",
+        all[0].1.reason
+    );
+    for (name, verdict) in &all[1..] {
+        let status = if name.contains("as-is") {
+            Status::Wrong
+        } else {
+            Status::Ok
+        };
+        assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
+        let layers = if name.contains("robust") { 2.0 } else { 1.0 };
+        assert_eq!(
+            figure(verdict, "shadow_max_overlap").to_bits(),
+            f64::to_bits(layers),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn silhouettes_close_their_volumes_unless_a_face_is_turned() {
+    let small = |name: &str| !name.contains("port-m");
+    for (name, verdict) in verdicts("silhouettes", small) {
+        let is_open = name.contains("turned") && !name.contains("adjacency");
+        let status = if is_open { Status::Wrong } else { Status::Ok };
+        assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
+    }
+}
+
+/// Whether there is a verdict to look at: a device that is missing, or cannot do that, has none.
+fn is_drawn(name: &str, verdict: &Verdict, may_lack: bool) -> bool {
+    if verdict.status == Status::Skipped {
+        eprintln!("skipped: {name}: {}", verdict.reason);
+        let is_needed = std::env::var_os("TERRAFILL_REQUIRE_DEVICE").is_some();
+        assert!(may_lack || !is_needed, "{name}: {}", verdict.reason);
+        return false;
+    }
+    true
+}
+
+fn mask_hash(verdict: &Verdict) -> &str {
+    let mut notes = verdict.notes.iter();
+    notes
+        .find(|(key, _)| *key == "mask_hash")
+        .map_or("", |(_, hash)| hash)
+}
+
+#[test]
+fn devices_draw_the_reference_s_shadows_and_the_same_by_both_interfaces() {
+    let all = verdicts("devices", |_| true);
+    assert_eq!(all.len(), 42);
+    let mut hashes: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for (name, verdict) in all {
+        let has_bounds = name.contains("/on/");
+        if !is_drawn(&name, &verdict, has_bounds) {
+            let lacks =
+                ["depth-bounds test", "depthBounds"].map(|lack| verdict.reason.contains(lack));
+            assert!(
+                !has_bounds || lacks.contains(&true),
+                "{name}: {}",
+                verdict.reason
+            );
+            continue;
+        }
+        assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
+        assert!(figure(&verdict, "shadow_px") > 1_000.0, "{name}");
+        assert!(figure(&verdict, "shadow_band_px") < 200.0, "{name}");
+        let is_cut = name.contains("caster-rect");
+        let left_out = figure(&verdict, "shadow_casters_left_out");
+        assert_eq!(left_out > 0.0, is_cut, "{name}: {left_out}");
+        let way = name
+            .replace("/wgpu/", "/")
+            .replace("/vulkan/", "/")
+            .replace("/on/", "/off/");
+        // Sides that a geometry shader makes may begin with another corner, and round otherwise: in the band.
+        if name.contains("/gs-") {
+            continue;
+        }
+        // Whoever finds the silhouettes.
+        let (same, _) = way.rsplit_once('/').expect("a silhouette");
+        hashes
+            .entry(same.to_owned())
+            .or_default()
+            .push(mask_hash(&verdict).to_owned());
+    }
+    for (name, hashes) in hashes {
+        assert!(hashes.len() >= 2, "{name}");
+        assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{name}");
+    }
+}
+
+#[test]
+fn a_facing_that_each_edge_decides_for_itself_leaks_where_walls_are_edge_on() {
+    let mut hashes: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    let mut leaks = 0;
+    for (name, verdict) in verdicts("facings", |_| true) {
+        if !is_drawn(&name, &verdict, false) {
+            continue;
+        }
+        let boxes = name.split('/').nth(2).expect("boxes").to_owned();
+        if !name.contains("by corners") {
+            assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
+            // As above.
+            if !name.contains("/gs-") {
+                hashes
+                    .entry(boxes)
+                    .or_default()
+                    .push(mask_hash(&verdict).to_owned());
+            }
+        } else if boxes == "edge-on" {
+            assert_eq!(verdict.status, Status::Wrong, "{name}: no leak");
+            assert!(figure(&verdict, "shadow_undecided_facings") > 0.0, "{name}");
+            leaks += 1;
+        }
+    }
+    for (boxes, hashes) in hashes {
+        assert_eq!(hashes.len(), 3, "{boxes}");
+        assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{boxes}");
+        assert_eq!(leaks, 2, "a vertex and a geometry shader");
+    }
+}
+
+#[test]
+fn a_near_plane_in_shadow_is_missed_by_the_eye_s_test_and_by_no_other_rule() {
+    let mut right: Vec<String> = Vec::new();
+    for (name, verdict) in verdicts("near", |_| true) {
+        if !is_drawn(&name, &verdict, false) {
+            continue;
+        }
+        assert!(figure(&verdict, "shadow_px") > 100.0, "{name}");
+        let is_missed = name.ends_with("/z-pass") || name.ends_with("automatic, eye");
+        let status = if is_missed { Status::Wrong } else { Status::Ok };
+        assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
+        if !is_missed {
+            right.push(mask_hash(&verdict).to_owned());
+        }
+    }
+    assert!(right.iter().all(|hash| *hash == right[0]), "{right:?}");
+}
+
+#[test]
+fn a_device_s_rows_wrap_at_256_and_512_and_the_guard_s_do_not() {
+    for (name, verdict) in verdicts("device-rows", |_| true) {
+        if !is_drawn(&name, &verdict, false) {
+            continue;
+        }
+        let is_wrapped =
+            name.contains("wrapping") && (name.contains("/256/") || name.contains("/512/"));
+        let status = if is_wrapped {
+            Status::Wrong
+        } else {
+            Status::Ok
+        };
+        assert_eq!(verdict.status, status, "{name}: {}", verdict.reason);
+        let lost = figure(&verdict, "shadow_lost_share");
+        assert_eq!(lost > 50.0, is_wrapped, "{name}: {lost} %");
+    }
+}
+
+#[test]
+fn a_device_s_map_says_what_the_cpu_s_says() {
+    let of_cpu = verdicts("maps", |_| true);
+    for (name, verdict) in verdicts("device-maps", |_| true) {
+        if !is_drawn(&name, &verdict, false) {
+            continue;
+        }
+        assert_ne!(verdict.status, Status::Failed, "{name}: {}", verdict.reason);
+        let same = name.replace("device-maps", "maps");
+        let (_, of_cpu) = of_cpu
+            .iter()
+            .find(|(own, _)| *own == same)
+            .expect("the CPU's");
+        let [own, cpu] = [&verdict, of_cpu].map(|verdict| figure(verdict, "shadow_map_wrong"));
+        assert!((own - cpu).abs() < 0.1 * cpu, "{name}: {own} and {cpu} %");
+        let differs = figure(&verdict, "shadow_map_differs");
+        assert!(differs < MAX_DIFFERS, "{name}: {differs} %");
+    }
+}
+
+#[test]
+fn a_device_s_map_half_a_texel_aside_is_noticed() {
+    let devices = Rc::new(Devices::default());
+    let scene = Scene::new([10.0, -60.0], [64, 48]).expect("a port");
+    let mapped = scene.mapped(1.0, Bias::Constant).expect("small");
+    let share = |texels: f64| {
+        let frame = scene.frame(1.0).expect("small").moved(texels);
+        let map = match scene.device_map(&devices, &frame) {
+            Err(DrawError::Device(DeviceError::Unsupported { .. })) => return None,
+            map => map.expect("a map"),
+        };
+        let masks = map.masks(Bias::Constant, mapped.step, 1.0).expect("masks");
+        Some(percent(
+            differing(&scene, &masks, &mapped.masks) as f64,
+            scene.judged(),
+        ))
+    };
+    if let (Some(own), Some(aside)) = (share(0.0), share(0.5)) {
+        assert!(own < MAX_DIFFERS && aside > MAX_DIFFERS, "{own} {aside} %");
+    }
+}
+
+#[test]
+fn in_larger_pictures_a_device_differs_at_rims_of_casters_alone() {
+    let way = "wgpu/sea-closed/z-fail/two-sided/off/off/adjacency";
+    let all = verdicts_at(Depth::Full, "devices", |name| name.contains(way));
+    assert_eq!(all.len(), 4);
+    let mut at_rims = 0.0;
+    for (name, verdict) in all {
+        if verdict.status != Status::Skipped {
+            assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
+            at_rims += figure(&verdict, "shadow_rim_px");
+        }
+    }
+    assert!(at_rims < 10.0, "{at_rims}");
+}
+
+#[test]
+fn an_origin_far_away_is_wrong_in_f32_and_from_the_eye_right() {
+    for (name, verdict) in verdicts("origins", |_| true) {
+        if verdict.status == Status::Skipped {
+            continue;
+        }
+        let is_right = verdict.status == Status::Ok;
+        let band_px = figure(&verdict, "shadow_band_px");
+        eprintln!("{name}: {} {band_px} px in the band", verdict.reason);
+        assert!(!name.contains("the eye") || is_right, "{name}");
+        // At the earth's centre a step is a quarter of a metre.
+        assert!(!name.contains("6371") || !is_right, "{name}");
+    }
+}
+
+#[test]
+fn a_quick_plan_is_a_part_of_the_whole() {
+    let count = |depth| {
+        let request = Request {
+            depth,
+            ..Request::default()
+        };
+        let planned = ShadowsStudy.plan(&request).expect("planned");
+        planned
+            .groups
+            .iter()
+            .map(|group| group.cases().len())
+            .sum::<usize>()
+    };
+    assert!(count(Depth::Quick) < count(Depth::Full));
+}
