@@ -120,7 +120,7 @@ impl Feature {
     #[must_use]
     pub fn of_state(state: VolumeState) -> Self {
         let counts = |depth| match depth {
-            DepthRule::Fail => Self::CountBehind,
+            DepthRule::Fail | DepthRule::Always => Self::CountBehind,
             DepthRule::Pass => Self::CountBefore,
         };
         match state {

@@ -61,7 +61,7 @@ impl Uses {
         let mut mark =
             |depth: DepthRule, without_bottom: bool, scissor: bool, volumes: &[usize]| {
                 match depth {
-                    DepthRule::Fail => behind.extend(volumes),
+                    DepthRule::Fail | DepthRule::Always => behind.extend(volumes),
                     DepthRule::Pass => before.extend(volumes),
                 }
                 if !without_bottom {

@@ -55,7 +55,7 @@ fn descriptor(state: VolumeState) -> PipelineDescriptor {
         VolumeState::Accumulate { depth, .. } => (
             "numbered_main",
             fragments(match depth {
-                DepthRule::Fail => "number_behind",
+                DepthRule::Fail | DepthRule::Always => "number_behind",
                 DepthRule::Pass => "number_before",
             }),
         ),
