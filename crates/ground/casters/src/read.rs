@@ -6,8 +6,10 @@
 //! outsides, counter-clockwise. Materials, normals and textures cast no shadow and are not read.
 
 mod glb;
+mod model;
 mod obj;
 
+use self::model::{Model, Wrong, wrong};
 use crate::Mesh;
 use crate::mesh::index;
 use crate::pieces::pieces;
@@ -74,30 +76,6 @@ pub enum ReadError {
         /// What may.
         allowed: String,
     },
-}
-
-/// An [`ReadError::Element`] whose file is not named yet.
-#[derive(Debug, PartialEq)]
-struct Wrong {
-    element: String,
-    found: String,
-    allowed: String,
-}
-
-fn wrong(element: impl Into<String>, found: impl ToString, allowed: impl Into<String>) -> Wrong {
-    Wrong {
-        element: element.into(),
-        found: found.to_string(),
-        allowed: allowed.into(),
-    }
-}
-
-/// Triangles of a model as the file indexes them; axes and units still the file's.
-#[derive(Debug, Default, PartialEq)]
-struct Model {
-    name: String,
-    places: Vec<[f64; 3]>,
-    triangles: Vec<[u32; 3]>,
 }
 
 impl Mesh {

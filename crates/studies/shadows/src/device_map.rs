@@ -4,11 +4,11 @@
 //! Column, row and height in the map are computed in `f64` for each vertex, and interpolated in `f32`. The map's
 //! depth grows towards the sun, and 0 is where nothing was drawn.
 
-use crate::drawing::{DrawError, Positions};
 use crate::maps::{Bias, Frame};
 use crate::reference::Light;
 use crate::sea::surface;
 use crate::view::View;
+use crate::way::{DrawError, Positions};
 use crate::work::Scene;
 use glam::DVec3;
 use std::sync::Arc;

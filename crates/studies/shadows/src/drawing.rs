@@ -5,110 +5,24 @@
 //! triangles are drawn twice, as surface and as light cap. Both take the same `f32` numbers with the corners
 //! in the same order, so that their depths are equal: equal depth fails.
 
-use crate::count::{Rule, Wrong};
-use crate::device::{Draws, Interface, VolumeSource};
+use crate::count::Wrong;
+use crate::device::Draws;
 use crate::loading::{Loadable, listed, program};
-use crate::near::EyeTest;
 use crate::reference::{Light, Reference, SEA_RADIUS_M, Truth};
 use crate::scissor::Rectangle;
 use crate::sea::surface;
-use crate::silhouettes::Silhouettes;
+use crate::source::VolumeSource;
 use crate::view::View;
+use crate::way::{DeviceWay, DrawError, count};
 use crate::work::{End, Scene};
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DMat3, DVec3};
 use std::cell::LazyCell;
-use terrafill_casters::Volume;
 use terrafill_core::{Ellipsoid, VolumeHeights};
 use terrafill_fill::{
-    ColourWay, DepthRuleChoice, DeviceError, Devices, FacePasses, FixedPoint, Frame, Picture,
-    PositionFormat, StencilWork, SurfaceView, Switches, ViewId, VolumeConstants, VolumeList,
-    VolumePlace, mask_hash,
+    Devices, FixedPoint, Frame, Picture, PositionFormat, StencilWork, SurfaceView, ViewId,
+    VolumeConstants, VolumeList, VolumePlace, mask_hash,
 };
 use terrafill_scene::{Camera, ImageSize};
-
-/// What the numbers of vertices count from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Positions {
-    /// The eye: subtracted in `f64`, then rounded.
-    Eye,
-    /// An origin so many metres from the port: rounded to `f32`, then the eye subtracted, as rounded.
-    World(f64),
-}
-
-impl Positions {
-    pub(crate) fn name(self) -> String {
-        match self {
-            Self::Eye => "from the eye".to_owned(),
-            Self::World(m) => format!("f32, origin {} km away", m / 1e3),
-        }
-    }
-
-    pub(crate) fn relative(self, place: DVec3, eye: DVec3) -> Vec3 {
-        match self {
-            Self::Eye => (place - eye).as_vec3(),
-            Self::World(m) => {
-                // Along no axis, as places on a planet lie.
-                let port = DVec3::ONE.normalize() * m;
-                (port + place).as_vec3() - (port + eye).as_vec3()
-            }
-        }
-    }
-}
-
-/// How a device draws volumes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct DeviceWay {
-    pub(crate) interface: Interface,
-    pub(crate) silhouettes: Silhouettes,
-    pub(crate) positions: Positions,
-    pub(crate) end: End,
-    pub(crate) rule: Rule,
-    pub(crate) faces: FacePasses,
-    /// Each caster is cut to its rectangle, and left out where that is empty.
-    pub(crate) is_cut: bool,
-    pub(crate) counting: Counting,
-    /// Fragments count only where the surface's depth is in a caster's range.
-    pub(crate) has_bounds: bool,
-}
-
-/// What is counted together, and who chooses the rule.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Counting {
-    /// All casters, by [`DeviceWay::rule`].
-    Casters,
-    /// All parts, z-fail for those that a test chooses and z-pass for the others.
-    Chosen(EyeTest),
-    /// All casters by z-pass, the near plane's own count drawn beside them.
-    ZpPlus,
-    /// Each part for itself by [`DeviceWay::rule`], in passes of 255 or all at once.
-    Parts { is_guarded: bool },
-}
-
-impl DeviceWay {
-    /// As rows have it.
-    pub(crate) fn rule_name(self) -> String {
-        match self.counting {
-            Counting::Chosen(test) => format!("automatic, {}", test.name()),
-            Counting::ZpPlus => "zp-plus".to_owned(),
-            Counting::Casters | Counting::Parts { .. } => self.rule.name().to_owned(),
-        }
-    }
-
-    fn switches(self) -> Switches {
-        Switches {
-            colour: ColourWay::OneColour,
-            faces: self.faces,
-            depth_rule: match (self.counting, self.rule) {
-                (Counting::Chosen(_), _) => DepthRuleChoice::Automatic,
-                (Counting::ZpPlus, _) | (_, Rule::Pass | Rule::Preload) => DepthRuleChoice::Pass,
-                _ => DepthRuleChoice::Fail,
-            },
-            depth_bounds: self.has_bounds,
-            scissor: self.is_cut,
-            ..Switches::default()
-        }
-    }
-}
 
 /// What a device drew, over all channels.
 #[derive(Default)]
@@ -237,30 +151,6 @@ impl Scene {
     }
 }
 
-/// Why there is no picture.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum DrawError {
-    #[error(transparent)]
-    Device(#[from] DeviceError),
-    /// What is drawn is not for that way.
-    #[error("{0}")]
-    Unfit(String),
-    #[error("{0}")]
-    Other(String),
-}
-
-impl From<String> for DrawError {
-    fn from(message: String) -> Self {
-        Self::Other(message)
-    }
-}
-
-impl From<&str> for DrawError {
-    fn from(message: &str) -> Self {
-        Self::Other(message.to_owned())
-    }
-}
-
 fn camera(view: &View) -> Camera {
     Camera {
         eye_ecef: view.eye + DVec3::Z * SEA_RADIUS_M,
@@ -268,24 +158,6 @@ fn camera(view: &View) -> Camera {
         fov_y_rad: 2.0 * view.tan[1].atan(),
         near_m: view.near,
     }
-}
-
-/// Vertices of volumes as this eye has them: bits of `f32`.
-pub(crate) fn eye_vertices(positions: Positions, view: &View, volume: &Volume) -> Vec<[u32; 4]> {
-    let places = volume.vertices.iter().map(|place| {
-        let is_place = place.w > 0.0;
-        let along = match is_place {
-            true => positions.relative(place.truncate(), view.eye),
-            false => place.truncate().as_vec3(),
-        };
-        let w = f32::from(u8::from(is_place));
-        along.extend(w).to_array().map(f32::to_bits)
-    });
-    places.collect()
-}
-
-pub(crate) fn count(length: usize) -> u32 {
-    u32::try_from(length).unwrap_or(u32::MAX)
 }
 
 /// What the cover reads of each volume, and of an empty list one all the same: its colour.

@@ -22,8 +22,10 @@ mod reference;
 mod scissor;
 mod sea;
 mod silhouettes;
+mod source;
 mod study;
 mod view;
+mod way;
 mod work;
 
 pub use chapter::ShadowsChapter;

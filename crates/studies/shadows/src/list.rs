@@ -4,12 +4,13 @@
 use crate::STUDY;
 use crate::brought::Brought;
 use crate::count::Rule;
-use crate::device::{Adjacency, Interface};
-use crate::drawing::{Counting, DeviceWay, Positions};
+use crate::device::Interface;
 use crate::maps::Bias;
 use crate::near::EyeTest;
 use crate::outline::Way;
-use crate::silhouettes::Silhouettes;
+use crate::source::Adjacency;
+use crate::way::Silhouettes;
+use crate::way::{Counting, DeviceWay, Positions};
 use crate::work::{End, NEARS, Scissor};
 use terrafill_casters::Policy;
 use terrafill_fill::FacePasses;

@@ -5,12 +5,12 @@
 //! pixel only in passes of 255, each of which darkens for itself.
 
 use crate::count::Rule;
-use crate::device::{EyeVolumes, VolumeSource};
-use crate::drawing::{Counting, DeviceWay, DrawError, count, eye_vertices};
 use crate::near::{Boxes, chosen, near_caps};
 use crate::reference::Reference;
 use crate::scissor::{Rectangle, of_parts};
+use crate::source::{EyeVolumes, VolumeSource};
 use crate::view::View;
+use crate::way::{Counting, DeviceWay, DrawError, count, eye_vertices};
 use crate::work::Scene;
 use glam::DVec4;
 use std::ops::Range;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What devices draw shadows on: the casters, and the sea as rings about the foot of the eye.
 
-use crate::drawing::{Positions, count};
 use crate::reference::SEA_RADIUS_M;
 use crate::view::View;
+use crate::way::{Positions, count};
 use glam::DVec3;
 use terrafill_casters::Mesh;
 use terrafill_scene::HeightRange;

@@ -5,45 +5,12 @@
 //! facing in `f32` instead, from corners in the order in which they have them, as engines do: there the
 //! edges of one triangle may disagree where it is edge-on.
 
-use crate::device::{Adjacency, Adjacent, Computed, EyeMesh, IS_CAP, VolumeSource};
-use crate::drawing::{DeviceWay, DrawError, count, eye_vertices};
+use crate::source::{Adjacency, Adjacent, Computed, EyeMesh, IS_CAP, VolumeSource};
 use crate::view::View;
+use crate::way::Silhouettes;
+use crate::way::{DeviceWay, DrawError, count, eye_vertices};
 use crate::work::{End, Scene};
 use terrafill_casters::{EdgeTable, Mesh, Side, Volume};
-
-/// Where silhouettes are found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Silhouettes {
-    /// By the CPU from stored adjacency: volumes are handed over.
-    Adjacency,
-    /// By the vertex shader: meshes, edges and facing bits are handed over.
-    Pulled,
-    /// The same without bits.
-    Corners,
-    /// By a compute shader, which writes indices and draw arguments.
-    Computed,
-    /// By a geometry shader.
-    Geometry(Adjacency),
-}
-
-impl Silhouettes {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Adjacency => "adjacency",
-            Self::Pulled => "pulled",
-            Self::Corners => "pulled, f32 by corners",
-            Self::Computed => "compute",
-            Self::Geometry(Adjacency::Triangles) => "gs-adjacency",
-            Self::Geometry(Adjacency::Corners) => "gs-adjacency, f32 by corners",
-            Self::Geometry(Adjacency::Lines) => "gs-line-adjacency",
-        }
-    }
-
-    /// Whether a shader computes the facing in `f32`, each edge for itself.
-    pub(crate) fn decides_by_corners(self) -> bool {
-        matches!(self, Self::Corners | Self::Geometry(Adjacency::Corners))
-    }
-}
 
 /// An edge, from its lower to its higher vertex, and the triangles that have it so and the other way round.
 type Edge = (Side, [u32; 2]);

@@ -4,7 +4,7 @@
 //! Every node of the scene that has a mesh is a model, its triangles moved by the node's transform in
 //! `f64`. Skins and morph targets are taken at rest.
 
-use super::{Model, Wrong, wrong};
+use super::model::{Model, Wrong, wrong};
 use glam::{DMat4, DQuat, DVec3};
 use gltf::accessor::{DataType, Dimensions};
 use gltf::mesh::Mode;

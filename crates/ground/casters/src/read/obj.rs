@@ -5,7 +5,7 @@
 //! for a triangle. Objects (`o`) are models. Groups (`g`) are not: programs put the sides of one solid into
 //! several. Its errors name no line, so the lines that it takes are counted.
 
-use super::{Model, Wrong, wrong};
+use super::model::{Model, Wrong, wrong};
 use crate::mesh::fan_normal;
 use glam::DVec3;
 use std::io::{BufRead, Read};

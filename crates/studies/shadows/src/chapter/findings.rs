@@ -2,7 +2,7 @@
 //! What was published, and what is measured.
 
 use super::sections::DEVICE_KEYS;
-use super::{Own, number, value};
+use super::{Own, is_plain, number, value};
 use crate::metrics::{FILL_CPU, FILL_GPU, LOST, MAP_WRONG, MISSED, UPDATES};
 use terrafill_plot::number::significant;
 use terrafill_results::{Case, Claim, Clock, Finding, Outcome, Standing, ratio};
@@ -15,22 +15,6 @@ const FACES: Two = ("faces", "two-sided", "two-pass");
 const PULLED: Two = ("silhouette", "pulled", "adjacency");
 const COMPUTED: Two = ("silhouette", "compute", "adjacency");
 const TRIANGLES: Two = ("silhouette", "gs-adjacency", "adjacency");
-
-/// Volumes closed at the sea as the rows of a device begin with them, on the interface that draws maps.
-pub(super) fn is_plain(case: &Case) -> bool {
-    let plain = [
-        ("api", "wgpu"),
-        ("extent", "sea-closed"),
-        ("rule", "z-fail"),
-        ("faces", "two-sided"),
-        ("scissor", "off"),
-        ("depth_bounds", "off"),
-        ("silhouette", "adjacency"),
-    ];
-    plain
-        .iter()
-        .all(|(key, value)| case.condition(key) == *value)
-}
 
 /// Whether two cases have the same conditions of a device, but for some.
 fn is_same_but(keys: &[&str], a: &Case, b: &Case) -> bool {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Volumes on Vulkan: from buffers, or from a geometry shader that finds the silhouette.
 
-use super::{Adjacency, SHADER, VolumeSource};
+use crate::source::{Adjacency, SHADER, VolumeSource};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::ops::Range;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Volumes on wgpu: from buffers, from a vertex shader that finds the silhouette, or from a compute shader.
 
-use super::{Computed, EyeMesh, SHADER, VolumeSource};
+use crate::source::{Computed, EyeMesh, SHADER, VolumeSource};
 use std::collections::HashMap;
 use std::ops::Range;
 use terrafill_fill::{DeviceError, VolumeDraw, VolumeList, VolumeState};
