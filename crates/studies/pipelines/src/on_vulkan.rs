@@ -20,8 +20,8 @@ use terrafill_vulkan::{
 const GRID: &str = "pipelines/grid.wgsl";
 const PATCH: &str = "pipelines/patch.wgsl";
 const EXPAND: &str = "pipelines/expand.wgsl";
-/// A position and a number.
-const COMPONENTS: u32 = 5;
+/// Of a vertex: a position, and a number, whose location counts as a whole of four.
+const COMPONENTS: u32 = 8;
 
 fn wgsl(path: &'static str, entry_point: &'static str) -> Shader {
     Shader::Wgsl { path, entry_point }

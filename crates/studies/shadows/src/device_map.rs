@@ -11,6 +11,7 @@ use crate::view::View;
 use crate::way::{DrawError, Positions};
 use crate::work::Scene;
 use glam::DVec3;
+use std::ops::Range;
 use std::sync::Arc;
 use terrafill_fill::{CpuStopwatch, DeviceError, Devices, FrameTimes};
 use terrafill_gpu::{Gpu, PassTimer, TimedPass, read_buffer};
@@ -356,11 +357,6 @@ fn pipelines(
 ) -> Result<[wgpu::RenderPipeline; 2], DeviceError> {
     let module = gpu.shader(SHADER)?;
     let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32];
-    let buffers = [Some(wgpu::VertexBufferLayout {
-        array_stride: size_of::<Vertex>() as u64,
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &attributes,
-    })];
     let depth = wgpu::DepthStencilState {
         format: DEPTH,
         depth_write_enabled: Some(true),
@@ -381,7 +377,12 @@ fn pipelines(
     };
     let none = gpu.pipeline_layout("shadow map", &[]);
     let own = gpu.pipeline_layout("asking", &[Some(layout)]);
-    let of = |label, layout, entry_point, fragment| {
+    let of = |label, layout, entry_point, read: Range<usize>, fragment| {
+        let buffers = [Some(wgpu::VertexBufferLayout {
+            array_stride: size_of::<Vertex>() as u64,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &attributes[read],
+        })];
         gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(label),
             layout: Some(layout),
@@ -400,8 +401,8 @@ fn pipelines(
         })
     };
     Ok([
-        of("shadow map", &none, "from_sun", None),
-        of("asking", &own, "from_eye", Some(asks)),
+        of("shadow map", &none, "from_sun", 1..2, None),
+        of("asking", &own, "from_eye", 0..3, Some(asks)),
     ])
 }
 

@@ -260,7 +260,7 @@ fn a_model_of_one_s_own_gets_the_rows_of_study_shadows() {
         assert!(asked(question) > 0, "{question}");
     }
     assert_eq!(asked("eyes"), 0, "of the port's deck");
-    let page = desk.read_text("run/index.html");
+    let page = desk.read_text("run/pages/shadows.html");
     assert!(
         page.contains("A model from a file"),
         "the chapter says what it is of"
@@ -291,7 +291,7 @@ fn a_model_of_one_s_own_gets_the_rows_of_study_shadows() {
 fn casters_that_are_none_are_refused_with_place_and_what_is_allowed() {
     let desk = Desk::new();
     desk.write("hut.obj", HUT);
-    desk.write("torn.obj", hut().replace("f 4 3 2 1", "f 4 3 2 9"));
+    desk.write("torn.obj", HUT.replace("f 4 3 2 1\n", "f 4 3 2 16\n"));
     desk.write("text.glb", "no model");
     let bench = |study: &'static str, casters: &'static str| {
         ["bench", "--study", study, "--quick", "--casters", casters]
@@ -304,7 +304,7 @@ fn casters_that_are_none_are_refused_with_place_and_what_is_allowed() {
         ),
         (
             "torn.obj",
-            r#"torn.obj: line 10: found "f 4 3 2 9", allowed: vertices 1 … 8, or -8 … -1"#,
+            r#"torn.obj: line 13: found "f 4 3 2 16", allowed: vertices 1 … 15, or -10 … -1"#,
         ),
         (
             "text.glb",
