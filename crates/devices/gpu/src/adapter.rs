@@ -15,7 +15,7 @@ pub struct GpuOptions {
     pub adapter: Option<String>,
     /// Turn validation layers on; also on with `TERRAFILL_VALIDATION=1`.
     pub validation: bool,
-    /// Told when the device is lost.
+    /// Where a loss of the device is reported.
     pub loss: DeviceLoss,
 }
 
@@ -101,8 +101,8 @@ fn adapters(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
     found
 }
 
-/// Reports the device's loss. Whatever is made on a device that is gone is invalid, and using it an error
-/// that follows from the loss; any other error that nobody caught is a fault of this program.
+/// Reports the device's loss. Whatever is made on a device that is gone is invalid, so errors follow from its
+/// use. Any other error that nobody caught is a fault of this program.
 fn watch(device: &wgpu::Device, loss: &DeviceLoss) {
     let reported = loss.clone();
     device.set_device_lost_callback(move |reason, message| {

@@ -46,7 +46,7 @@ fn a_lost_device_is_known_to_the_devices_of_the_run_and_draws_nothing() {
     targets.draw_surface().expect("draws");
     assert_eq!(devices.loss().message(), None);
     gpu.device.destroy();
-    // Told when the device is next looked at; a driver's own loss is told at once.
+    // `destroy` calls back at the next poll; a loss by the driver does so at once.
     let waited = gpu.wait();
     assert!(
         waited.is_ok() || waited.is_err_and(|error| matches!(error, DeviceError::DeviceLost(_)))

@@ -25,7 +25,7 @@ pub struct GpuOptions {
     pub adapter: Option<String>,
     /// Turn validation layers on; also on with `TERRAFILL_VALIDATION=1`.
     pub validation: bool,
-    /// Told when the device is lost.
+    /// Where a loss of the device is reported.
     pub loss: DeviceLoss,
 }
 
