@@ -50,6 +50,8 @@ pub struct Features {
     pub samples_depth: bool,
     /// Mesh shaders.
     pub mesh_shader: bool,
+    /// What vertices become can be kept in a buffer.
+    pub transform_feedback: bool,
 }
 
 /// What a device is, for reports.
@@ -83,6 +85,8 @@ pub struct Gpu {
     pub(crate) shader_modules: ShaderModules,
     /// Draws by mesh shaders, where there are any.
     pub(crate) mesh: Option<ext::mesh_shader::Device>,
+    /// Keeps what vertices become, where it can.
+    pub(crate) feedback: Option<ext::transform_feedback::Device>,
     /// What it is.
     pub facts: DeviceFacts,
     loss: DeviceLoss,
@@ -283,6 +287,7 @@ impl Adapter {
                     depth_bounds: is(features.depth_bounds),
                     depth_clamp: is(features.depth_clamp),
                     mesh_shader: has_mesh_shader(instance, raw, plain.api_version),
+                    transform_feedback: has_feedback(instance, raw, plain.api_version),
                     blends_float: numbers.optimal_tiling_features.contains(blends_and_reads),
                     samples_depth: format
                         .optimal_tiling_features
@@ -295,17 +300,34 @@ impl Adapter {
     }
 }
 
+fn has_extension(instance: &ash::Instance, raw: vk::PhysicalDevice, name: &CStr) -> bool {
+    // SAFETY: the device is the instance's.
+    let extensions = unsafe { instance.enumerate_device_extension_properties(raw) };
+    extensions
+        .unwrap_or_default()
+        .iter()
+        .any(|extension| extension.extension_name_as_c_str() == Ok(name))
+}
+
+fn has_feedback(instance: &ash::Instance, raw: vk::PhysicalDevice, api_version: u32) -> bool {
+    if api_version < vk::API_VERSION_1_1
+        || !has_extension(instance, raw, ext::transform_feedback::NAME)
+    {
+        return false;
+    }
+    let mut feedback = vk::PhysicalDeviceTransformFeedbackFeaturesEXT::default();
+    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut feedback);
+    // SAFETY: of Vulkan 1.1, and what is chained is of an extension that is there.
+    unsafe { instance.get_physical_device_features2(raw, &mut features) };
+    feedback.transform_feedback == vk::TRUE
+}
+
 /// Mesh shaders need SPIR-V 1.4, which Vulkan 1.2 has.
 fn has_mesh_shader(instance: &ash::Instance, raw: vk::PhysicalDevice, api_version: u32) -> bool {
     if api_version < vk::API_VERSION_1_2 {
         return false;
     }
-    // SAFETY: the device is the instance's.
-    let extensions = unsafe { instance.enumerate_device_extension_properties(raw) };
-    let is_there = extensions
-        .unwrap_or_default()
-        .iter()
-        .any(|extension| extension.extension_name_as_c_str() == Ok(ext::mesh_shader::NAME));
+    let is_there = has_extension(instance, raw, ext::mesh_shader::NAME);
     let mut mesh = vk::PhysicalDeviceMeshShaderFeaturesEXT::default();
     let mut features = vk::PhysicalDeviceFeatures2::default();
     if is_there {
@@ -366,16 +388,28 @@ impl Gpu {
         let has_mesh = adapter.facts.features.mesh_shader;
         let mut mesh_features =
             vk::PhysicalDeviceMeshShaderFeaturesEXT::default().mesh_shader(true);
-        let extensions = [ext::mesh_shader::NAME.as_ptr()];
+        let has_feedback = adapter.facts.features.transform_feedback;
+        let mut feedback_features =
+            vk::PhysicalDeviceTransformFeedbackFeaturesEXT::default().transform_feedback(true);
+        let extensions: Vec<_> = [
+            (has_mesh, ext::mesh_shader::NAME),
+            (has_feedback, ext::transform_feedback::NAME),
+        ]
+        .into_iter()
+        .filter(|(has, _)| *has)
+        .map(|(_, name)| name.as_ptr())
+        .collect();
         let mut info = vk::DeviceCreateInfo::default()
             .queue_create_infos(&queues)
-            .enabled_features(&features);
+            .enabled_features(&features)
+            .enabled_extension_names(&extensions);
         if has_mesh {
-            info = info
-                .enabled_extension_names(&extensions)
-                .push_next(&mut mesh_features);
+            info = info.push_next(&mut mesh_features);
         }
-        // SAFETY: the family, the features and the extension are the adapter's.
+        if has_feedback {
+            info = info.push_next(&mut feedback_features);
+        }
+        // SAFETY: the family, the features and the extensions are the adapter's.
         let device = unsafe { api.instance.create_device(adapter.raw, &info, None) }
             .map_err(|error| failure(error, "device", 0))?;
         let made = Queue::new(&device, family).and_then(|queue| {
@@ -398,8 +432,10 @@ impl Gpu {
         };
         let mesh = has_mesh.then(|| ext::mesh_shader::Device::new(&api.instance, &device));
         Ok(Arc::new(Self {
-            device,
             mesh,
+            feedback: has_feedback
+                .then(|| ext::transform_feedback::Device::new(&api.instance, &device)),
+            device,
             memory,
             limits: adapter.limits,
             work: WorkCounters::default(),

@@ -186,7 +186,7 @@ impl RenderTargets {
 
 /// # Safety
 /// Recording is under way, outside of a pass, on the device of the dispatch.
-unsafe fn record_dispatch(
+pub(crate) unsafe fn record_dispatch(
     device: &ash::Device,
     commands: vk::CommandBuffer,
     Dispatch { pipeline, groups }: Dispatch<'_>,

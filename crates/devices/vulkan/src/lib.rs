@@ -20,6 +20,7 @@
 
 mod adapter;
 mod bindings;
+mod capture;
 mod covers;
 mod deliberate_error;
 mod depth_copy;
@@ -49,6 +50,7 @@ pub use adapter::{DeviceFacts, Features, Gpu, GpuOptions, list_adapters, open_fo
 pub use bindings::BindGroup;
 pub use terrafill_shaders::{HandsOn, RouteText, TexturedParts, TexturedPlacement};
 
+pub use capture::{CapturePipeline, StateStep, StepReport, advance};
 pub use deliberate_error::make_deliberate_error;
 pub use depth_copy::DepthCopy;
 pub use direct::{DirectDraw, DirectReport, Dispatch, DrawCall};

@@ -24,6 +24,8 @@ pub enum BufferUse {
     Storage,
     /// Arguments of draws, which shaders may write.
     Arguments,
+    /// What steps write, by a shader or by transform feedback, and the host may read back.
+    State,
 }
 
 impl BufferUse {
@@ -33,6 +35,9 @@ impl BufferUse {
             Self::Index => vk::BufferUsageFlags::INDEX_BUFFER,
             Self::Uniform | Self::Constants => vk::BufferUsageFlags::UNIFORM_BUFFER,
             Self::Storage => vk::BufferUsageFlags::STORAGE_BUFFER,
+            Self::State => {
+                vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_SRC
+            }
             Self::Arguments => {
                 vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::INDIRECT_BUFFER
             }
@@ -242,7 +247,7 @@ impl Buffer {
     ) -> Result<Self, DeviceError> {
         let allowed = match use_for {
             BufferUse::Uniform => u64::from(gpu.limits.max_uniform_buffer_range),
-            BufferUse::Storage | BufferUse::Arguments => {
+            BufferUse::Storage | BufferUse::Arguments | BufferUse::State => {
                 u64::from(gpu.limits.max_storage_buffer_range)
             }
             // What is bound of constants at a time is checked when it is.
@@ -255,7 +260,10 @@ impl Buffer {
                 allowed,
             });
         }
-        let usage = use_for.flags() | vk::BufferUsageFlags::TRANSFER_DST;
+        let mut usage = use_for.flags() | vk::BufferUsageFlags::TRANSFER_DST;
+        if use_for == BufferUse::State && gpu.feedback.is_some() {
+            usage |= vk::BufferUsageFlags::TRANSFORM_FEEDBACK_BUFFER_EXT;
+        }
         let mut buffer = Self::new(gpu, label, size, usage, wanted)?;
         buffer.use_for = Some(use_for);
         gpu.work.count_buffer(size);

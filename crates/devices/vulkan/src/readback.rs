@@ -120,7 +120,7 @@ unsafe fn copy_out(
 
 /// # Safety
 /// Recording is under way, outside of a pass.
-unsafe fn let_host_read(device: &ash::Device, commands: vk::CommandBuffer) {
+pub(crate) unsafe fn let_host_read(device: &ash::Device, commands: vk::CommandBuffer) {
     let for_host = [vk::MemoryBarrier::default()
         .src_access_mask(vk::AccessFlags::TRANSFER_WRITE)
         .dst_access_mask(vk::AccessFlags::HOST_READ)];

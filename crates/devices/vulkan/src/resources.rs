@@ -34,8 +34,8 @@ impl Resource {
                 buffer.is_on(gpu) && buffer.use_for() == Some(BufferUse::Uniform)
             }
             Self::Storage(buffer) => {
-                let uses = [Some(BufferUse::Storage), Some(BufferUse::Arguments)];
-                buffer.is_on(gpu) && uses.contains(&buffer.use_for())
+                let uses = [BufferUse::Storage, BufferUse::Arguments, BufferUse::State];
+                buffer.is_on(gpu) && buffer.use_for().is_some_and(|of| uses.contains(&of))
             }
             Self::Image(image) => image.is_on(gpu),
         }

@@ -197,6 +197,8 @@ pub enum GlslStage {
     Mesh,
     /// Fragment shader of what a mesh shader makes.
     MeshFragment,
+    /// Vertex shader whose outputs transform feedback keeps.
+    Capture,
 }
 
 impl GlslStage {
@@ -208,6 +210,7 @@ impl GlslStage {
             // Mesh shaders need SPIR-V 1.4.
             Self::Mesh => ("mesh", "vulkan1.2"),
             Self::MeshFragment => ("frag", "vulkan1.2"),
+            Self::Capture => ("vert", "vulkan1.1"),
         }
     }
 }
@@ -248,6 +251,7 @@ const COMPILED_SHADERS: &[CompiledShader] = compiled_shaders![
     "native/grid.geom", "native/grid.row8.spv", Geometry, ["CELLS=8", "PER_ROW"];
     "native/grid.mesh", "native/grid.mesh.spv", Mesh, [];
     "native/grid.frag", "native/grid.frag.spv", MeshFragment, [];
+    "native/balls.vert", "native/balls.spv", Capture, [];
 ];
 
 /// Every shader that was compiled beforehand, those of [`geometry_shaders`] left out.

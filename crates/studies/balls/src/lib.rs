@@ -13,6 +13,8 @@ mod contact;
 mod drop;
 mod integrator;
 mod metrics;
+mod on_devices;
+mod stepping;
 mod study;
 
 pub use chapter::BallsChapter;

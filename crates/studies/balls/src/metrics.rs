@@ -3,7 +3,7 @@
 
 use terrafill_results::{Kind, Metric};
 
-pub(crate) const METRICS: [Metric; 12] = [
+pub(crate) const METRICS: [Metric; 18] = [
     Metric::less(
         "ball_cpu_us",
         "µs",
@@ -75,5 +75,41 @@ pub(crate) const METRICS: [Metric; 12] = [
         "m/s",
         Kind::Error,
         "Largest speed of a ball at rest.",
+    ),
+    Metric::less(
+        "ball_step_cpu_us",
+        "µs",
+        Kind::Time,
+        "Process CPU time of one step of all balls on a device, nothing drawn.",
+    ),
+    Metric::less(
+        "ball_step_wall_us",
+        "µs",
+        Kind::Time,
+        "Wall time of one step of all balls on a device, nothing drawn.",
+    ),
+    Metric::less(
+        "ball_device_max_m",
+        "m",
+        Kind::Error,
+        "Largest difference of a ball's height on a device from the same integrator in f64.",
+    ),
+    Metric::less(
+        "ball_device_rms_m",
+        "m",
+        Kind::Error,
+        "Root mean square difference of heights on a device from the same integrator in f64.",
+    ),
+    Metric::neither(
+        "ball_device_judged",
+        "",
+        Kind::Counter,
+        "Balls compared with f64.",
+    ),
+    Metric::less(
+        "ball_upload_bytes",
+        "B",
+        Kind::Bytes,
+        "Bytes that the CPU wrote for the device during all steps.",
     ),
 ];

@@ -5,6 +5,7 @@ use crate::chapter::BallsChapter;
 use crate::contact::{STEPS, energy_ratio};
 use crate::drop::{Arithmetic, Drop, GROUND_M, MOSTLY, Rest};
 use crate::integrator::Integrator;
+use crate::on_devices::DeviceBalls;
 use crate::{STUDY, metrics::METRICS};
 use std::collections::BTreeMap;
 use terrafill_fill::CpuStopwatch;
@@ -55,6 +56,7 @@ impl Study for BallsStudy {
         ] {
             groups.push(Box::new(Balls::new(part, experiments, samples)));
         }
+        groups.push(Box::new(DeviceBalls::new(is_quick, samples)));
         Ok(Planned {
             groups,
             skipped: Vec::new(),

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Steps from one state buffer to another without a picture: by compute, or by vertices whose outputs
+//! transform feedback keeps, the rest of the pipeline discarded.
+
+use crate::direct::record_dispatch;
+use crate::failure::failure;
+use crate::pipeline::entry_name;
+use crate::queries::{Queries, QueryKind, span_ms};
+use crate::readback::let_host_read;
+use crate::shader_modules::ModuleKey;
+use crate::{Buffer, BufferUse, Dispatch, Gpu, Resources};
+use ash::vk;
+use std::sync::Arc;
+use terrafill_fill::DeviceError;
+
+/// A compiled vertex shader whose outputs are kept.
+#[derive(Debug)]
+pub struct CapturePipeline {
+    gpu: Arc<Gpu>,
+    raw: vk::Pipeline,
+    /// Without attachments: feedback takes place inside a pass.
+    pass: vk::RenderPass,
+    framebuffer: vk::Framebuffer,
+    resources: Arc<Resources>,
+}
+
+impl CapturePipeline {
+    /// Makes a pipeline.
+    ///
+    /// - `vertex`: SPIR-V that was compiled beforehand, by its name
+    ///
+    /// # Errors
+    /// [`DeviceError::Unsupported`] without transform feedback or for resources of another device,
+    /// [`DeviceError::Shader`], [`DeviceError::OutOfMemory`].
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        resources: &Arc<Resources>,
+        vertex: &'static str,
+    ) -> Result<Self, DeviceError> {
+        let lacks = |what: &str| DeviceError::unsupported(what, &gpu.facts.name);
+        if gpu.feedback.is_none() {
+            return Err(lacks("VK_EXT_transform_feedback"));
+        }
+        if !resources.is_on(gpu) {
+            return Err(lacks("resources of another device"));
+        }
+        let broken = |error| failure(error, "transform feedback", 0);
+        let module = gpu
+            .shader_modules
+            .get(&gpu.device, ModuleKey::Compiled(vertex))?;
+        let mut made = Self {
+            gpu: Arc::clone(gpu),
+            raw: vk::Pipeline::null(),
+            pass: vk::RenderPass::null(),
+            framebuffer: vk::Framebuffer::null(),
+            resources: Arc::clone(resources),
+        };
+        let subpasses =
+            [vk::SubpassDescription::default()
+                .pipeline_bind_point(vk::PipelineBindPoint::GRAPHICS)];
+        let pass = vk::RenderPassCreateInfo::default().subpasses(&subpasses);
+        // SAFETY: the structures live through the calls; `made` destroys what was made.
+        unsafe {
+            made.pass = gpu.device.create_render_pass(&pass, None).map_err(broken)?;
+            let info = vk::FramebufferCreateInfo::default()
+                .render_pass(made.pass)
+                .width(1)
+                .height(1)
+                .layers(1);
+            made.framebuffer = gpu.device.create_framebuffer(&info, None).map_err(broken)?;
+        }
+        let name = entry_name("main")?;
+        let stages = [vk::PipelineShaderStageCreateInfo::default()
+            .stage(vk::ShaderStageFlags::VERTEX)
+            .module(module)
+            .name(&name)];
+        let input = vk::PipelineVertexInputStateCreateInfo::default();
+        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
+            .topology(vk::PrimitiveTopology::POINT_LIST);
+        let rasterization = vk::PipelineRasterizationStateCreateInfo::default()
+            .rasterizer_discard_enable(true)
+            .line_width(1.0);
+        let info = [vk::GraphicsPipelineCreateInfo::default()
+            .stages(&stages)
+            .vertex_input_state(&input)
+            .input_assembly_state(&assembly)
+            .rasterization_state(&rasterization)
+            .layout(resources.layout)
+            .render_pass(made.pass)];
+        // SAFETY: the structures live through the call; spirv-val has judged the shader.
+        let pipelines = unsafe {
+            let none = vk::PipelineCache::null();
+            gpu.device.create_graphics_pipelines(none, &info, None)
+        };
+        let pipelines = pipelines.map_err(|(_, error)| broken(error))?;
+        gpu.work.count_pipeline();
+        made.raw = pipelines.first().copied().unwrap_or_default();
+        Ok(made)
+    }
+}
+
+impl Drop for CapturePipeline {
+    fn drop(&mut self) {
+        let device = &self.gpu.device;
+        // SAFETY: every submission that used them has been waited for; null is ignored.
+        unsafe {
+            device.destroy_pipeline(self.raw, None);
+            device.destroy_framebuffer(self.framebuffer, None);
+            device.destroy_render_pass(self.pass, None);
+        }
+    }
+}
+
+/// One step.
+#[derive(Debug, Clone, Copy)]
+pub enum StateStep<'a> {
+    /// By compute.
+    Dispatch(Dispatch<'a>),
+    /// By vertices.
+    Capture {
+        /// Shader and what it reads.
+        pipeline: &'a CapturePipeline,
+        /// Where its outputs go, a [`BufferUse::State`]; what does not fit is not written.
+        into: &'a Buffer,
+        /// How many.
+        vertices: u32,
+    },
+}
+
+/// What was measured.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StepReport {
+    /// GPU time of all steps, milliseconds; absent where the device keeps no time.
+    pub gpu_ms: Option<f64>,
+}
+
+/// Takes steps one after the other, each of which sees what the one before wrote, and waits.
+///
+/// # Errors
+/// [`DeviceError::Unsupported`] for what is of another device or a buffer for another use,
+/// [`DeviceError::DeviceLost`].
+pub fn advance(gpu: &Arc<Gpu>, steps: &[StateStep<'_>]) -> Result<StepReport, DeviceError> {
+    let fits = |step: &StateStep<'_>| match step {
+        StateStep::Dispatch(dispatch) => dispatch.pipeline.is_on(gpu),
+        StateStep::Capture { pipeline, into, .. } => {
+            Arc::ptr_eq(&pipeline.gpu, gpu)
+                && into.is_on(gpu)
+                && into.use_for() == Some(BufferUse::State)
+        }
+    };
+    if !steps.iter().all(fits) {
+        let what = "stepping what is of another device or made for another use";
+        return Err(DeviceError::unsupported(what, &gpu.facts.name));
+    }
+    let stamps = Queries::new(gpu, QueryKind::Timestamps, 2)?;
+    // SAFETY: everything is of this device and lives until the submission is done.
+    unsafe {
+        gpu.submit(|device, commands| {
+            if let Some(stamps) = &stamps {
+                device.cmd_reset_query_pool(commands, stamps.raw, 0, 2);
+                let start = vk::PipelineStageFlags::TOP_OF_PIPE;
+                device.cmd_write_timestamp(commands, start, stamps.raw, 0);
+            }
+            for step in steps {
+                match *step {
+                    StateStep::Dispatch(dispatch) => record_dispatch(device, commands, dispatch),
+                    StateStep::Capture {
+                        pipeline,
+                        into,
+                        vertices,
+                    } => record_capture(gpu, commands, pipeline, into, vertices),
+                }
+                let_all_see(device, commands);
+            }
+            if let Some(stamps) = &stamps {
+                let end = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
+                device.cmd_write_timestamp(commands, end, stamps.raw, 1);
+            }
+        })?;
+    }
+    let gpu_ms = match &stamps {
+        Some(stamps) => {
+            let ticks = stamps.read(0, 2)?;
+            span_ms(ticks[0], ticks[1], gpu.timestamp_period_ns())
+        }
+        None => None,
+    };
+    Ok(StepReport { gpu_ms })
+}
+
+impl Buffer {
+    /// Contents of a [`BufferUse::State`].
+    ///
+    /// # Errors
+    /// [`DeviceError::Unsupported`] for another use, [`DeviceError::OutOfMemory`],
+    /// [`DeviceError::DeviceLost`].
+    pub fn contents(&self, gpu: &Arc<Gpu>) -> Result<Vec<u8>, DeviceError> {
+        if !self.is_on(gpu) || self.use_for() != Some(BufferUse::State) {
+            let what = "reading back a buffer that is no state";
+            return Err(DeviceError::unsupported(what, &gpu.facts.name));
+        }
+        let copy = Self::for_reading(gpu, "state read-back", self.size())?;
+        let region = [vk::BufferCopy::default().size(self.size())];
+        // SAFETY: both have this size and live until the submission is done.
+        unsafe {
+            gpu.submit(|device, commands| {
+                device.cmd_copy_buffer(commands, self.raw, copy.raw, &region);
+                let_host_read(device, commands);
+            })?;
+        }
+        copy.read()
+    }
+}
+
+/// # Safety
+/// Recording is under way, outside of a pass, on the device of all that is given.
+unsafe fn record_capture(
+    gpu: &Gpu,
+    commands: vk::CommandBuffer,
+    pipeline: &CapturePipeline,
+    into: &Buffer,
+    vertices: u32,
+) {
+    // A pipeline could not be made without it.
+    let Some(feedback) = &gpu.feedback else {
+        return;
+    };
+    let device = &gpu.device;
+    let graphics = vk::PipelineBindPoint::GRAPHICS;
+    let resources = &pipeline.resources;
+    let begin = vk::RenderPassBeginInfo::default()
+        .render_pass(pipeline.pass)
+        .framebuffer(pipeline.framebuffer)
+        .render_area(vk::Rect2D {
+            offset: vk::Offset2D::default(),
+            extent: vk::Extent2D {
+                width: 1,
+                height: 1,
+            },
+        });
+    // SAFETY: the caller's promise.
+    unsafe {
+        device.cmd_begin_render_pass(commands, &begin, vk::SubpassContents::INLINE);
+        device.cmd_bind_pipeline(commands, graphics, pipeline.raw);
+        let sets = [resources.set()];
+        device.cmd_bind_descriptor_sets(commands, graphics, resources.layout, 0, &sets, &[]);
+        let (buffers, offsets, sizes) = ([into.raw], [0], [into.size()]);
+        let bind = feedback.fp().cmd_bind_transform_feedback_buffers_ext;
+        bind(
+            commands,
+            0,
+            1,
+            buffers.as_ptr(),
+            offsets.as_ptr(),
+            sizes.as_ptr(),
+        );
+        let none = std::ptr::null();
+        let begin = feedback.fp().cmd_begin_transform_feedback_ext;
+        begin(commands, 0, 0, std::ptr::null(), none);
+        device.cmd_draw(commands, vertices, 1, 0, 0);
+        let end = feedback.fp().cmd_end_transform_feedback_ext;
+        end(commands, 0, 0, std::ptr::null(), none);
+        device.cmd_end_render_pass(commands);
+    }
+}
+
+/// # Safety
+/// Recording is under way, outside of a pass.
+unsafe fn let_all_see(device: &ash::Device, commands: vk::CommandBuffer) {
+    let barrier = [vk::MemoryBarrier::default()
+        .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
+        .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE)];
+    let all = vk::PipelineStageFlags::ALL_COMMANDS;
+    let flags = vk::DependencyFlags::empty();
+    // SAFETY: the caller's promise.
+    unsafe { device.cmd_pipeline_barrier(commands, all, all, flags, &barrier, &[], &[]) };
+}

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Balls stepped on devices, nothing drawn, against the same integrator in `f64`.
+
+use crate::STUDY;
+use crate::closed_form::GRAVITY;
+use crate::integrator::{Ball, Forces, Integrator, step};
+use crate::stepping::{BallConstants, State, Steps, Way};
+use std::collections::BTreeMap;
+use terrafill_fill::{CpuStopwatch, DeviceError};
+use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
+use terrafill_study::{Context, Group, Session, StudyError};
+
+const STIFFNESS: f64 = 1e3;
+const STEPS_PER_SECOND: u32 = 480;
+/// Half a second: every ball meets the ground.
+const STEPS: u32 = 240;
+/// What `f32` may differ from `f64`, metres: an order above what 240 roundings of 0.3 m add up to.
+const ALLOWED_M: f64 = 1e-5;
+/// Balls compared with `f64` at most: evenly spread over all.
+const JUDGED: usize = 10_000;
+/// Steps of a timed sample.
+const TIMED: u32 = 4;
+
+/// Balls on devices.
+pub(crate) struct DeviceBalls {
+    cases: Vec<PlannedCase>,
+    ways: Vec<(Way, u32)>,
+}
+
+impl DeviceBalls {
+    pub(crate) fn new(is_quick: bool, samples: u32) -> Self {
+        let counts: &[u32] = match is_quick {
+            true => &[500, 4_000],
+            false => &[
+                500, 1_000, 2_000, 3_000, 4_000, 5_000, 10_000, 100_000, 1_000_000,
+            ],
+        };
+        let (mut cases, mut ways) = (Vec::new(), Vec::new());
+        for way in Way::ALL {
+            let (interface, name) = way.names();
+            for &balls in counts {
+                let conditions = [
+                    ("part", "device".to_owned()),
+                    ("interface", interface.to_owned()),
+                    ("way", name.to_owned()),
+                    ("balls", balls.to_string()),
+                ];
+                cases.push(PlannedCase {
+                    id: CaseId::new(
+                        STUDY,
+                        format!("device/{interface}/{name}/{balls}"),
+                        conditions,
+                    ),
+                    samples,
+                    may_be_wrong: false,
+                });
+                ways.push((way, balls));
+            }
+        }
+        Self { cases, ways }
+    }
+}
+
+impl Group for DeviceBalls {
+    fn name(&self) -> String {
+        format!("{STUDY}/device")
+    }
+
+    fn cases(&self) -> &[PlannedCase] {
+        &self.cases
+    }
+
+    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
+        Ok(Box::new(DeviceSession {
+            group: self,
+            context,
+            opened: BTreeMap::new(),
+        }))
+    }
+}
+
+struct DeviceSession<'a> {
+    group: &'a DeviceBalls,
+    context: Context<'a>,
+    /// By case.
+    opened: BTreeMap<usize, Box<dyn Steps>>,
+}
+
+/// Dropped at rest from 0.1 to 0.3 m.
+fn balls(count: u32) -> Vec<State> {
+    let height = |i: u32| 0.1 + 0.2 * (f64::from(i) + 0.5) / f64::from(count);
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "the device's first state is the nearest f32, and the reference begins there"
+    )]
+    let ball = |i| [[0.0, 0.0, height(i) as f32, 1.0], [0.0; 4]];
+    (0..count).map(ball).collect()
+}
+
+fn constants(count: u32) -> BallConstants {
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "rounding to f32 is part of what is measured"
+    )]
+    let near = |value: f64| value as f32;
+    BallConstants {
+        step_s: near(1.0 / f64::from(STEPS_PER_SECOND)),
+        gravity: near(GRAVITY),
+        stiffness: near(STIFFNESS),
+        count,
+    }
+}
+
+/// Height of a ball after all steps.
+fn height_m(integrator: Integrator, first_m: f64) -> f64 {
+    let forces = Forces {
+        gravity: GRAVITY,
+        stiffness: STIFFNESS,
+        damping: 0.0,
+        restitution: 1.0,
+        datum: 0.0,
+    };
+    let mut ball = Ball {
+        height: first_m,
+        speed: 0.0_f64,
+    };
+    for _ in 0..STEPS {
+        step(
+            integrator,
+            &forces,
+            &mut ball,
+            1.0 / f64::from(STEPS_PER_SECOND),
+        );
+    }
+    ball.height
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Judged {
+    max_m: f64,
+    rms_m: f64,
+    count: u32,
+}
+
+fn judge(integrator: Integrator, first: &[State], last: &[State]) -> Judged {
+    let stride = first.len().div_ceil(JUDGED).max(1);
+    let (mut max_m, mut squares, mut count) = (0.0_f64, 0.0, 0_u32);
+    for (first, last) in first.iter().zip(last).step_by(stride) {
+        let exact = height_m(integrator, f64::from(first[0][2]));
+        let error = (f64::from(last[0][2]) - exact).abs();
+        // What is no number must not be lost in a maximum.
+        max_m = if error <= max_m { max_m } else { error };
+        squares += error * error;
+        count += 1;
+    }
+    Judged {
+        max_m,
+        rms_m: (squares / f64::from(count.max(1))).sqrt(),
+        count,
+    }
+}
+
+impl DeviceSession<'_> {
+    fn run(&mut self, case: usize) -> Result<(Judged, u64), DeviceError> {
+        let (way, count) = self.group.ways[case];
+        let first = balls(count);
+        let mut steps = way.open(self.context.devices, &constants(count), &first)?;
+        let before = steps.uploaded();
+        // Fewer at a time than a command buffer would hold: each is a submission, as a frame is.
+        for _ in 0..STEPS / TIMED {
+            steps.step(TIMED)?;
+        }
+        let uploaded = steps.uploaded() - before;
+        let last = steps.read()?;
+        let mut judged = judge(Integrator::SymplecticEuler, &first, &last);
+        if last.len() != first.len() {
+            judged.max_m = f64::INFINITY;
+        }
+        self.opened.insert(case, steps);
+        Ok((judged, uploaded))
+    }
+}
+
+impl Session for DeviceSession<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
+        let (judged, uploaded) = match self.run(case) {
+            Ok(run) => run,
+            Err(error @ (DeviceError::Unsupported { .. } | DeviceError::OverCapacity { .. })) => {
+                return Ok(Verdict::skipped(error.to_string()));
+            }
+            Err(error) => return Ok(Verdict::failed(error.to_string())),
+        };
+        let is_right = judged.max_m <= ALLOWED_M;
+        let reason = if !is_right {
+            format!("{} m from f64, allowed {ALLOWED_M} m", judged.max_m)
+        } else if uploaded > 0 {
+            format!("{uploaded} bytes were uploaded while stepping, allowed 0")
+        } else {
+            String::new()
+        };
+        Ok(Verdict {
+            status: if reason.is_empty() {
+                Status::Ok
+            } else {
+                Status::Wrong
+            },
+            reason,
+            figures: vec![
+                ("ball_device_max_m", judged.max_m),
+                ("ball_device_rms_m", judged.rms_m),
+                ("ball_device_judged", f64::from(judged.count)),
+                ("ball_upload_bytes", uploaded as f64),
+            ],
+            ..Verdict::default()
+        })
+    }
+
+    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+        let steps = self.opened.get_mut(&case).ok_or("it was not verified")?;
+        let watch = CpuStopwatch::start();
+        steps.step(TIMED).map_err(|error| error.to_string())?;
+        let each = 1e3 / f64::from(TIMED);
+        Ok(vec![
+            ("ball_step_cpu_us", watch.cpu_ms() * each),
+            ("ball_step_wall_us", watch.wall_ms() * each),
+        ])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrafill_fill::Devices;
+
+    #[test]
+    fn every_way_follows_f64_and_another_integrator_does_not() {
+        let devices = Devices::default();
+        let mut ends: Vec<(Way, Vec<State>)> = Vec::new();
+        for way in Way::ALL {
+            let first = balls(1_000);
+            let mut steps = match way.open(&devices, &constants(1_000), &first) {
+                Ok(steps) => steps,
+                Err(error) => {
+                    assert!(matches!(error, DeviceError::Unsupported { .. }), "{error}");
+                    eprintln!("{way:?}: {error}");
+                    continue;
+                }
+            };
+            let before = steps.uploaded();
+            steps.step(STEPS).expect("steps");
+            assert_eq!(steps.uploaded(), before, "{way:?}");
+            let last = steps.read().expect("reads");
+            let judged = judge(Integrator::SymplecticEuler, &first, &last);
+            eprintln!("{way:?}: {judged:?}");
+            assert!(judged.max_m <= ALLOWED_M, "{way:?}: {judged:?}");
+            // Twins: another integrator, and one step fewer.
+            let other = judge(Integrator::VelocityVerlet, &first, &last);
+            assert!(other.max_m > 100.0 * ALLOWED_M, "{way:?}: {other:?}");
+            let mut fewer = way
+                .open(&devices, &constants(1_000), &first)
+                .expect("opens");
+            fewer.step(STEPS - 1).expect("steps");
+            let last_of_fewer = fewer.read().expect("reads");
+            let short = judge(Integrator::SymplecticEuler, &first, &last_of_fewer);
+            assert!(short.max_m > 100.0 * ALLOWED_M, "{way:?}: {short:?}");
+            ends.push((way, last));
+        }
+        for (way, last) in ends.iter().skip(1) {
+            let differing = last.iter().zip(&ends[0].1).filter(|(a, b)| a != b).count();
+            eprintln!(
+                "{way:?}: {differing} of 1000 balls differ from {:?}",
+                ends[0].0
+            );
+        }
+    }
+}

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Two states of all balls on a device, each step from one into the other; the CPU writes the first only.
+
+use std::sync::Arc;
+use terrafill_fill::{DeviceError, Devices};
+use terrafill_vulkan::{
+    Buffer, BufferUse, CapturePipeline, ComputePipeline, Dispatch, Resource, Resources, Shader,
+    StateStep, advance,
+};
+
+const STEP: &str = "balls/step.wgsl";
+const ENTRY: &str = "step_main";
+/// A workgroup of the shader.
+const GROUP: u32 = 64;
+
+/// As both shaders have it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct BallConstants {
+    pub(crate) step_s: f32,
+    pub(crate) gravity: f32,
+    /// k/m, 1/s².
+    pub(crate) stiffness: f32,
+    pub(crate) count: u32,
+}
+
+/// Place and velocity of a ball, four numbers each as published.
+pub(crate) type State = [[f32; 4]; 2];
+
+/// A way to step on a device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Way {
+    WgpuCompute,
+    VulkanCompute,
+    VulkanFeedback,
+}
+
+impl Way {
+    pub(crate) const ALL: [Self; 3] =
+        [Self::WgpuCompute, Self::VulkanCompute, Self::VulkanFeedback];
+
+    /// Interface and way, as in tables.
+    pub(crate) fn names(self) -> (&'static str, &'static str) {
+        match self {
+            Self::WgpuCompute => ("wgpu", "compute"),
+            Self::VulkanCompute => ("vulkan", "compute"),
+            Self::VulkanFeedback => ("vulkan", "transform-feedback"),
+        }
+    }
+
+    /// Puts the balls onto the device.
+    pub(crate) fn open(
+        self,
+        devices: &Devices,
+        constants: &BallConstants,
+        balls: &[State],
+    ) -> Result<Box<dyn Steps>, DeviceError> {
+        Ok(match self {
+            Self::WgpuCompute => Box::new(OnWgpu::new(devices, constants, balls)?),
+            _ => Box::new(OnVulkan::new(self, devices, constants, balls)?),
+        })
+    }
+}
+
+/// Balls on a device.
+pub(crate) trait Steps {
+    /// Takes `count` steps and waits.
+    fn step(&mut self, count: u32) -> Result<(), DeviceError>;
+    fn read(&self) -> Result<Vec<State>, DeviceError>;
+    /// Bytes that the CPU has written for the device so far.
+    fn uploaded(&self) -> u64;
+}
+
+struct OnWgpu {
+    gpu: Arc<terrafill_gpu::Gpu>,
+    states: [wgpu::Buffer; 2],
+    /// From the first state, from the second.
+    bound: [wgpu::BindGroup; 2],
+    pipeline: wgpu::ComputePipeline,
+    groups: u32,
+    current: usize,
+}
+
+impl OnWgpu {
+    fn new(
+        devices: &Devices,
+        constants: &BallConstants,
+        balls: &[State],
+    ) -> Result<Self, DeviceError> {
+        let gpu = terrafill_gpu::shared_gpu(devices)?;
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        let bytes = bytemuck::cast_slice(balls);
+        let first = gpu.upload("balls", bytes, usage)?;
+        let second = gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("balls"),
+            size: first.size(),
+            usage,
+            mapped_at_creation: false,
+        });
+        let uniform = wgpu::BufferUsages::UNIFORM;
+        let constants = gpu.upload("ball constants", bytemuck::bytes_of(constants), uniform)?;
+        let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
+        let types = [
+            wgpu::BufferBindingType::Uniform,
+            storage(true),
+            storage(false),
+        ];
+        let layout = gpu.buffer_layout("balls", wgpu::ShaderStages::COMPUTE, &types);
+        let bound = [(&first, &second), (&second, &first)]
+            .map(|(from, to)| gpu.bind_buffers("balls", &layout, &[&constants, from, to]));
+        let pipeline = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("step balls"),
+            layout: Some(&gpu.pipeline_layout("balls", &[Some(&layout)])),
+            module: &gpu.shader(STEP)?,
+            entry_point: Some(ENTRY),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        Ok(Self {
+            gpu,
+            states: [first, second],
+            bound,
+            pipeline,
+            groups: groups(balls),
+            current: 0,
+        })
+    }
+}
+
+impl Steps for OnWgpu {
+    fn step(&mut self, count: u32) -> Result<(), DeviceError> {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let mut pass = encoder.begin_compute_pass(&Default::default());
+        pass.set_pipeline(&self.pipeline);
+        for _ in 0..count {
+            pass.set_bind_group(0, &self.bound[self.current], &[]);
+            pass.dispatch_workgroups(self.groups, 1, 1);
+            self.current = 1 - self.current;
+        }
+        drop(pass);
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.wait()
+    }
+
+    fn read(&self) -> Result<Vec<State>, DeviceError> {
+        let bytes = terrafill_gpu::read_buffer(&self.gpu, &self.states[self.current])?;
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    }
+
+    fn uploaded(&self) -> u64 {
+        self.gpu.work_done().upload_bytes
+    }
+}
+
+/// By what a step on Vulkan is taken, from the first state and from the second.
+enum Stepper {
+    Compute([ComputePipeline; 2]),
+    Feedback([CapturePipeline; 2]),
+}
+
+struct OnVulkan {
+    gpu: Arc<terrafill_vulkan::Gpu>,
+    states: [Arc<Buffer>; 2],
+    stepper: Stepper,
+    balls: u32,
+    groups: u32,
+    current: usize,
+}
+
+fn groups(balls: &[State]) -> u32 {
+    count(balls).div_ceil(GROUP)
+}
+
+fn count(balls: &[State]) -> u32 {
+    u32::try_from(balls.len()).unwrap_or(u32::MAX)
+}
+
+impl OnVulkan {
+    fn new(
+        way: Way,
+        devices: &Devices,
+        constants: &BallConstants,
+        balls: &[State],
+    ) -> Result<Self, DeviceError> {
+        let gpu = terrafill_vulkan::shared_gpu(devices)?;
+        let bytes: &[u8] = bytemuck::cast_slice(balls);
+        let first = Buffer::upload(&gpu, "balls", bytes, BufferUse::State)?;
+        let second = Buffer::unwritten(&gpu, "balls", first.size(), BufferUse::State)?;
+        let states = [first, second].map(Arc::new);
+        let bytes = bytemuck::bytes_of(constants);
+        let constants = Buffer::upload(&gpu, "ball constants", bytes, BufferUse::Uniform)?;
+        let constants = Arc::new(constants);
+        let bind = |from: usize| {
+            let all = vec![
+                Resource::Uniform(Arc::clone(&constants)),
+                Resource::Storage(Arc::clone(&states[from])),
+                Resource::Storage(Arc::clone(&states[1 - from])),
+            ];
+            Resources::new(&gpu, all)
+        };
+        let bound = [bind(0)?, bind(1)?];
+        let stepper = if way == Way::VulkanFeedback {
+            let make = |from: usize| CapturePipeline::new(&gpu, &bound[from], "native/balls.spv");
+            Stepper::Feedback([make(0)?, make(1)?])
+        } else {
+            let shader = Shader::Wgsl {
+                path: STEP,
+                entry_point: ENTRY,
+            };
+            let make = |from: usize| ComputePipeline::new(&gpu, &bound[from], shader);
+            Stepper::Compute([make(0)?, make(1)?])
+        };
+        Ok(Self {
+            gpu,
+            states,
+            stepper,
+            balls: count(balls),
+            groups: groups(balls),
+            current: 0,
+        })
+    }
+}
+
+impl Steps for OnVulkan {
+    fn step(&mut self, count: u32) -> Result<(), DeviceError> {
+        let mut steps = Vec::new();
+        for _ in 0..count {
+            let from = self.current;
+            self.current = 1 - from;
+            steps.push(match &self.stepper {
+                Stepper::Compute(pipelines) => StateStep::Dispatch(Dispatch {
+                    pipeline: &pipelines[from],
+                    groups: [self.groups, 1, 1],
+                }),
+                Stepper::Feedback(pipelines) => StateStep::Capture {
+                    pipeline: &pipelines[from],
+                    into: &self.states[self.current],
+                    vertices: self.balls,
+                },
+            });
+        }
+        advance(&self.gpu, &steps)?;
+        Ok(())
+    }
+
+    fn read(&self) -> Result<Vec<State>, DeviceError> {
+        let bytes = self.states[self.current].contents(&self.gpu)?;
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    }
+
+    fn uploaded(&self) -> u64 {
+        self.gpu.work_done().upload_bytes
+    }
+}
