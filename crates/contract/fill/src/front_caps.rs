@@ -142,8 +142,9 @@ impl Sight {
 /// Of the points of a triangle, the square of the distance of that next to the origin.
 fn least_length_squared([a, b, c]: [DVec3; 3]) -> f64 {
     let normal = (b - a).cross(c - a).normalize_or_zero();
-    let is_inside =
-        |from: DVec3, to: DVec3| (to - from).cross(normal * normal.dot(a) - from).dot(normal) >= 0.0;
+    let is_inside = |from: DVec3, to: DVec3| {
+        (to - from).cross(normal * normal.dot(a) - from).dot(normal) >= 0.0
+    };
     if normal != DVec3::ZERO && is_inside(a, b) && is_inside(b, c) && is_inside(c, a) {
         return normal.dot(a).powi(2);
     }

@@ -418,7 +418,8 @@ impl Builder<'_> {
         })
     }
 
-    /// One command for each depth rule that a volume has and each set of faces.
+    /// One command for each depth rule that a volume has and each set of faces. Volumes whose tops leave out
+    /// facets are apart from the others.
     fn split(
         &self,
         volumes: &[usize],
@@ -452,7 +453,7 @@ impl Builder<'_> {
         commands
     }
 
-    /// Facets of its top that face away are left out; two passes tell faces apart already.
+    /// Facets of its top that face away are left out.
     fn has_front_caps(&self, volume: usize) -> bool {
         self.switches.front_caps && self.volumes[volume].front_caps_suffice
     }
