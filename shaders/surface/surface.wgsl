@@ -9,11 +9,22 @@ const RELIEF_PER_SLOPE: f32 = 8.0;
 struct Varying {
     @builtin(position) clip: vec4<f32>,
     @location(0) relative_m: vec3<f32>,
+    // Height above the eye's, measured along the radius; of facets it is interpolated, so that those of a
+    // smooth body have no slope, however coarse they are.
+    @location(1) above_eye_m: f32,
 };
 
 @vertex
 fn vertex_main(@location(0) relative_m: vec3<f32>) -> Varying {
-    return Varying(clip_from_eye_relative(relative_m), relative_m);
+    return Varying(clip_from_eye_relative(relative_m), relative_m, above_eye_m(relative_m));
+}
+
+// Difference of two scaled radii as that of their squares over their sum: close to the eye nothing cancels.
+fn above_eye_m(relative_m: vec3<f32>) -> f32 {
+    let scaled = relative_m * view.normal_scale;
+    let difference = dot(scaled, 2.0 * view.eye_ecef + relative_m);
+    let eye = dot(view.eye_ecef, view.eye_ecef * view.normal_scale);
+    return difference / (sqrt(eye) + sqrt(max(eye + difference, 0.0)));
 }
 
 @fragment
@@ -21,11 +32,16 @@ fn fragment_main(in: Varying) -> @location(0) vec4<f32> {
     let up = normalize((in.relative_m + view.eye_ecef) * view.normal_scale);
     let facing = max(-dot(up, normalize(in.relative_m)), 0.0);
     let shade = 0.35 + 0.65 * sqrt(facing);
-    // Normal of the facet, turned up; where it rises towards the north-west, it leans away from there.
-    let across = cross(dpdx(in.relative_m), dpdy(in.relative_m));
-    let rise = dot(across, up);
-    // A facet seen edge-on may have no normal left in f32; it is shaded as level ground.
-    let lean = select(across / rise, up, abs(rise) <= 0.01 * length(across)) - up;
+    // The height's gradient within the facet: its length is the sine of the slope.
+    let right = dpdx(in.relative_m);
+    let down = dpdy(in.relative_m);
+    let across = cross(right, down);
+    let gradient = (dpdx(in.above_eye_m) * cross(down, across) + dpdy(in.above_eye_m) * cross(across, right))
+        / dot(across, across);
+    let sine_squared = dot(gradient, gradient);
+    // A facet seen edge-on may have no normal left in f32, and a wall no slope; both are shaded as level ground.
+    // (A comparison with NaN is false.)
+    let lean = select(vec3<f32>(0.0), -gradient / (1.0 - sine_squared), sine_squared < 0.9999);
     // Shorter towards the poles, where there is no north-west.
     let north = vec3<f32>(0.0, 0.0, 1.0) - up * up.z;
     let east = vec3<f32>(-up.y, up.x, 0.0);

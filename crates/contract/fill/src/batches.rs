@@ -112,6 +112,7 @@ mod tests {
             geometry: 0,
             near_plane_meets_volume: false,
             is_flat: false,
+            front_caps_suffice: false,
             depth: DepthRange::ANY,
             screen_rect: PixelRect {
                 left,

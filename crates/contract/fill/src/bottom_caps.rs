@@ -84,6 +84,7 @@ mod tests {
             depth: DepthRange::ANY,
             near_plane_meets_volume: geometry == 11,
             is_flat: false,
+            front_caps_suffice: false,
             geometry,
         };
         VolumeList {

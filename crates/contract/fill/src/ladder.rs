@@ -247,6 +247,21 @@ impl Climb {
         .far_level(overlap)
     }
 
+    /// Caps without the facets that face away, beside the way. Where regions keep an order, numbers cannot
+    /// be flipped by XOR.
+    #[must_use]
+    pub fn front_caps(self, overlap: Overlap) -> Self {
+        if overlap == Overlap::Ordered {
+            return self;
+        }
+        self.aside(
+            "xor-front",
+            "facets of top caps that face away are left out where the sky is behind them, and covers leave \
+             out the sky",
+            |variant| variant.switches.front_caps = true,
+        )
+    }
+
     /// Flat meshes for volumes that are lower than half a pixel, beside the way; the document considered
     /// them. They keep no order of regions over one pixel.
     fn far_level(self, overlap: Overlap) -> Self {

@@ -20,6 +20,7 @@ mod fingerprint;
 mod fixed_point;
 mod footprint;
 mod frame;
+mod front_caps;
 mod geometry;
 mod identity;
 mod input;

@@ -362,7 +362,8 @@ impl Told<'_> {
         let drawn = uses.volumes;
         let of_scene = format!("of all {regions} meshes of the scene; the view draws {drawn}");
         match feature {
-            Feature::Positions | Feature::TopCaps | Feature::Walls => (drawn > 0, of_scene),
+            Feature::Positions | Feature::Walls => (drawn > 0, of_scene),
+            Feature::TopCaps => (drawn > 0, format!("{of_scene}{}", self.front_caps())),
             Feature::BottomCaps => self.bottom_caps(need),
             Feature::RegionConstants => (true, format!("of the {drawn} regions drawn")),
             Feature::Expansion => {
@@ -470,6 +471,23 @@ impl Told<'_> {
             false => reason,
         };
         (is_held, reason)
+    }
+
+    /// Which of the volumes leave out facets of their tops that face away, and why others do not.
+    fn front_caps(&self) -> String {
+        if !self.switches.front_caps {
+            return String::new();
+        }
+        let kept = &self.uses.caps_kept;
+        let drawn = self.uses.volumes - self.uses.flat;
+        let free = drawn.saturating_sub(kept.values().sum());
+        let mut told = format!(
+            "; cap-faces=front: facets that face away are left out of {free} of {drawn} tops"
+        );
+        for (why, volumes) in kept {
+            told.push_str(&format!("; {volumes} keep them: {}", why.reason()));
+        }
+        told
     }
 
     fn count_behind(&self) -> String {

@@ -51,7 +51,7 @@ fn everything(mut variant: Variant, has_picture: bool) -> Variant {
 
 type Step = (&'static str, &'static str, fn(&mut Variant, Overlap));
 
-const STEPS: [Step; 10] = [
+const STEPS: [Step; 11] = [
     (
         "everything",
         "all regions of the scene, one at a time, each with its bottom cap and counted behind the surface; \
@@ -104,5 +104,11 @@ const STEPS: [Step; 10] = [
         "order",
         "disjoint regions are marked together, each by a number of its own",
         |variant, overlap| variant.switches.colour = Switches::for_overlap(overlap).colour,
+    ),
+    (
+        "xor-front",
+        "facets of top caps that face away are left out where the sky is behind them, and covers leave out \
+         the sky",
+        |variant, _| variant.switches.front_caps = true,
     ),
 ];

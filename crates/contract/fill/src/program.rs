@@ -32,6 +32,28 @@ pub enum FaceSet {
     Front,
     /// Those that look away.
     Back,
+    /// All of walls, and of caps those that look at the eye. Pipelines of both draw all, which is right too.
+    FrontCaps,
+}
+
+impl FaceSet {
+    /// What is drawn of caps.
+    #[must_use]
+    pub fn of_caps(self) -> Self {
+        match self {
+            Self::FrontCaps => Self::Front,
+            other => other,
+        }
+    }
+
+    /// What is drawn of walls.
+    #[must_use]
+    pub fn of_walls(self) -> Self {
+        match self {
+            Self::FrontCaps => Self::Both,
+            other => other,
+        }
+    }
 }
 
 /// What a touching fragment does.
@@ -97,6 +119,8 @@ pub struct StencilTest {
     pub read_mask: u8,
     /// A coloured pixel's stencil becomes 0.
     pub zeroes: bool,
+    /// Passes only where there is a surface. Covers of this kind are drawn at depth 0, the sky's.
+    pub skips_sky: bool,
 }
 
 /// What brings the colour.
@@ -394,7 +418,8 @@ impl Builder<'_> {
         })
     }
 
-    /// One command for each depth rule that a volume has and each set of faces.
+    /// One command for each depth rule that a volume has and each set of faces. Volumes whose tops leave out
+    /// facets are apart from the others.
     fn split(
         &self,
         volumes: &[usize],
@@ -411,15 +436,26 @@ impl Builder<'_> {
                 .copied()
                 .filter(|&volume| self.depth_rule(volume) == depth)
                 .collect();
-            if of_rule.is_empty() {
-                continue;
-            }
             let without_bottom =
                 depth == DepthRule::Pass && self.switches.bottom_cap == BottomCap::WhereNeeded;
-            let each = |&faces| command(depth, faces, without_bottom, of_rule.clone());
-            commands.extend(faces.iter().map(each));
+            let (front_caps, both): (Vec<usize>, Vec<usize>) = of_rule
+                .into_iter()
+                .partition(|&volume| depth == DepthRule::Pass && self.has_front_caps(volume));
+            if !both.is_empty() {
+                let each = |&faces| command(depth, faces, without_bottom, both.clone());
+                commands.extend(faces.iter().map(each));
+            }
+            if !front_caps.is_empty() {
+                let faces = FaceSet::FrontCaps;
+                commands.push(command(depth, faces, without_bottom, front_caps));
+            }
         }
         commands
+    }
+
+    /// Facets of its top that face away are left out.
+    fn has_front_caps(&self, volume: usize) -> bool {
+        self.switches.front_caps && self.volumes[volume].front_caps_suffice
     }
 
     /// Front faces suffice to cover a volume, except where the near plane cuts it; with an infinite
@@ -472,6 +508,7 @@ impl Builder<'_> {
                             reference,
                             read_mask: bits,
                             zeroes: false,
+                            skips_sky: self.switches.front_caps,
                         },
                         shape: CoverShape::Rectangle,
                         volumes: volumes.clone(),
@@ -516,6 +553,7 @@ impl Builder<'_> {
                             reference: bit(plane),
                             read_mask: bit(plane),
                             zeroes: false,
+                            skips_sky: false,
                         },
                         shape: CoverShape::Rectangle,
                         volumes: vec![volume],
@@ -626,6 +664,7 @@ const MARKED: StencilTest = StencilTest {
     reference: 0,
     read_mask: 0xff,
     zeroes: true,
+    skips_sky: false,
 };
 
 /// Whatever the stencil says.
@@ -634,6 +673,7 @@ const ANYWHERE: StencilTest = StencilTest {
     reference: 0,
     read_mask: 0,
     zeroes: false,
+    skips_sky: false,
 };
 
 #[cfg(test)]
@@ -654,6 +694,7 @@ mod tests {
             },
             near_plane_meets_volume: cut,
             is_flat: false,
+            front_caps_suffice: index != 2,
         }
     }
 
@@ -942,6 +983,45 @@ mod tests {
             rules(DepthRuleChoice::Pass),
             [(0, pass), (1, pass), (2, pass)]
         );
+    }
+
+    #[test]
+    fn facets_that_face_away_are_left_out_in_front_of_the_surface_and_covers_skip_the_sky() {
+        let mut switches = Switches {
+            front_caps: true,
+            depth_rule: DepthRuleChoice::Automatic,
+            bottom_cap: BottomCap::WhereNeeded,
+            ..Switches::default()
+        };
+        // The first may leave them out, the second is cut by the near plane, the third needs them.
+        let marks = |switches: &Switches| {
+            let program = FillProgram::new(&three(), switches, Overlap::Disjoint);
+            let program = program.expect("allowed");
+            let mut marks = Vec::new();
+            for command in program.commands() {
+                match command {
+                    FillCommand::Volumes { rule, volumes, .. } => {
+                        marks.extend(volumes.iter().map(|&volume| (volume, rule.faces)));
+                    }
+                    FillCommand::Cover { test, .. } => {
+                        assert_eq!(test.skips_sky, switches.front_caps);
+                    }
+                    other => panic!("{other:?}"),
+                }
+            }
+            marks.sort_unstable();
+            marks
+        };
+        let both = FaceSet::Both;
+        assert_eq!(
+            marks(&switches),
+            [(0, FaceSet::FrontCaps), (1, both), (2, both)]
+        );
+        // Twin: without the switch all keep all.
+        switches.front_caps = false;
+        assert_eq!(marks(&switches), [(0, both), (1, both), (2, both)]);
+        let faces = FaceSet::FrontCaps;
+        assert_eq!((faces.of_caps(), faces.of_walls()), (FaceSet::Front, both));
     }
 
     #[test]

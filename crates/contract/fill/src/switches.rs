@@ -176,6 +176,9 @@ pub struct Switches {
     pub scissor: bool,
     /// Covers by triangles over the screen are not cut to their region's rectangle: what a rectangle saves.
     pub covers_screen: bool,
+    /// Top caps leave out the facets that face away from the eye, and covers the sky, for regions of
+    /// which that is known to be right.
+    pub front_caps: bool,
     /// Covers by volume draw one kind of face only.
     pub cover_culls_faces: bool,
     /// What takes the stencil back to 0.
@@ -211,7 +214,7 @@ pub struct SwitchError {
 
 impl Switches {
     /// Every key with its values.
-    pub const KEYS: &str = "bottom-cap=always|first-pass|where-needed, \
+    pub const KEYS: &str = "bottom-cap=always|first-pass|where-needed, cap-faces=both|front, \
         colour=xor|rectangle|volume|bit-planes|one-colour|one-colour-volumes|id-accumulation, \
         cover-area=rectangle|screen, cover-faces=both|culled, depth-bounds=off|on, depth-copy=none|made, \
         depth-rule=zfail|zpass|automatic, faces=two-sided|two-pass, \
@@ -233,7 +236,7 @@ impl Switches {
 
     /// Every switch with its value, in alphabetical order.
     #[must_use]
-    pub fn settings(&self) -> [(&'static str, String); 16] {
+    pub fn settings(&self) -> [(&'static str, String); 17] {
         let either = |is_second: bool, [first, second]: [&str; 2]| {
             if is_second { second } else { first }.to_owned()
         };
@@ -252,6 +255,7 @@ impl Switches {
         let texture = self.texture.as_ref();
         [
             ("bottom-cap", bottom_cap.to_owned()),
+            ("cap-faces", either(self.front_caps, ["both", "front"])),
             ("colour", self.colour.name().to_owned()),
             (
                 "cover-area",
@@ -328,6 +332,9 @@ impl Switches {
                         ("where-needed", BottomCap::WhereNeeded),
                     ],
                 )?;
+            }
+            "cap-faces" => {
+                self.front_caps = pick("cap-faces", value, &[("both", false), ("front", true)])?;
             }
             "colour" => {
                 let ways = ColourWay::ALL.map(|way| (way.name(), way));
@@ -415,6 +422,33 @@ impl Switches {
         Ok(true)
     }
 
+    /// Whether facets may be left out: faces are told apart by nothing but a flip, and covers can see the sky.
+    fn check_caps(&self) -> Result<(), SwitchError> {
+        let what_else = if !self.front_caps {
+            return Ok(());
+        } else if self.colour != ColourWay::Xor {
+            ("colour", self.colour.name().to_owned(), "colour=xor")
+        } else if self.depth_rule != DepthRuleChoice::Automatic {
+            (
+                "depth-rule",
+                self.setting("depth-rule"),
+                "depth-rule=automatic",
+            )
+        } else if self.faces != FacePasses::TwoSided {
+            ("faces", self.setting("faces"), "faces=two-sided")
+        } else if self.texture.is_some() {
+            ("texture", self.setting("texture"), "texture=plain")
+        } else {
+            return Ok(());
+        };
+        let (key, value, allowed) = what_else;
+        Err(SwitchError {
+            switch: "cap-faces",
+            found: format!("front with {key}={value}"),
+            allowed: format!("both, or {allowed}"),
+        })
+    }
+
     /// Whether the switches go together and are right for a scene of this kind.
     ///
     /// # Errors
@@ -453,6 +487,7 @@ impl Switches {
                 allowed: "rectangle, or colour=rectangle, volume or one colour".to_owned(),
             });
         }
+        self.check_caps()?;
         if self.loads_texture && self.texture.is_some() {
             return Err(SwitchError {
                 switch: "texture-code",
@@ -548,6 +583,7 @@ mod tests {
             bottom_cap: BottomCap::WhereNeeded,
             first_pass: FirstPass::Program,
             scissor: true,
+            front_caps: true,
             covers_screen: true,
             cover_culls_faces: true,
             stencil_clear: StencilClear::ByColour,
@@ -566,7 +602,7 @@ mod tests {
         assert_eq!(Switches::default().names(), Vec::<String>::new());
         let changed = all_changed();
         let names = changed.names();
-        assert_eq!(names.len(), 16);
+        assert_eq!(names.len(), 17);
         assert!(names.is_sorted());
         let mut read = Switches::default();
         for name in &names {
@@ -596,6 +632,7 @@ mod tests {
             texture: None,
             position: None,
             superfluous_normalize: false,
+            front_caps: false,
             ..all_changed()
         };
         assert!(plain.check(Overlap::Ordered).is_ok());
@@ -669,6 +706,37 @@ mod tests {
         };
         let error = bent.check(Overlap::Disjoint).expect_err("textured");
         assert_eq!(error.switch, "vertices");
+    }
+
+    #[test]
+    fn facets_are_left_out_only_where_that_is_known_to_be_right() {
+        let front = Switches {
+            front_caps: true,
+            depth_rule: DepthRuleChoice::Automatic,
+            bottom_cap: BottomCap::WhereNeeded,
+            ..Switches::default()
+        };
+        assert_eq!(front.check(Overlap::Disjoint), Ok(()));
+        for (key, value) in [
+            ("colour", "rectangle"),
+            ("colour", "bit-planes"),
+            ("depth-rule", "zfail"),
+            ("depth-rule", "zpass"),
+            ("faces", "two-pass"),
+            ("texture", "chosen"),
+        ] {
+            let mut wrong = front;
+            assert_eq!(wrong.set(key, value), Ok(true));
+            let error = wrong.check(Overlap::Disjoint).expect_err(value);
+            assert_eq!(error.switch, "cap-faces");
+            assert!(
+                error.to_string().contains(&format!("{key}={value}")),
+                "{error}"
+            );
+            // Twin: with both kinds of facets it is allowed.
+            wrong.front_caps = false;
+            assert_eq!(wrong.check(Overlap::Disjoint), Ok(()));
+        }
     }
 
     #[test]

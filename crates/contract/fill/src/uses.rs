@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What the stencil program of a view does, counted: what reasons for what it holds are made from.
 
+use crate::front_caps::{CapsKept, caps_kept};
 use crate::textured::distances_m;
 use crate::{
     CoverShape, DepthRule, FaceEffect, FillCommand, FillInput, FillProgram, Switches, VolumeList,
 };
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Counts over a program.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -21,6 +22,8 @@ pub(crate) struct Uses {
     pub(crate) before: usize,
     /// Volumes drawn with their bottoms.
     pub(crate) bottoms: usize,
+    /// Volumes that keep the facets of their tops that face away, though they might be left out, and why.
+    pub(crate) caps_kept: BTreeMap<CapsKept, usize>,
     /// Plain covers, by triangles over the screen or by volumes.
     pub(crate) covers: usize,
     /// Low volumes.
@@ -55,6 +58,13 @@ impl Uses {
             accumulates: program.accumulates(),
             ..Self::default()
         };
+        if switches.front_caps {
+            for planned in input.plan.regions.iter().filter(|planned| !planned.is_flat) {
+                if let Some(why) = caps_kept(input, planned) {
+                    *uses.caps_kept.entry(why).or_default() += 1;
+                }
+            }
+        }
         // Two commands mark a volume where its faces do so apart.
         let none = || BTreeSet::<usize>::new();
         let [mut behind, mut before, mut bottoms, mut cut] = [none(), none(), none(), none()];

@@ -197,7 +197,7 @@ impl<V: RegionVolumes> VolumeBackend<V> {
                 adapter,
             ));
         }
-        let list = VolumeList::from(input);
+        let list = VolumeList::of(input, &self.switches);
         let program = FillProgram::new(&list.volumes, &self.switches, input.scene.overlap)?;
         Ok((list, program))
     }

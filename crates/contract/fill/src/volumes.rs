@@ -6,7 +6,8 @@
 //! from whatever casts them.
 
 use crate::depth_range::depth_range;
-use crate::{DepthRange, FillInput, ViewId};
+use crate::front_caps::caps_kept;
+use crate::{DepthRange, FillInput, Switches, ViewId};
 use terrafill_scene::{ImageSize, PixelRect};
 
 /// A closed solid. A stencil program marks the part of the surface that lies inside it.
@@ -22,6 +23,9 @@ pub struct Volume {
     pub near_plane_meets_volume: bool,
     /// It is so low that its top cap and walls, where nearer than the surface, may stand for it.
     pub is_flat: bool,
+    /// Facets of its top that face away from the eye may be left out, where fragments count in front of
+    /// the surface and covers leave out the sky.
+    pub front_caps_suffice: bool,
     /// Which geometry it has: a number that only those who draw volumes understand.
     pub geometry: usize,
 }
@@ -38,6 +42,20 @@ pub struct VolumeList {
 }
 
 impl VolumeList {
+    /// One volume for each planned region, in the order of the plan, as `switches` need it.
+    ///
+    /// - cost: with `cap-faces=front`, O(triangles of all planned regions)
+    #[must_use]
+    pub fn of(input: &FillInput, switches: &Switches) -> Self {
+        let mut list = Self::from(input);
+        if switches.front_caps {
+            for (volume, planned) in list.volumes.iter_mut().zip(&input.plan.regions) {
+                volume.front_caps_suffice = caps_kept(input, planned).is_none();
+            }
+        }
+        list
+    }
+
     /// Where a volume may be drawn: its screen rectangle with `scissor`, else everywhere.
     #[must_use]
     pub fn rect(&self, volume: usize, scissor: bool) -> PixelRect {
@@ -63,6 +81,7 @@ impl From<&FillInput> for VolumeList {
                     depth: depth_range(input, planned),
                     near_plane_meets_volume: planned.near_plane_meets_volume,
                     is_flat: planned.is_flat,
+                    front_caps_suffice: false,
                     geometry: planned.mesh,
                 })
                 .collect(),

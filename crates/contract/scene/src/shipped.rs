@@ -22,6 +22,7 @@ pub(crate) const SCENES: &[(&str, &str)] = &[
     file!("spiral.toml"),
     file!("countries-110m.toml"),
     file!("countries-50m.toml"),
+    file!("countries-10m.toml"),
     file!("us-states.toml"),
     file!("blue-marble.toml"),
     file!("fade.toml"),

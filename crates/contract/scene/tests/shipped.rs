@@ -281,6 +281,7 @@ fn every_shipped_scene_loads_or_is_skipped_for_its_data() {
             "spiral",
             "countries-110m",
             "countries-50m",
+            "countries-10m",
             "us-states",
             "blue-marble",
             "fade",
@@ -425,8 +426,8 @@ fn a_scene_that_is_not_shipped_is_named_with_those_that_are() {
     assert_eq!(
         error.to_string(),
         "scene \"planet-135\" is not shipped, allowed: planet-134, california, square-10m, \
-         square-200km, hills, screen-grid, spiral, countries-110m, countries-50m, us-states, blue-marble, fade, \
-         hatching, shared-picture, window-west, window-east"
+         square-200km, hills, screen-grid, spiral, countries-110m, countries-50m, countries-10m, \
+         us-states, blue-marble, fade, hatching, shared-picture, window-west, window-east"
     );
 }
 
@@ -572,7 +573,7 @@ fn blue_marble_has_its_picture_with_all_levels() {
 
 #[test]
 fn the_countries_are_seen_by_the_cameras_of_the_published_figures() {
-    for name in ["countries-110m", "countries-50m"] {
+    for name in ["countries-110m", "countries-50m", "countries-10m"] {
         let Some(scene) = load_or_skip(name) else {
             continue;
         };

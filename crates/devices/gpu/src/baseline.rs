@@ -66,6 +66,7 @@ impl Baseline {
             reference: 0,
             read_mask: 0xff,
             zeroes: false,
+            skips_sky: false,
         };
         let depth_stencil = (kind == BaselineKind::StencilPass).then(|| colour_state(unmarked));
         let (label, target) = (kind.name(), colour_target(false));

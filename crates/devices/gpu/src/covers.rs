@@ -90,6 +90,7 @@ impl Covers {
             pass.raw.set_pipeline(pipeline);
         }
         pass.raw.set_stencil_reference(u32::from(test.reference));
+        pass.at_sky(test.skips_sky);
         for &volume in volumes {
             pass.cut(volume, scissor);
             pass.draw(0..3, volume);
@@ -102,6 +103,7 @@ impl Covers {
             pass.raw.set_pipeline(pipeline);
         }
         pass.raw.set_bind_group(1, &numbers.bind_group, &[]);
+        pass.at_sky(false);
         pass.cut(0, false);
         pass.draw(0..3, 0);
     }

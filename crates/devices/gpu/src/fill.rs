@@ -561,6 +561,7 @@ impl VolumeFill {
                 if let VolumeState::Colour { test, .. } = draw.state {
                     pass.raw.set_stencil_reference(u32::from(test.reference));
                 }
+                pass.at_sky(false);
                 volumes.draw(pass, draw, blends && is_coloured(draw));
             }
             FillStep::Cover {

@@ -14,6 +14,7 @@ pub struct VolumePass<'a> {
     pub list: &'a VolumeList,
     counters: &'a mut Counters,
     scissor: PixelRect,
+    is_at_sky: bool,
 }
 
 impl<'a> VolumePass<'a> {
@@ -27,6 +28,7 @@ impl<'a> VolumePass<'a> {
             list,
             counters,
             scissor: PixelRect::full(list.size),
+            is_at_sky: false,
         }
     }
 
@@ -38,6 +40,21 @@ impl<'a> VolumePass<'a> {
             self.raw
                 .set_scissor_rect(rect.left, rect.top, width, height);
             self.scissor = rect;
+        }
+    }
+
+    /// Gives all fragments of the following draws the sky's depth, 0, or with `is_at_sky` off their own.
+    #[allow(
+        clippy::cast_precision_loss,
+        reason = "images are far smaller than 2^24 pixels a side"
+    )]
+    pub(crate) fn at_sky(&mut self, is_at_sky: bool) {
+        if is_at_sky != self.is_at_sky {
+            let size = PixelRect::full(self.list.size);
+            let [width, height] = [size.width(), size.height()].map(|pixels| pixels as f32);
+            let nearest = if is_at_sky { 0.0 } else { 1.0 };
+            self.raw.set_viewport(0.0, 0.0, width, height, 0.0, nearest);
+            self.is_at_sky = is_at_sky;
         }
     }
 

@@ -128,7 +128,7 @@ impl VolumeShader<'_> {
                 strip_index_format: self.strip_index_format,
                 front_face: self.front_face,
                 cull_mode: match state.faces() {
-                    FaceSet::Both => None,
+                    FaceSet::Both | FaceSet::FrontCaps => None,
                     FaceSet::Front => Some(wgpu::Face::Back),
                     FaceSet::Back => Some(wgpu::Face::Front),
                 },
@@ -252,7 +252,7 @@ fn mark_state(rule: StencilRule) -> wgpu::DepthStencilState {
     tested(wgpu::CompareFunction::Greater, stencil)
 }
 
-/// Whatever the depth, where the stencil says so.
+/// Whatever the depth, or wherever there is a surface, where the stencil says so.
 pub(crate) fn colour_state(test: StencilTest) -> wgpu::DepthStencilState {
     let keep = wgpu::StencilOperation::Keep;
     let face = wgpu::StencilFaceState {
@@ -275,5 +275,10 @@ pub(crate) fn colour_state(test: StencilTest) -> wgpu::DepthStencilState {
         read_mask: u32::from(test.read_mask),
         write_mask: if test.zeroes { 0xff } else { 0 },
     };
-    tested(wgpu::CompareFunction::Always, stencil)
+    // At depth 0 a cover is as far as the sky.
+    let depth = match test.skips_sky {
+        true => wgpu::CompareFunction::Less,
+        false => wgpu::CompareFunction::Always,
+    };
+    tested(depth, stencil)
 }

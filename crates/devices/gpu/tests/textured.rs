@@ -134,6 +134,7 @@ fn input(eye: Eye, bounds: Bounds, placement: TexturePlacement) -> FillInput {
     let mut input = FillInput::new(&scene, &view, SIZE, PlanOptions::default()).expect("above");
     input.plan.regions.push(PlannedRegion {
         is_flat: false,
+        front_caps_suffice: false,
         region: 0,
         mesh: 0,
         heights: terrafill_core::VolumeHeights {
@@ -194,6 +195,7 @@ const EVERYWHERE: StencilTest = StencilTest {
     reference: 0,
     read_mask: 0xff,
     zeroes: false,
+    skips_sky: false,
 };
 
 struct Drawn {

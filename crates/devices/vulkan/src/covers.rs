@@ -60,6 +60,7 @@ impl Covers {
         let Some(pipeline) = self.made.get(&cover(test)) else {
             return;
         };
+        pass.at_sky(test.skips_sky);
         for &volume in volumes {
             pass.cut(volume, scissor);
             pass.draw(pipeline, 3, volume);
@@ -69,6 +70,7 @@ impl Covers {
     /// Looks up the colours of accumulated numbers.
     pub(crate) fn draw_resolve<'a>(&'a self, pass: &mut VolumePass<'a, '_, '_>) {
         if let Some(pipeline) = self.made.get(&PipelineState::Resolve) {
+            pass.at_sky(false);
             pass.cut(0, false);
             pass.draw(pipeline, 3, 0);
         }

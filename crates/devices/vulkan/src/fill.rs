@@ -399,7 +399,10 @@ impl<'a> Recording<'a> {
     ) {
         let shown = self.fill.textured.as_ref();
         match (step, shown.filter(|_| self.fill.draws_texture)) {
-            (FillStep::Volumes(draw), _) => volumes.draw(pass, draw),
+            (FillStep::Volumes(draw), _) => {
+                pass.at_sky(false);
+                volumes.draw(pass, draw);
+            }
             (
                 FillStep::Cover {
                     test,

@@ -96,6 +96,7 @@ pub struct PassRecorder<'a, 'r> {
     target: PassTarget,
     bound: Bound,
     bounds_set: bool,
+    is_at_sky: bool,
 }
 
 /// Handles bound now.
@@ -276,6 +277,7 @@ impl<'a> FillRecorder<'a> {
             target,
             bound: Bound::default(),
             bounds_set: false,
+            is_at_sky: false,
         };
         record(&mut pass);
         let device = &self.gpu.device;
@@ -316,6 +318,21 @@ impl<'a> PassRecorder<'a, '_> {
         // SAFETY: within a pass, inside its area.
         unsafe { device.cmd_set_scissor(self.fill.commands, 0, &[scissor]) };
         self.bound.scissor = Some(rect);
+    }
+
+    /// Gives all fragments of the following draws the sky's depth, 0, or with `is_at_sky` off their own.
+    pub fn at_sky(&mut self, is_at_sky: bool) {
+        if is_at_sky == self.is_at_sky {
+            return;
+        }
+        let mut viewport = self.fill.targets.viewport();
+        if is_at_sky {
+            viewport.max_depth = viewport.min_depth;
+        }
+        let device = &self.fill.gpu.device;
+        // SAFETY: within a pass; depths of a viewport may be equal.
+        unsafe { device.cmd_set_viewport(self.fill.commands, 0, &[viewport]) };
+        self.is_at_sky = is_at_sky;
     }
 
     /// Drops fragments of the following draws where the surface's depth is outside `low..=high`;

@@ -397,7 +397,7 @@ impl Assembly<'_> {
         let rasterization = vk::PipelineRasterizationStateCreateInfo::default()
             .polygon_mode(vk::PolygonMode::FILL)
             .cull_mode(match self.faces {
-                FaceSet::Both => vk::CullModeFlags::NONE,
+                FaceSet::Both | FaceSet::FrontCaps => vk::CullModeFlags::NONE,
                 FaceSet::Front => vk::CullModeFlags::BACK,
                 FaceSet::Back => vk::CullModeFlags::FRONT,
             })
@@ -531,7 +531,7 @@ pub(crate) fn depth_stencil(
     }
 }
 
-/// Whatever the depth, where the stencil says so.
+/// Whatever the depth, or wherever there is a surface, where the stencil says so.
 pub(crate) fn stencil_test(test: StencilTest) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
     let face = vk::StencilOpState {
         fail_op: vk::StencilOp::KEEP,
@@ -550,8 +550,14 @@ pub(crate) fn stencil_test(test: StencilTest) -> vk::PipelineDepthStencilStateCr
         write_mask: if test.zeroes { 0xff } else { 0 },
         reference: u32::from(test.reference),
     };
+    // At depth 0 a cover is as far as the sky.
+    let depth = match test.skips_sky {
+        true => vk::CompareOp::LESS,
+        false => vk::CompareOp::ALWAYS,
+    };
     vk::PipelineDepthStencilStateCreateInfo::default()
-        .depth_compare_op(vk::CompareOp::ALWAYS)
+        .depth_test_enable(test.skips_sky)
+        .depth_compare_op(depth)
         .stencil_test_enable(true)
         .front(face)
         .back(face)

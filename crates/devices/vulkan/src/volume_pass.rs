@@ -36,6 +36,11 @@ impl<'a, 'r, 'f> VolumePass<'a, 'r, 'f> {
         self.recorder.scissor(self.list.rect(volume, scissor));
     }
 
+    /// Gives all fragments of the following draws the sky's depth, 0, or with `is_at_sky` off their own.
+    pub(crate) fn at_sky(&mut self, is_at_sky: bool) {
+        self.recorder.at_sky(is_at_sky);
+    }
+
     /// Drops fragments of the following draws where the surface's depth is outside `low..=high`;
     /// for pipelines that test depth bounds.
     pub fn depth_bounds(&mut self, low: f32, high: f32) {

@@ -149,6 +149,7 @@ const EVERYWHERE: StencilTest = StencilTest {
     reference: 0,
     read_mask: 0xff,
     zeroes: false,
+    skips_sky: false,
 };
 
 fn cover_descriptor(test: StencilTest) -> PipelineDescriptor {

@@ -21,6 +21,10 @@ const MERCATOR_RADIUS_M: f64 = 6_378_137.0;
 /// tiles are written with eight decimals or so.
 const RIM: f64 = 1e-6;
 
+/// Smallest step of samples as a share of a parallel: 4.7 mm on the Earth. Places so close differ in the last bits of
+/// their coordinates alone, and below that samples have no places of their own.
+const LEAST_STEP: f64 = 1.0 / (1_u64 << 33) as f64;
+
 /// Axes of a raster.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Projection {
@@ -500,16 +504,17 @@ fn check_grid(complaints: Complaints<'_>, grid: &Grid) -> Result<(), ElevationEr
         let allowed = format!("2 × 2 to {MAX_SAMPLES} samples");
         return Err(complaints.value("size", found, allowed));
     }
+    let turn = grid.projection.turn();
     for (name, step) in ["step to the east", "step to the south"]
         .into_iter()
         .zip(grid.step)
     {
-        if !(step > 0.0 && step.is_finite()) {
-            return Err(complaints.value(name, step, "greater than 0"));
+        let least = turn * LEAST_STEP;
+        if !(step >= least && step.is_finite()) {
+            return Err(complaints.value(name, step, format!("{least:.1e} or more")));
         }
     }
     let bounds = grid.bounds_beyond(grid.beyond());
-    let turn = grid.projection.turn();
     let (most_x, most_y) = match grid.projection {
         // Rasters of 0 … 360° are as common as those of −180 … 180°.
         Projection::Geographic => (360.0, 90.0),

@@ -231,6 +231,14 @@ fn a_field_that_lies_nowhere_or_has_other_samples_is_refused() {
         ),
         (
             Grid {
+                step: [1.0, 4e-8],
+                ..good
+            },
+            12,
+            "w: step to the south: found 0.00000004, allowed: 4.2e-8 or more",
+        ),
+        (
+            Grid {
                 step: [200.0, 1.0],
                 ..good
             },

@@ -391,7 +391,9 @@ impl Scene {
 
     /// Whether a device's rounding may give a pixel this light. Around its centre, [`ROUNDING_PX`] away, either
     /// the reference has that light or judges none, or on the way there the boundary of a single part's
-    /// shadow is crossed: within the shadow of others it is no boundary of light.
+    /// shadow is crossed: within the shadow of others it is no boundary of light. Or a rim is crossed behind
+    /// which a lit face begins: there a volume is thinner than depths are exact, and a device may count one
+    /// of its two faces alone.
     pub(crate) fn is_within_rounding(
         &self,
         reference: &Reference<'_>,
@@ -418,7 +420,11 @@ impl Scene {
             let is_other_light =
                 found == light || matches!(found, Light::EdgeOn | Light::Undecided);
             let ends = own.zip(other);
-            is_other_light || ends.is_some_and(|(own, other)| self.is_side_between(own, other))
+            let is_between = |(own, other)| {
+                self.is_side_between(own, other)
+                    || reference.is_lit_back_between(view.eye, own, other)
+            };
+            is_other_light || ends.is_some_and(is_between)
         })
     }
 

@@ -77,6 +77,13 @@ impl Technique for ComputeTechnique {
 
     fn check(&self, variant: &Variant, overlap: Overlap) -> Result<(), SwitchError> {
         ComputeVariant::of(variant)?.check()?;
+        if variant.switches.front_caps {
+            return Err(SwitchError {
+                switch: "cap-faces",
+                found: "front of volumes whose caps and walls are one draw".to_owned(),
+                allowed: "both".to_owned(),
+            });
+        }
         variant.switches.check(overlap)
     }
 

@@ -122,6 +122,10 @@ impl Pipelines {
                 wgpu::FrontFace::Ccw
             },
         };
+        let state = match part {
+            Part::TopCap | Part::BottomCap => state.of_caps(),
+            Part::Walls => state.of_walls(),
+        };
         shader.pipeline(gpu, state, false)
     }
 }

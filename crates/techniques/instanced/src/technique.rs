@@ -49,6 +49,7 @@ impl Technique for InstancedTechnique {
         .caps()
         .mesh_lod()
         .rest_of_the_way(overlap)
+        .front_caps(overlap)
         .rungs()
     }
 

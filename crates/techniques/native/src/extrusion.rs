@@ -120,6 +120,11 @@ impl Extrusion {
         }
     }
 
+    /// Whether caps are a draw of their own.
+    pub(crate) fn draws_caps_apart(self) -> bool {
+        self.parts().contains(&Part::Caps)
+    }
+
     pub(crate) fn parts(self) -> &'static [Part] {
         match self {
             Self::VsControl | Self::GsLine => &[Part::Caps, Part::Walls],
@@ -160,6 +165,11 @@ impl Extrusion {
         without_bottom: bool,
         depth_bounds: bool,
     ) -> PipelineDescriptor {
+        let state = match part {
+            Part::Caps => state.of_caps(),
+            Part::Walls | Part::Turned => state.of_walls(),
+            Part::Whole => state,
+        };
         let (entry_point, hands_on) = match state {
             VolumeState::Colour { .. } => ("coloured_main", HandsOn::Colour),
             VolumeState::Accumulate { .. } => ("numbered_main", HandsOn::Number),

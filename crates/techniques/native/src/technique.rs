@@ -95,6 +95,7 @@ impl Technique for NativeTechnique {
         .caps()
         .mesh_lod()
         .rest_of_the_way(overlap)
+        .front_caps(overlap)
         // Last, since where the device has none the rungs after it would have no result either.
         .switch(
             "depth-bounds",

@@ -21,7 +21,7 @@ pub use layout::{
     FLAG_BYTES, centric_shift_m, layout_bytes, per_triangle_volume_bytes, shared_flag_bytes,
     shared_mesh_bytes, variant_bytes,
 };
-pub use pass::VertexBackend;
+pub use pass::{VertexBackend, VertexVolumes};
 pub use technique::VertexTechnique;
 pub use variant::{
     BOTTOM_PX, Bottom, Buffers, IndexOrder, Layout, Normals, VertexOrder, VertexSize,

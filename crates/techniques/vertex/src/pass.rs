@@ -425,7 +425,7 @@ impl VertexVolumes {
             }
             Part::Walls { .. } if self.variant.layout == Layout::PerTriangle => {
                 match draw.state.faces() {
-                    FaceSet::Both => [first_wall..inner_wall + turned, 0..0],
+                    FaceSet::Both | FaceSet::FrontCaps => [first_wall..inner_wall + turned, 0..0],
                     // See `push_inner_walls`.
                     FaceSet::Front | FaceSet::Back => {
                         [first_wall..inner_wall, inner_wall..inner_wall + turned]

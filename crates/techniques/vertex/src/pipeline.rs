@@ -155,7 +155,11 @@ impl Pipelines {
                 Part::TurnedWalls => wgpu::FrontFace::Cw,
             },
         };
-        shader.pipeline(gpu, key.state, key.blends)
+        let state = match key.part {
+            Part::Caps => key.state.of_caps(),
+            Part::Walls { .. } | Part::TurnedWalls => key.state.of_walls(),
+        };
+        shader.pipeline(gpu, state, key.blends)
     }
 }
 

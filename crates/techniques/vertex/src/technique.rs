@@ -163,6 +163,7 @@ impl Technique for VertexTechnique {
         )
         .mesh_lod()
         .rest_of_the_way(overlap)
+        .front_caps(overlap)
         .rungs()
     }
 

@@ -256,6 +256,7 @@ impl VertexVariant {
         self.check_layout()?;
         self.check_depth_rule()?;
         self.check_opacity()?;
+        self.check_caps()?;
         self.switches.check(overlap)
     }
 
@@ -348,6 +349,22 @@ impl VertexVariant {
                 "automatic with {what_moves}, whose volumes are not where the plan has them"
             ),
             allowed: "zfail or zpass, or other positions and normals".to_owned(),
+        })
+    }
+
+    /// Whether caps lie where the plan knows them to be, to far less than a pixel.
+    fn check_caps(&self) -> Result<(), SwitchError> {
+        let exact = [PositionFormat::Fixed, PositionFormat::TwoFloat];
+        if !self.switches.front_caps || exact.contains(&self.positions) {
+            return Ok(());
+        }
+        Err(SwitchError {
+            switch: "cap-faces",
+            found: format!(
+                "front with positions={}, whose facets may be turned",
+                self.positions.name()
+            ),
+            allowed: "both, or positions=fixed or two-float".to_owned(),
         })
     }
 

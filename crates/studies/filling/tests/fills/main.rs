@@ -9,6 +9,7 @@ mod drawing;
 mod extreme_suite;
 mod extreme_views;
 mod far_level;
+mod front_caps;
 mod level_of_detail;
 mod native_against_reference;
 mod needs;

@@ -5,8 +5,9 @@
 use crate::drawing::by_main::{Open, prepared};
 use crate::drawing::{collection, figures, polygon};
 use terrafill_conformance::verdict;
-use terrafill_fill::{FillInput, PreparedScene};
+use terrafill_fill::{FillInput, PreparedScene, Technique};
 use terrafill_grid::GridKind;
+use terrafill_native::NativeTechnique;
 use terrafill_scene::{ImageSize, PlanOptions, Scene, View, data_dir_from_env};
 use terrafill_surface::{EllipsoidKind, SurfaceKind};
 use terrafill_tiles::TilesKind;
@@ -172,5 +173,42 @@ fn culling_changes_no_pixel_over_terrain() {
             assert_eq!(culled.ids, whole.ids, "{}", view.name);
             assert!(culled.filled_px() > 0, "{}", view.name);
         }
+    }
+}
+
+/// Share of the pixels on the ground in both pictures whose brightness differs by more than a fiftieth.
+fn share_apart(one: &[u8], other: &[u8]) -> f64 {
+    let is_ground = |pixel: &[u8]| pixel[3] == 0 && pixel[2] > 60;
+    let both = one.chunks(4).zip(other.chunks(4));
+    let both: Vec<_> = both
+        .filter(|(one, other)| is_ground(one) && is_ground(other))
+        .collect();
+    assert!(both.len() > 10_000, "{}", both.len());
+    let apart = both
+        .iter()
+        .filter(|(one, other)| one[2].abs_diff(other[2]) > 5);
+    apart.count() as f64 / both.len() as f64
+}
+
+#[test]
+fn facets_of_the_bare_body_cast_no_relief_and_mountains_do() {
+    let Some(open) = Open::new(SIZE) else {
+        return;
+    };
+    let picture = |surface: &str, technique: &dyn Technique| {
+        let (scene, views) = over(surface);
+        let view = views.iter().find(|view| view.name == "orbit");
+        let input = look(&scene, view.expect("a view"), PlanOptions::default());
+        open.picture(technique, &input)
+    };
+    for technique in [&VertexTechnique as &dyn Technique, &NativeTechnique] {
+        let fine = picture(BARE, technique);
+        // Facets of 4°: by their tilt against the ground within them, brightness would differ by a quarter.
+        let coarse = picture("kind = \"ellipsoid\"\nrows = 45\n", technique);
+        let share = share_apart(&coarse, &fine);
+        assert!(share < 0.005, "{}: {share}", technique.name());
+        // Twin: terrain shows.
+        let share = share_apart(&picture(TERRAIN, technique), &fine);
+        assert!(share > 0.1, "{}: {share}", technique.name());
     }
 }

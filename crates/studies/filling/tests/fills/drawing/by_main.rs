@@ -41,6 +41,14 @@ impl Open {
         backend.render(input).expect("draws")
     }
 
+    /// The picture in the regions' colours, four bytes a pixel.
+    pub(crate) fn picture(&self, technique: &dyn Technique, input: &FillInput) -> Vec<u8> {
+        let variant = technique.main(input.scene.overlap);
+        let mut backend = technique.open(&self.targets, &variant).expect("opens");
+        backend.prepare(input).expect("fits");
+        backend.picture(input).expect("draws").rgba
+    }
+
     /// Every technique is right; what the reference says.
     pub(crate) fn assert_right(&self, what: &str, input: &FillInput) -> Frame {
         let judged = judge(input);
