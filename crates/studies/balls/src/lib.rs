@@ -10,6 +10,7 @@ mod arithmetic;
 mod chapter;
 mod closed_form;
 mod contact;
+mod device_chapter;
 mod drop;
 mod integrator;
 mod metrics;

@@ -3,7 +3,7 @@
 
 use terrafill_results::{Kind, Metric};
 
-pub(crate) const METRICS: [Metric; 18] = [
+pub(crate) const METRICS: [Metric; 19] = [
     Metric::less(
         "ball_cpu_us",
         "µs",
@@ -81,6 +81,12 @@ pub(crate) const METRICS: [Metric; 18] = [
         "µs",
         Kind::Time,
         "Process CPU time of one step of all balls on a device, nothing drawn.",
+    ),
+    Metric::less(
+        "ball_step_gpu_us",
+        "µs",
+        Kind::Time,
+        "GPU time of one step of all balls on a device, nothing drawn; on Vulkan itself.",
     ),
     Metric::less(
         "ball_step_wall_us",

@@ -13,13 +13,14 @@ use terrafill_study::{Context, Group, Session, StudyError};
 const STIFFNESS: f64 = 1e3;
 const STEPS_PER_SECOND: u32 = 480;
 /// Half a second: every ball meets the ground.
-const STEPS: u32 = 240;
-/// What `f32` may differ from `f64`, metres: an order above what 240 roundings of 0.3 m add up to.
+pub(crate) const STEPS: u32 = 240;
+/// What `f32` may differ from `f64`, metres. 240 roundings by half a last place of 0.3 m add up to 3.6 µm: a
+/// margin of about 3.
 const ALLOWED_M: f64 = 1e-5;
 /// Balls compared with `f64` at most: evenly spread over all.
 const JUDGED: usize = 10_000;
-/// Steps of a timed sample.
-const TIMED: u32 = 4;
+/// Steps of a submission, which a timed sample is: a frame.
+pub(crate) const TIMED: u32 = 4;
 
 /// Balls on devices.
 pub(crate) struct DeviceBalls {
@@ -160,17 +161,21 @@ fn judge(integrator: Integrator, first: &[State], last: &[State]) -> Judged {
     }
 }
 
+/// Takes all steps; bytes that the CPU wrote for the device meanwhile.
+fn take_all(steps: &mut dyn Steps) -> Result<u64, DeviceError> {
+    let before = steps.uploaded();
+    for _ in 0..STEPS / TIMED {
+        steps.step(TIMED)?;
+    }
+    Ok(steps.uploaded() - before)
+}
+
 impl DeviceSession<'_> {
     fn run(&mut self, case: usize) -> Result<(Judged, u64), DeviceError> {
         let (way, count) = self.group.ways[case];
         let first = balls(count);
         let mut steps = way.open(self.context.devices, &constants(count), &first)?;
-        let before = steps.uploaded();
-        // Fewer at a time than a command buffer would hold: each is a submission, as a frame is.
-        for _ in 0..STEPS / TIMED {
-            steps.step(TIMED)?;
-        }
-        let uploaded = steps.uploaded() - before;
+        let uploaded = take_all(steps.as_mut())?;
         let last = steps.read()?;
         let mut judged = judge(Integrator::SymplecticEuler, &first, &last);
         if last.len() != first.len() {
@@ -218,12 +223,14 @@ impl Session for DeviceSession<'_> {
     fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
         let steps = self.opened.get_mut(&case).ok_or("it was not verified")?;
         let watch = CpuStopwatch::start();
-        steps.step(TIMED).map_err(|error| error.to_string())?;
+        let gpu_ms = steps.step(TIMED).map_err(|error| error.to_string())?;
         let each = 1e3 / f64::from(TIMED);
-        Ok(vec![
+        let mut times = vec![
             ("ball_step_cpu_us", watch.cpu_ms() * each),
             ("ball_step_wall_us", watch.wall_ms() * each),
-        ])
+        ];
+        times.extend(gpu_ms.map(|ms| ("ball_step_gpu_us", ms * each)));
+        Ok(times)
     }
 }
 
@@ -231,6 +238,37 @@ impl Session for DeviceSession<'_> {
 mod tests {
     use super::*;
     use terrafill_fill::Devices;
+    use terrafill_vulkan::{Buffer, BufferUse};
+
+    /// Twin: writes the state anew before it steps.
+    struct Rewriting<'a> {
+        steps: Box<dyn Steps>,
+        way: Way,
+        devices: &'a Devices,
+    }
+
+    impl Steps for Rewriting<'_> {
+        fn step(&mut self, count: u32) -> Result<Option<f64>, DeviceError> {
+            let state = self.steps.read()?;
+            let bytes: &[u8] = bytemuck::cast_slice(&state);
+            if self.way == Way::WgpuCompute {
+                let gpu = terrafill_gpu::shared_gpu(self.devices)?;
+                gpu.upload("balls", bytes, wgpu::BufferUsages::STORAGE)?;
+            } else {
+                let gpu = terrafill_vulkan::shared_gpu(self.devices)?;
+                Buffer::upload(&gpu, "balls", bytes, BufferUse::State)?;
+            }
+            self.steps.step(count)
+        }
+
+        fn read(&self) -> Result<Vec<State>, DeviceError> {
+            self.steps.read()
+        }
+
+        fn uploaded(&self) -> u64 {
+            self.steps.uploaded()
+        }
+    }
 
     #[test]
     fn every_way_follows_f64_and_another_integrator_does_not() {
@@ -246,13 +284,20 @@ mod tests {
                     continue;
                 }
             };
-            let before = steps.uploaded();
-            steps.step(STEPS).expect("steps");
-            assert_eq!(steps.uploaded(), before, "{way:?}");
+            assert_eq!(take_all(steps.as_mut()).expect("steps"), 0, "{way:?}");
             let last = steps.read().expect("reads");
             let judged = judge(Integrator::SymplecticEuler, &first, &last);
             eprintln!("{way:?}: {judged:?}");
             assert!(judged.max_m <= ALLOWED_M, "{way:?}: {judged:?}");
+            let steps = way.open(&devices, &constants(1_000), &first);
+            let mut rewriting = Rewriting {
+                steps: steps.expect("opens"),
+                way,
+                devices: &devices,
+            };
+            let state_bytes = std::mem::size_of_val(first.as_slice()) as u64;
+            let written = take_all(&mut rewriting).expect("steps");
+            assert_eq!(written, u64::from(STEPS / TIMED) * state_bytes, "{way:?}");
             // Twins: another integrator, and one step fewer.
             let other = judge(Integrator::VelocityVerlet, &first, &last);
             assert!(other.max_m > 100.0 * ALLOWED_M, "{way:?}: {other:?}");

@@ -64,8 +64,8 @@ impl Way {
 
 /// Balls on a device.
 pub(crate) trait Steps {
-    /// Takes `count` steps and waits.
-    fn step(&mut self, count: u32) -> Result<(), DeviceError>;
+    /// Takes `count` steps and waits; their GPU time in milliseconds, where it is measured.
+    fn step(&mut self, count: u32) -> Result<Option<f64>, DeviceError>;
     fn read(&self) -> Result<Vec<State>, DeviceError>;
     /// Bytes that the CPU has written for the device so far.
     fn uploaded(&self) -> u64;
@@ -128,7 +128,7 @@ impl OnWgpu {
 }
 
 impl Steps for OnWgpu {
-    fn step(&mut self, count: u32) -> Result<(), DeviceError> {
+    fn step(&mut self, count: u32) -> Result<Option<f64>, DeviceError> {
         let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&self.pipeline);
@@ -139,7 +139,8 @@ impl Steps for OnWgpu {
         }
         drop(pass);
         self.gpu.queue.submit([encoder.finish()]);
-        self.gpu.wait()
+        self.gpu.wait()?;
+        Ok(None)
     }
 
     fn read(&self) -> Result<Vec<State>, DeviceError> {
@@ -222,7 +223,7 @@ impl OnVulkan {
 }
 
 impl Steps for OnVulkan {
-    fn step(&mut self, count: u32) -> Result<(), DeviceError> {
+    fn step(&mut self, count: u32) -> Result<Option<f64>, DeviceError> {
         let mut steps = Vec::new();
         for _ in 0..count {
             let from = self.current;
@@ -239,8 +240,7 @@ impl Steps for OnVulkan {
                 },
             });
         }
-        advance(&self.gpu, &steps)?;
-        Ok(())
+        Ok(advance(&self.gpu, &steps)?.gpu_ms)
     }
 
     fn read(&self) -> Result<Vec<State>, DeviceError> {

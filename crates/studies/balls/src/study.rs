@@ -29,7 +29,7 @@ impl Study for BallsStudy {
     }
 
     fn question(&self) -> &'static str {
-        "Which integrator takes a bouncing ball to which error, in which time?"
+        "Which integrator takes a bouncing ball to which error, and what does a step cost on devices?"
     }
 
     fn metrics(&self) -> &'static [Metric] {
@@ -41,6 +41,7 @@ impl Study for BallsStudy {
     }
 
     fn needs_device(&self) -> bool {
+        // Without one, its part of devices is skipped, with the reason.
         false
     }
 
