@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Endings of shader sources.
-const SOURCES: [&str; 5] = ["wgsl", "glsl", "geom", "mesh", "frag"];
+const SOURCES: [&str; 6] = ["wgsl", "glsl", "geom", "mesh", "vert", "frag"];
 
 /// Checks the folder `shaders/`.
 pub(crate) fn check(folder: &Path) -> Result<String> {

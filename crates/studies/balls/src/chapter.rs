@@ -3,6 +3,7 @@
 
 use crate::contact::worst_symplectic;
 use crate::drop::MOSTLY;
+use crate::finding::finding;
 use crate::integrator::Integrator;
 use terrafill_plot::number::significant;
 use terrafill_plot::{
@@ -10,7 +11,7 @@ use terrafill_plot::{
 };
 use terrafill_results::{
     Answers, Block, Case, Cell, Chapter, ChapterError, Clock, Finding, Heading, Outcome, Plot, Row,
-    Run, Standing, Table, process_medians, sample_spread,
+    Run, Table, process_medians, sample_spread,
 };
 
 const TIME: &str = "ball_cpu_us";
@@ -357,15 +358,6 @@ fn all_findings(run: &Run) -> Vec<Finding> {
     let mut all = findings(&cases(run));
     all.extend(crate::device_chapter::findings(run));
     all
-}
-
-pub(crate) fn finding(claim: String, holds: Option<bool>, because: String) -> Finding {
-    let end = if because.is_empty() { "" } else { ":" };
-    Finding {
-        claim: claim + end,
-        standing: holds.map_or(Standing::NotMeasured, Standing::holds_if),
-        because,
-    }
 }
 
 fn findings(cases: &[&Case]) -> Vec<Finding> {

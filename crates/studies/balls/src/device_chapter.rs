@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The chapter's section on balls that step on devices.
 
-use crate::chapter::finding;
+use crate::finding::finding;
 use crate::on_devices::{STEPS, TIMED};
 use crate::stepping::Way;
 use terrafill_plot::number::significant;

@@ -12,6 +12,7 @@ mod closed_form;
 mod contact;
 mod device_chapter;
 mod drop;
+mod finding;
 mod integrator;
 mod metrics;
 mod on_devices;
