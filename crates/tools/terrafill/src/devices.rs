@@ -294,6 +294,7 @@ mod tests {
                 blends_float: true,
                 samples_depth: true,
                 mesh_shader: true,
+                transform_feedback: true,
             },
             lacks: Vec::new(),
         }
