@@ -134,7 +134,6 @@ fn input(eye: Eye, bounds: Bounds, placement: TexturePlacement) -> FillInput {
     let mut input = FillInput::new(&scene, &view, SIZE, PlanOptions::default()).expect("above");
     input.plan.regions.push(PlannedRegion {
         is_flat: false,
-        front_caps_suffice: false,
         region: 0,
         mesh: 0,
         heights: terrafill_core::VolumeHeights {
