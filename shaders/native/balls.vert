@@ -29,4 +29,6 @@ void main() {
     velocity = ball.velocity;
     velocity.z = ball.velocity.z + step_s * acceleration;
     place = vec4(ball.place.xyz + step_s * velocity.xyz, ball.place.w);
+    // Points have a size even where nothing draws them.
+    gl_PointSize = 1.0;
 }

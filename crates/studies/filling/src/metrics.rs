@@ -4,7 +4,7 @@
 use terrafill_results::{Kind, Metric};
 
 /// Times first, then bytes, counters, errors, textured fills and bytes of layouts.
-pub(crate) const METRICS: [Metric; 73] = [
+pub(crate) const METRICS: [Metric; 74] = [
     Metric::less(
         "fill_cpu_ms",
         "ms",
@@ -221,6 +221,12 @@ pub(crate) const METRICS: [Metric; 73] = [
         "",
         Kind::Counter,
         "Triangles of one cap of every region drawn.",
+    ),
+    Metric::neither(
+        "surface_bytes",
+        "bytes",
+        Kind::Bytes,
+        "Vertices and indices of the surface as drawn in this view. Not part of the fill.",
     ),
     Metric::less(
         "wall_height_m",

@@ -27,6 +27,7 @@ pub(crate) struct Probe {
     /// The tallest wall that the cap step allows, by formula.
     pub(crate) wall_bound_m: Option<f64>,
     cap_triangles: Option<u64>,
+    surface_bytes: Option<u64>,
     pub(crate) plan_cpu_ms: Option<f64>,
     pub(crate) prepare_cpu_ms: Option<f64>,
     pub(crate) image: String,
@@ -60,6 +61,7 @@ impl Probe {
             boundary_deviation_m: largest_deviation(meshes),
             wall_height_m: tallest_wall(input),
             cap_triangles: Some(cap_triangles(input)),
+            surface_bytes: Some(surface_bytes(input)),
             ..Self::default()
         }
     }
@@ -174,6 +176,7 @@ impl Probe {
                 self.regions.map(|[_, left_out]| left_out),
             ),
             ("cap_triangles", self.cap_triangles),
+            ("surface_bytes", self.surface_bytes),
         ];
         if let Some(counters) = &self.counters {
             counts.extend([
@@ -332,6 +335,12 @@ fn cap_triangles(input: &FillInput) -> u64 {
     meshes
         .map(|mesh| input.scene.meshes[mesh].triangle_count() as u64)
         .sum()
+}
+
+/// Of vertices and indices, as both devices hold them.
+fn surface_bytes(input: &FillInput) -> u64 {
+    let surface = &input.surface;
+    (size_of_val(&*surface.vertices_rte) + size_of_val(&*surface.triangles)) as u64
 }
 
 fn largest_deviation(meshes: &[RegionMesh]) -> Option<f64> {

@@ -41,12 +41,18 @@ enum Print {
 
 /// Columns after those by the run's clock: heading, metric, how it is printed, and why a case that is
 /// right may lack it.
-const COLUMNS: [(&str, &str, Print, &str); 13] = [
+const COLUMNS: [(&str, &str, Print, &str); 14] = [
     (
         "surface, GPU\u{a0}ms",
         "surface_gpu_ms",
         Print::Time,
         "the technique draws a surface of its own, untimed, or the device gave no GPU time",
+    ),
+    (
+        "surface bytes",
+        "surface_bytes",
+        Print::Count,
+        NOT_COUNTED,
     ),
     (
         "stencil, GPU\u{a0}ms",

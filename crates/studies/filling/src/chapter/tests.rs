@@ -1211,7 +1211,7 @@ fn a_wrong_time_counts_for_nothing_and_what_is_absent_has_its_reason() {
         }
     }
     let pass = row_of(table, "depth-pass/full-screen");
-    assert_eq!(pass[15].title, "does not apply to a full-screen pass");
+    assert_eq!(pass[16].title, "does not apply to a full-screen pass");
     let plots: Vec<&str> = chapter
         .iter()
         .filter_map(|block| match block {

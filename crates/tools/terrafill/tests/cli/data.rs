@@ -67,7 +67,7 @@ fn sets_are_listed_with_licence_source_size_and_readers() {
     );
     assert_eq!(set["file"]["state"], "different");
     assert_eq!(json["sets"].as_array().map(Vec::len), Some(12));
-    assert_eq!(json["missing"].as_array().map(Vec::len), Some(9));
+    assert_eq!(json["missing"].as_array().map(Vec::len), Some(10));
 }
 
 #[test]
