@@ -48,12 +48,7 @@ const COLUMNS: [(&str, &str, Print, &str); 14] = [
         Print::Time,
         "the technique draws a surface of its own, untimed, or the device gave no GPU time",
     ),
-    (
-        "surface bytes",
-        "surface_bytes",
-        Print::Count,
-        NOT_COUNTED,
-    ),
+    ("surface bytes", "surface_bytes", Print::Count, NOT_COUNTED),
     (
         "stencil, GPU\u{a0}ms",
         "stencil_gpu_ms",
