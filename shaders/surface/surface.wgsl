@@ -1,50 +1,14 @@
 // Surface pass: one vertex invocation places a vertex of the planet. One fragment shades it as if
 // lit from the eye, and its facet's slope as if lit from the north-west. Alpha stays 0, so that a
 // pixel with alpha 1 was coloured by a fill.
-#import shared/view.wgsl
-
-// Brightness per slope towards the light, exaggerated: mountains are gentle at the scale of a globe.
-const RELIEF_PER_SLOPE: f32 = 8.0;
-
-struct Varying {
-    @builtin(position) clip: vec4<f32>,
-    @location(0) relative_m: vec3<f32>,
-    // Height above the eye's, measured along the radius; of facets it is interpolated, so that those of a
-    // smooth body have no slope, however coarse they are.
-    @location(1) above_eye_m: f32,
-};
+#import shared/relief.wgsl
 
 @vertex
-fn vertex_main(@location(0) relative_m: vec3<f32>) -> Varying {
-    return Varying(clip_from_eye_relative(relative_m), relative_m, above_eye_m(relative_m));
-}
-
-// Difference of two scaled radii as that of their squares over their sum: close to the eye nothing cancels.
-fn above_eye_m(relative_m: vec3<f32>) -> f32 {
-    let scaled = relative_m * view.normal_scale;
-    let difference = dot(scaled, 2.0 * view.eye_ecef + relative_m);
-    let eye = dot(view.eye_ecef, view.eye_ecef * view.normal_scale);
-    return difference / (sqrt(eye) + sqrt(max(eye + difference, 0.0)));
+fn vertex_main(@location(0) relative_m: vec3<f32>) -> SurfaceVertex {
+    return surface_vertex(relative_m);
 }
 
 @fragment
-fn fragment_main(in: Varying) -> @location(0) vec4<f32> {
-    let up = normalize((in.relative_m + view.eye_ecef) * view.normal_scale);
-    let facing = max(-dot(up, normalize(in.relative_m)), 0.0);
-    let shade = 0.35 + 0.65 * sqrt(facing);
-    // The height's gradient within the facet: its length is the sine of the slope.
-    let right = dpdx(in.relative_m);
-    let down = dpdy(in.relative_m);
-    let across = cross(right, down);
-    let gradient = (dpdx(in.above_eye_m) * cross(down, across) + dpdy(in.above_eye_m) * cross(across, right))
-        / dot(across, across);
-    let sine_squared = dot(gradient, gradient);
-    // A facet seen edge-on may have no normal left in f32, and a wall no slope; both are shaded as level ground.
-    // (A comparison with NaN is false.)
-    let lean = select(vec3<f32>(0.0), -gradient / (1.0 - sine_squared), sine_squared < 0.9999);
-    // Shorter towards the poles, where there is no north-west.
-    let north = vec3<f32>(0.0, 0.0, 1.0) - up * up.z;
-    let east = vec3<f32>(-up.y, up.x, 0.0);
-    let relief = clamp(1.0 + RELIEF_PER_SLOPE * dot(lean, north - east), 0.4, 1.6);
-    return vec4<f32>(vec3<f32>(0.36, 0.46, 0.58) * shade * relief, 0.0);
+fn fragment_main(in: SurfaceVertex) -> @location(0) vec4<f32> {
+    return vec4<f32>(BARE_COLOUR * brightness(in, up_at(in.relative_m)), 0.0);
 }

@@ -6,8 +6,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, Extent, MovingFootprint, Region, RegionMesh};
 use terrafill_scene::{
-    Camera, FramePlan, HeightRange, ImageSize, LevelTable, LeveledMeshes, Overlap, PlanOptions,
-    RegionBounds, Scene, SceneTexture, View,
+    Camera, FramePlan, HeightRange, ImageSize, LevelTable, LeveledMeshes, MipChain, Overlap,
+    PlanOptions, RegionBounds, Scene, SceneTexture, View,
 };
 use terrafill_surface::{Surface, SurfaceError, SurfaceFrame};
 
@@ -40,6 +40,8 @@ pub struct PreparedScene {
     pub footprints: Arc<BTreeMap<usize, MovingFootprint>>,
     /// What lies under the fill.
     pub surface: Arc<dyn Surface>,
+    /// What colours the surface; no fill looks at it.
+    pub picture: Option<Arc<MipChain>>,
     /// What a textured fill shows; plain fills never look at it.
     pub texture: Option<Arc<SceneTexture>>,
 }
@@ -59,6 +61,7 @@ impl PreparedScene {
             levels: Arc::default(),
             footprints: Arc::default(),
             surface,
+            picture: scene.surface.picture.clone(),
             texture: scene.texture.clone(),
         }
     }

@@ -2,8 +2,9 @@
 //! An eye over a surface: all that render targets need to know before anything is filled.
 
 use crate::{DeviceError, FillInput, ViewId};
+use std::sync::Arc;
 use terrafill_core::Ellipsoid;
-use terrafill_scene::{Camera, ImageSize};
+use terrafill_scene::{Camera, ImageSize, MipChain};
 use terrafill_surface::SurfaceFrame;
 
 /// A view of a surface.
@@ -19,6 +20,8 @@ pub struct SurfaceView<'a> {
     pub size: ImageSize,
     /// The surface as drawn in this view.
     pub surface: &'a SurfaceFrame,
+    /// What colours it, of the whole body.
+    pub picture: Option<&'a Arc<MipChain>>,
 }
 
 impl<'a> From<&'a FillInput> for SurfaceView<'a> {
@@ -29,6 +32,7 @@ impl<'a> From<&'a FillInput> for SurfaceView<'a> {
             camera: &input.camera,
             size: input.size,
             surface: &input.surface,
+            picture: input.scene.picture.as_ref(),
         }
     }
 }

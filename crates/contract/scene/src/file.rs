@@ -129,6 +129,9 @@ impl Scene {
         }
         let texture = raw.texture.map(|raw| check.texture(raw)).transpose()?;
         let surface_files = check.surface_files(raw.surface.files)?;
+        let picture = raw.surface.picture;
+        let picture = picture.map(|raw| check.image_source("surface.picture", raw));
+        let picture = picture.transpose()?;
         // Last, so that a wrong scene is reported as wrong even where its data is missing.
         let mut regions = source.regions(&name, data_dir, reading)?;
         if repair {
@@ -144,6 +147,10 @@ impl Scene {
         let surface_files = surface_files
             .map(|file| load_surface_file(file, &name, data_dir))
             .collect::<Result<Vec<_>, _>>()?;
+        let picture = match picture {
+            Some(source) => Some(Arc::new(source.load(&name, data_dir)?)),
+            None => None,
+        };
         Ok(Self {
             name,
             description: raw.description,
@@ -160,6 +167,7 @@ impl Scene {
                     .kind
                     .unwrap_or_else(|| SurfaceChoice::BARE.to_owned()),
                 files: surface_files,
+                picture,
                 parameters: raw.surface.parameters,
             },
             views,
@@ -184,12 +192,16 @@ pub fn scene_needs(text: &str, file: &str) -> Result<Vec<DataNeed>, SceneError> 
         },
         source: raw.regions.source.map(DataFile::from),
     });
-    let image = raw.texture.and_then(|texture| texture.image);
-    let image = image.map(|image| (image.path, image.sha256));
+    let images = [
+        raw.texture.and_then(|texture| texture.image),
+        raw.surface.picture.and_then(|picture| picture.image),
+    ];
+    let images = images.into_iter().flatten();
+    let images = images.map(|image| (image.path, image.sha256));
     // What ships with the program is needed from nowhere.
     let heights = raw.surface.files.into_iter();
     let heights = heights.filter_map(|file| Some((file.path?, file.sha256.unwrap_or_default())));
-    let others = heights.chain(image).map(|(path, sha256)| DataNeed {
+    let others = heights.chain(images).map(|(path, sha256)| DataNeed {
         file: DataFile { path, sha256 },
         source: None,
     });
@@ -318,6 +330,7 @@ struct RawSurface {
     kind: Option<String>,
     #[serde(default)]
     files: Vec<RawSurfaceFile>,
+    picture: Option<RawPicture>,
     #[serde(flatten)]
     parameters: toml::Table,
 }
@@ -377,6 +390,15 @@ struct RawTexture {
     alpha: Option<f64>,
     placement: RawPlacement,
     fade: Option<RawFade>,
+}
+
+/// One of three.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RawPicture {
+    image: Option<RawImage>,
+    checker: Option<RawChecker>,
+    hatch: Option<RawHatch>,
 }
 
 #[derive(Deserialize)]
@@ -767,7 +789,14 @@ impl Check<'_> {
 
     fn texture(&self, raw: RawTexture) -> Result<UnreadTexture, SceneError> {
         Ok(UnreadTexture {
-            image: self.image_source(raw.image, raw.checker, raw.hatch)?,
+            image: self.image_source(
+                "texture",
+                RawPicture {
+                    image: raw.image,
+                    checker: raw.checker,
+                    hatch: raw.hatch,
+                },
+            )?,
             share: self.choice(
                 "texture.share",
                 raw.share.as_deref(),
@@ -780,16 +809,12 @@ impl Check<'_> {
         })
     }
 
-    fn image_source(
-        &self,
-        image: Option<RawImage>,
-        checker: Option<RawChecker>,
-        hatch: Option<RawHatch>,
-    ) -> Result<ImageSource, SceneError> {
-        match (image, checker, hatch) {
+    /// - `key`: what holds the three keys
+    fn image_source(&self, key: &str, raw: RawPicture) -> Result<ImageSource, SceneError> {
+        match (raw.image, raw.checker, raw.hatch) {
             (Some(image), None, None) => {
-                self.data_path("texture.image.path", &image.path)?;
-                self.hash("texture.image.sha256", &image.sha256)?;
+                self.data_path(&format!("{key}.image.path"), &image.path)?;
+                self.hash(&format!("{key}.image.sha256"), &image.sha256)?;
                 Ok(ImageSource::File {
                     how: image
                         .how
@@ -800,22 +825,22 @@ impl Check<'_> {
             }
             (None, Some(checker), None) => {
                 // A cell has a colour of its own in steps of 8 bits: 64 are three apart.
-                let cells = self.count("texture.checker.cells", checker.cells, 2..=64)?;
-                let key = "texture.checker.size";
-                let size = self.count(key, checker.size, 2..=i64::from(MAX_SIDE_PX))?;
+                let cells = self.count(&format!("{key}.checker.cells"), checker.cells, 2..=64)?;
+                let key = format!("{key}.checker.size");
+                let size = self.count(&key, checker.size, 2..=i64::from(MAX_SIDE_PX))?;
                 if !size.is_multiple_of(cells) {
                     return Err(self.refuse(key, size, format!("a multiple of {cells} cells")));
                 }
                 Ok(ImageSource::Checker { size, cells })
             }
             (None, None, Some(hatch)) => {
-                let size =
-                    self.count("texture.hatch.size", hatch.size, 4..=i64::from(MAX_SIDE_PX))?;
+                let size_key = format!("{key}.hatch.size");
+                let size = self.count(&size_key, hatch.size, 4..=i64::from(MAX_SIDE_PX))?;
                 let most = i64::from(size / MIN_HATCH_PERIOD);
-                let lines = self.count("texture.hatch.lines", hatch.lines, 1..=most)?;
+                let lines = self.count(&format!("{key}.hatch.lines"), hatch.lines, 1..=most)?;
                 if !size.is_multiple_of(lines) {
                     let allowed = format!("a multiple of {lines} lines");
-                    return Err(self.refuse("texture.hatch.size", size, allowed));
+                    return Err(self.refuse(size_key, size, allowed));
                 }
                 Ok(ImageSource::Hatch { size, lines })
             }
@@ -826,7 +851,7 @@ impl Check<'_> {
                 } else {
                     "none"
                 };
-                Err(self.refuse("texture", found, "exactly one of image, checker, hatch"))
+                Err(self.refuse(key, found, "exactly one of image, checker, hatch"))
             }
         }
     }

@@ -2,7 +2,7 @@
 //! A scene: a body, its regions, the rule for their edges, the surface, the views, the texture, and
 //! what to vary.
 
-use crate::{Camera, CameraPose, SceneTexture};
+use crate::{Camera, CameraPose, MipChain, SceneTexture};
 use std::sync::Arc;
 use terrafill_core::{EdgeRule, Ellipsoid, MeshOptions, Region};
 
@@ -43,6 +43,9 @@ pub struct SurfaceChoice {
     pub kind: String,
     /// Files that it is made from, in their order; their hashes are right.
     pub files: Vec<SurfaceFile>,
+    /// What colours it: a picture of the whole body, columns by longitude from −180° on, rows by geodetic
+    /// latitude from 90° down. `None` for one colour. No fill looks at it.
+    pub picture: Option<Arc<MipChain>>,
     /// All other keys.
     pub parameters: toml::Table,
 }

@@ -668,3 +668,36 @@ fn files_of_a_surface_are_read_by_their_hash_in_their_order() {
         assert!(error.starts_with(expected), "{error}");
     }
 }
+
+#[test]
+fn a_surface_may_have_a_picture() {
+    let scene = |text: &str| Scene::from_toml(&(GOOD.to_owned() + text), "t.toml", None);
+    assert!(scene("").expect("valid").surface.picture.is_none());
+    let found = scene("[surface.picture]\nchecker = { size = 32, cells = 4 }\n");
+    let picture = found.expect("valid").surface.picture.expect("a picture");
+    assert_eq!(picture.size_px(), [32, 32]);
+    let file =
+        "[surface.picture]\nimage = { path = \"a.png\", sha256 = \"HASH\", how = \"draw it\" }\n";
+    for (text, expected) in [
+        (
+            "[surface.picture]\n",
+            "t.toml: surface.picture: found none, allowed: exactly one of image, checker, hatch",
+        ),
+        (
+            "[surface.picture]\nchecker = { size = 33, cells = 4 }\n",
+            "t.toml: surface.picture.checker.size: found 33, allowed: a multiple of 4 cells",
+        ),
+        (
+            file,
+            "t.toml: surface.picture.image.sha256: found \"HASH\", allowed: 64 lower-case hexadecimal digits",
+        ),
+    ] {
+        assert_eq!(message(&(GOOD.to_owned() + text)), expected);
+    }
+    // A file that is not there is missing data, and is listed as needed.
+    let file = GOOD.to_owned() + &file.replace("HASH", &"0".repeat(64));
+    let missing = Scene::from_toml(&file, "t.toml", None).expect_err("no data");
+    assert!(matches!(missing, SceneError::DataMissing { ref file, .. } if file == "a.png"));
+    let needs = scene_needs(&file, "t.toml").expect("a scene");
+    assert!(needs.iter().any(|need| need.file.path == "a.png"));
+}

@@ -4,7 +4,7 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 use terrafill_core::Extent;
-use terrafill_scene::{Camera, HeightRange, ImageSize};
+use terrafill_scene::{Camera, HeightRange, ImageSize, MipChain};
 
 /// A planet's surface. One that is the same in every view is closed around the body.
 ///
@@ -164,11 +164,17 @@ pub trait SurfaceRenderer {
     /// Why a surface cannot be uploaded.
     type Error;
 
-    /// Uploads a frame in place of the one before.
+    /// Uploads a frame in place of the one before, and a picture that is not there yet.
+    ///
+    /// - `picture`: what colours the surface, of the whole body
     ///
     /// # Errors
     /// The device cannot hold it.
-    fn prepare(&mut self, frame: &SurfaceFrame) -> Result<(), Self::Error>;
+    fn prepare(
+        &mut self,
+        frame: &SurfaceFrame,
+        picture: Option<&Arc<MipChain>>,
+    ) -> Result<(), Self::Error>;
 
     /// Records the draws of the frame that was prepared last; nothing before there is one.
     fn draw(&self, pass: &mut Self::Pass<'_>);

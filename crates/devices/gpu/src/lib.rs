@@ -13,6 +13,7 @@ mod covers;
 mod deliberate_error;
 mod evaluate;
 mod fill;
+mod picture;
 mod ray_cast;
 mod readback;
 mod route_table;

@@ -89,7 +89,7 @@ impl RenderTargets {
             timer: PassTimer::new(gpu),
             view_constants,
             bind_group,
-            surface: TriangleRenderer::new(gpu, &layout)?,
+            surface: TriangleRenderer::new(gpu, &layout),
             prepared: None,
             is_drawn: false,
         })
@@ -164,7 +164,7 @@ impl RenderTargets {
         let constants = ViewConstants::new(&view);
         self.gpu
             .write_buffer(&self.view_constants, 0, bytemuck::bytes_of(&constants));
-        self.surface.prepare(view.surface)?;
+        self.surface.prepare(view.surface, view.picture)?;
         self.prepared = Some(view.id);
         Ok(())
     }

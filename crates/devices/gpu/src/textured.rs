@@ -7,6 +7,7 @@
 //! attached, which is allowed while neither depth nor stencil is written: so no depth is copied, and
 //! covers that take the stencil back to 0 cannot be textured.
 
+use crate::picture::{bind_picture, bytes_of, picture_layout, upload_picture};
 use crate::readback::read_texture;
 use crate::route_table::RouteTable;
 use crate::volume_pipeline::{colour_state, colour_target};
@@ -16,7 +17,7 @@ use terrafill_fill::{
     AddressMode, CoverOverrides, DeviceError, Feature, Holding, MemoryUse, Probed, StencilTest,
     TexturedCover, TexturedPlan,
 };
-use terrafill_scene::{ImageSize, MipChain, MipLevel};
+use terrafill_scene::{ImageSize, MipChain};
 use terrafill_shaders::{RouteText, TEXTURED_COVER, TexturedParts, TexturedPlacement};
 
 /// Format of the probe's targets: what the shader computes, unrounded.
@@ -95,13 +96,11 @@ impl TexturedFill {
             min_binding_size: None,
         };
         let depth = texture(wgpu::TextureSampleType::Depth);
-        let image = texture(wgpu::TextureSampleType::Float { filterable: true });
-        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
         Self {
             bindings: [
                 frame_layout.clone(),
                 group("depth and textured regions", &[depth, regions]),
-                group("picture", &[image, sampler]),
+                picture_layout(gpu),
             ],
             shaders: Vec::new(),
             pipelines: HashMap::new(),
@@ -122,19 +121,12 @@ impl TexturedFill {
         image: &MipChain,
         copies: usize,
     ) -> Result<(), DeviceError> {
-        let allowed = gpu.device.limits().max_texture_dimension_2d;
-        let [width, height] = image.size_px();
-        if width.max(height) > allowed {
-            return Err(DeviceError::OverCapacity {
-                what: "texels along a side of the picture".to_owned(),
-                found: u64::from(width.max(height)),
-                allowed: u64::from(allowed),
-            });
-        }
+        let images = (0..copies).map(|_| upload_picture(gpu, image));
+        let images = images.collect::<Result<Vec<_>, _>>()?;
         let texels = image.levels()[0].rgba.chunks_exact(4);
         self.images_are_opaque = texels.into_iter().all(|texel| texel[3] == u8::MAX);
         self.image_groups.clear();
-        self.images = (0..copies).map(|_| picture(gpu, image)).collect();
+        self.images = images;
         Ok(())
     }
 
@@ -348,32 +340,7 @@ impl TexturedFill {
         if self.image_groups.contains_key(&key) {
             return;
         }
-        let [address_mode_u, address_mode_v] = key.1.map(sampled);
-        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("trilinear"),
-            address_mode_u,
-            address_mode_v,
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            mipmap_filter: wgpu::MipmapFilterMode::Linear,
-            ..Default::default()
-        });
-        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("picture"),
-            layout: &self.bindings[2],
-            entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::TextureView(
-                        &image.create_view(&Default::default()),
-                    ),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: wgpu::BindingResource::Sampler(&sampler),
-                },
-            ],
-        });
+        let group = bind_picture(gpu, &self.bindings[2], image, key.1);
         self.image_groups.insert(key, group);
     }
 
@@ -485,13 +452,6 @@ impl Probe {
     }
 }
 
-fn sampled(mode: AddressMode) -> wgpu::AddressMode {
-    match mode {
-        AddressMode::Repeat => wgpu::AddressMode::Repeat,
-        AddressMode::ClampToEdge | AddressMode::Transparent => wgpu::AddressMode::ClampToEdge,
-    }
-}
-
 /// The shader of one cover; what tells it from the others of its plan is its route.
 fn parts(plan: &TexturedPlan, cover: &TexturedCover) -> TexturedParts {
     TexturedParts {
@@ -508,52 +468,4 @@ fn parts(plan: &TexturedPlan, cover: &TexturedCover) -> TexturedParts {
             None => TexturedPlacement::Affine,
         },
     }
-}
-
-fn picture(gpu: &Gpu, image: &MipChain) -> wgpu::Texture {
-    let levels = image.levels();
-    let extent = |level: &MipLevel| wgpu::Extent3d {
-        width: level.width,
-        height: level.height,
-        depth_or_array_layers: 1,
-    };
-    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("picture"),
-        size: extent(&levels[0]),
-        mip_level_count: u32::try_from(levels.len()).unwrap_or(1),
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        // The sampler filters in linear light, as the levels were made.
-        format: wgpu::TextureFormat::Rgba8UnormSrgb,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    gpu.work.count_texture(bytes_of(&texture));
-    for (mip_level, level) in (0..).zip(levels) {
-        gpu.work.count_upload(level.rgba.len() as u64);
-        gpu.queue.write_texture(
-            wgpu::TexelCopyTextureInfo {
-                texture: &texture,
-                mip_level,
-                origin: wgpu::Origin3d::ZERO,
-                aspect: wgpu::TextureAspect::All,
-            },
-            &level.rgba,
-            wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(4 * level.width),
-                rows_per_image: None,
-            },
-            extent(level),
-        );
-    }
-    texture
-}
-
-fn bytes_of(texture: &wgpu::Texture) -> u64 {
-    let level = |i: u32| {
-        let side = |size: u32| u64::from((size >> i).max(1));
-        4 * side(texture.width()) * side(texture.height())
-    };
-    (0..texture.mip_level_count()).map(level).sum()
 }

@@ -111,6 +111,7 @@ fn input(eye: Eye, bounds: Bounds, placement: TexturePlacement) -> FillInput {
         footprints: Arc::default(),
         bounds: Arc::new([]),
         surface: EllipsoidKind::surface(&BODY, 720),
+        picture: None,
         texture: Some(Arc::new(SceneTexture {
             source: "test".to_owned(),
             image: picture(),

@@ -158,7 +158,7 @@ impl DrawPipeline {
             topology,
             faces: FaceSet::Both,
             is_turned: false,
-            depth_stencil: depth_stencil(PipelineState::Surface),
+            depth_stencil: depth_stencil(PipelineState::Surface { has_picture: false }),
             depth_bounds: false,
             blends: &blends,
             layout: resources.layout,

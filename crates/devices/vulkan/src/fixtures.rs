@@ -47,6 +47,8 @@ pub(crate) struct Fixtures {
     /// Set 1: binding 0 is the image of accumulated numbers.
     pub(crate) number_set_layout: vk::DescriptorSetLayout,
     pub(crate) pipeline_layout: vk::PipelineLayout,
+    /// Of surfaces with a picture, which set 1 holds with its sampler.
+    pub(crate) picture_layout: vk::PipelineLayout,
     /// Set 1 of textured covers: binding 0 is the surface's depth, 1 a region's constants.
     pub(crate) depth_set_layout: vk::DescriptorSetLayout,
     /// Sets 2 and 3 of textured covers, by [`image_index`]: binding 0 is an image, 1 its sampler.
@@ -76,6 +78,7 @@ impl Fixtures {
             set_layout: vk::DescriptorSetLayout::null(),
             number_set_layout: vk::DescriptorSetLayout::null(),
             pipeline_layout: vk::PipelineLayout::null(),
+            picture_layout: vk::PipelineLayout::null(),
             depth_set_layout: vk::DescriptorSetLayout::null(),
             image_set_layouts: [vk::DescriptorSetLayout::null(); 2],
             textured_layouts: [vk::PipelineLayout::null(); 3],
@@ -152,6 +155,10 @@ impl Fixtures {
         self.image_set_layouts[image_index(true)] =
             set_layout(&[image, entry(1, vk::DescriptorType::SAMPLER)])?;
         let [plain, sampled] = self.image_set_layouts;
+        let coloured = [self.set_layout, sampled];
+        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&coloured);
+        // SAFETY: the structures live through the call.
+        self.picture_layout = unsafe { device.create_pipeline_layout(&info, None) }?;
         let shared = [self.set_layout, self.depth_set_layout, sampled];
         for (layout, table) in
             self.textured_layouts
@@ -195,6 +202,7 @@ impl Fixtures {
                 device.destroy_descriptor_set_layout(layout, None);
             }
             device.destroy_descriptor_set_layout(self.depth_set_layout, None);
+            device.destroy_pipeline_layout(self.picture_layout, None);
             device.destroy_pipeline_layout(self.pipeline_layout, None);
             device.destroy_descriptor_set_layout(self.number_set_layout, None);
             device.destroy_descriptor_set_layout(self.set_layout, None);

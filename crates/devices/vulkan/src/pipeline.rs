@@ -94,7 +94,10 @@ impl Topology {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PipelineState {
     /// The surface: nearest depth wins, back faces are culled.
-    Surface,
+    Surface {
+        /// Set 1 is a picture with its sampler.
+        has_picture: bool,
+    },
     /// Into the stencil, in a pass with or without a colour target that is left alone.
     Mark {
         /// Which fragments do what.
@@ -166,7 +169,7 @@ impl PipelineState {
                 has_colour: false, ..
             }
             | Self::Count { .. } => PassTarget::Stencil,
-            Self::Mark { .. } | Self::Surface | Self::Colour { .. } | Self::Resolve => {
+            Self::Mark { .. } | Self::Surface { .. } | Self::Colour { .. } | Self::Resolve => {
                 PassTarget::Colour
             }
             Self::Accumulate { .. } => PassTarget::Numbers,
@@ -175,7 +178,7 @@ impl PipelineState {
 
     fn faces(self) -> FaceSet {
         match self {
-            Self::Surface => FaceSet::Front,
+            Self::Surface { .. } => FaceSet::Front,
             Self::Mark { rule, .. } => rule.faces,
             Self::Count { faces } | Self::Colour { faces, .. } | Self::Accumulate { faces, .. } => {
                 faces
@@ -259,7 +262,7 @@ impl Pipeline {
     }
 
     pub(crate) fn is_surface(&self) -> bool {
-        self.descriptor.state == PipelineState::Surface
+        matches!(self.descriptor.state, PipelineState::Surface { .. })
     }
 
     pub(crate) fn needs_vertices(&self) -> bool {
@@ -348,7 +351,10 @@ fn create(gpu: &Gpu, descriptor: &PipelineDescriptor) -> Result<vk::Pipeline, De
         depth_stencil: depth_stencil(descriptor.state),
         depth_bounds: descriptor.depth_bounds,
         blends: if has_colour { &blends } else { &[] },
-        layout: gpu.fixtures.pipeline_layout,
+        layout: match descriptor.state {
+            PipelineState::Surface { has_picture: true } => gpu.fixtures.picture_layout,
+            _ => gpu.fixtures.pipeline_layout,
+        },
         render_pass: render_pass(&gpu.fixtures, descriptor.state),
     }
     .create(gpu)
@@ -449,7 +455,7 @@ impl Assembly<'_> {
 /// Passes that differ in what they load are compatible.
 fn render_pass(fixtures: &Fixtures, state: PipelineState) -> vk::RenderPass {
     match state {
-        PipelineState::Surface => fixtures.surface,
+        PipelineState::Surface { .. } => fixtures.surface,
         PipelineState::Accumulate { .. } => fixtures.numbers,
         _ => fixtures.fill(false, state.target() == PassTarget::Colour),
     }
@@ -497,7 +503,7 @@ pub(crate) fn depth_stencil(
 ) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
     let base = vk::PipelineDepthStencilStateCreateInfo::default();
     match state {
-        PipelineState::Surface => base
+        PipelineState::Surface { .. } => base
             .depth_test_enable(true)
             .depth_write_enable(true)
             .depth_compare_op(vk::CompareOp::GREATER),

@@ -95,7 +95,7 @@ impl RenderTargets {
             size,
             targets: Targets::new(gpu, size)?,
             stamps: Queries::new(gpu, QueryKind::Timestamps, STAMPS)?,
-            surface: TriangleRenderer::new(gpu)?,
+            surface: TriangleRenderer::new(gpu),
             prepared: None,
             is_drawn: false,
         })
@@ -192,7 +192,7 @@ impl RenderTargets {
             bytemuck::bytes_of(&ViewConstants::new(&view)),
             BufferUse::Uniform,
         )?);
-        self.surface.prepare(view.surface)?;
+        self.surface.prepare(view.surface, view.picture)?;
         self.prepared = Some(PreparedView {
             id: view.id,
             bindings: BindGroup::new(&self.gpu, &constants, None)?,

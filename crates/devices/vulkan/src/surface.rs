@@ -2,37 +2,57 @@
 //! Surfaces that are triangles, drawn through Vulkan by the same shader as through wgpu.
 
 use crate::{
-    Buffer, BufferUse, Fragments, Gpu, Pipeline, PipelineDescriptor, PipelineState, Topology,
-    VertexFormat, VertexStage,
+    Buffer, BufferUse, Fragments, Gpu, ImageBindings, Pipeline, PipelineDescriptor, PipelineState,
+    SampledImage, Topology, VertexFormat, VertexStage,
 };
 use ash::vk;
 use std::sync::Arc;
-use terrafill_fill::{DeviceError, count_u32};
+use terrafill_fill::{AddressMode, DeviceError, count_u32};
+use terrafill_scene::MipChain;
 use terrafill_surface::{SurfaceFrame, SurfaceRenderer};
 
-const SURFACE: PipelineDescriptor = PipelineDescriptor {
-    vertex: VertexStage {
-        path: "surface/surface.wgsl",
-        entry_point: "vertex_main",
-        bends_footprints: false,
-    },
-    geometry: None,
-    fragments: Fragments::Shader {
-        path: "surface/surface.wgsl",
-        entry_point: "fragment_main",
-    },
-    format: VertexFormat::Metres,
-    topology: Topology::Triangles,
-    state: PipelineState::Surface,
-    depth_bounds: false,
-};
+fn descriptor(has_picture: bool) -> PipelineDescriptor {
+    let path = match has_picture {
+        true => "surface/picture.wgsl",
+        false => "surface/surface.wgsl",
+    };
+    PipelineDescriptor {
+        vertex: VertexStage {
+            path,
+            entry_point: "vertex_main",
+            bends_footprints: false,
+        },
+        geometry: None,
+        fragments: Fragments::Shader {
+            path,
+            entry_point: "fragment_main",
+        },
+        format: VertexFormat::Metres,
+        topology: Topology::Triangles,
+        state: PipelineState::Surface { has_picture },
+        depth_bounds: false,
+    }
+}
 
-/// Draws the triangles of any surface.
+/// The picture meets itself at ±180°.
+const PICTURE_ADDRESS: [AddressMode; 2] = [AddressMode::Repeat, AddressMode::ClampToEdge];
+
+/// Draws the triangles of any surface. Set 0 holds the view's constants, set 1 a picture where there is one.
 #[derive(Debug)]
 pub(crate) struct TriangleRenderer {
     gpu: Arc<Gpu>,
-    pipeline: Pipeline,
+    /// In one colour.
+    plain: Option<Pipeline>,
+    coloured: Option<Coloured>,
     uploaded: Option<Uploaded>,
+}
+
+/// What it takes to draw with a picture.
+#[derive(Debug)]
+struct Coloured {
+    picture: Arc<MipChain>,
+    bindings: ImageBindings,
+    pipeline: Pipeline,
 }
 
 #[derive(Debug)]
@@ -59,12 +79,41 @@ impl<'p> SurfacePass<'p> {
 }
 
 impl TriangleRenderer {
-    pub(crate) fn new(gpu: &Arc<Gpu>) -> Result<Self, DeviceError> {
-        Ok(Self {
-            pipeline: Pipeline::new(gpu, SURFACE)?,
+    pub(crate) fn new(gpu: &Arc<Gpu>) -> Self {
+        Self {
             gpu: Arc::clone(gpu),
+            plain: None,
+            coloured: None,
             uploaded: None,
-        })
+        }
+    }
+
+    /// Makes what draws in one colour or with `picture`, and lets go of what does not.
+    fn set_picture(&mut self, picture: Option<&Arc<MipChain>>) -> Result<(), DeviceError> {
+        let Some(picture) = picture else {
+            self.coloured = None;
+            if self.plain.is_none() {
+                self.plain = Some(Pipeline::new(&self.gpu, descriptor(false))?);
+            }
+            return Ok(());
+        };
+        self.plain = None;
+        let held = self.coloured.as_ref();
+        if held.is_some_and(|held| Arc::ptr_eq(&held.picture, picture)) {
+            return Ok(());
+        }
+        let image = Arc::new(SampledImage::picture(&self.gpu, picture)?);
+        let bindings = ImageBindings::picture(&image, PICTURE_ADDRESS)?;
+        let pipeline = match self.coloured.take() {
+            Some(held) => held.pipeline,
+            None => Pipeline::new(&self.gpu, descriptor(true))?,
+        };
+        self.coloured = Some(Coloured {
+            picture: Arc::clone(picture),
+            bindings,
+            pipeline,
+        });
+        Ok(())
     }
 }
 
@@ -72,7 +121,12 @@ impl SurfaceRenderer for TriangleRenderer {
     type Pass<'p> = SurfacePass<'p>;
     type Error = DeviceError;
 
-    fn prepare(&mut self, frame: &SurfaceFrame) -> Result<(), DeviceError> {
+    fn prepare(
+        &mut self,
+        frame: &SurfaceFrame,
+        picture: Option<&Arc<MipChain>>,
+    ) -> Result<(), DeviceError> {
+        self.set_picture(picture)?;
         let indices = frame.triangles.as_flattened();
         let vertices = bytemuck::cast_slice(&frame.vertices_rte);
         let upload = |label, bytes, use_for| Buffer::upload(&self.gpu, label, bytes, use_for);
@@ -89,15 +143,23 @@ impl SurfaceRenderer for TriangleRenderer {
     }
 
     fn draw(&self, pass: &mut SurfacePass<'_>) {
-        let Some(uploaded) = &self.uploaded else {
+        let coloured = self.coloured.as_ref();
+        let pipeline = coloured.map(|coloured| &coloured.pipeline);
+        let (Some(uploaded), Some(pipeline)) = (&self.uploaded, pipeline.or(self.plain.as_ref()))
+        else {
             return;
         };
         let SurfacePass { device, commands } = *pass;
         let graphics = vk::PipelineBindPoint::GRAPHICS;
-        // SAFETY: the pass is being recorded, as its maker promised; pipeline and buffers were made for
+        // SAFETY: the pass is being recorded, as its maker promised; pipeline, set and buffers were made for
         // it on this device; the indices are all there.
         unsafe {
-            device.cmd_bind_pipeline(commands, graphics, self.pipeline.raw);
+            device.cmd_bind_pipeline(commands, graphics, pipeline.raw);
+            if let Some(coloured) = coloured {
+                let layout = self.gpu.fixtures.picture_layout;
+                let sets = [coloured.bindings.set()];
+                device.cmd_bind_descriptor_sets(commands, graphics, layout, 1, &sets, &[]);
+            }
             device.cmd_bind_vertex_buffers(commands, 0, &[uploaded.vertices.raw], &[0]);
             let width = vk::IndexType::UINT32;
             device.cmd_bind_index_buffer(commands, uploaded.indices.raw, 0, width);

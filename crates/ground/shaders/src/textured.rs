@@ -136,6 +136,7 @@ pub(crate) const PARTS: [ShaderSource; 3] = shader_sources![
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::shared_text;
 
     fn parts(placement: TexturedPlacement) -> TexturedParts {
         TexturedParts {
@@ -195,8 +196,7 @@ mod tests {
 
     /// The coefficients of y³, y², y and 1 in `srgb_of_linear`, as the shader has them.
     fn encoding_coefficients() -> Vec<f64> {
-        let cover = PARTS.iter().find(|source| source.path == TEXTURED_COVER);
-        let text = cover.expect("embedded").text;
+        let text = shared_text("shared/srgb.wgsl").expect("embedded");
         let line = text.lines().find(|line| line.contains("let curved ="));
         let (_, right) = line.expect("there").split_once('=').expect("a definition");
         let spaced = right.replace("- ", "-");

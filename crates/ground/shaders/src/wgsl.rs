@@ -23,13 +23,15 @@ pub(crate) use shader_sources;
 pub(crate) const MODULES: &[ShaderSource] = include!(concat!(env!("OUT_DIR"), "/modules.rs"));
 
 /// Files that others import.
-pub(crate) const SHARED: [ShaderSource; 6] = shader_sources![
+pub(crate) const SHARED: [ShaderSource; 8] = shader_sources![
     "shared/view.wgsl",
     "shared/footprint.wgsl",
     "shared/region.wgsl",
     "shared/volume.wgsl",
     "shared/draw.wgsl",
     "shared/grid.wgsl",
+    "shared/relief.wgsl",
+    "shared/srgb.wgsl",
 ];
 
 /// What can be wrong with a shader.

@@ -226,7 +226,7 @@ pub(crate) const METRICS: [Metric; 74] = [
         "surface_bytes",
         "bytes",
         Kind::Bytes,
-        "Vertices and indices of the surface as drawn in this view. Not part of the fill.",
+        "Vertices, indices and picture of the surface as drawn in this view. Not part of the fill.",
     ),
     Metric::less(
         "wall_height_m",

@@ -337,10 +337,12 @@ fn cap_triangles(input: &FillInput) -> u64 {
         .sum()
 }
 
-/// Of vertices and indices, as both devices hold them.
+/// Of vertices, indices and picture, as both devices hold them.
 fn surface_bytes(input: &FillInput) -> u64 {
     let surface = &input.surface;
-    (size_of_val(&*surface.vertices_rte) + size_of_val(&*surface.triangles)) as u64
+    let mesh = size_of_val(&*surface.vertices_rte) + size_of_val(&*surface.triangles);
+    let picture = input.scene.picture.as_ref();
+    mesh as u64 + picture.map_or(0, |picture| picture.bytes())
 }
 
 fn largest_deviation(meshes: &[RegionMesh]) -> Option<f64> {

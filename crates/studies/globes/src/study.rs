@@ -351,6 +351,7 @@ impl Opened {
             file: "plan.toml of study globes".to_owned(),
             kind: chosen.kind.clone(),
             files: Vec::new(),
+            picture: None,
             parameters: chosen.parameters(),
         };
         let surface = open_surface(self.kinds, &scene).map_err(|error| error.to_string())?;
@@ -542,6 +543,7 @@ impl SightSession<'_> {
             camera: &eye.camera,
             size: eye.size,
             surface: frame,
+            picture: None,
         };
         let targets = self.targets.get_mut(targets);
         let targets = targets.ok_or(DeviceError::Missing("targets of the interface"))?;

@@ -46,6 +46,7 @@ pub(crate) fn globe(size: ImageSize) -> Result<FillInput, SurfaceError> {
         footprints: Arc::default(),
         bounds: Arc::new([]),
         surface: EllipsoidKind::surface(&body, ROWS),
+        picture: None,
         texture: None,
     };
     let view = View {

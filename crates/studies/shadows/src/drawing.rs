@@ -128,6 +128,7 @@ impl Scene {
             camera: &camera,
             size,
             surface: &surface,
+            picture: None,
         };
         let switches = way.switches();
         let program = program(way, &switches, &loadable.list)?;

@@ -84,6 +84,7 @@ pub(crate) fn scene_of(path: &Path, size: ImageSize) -> Result<Scene, Failure> {
             file: path.display().to_string(),
             kind: "ellipsoid".to_owned(),
             files: Vec::new(),
+            picture: None,
             parameters: toml::Table::from_iter([("rows".to_owned(), rows.into())]),
         },
         views: vec![View {

@@ -52,6 +52,7 @@ fn input(body: Ellipsoid, pose: &CameraPose, size: u32, rows: u32) -> FillInput 
             footprints: Arc::default(),
             bounds: Arc::from([]),
             surface,
+            picture: None,
             texture: None,
         },
         view: "from the axis".to_owned(),

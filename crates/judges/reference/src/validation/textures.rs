@@ -119,6 +119,7 @@ impl Shot {
                 footprints: Arc::default(),
                 bounds: Arc::from([]),
                 surface,
+                picture: None,
                 texture: Some(Arc::new(checker(self.placement))),
             },
             view: "test".to_owned(),

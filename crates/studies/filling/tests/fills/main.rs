@@ -19,6 +19,7 @@ mod overlaps;
 mod run;
 mod screen_grid;
 mod steady_state;
+mod surface_picture;
 mod switches_of_2007;
 mod textured_against_reference;
 mod update;

@@ -199,7 +199,7 @@ fn facets_of_the_bare_body_cast_no_relief_and_mountains_do() {
         let (scene, views) = over(surface);
         let view = views.iter().find(|view| view.name == "orbit");
         let input = look(&scene, view.expect("a view"), PlanOptions::default());
-        open.picture(technique, &input)
+        open.drawn(technique, &input).rgba
     };
     for technique in [&VertexTechnique as &dyn Technique, &NativeTechnique] {
         let fine = picture(BARE, technique);

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use terrafill_compute::ComputeTechnique;
 use terrafill_conformance::{ErrorFigures, verdict};
 use terrafill_core::RegionMesh;
-use terrafill_fill::{FillInput, Frame, PreparedScene, Targets, Technique};
+use terrafill_fill::{FillInput, Frame, Picture, PreparedScene, Targets, Technique};
 use terrafill_instanced::InstancedTechnique;
 use terrafill_native::NativeTechnique;
 use terrafill_scene::{ImageSize, Scene};
@@ -41,12 +41,12 @@ impl Open {
         backend.render(input).expect("draws")
     }
 
-    /// The picture in the regions' colours, four bytes a pixel.
-    pub(crate) fn picture(&self, technique: &dyn Technique, input: &FillInput) -> Vec<u8> {
+    /// The picture in the regions' colours.
+    pub(crate) fn drawn(&self, technique: &dyn Technique, input: &FillInput) -> Picture {
         let variant = technique.main(input.scene.overlap);
         let mut backend = technique.open(&self.targets, &variant).expect("opens");
         backend.prepare(input).expect("fits");
-        backend.picture(input).expect("draws").rgba
+        backend.picture(input).expect("draws")
     }
 
     /// Every technique is right; what the reference says.

@@ -248,6 +248,7 @@ pub(crate) fn scene_within(
         footprints: Arc::default(),
         bounds: Arc::new([]),
         surface: EllipsoidKind::surface(&body, rows),
+        picture: None,
         texture: None,
     }
     .with_meshes(meshes.expect("meshes").into())
