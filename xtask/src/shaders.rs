@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Endings of shader sources.
-const SOURCES: [&str; 6] = ["wgsl", "glsl", "geom", "mesh", "vert", "frag"];
+const SOURCES: [&str; 7] = ["wgsl", "glsl", "geom", "task", "mesh", "vert", "frag"];
 
 /// Checks the folder `shaders/`.
 pub(crate) fn check(folder: &Path) -> Result<String> {

@@ -141,7 +141,9 @@ impl Gpu {
             | wgpu::Features::FLOAT32_FILTERABLE
             | wgpu::Features::TEXTURE_FORMAT_16BIT_NORM
             | wgpu::Features::INDIRECT_FIRST_INSTANCE
-            | wgpu::Features::PRIMITIVE_INDEX;
+            | wgpu::Features::PRIMITIVE_INDEX
+            | wgpu::Features::TEXTURE_BINDING_ARRAY
+            | wgpu::Features::SAMPLED_TEXTURE_AND_STORAGE_BUFFER_ARRAY_NON_UNIFORM_INDEXING;
         let descriptor = wgpu::DeviceDescriptor {
             label: Some("terrafill"),
             required_features: wgpu::Features::DEPTH32FLOAT_STENCIL8

@@ -50,8 +50,14 @@ pub struct Features {
     pub samples_depth: bool,
     /// Mesh shaders.
     pub mesh_shader: bool,
+    /// Task shaders, which start them.
+    pub task_shader: bool,
     /// What vertices become can be kept in a buffer.
     pub transform_feedback: bool,
+    /// Views that one draw goes to, at most; 0 without multiview.
+    pub max_views: u32,
+    /// Vertex shaders can choose the layer that they draw into.
+    pub vertex_layer: bool,
 }
 
 /// What a device is, for reports.
@@ -265,6 +271,7 @@ impl Adapter {
             _ => DeviceType::Other,
         };
         let is = |feature: vk::Bool32| feature == vk::TRUE;
+        let mesh = mesh_shaders(instance, raw, plain.api_version);
         Self {
             raw,
             device_type,
@@ -286,8 +293,15 @@ impl Adapter {
                     occlusion_query_precise: is(features.occlusion_query_precise),
                     depth_bounds: is(features.depth_bounds),
                     depth_clamp: is(features.depth_clamp),
-                    mesh_shader: has_mesh_shader(instance, raw, plain.api_version),
+                    mesh_shader: mesh.is_some(),
+                    task_shader: mesh.is_some_and(|has_task| has_task),
                     transform_feedback: has_feedback(instance, raw, plain.api_version),
+                    max_views: max_views(instance, raw, plain.api_version),
+                    vertex_layer: has_extension(
+                        instance,
+                        raw,
+                        ext::shader_viewport_index_layer::NAME,
+                    ),
                     blends_float: numbers.optimal_tiling_features.contains(blends_and_reads),
                     samples_depth: format
                         .optimal_tiling_features
@@ -322,10 +336,34 @@ fn has_feedback(instance: &ash::Instance, raw: vk::PhysicalDevice, api_version: 
     feedback.transform_feedback == vk::TRUE
 }
 
-/// Mesh shaders need SPIR-V 1.4, which Vulkan 1.2 has.
-fn has_mesh_shader(instance: &ash::Instance, raw: vk::PhysicalDevice, api_version: u32) -> bool {
+/// Views of a multiview pass; 0 without the feature.
+fn max_views(instance: &ash::Instance, raw: vk::PhysicalDevice, api_version: u32) -> u32 {
+    if api_version < vk::API_VERSION_1_1 {
+        return 0;
+    }
+    let mut multiview = vk::PhysicalDeviceMultiviewFeatures::default();
+    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut multiview);
+    let mut limits = vk::PhysicalDeviceMultiviewProperties::default();
+    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut limits);
+    // SAFETY: both are of Vulkan 1.1.
+    unsafe {
+        instance.get_physical_device_features2(raw, &mut features);
+        instance.get_physical_device_properties2(raw, &mut properties);
+    }
+    match multiview.multiview == vk::TRUE {
+        true => limits.max_multiview_view_count,
+        false => 0,
+    }
+}
+
+/// Whether there are task shaders where there are mesh shaders; these need SPIR-V 1.4, which Vulkan 1.2 has.
+fn mesh_shaders(
+    instance: &ash::Instance,
+    raw: vk::PhysicalDevice,
+    api_version: u32,
+) -> Option<bool> {
     if api_version < vk::API_VERSION_1_2 {
-        return false;
+        return None;
     }
     let is_there = has_extension(instance, raw, ext::mesh_shader::NAME);
     let mut mesh = vk::PhysicalDeviceMeshShaderFeaturesEXT::default();
@@ -335,7 +373,7 @@ fn has_mesh_shader(instance: &ash::Instance, raw: vk::PhysicalDevice, api_versio
     }
     // SAFETY: of Vulkan 1.1, and what is chained is of an extension that is there.
     unsafe { instance.get_physical_device_features2(raw, &mut features) };
-    mesh.mesh_shader == vk::TRUE
+    (mesh.mesh_shader == vk::TRUE).then_some(mesh.task_shader == vk::TRUE)
 }
 
 /// Every Vulkan adapter of this machine, in the order in which [`Gpu::open`] prefers them.
@@ -386,14 +424,19 @@ impl Gpu {
             .depth_bounds(has.depth_bounds == vk::TRUE)
             .depth_clamp(has.depth_clamp == vk::TRUE);
         let has_mesh = adapter.facts.features.mesh_shader;
-        let mut mesh_features =
-            vk::PhysicalDeviceMeshShaderFeaturesEXT::default().mesh_shader(true);
+        let mut mesh_features = vk::PhysicalDeviceMeshShaderFeaturesEXT::default()
+            .mesh_shader(true)
+            .task_shader(adapter.facts.features.task_shader);
         let has_feedback = adapter.facts.features.transform_feedback;
         let mut feedback_features =
             vk::PhysicalDeviceTransformFeedbackFeaturesEXT::default().transform_feedback(true);
         let extensions: Vec<_> = [
             (has_mesh, ext::mesh_shader::NAME),
             (has_feedback, ext::transform_feedback::NAME),
+            (
+                adapter.facts.features.vertex_layer,
+                ext::shader_viewport_index_layer::NAME,
+            ),
         ]
         .into_iter()
         .filter(|(has, _)| *has)
@@ -405,6 +448,10 @@ impl Gpu {
             .enabled_extension_names(&extensions);
         if has_mesh {
             info = info.push_next(&mut mesh_features);
+        }
+        let mut multiview_features = vk::PhysicalDeviceMultiviewFeatures::default().multiview(true);
+        if adapter.facts.features.max_views > 0 {
+            info = info.push_next(&mut multiview_features);
         }
         if has_feedback {
             info = info.push_next(&mut feedback_features);

@@ -189,14 +189,16 @@ pub fn advance(gpu: &Arc<Gpu>, steps: &[StateStep<'_>]) -> Result<StepReport, De
 }
 
 impl Buffer {
-    /// Contents of a [`BufferUse::State`].
+    /// Contents of a [`BufferUse::State`] or of [`BufferUse::Arguments`].
     ///
     /// # Errors
     /// [`DeviceError::Unsupported`] for another use, [`DeviceError::OutOfMemory`],
     /// [`DeviceError::DeviceLost`].
     pub fn contents(&self, gpu: &Arc<Gpu>) -> Result<Vec<u8>, DeviceError> {
-        if !self.is_on(gpu) || self.use_for() != Some(BufferUse::State) {
-            let what = "reading back a buffer that is no state";
+        let readable = [BufferUse::State, BufferUse::Arguments];
+        let is_readable = self.use_for().is_some_and(|of| readable.contains(&of));
+        if !self.is_on(gpu) || !is_readable {
+            let what = "reading back a buffer that is neither state nor arguments";
             return Err(DeviceError::unsupported(what, &gpu.facts.name));
         }
         let copy = Self::for_reading(gpu, "state read-back", self.size())?;

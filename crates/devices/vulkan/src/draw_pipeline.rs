@@ -67,8 +67,13 @@ pub enum PrimitiveStages {
         /// How they become primitives.
         topology: Topology,
     },
-    /// A compiled mesh shader, by its name.
-    Mesh(&'static str),
+    /// Compiled mesh shaders, by their names.
+    Mesh {
+        /// Starts workgroups of the other, where there is one.
+        task: Option<&'static str>,
+        /// Makes primitives.
+        mesh: &'static str,
+    },
 }
 
 /// A pipeline with the resources that its shaders find.
@@ -120,11 +125,18 @@ impl DrawPipeline {
                 }
                 (format, topology)
             }
-            PrimitiveStages::Mesh(name) => {
+            PrimitiveStages::Mesh { task, mesh } => {
                 if gpu.mesh.is_none() {
                     return Err(lacks("VK_EXT_mesh_shader"));
                 }
-                let shader = Shader::Compiled(name);
+                if let Some(task) = task {
+                    if !gpu.facts.features.task_shader {
+                        return Err(lacks("taskShader"));
+                    }
+                    let shader = Shader::Compiled(task);
+                    shaders.push((vk::ShaderStageFlags::TASK_EXT, shader, SpirvStage::Vertex));
+                }
+                let shader = Shader::Compiled(mesh);
                 shaders.push((vk::ShaderStageFlags::MESH_EXT, shader, SpirvStage::Vertex));
                 (VertexFormat::Number, Topology::Triangles)
             }
@@ -179,13 +191,13 @@ impl DrawPipeline {
     }
 
     pub(crate) fn is_mesh(&self) -> bool {
-        matches!(self.stages, PrimitiveStages::Mesh(_))
+        matches!(self.stages, PrimitiveStages::Mesh { .. })
     }
 
     pub(crate) fn needs_vertices(&self) -> bool {
         match self.stages {
             PrimitiveStages::Vertices { format, .. } => format != VertexFormat::Number,
-            PrimitiveStages::Mesh(_) => false,
+            PrimitiveStages::Mesh { .. } => false,
         }
     }
 }
@@ -197,7 +209,7 @@ impl Drop for DrawPipeline {
     }
 }
 
-fn check_output(gpu: &Gpu, output: GeometryOutput) -> Result<(), DeviceError> {
+pub(crate) fn check_output(gpu: &Gpu, output: GeometryOutput) -> Result<(), DeviceError> {
     let limits = &gpu.limits;
     let all = [
         (

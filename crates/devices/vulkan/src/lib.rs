@@ -29,6 +29,8 @@ mod draw_pipeline;
 mod failure;
 mod fill;
 mod fixtures;
+mod layer_pipeline;
+mod layered;
 mod memory;
 mod pass;
 mod pipeline;
@@ -56,6 +58,8 @@ pub use depth_copy::DepthCopy;
 pub use direct::{DirectDraw, DirectReport, Dispatch, DrawCall};
 pub use draw_pipeline::{ComputePipeline, DrawPipeline, GeometryOutput, PrimitiveStages, Shader};
 pub use fill::{VolumeFill, Volumes};
+pub use layer_pipeline::LayerPipeline;
+pub use layered::{LayeredDepth, LayersBy};
 pub use memory::{Buffer, BufferUse};
 pub use pass::{CoverState, DrawState, FillRecorder, Geometry, IndexWidth, PassRecorder};
 pub use pipeline::{

@@ -22,7 +22,7 @@ pub enum BufferUse {
     Constants,
     /// An array that shaders read.
     Storage,
-    /// Arguments of draws, which shaders may write.
+    /// Arguments of draws, which shaders may write and the host may read back.
     Arguments,
     /// What steps write, by a shader or by transform feedback, and the host may read back.
     State,
@@ -39,7 +39,9 @@ impl BufferUse {
                 vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_SRC
             }
             Self::Arguments => {
-                vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::INDIRECT_BUFFER
+                vk::BufferUsageFlags::STORAGE_BUFFER
+                    | vk::BufferUsageFlags::INDIRECT_BUFFER
+                    | vk::BufferUsageFlags::TRANSFER_SRC
             }
         }
     }
@@ -480,13 +482,27 @@ pub(crate) struct ImageKind {
     pub(crate) usage: vk::ImageUsageFlags,
     pub(crate) aspects: vk::ImageAspectFlags,
     pub(crate) levels: u32,
-    /// The six faces of a cube, or one flat picture.
-    pub(crate) is_cube: bool,
+    pub(crate) shape: ImageShape,
+}
+
+/// What the layers of an image are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ImageShape {
+    /// One flat picture.
+    Flat,
+    /// Six faces.
+    Cube,
+    /// Pictures, numbered.
+    Array(u32),
 }
 
 impl ImageKind {
     pub(crate) fn layers(&self) -> u32 {
-        if self.is_cube { 6 } else { 1 }
+        match self.shape {
+            ImageShape::Flat => 1,
+            ImageShape::Cube => 6,
+            ImageShape::Array(layers) => layers,
+        }
     }
 
     /// All levels and layers.
@@ -514,7 +530,7 @@ impl Image {
             usage: usage | vk::ImageUsageFlags::TRANSFER_SRC,
             aspects,
             levels: 1,
-            is_cube: false,
+            shape: ImageShape::Flat,
         };
         Self::new(gpu, label, &kind)
     }
@@ -522,7 +538,7 @@ impl Image {
     /// The extent is within the device's limits, and the format can be used so.
     pub(crate) fn new(gpu: &Arc<Gpu>, label: &str, kind: &ImageKind) -> Result<Self, DeviceError> {
         let info = vk::ImageCreateInfo::default()
-            .flags(if kind.is_cube {
+            .flags(if kind.shape == ImageShape::Cube {
                 vk::ImageCreateFlags::CUBE_COMPATIBLE
             } else {
                 vk::ImageCreateFlags::empty()
@@ -546,10 +562,10 @@ impl Image {
         let bound = Memory::new(gpu, label, needs, DEVICE).and_then(|memory| {
             let view_info = vk::ImageViewCreateInfo::default()
                 .image(raw)
-                .view_type(if kind.is_cube {
-                    vk::ImageViewType::CUBE
-                } else {
-                    vk::ImageViewType::TYPE_2D
+                .view_type(match kind.shape {
+                    ImageShape::Flat => vk::ImageViewType::TYPE_2D,
+                    ImageShape::Cube => vk::ImageViewType::CUBE,
+                    ImageShape::Array(_) => vk::ImageViewType::TYPE_2D_ARRAY,
                 })
                 .format(kind.format)
                 .subresource_range(kind.whole());

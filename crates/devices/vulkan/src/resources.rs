@@ -3,7 +3,7 @@
 
 use crate::bindings::SetPool;
 use crate::failure::failure;
-use crate::{Buffer, BufferUse, Gpu, SampledImage};
+use crate::{Buffer, BufferUse, Gpu, LayeredDepth, SampledImage};
 use ash::vk;
 use std::sync::Arc;
 use terrafill_fill::DeviceError;
@@ -17,6 +17,8 @@ pub enum Resource {
     Storage(Arc<Buffer>),
     /// An image whose texels are loaded by their number.
     Image(Arc<SampledImage>),
+    /// Depth maps that are drawn into before.
+    Depths(Arc<LayeredDepth>),
 }
 
 impl Resource {
@@ -24,7 +26,16 @@ impl Resource {
         match self {
             Self::Uniform(_) => vk::DescriptorType::UNIFORM_BUFFER,
             Self::Storage(_) => vk::DescriptorType::STORAGE_BUFFER,
-            Self::Image(_) => vk::DescriptorType::SAMPLED_IMAGE,
+            Self::Image(_) | Self::Depths(_) => vk::DescriptorType::SAMPLED_IMAGE,
+        }
+    }
+
+    /// Null for a buffer.
+    fn view(&self) -> vk::ImageView {
+        match self {
+            Self::Uniform(_) | Self::Storage(_) => vk::ImageView::null(),
+            Self::Image(image) => image.view(),
+            Self::Depths(depths) => depths.view(),
         }
     }
 
@@ -38,6 +49,7 @@ impl Resource {
                 buffer.is_on(gpu) && buffer.use_for().is_some_and(|of| uses.contains(&of))
             }
             Self::Image(image) => image.is_on(gpu),
+            Self::Depths(depths) => depths.is_on(gpu),
         }
     }
 }
@@ -113,10 +125,10 @@ impl Resources {
                     // SAFETY: of the kind that the layout has there; it lives as long as the set.
                     unsafe { gpu.device.update_descriptor_sets(&writes, &[]) };
                 }
-                Resource::Image(image) => {
+                Resource::Image(_) | Resource::Depths(_) => {
                     let images = [vk::DescriptorImageInfo {
                         sampler: vk::Sampler::null(),
-                        image_view: image.view(),
+                        image_view: resource.view(),
                         image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
                     }];
                     let writes = [write.image_info(&images)];

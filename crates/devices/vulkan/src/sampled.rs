@@ -3,7 +3,7 @@
 
 use crate::bindings::SetPool;
 use crate::failure::failure;
-use crate::memory::{Image, ImageKind};
+use crate::memory::{Image, ImageKind, ImageShape};
 use crate::{Buffer, Gpu};
 use ash::vk;
 use std::sync::Arc;
@@ -33,7 +33,7 @@ impl SampledImage {
             usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
             aspects: vk::ImageAspectFlags::COLOR,
             levels: u32::try_from(levels.len()).unwrap_or(u32::MAX),
-            is_cube: false,
+            shape: ImageShape::Flat,
         };
         let sizes = levels.iter().map(|level| vk::Extent2D {
             width: level.width,
@@ -79,7 +79,10 @@ impl SampledImage {
             usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
             aspects: vk::ImageAspectFlags::COLOR,
             levels: 1,
-            is_cube: texels.is_cube,
+            shape: match texels.is_cube {
+                true => ImageShape::Cube,
+                false => ImageShape::Flat,
+            },
         };
         let level = (extent, &*texels.bytes);
         Self::upload(gpu, "route", &kind, std::iter::once(level))
@@ -92,7 +95,7 @@ impl SampledImage {
         kind: &ImageKind,
         levels: impl Iterator<Item = (vk::Extent2D, &'t [u8])>,
     ) -> Result<Self, DeviceError> {
-        let allowed = if kind.is_cube {
+        let allowed = if kind.shape == ImageShape::Cube {
             gpu.limits.max_image_dimension_cube
         } else {
             gpu.limits.max_image_dimension2_d

@@ -56,7 +56,7 @@ mod tests {
                 if path.is_dir() {
                     folders.push(path);
                 } else if path.extension().is_some_and(|extension| {
-                    ["wgsl", "glsl", "geom", "mesh", "vert", "frag"]
+                    ["wgsl", "glsl", "geom", "task", "mesh", "vert", "frag"]
                         .iter()
                         .any(|e| extension == *e)
                 }) {

@@ -179,6 +179,8 @@ const GEOMETRY_SHADERS: &[GeometryShader] = &[
 const GEOMETRY_SHARED: &[&str] = &[
     "native/volume.glsl",
     "native/grid.glsl",
+    "native/ground.glsl",
+    "native/lights.glsl",
     "casters/sides.glsl",
 ];
 
@@ -193,10 +195,14 @@ pub fn geometry_shaders() -> &'static [GeometryShader] {
 pub enum GlslStage {
     /// Geometry shader.
     Geometry,
+    /// Task shader.
+    Task,
     /// Mesh shader.
     Mesh,
     /// Fragment shader of what a mesh shader makes.
     MeshFragment,
+    /// Vertex shader that WGSL cannot say, or whose arithmetic a geometry shader shares.
+    Vertex,
     /// Vertex shader whose outputs transform feedback keeps.
     Capture,
 }
@@ -207,10 +213,11 @@ impl GlslStage {
     pub fn compiled_for(self) -> (&'static str, &'static str) {
         match self {
             Self::Geometry => ("geom", "vulkan1.1"),
-            // Mesh shaders need SPIR-V 1.4.
+            // Task and mesh shaders need SPIR-V 1.4.
+            Self::Task => ("task", "vulkan1.2"),
             Self::Mesh => ("mesh", "vulkan1.2"),
             Self::MeshFragment => ("frag", "vulkan1.2"),
-            Self::Capture => ("vert", "vulkan1.1"),
+            Self::Vertex | Self::Capture => ("vert", "vulkan1.1"),
         }
     }
 }
@@ -251,7 +258,18 @@ const COMPILED_SHADERS: &[CompiledShader] = compiled_shaders![
     "native/grid.geom", "native/grid.row8.spv", Geometry, ["CELLS=8", "PER_ROW"];
     "native/grid.mesh", "native/grid.mesh.spv", Mesh, [];
     "native/grid.frag", "native/grid.frag.spv", MeshFragment, [];
+    "native/ground.geom", "native/ground.geom.spv", Geometry, [];
+    "native/ground.task", "native/ground.task.spv", Task, [];
+    "native/ground.mesh", "native/ground.mesh.spv", Mesh, [];
+    "native/lights.vert", "native/lights.pass.spv", Vertex, [];
+    "native/lights.vert", "native/lights.layer.spv", Vertex, ["LAYER"];
+    "native/lights.vert", "native/lights.view.spv", Vertex, ["VIEW"];
+    "native/lights.vert", "native/lights.place.spv", Vertex, ["PLACE"];
+    "native/lights.geom", "native/lights.copied.spv", Geometry, [];
+    "native/lights.geom", "native/lights.invoked4.spv", Geometry, ["INVOCATIONS=4"];
+    "native/lights.geom", "native/lights.invoked16.spv", Geometry, ["INVOCATIONS=16"];
     "native/balls.vert", "native/balls.spv", Capture, [];
+    "native/balls.vert", "native/balls.terrain.spv", Capture, ["TERRAIN"];
 ];
 
 /// Every shader that was compiled beforehand, those of [`geometry_shaders`] left out.
@@ -393,7 +411,7 @@ mod tests {
             .iter()
             .map(|shader| compiled_spirv(shader.spirv).expect("SPIR-V"))
             .collect();
-        assert_eq!(all.len(), 10);
+        assert_eq!(all.len(), 21);
         for (index, one) in all.iter().enumerate() {
             assert!(all[..index].iter().all(|other| other != one), "{index}");
         }

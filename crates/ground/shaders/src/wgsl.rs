@@ -23,7 +23,7 @@ pub(crate) use shader_sources;
 pub(crate) const MODULES: &[ShaderSource] = include!(concat!(env!("OUT_DIR"), "/modules.rs"));
 
 /// Files that others import.
-pub(crate) const SHARED: [ShaderSource; 8] = shader_sources![
+pub(crate) const SHARED: [ShaderSource; 10] = shader_sources![
     "shared/view.wgsl",
     "shared/footprint.wgsl",
     "shared/region.wgsl",
@@ -32,6 +32,8 @@ pub(crate) const SHARED: [ShaderSource; 8] = shader_sources![
     "shared/grid.wgsl",
     "shared/relief.wgsl",
     "shared/srgb.wgsl",
+    "shared/ground.wgsl",
+    "shared/cache.wgsl",
 ];
 
 /// What can be wrong with a shader.
@@ -133,6 +135,14 @@ pub fn validate(path: &str, composed: &str) -> Result<naga::Module, ShaderError>
     parse_and_validate(path, composed).map(|(module, _)| module)
 }
 
+/// What not every device has: a module that numbers primitives or indexes arrays of textures says so, and its device
+/// is asked first.
+fn capabilities() -> Capabilities {
+    Capabilities::PRIMITIVE_INDEX
+        | Capabilities::TEXTURE_AND_SAMPLER_BINDING_ARRAY
+        | Capabilities::TEXTURE_AND_SAMPLER_BINDING_ARRAY_NON_UNIFORM_INDEXING
+}
+
 pub(crate) fn parse_and_validate(
     path: &str,
     composed: &str,
@@ -143,8 +153,7 @@ pub(crate) fn parse_and_validate(
     };
     let module = naga::front::wgsl::parse_str(composed)
         .map_err(|error| invalid(error.emit_to_string_with_path(composed, path)))?;
-    // A module that numbers primitives says so; its device is asked first.
-    let info = Validator::new(ValidationFlags::all(), Capabilities::PRIMITIVE_INDEX)
+    let info = Validator::new(ValidationFlags::all(), capabilities())
         .validate(&module)
         .map_err(|error| invalid(error.emit_to_string_with_path(composed, path)))?;
     Ok((module, info))

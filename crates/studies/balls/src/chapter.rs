@@ -75,6 +75,7 @@ impl Chapter for BallsChapter {
             blocks.push(Block::Table(table(&cases, caption, part, keys, metrics)));
         }
         blocks.extend(crate::device_chapter::blocks(run));
+        blocks.extend(crate::drawn_chapter::blocks(run));
         Ok(blocks)
     }
 }
@@ -357,6 +358,7 @@ fn table(
 fn all_findings(run: &Run) -> Vec<Finding> {
     let mut all = findings(&cases(run));
     all.extend(crate::device_chapter::findings(run));
+    all.extend(crate::drawn_chapter::findings(run));
     all
 }
 

@@ -11,6 +11,9 @@ mod chapter;
 mod closed_form;
 mod contact;
 mod device_chapter;
+mod drawing;
+mod drawn;
+mod drawn_chapter;
 mod drop;
 mod finding;
 mod integrator;
@@ -18,6 +21,7 @@ mod metrics;
 mod on_devices;
 mod stepping;
 mod study;
+mod terrain;
 
 pub use chapter::BallsChapter;
 pub use study::BallsStudy;

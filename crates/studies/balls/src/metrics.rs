@@ -3,7 +3,7 @@
 
 use terrafill_results::{Kind, Metric};
 
-pub(crate) const METRICS: [Metric; 19] = [
+pub(crate) const METRICS: [Metric; 29] = [
     Metric::less(
         "ball_cpu_us",
         "µs",
@@ -117,5 +117,60 @@ pub(crate) const METRICS: [Metric; 19] = [
         "B",
         Kind::Bytes,
         "Bytes that the CPU wrote for the device during all steps.",
+    ),
+    Metric::less(
+        "ball_terrain_max_m",
+        "m",
+        Kind::Error,
+        "Largest distance of a ball over terrain from the same integrator in f64, after 240 steps.",
+    ),
+    Metric::less(
+        "ball_terrain_p95_m",
+        "m",
+        Kind::Error,
+        "95th percentile of that distance: at a border of cells slopes jump, and a ball there may leave otherwise.",
+    ),
+    Metric::less(
+        "ball_terrain_rms_m",
+        "m",
+        Kind::Error,
+        "Root mean square of that distance.",
+    ),
+    Metric::less(
+        "ball_mismatched_px",
+        "px",
+        Kind::Error,
+        "Pixels that show another ball than the reference allows, outside of the band of 1/32 pixel.",
+    ),
+    Metric::less(
+        "ball_differing_px",
+        "px",
+        Kind::Error,
+        "Pixels that differ from those of one draw for all balls, stepped in the same way.",
+    ),
+    Metric::less("ball_draws", "", Kind::Counter, "Draw calls of a frame."),
+    Metric::less(
+        "ball_frame_cpu_us",
+        "µs",
+        Kind::Time,
+        "Process CPU time of a frame: a step over terrain and the draws, each waited for.",
+    ),
+    Metric::less(
+        "ball_frame_wall_us",
+        "µs",
+        Kind::Time,
+        "Wall clock over the same span.",
+    ),
+    Metric::less(
+        "ball_draw_cpu_us",
+        "µs",
+        Kind::Time,
+        "Process CPU time of the draws of a frame alone.",
+    ),
+    Metric::less(
+        "ball_draw_gpu_us",
+        "µs",
+        Kind::Time,
+        "GPU time of the draws of a frame, where the device keeps it.",
     ),
 ];

@@ -4,14 +4,15 @@
 use crate::STUDY;
 use crate::closed_form::GRAVITY;
 use crate::integrator::{Ball, Forces, Integrator, step};
-use crate::stepping::{BallConstants, State, Steps, Way};
+use crate::stepping::{BallConstants, Steps, Way};
+use crate::terrain::{CELL_M, CELLS, State};
 use std::collections::BTreeMap;
 use terrafill_fill::{CpuStopwatch, DeviceError};
 use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
 use terrafill_study::{Context, Group, Session, StudyError};
 
-const STIFFNESS: f64 = 1e3;
-const STEPS_PER_SECOND: u32 = 480;
+pub(crate) const STIFFNESS: f64 = 1e3;
+pub(crate) const STEPS_PER_SECOND: u32 = 480;
 /// Half a second: every ball meets the ground.
 pub(crate) const STEPS: u32 = 240;
 /// What `f32` may differ from `f64`, metres. 240 roundings by half a last place of 0.3 m add up to 3.6 µm: a
@@ -98,7 +99,7 @@ fn balls(count: u32) -> Vec<State> {
     (0..count).map(ball).collect()
 }
 
-fn constants(count: u32) -> BallConstants {
+pub(crate) fn constants(count: u32) -> BallConstants {
     #[allow(
         clippy::cast_possible_truncation,
         reason = "rounding to f32 is part of what is measured"
@@ -109,6 +110,9 @@ fn constants(count: u32) -> BallConstants {
         gravity: near(GRAVITY),
         stiffness: near(STIFFNESS),
         count,
+        cells: CELLS,
+        cell_m: near(CELL_M),
+        padding: [0; 2],
     }
 }
 
@@ -162,7 +166,7 @@ fn judge(integrator: Integrator, first: &[State], last: &[State]) -> Judged {
 }
 
 /// Takes all steps; bytes that the CPU wrote for the device meanwhile.
-fn take_all(steps: &mut dyn Steps) -> Result<u64, DeviceError> {
+pub(crate) fn take_all(steps: &mut dyn Steps) -> Result<u64, DeviceError> {
     let before = steps.uploaded();
     for _ in 0..STEPS / TIMED {
         steps.step(TIMED)?;
@@ -174,7 +178,7 @@ impl DeviceSession<'_> {
     fn run(&mut self, case: usize) -> Result<(Judged, u64), DeviceError> {
         let (way, count) = self.group.ways[case];
         let first = balls(count);
-        let mut steps = way.open(self.context.devices, &constants(count), &first)?;
+        let mut steps = way.open(self.context.devices, &constants(count), &first, None)?;
         let uploaded = take_all(steps.as_mut())?;
         let last = steps.read()?;
         let mut judged = judge(Integrator::SymplecticEuler, &first, &last);
@@ -237,6 +241,7 @@ impl Session for DeviceSession<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::drawing::DrawsBalls;
     use terrafill_fill::Devices;
     use terrafill_vulkan::{Buffer, BufferUse};
 
@@ -268,6 +273,14 @@ mod tests {
         fn uploaded(&self) -> u64 {
             self.steps.uploaded()
         }
+
+        fn current(&self) -> usize {
+            self.steps.current()
+        }
+
+        fn points(&self) -> Result<Box<dyn DrawsBalls>, DeviceError> {
+            self.steps.points()
+        }
     }
 
     #[test]
@@ -276,7 +289,7 @@ mod tests {
         let mut ends: Vec<(Way, Vec<State>)> = Vec::new();
         for way in Way::ALL {
             let first = balls(1_000);
-            let mut steps = match way.open(&devices, &constants(1_000), &first) {
+            let mut steps = match way.open(&devices, &constants(1_000), &first, None) {
                 Ok(steps) => steps,
                 Err(error) => {
                     assert!(matches!(error, DeviceError::Unsupported { .. }), "{error}");
@@ -289,7 +302,7 @@ mod tests {
             let judged = judge(Integrator::SymplecticEuler, &first, &last);
             eprintln!("{way:?}: {judged:?}");
             assert!(judged.max_m <= ALLOWED_M, "{way:?}: {judged:?}");
-            let steps = way.open(&devices, &constants(1_000), &first);
+            let steps = way.open(&devices, &constants(1_000), &first, None);
             let mut rewriting = Rewriting {
                 steps: steps.expect("opens"),
                 way,
@@ -302,7 +315,7 @@ mod tests {
             let other = judge(Integrator::VelocityVerlet, &first, &last);
             assert!(other.max_m > 100.0 * ALLOWED_M, "{way:?}: {other:?}");
             let mut fewer = way
-                .open(&devices, &constants(1_000), &first)
+                .open(&devices, &constants(1_000), &first, None)
                 .expect("opens");
             fewer.step(STEPS - 1).expect("steps");
             let last_of_fewer = fewer.read().expect("reads");

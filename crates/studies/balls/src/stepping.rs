@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Two states of all balls on a device, each step from one into the other; the CPU writes the first only.
 
+use crate::drawing::{DrawsBalls, VulkanPoints, WgpuPoints};
+use crate::terrain::{State, Terrain};
 use std::sync::Arc;
 use terrafill_fill::{DeviceError, Devices};
 use terrafill_vulkan::{
@@ -9,11 +11,12 @@ use terrafill_vulkan::{
 };
 
 const STEP: &str = "balls/step.wgsl";
+const STEP_OVER_TERRAIN: &str = "balls/step_terrain.wgsl";
 const ENTRY: &str = "step_main";
 /// A workgroup of the shader.
 const GROUP: u32 = 64;
 
-/// As both shaders have it.
+/// As all shaders have it; those of flat ground need none of the last.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct BallConstants {
@@ -22,13 +25,14 @@ pub(crate) struct BallConstants {
     /// k/m, 1/s².
     pub(crate) stiffness: f32,
     pub(crate) count: u32,
+    /// A side of the terrain, and of a cell in metres.
+    pub(crate) cells: u32,
+    pub(crate) cell_m: f32,
+    pub(crate) padding: [u32; 2],
 }
 
-/// Place and velocity of a ball, four numbers each as published.
-pub(crate) type State = [[f32; 4]; 2];
-
 /// A way to step on a device.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Way {
     WgpuCompute,
     VulkanCompute,
@@ -48,16 +52,17 @@ impl Way {
         }
     }
 
-    /// Puts the balls onto the device.
+    /// Puts the balls onto the device, over terrain or over level ground at height 0.
     pub(crate) fn open(
         self,
         devices: &Devices,
         constants: &BallConstants,
         balls: &[State],
+        terrain: Option<&Terrain>,
     ) -> Result<Box<dyn Steps>, DeviceError> {
         Ok(match self {
-            Self::WgpuCompute => Box::new(OnWgpu::new(devices, constants, balls)?),
-            _ => Box::new(OnVulkan::new(self, devices, constants, balls)?),
+            Self::WgpuCompute => Box::new(OnWgpu::new(devices, constants, balls, terrain)?),
+            _ => Box::new(OnVulkan::new(self, devices, constants, balls, terrain)?),
         })
     }
 }
@@ -69,6 +74,10 @@ pub(crate) trait Steps {
     fn read(&self) -> Result<Vec<State>, DeviceError>;
     /// Bytes that the CPU has written for the device so far.
     fn uploaded(&self) -> u64;
+    /// Which of the two states is the last.
+    fn current(&self) -> usize;
+    /// What draws the balls.
+    fn points(&self) -> Result<Box<dyn DrawsBalls>, DeviceError>;
 }
 
 struct OnWgpu {
@@ -86,6 +95,7 @@ impl OnWgpu {
         devices: &Devices,
         constants: &BallConstants,
         balls: &[State],
+        terrain: Option<&Terrain>,
     ) -> Result<Self, DeviceError> {
         let gpu = terrafill_gpu::shared_gpu(devices)?;
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
@@ -100,18 +110,29 @@ impl OnWgpu {
         let uniform = wgpu::BufferUsages::UNIFORM;
         let constants = gpu.upload("ball constants", bytemuck::bytes_of(constants), uniform)?;
         let storage = |read_only| wgpu::BufferBindingType::Storage { read_only };
-        let types = [
+        let mut types = vec![
             wgpu::BufferBindingType::Uniform,
             storage(true),
             storage(false),
         ];
+        let heights = match terrain {
+            Some(terrain) => {
+                types.push(storage(true));
+                let bytes = bytemuck::cast_slice(&terrain.heights);
+                Some(gpu.upload("heights", bytes, wgpu::BufferUsages::STORAGE)?)
+            }
+            None => None,
+        };
         let layout = gpu.buffer_layout("balls", wgpu::ShaderStages::COMPUTE, &types);
-        let bound = [(&first, &second), (&second, &first)]
-            .map(|(from, to)| gpu.bind_buffers("balls", &layout, &[&constants, from, to]));
+        let bound = [(&first, &second), (&second, &first)].map(|(from, to)| {
+            let mut buffers = vec![&constants, from, to];
+            buffers.extend(&heights);
+            gpu.bind_buffers("balls", &layout, &buffers)
+        });
         let pipeline = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some("step balls"),
             layout: Some(&gpu.pipeline_layout("balls", &[Some(&layout)])),
-            module: &gpu.shader(STEP)?,
+            module: &gpu.shader(step_shader(terrain))?,
             entry_point: Some(ENTRY),
             compilation_options: Default::default(),
             cache: None,
@@ -151,6 +172,18 @@ impl Steps for OnWgpu {
     fn uploaded(&self) -> u64 {
         self.gpu.work_done().upload_bytes
     }
+
+    fn current(&self) -> usize {
+        self.current
+    }
+
+    fn points(&self) -> Result<Box<dyn DrawsBalls>, DeviceError> {
+        Ok(Box::new(WgpuPoints::new(&self.gpu, &self.states)?))
+    }
+}
+
+fn step_shader(terrain: Option<&Terrain>) -> &'static str {
+    terrain.map_or(STEP, |_| STEP_OVER_TERRAIN)
 }
 
 /// By what a step on Vulkan is taken, from the first state and from the second.
@@ -182,6 +215,7 @@ impl OnVulkan {
         devices: &Devices,
         constants: &BallConstants,
         balls: &[State],
+        terrain: Option<&Terrain>,
     ) -> Result<Self, DeviceError> {
         let gpu = terrafill_vulkan::shared_gpu(devices)?;
         let bytes: &[u8] = bytemuck::cast_slice(balls);
@@ -191,21 +225,31 @@ impl OnVulkan {
         let bytes = bytemuck::bytes_of(constants);
         let constants = Buffer::upload(&gpu, "ball constants", bytes, BufferUse::Uniform)?;
         let constants = Arc::new(constants);
+        let heights = match terrain {
+            Some(terrain) => {
+                let bytes = bytemuck::cast_slice(&terrain.heights);
+                let heights = Buffer::upload(&gpu, "heights", bytes, BufferUse::Storage)?;
+                Some(Resource::Storage(Arc::new(heights)))
+            }
+            None => None,
+        };
         let bind = |from: usize| {
-            let all = vec![
+            let mut all = vec![
                 Resource::Uniform(Arc::clone(&constants)),
                 Resource::Storage(Arc::clone(&states[from])),
                 Resource::Storage(Arc::clone(&states[1 - from])),
             ];
+            all.extend(heights.clone());
             Resources::new(&gpu, all)
         };
         let bound = [bind(0)?, bind(1)?];
         let stepper = if way == Way::VulkanFeedback {
-            let make = |from: usize| CapturePipeline::new(&gpu, &bound[from], "native/balls.spv");
+            let shader = terrain.map_or("native/balls.spv", |_| "native/balls.terrain.spv");
+            let make = |from: usize| CapturePipeline::new(&gpu, &bound[from], shader);
             Stepper::Feedback([make(0)?, make(1)?])
         } else {
             let shader = Shader::Wgsl {
-                path: STEP,
+                path: step_shader(terrain),
                 entry_point: ENTRY,
             };
             let make = |from: usize| ComputePipeline::new(&gpu, &bound[from], shader);
@@ -241,6 +285,14 @@ impl Steps for OnVulkan {
             });
         }
         Ok(advance(&self.gpu, &steps)?.gpu_ms)
+    }
+
+    fn current(&self) -> usize {
+        self.current
+    }
+
+    fn points(&self) -> Result<Box<dyn DrawsBalls>, DeviceError> {
+        Ok(Box::new(VulkanPoints::new(&self.gpu, &self.states)?))
     }
 
     fn read(&self) -> Result<Vec<State>, DeviceError> {

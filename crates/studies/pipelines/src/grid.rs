@@ -9,11 +9,11 @@ use glam::{DMat4, DVec3, DVec4};
 use std::f64::consts::TAU;
 
 /// A side of the square of ground.
-pub(crate) const SIDE_M: f64 = 2_000.0;
+const SIDE_M: f64 = 2_000.0;
 /// Tangent of half the field of view, either way: 60° hold the whole square.
-pub(crate) const TAN_HALF_VIEW: f64 = 0.577_350_269_189_625_8;
+const TAN_HALF_VIEW: f64 = 0.577_350_269_189_625_8;
 /// Distance of the near plane: nothing is nearer.
-const NEAR_M: f64 = 1.0;
+pub(crate) const NEAR_M: f64 = 1.0;
 const EYE: DVec3 = DVec3::new(930.0, -1_500.0, 1_200.0);
 const TARGET: DVec3 = DVec3::new(1_000.0, 600.0, 0.0);
 
@@ -22,6 +22,8 @@ const TARGET: DVec3 = DVec3::new(1_000.0, 600.0, 0.0);
 pub(crate) struct Grid {
     /// A side.
     pub(crate) cells: u32,
+    /// A side, metres.
+    pub(crate) side_m: f64,
     /// Metres, row by row, as the device gets them.
     pub(crate) heights: Vec<f32>,
 }
@@ -41,12 +43,13 @@ impl Grid {
         };
         Self {
             cells,
+            side_m: SIDE_M,
             heights: vertices.map(height).collect(),
         }
     }
 
     pub(crate) fn step_m(&self) -> f64 {
-        SIDE_M / f64::from(self.cells)
+        self.side_m / f64::from(self.cells)
     }
 
     pub(crate) fn index(&self, column: u32, row: u32) -> usize {
@@ -71,6 +74,8 @@ pub(crate) struct View {
     pub(crate) right: DVec3,
     pub(crate) up: DVec3,
     pub(crate) forward: DVec3,
+    /// Tangent of half the field of view, either way.
+    pub(crate) tan_half: f64,
 }
 
 impl View {
@@ -82,7 +87,23 @@ impl View {
             right,
             up: right.cross(forward),
             forward,
+            tan_half: TAN_HALF_VIEW,
         }
+    }
+
+    /// Clip space from metres, reversed depth with the far plane at infinity.
+    pub(crate) fn clip_from_world(&self) -> DMat4 {
+        let axes = [self.right, self.up, -self.forward];
+        let rows = axes.map(|axis| axis.extend(-axis.dot(self.eye)));
+        let view_from_world = DMat4::from_cols(rows[0], rows[1], rows[2], DVec4::W).transpose();
+        let scale = self.tan_half.recip();
+        let clip_from_view = DMat4::from_cols(
+            DVec4::X * scale,
+            DVec4::Y * scale,
+            DVec4::NEG_W,
+            DVec4::Z * NEAR_M,
+        );
+        clip_from_view * view_from_world
     }
 }
 
@@ -99,19 +120,8 @@ pub(crate) struct GridConstants {
 }
 
 impl GridConstants {
-    /// Reversed depth with the far plane at infinity.
     pub(crate) fn new(grid: &Grid, view: &View) -> Self {
-        let axes = [view.right, view.up, -view.forward];
-        let rows = axes.map(|axis| axis.extend(-axis.dot(view.eye)));
-        let view_from_world = DMat4::from_cols(rows[0], rows[1], rows[2], DVec4::W).transpose();
-        let scale = TAN_HALF_VIEW.recip();
-        let clip_from_view = DMat4::from_cols(
-            DVec4::X * scale,
-            DVec4::Y * scale,
-            DVec4::NEG_W,
-            DVec4::Z * NEAR_M,
-        );
-        let clip = clip_from_view * view_from_world;
+        let clip = view.clip_from_world();
         let step_m = grid.step_m();
         let column = |of: DVec4| of.as_vec4().to_array();
         Self {

@@ -3,6 +3,13 @@
 
 use image::{ImageFormat, RgbImage};
 use std::path::Path;
+use terrafill_scene::ImageSize;
+
+/// Pixels a side: the published size is not known.
+pub(crate) const PICTURE: ImageSize = ImageSize {
+    width: 256,
+    height: 256,
+};
 
 /// Red of a pixel that shows what it may not.
 const WRONG: [u8; 3] = [230, 30, 30];
@@ -37,15 +44,12 @@ fn of_point(number: u32) -> [u8; 3] {
 pub(crate) fn write(
     folder: &Path,
     name: &str,
-    [width, height]: [u32; 2],
+    size: [u32; 2],
     numbers: &[u32],
     draws_points: bool,
     cells: u32,
     wrong: &[bool],
 ) -> Result<String, String> {
-    let relative = format!("images/pipelines-{}.png", name.replace('/', "-"));
-    let path = folder.join(&relative);
-    let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
     let pixels =
         numbers
             .iter()
@@ -55,7 +59,44 @@ pub(crate) fn write(
                 (false, true) => of_point(*number),
                 (false, false) => of_triangle(*number, cells),
             });
-    let picture = RgbImage::from_raw(width, height, pixels.collect());
+    save(folder, name, size, pixels.collect())
+}
+
+/// As [`write`], of which lights reach a pixel: the lighter, the more of them.
+///
+/// - `numbers`: 0 for the sky, else 1 plus a bit for each light
+///
+/// # Errors
+/// A message with the file's name.
+pub(crate) fn write_lit(
+    folder: &Path,
+    name: &str,
+    size: [u32; 2],
+    numbers: &[u32],
+    lights: usize,
+) -> Result<String, String> {
+    let most = u32::try_from(lights.max(1)).unwrap_or(1);
+    let pixels = numbers.iter().flat_map(|number| {
+        let Some(mask) = number.checked_sub(1) else {
+            return SKY;
+        };
+        // Never black, never as light as the sky.
+        let grey = u8::try_from(40 + 180 * mask.count_ones().min(most) / most).unwrap_or(u8::MAX);
+        [grey, grey, grey - 20]
+    });
+    save(folder, name, size, pixels.collect())
+}
+
+fn save(
+    folder: &Path,
+    name: &str,
+    [width, height]: [u32; 2],
+    pixels: Vec<u8>,
+) -> Result<String, String> {
+    let relative = format!("images/pipelines-{}.png", name.replace('/', "-"));
+    let path = folder.join(&relative);
+    let failed = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let picture = RgbImage::from_raw(width, height, pixels);
     let picture = picture.ok_or_else(|| failed(&"wrong size"))?;
     std::fs::create_dir_all(folder.join("images")).map_err(|error| failed(&error))?;
     let saved = picture.save_with_format(&path, ImageFormat::Png);

@@ -3,16 +3,21 @@
 //! work today.
 //!
 //! Height grids are drawn by every way in which vertices may come, and points are amplified to cells by
-//! geometry shaders. Every picture shows numbers of triangles, which `f64` rays against the triangles
-//! verify. On the CPU in `f64` stand the errors of geometry images, variance shadows and motion blur. Set-ups and figures published: Patidar, Bhattacharjee, Singh and Narayanan, "Exploiting the
-//! Shader Model 4.0 Architecture" (2007).
+//! geometry shaders. Ground in tiles is culled patch by patch in every place that can, blocks of it are kept
+//! in all that can keep them, and depth maps of several lights are drawn by every way to layers. Pictures
+//! show numbers of triangles or of lights, which `f64` rays verify. On the CPU in `f64` stand the errors of
+//! geometry images, variance shadows and motion blur. Set-ups and figures published: Patidar, Bhattacharjee,
+//! Singh and Narayanan, "Exploiting the Shader Model 4.0 Architecture" (2007).
 
 mod blur;
+mod cache;
 mod chapter;
+mod culling;
 mod draws;
 mod geometry_image;
 mod grid;
 mod images;
+mod lights;
 mod metrics;
 mod numbers;
 mod on_vulkan;

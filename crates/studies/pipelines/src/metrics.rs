@@ -3,7 +3,7 @@
 
 use terrafill_results::{Kind, Metric};
 
-pub(crate) const METRICS: [Metric; 33] = [
+pub(crate) const METRICS: [Metric; 51] = [
     Metric::less(
         "pipeline_cpu_ms",
         "ms",
@@ -87,6 +87,109 @@ pub(crate) const METRICS: [Metric; 33] = [
         "",
         Kind::DriverCounter,
         "Primitives that reached clipping, as the device counted them.",
+    ),
+    Metric::less(
+        "cull_tiles",
+        "",
+        Kind::Counter,
+        "Tiles of 256 whose box of least and greatest height meets the view.",
+    ),
+    Metric::less(
+        "cull_in_tiles",
+        "",
+        Kind::Counter,
+        "Patches in those tiles.",
+    ),
+    Metric::neither(
+        "cull_needed",
+        "",
+        Kind::Counter,
+        "Patches of which a cell is not wholly outside of one plane of the view, by the reference.",
+    ),
+    Metric::less(
+        "cull_kept",
+        "",
+        Kind::Counter,
+        "Patches that are kept: by the list, the primitives or the task shader's count.",
+    ),
+    Metric::less(
+        "cull_lost",
+        "",
+        Kind::Error,
+        "Patches that are needed and not kept.",
+    ),
+    Metric::less(
+        "cull_extra_share",
+        "",
+        Kind::Error,
+        "Patches that are kept and not needed, of those needed.",
+    ),
+    Metric::less(
+        "cache_differing",
+        "",
+        Kind::Error,
+        "Texels looked up, before and after a block was written anew, that are not those by arithmetic of integers.",
+    ),
+    Metric::neither(
+        "cache_asked",
+        "",
+        Kind::Counter,
+        "Texels that were looked up for that.",
+    ),
+    Metric::less(
+        "cache_binds",
+        "",
+        Kind::Counter,
+        "Bind groups set, and dispatches, of a frame.",
+    ),
+    Metric::less("cache_bytes", "bytes", Kind::Bytes, "Bytes of all texels."),
+    Metric::less(
+        "cache_update_bytes",
+        "bytes",
+        Kind::Bytes,
+        "Bytes that the CPU sends for a block that is written anew.",
+    ),
+    Metric::less(
+        "cache_update_cpu_us",
+        "µs",
+        Kind::Time,
+        "Process CPU time of writing a block of 64 × 64 texels anew and waiting for the device.",
+    ),
+    Metric::less(
+        "cache_update_wall_us",
+        "µs",
+        Kind::Time,
+        "Wall clock over the same span.",
+    ),
+    Metric::less(
+        "lights_passes",
+        "",
+        Kind::Counter,
+        "Passes of a frame: those of the lights' depth maps and that of the picture.",
+    ),
+    Metric::less(
+        "lights_depths_differing",
+        "",
+        Kind::Error,
+        "Depths of all maps whose bits differ from those of a pass a light.",
+    ),
+    Metric::less(
+        "lights_map_error",
+        "",
+        Kind::Error,
+        "Of pixels and lights looked at, the share whose shadow differs from a ray from the place to the light.",
+    ),
+    Metric::less(
+        "lights_maps_cpu_ms",
+        "ms",
+        Kind::Time,
+        "Process CPU time of the depth maps alone.",
+    ),
+    Metric::less(
+        "lights_maps_gpu_ms",
+        "ms",
+        Kind::Time,
+        "GPU time of the depth maps alone.",
     ),
     Metric::less(
         "image_max_m",

@@ -235,7 +235,10 @@ fn stages(way: Way, adapter: &str) -> Result<(PrimitiveStages, Shader), DeviceEr
             (stages, wgsl(PATCH, "fragment_main"))
         }
         Way::Mesh => (
-            PrimitiveStages::Mesh("native/grid.mesh.spv"),
+            PrimitiveStages::Mesh {
+                task: None,
+                mesh: "native/grid.mesh.spv",
+            },
             Shader::Compiled("native/grid.frag.spv"),
         ),
     })
@@ -247,12 +250,7 @@ impl Draws for OnVulkan {
         let picture = self.targets.read()?;
         let counted = report
             .statistics
-            .map_or_else(Counted::default, |of| Counted {
-                vertex_invocations: Some(of.vertex_shader_invocations),
-                geometry_invocations: of.geometry_shader_invocations.filter(|count| *count > 0),
-                primitives: Some(of.clipper_invocations),
-                fragments: Some(of.fragment_shader_invocations),
-            });
+            .map_or_else(Counted::default, Counted::from);
         Ok((picture, counted))
     }
 

@@ -83,7 +83,7 @@ fn stages(way: Way, gpu: &Gpu) -> Result<Stages, DeviceError> {
     }
 }
 
-fn entry(
+pub(crate) fn entry(
     binding: u32,
     visibility: wgpu::ShaderStages,
     ty: wgpu::BindingType,
@@ -96,7 +96,7 @@ fn entry(
     }
 }
 
-fn buffer_type(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
+pub(crate) fn buffer_type(ty: wgpu::BufferBindingType) -> wgpu::BindingType {
     wgpu::BindingType::Buffer {
         ty,
         has_dynamic_offset: false,
@@ -249,37 +249,7 @@ impl OnWgpu {
             pass.set_bind_group(0, bound, &[]);
             pass.dispatch_workgroups(*groups, *groups, 1);
         }
-        let (colour, depth_stencil) = (
-            self.targets.colour_view(),
-            self.targets.depth_stencil_view(),
-        );
-        let [r, g, b, a] = SKY.map(f64::from);
-        let store = wgpu::StoreOp::Store;
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("grid"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &colour,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
-                    store,
-                },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &depth_stencil,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store,
-                }),
-                stencil_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0),
-                    store,
-                }),
-            }),
-            timestamp_writes: self.targets.timer().map(|t| t.around(TimedPass::Surface)),
-            ..Default::default()
-        });
+        let mut pass = cleared_pass(&mut encoder, &self.targets);
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.bound, &[]);
         if let Some(vertices) = &self.vertices {
@@ -303,11 +273,46 @@ impl OnWgpu {
     }
 }
 
+/// A pass over cleared targets, timed where the device keeps time.
+pub(crate) fn cleared_pass<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    targets: &RenderTargets,
+) -> wgpu::RenderPass<'a> {
+    let (colour, depth_stencil) = (targets.colour_view(), targets.depth_stencil_view());
+    let [r, g, b, a] = SKY.map(f64::from);
+    let store = wgpu::StoreOp::Store;
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("grid"),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: &colour,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
+                store,
+            },
+        })],
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: &depth_stencil,
+            depth_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Clear(0.0),
+                store,
+            }),
+            stencil_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Clear(0),
+                store,
+            }),
+        }),
+        timestamp_writes: targets.timer().map(|t| t.around(TimedPass::Surface)),
+        ..Default::default()
+    })
+}
+
 fn whole(vertices: u32) -> Call {
     Call::Ranges(std::iter::once(0..vertices).collect())
 }
 
-fn heights(gpu: &Gpu, grid: &Grid) -> Result<wgpu::TextureView, DeviceError> {
+pub(crate) fn heights(gpu: &Gpu, grid: &Grid) -> Result<wgpu::TextureView, DeviceError> {
     let side = grid.cells + 1;
     let allowed = gpu.device.limits().max_texture_dimension_2d;
     if side > allowed {
@@ -343,7 +348,7 @@ fn heights(gpu: &Gpu, grid: &Grid) -> Result<wgpu::TextureView, DeviceError> {
     Ok(texture.create_view(&Default::default()))
 }
 
-fn bind(
+pub(crate) fn bind(
     gpu: &Gpu,
     entries: &[wgpu::BindGroupLayoutEntry],
     resources: &[wgpu::BindGroupEntry<'_>],
@@ -358,6 +363,22 @@ fn bind(
         entries: resources,
     });
     (layout, bound)
+}
+
+/// Triangles of vertices that have nothing but numbers.
+pub(crate) fn draw_pipeline(
+    gpu: &Gpu,
+    path: &'static str,
+    entry_point: &'static str,
+    layout: &wgpu::BindGroupLayout,
+) -> Result<wgpu::RenderPipeline, DeviceError> {
+    let stages = Stages {
+        path,
+        entry_point,
+        topology: wgpu::PrimitiveTopology::TriangleList,
+        format: None,
+    };
+    pipeline(gpu, &stages, layout)
 }
 
 fn pipeline(

@@ -6,14 +6,17 @@
 //! 1/16 pixel or finer (the standard asks for four bits), so a pixel whose centre lies within [`BAND_PX`] of
 //! a border may show either side; every other difference is an error.
 
-use crate::grid::{Grid, TAN_HALF_VIEW, View};
+use crate::grid::{Grid, View};
 use glam::{DVec2, DVec3};
 
 /// Half a step of the coarsest grid that vertices may be snapped to.
-const BAND_PX: f64 = 1.0 / 32.0;
+pub(crate) const BAND_PX: f64 = 1.0 / 32.0;
 /// Depths of points closer than this share are equal to `f32`: 2⁻²⁴ for the depth, a few times as much
 /// for the sums behind it.
 const EQUAL_DEPTH: f64 = 1e-6;
+
+/// Bits of a number that a picture holds.
+const SHOWN: u32 = 0xff_ffff;
 
 /// How the cells of a grid are cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,7 +42,7 @@ pub(crate) struct Judged {
 }
 
 impl Judged {
-    fn add(&mut self, shown: u32, truth: u32, may: impl FnOnce() -> bool) {
+    pub(crate) fn add(&mut self, shown: u32, truth: u32, may: impl FnOnce() -> bool) {
         self.shown += usize::from(shown != 0);
         let differs = shown != truth;
         let is_wrong = differs && !may();
@@ -94,7 +97,7 @@ impl<'a> Rays<'a> {
             .collect()
     }
 
-    fn centres(&self) -> impl Iterator<Item = DVec2> + use<> {
+    pub(crate) fn centres(&self) -> impl Iterator<Item = DVec2> + use<> {
         let [width, height] = self.size;
         let rows = 0..height;
         rows.flat_map(move |y| {
@@ -105,18 +108,32 @@ impl<'a> Rays<'a> {
     /// Where a direction's part along the view's axis is 1.
     fn direction(&self, at_px: DVec2) -> DVec3 {
         let [width, height] = self.size.map(f64::from);
-        let across = TAN_HALF_VIEW * (2.0 * at_px.x / width - 1.0);
-        let upwards = TAN_HALF_VIEW * (1.0 - 2.0 * at_px.y / height);
+        let across = self.view.tan_half * (2.0 * at_px.x / width - 1.0);
+        let upwards = self.view.tan_half * (1.0 - 2.0 * at_px.y / height);
         self.view.forward + self.view.right * across + self.view.up * upwards
     }
 
     /// The first triangle on the ray through a place of the picture.
     fn meet(&self, at_px: DVec2) -> Option<Hit> {
+        self.follow(self.view.eye, self.direction(at_px))
+    }
+
+    /// Where that is, metres.
+    pub(crate) fn place(&self, at_px: DVec2) -> Option<DVec3> {
+        let hit = self.meet(at_px)?;
+        Some(self.view.eye + self.direction(at_px) * hit.away_m)
+    }
+
+    /// Whether a ray meets the ground.
+    pub(crate) fn hits(&self, from: DVec3, along: DVec3) -> bool {
+        self.follow(from, along).is_some()
+    }
+
+    fn follow(&self, eye: DVec3, along: DVec3) -> Option<Hit> {
         let step_m = self.grid.step_m();
-        let along = self.direction(at_px);
         // Columns, rows and metres from here on.
         let scale = DVec3::new(1.0 / step_m, 1.0 / step_m, 1.0);
-        let (eye, along) = (self.view.eye * scale, along * scale);
+        let (eye, along) = (eye * scale, along * scale);
         let side = f64::from(self.grid.cells);
         let (mut from, mut to) = (0.0_f64, f64::INFINITY);
         let slabs = [
@@ -235,8 +252,8 @@ impl<'a> Rays<'a> {
         let from_eye = place - self.view.eye;
         let away = from_eye.dot(self.view.forward);
         let [width, height] = self.size.map(f64::from);
-        let across = from_eye.dot(self.view.right) / (away * TAN_HALF_VIEW);
-        let upwards = from_eye.dot(self.view.up) / (away * TAN_HALF_VIEW);
+        let across = from_eye.dot(self.view.right) / (away * self.view.tan_half);
+        let upwards = from_eye.dot(self.view.up) / (away * self.view.tan_half);
         let at = DVec2::new(0.5 * width * (1.0 + across), 0.5 * height * (1.0 - upwards));
         (at, away)
     }
@@ -252,6 +269,27 @@ impl<'a> Rays<'a> {
         judged
     }
 
+    /// As [`Rays::picture`], of every so many pixels, each with its number in the picture.
+    pub(crate) fn picture_every(&self, every: usize) -> Vec<(usize, u32)> {
+        let centres = self.centres().enumerate().step_by(every);
+        centres
+            .map(|(pixel, at)| (pixel, self.meet(at).map_or(0, |hit| hit.number)))
+            .collect()
+    }
+
+    /// As [`Rays::judge_triangles`], of the pixels of [`Rays::picture_every`]. Of numbers, what a picture holds is
+    /// compared.
+    pub(crate) fn judge_some(&self, numbers: &[u32], truth: &[(usize, u32)]) -> Judged {
+        let mut judged = Judged::default();
+        for &(pixel, met) in truth {
+            let [width, _] = self.size.map(|size| size as usize);
+            let corner = DVec2::new((pixel % width) as f64, (pixel / width) as f64);
+            let shown = numbers[pixel];
+            judged.add(shown, met & SHOWN, || self.may_show(corner + 0.5, shown));
+        }
+        judged
+    }
+
     /// Whether the border of what is shown passes within the band of a place, and nothing hides it there.
     fn may_show(&self, at: DVec2, shown: u32) -> bool {
         let ring = [-1.0, 0.0, 1.0].into_iter();
@@ -259,14 +297,18 @@ impl<'a> Rays<'a> {
         let hits: Vec<Option<Hit>> = ring.map(|way| self.meet(at + way * BAND_PX)).collect();
         if hits
             .iter()
-            .any(|hit| hit.map_or(0, |hit| hit.number) == shown)
+            .any(|hit| hit.map_or(0, |hit| hit.number & SHOWN) == shown)
         {
             return true;
         }
-        // A triangle may be thinner than the ring.
-        if shown == 0 || shown > 2 * self.grid.cells * self.grid.cells {
-            return false;
-        }
+        let last = 2 * self.grid.cells * self.grid.cells;
+        let numbers = (shown..=last).step_by(SHOWN as usize + 1);
+        let mut numbers = numbers.filter(|number| *number > 0);
+        numbers.any(|number| self.is_thin_at(at, number, &hits))
+    }
+
+    /// Whether a triangle that may be thinner than the band lies within it and is seen.
+    fn is_thin_at(&self, at: DVec2, shown: u32, hits: &[Option<Hit>]) -> bool {
         let cell = (shown - 1) / 2;
         let (column, row) = (cell % self.grid.cells, cell / self.grid.cells);
         let middle = [(1, 0), (0, 1)];
@@ -360,111 +402,4 @@ fn distance_to_triangle(at: DVec2, corners: [DVec2; 3]) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const SIZE: [u32; 2] = [96, 96];
-
-    fn rays(grid: &Grid, cut: Cut) -> Rays<'_> {
-        Rays::new(grid, View::new(), SIZE, cut)
-    }
-
-    #[test]
-    fn a_ray_through_a_projected_centre_meets_its_triangle() {
-        let grid = Grid::new(16);
-        let rays = rays(&grid, Cut::Published);
-        let mut met = 0;
-        for row in 0..16 {
-            for column in 0..16 {
-                // Perspective keeps the middle inside.
-                let corners = [(0, 0), (1, 0), (0, 1)];
-                let corners = corners.map(|(x, y)| rays.project(column + x, row + y));
-                let middle = (corners[0].0 + corners[1].0 + corners[2].0) / 3.0;
-                let number = 2 * (row * 16 + column) + 1;
-                let hit = rays.meet(middle).expect("on the ground");
-                // Another one only where it hides this one.
-                let away = corners
-                    .map(|corner| corner.1)
-                    .into_iter()
-                    .fold(0.0, f64::max);
-                met += usize::from(hit.number == number);
-                assert!(hit.number == number || hit.away_m < away, "{column} {row}");
-            }
-        }
-        assert!(met > 150, "{met}");
-    }
-
-    #[test]
-    fn a_picture_is_right_by_its_own_rays_and_wrong_by_the_other_cut() {
-        let grid = Grid::new(32);
-        let right = rays(&grid, Cut::Published);
-        let truth = right.picture();
-        let judged = right.judge_triangles(&truth, &truth);
-        assert_eq!((judged.mismatched, judged.in_band), (0, 0));
-        assert!(judged.shown > 1_500, "{}", judged.shown);
-        // Twins: cells cut along the other diagonal, a height changed, a column aside.
-        let other = rays(&grid, Cut::Other).picture();
-        let judged = right.judge_triangles(&other, &truth);
-        assert!(judged.mismatched > 500);
-        let wrong = judged.wrong.iter().filter(|is_wrong| **is_wrong).count();
-        assert_eq!(wrong, judged.mismatched);
-        let mut changed = grid.clone();
-        let vertex = changed.index(16, 16);
-        changed.heights[vertex] += 60.0;
-        let changed = rays(&changed, Cut::Published).picture();
-        assert!(right.judge_triangles(&changed, &truth).mismatched > 3);
-        let mut aside = truth.clone();
-        aside.rotate_right(1);
-        assert!(right.judge_triangles(&aside, &truth).mismatched > 500);
-    }
-
-    #[test]
-    fn only_a_border_within_the_band_excuses_a_pixel() {
-        let grid = Grid::new(32);
-        let rays = rays(&grid, Cut::Published);
-        let (a, b) = (rays.project(10, 10).0, rays.project(11, 10).0);
-        let border = 0.5 * (a + b);
-        let number = 2 * (10 * 32 + 10) + 1;
-        // Beyond the side towards the row before, in pixels.
-        let out = (b - a).perp().normalize();
-        let inside = rays.project(10, 11).0 - border;
-        let out = if out.dot(inside) > 0.0 { -out } else { out };
-        assert!(rays.may_show(border + out * 0.02, number));
-        assert!(!rays.may_show(border + out * 0.2, number));
-        assert!(!rays.may_show(border, 2 * 32 * 32 + 1));
-    }
-
-    #[test]
-    fn points_are_where_they_are_projected() {
-        let grid = Grid::new(16);
-        let rays = rays(&grid, Cut::Published);
-        let mut numbers = vec![0; (SIZE[0] * SIZE[1]) as usize];
-        let mut nearest = vec![f64::INFINITY; numbers.len()];
-        for row in 0..16 {
-            for column in 0..16 {
-                let (at, away) = rays.project(column, row);
-                let pixel = pixel_of(at, SIZE).expect("on screen");
-                if away < nearest[pixel] {
-                    (nearest[pixel], numbers[pixel]) = (away, row * 16 + column + 1);
-                }
-            }
-        }
-        let judged = rays.judge_points(&numbers);
-        assert_eq!((judged.mismatched, judged.in_band), (0, 0));
-        assert!(judged.shown > 200, "{}", judged.shown);
-        // Twins: a pixel aside, a point left out.
-        numbers.rotate_right(1);
-        assert!(rays.judge_points(&numbers).mismatched > 200);
-        numbers.rotate_left(1);
-        let some = numbers
-            .iter()
-            .position(|number| *number > 0)
-            .expect("a point");
-        let mut less = numbers.clone();
-        less[some] = 0;
-        assert!(rays.judge_points(&less).mismatched <= 1);
-        let all = less.iter_mut();
-        all.for_each(|number| *number = 0);
-        assert!(rays.judge_points(&less).mismatched > 150);
-    }
-}
+mod tests;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The cases: grids by way and size, and amplification by cells a point, strips and source.
 
+use crate::cache::Caches;
 use crate::chapter::PipelinesChapter;
-use crate::draws::{Counted, Draws};
+use crate::culling::Culling;
+use crate::draws::{Counted, Draws, verdict_of};
 use crate::grid::{Grid, View};
-use crate::images::write;
+use crate::images::{PICTURE, write};
+use crate::lights::Lights;
 use crate::metrics::METRICS;
 use crate::numbers::Numbers;
 use crate::open::open;
@@ -12,9 +15,8 @@ use crate::rays::{Cut, Judged, Rays};
 use crate::way::{GRID_WAYS, Interface, Source, Strips, Way};
 use crate::{STUDY, way};
 use std::collections::BTreeMap;
-use terrafill_fill::{DeviceError, ids_of};
+use terrafill_fill::ids_of;
 use terrafill_results::{CaseId, Chapter, Metric, PlannedCase, Status, Verdict};
-use terrafill_scene::ImageSize;
 use terrafill_study::{Context, Depth, Group, Planned, Request, Session, Study, StudyError};
 
 /// Cells a side; a quick run draws the first two.
@@ -27,11 +29,6 @@ const AMPLIFIED_CELLS: [u32; 2] = [512, 1_024];
 const QUICK_AMPLIFIED_CELLS: [u32; 1] = [256];
 /// Cells a side of what one point makes.
 const CELLS_PER_POINT: [u32; 4] = [1, 2, 4, 8];
-/// Pixels a side: the published size is not known.
-const PICTURE: ImageSize = ImageSize {
-    width: 256,
-    height: 256,
-};
 /// Timed frames of each case in a process, unless the request says otherwise. Odd, so that the median
 /// is one of them.
 const SAMPLES: u32 = 3;
@@ -86,6 +83,13 @@ impl Study for PipelinesStudy {
                 amplified_ways(),
                 samples,
             )));
+        }
+        for culling in Culling::all(is_quick, samples) {
+            groups.push(Box::new(culling));
+        }
+        groups.push(Box::new(Caches::new(is_quick, samples)));
+        for lights in Lights::all(is_quick, samples) {
+            groups.push(Box::new(lights));
         }
         for numbers in Numbers::all(is_quick) {
             groups.push(Box::new(numbers));
@@ -334,12 +338,7 @@ impl Session for GridSession<'_> {
     fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
         let opened = self.opened.get_mut(&case).ok_or("it was not verified")?;
         let times = opened.time().map_err(|error| error.to_string())?;
-        let mut figures = vec![
-            ("pipeline_cpu_ms", times.cpu_ms),
-            ("pipeline_wall_ms", times.wall_ms),
-        ];
-        figures.extend(times.gpu_ms.map(|ms| ("pipeline_gpu_ms", ms)));
-        Ok(figures)
+        Ok(times.figures())
     }
 }
 
@@ -363,34 +362,15 @@ fn figures(
         ),
         ("pipeline_draws", way.draws(grid) as f64),
     ];
-    let counters = [
-        ("pipeline_vertex_invocations", counted.vertex_invocations),
-        (
-            "pipeline_geometry_invocations",
-            counted.geometry_invocations,
-        ),
-        ("pipeline_primitives", counted.primitives),
-    ];
-    let known = counters.into_iter();
-    figures.extend(known.filter_map(|(name, count)| Some((name, count? as f64))));
+    figures.extend(counted.figures());
     figures
-}
-
-/// A device, a stage or a limit that is not there is no defect.
-fn verdict_of(error: &DeviceError) -> Verdict {
-    match error {
-        DeviceError::Unsupported { .. } | DeviceError::OverCapacity { .. } => {
-            Verdict::skipped(error.to_string())
-        }
-        _ => Verdict::failed(error.to_string()),
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::rc::Rc;
-    use terrafill_fill::Devices;
+    use terrafill_fill::{DeviceError, Devices};
 
     fn verdicts(group: &Grids, session: &mut dyn Session) -> Vec<Verdict> {
         let cases = 0..group.cases().len();

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Pipelines that draw depth alone into maps in layers, and their draws.
+
+use crate::draw_pipeline::check_output;
+use crate::layered::LayerPass;
+use crate::pipeline::{Assembly, entry_name};
+use crate::queries::{Queries, QueryKind, span_ms};
+use crate::shader_modules::ModuleKey;
+use crate::{
+    DirectReport, GeometryOutput, Gpu, LayeredDepth, LayersBy, Measured, Resources, Topology,
+    VertexFormat,
+};
+use ash::vk;
+use std::sync::Arc;
+use terrafill_fill::{DeviceError, FaceSet};
+
+/// Compiled shaders that draw depth alone.
+#[derive(Debug)]
+pub struct LayerPipeline {
+    gpu: Arc<Gpu>,
+    raw: vk::Pipeline,
+    resources: Arc<Resources>,
+    by: LayersBy,
+    views: u32,
+}
+
+impl LayerPipeline {
+    /// Makes a pipeline for maps of this kind. Vertices are numbers, three a triangle.
+    ///
+    /// - `vertex`: SPIR-V that was compiled beforehand, by its name
+    /// - `chooses_layer`: the vertex shader does
+    ///
+    /// # Errors
+    /// [`DeviceError::Unsupported`] when the device lacks a stage or what it does, [`DeviceError::OverCapacity`]
+    /// when a geometry shader emits more than it allows, [`DeviceError::Shader`],
+    /// [`DeviceError::OutOfMemory`].
+    pub fn new(
+        gpu: &Arc<Gpu>,
+        maps: &LayeredDepth,
+        resources: &Arc<Resources>,
+        vertex: &'static str,
+        geometry: Option<GeometryOutput>,
+        chooses_layer: bool,
+    ) -> Result<Self, DeviceError> {
+        let features = gpu.facts.features;
+        let lacks = |what: &str| Err(DeviceError::unsupported(what, &gpu.facts.name));
+        if !resources.is_on(gpu) || !maps.is_on(gpu) {
+            return lacks("resources of another device");
+        }
+        if chooses_layer && !features.vertex_layer {
+            return lacks("VK_EXT_shader_viewport_index_layer");
+        }
+        let modules = &gpu.shader_modules;
+        let module = |name| modules.get(&gpu.device, ModuleKey::Compiled(name));
+        let name = entry_name("main")?;
+        let stage = |stage, module| {
+            vk::PipelineShaderStageCreateInfo::default()
+                .stage(stage)
+                .module(module)
+                .name(&name)
+        };
+        let mut stages = vec![stage(vk::ShaderStageFlags::VERTEX, module(vertex)?)];
+        if let Some(output) = geometry {
+            if !features.geometry_shader {
+                return lacks("geometryShader");
+            }
+            check_output(gpu, output)?;
+            stages.push(stage(vk::ShaderStageFlags::GEOMETRY, module(output.name)?));
+        }
+        let raw = Assembly {
+            stages: &stages,
+            format: VertexFormat::Number,
+            topology: Topology::Triangles,
+            faces: FaceSet::Both,
+            is_turned: false,
+            depth_stencil: vk::PipelineDepthStencilStateCreateInfo::default()
+                .depth_test_enable(true)
+                .depth_write_enable(true)
+                .depth_compare_op(vk::CompareOp::GREATER),
+            depth_bounds: false,
+            blends: &[],
+            layout: resources.layout,
+            render_pass: maps.render_pass,
+        }
+        .create(gpu)?;
+        gpu.work.count_pipeline();
+        Ok(Self {
+            gpu: Arc::clone(gpu),
+            raw,
+            resources: Arc::clone(resources),
+            by: maps.by,
+            views: maps.views,
+        })
+    }
+}
+
+impl Drop for LayerPipeline {
+    fn drop(&mut self) {
+        // SAFETY: every submission that used it has been waited for.
+        unsafe { self.gpu.device.destroy_pipeline(self.raw, None) };
+    }
+}
+
+impl LayeredDepth {
+    /// Draws into all layers and waits. Instances are numbered from the first layer of their pass.
+    ///
+    /// - `instances`: of each pass
+    ///
+    /// # Errors
+    /// [`DeviceError::Unsupported`] for a pipeline of other maps' kind, [`DeviceError::DeviceLost`].
+    pub fn draw(
+        &self,
+        pipeline: &LayerPipeline,
+        vertices: u32,
+        instances: u32,
+        measured: Measured,
+    ) -> Result<DirectReport, DeviceError> {
+        let gpu = &self.gpu;
+        if !Arc::ptr_eq(&pipeline.gpu, gpu)
+            || (pipeline.by, pipeline.views) != (self.by, self.views)
+        {
+            let what = "drawing depth maps by a pipeline of another kind";
+            return Err(DeviceError::unsupported(what, &gpu.facts.name));
+        }
+        let queries = |kind, count, wanted| match measured == wanted {
+            true => Queries::new(gpu, kind, count),
+            false => Ok(None),
+        };
+        // A pass of several views takes as many queries.
+        let passes = u32::try_from(self.passes.len()).unwrap_or(u32::MAX);
+        let counted = queries(
+            QueryKind::Statistics,
+            passes * self.views,
+            Measured::Statistics,
+        )?;
+        // llvmpipe 25.0.7 crashes in a pass of several views after a timestamp.
+        let is_timed = self.views == 1 || gpu.facts.driver != "llvmpipe";
+        let stamps = match is_timed {
+            true => queries(QueryKind::Timestamps, 2, Measured::Times)?,
+            false => None,
+        };
+        // SAFETY: everything is of this device and lives until the submission is done.
+        unsafe {
+            gpu.submit(|device, commands| {
+                if let Some(stamps) = &stamps {
+                    device.cmd_reset_query_pool(commands, stamps.raw, 0, 2);
+                    let start = vk::PipelineStageFlags::TOP_OF_PIPE;
+                    device.cmd_write_timestamp(commands, start, stamps.raw, 0);
+                }
+                if let Some(counted) = &counted {
+                    device.cmd_reset_query_pool(commands, counted.raw, 0, counted.count);
+                }
+                for (number, pass) in (0..).zip(&self.passes) {
+                    let query = counted.as_ref().map(|of| (of.raw, number * self.views));
+                    self.record(commands, pass, pipeline, [vertices, instances], query);
+                }
+                if let Some(stamps) = &stamps {
+                    let end = vk::PipelineStageFlags::BOTTOM_OF_PIPE;
+                    device.cmd_write_timestamp(commands, end, stamps.raw, 1);
+                }
+            })?;
+        }
+        let gpu_ms = match &stamps {
+            Some(stamps) => {
+                let ticks = stamps.read(0, 2)?;
+                span_ms(ticks[0], ticks[1], gpu.timestamp_period_ns())
+            }
+            None => None,
+        };
+        let statistics = match &counted {
+            Some(counted) => Some(counted.read_statistics(counted.count)?),
+            None => None,
+        };
+        Ok(DirectReport { gpu_ms, statistics })
+    }
+
+    /// # Safety
+    /// Recording is under way, outside of a pass, with a pipeline of these maps' kind on their device.
+    unsafe fn record(
+        &self,
+        commands: vk::CommandBuffer,
+        pass: &LayerPass,
+        pipeline: &LayerPipeline,
+        [vertices, instances]: [u32; 2],
+        query: Option<(vk::QueryPool, u32)>,
+    ) {
+        let device = &self.gpu.device;
+        let area = vk::Rect2D {
+            offset: vk::Offset2D::default(),
+            extent: vk::Extent2D {
+                width: self.side,
+                height: self.side,
+            },
+        };
+        #[allow(
+            clippy::cast_precision_loss,
+            reason = "sides are far below 2^24 texels"
+        )]
+        let side = self.side as f32;
+        // Texels' rows grow with y, unlike pictures'.
+        let viewport = vk::Viewport {
+            x: 0.0,
+            y: 0.0,
+            width: side,
+            height: side,
+            min_depth: 0.0,
+            max_depth: 1.0,
+        };
+        let clears = [vk::ClearValue {
+            depth_stencil: vk::ClearDepthStencilValue::default(),
+        }];
+        let begin = vk::RenderPassBeginInfo::default()
+            .render_pass(self.render_pass)
+            .framebuffer(pass.framebuffer)
+            .render_area(area)
+            .clear_values(&clears);
+        let graphics = vk::PipelineBindPoint::GRAPHICS;
+        let resources = &pipeline.resources;
+        // SAFETY: the caller's promise.
+        unsafe {
+            device.cmd_begin_render_pass(commands, &begin, vk::SubpassContents::INLINE);
+            device.cmd_set_viewport(commands, 0, &[viewport]);
+            device.cmd_set_scissor(commands, 0, &[area]);
+            device.cmd_bind_pipeline(commands, graphics, pipeline.raw);
+            let sets = [resources.set()];
+            device.cmd_bind_descriptor_sets(commands, graphics, resources.layout, 0, &sets, &[]);
+            if let Some((pool, at)) = query {
+                device.cmd_begin_query(commands, pool, at, vk::QueryControlFlags::empty());
+            }
+            device.cmd_draw(commands, vertices, instances, 0, pass.first);
+            if let Some((pool, at)) = query {
+                device.cmd_end_query(commands, pool, at);
+            }
+            device.cmd_end_render_pass(commands);
+        }
+    }
+}

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Balls drawn from the buffer that their step wrote: all by one draw, or by a draw each as in the published text.
+
+use crate::terrain::{BallView, PointConstants};
+use std::ops::Range;
+use std::sync::Arc;
+use terrafill_fill::{DeviceError, Picture, SKY};
+use terrafill_gpu::{COLOUR_FORMAT, DEPTH_STENCIL_FORMAT, TimedPass};
+use terrafill_scene::ImageSize;
+use terrafill_vulkan::{
+    Buffer, BufferUse, DirectDraw, DrawCall, DrawPipeline, Measured, PrimitiveStages, Resource,
+    Resources, Shader, Topology, VertexFormat,
+};
+
+const POINTS: &str = "balls/points.wgsl";
+/// Pixels: the published size is not known.
+pub(crate) const PICTURE: ImageSize = ImageSize {
+    width: 256,
+    height: 256,
+};
+
+/// How balls are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Drawn {
+    /// Not at all.
+    Nothing,
+    /// All by one draw.
+    All,
+    /// By a draw each: the published text draws one point by a call.
+    Each,
+}
+
+impl Drawn {
+    pub(crate) const ALL: [Self; 3] = [Self::Nothing, Self::All, Self::Each];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Nothing => "none",
+            Self::All => "one-draw",
+            Self::Each => "draw-each",
+        }
+    }
+
+    /// Ranges of balls, a draw each.
+    pub(crate) fn ranges(self, balls: u32) -> Vec<Range<u32>> {
+        match self {
+            Self::Nothing => Vec::new(),
+            Self::All => std::iter::once(0..balls).collect(),
+            Self::Each => (0..balls).map(|ball| ball..ball + 1).collect(),
+        }
+    }
+}
+
+/// Draws balls and waits.
+pub(crate) trait DrawsBalls {
+    /// - `state`: which of the two buffers holds them
+    /// - returns: GPU time, milliseconds, where the device keeps it
+    fn draw(&mut self, state: usize, ranges: &[Range<u32>]) -> Result<Option<f64>, DeviceError>;
+
+    fn read(&self) -> Result<Picture, DeviceError>;
+}
+
+/// On Vulkan itself.
+pub(crate) struct VulkanPoints {
+    targets: terrafill_vulkan::RenderTargets,
+    /// From either state.
+    pipelines: [DrawPipeline; 2],
+}
+
+impl VulkanPoints {
+    pub(crate) fn new(
+        gpu: &Arc<terrafill_vulkan::Gpu>,
+        states: &[Arc<Buffer>; 2],
+    ) -> Result<Self, DeviceError> {
+        let constants = PointConstants::new(&BallView::new());
+        let bytes = bytemuck::bytes_of(&constants);
+        let constants = Arc::new(Buffer::upload(
+            gpu,
+            "view of balls",
+            bytes,
+            BufferUse::Uniform,
+        )?);
+        let wgsl = |entry_point| Shader::Wgsl {
+            path: POINTS,
+            entry_point,
+        };
+        let pipeline = |state: &Arc<Buffer>| {
+            let resources = vec![
+                Resource::Uniform(Arc::clone(&constants)),
+                Resource::Storage(Arc::clone(state)),
+            ];
+            let stages = PrimitiveStages::Vertices {
+                vertex: wgsl("vertex_main"),
+                geometry: None,
+                format: VertexFormat::Number,
+                topology: Topology::Points,
+            };
+            let resources = Resources::new(gpu, resources)?;
+            DrawPipeline::new(gpu, &resources, stages, wgsl("fragment_main"))
+        };
+        Ok(Self {
+            targets: terrafill_vulkan::RenderTargets::new(gpu, PICTURE)?,
+            pipelines: [pipeline(&states[0])?, pipeline(&states[1])?],
+        })
+    }
+}
+
+impl DrawsBalls for VulkanPoints {
+    fn draw(&mut self, state: usize, ranges: &[Range<u32>]) -> Result<Option<f64>, DeviceError> {
+        let draw = DirectDraw {
+            pipeline: &self.pipelines[state],
+            vertices: None,
+            call: DrawCall::Vertices(ranges),
+        };
+        Ok(self
+            .targets
+            .draw_directly(None, &draw, Measured::Times)?
+            .gpu_ms)
+    }
+
+    fn read(&self) -> Result<Picture, DeviceError> {
+        self.targets.read()
+    }
+}
+
+/// On wgpu.
+pub(crate) struct WgpuPoints {
+    gpu: Arc<terrafill_gpu::Gpu>,
+    targets: terrafill_gpu::RenderTargets,
+    pipeline: wgpu::RenderPipeline,
+    /// Of either state.
+    bound: [wgpu::BindGroup; 2],
+}
+
+impl WgpuPoints {
+    pub(crate) fn new(
+        gpu: &Arc<terrafill_gpu::Gpu>,
+        states: &[wgpu::Buffer; 2],
+    ) -> Result<Self, DeviceError> {
+        let constants = PointConstants::new(&BallView::new());
+        let bytes = bytemuck::bytes_of(&constants);
+        let constants = gpu.upload("view of balls", bytes, wgpu::BufferUsages::UNIFORM)?;
+        let types = [
+            wgpu::BufferBindingType::Uniform,
+            wgpu::BufferBindingType::Storage { read_only: true },
+        ];
+        let layout = gpu.buffer_layout("points", wgpu::ShaderStages::VERTEX, &types);
+        let bound = states
+            .each_ref()
+            .map(|state| gpu.bind_buffers("points", &layout, &[&constants, state]));
+        let module = gpu.shader(POINTS)?;
+        let pipeline = gpu.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("points"),
+            layout: Some(&gpu.pipeline_layout("points", &[Some(&layout)])),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("vertex_main"),
+                compilation_options: Default::default(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState {
+                topology: wgpu::PrimitiveTopology::PointList,
+                ..Default::default()
+            },
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: DEPTH_STENCIL_FORMAT,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(wgpu::CompareFunction::Greater),
+                stencil: Default::default(),
+                bias: Default::default(),
+            }),
+            multisample: Default::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("fragment_main"),
+                compilation_options: Default::default(),
+                targets: &[Some(COLOUR_FORMAT.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        Ok(Self {
+            gpu: Arc::clone(gpu),
+            targets: terrafill_gpu::RenderTargets::new(gpu, PICTURE)?,
+            pipeline,
+            bound,
+        })
+    }
+}
+
+impl DrawsBalls for WgpuPoints {
+    fn draw(&mut self, state: usize, ranges: &[Range<u32>]) -> Result<Option<f64>, DeviceError> {
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let (colour, depth_stencil) = (
+            self.targets.colour_view(),
+            self.targets.depth_stencil_view(),
+        );
+        let [r, g, b, a] = SKY.map(f64::from);
+        let store = wgpu::StoreOp::Store;
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("points"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &colour,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
+                    store,
+                },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &depth_stencil,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store,
+                }),
+                stencil_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0),
+                    store,
+                }),
+            }),
+            timestamp_writes: self.targets.timer().map(|t| t.around(TimedPass::Surface)),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &self.bound[state], &[]);
+        for range in ranges {
+            pass.draw(range.clone(), 0..1);
+        }
+        drop(pass);
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.wait()?;
+        match self.targets.timer() {
+            Some(timer) => {
+                let stamps = timer.read(&self.gpu, TimedPass::Surface, TimedPass::Surface)?;
+                Ok(stamps.pass_ms(TimedPass::Surface))
+            }
+            None => Ok(None),
+        }
+    }
+
+    fn read(&self) -> Result<Picture, DeviceError> {
+        self.targets.read()
+    }
+}

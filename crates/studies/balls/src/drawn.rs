@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Balls over terrain, stepped on devices and drawn from where the step left them.
+
+use crate::STUDY;
+use crate::drawing::{Drawn, DrawsBalls, PICTURE};
+use crate::on_devices::{STEPS, STEPS_PER_SECOND, STIFFNESS, constants, take_all};
+use crate::stepping::{Steps, Way};
+use crate::terrain::{BallView, JudgedBalls, State, Terrain, judge};
+use glam::DVec3;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use terrafill_fill::{CpuStopwatch, DeviceError, ids_of};
+use terrafill_results::{CaseId, PlannedCase, Status, Verdict};
+use terrafill_study::{Context, Group, Session, StudyError};
+
+/// What `f32` may differ from `f64`, metres. A place between 32 and 64 m is rounded by up to 1.9 µm a step, and in flight
+/// at even speed by the same each time: up to 0.46 mm in 240 steps along either axis.
+const ALLOWED_M: f64 = 1e-3;
+/// Share of the balls that may be farther: slopes jump from cell to cell, so a ball that touches the ground within
+/// rounding of a border may leave it otherwise. One of 1,000 did.
+const ALLOWED_SHARE: f64 = 0.01;
+/// Balls compared with `f64` at most: evenly spread over all.
+const JUDGED: usize = 2_000;
+/// Balls that are drawn one by one at most: the published figure ends at 5,000.
+const MOST_EACH: u32 = 10_000;
+
+/// Balls over terrain, drawn or not.
+pub(crate) struct DrawnBalls {
+    planned: Vec<PlannedCase>,
+    cases: Vec<(Way, Drawn, u32)>,
+}
+
+impl DrawnBalls {
+    pub(crate) fn new(is_quick: bool, samples: u32) -> Self {
+        let counts: &[u32] = match is_quick {
+            true => &[500, 4_000],
+            false => &[
+                500, 1_000, 2_000, 3_000, 4_000, 5_000, 10_000, 100_000, 1_000_000,
+            ],
+        };
+        let (mut planned, mut cases) = (Vec::new(), Vec::new());
+        for way in Way::ALL {
+            let (interface, name) = way.names();
+            for &balls in counts {
+                for drawn in Drawn::ALL {
+                    if drawn == Drawn::Each && balls > MOST_EACH {
+                        continue;
+                    }
+                    let conditions = [
+                        ("part", "drawn".to_owned()),
+                        ("interface", interface.to_owned()),
+                        ("way", name.to_owned()),
+                        ("ground", "terrain".to_owned()),
+                        ("drawn", drawn.name().to_owned()),
+                        ("balls", balls.to_string()),
+                    ];
+                    let values: Vec<&str> =
+                        conditions.iter().map(|(_, value)| value.as_str()).collect();
+                    planned.push(PlannedCase {
+                        id: CaseId::new(STUDY, values.join("/"), conditions.clone()),
+                        samples,
+                        may_be_wrong: false,
+                    });
+                    cases.push((way, drawn, balls));
+                }
+            }
+        }
+        Self { planned, cases }
+    }
+}
+
+impl Group for DrawnBalls {
+    fn name(&self) -> String {
+        format!("{STUDY}/drawn")
+    }
+
+    fn cases(&self) -> &[PlannedCase] {
+        &self.planned
+    }
+
+    fn open<'a>(&'a self, context: Context<'a>) -> Result<Box<dyn Session + 'a>, StudyError> {
+        Ok(Box::new(DrawnSession {
+            group: self,
+            context,
+            terrain: Terrain::new(),
+            first: BTreeMap::new(),
+            opened: BTreeMap::new(),
+        }))
+    }
+}
+
+struct Opened {
+    steps: Box<dyn Steps>,
+    points: Box<dyn DrawsBalls>,
+    ranges: Vec<Range<u32>>,
+}
+
+struct DrawnSession<'a> {
+    group: &'a DrawnBalls,
+    context: Context<'a>,
+    terrain: Terrain,
+    /// Of the first picture of a way and number of balls, by which others are held.
+    first: BTreeMap<(Way, u32), Vec<u32>>,
+    /// By case.
+    opened: BTreeMap<usize, Opened>,
+}
+
+/// Distances from where `f64` takes the same balls, metres.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Errors {
+    max_m: f64,
+    rms_m: f64,
+    p95_m: f64,
+    /// Share of the balls beyond what is allowed.
+    beyond: f64,
+}
+
+fn errors(terrain: &Terrain, first: &[State], last: &[State]) -> Errors {
+    let stride = first.len().div_ceil(JUDGED).max(1);
+    let place = |ball: &State| DVec3::from_slice(&ball[0].map(f64::from));
+    let of_ball = |(first, last): (&State, &State)| {
+        let mut ball = [place(first), DVec3::ZERO];
+        for _ in 0..STEPS {
+            terrain.step(&mut ball, 1.0 / f64::from(STEPS_PER_SECOND), STIFFNESS);
+        }
+        ball[0].distance(place(last))
+    };
+    let pairs = first.iter().zip(last).step_by(stride);
+    let mut all: Vec<f64> = pairs.map(of_ball).collect();
+    // What is no number comes last.
+    all.sort_by(f64::total_cmp);
+    let count = all.len().max(1) as f64;
+    let far = all.iter().filter(|error| **error > ALLOWED_M).count();
+    Errors {
+        max_m: match first.len() == last.len() {
+            true => all.last().copied().unwrap_or(f64::INFINITY),
+            false => f64::INFINITY,
+        },
+        rms_m: (all.iter().map(|error| error * error).sum::<f64>() / count).sqrt(),
+        p95_m: all
+            .get(all.len() * 19 / 20)
+            .copied()
+            .unwrap_or(f64::INFINITY),
+        beyond: far as f64 / count,
+    }
+}
+
+/// What a case showed.
+#[derive(Debug, Default)]
+struct Found {
+    errors: Errors,
+    uploaded: u64,
+    judged: JudgedBalls,
+    differing: usize,
+    draws: usize,
+}
+
+impl DrawnSession<'_> {
+    fn run(&mut self, case: usize) -> Result<Found, DeviceError> {
+        let (way, drawn, count) = self.group.cases[case];
+        let balls = self.terrain.balls(count);
+        let devices = self.context.devices;
+        let mut steps = way.open(devices, &constants(count), &balls, Some(&self.terrain))?;
+        let mut points = steps.points()?;
+        let mut uploaded = take_all(steps.as_mut())?;
+        let last = steps.read()?;
+        let ranges = drawn.ranges(count);
+        let mut found = Found {
+            errors: errors(&self.terrain, &balls, &last),
+            draws: ranges.len(),
+            ..Found::default()
+        };
+        if !ranges.is_empty() {
+            let before = steps.uploaded();
+            points.draw(steps.current(), &ranges)?;
+            uploaded += steps.uploaded() - before;
+            let numbers = ids_of(&points.read()?);
+            let size = [PICTURE.width, PICTURE.height];
+            found.judged = judge(&BallView::new(), size, &last, &numbers);
+            let first = self.first.entry((way, count));
+            let first = first.or_insert_with(|| numbers.clone());
+            found.differing = numbers.iter().zip(&*first).filter(|(a, b)| a != b).count();
+        }
+        found.uploaded = uploaded;
+        let opened = Opened {
+            steps,
+            points,
+            ranges,
+        };
+        self.opened.insert(case, opened);
+        Ok(found)
+    }
+}
+
+impl Found {
+    fn reason(&self) -> String {
+        let Self {
+            errors,
+            uploaded,
+            judged,
+            differing,
+            ..
+        } = self;
+        let is_near =
+            errors.p95_m <= ALLOWED_M && errors.beyond <= ALLOWED_SHARE && errors.max_m.is_finite();
+        if !is_near {
+            format!(
+                "the 95th percentile is {} m from f64, allowed {ALLOWED_M} m; {} of the balls are farther, \
+                 allowed {ALLOWED_SHARE}; the farthest is {} m",
+                errors.p95_m, errors.beyond, errors.max_m
+            )
+        } else if *uploaded > 0 {
+            format!("{uploaded} bytes were uploaded while stepping and drawing, allowed 0")
+        } else if judged.mismatched > 0 {
+            format!(
+                "{} pixels show what the reference does not allow",
+                judged.mismatched
+            )
+        } else if *differing > 0 {
+            format!("{differing} pixels differ from those of one draw for all")
+        } else if self.draws > 0 && judged.shown == 0 {
+            "it shows nothing".to_owned()
+        } else {
+            String::new()
+        }
+    }
+}
+
+impl Session for DrawnSession<'_> {
+    fn verify(&mut self, case: usize) -> Result<Verdict, StudyError> {
+        let found = match self.run(case) {
+            Ok(found) => found,
+            Err(error @ (DeviceError::Unsupported { .. } | DeviceError::OverCapacity { .. })) => {
+                return Ok(Verdict::skipped(error.to_string()));
+            }
+            Err(error) => return Ok(Verdict::failed(error.to_string())),
+        };
+        let reason = found.reason();
+        let mut figures = vec![
+            ("ball_terrain_max_m", found.errors.max_m),
+            ("ball_terrain_p95_m", found.errors.p95_m),
+            ("ball_terrain_rms_m", found.errors.rms_m),
+            ("ball_upload_bytes", found.uploaded as f64),
+            ("ball_draws", found.draws as f64),
+        ];
+        if found.draws > 0 {
+            figures.push(("ball_mismatched_px", found.judged.mismatched as f64));
+            figures.push(("ball_differing_px", found.differing as f64));
+        }
+        Ok(Verdict {
+            status: match reason.is_empty() {
+                true => Status::Ok,
+                false => Status::Wrong,
+            },
+            reason,
+            figures,
+            ..Verdict::default()
+        })
+    }
+
+    fn sample(&mut self, case: usize) -> Result<Vec<(&'static str, f64)>, String> {
+        let opened = self.opened.get_mut(&case).ok_or("it was not verified")?;
+        let broken = |error: DeviceError| error.to_string();
+        let watch = CpuStopwatch::start();
+        opened.steps.step(1).map_err(broken)?;
+        let stepped_ms = watch.cpu_ms();
+        let mut figures = Vec::new();
+        if !opened.ranges.is_empty() {
+            let state = opened.steps.current();
+            let gpu_ms = opened.points.draw(state, &opened.ranges).map_err(broken)?;
+            figures.push(("ball_draw_cpu_us", 1e3 * (watch.cpu_ms() - stepped_ms)));
+            figures.extend(gpu_ms.map(|ms| ("ball_draw_gpu_us", 1e3 * ms)));
+        }
+        figures.push(("ball_frame_cpu_us", 1e3 * watch.cpu_ms()));
+        figures.push(("ball_frame_wall_us", 1e3 * watch.wall_ms()));
+        Ok(figures)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::rc::Rc;
+    use terrafill_fill::Devices;
+
+    #[test]
+    fn balls_over_terrain_follow_f64_and_those_over_other_ground_do_not() {
+        let devices = Rc::new(Devices::default());
+        let mut group = DrawnBalls::new(true, 1);
+        let few: Vec<usize> = (0..group.cases.len())
+            .filter(|case| group.cases[*case].2 == 500)
+            .collect();
+        group.planned = few
+            .iter()
+            .map(|case| group.planned[*case].clone())
+            .collect();
+        group.cases = few.iter().map(|case| group.cases[*case]).collect();
+        let context = Context {
+            devices: &devices,
+            folder: std::path::Path::new(""),
+        };
+        let mut session = group.open(context).expect("opens");
+        for (at, planned) in group.planned.iter().enumerate() {
+            let verdict = session.verify(at).expect("a verdict");
+            let name = &planned.id.name;
+            eprintln!(
+                "{name}: {:?} {} {:?}",
+                verdict.status, verdict.reason, verdict.figures
+            );
+            if verdict.status == Status::Skipped {
+                continue;
+            }
+            assert_eq!(verdict.status, Status::Ok, "{name}: {}", verdict.reason);
+            let times = session.sample(at).expect("a time");
+            assert!(times.iter().all(|(_, time)| *time >= 0.0), "{times:?}");
+        }
+        // Twins: other ground, a step fewer, and a picture of balls that moved on.
+        let terrain = Terrain::new();
+        let first = terrain.balls(500);
+        for way in Way::ALL {
+            let opened = way.open(&devices, &constants(500), &first, Some(&terrain));
+            let Ok(mut steps) = opened else {
+                continue;
+            };
+            steps.step(STEPS - 1).expect("steps");
+            let short = steps.read().expect("reads");
+            assert!(
+                errors(&terrain, &first, &short).p95_m > ALLOWED_M,
+                "{way:?}"
+            );
+            steps.step(1).expect("steps");
+            let last = steps.read().expect("reads");
+            assert!(
+                errors(&terrain, &first, &last).p95_m <= ALLOWED_M,
+                "{way:?}"
+            );
+            assert!(
+                errors(&Terrain::flat(), &first, &last).p95_m > 0.1,
+                "{way:?}"
+            );
+            let mut points = steps.points().expect("points");
+            let drawn = points.draw(steps.current(), &Drawn::All.ranges(500));
+            drawn.expect("draws");
+            let numbers = ids_of(&points.read().expect("a picture"));
+            let size = [PICTURE.width, PICTURE.height];
+            let judged = |balls: &[State]| judge(&BallView::new(), size, balls, &numbers);
+            assert_eq!(judged(&last).mismatched, 0, "{way:?}");
+            assert!(judged(&first).mismatched > 0, "{way:?}");
+        }
+    }
+
+    #[test]
+    fn whatever_is_wrong_is_said() {
+        let right = Found {
+            judged: JudgedBalls {
+                mismatched: 0,
+                shown: 9,
+            },
+            draws: 1,
+            ..Found::default()
+        };
+        assert_eq!(right.reason(), "");
+        for errors in [
+            Errors {
+                max_m: f64::NAN,
+                ..Errors::default()
+            },
+            Errors {
+                p95_m: 2.0 * ALLOWED_M,
+                ..Errors::default()
+            },
+            Errors {
+                beyond: 2.0 * ALLOWED_SHARE,
+                ..Errors::default()
+            },
+        ] {
+            let far = Found {
+                errors,
+                ..Found::default()
+            };
+            assert!(far.reason().contains("from f64"));
+        }
+        let sent = Found {
+            uploaded: 4,
+            ..Found::default()
+        };
+        assert!(sent.reason().contains("4 bytes"));
+        let other = Found {
+            differing: 1,
+            draws: 2,
+            ..Found::default()
+        };
+        assert!(other.reason().contains("1 pixels differ"));
+    }
+}

@@ -1,0 +1,426 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Blocks on wgpu, which has all that may keep them; bindless arrays where the device indexes them freely.
+
+use super::keep::Keep;
+use super::queries::{Blocks, CacheConstants, SIDE, TexelQuery};
+use crate::draws::Times;
+use crate::on_wgpu::{buffer_type, entry};
+use std::num::NonZeroU32;
+use std::sync::Arc;
+use terrafill_fill::{CpuStopwatch, DeviceError};
+use terrafill_gpu::{Gpu, PassTimer, TimedPass, read_buffer};
+
+const GROUP: u32 = 64;
+const TEXEL_BYTES: u32 = 4;
+
+/// What holds the texels.
+enum Texels {
+    /// One texture, blocks in its layers, in its slices or side by side.
+    One(wgpu::Texture),
+    /// One a block.
+    Each(Vec<wgpu::Texture>),
+    Buffer(wgpu::Buffer),
+}
+
+/// Blocks kept in one way, and what is looked up in them.
+pub(crate) struct Cache {
+    gpu: Arc<Gpu>,
+    keep: Keep,
+    blocks: Blocks,
+    texels: Texels,
+    pipeline: wgpu::ComputePipeline,
+    /// With their workgroups, one after the other.
+    bound: Vec<(wgpu::BindGroup, u32)>,
+    /// The array of textures, which may not stand beside a uniform.
+    bindless: Option<wgpu::BindGroup>,
+    answers: wgpu::Buffer,
+    timer: Option<PassTimer>,
+}
+
+fn over(what: &str, found: u64, allowed: u64) -> Result<(), DeviceError> {
+    if found <= allowed {
+        return Ok(());
+    }
+    Err(DeviceError::OverCapacity {
+        what: what.to_owned(),
+        found,
+        allowed,
+    })
+}
+
+/// Refuses what the device has no room for.
+fn check(gpu: &Gpu, keep: Keep, blocks: Blocks) -> Result<(), DeviceError> {
+    let limits = gpu.device.limits();
+    let count = u64::from(blocks.count());
+    match keep {
+        Keep::Array | Keep::ArraySampled | Keep::ArrayByWorld => {
+            let allowed = limits.max_texture_array_layers;
+            over("layers of an array texture", count, allowed.into())
+        }
+        Keep::Atlas | Keep::AtlasSampled => {
+            let found = u64::from(SIDE * blocks.across.max(blocks.down));
+            let allowed = limits.max_texture_dimension_2d;
+            over("texels along a side of an atlas", found, allowed.into())
+        }
+        Keep::Volume | Keep::VolumeSampled => {
+            let allowed = limits.max_texture_dimension_3d;
+            over("slices of a volume texture", count, allowed.into())
+        }
+        Keep::Bindless => {
+            let needed = wgpu::Features::TEXTURE_BINDING_ARRAY
+                | wgpu::Features::SAMPLED_TEXTURE_AND_STORAGE_BUFFER_ARRAY_NON_UNIFORM_INDEXING;
+            if !gpu.device.features().contains(needed) {
+                let what = "freely indexed arrays of textures";
+                return Err(DeviceError::unsupported(what, &gpu.facts.name));
+            }
+            let allowed = limits
+                .max_binding_array_elements_per_shader_stage
+                .min(limits.max_sampled_textures_per_shader_stage);
+            over("textures of a bindless array", count, allowed.into())
+        }
+        Keep::Rebound | Keep::Buffer => Ok(()),
+    }
+}
+
+impl Cache {
+    /// - `queries`: sorted by block where blocks are bound in turn
+    /// - `ranges`: of each block its queries
+    pub(crate) fn new(
+        gpu: &Arc<Gpu>,
+        keep: Keep,
+        blocks: Blocks,
+        queries: &[TexelQuery],
+        ranges: &[std::ops::Range<u32>],
+    ) -> Result<Self, DeviceError> {
+        check(gpu, keep, blocks)?;
+        let storage = wgpu::BufferUsages::STORAGE;
+        let asked = gpu.upload("queries", bytemuck::cast_slice(queries), storage)?;
+        let answers = gpu.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("answers"),
+            size: 4 * queries.len() as u64,
+            usage: storage | wgpu::BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        let texels = texels(gpu, keep, blocks)?;
+        let layout = layout(gpu, keep);
+        let of_array = (keep == Keep::Bindless).then(|| array_layout(gpu, blocks));
+        let (path, entry_point) = keep.shader();
+        let mut layouts = vec![Some(&layout)];
+        layouts.extend(of_array.as_ref().map(Some));
+        let pipeline = gpu.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(path),
+            layout: Some(&gpu.pipeline_layout(path, &layouts)),
+            module: &gpu.shader(path)?,
+            entry_point: Some(entry_point),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        let views: Vec<wgpu::TextureView> = match &texels {
+            Texels::One(texture) => {
+                let is_array =
+                    matches!(keep, Keep::Array | Keep::ArraySampled | Keep::ArrayByWorld);
+                // A single layer is an array too.
+                let dimension = is_array.then_some(wgpu::TextureViewDimension::D2Array);
+                vec![texture.create_view(&wgpu::TextureViewDescriptor {
+                    dimension,
+                    ..Default::default()
+                })]
+            }
+            Texels::Each(textures) => {
+                let view = |texture: &wgpu::Texture| texture.create_view(&Default::default());
+                textures.iter().map(view).collect()
+            }
+            Texels::Buffer(_) => Vec::new(),
+        };
+        let references: Vec<&wgpu::TextureView> = views.iter().collect();
+        let bindless = of_array.as_ref().map(|layout| {
+            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("textures of blocks"),
+                layout,
+                entries: &[wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: wgpu::BindingResource::TextureViewArray(&references),
+                }],
+            })
+        });
+        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("nearest texel, clamped to the edge"),
+            ..Default::default()
+        });
+        #[allow(clippy::cast_possible_truncation, reason = "made of a u32")]
+        let all = std::iter::once(0..queries.len() as u32).collect::<Vec<_>>();
+        let ranges = if keep == Keep::Rebound {
+            ranges
+        } else {
+            &all[..]
+        };
+        let mut bound = Vec::new();
+        for (block, range) in ranges.iter().enumerate() {
+            if range.is_empty() {
+                continue;
+            }
+            let constants = CacheConstants::new(blocks, range.clone());
+            let bytes = bytemuck::bytes_of(&constants);
+            let constants = gpu.upload("cache", bytes, wgpu::BufferUsages::UNIFORM)?;
+            let of_blocks = match (&texels, keep) {
+                (Texels::Buffer(buffer), _) => Some(buffer.as_entire_binding()),
+                (_, Keep::Bindless) => None,
+                _ => Some(wgpu::BindingResource::TextureView(&views[block])),
+            };
+            let mut resources = vec![
+                constants.as_entire_binding(),
+                asked.as_entire_binding(),
+                answers.as_entire_binding(),
+            ];
+            resources.extend(of_blocks);
+            if has_sampler(keep) {
+                resources.push(wgpu::BindingResource::Sampler(&sampler));
+            }
+            let entries: Vec<_> = (0..)
+                .zip(resources)
+                .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+                .collect();
+            let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some(path),
+                layout: &layout,
+                entries: &entries,
+            });
+            bound.push((group, range.len().div_ceil(GROUP as usize)));
+        }
+        #[allow(
+            clippy::cast_possible_truncation,
+            reason = "queries are counted in u32"
+        )]
+        let bound = bound
+            .into_iter()
+            .map(|(group, groups)| (group, groups as u32));
+        let cache = Self {
+            gpu: Arc::clone(gpu),
+            keep,
+            blocks,
+            texels,
+            pipeline,
+            bound: bound.collect(),
+            bindless,
+            answers,
+            timer: PassTimer::new(gpu),
+        };
+        for block in 0..blocks.count() {
+            cache.write(block, &Blocks::texels(block, 0));
+        }
+        Ok(cache)
+    }
+
+    /// Writes a block; done when the device next is.
+    pub(crate) fn write(&self, block: u32, texels: &[f32]) {
+        let bytes: &[u8] = bytemuck::cast_slice(texels);
+        let (texture, origin) = match &self.texels {
+            Texels::Buffer(buffer) => {
+                let offset = u64::from(block) * bytes.len() as u64;
+                self.gpu.write_buffer(buffer, offset, bytes);
+                return;
+            }
+            Texels::Each(textures) => (&textures[block as usize], wgpu::Origin3d::ZERO),
+            Texels::One(texture) => {
+                let [x, y] = [block % self.blocks.across, block / self.blocks.across];
+                let is_atlas = matches!(self.keep, Keep::Atlas | Keep::AtlasSampled);
+                let origin = match is_atlas {
+                    true => wgpu::Origin3d {
+                        x: SIDE * x,
+                        y: SIDE * y,
+                        z: 0,
+                    },
+                    false => wgpu::Origin3d {
+                        x: 0,
+                        y: 0,
+                        z: block,
+                    },
+                };
+                (texture, origin)
+            }
+        };
+        let place = wgpu::TexelCopyTextureInfo {
+            texture,
+            mip_level: 0,
+            origin,
+            aspect: wgpu::TextureAspect::All,
+        };
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(TEXEL_BYTES * SIDE),
+            rows_per_image: Some(SIDE),
+        };
+        let size = wgpu::Extent3d {
+            width: SIDE,
+            height: SIDE,
+            depth_or_array_layers: 1,
+        };
+        self.gpu.queue.write_texture(place, bytes, layout, size);
+    }
+
+    /// Looks everything up and waits.
+    pub(crate) fn look_up(&self) -> Result<Times, DeviceError> {
+        let watch = CpuStopwatch::start();
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
+        let writes = self.timer.as_ref().map(|timer| {
+            let around = timer.around(TimedPass::Surface);
+            wgpu::ComputePassTimestampWrites {
+                query_set: around.query_set,
+                beginning_of_pass_write_index: around.beginning_of_pass_write_index,
+                end_of_pass_write_index: around.end_of_pass_write_index,
+            }
+        });
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("look up"),
+            timestamp_writes: writes,
+        });
+        pass.set_pipeline(&self.pipeline);
+        if let Some(textures) = &self.bindless {
+            pass.set_bind_group(1, textures, &[]);
+        }
+        for (group, groups) in &self.bound {
+            pass.set_bind_group(0, group, &[]);
+            pass.dispatch_workgroups(*groups, 1, 1);
+        }
+        drop(pass);
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.wait()?;
+        let (cpu_ms, wall_ms) = (watch.cpu_ms(), watch.wall_ms());
+        let gpu_ms = match &self.timer {
+            Some(timer) => {
+                let stamps = timer.read(&self.gpu, TimedPass::Surface, TimedPass::Surface)?;
+                stamps.pass_ms(TimedPass::Surface)
+            }
+            None => None,
+        };
+        Ok(Times {
+            cpu_ms,
+            wall_ms,
+            gpu_ms,
+        })
+    }
+
+    /// Writes a block and waits until the device has it.
+    pub(crate) fn update(&self, block: u32, texels: &[f32]) -> Result<Times, DeviceError> {
+        let watch = CpuStopwatch::start();
+        self.write(block, texels);
+        self.gpu.queue.submit([]);
+        self.gpu.wait()?;
+        Ok(Times {
+            cpu_ms: watch.cpu_ms(),
+            wall_ms: watch.wall_ms(),
+            gpu_ms: None,
+        })
+    }
+
+    pub(crate) fn read(&self) -> Result<Vec<f32>, DeviceError> {
+        let bytes = read_buffer(&self.gpu, &self.answers)?;
+        Ok(bytemuck::pod_collect_to_vec(&bytes))
+    }
+
+    /// Bind groups of a frame.
+    pub(crate) fn binds(&self) -> usize {
+        self.bound.len()
+    }
+}
+
+fn has_sampler(keep: Keep) -> bool {
+    !matches!(keep, Keep::Rebound | Keep::Bindless | Keep::Buffer)
+}
+
+fn array_layout(gpu: &Gpu, blocks: Blocks) -> wgpu::BindGroupLayout {
+    let textures = wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Float { filterable: false },
+        view_dimension: wgpu::TextureViewDimension::D2,
+        multisampled: false,
+    };
+    let mut textures = entry(0, wgpu::ShaderStages::COMPUTE, textures);
+    textures.count = NonZeroU32::new(blocks.count());
+    gpu.device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("textures of blocks"),
+            entries: &[textures],
+        })
+}
+
+fn layout(gpu: &Gpu, keep: Keep) -> wgpu::BindGroupLayout {
+    let stage = wgpu::ShaderStages::COMPUTE;
+    let storage = |read_only| buffer_type(wgpu::BufferBindingType::Storage { read_only });
+    let texture = |view_dimension| wgpu::BindingType::Texture {
+        sample_type: wgpu::TextureSampleType::Float { filterable: false },
+        view_dimension,
+        multisampled: false,
+    };
+    let of_blocks = match keep {
+        Keep::Array | Keep::ArraySampled | Keep::ArrayByWorld => {
+            texture(wgpu::TextureViewDimension::D2Array)
+        }
+        Keep::Volume | Keep::VolumeSampled => texture(wgpu::TextureViewDimension::D3),
+        Keep::Buffer => storage(true),
+        _ => texture(wgpu::TextureViewDimension::D2),
+    };
+    let mut entries = vec![
+        entry(0, stage, buffer_type(wgpu::BufferBindingType::Uniform)),
+        entry(1, stage, storage(true)),
+        entry(2, stage, storage(false)),
+    ];
+    if keep != Keep::Bindless {
+        entries.push(entry(3, stage, of_blocks));
+    }
+    if has_sampler(keep) {
+        let nearest = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::NonFiltering);
+        entries.push(entry(4, stage, nearest));
+    }
+    gpu.device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("cache"),
+            entries: &entries,
+        })
+}
+
+fn texels(gpu: &Gpu, keep: Keep, blocks: Blocks) -> Result<Texels, DeviceError> {
+    let texture = |[width, height, depth_or_array_layers]: [u32; 3], dimension| {
+        gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("blocks"),
+            size: wgpu::Extent3d {
+                width,
+                height,
+                depth_or_array_layers,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension,
+            format: wgpu::TextureFormat::R32Float,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        })
+    };
+    let flat = wgpu::TextureDimension::D2;
+    let count = blocks.count();
+    Ok(match keep {
+        Keep::Array | Keep::ArraySampled | Keep::ArrayByWorld => {
+            Texels::One(texture([SIDE, SIDE, count], flat))
+        }
+        Keep::Atlas | Keep::AtlasSampled => {
+            Texels::One(texture([SIDE * blocks.across, SIDE * blocks.down, 1], flat))
+        }
+        Keep::Volume | Keep::VolumeSampled => {
+            Texels::One(texture([SIDE, SIDE, count], wgpu::TextureDimension::D3))
+        }
+        Keep::Rebound | Keep::Bindless => {
+            let each = (0..count).map(|_| texture([SIDE, SIDE, 1], flat));
+            Texels::Each(each.collect())
+        }
+        Keep::Buffer => {
+            let size = u64::from(count * SIDE * SIDE * TEXEL_BYTES);
+            let allowed = gpu.device.limits().max_storage_buffer_binding_size;
+            over("bytes of blocks", size, allowed)?;
+            Texels::Buffer(gpu.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("blocks"),
+                size,
+                usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }))
+        }
+    })
+}

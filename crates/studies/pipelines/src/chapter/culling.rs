@@ -1,0 +1,419 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Two-level culling: what each test keeps and loses, what each way costs, and the flight with and without level 2.
+
+use super::cells::{byte_cell, count, gain, headings, of, standing, time, time_cell, values, why};
+use crate::culling::{Place, VIEWS};
+use terrafill_plot::number::{significant, times};
+use terrafill_plot::{Palette, RatioAxis, RatioGroup, RatioPlot, RatioRow};
+use terrafill_results::{
+    Block, Case, Cell, ChapterError, Claim, Clock, Estimate, Finding, Picture, PictureFigure,
+    Pictures, Plot, Row, Spread, Standing, Table,
+};
+
+/// Patches that a box may keep beyond those needed.
+const EXTRA_SHARE: f64 = 0.02;
+
+const WHAT_IS_CULLED: &str = "Ground of 16 × 16 tiles with relief of ten octaves, cells of 30 m. Level 1: the CPU keeps the tiles whose box \
+     meets the view. Level 2: patches of 8 × 8 cells. A patch is needed where one of its cells is not \
+     wholly outside of one plane of the view, cell by cell in double precision. The published test labels \
+     a point of each patch, projected, \"against a range\"; the range is not stated, and which point is \
+     not either: here its first corner, |x/w| and |y/w| up to the range, w above 0. A case that loses a \
+     patch or a pixel is wrong and not timed.";
+const WHAT_FIGURE_8_CANNOT_SHOW: &str = "The published figure shows frames per second along a fly-through of 25 s, with and without level 2, \
+     between 60 and 240. Its path, window and patches are not stated, and which curve is which cannot \
+     be read from its text, which says that level 2 is faster. The flight here is its own.";
+
+pub(super) fn section(cases: &[&Case], clock: Clock) -> Result<Vec<Block>, ChapterError> {
+    let own = of(cases, &[("experiment", "culling")]);
+    if own.is_empty() {
+        return Ok(Vec::new());
+    }
+    let flown = of(cases, &[("experiment", "culling-flight")]);
+    let mut blocks = vec![
+        Block::section("Two-level culling"),
+        Block::Text(WHAT_IS_CULLED.to_owned()),
+    ];
+    blocks.extend(claims(cases, clock).into_iter().map(Block::Finding));
+    let counted = of(cases, &[("experiment", "culling-count")]);
+    for cases in [&counted, &own] {
+        if !cases.is_empty() {
+            blocks.push(Block::Table(tests(cases)));
+        }
+    }
+    blocks.extend(pictures(&own));
+    blocks.push(Block::Table(ways(&own, clock)));
+    let svg = drawing(&flown, clock)?;
+    blocks.extend(svg.map(|svg| {
+        Block::Plot(Plot {
+            caption: "Along the flight: time of a frame without level 2 ÷ with it, by second; right of it, \
+                      the share of the tiles' patches that level 2 keeps, which bounds what it can gain."
+                .to_owned(),
+            svg,
+        })
+    }));
+    blocks.push(Block::Remark(WHAT_FIGURE_8_CANNOT_SHOW.to_owned()));
+    Ok(blocks)
+}
+
+fn one<'a>(cases: &[&'a Case], api: &str, place: &str, test: &str, view: &str) -> Option<&'a Case> {
+    let conditions = [
+        ("api", api),
+        ("place", place),
+        ("test", test),
+        ("view", view),
+    ];
+    of(cases, &conditions).first().copied()
+}
+
+/// Of a test in compute, on whichever interface counted it.
+fn by_compute<'a>(cases: &[&'a Case], test: &str, view: &str) -> Option<&'a Case> {
+    let on = |api| one(cases, api, "compute", test, view);
+    let is_counted = |case: &&Case| case.value("cull_lost").is_some();
+    on("vulkan")
+        .filter(is_counted)
+        .or_else(|| on("wgpu").filter(is_counted))
+}
+
+/// What is required: boxes lose nothing and keep little.
+pub(super) fn findings(cases: &[&Case]) -> Vec<Finding> {
+    let boxes: Vec<&Case> = cases
+        .iter()
+        .copied()
+        .filter(|case| case.condition("test") == "box" && case.value("cull_lost").is_some())
+        .collect();
+    let all = |metric| -> Vec<f64> { boxes.iter().filter_map(|case| case.value(metric)).collect() };
+    let most = |metric| all(metric).into_iter().max_by(f64::total_cmp);
+    let in_views = |metric| {
+        let own = of(&boxes, &[("experiment", "culling-count")]);
+        let values = own.into_iter().filter_map(|case| case.value(metric));
+        values.max_by(f64::total_cmp)
+    };
+    if of(cases, &[("experiment", "culling")]).is_empty() {
+        return Vec::new();
+    }
+    let holds = |limit: f64, found: Option<f64>| {
+        found.map_or(Standing::NotMeasured, |found| {
+            Standing::holds_if(found <= limit)
+        })
+    };
+    let (lost, extra) = (most("cull_lost"), in_views("cull_extra_share"));
+    vec![
+        Finding {
+            claim: "A box of least and greatest height loses no patch in view:".to_owned(),
+            standing: holds(0.0, lost),
+            because: lost.map_or_else(String::new, |lost| {
+                format!("at most {lost} in {} cases", boxes.len())
+            }),
+        },
+        Finding {
+            claim: "In the five views of tiles of 256 cells a box keeps at most 2 % more patches than are needed:"
+                .to_owned(),
+            standing: holds(EXTRA_SHARE, extra),
+            because: extra.map_or_else(String::new, |extra| {
+                format!("at most {} %", significant(100.0 * extra))
+            }),
+        },
+    ]
+}
+
+/// Time without level 2 over time with it, at every second of the flight.
+fn flight_gains(cases: &[&Case], api: &str, place: &str, clock: Clock) -> Vec<(u32, Estimate)> {
+    let flown = of(cases, &[("experiment", "culling-flight"), ("api", api)]);
+    let without = if place == "compute" {
+        "tiles-alone"
+    } else {
+        place
+    };
+    let of_second = |second: u32| {
+        let at = second.to_string();
+        let case = |place, test| {
+            let conditions = [("place", place), ("test", test), ("flight_s", at.as_str())];
+            of(&flown, &conditions).first().copied()
+        };
+        let gain = gain(case(without, "none"), case(place, "box"), time(clock))?;
+        Some((second, gain))
+    };
+    values(&flown, "flight_s")
+        .into_iter()
+        .filter_map(of_second)
+        .collect()
+}
+
+const FLOWN: [(&str, &str); 3] = [
+    ("vulkan", "compute"),
+    ("vulkan", "geometry-shader"),
+    ("wgpu", "compute"),
+];
+
+/// What is published, held against what is measured.
+fn claims(cases: &[&Case], clock: Clock) -> Vec<Finding> {
+    let mut claims = Vec::new();
+    for (api, place) in FLOWN {
+        let mut gains = flight_gains(cases, api, place, clock);
+        gains.sort_by(|a, b| a.1.middle.total_cmp(&b.1.middle));
+        let middle = gains.get(gains.len() / 2).map(|(_, gain)| *gain);
+        let ends = gains.first().zip(gains.last()).map(|(slow, fast)| {
+            let [slow, fast] = [slow, fast].map(|of| significant(of.1.middle));
+            format!("; from {slow} to {fast}")
+        });
+        claims.push(Finding {
+            claim: format!(
+                "Level 2 in {place} on {api} raises the frame rate along the flight, in the median \
+                 (published, measured):"
+            ),
+            standing: standing(Claim::Faster, middle.as_slice()),
+            because: middle.as_ref().map(times).unwrap_or_default() + &ends.unwrap_or_default(),
+        });
+    }
+    let lost = |test: &str| -> Vec<f64> {
+        let own = VIEWS.iter().filter_map(|view| {
+            let counted = of(cases, &[("experiment", "culling-count")]);
+            let own = of(cases, &[("experiment", "culling")]);
+            by_compute(&counted, test, view.name).or_else(|| by_compute(&own, test, view.name))
+        });
+        own.filter_map(|case| case.value("cull_lost")).collect()
+    };
+    for test in ["point-1", "point-1.25", "point-2"] {
+        let lost = lost(test);
+        let list: Vec<String> = lost.iter().map(|lost| significant(*lost)).collect();
+        claims.push(Finding {
+            claim: format!("A {test} test is exact, as the published text says of its range:"),
+            standing: match lost.is_empty() {
+                true => Standing::NotMeasured,
+                false => Standing::holds_if(lost.iter().all(|lost| *lost <= 0.0)),
+            },
+            because: format!("patches lost in the views: {}", list.join(", ")),
+        });
+    }
+    claims
+}
+
+/// The place to cull in, by the sum of the five views' times, with the counters behind it.
+pub(super) fn recommended(cases: &[&Case], clock: Clock) -> Vec<String> {
+    let own = of(cases, &[("experiment", "culling")]);
+    let mut sentences = Vec::new();
+    for api in ["vulkan", "wgpu"] {
+        let sum = |place: &str, test: &str| -> Option<(f64, f64, Option<f64>)> {
+            let mut sums = (0.0, 0.0, Some(0.0));
+            for view in VIEWS {
+                let case = one(&own, api, place, test, view.name).filter(|case| case.counts())?;
+                sums.0 += case.value(time(clock))?;
+                sums.1 += case.value("cull_kept")?;
+                let shaded = case.value("pipeline_vertex_invocations");
+                sums.2 = sums.2.zip(shaded).map(|(sum, shaded)| sum + shaded);
+            }
+            Some(sums)
+        };
+        let Some(alone) = sum("tiles-alone", "none") else {
+            continue;
+        };
+        let places = Place::ALL.into_iter().map(Place::name);
+        let culled = places.filter_map(|place| Some((place, sum(place, "box")?)));
+        let Some((place, best)) = culled.min_by(|a, b| a.1.0.total_cmp(&b.1.0)) else {
+            continue;
+        };
+        let shaded = best.2.map_or_else(String::new, |shaded| {
+            format!(" and {} vertex shader invocations", significant(shaded))
+        });
+        let advice = match best.0 < alone.0 {
+            true => format!("On {api} patches are best culled by their boxes in {place}"),
+            false => format!("On {api} tiles alone are best: of the places, {place} comes nearest"),
+        };
+        sentences.push(format!(
+            "{advice}: {} ms for the five views, {} patches drawn{shaded}, against {} ms and {} patches of \
+             tiles alone.",
+            significant(best.0),
+            significant(best.1),
+            significant(alone.0),
+            significant(alone.1),
+        ));
+    }
+    sentences
+}
+
+fn pictures(cases: &[&Case]) -> Option<Block> {
+    let with_pictures = cases.iter().filter(|case| !case.note("picture").is_empty());
+    let figures: Vec<PictureFigure> = with_pictures
+        .map(|case| PictureFigure {
+            pictures: vec![Picture {
+                path: case.note("picture").to_owned(),
+                caption: case.condition("view").to_owned(),
+            }],
+            notes: vec![format!(
+                "{}, test {}, on {}",
+                case.condition("place"),
+                case.condition("test"),
+                case.condition("api")
+            )],
+        })
+        .collect();
+    (!figures.is_empty()).then(|| {
+        Block::Pictures(Pictures {
+            caption: "The five views, and what a test of points takes out of them, in red: cells as a chessboard."
+                .to_owned(),
+            reference: String::new(),
+            figures,
+        })
+    })
+}
+
+/// A row for each view: what each test keeps and loses.
+fn tests(cases: &[&Case]) -> Table {
+    let mut rows = Vec::new();
+    let mut tile_cells = String::new();
+    for view in VIEWS {
+        let Some(boxed) = by_compute(cases, "box", view.name) else {
+            continue;
+        };
+        tile_cells = boxed.condition("tile_cells").to_owned();
+        let figure = |case: Option<&Case>, metric| {
+            let value = case.and_then(|case| case.value(metric));
+            Cell::or_absent(value.map(significant), case.map_or("not measured", why))
+        };
+        let extra = boxed
+            .value("cull_extra_share")
+            .map(|share| significant(100.0 * share));
+        let mut cells = vec![
+            Cell::name(view.name),
+            figure(Some(boxed), "cull_tiles"),
+            figure(Some(boxed), "cull_in_tiles"),
+            figure(Some(boxed), "cull_needed"),
+            figure(Some(boxed), "cull_kept"),
+            figure(Some(boxed), "cull_lost"),
+            Cell::or_absent(extra, why(boxed)),
+        ];
+        for test in ["point-1", "point-1.25", "point-2"] {
+            let case = by_compute(cases, test, view.name);
+            cells.push(figure(case, "cull_kept"));
+            cells.push(figure(case, "cull_lost"));
+        }
+        rows.push(Row::new(cells));
+    }
+    Table {
+        caption: format!(
+            "Patches that each test keeps and loses, tiles of {tile_cells} cells a side, counted by the reference"
+        ),
+        headings: headings(&[
+            ("view", None),
+            ("tiles kept", Some("cull_tiles")),
+            ("patches in them", Some("cull_in_tiles")),
+            ("needed", Some("cull_needed")),
+            ("box keeps", Some("cull_kept")),
+            ("box loses", Some("cull_lost")),
+            ("box keeps too many, %", Some("cull_extra_share")),
+            ("point, range 1, keeps", None),
+            ("loses", None),
+            ("range 1.25 keeps", None),
+            ("loses", None),
+            ("range 2 keeps", None),
+            ("loses", None),
+        ]),
+        rows,
+        is_main: true,
+        ..Table::default()
+    }
+}
+
+/// A row for each view and way: time and counters.
+fn ways(cases: &[&Case], clock: Clock) -> Table {
+    let mut rows = Vec::new();
+    for view in VIEWS {
+        for case in of(cases, &[("view", view.name)]) {
+            let alone = one(
+                cases,
+                case.condition("api"),
+                "tiles-alone",
+                "none",
+                view.name,
+            );
+            let gain = gain(alone, Some(case), time(clock));
+            rows.push(Row {
+                cells: vec![
+                    Cell::name(view.name),
+                    Cell::name(case.condition("api")),
+                    Cell::name(case.condition("place")),
+                    Cell::name(case.condition("test")),
+                    time_cell(case, time(clock)),
+                    Cell::or_absent(gain.as_ref().map(times), why(case)),
+                    Cell::or_absent(case.value("cull_kept").map(significant), why(case)),
+                    count(case, "pipeline_vertex_invocations"),
+                    count(case, "pipeline_geometry_invocations"),
+                    count(case, "pipeline_primitives"),
+                    byte_cell(case, "pipeline_sent_bytes"),
+                    Cell::or_absent(
+                        case.value("pipeline_differing_px").map(significant),
+                        why(case),
+                    ),
+                ],
+                status: case.outcome.name().to_owned(),
+                remark: case.reason.clone(),
+            });
+        }
+    }
+    Table {
+        caption: "Every place and test in the five views".to_owned(),
+        headings: headings(&[
+            ("view", None),
+            ("interface", None),
+            ("level 2 in", None),
+            ("test", None),
+            ("time, ms", Some(time(clock))),
+            ("time of tiles alone ÷ time", None),
+            ("patches drawn", Some("cull_kept")),
+            ("vertices shaded", Some("pipeline_vertex_invocations")),
+            (
+                "geometry invocations",
+                Some("pipeline_geometry_invocations"),
+            ),
+            ("primitives", Some("pipeline_primitives")),
+            ("sent a frame", Some("pipeline_sent_bytes")),
+            ("pixels that differ", Some("pipeline_differing_px")),
+        ]),
+        rows,
+        ..Table::default()
+    }
+}
+
+fn drawing(flown: &[&Case], clock: Clock) -> Result<Option<String>, ChapterError> {
+    let mut groups = Vec::new();
+    let mut names = Vec::new();
+    for (api, place) in FLOWN {
+        let name = format!("{place} on {api}");
+        let gains = flight_gains(flown, api, place, clock);
+        let rows = gains.into_iter().map(|(second, gain)| {
+            let conditions = [("api", api), ("place", place), ("test", "box")];
+            let at = second.to_string();
+            let own = of(flown, &conditions);
+            let case = of(&own, &[("flight_s", at.as_str())]).first().copied();
+            let share =
+                case.and_then(|case| Some(case.value("cull_kept")? / case.value("cull_in_tiles")?));
+            let [p5, p95] = gain.interval.unwrap_or([gain.middle; 2]);
+            let median = gain.middle;
+            RatioRow {
+                label: format!("{second} s"),
+                series: name.clone(),
+                ratio: Ok(Spread { p5, median, p95 }),
+                value: share.map_or_else(String::new, |share| {
+                    format!("{} of the patches", significant(share))
+                }),
+                command: String::new(),
+            }
+        });
+        groups.push(RatioGroup {
+            name: format!("level 2 in {name}"),
+            dashed: None,
+            rows: rows.collect(),
+        });
+        names.push(name);
+    }
+    let plot = RatioPlot {
+        title: "Time without level 2 over time with it, by second of the flight".to_owned(),
+        axis: RatioAxis {
+            title: "time without level 2 ÷ with it: median over processes, 95 % interval",
+            one: "no gain",
+        },
+        tie_factor: None,
+        groups,
+    };
+    Ok(plot.draw(&Palette::new(names))?)
+}

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Culling on Vulkan itself: by compute, in a geometry shader, in a task shader, or on the CPU.
+
+use super::culls::{Culls, Kept, Shown};
+use super::frustum::Frustum;
+use super::ground::{Ground, GroundConstants, PATCH_TRIANGLES};
+use super::way::{CullWay, Place};
+use crate::draws::{Counted, Times};
+use crate::grid::View;
+use std::rc::Rc;
+use std::sync::Arc;
+use terrafill_fill::{CpuStopwatch, DeviceError, RouteTexelFormat, RouteTexels};
+use terrafill_scene::ImageSize;
+use terrafill_vulkan::{
+    Buffer, BufferUse, ComputePipeline, DirectDraw, DirectReport, Dispatch, DrawCall, DrawPipeline,
+    GeometryOutput, Gpu, Measured, PrimitiveStages, RenderTargets, Resource, Resources,
+    SampledImage, Shader, Topology, VertexFormat,
+};
+
+const CULLED: &str = "pipelines/culled.wgsl";
+/// Vertices of a patch, six a cell.
+const PATCH_VERTICES: u32 = 3 * PATCH_TRIANGLES;
+/// Patches that a workgroup of compute tests, and one of the task shader.
+const GROUP: u32 = 64;
+const TASK_GROUP: u32 = 32;
+
+/// What all ways read of the ground.
+pub(crate) struct VulkanGround {
+    gpu: Arc<Gpu>,
+    heights: Arc<SampledImage>,
+    boxes: Arc<Buffer>,
+    ground: Rc<Ground>,
+}
+
+impl VulkanGround {
+    pub(crate) fn new(gpu: &Arc<Gpu>, ground: &Rc<Ground>) -> Result<Self, DeviceError> {
+        let texels = RouteTexels {
+            format: RouteTexelFormat::R32Float,
+            is_filtered: false,
+            size: [ground.grid.cells + 1; 2],
+            is_cube: false,
+            bytes: bytemuck::cast_slice(&ground.grid.heights).to_vec(),
+        };
+        let boxes = bytemuck::cast_slice(&ground.patch_boxes);
+        let boxes = Buffer::upload(gpu, "patches' boxes", boxes, BufferUse::Storage)?;
+        Ok(Self {
+            gpu: Arc::clone(gpu),
+            heights: Arc::new(SampledImage::route(gpu, &texels)?),
+            boxes: Arc::new(boxes),
+            ground: Rc::clone(ground),
+        })
+    }
+}
+
+/// Ground by one way.
+pub(crate) struct OnVulkan {
+    shared: Rc<VulkanGround>,
+    way: CullWay,
+    view: View,
+    targets: RenderTargets,
+    pipeline: DrawPipeline,
+    compute: Option<ComputePipeline>,
+    tiles: Arc<Buffer>,
+    /// A list of patches, or how many a task shader kept.
+    kept: Arc<Buffer>,
+    arguments: Arc<Buffer>,
+}
+
+impl OnVulkan {
+    pub(crate) fn new(
+        shared: &Rc<VulkanGround>,
+        way: CullWay,
+        view: &View,
+        size: ImageSize,
+    ) -> Result<Self, DeviceError> {
+        let (gpu, ground) = (&shared.gpu, &shared.ground);
+        let tiles = Frustum::new(view).tiles(ground);
+        #[allow(clippy::cast_possible_truncation, reason = "there are 256 tiles")]
+        let listed = tiles.len() as u32;
+        let constants = GroundConstants::new(ground, view, listed, way.test);
+        let bytes = bytemuck::bytes_of(&constants);
+        let constants = Buffer::upload(gpu, "ground", bytes, BufferUse::Uniform)?;
+        let words = |count: usize| 4 * count.max(1) as u64;
+        let all = words(ground.patch_boxes.len());
+        let storage = BufferUse::Storage;
+        let kept = match way.place {
+            Place::Cpu => Buffer::streamed(gpu, "patches", all, storage)?,
+            Place::Compute => Buffer::unwritten(gpu, "patches", all, BufferUse::State)?,
+            _ => Buffer::upload(gpu, "count of patches", &[0; 4], BufferUse::State)?,
+        };
+        let tile_bytes = words(ground.tile_boxes.len());
+        let tiles = Arc::new(Buffer::streamed(gpu, "tiles", tile_bytes, storage)?);
+        let arguments = Buffer::streamed(gpu, "draw arguments", 16, BufferUse::Arguments)?;
+        let (kept, arguments) = (Arc::new(kept), Arc::new(arguments));
+        let resources = vec![
+            Resource::Uniform(Arc::new(constants)),
+            Resource::Image(Arc::clone(&shared.heights)),
+            Resource::Storage(Arc::clone(&shared.boxes)),
+            Resource::Storage(Arc::clone(&tiles)),
+            Resource::Storage(Arc::clone(&kept)),
+            Resource::Storage(Arc::clone(&arguments)),
+        ];
+        let resources = Resources::new(gpu, resources)?;
+        let (stages, fragment) = stages(way.place);
+        let compute = match way.place {
+            Place::Compute => {
+                let shader = Shader::Wgsl {
+                    path: "pipelines/cull.wgsl",
+                    entry_point: "compute_main",
+                };
+                Some(ComputePipeline::new(gpu, &resources, shader)?)
+            }
+            _ => None,
+        };
+        Ok(Self {
+            pipeline: DrawPipeline::new(gpu, &resources, stages, fragment)?,
+            shared: Rc::clone(shared),
+            way,
+            view: *view,
+            targets: RenderTargets::new(gpu, size)?,
+            compute,
+            tiles,
+            kept,
+            arguments,
+        })
+    }
+
+    /// Culls tiles, sends what is sent, tests and draws; bytes sent beside it.
+    fn frame(&mut self, measured: Measured) -> Result<(DirectReport, Frame), DeviceError> {
+        let ground = &self.shared.ground;
+        let frustum = Frustum::new(&self.view);
+        let tiles = frustum.tiles(ground);
+        self.tiles.stream(bytemuck::cast_slice(&tiles))?;
+        #[allow(clippy::cast_possible_truncation, reason = "there are 256 tiles")]
+        let in_tiles = tiles.len() as u32 * ground.patches_a_tile();
+        let mut frame = Frame {
+            sent_bytes: 4 * tiles.len() as u64,
+            patches: None,
+        };
+        let mut arguments = |instances: u32| {
+            frame.sent_bytes += 16;
+            let words = [PATCH_VERTICES, instances, 0, 0];
+            self.arguments.stream(bytemuck::cast_slice(&words))
+        };
+        let ranges: Vec<_> = std::iter::once(0..in_tiles).collect();
+        let mut dispatch = None;
+        let call = match self.way.place {
+            Place::TilesAlone => {
+                arguments(in_tiles)?;
+                DrawCall::Indirect(&self.arguments)
+            }
+            Place::Cpu => {
+                let patches = frustum.patches(ground, &tiles);
+                #[allow(clippy::cast_possible_truncation, reason = "patches are far fewer")]
+                arguments(patches.len() as u32)?;
+                self.kept.stream(bytemuck::cast_slice(&patches))?;
+                frame.sent_bytes += 4 * patches.len() as u64;
+                frame.patches = Some(patches);
+                DrawCall::Indirect(&self.arguments)
+            }
+            Place::Compute => {
+                arguments(0)?;
+                dispatch = self.compute.as_ref().map(|pipeline| Dispatch {
+                    pipeline,
+                    groups: [in_tiles.div_ceil(GROUP), 1, 1],
+                });
+                DrawCall::Indirect(&self.arguments)
+            }
+            Place::Geometry => DrawCall::Vertices(&ranges),
+            Place::Task => DrawCall::MeshGroups([in_tiles.div_ceil(TASK_GROUP), 1]),
+        };
+        let draw = DirectDraw {
+            pipeline: &self.pipeline,
+            vertices: None,
+            call,
+        };
+        let report = self.targets.draw_directly(dispatch, &draw, measured)?;
+        Ok((report, frame))
+    }
+
+    /// What was kept, as each place says it.
+    fn kept(&self, frame: Frame, counted: &Counted) -> Result<Kept, DeviceError> {
+        let gpu = &self.shared.gpu;
+        let words = |buffer: &Buffer| -> Result<Vec<u32>, DeviceError> {
+            Ok(bytemuck::pod_collect_to_vec(&buffer.contents(gpu)?))
+        };
+        Ok(match self.way.place {
+            Place::TilesAlone => {
+                let ground = &self.shared.ground;
+                let tiles = Frustum::new(&self.view).tiles(ground);
+                Kept::List(
+                    tiles
+                        .into_iter()
+                        .flat_map(|tile| ground.patches_of(tile))
+                        .collect(),
+                )
+            }
+            Place::Cpu => Kept::List(frame.patches.unwrap_or_default()),
+            Place::Compute => {
+                let count = words(&self.arguments)?[1] as usize;
+                let mut patches = words(&self.kept)?;
+                patches.truncate(count);
+                Kept::List(patches)
+            }
+            Place::Geometry => {
+                let primitives = counted.primitives.ok_or_else(|| {
+                    DeviceError::unsupported("pipeline statistics", &gpu.facts.name)
+                })?;
+                Kept::Count(primitives / u64::from(PATCH_TRIANGLES))
+            }
+            Place::Task => Kept::Count(u64::from(words(&self.kept)?[0])),
+        })
+    }
+}
+
+/// What a frame sent.
+struct Frame {
+    sent_bytes: u64,
+    /// That the CPU kept, where it tests them.
+    patches: Option<Vec<u32>>,
+}
+
+fn stages(place: Place) -> (PrimitiveStages, Shader) {
+    let wgsl = |entry_point| Shader::Wgsl {
+        path: CULLED,
+        entry_point,
+    };
+    let fragment = wgsl("fragment_main");
+    let vertices = |entry_point, geometry, topology| PrimitiveStages::Vertices {
+        vertex: wgsl(entry_point),
+        geometry,
+        format: VertexFormat::Number,
+        topology,
+    };
+    let triangles = Topology::Triangles;
+    match place {
+        Place::TilesAlone => (vertices("of_tiles", None, triangles), fragment),
+        Place::Cpu | Place::Compute => (vertices("of_list", None, triangles), fragment),
+        Place::Geometry => {
+            let output = GeometryOutput {
+                name: "native/ground.geom.spv",
+                vertices: 72,
+                // Of a vertex: a position, and a number, whose location counts as a whole of four.
+                components: 8,
+            };
+            (
+                vertices("labelled_point", Some(output), Topology::Points),
+                fragment,
+            )
+        }
+        Place::Task => (
+            PrimitiveStages::Mesh {
+                task: Some("native/ground.task.spv"),
+                mesh: "native/ground.mesh.spv",
+            },
+            Shader::Compiled("native/grid.frag.spv"),
+        ),
+    }
+}
+
+impl Culls for OnVulkan {
+    fn draw(&mut self) -> Result<Shown, DeviceError> {
+        if self.way.place == Place::Task {
+            self.kept.rewrite(0, &[0; 4])?;
+        }
+        let (report, frame) = self.frame(Measured::Statistics)?;
+        let counted = report
+            .statistics
+            .map_or_else(Counted::default, Counted::from);
+        Ok(Shown {
+            picture: self.targets.read()?,
+            sent_bytes: frame.sent_bytes,
+            kept: self.kept(frame, &counted)?,
+            counted,
+        })
+    }
+
+    fn time(&mut self) -> Result<Times, DeviceError> {
+        let watch = CpuStopwatch::start();
+        let (report, _) = self.frame(Measured::Times)?;
+        Ok(Times {
+            cpu_ms: watch.cpu_ms(),
+            wall_ms: watch.wall_ms(),
+            gpu_ms: report.gpu_ms,
+        })
+    }
+}

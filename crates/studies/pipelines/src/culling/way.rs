@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Where patches are tested and how, and from where they are seen.
+
+use crate::way::Interface;
+use glam::DVec2;
+
+/// Where level 2 takes place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Place {
+    /// Nowhere: all patches of the tiles in view are drawn.
+    TilesAlone,
+    /// On the CPU, which sends a list each frame.
+    Cpu,
+    /// In compute, which makes a list and says how many are drawn.
+    Compute,
+    /// The vertex shader labels a point, the geometry shader drops it, as published.
+    Geometry,
+    /// A task shader starts a workgroup of the mesh shader for each patch.
+    Task,
+}
+
+impl Place {
+    pub(crate) const ALL: [Self; 5] = [
+        Self::TilesAlone,
+        Self::Cpu,
+        Self::Compute,
+        Self::Geometry,
+        Self::Task,
+    ];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::TilesAlone => "tiles-alone",
+            Self::Cpu => "cpu",
+            Self::Compute => "compute",
+            Self::Geometry => "geometry-shader",
+            Self::Task => "task-shader",
+        }
+    }
+}
+
+/// How a patch is tested.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Test {
+    /// Not at all.
+    Nothing,
+    /// Its first corner, projected, against a range of |x/w| and |y/w|.
+    Point(f32),
+    /// Its box of least and greatest height, against the planes of the frustum.
+    Box,
+}
+
+/// Ranges of the point test: the published one is not stated.
+pub(crate) const RANGES: [f32; 3] = [1.0, 1.25, 2.0];
+
+impl Test {
+    pub(crate) fn name(self) -> String {
+        match self {
+            Self::Nothing => "none".to_owned(),
+            Self::Point(range) => format!("point-{range}"),
+            Self::Box => "box".to_owned(),
+        }
+    }
+}
+
+/// An interface, a place and a test.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct CullWay {
+    pub(crate) interface: Interface,
+    pub(crate) place: Place,
+    pub(crate) test: Test,
+}
+
+impl CullWay {
+    fn new(interface: Interface, place: Place, test: Test) -> Self {
+        Self {
+            interface,
+            place,
+            test,
+        }
+    }
+
+    /// Every one; the first of each interface culls no patches.
+    pub(crate) fn all() -> Vec<Self> {
+        let mut ways = Vec::new();
+        for interface in Interface::ALL {
+            ways.push(Self::new(interface, Place::TilesAlone, Test::Nothing));
+            ways.push(Self::new(interface, Place::Cpu, Test::Box));
+            ways.push(Self::new(interface, Place::Compute, Test::Box));
+            let points =
+                RANGES.map(|range| Self::new(interface, Place::Compute, Test::Point(range)));
+            ways.extend(points);
+        }
+        for test in [Test::Nothing, Test::Box, Test::Point(RANGES[1])] {
+            ways.push(Self::new(Interface::Vulkan, Place::Geometry, test));
+        }
+        for test in [Test::Nothing, Test::Box] {
+            ways.push(Self::new(Interface::Vulkan, Place::Task, test));
+        }
+        ways
+    }
+
+    /// One of each place, and of the tests of a point the middle one, once.
+    pub(crate) fn few() -> Vec<Self> {
+        let middle = Self::new(Interface::Vulkan, Place::Compute, Test::Point(RANGES[1]));
+        let is_main = |way: &Self| match way.test {
+            Test::Nothing => way.place == Place::TilesAlone,
+            Test::Box => true,
+            Test::Point(_) => *way == middle,
+        };
+        Self::all().into_iter().filter(is_main).collect()
+    }
+
+    /// With and without level 2, for a flight.
+    pub(crate) fn of_flight() -> Vec<Self> {
+        let both = |interface| {
+            [
+                Self::new(interface, Place::TilesAlone, Test::Nothing),
+                Self::new(interface, Place::Compute, Test::Box),
+            ]
+        };
+        let mut ways: Vec<Self> = Interface::ALL.into_iter().flat_map(both).collect();
+        for test in [Test::Nothing, Test::Box] {
+            ways.push(Self::new(Interface::Vulkan, Place::Geometry, test));
+        }
+        ways
+    }
+
+    /// What a point test keeps and loses, beside the box.
+    pub(crate) fn counted() -> Vec<Self> {
+        let is_counted = |way: &Self| {
+            way.interface == Interface::Vulkan
+                && matches!(way.place, Place::TilesAlone | Place::Compute)
+        };
+        Self::all().into_iter().filter(is_counted).collect()
+    }
+}
+
+/// A view of the ground.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ViewKind {
+    pub(crate) name: &'static str,
+    /// Of the ground's side.
+    pub(crate) share: DVec2,
+    /// Above the ground, metres.
+    pub(crate) above_m: f64,
+    /// Below the horizon, from the x axis, and across; degrees.
+    pub(crate) angles_deg: [f64; 3],
+}
+
+/// Near the middle, inside a tile and a patch.
+const NEAR_THE_MIDDLE: DVec2 = DVec2::new(0.471, 0.487);
+
+const fn seen(name: &'static str, above_m: f64, down_deg: f64, wide_deg: f64) -> ViewKind {
+    ViewKind {
+        name,
+        share: NEAR_THE_MIDDLE,
+        above_m,
+        // No side of any view runs at 45°, along the corners of patches: such ties say nothing.
+        angles_deg: [down_deg, 33.0, wide_deg],
+    }
+}
+
+/// The five views.
+pub(crate) const VIEWS: [ViewKind; 5] = [
+    seen("2-m-level", 2.0, 0.0, 60.0),
+    seen("100-m-6-down", 100.0, 6.0, 60.0),
+    seen("2-km-30-down", 2_000.0, 30.0, 60.0),
+    seen("10-km-nadir", 10_000.0, 90.0, 60.0),
+    seen("2-m-20-wide", 2.0, 0.0, 20.0),
+];
+
+/// Seconds of the flight, as long as the published one.
+pub(crate) const FLIGHT_S: u32 = 25;
+
+/// Where the flight is after so many seconds: along the ground's diagonal, from 2 km down to 100 m and up again,
+/// turning by 10° a second, as its own path; the published one is not stated.
+pub(crate) fn flight(second: u32) -> ViewKind {
+    let done = f64::from(second) / f64::from(FLIGHT_S);
+    let low = (2.0 * done - 1.0).abs();
+    ViewKind {
+        name: "flight",
+        share: DVec2::splat(0.2) + DVec2::new(0.6, 0.55) * done,
+        above_m: 100.0 + 1_900.0 * low,
+        angles_deg: [5.0 + 20.0 * low, 10.0 * f64::from(second), 60.0],
+    }
+}

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! Distant lights all round the ground, and how a device reads them.
+
+use crate::grid::Grid;
+use bytemuck::{Pod, Zeroable};
+use glam::{DVec3, DVec4};
+
+/// Most lights, as shaders have room for.
+pub(crate) const MOST_LIGHTS: usize = 16;
+/// What a light's map shows: the ball around the whole ground.
+pub(crate) const CENTRE: DVec3 = DVec3::new(1_000.0, 1_000.0, 0.0);
+pub(crate) const RADIUS_M: f64 = 1_530.0;
+/// What hides a place is nearer to the light by more than this, in texels: the steepest light is 20° above level
+/// ground, whose depth changes by 1.4 texels half a texel's diagonal away.
+const BIAS_TEXELS: f64 = 2.5;
+
+/// A distant light: axes of its map and the direction towards it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct DistantLight {
+    pub(crate) right: DVec3,
+    pub(crate) up: DVec3,
+    pub(crate) toward: DVec3,
+}
+
+/// Lights at even angles around, from 20° to 50° above the horizon.
+pub(crate) fn lights(count: u32) -> Vec<DistantLight> {
+    let light = |number: u32| {
+        let part = |number: u32| f64::from(number) / f64::from(count);
+        let around = (20.0 + 360.0 * part(number)).to_radians();
+        // Neighbours are of different heights.
+        let above = (20.0 + 30.0 * part(7 * number % count)).to_radians();
+        let level = DVec3::new(around.cos(), around.sin(), 0.0);
+        let toward = level * above.cos() + DVec3::Z * above.sin();
+        let right = toward.cross(DVec3::Z).normalize();
+        DistantLight {
+            right,
+            up: right.cross(toward),
+            toward,
+        }
+    };
+    (0..count).map(light).collect()
+}
+
+/// A side of a texel of a map, metres.
+pub(crate) fn texel_m(side: u32) -> f64 {
+    2.0 * RADIUS_M / f64::from(side)
+}
+
+pub(crate) fn bias_m(side: u32) -> f64 {
+    BIAS_TEXELS * texel_m(side)
+}
+
+/// Twin of `Light` in `pipelines/lit.wgsl`.
+#[derive(Debug, Clone, Copy, Default, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct LightColumns {
+    column: [f32; 4],
+    row: [f32; 4],
+    height: [f32; 4],
+    origin: [f32; 4],
+}
+
+impl LightColumns {
+    fn new(light: &DistantLight, step_m: f64) -> Self {
+        let DistantLight { right, up, toward } = *light;
+        let scale = RADIUS_M.recip();
+        // What an axis of the ground adds across, upwards and in depth.
+        let along = |axis: DVec3| {
+            let depth = 0.5 * axis.dot(toward);
+            DVec4::new(axis.dot(right), axis.dot(up), depth, 0.0) * scale
+        };
+        let column = |of: DVec4| of.as_vec4().to_array();
+        Self {
+            column: column(along(DVec3::X) * step_m),
+            row: column(along(DVec3::Y) * step_m),
+            height: column(along(DVec3::Z)),
+            origin: column(DVec4::new(0.0, 0.0, 0.5, 1.0) - along(CENTRE)),
+        }
+    }
+}
+
+/// Twin of `Lights` in `pipelines/lit.wgsl`.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct LightConstants {
+    each: [LightColumns; MOST_LIGHTS],
+    count: u32,
+    texels: u32,
+    bias: f32,
+    padding: u32,
+}
+
+impl LightConstants {
+    /// - `side`: of a map, texels
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "at most 16 lights; the bias is rounded to what the GPU reads"
+    )]
+    pub(crate) fn new(grid: &Grid, lights: &[DistantLight], side: u32) -> Self {
+        let mut each = [LightColumns::default(); MOST_LIGHTS];
+        for (columns, light) in each.iter_mut().zip(lights) {
+            *columns = LightColumns::new(light, grid.step_m());
+        }
+        Self {
+            each,
+            count: lights.len() as u32,
+            texels: side,
+            bias: (0.5 * bias_m(side) / RADIUS_M) as f32,
+            padding: 0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::mem::offset_of;
+    use terrafill_shaders::struct_layout;
+
+    #[test]
+    fn lights_lie_as_the_shader_reads_them() {
+        let layout = struct_layout("pipelines/lit.wgsl", "Lights").expect("a struct");
+        let offset = |name: &str| {
+            let member = layout.members.iter().find(|member| member.0 == name);
+            member.expect("a member").1 as usize
+        };
+        assert_eq!(offset("each"), offset_of!(LightConstants, each));
+        assert_eq!(offset("count"), offset_of!(LightConstants, count));
+        assert_eq!(offset("texels"), offset_of!(LightConstants, texels));
+        assert_eq!(offset("bias"), offset_of!(LightConstants, bias));
+        assert_eq!(layout.stride as usize, size_of::<LightConstants>());
+        assert_ne!(offset("count"), offset_of!(LightConstants, texels));
+    }
+
+    #[test]
+    fn the_whole_ground_is_on_every_map() {
+        for light in lights(16) {
+            for corner in [[0.0, 0.0], [2_000.0, 0.0], [0.0, 2_000.0], [2_000.0; 2]] {
+                for height in [-110.0, 110.0] {
+                    let place = DVec3::new(corner[0], corner[1], height) - CENTRE;
+                    for axis in [light.right, light.up, light.toward] {
+                        assert!(place.dot(axis).abs() < RADIUS_M, "{corner:?}");
+                    }
+                }
+            }
+        }
+    }
+}

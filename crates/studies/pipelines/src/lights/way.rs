@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT OR Apache-2.0
+//! How the depth maps of all lights are drawn.
+
+use terrafill_vulkan::{GeometryOutput, LayersBy};
+
+/// A way to all maps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum LightWay {
+    /// A pass each: what the others are held against.
+    Passes,
+    /// A geometry shader copies each triangle into all layers, as published.
+    Copied,
+    /// As many invocations of it as lights make a copy each.
+    Invoked,
+    /// An instance a light, whose vertex shader chooses the layer.
+    Instanced,
+    /// Layers as views of one draw.
+    Views,
+}
+
+impl LightWay {
+    pub(crate) const ALL: [Self; 5] = [
+        Self::Passes,
+        Self::Copied,
+        Self::Invoked,
+        Self::Instanced,
+        Self::Views,
+    ];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Passes => "passes",
+            Self::Copied => "geometry-copies",
+            Self::Invoked => "geometry-invocations",
+            Self::Instanced => "vertex-layer",
+            Self::Views => "multiview",
+        }
+    }
+
+    pub(crate) fn layers_by(self) -> LayersBy {
+        match self {
+            Self::Passes => LayersBy::Passes,
+            Self::Copied | Self::Invoked | Self::Instanced => LayersBy::Stage,
+            Self::Views => LayersBy::Views,
+        }
+    }
+
+    pub(crate) fn vertex(self) -> &'static str {
+        match self {
+            Self::Passes => "native/lights.pass.spv",
+            Self::Copied | Self::Invoked => "native/lights.place.spv",
+            Self::Instanced => "native/lights.layer.spv",
+            Self::Views => "native/lights.view.spv",
+        }
+    }
+
+    /// `None` for as many invocations as no shader was compiled for.
+    pub(crate) fn geometry(self, lights: u32) -> Option<Option<GeometryOutput>> {
+        // Of a vertex: a position and the layer.
+        let output = |name, vertices| GeometryOutput {
+            name,
+            vertices,
+            components: 5,
+        };
+        match (self, lights) {
+            (Self::Copied, _) => Some(Some(output("native/lights.copied.spv", 48))),
+            (Self::Invoked, 4) => Some(Some(output("native/lights.invoked4.spv", 3))),
+            (Self::Invoked, 16) => Some(Some(output("native/lights.invoked16.spv", 3))),
+            (Self::Invoked, _) => None,
+            _ => Some(None),
+        }
+    }
+
+    pub(crate) fn instances(self, lights: u32) -> u32 {
+        if self == Self::Instanced { lights } else { 1 }
+    }
+}

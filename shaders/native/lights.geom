@@ -1,0 +1,39 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// SPDX-License-Identifier: MIT OR Apache-2.0
+// Study `pipelines`: one invocation copies a triangle into the layers of all lights, as published in 2007, or with
+// INVOCATIONS into the layer of its own number.
+#ifdef INVOCATIONS
+layout(triangles, invocations = INVOCATIONS) in;
+layout(triangle_strip, max_vertices = 3) out;
+#else
+layout(triangles) in;
+layout(triangle_strip, max_vertices = 48) out;
+#endif
+
+#include "lights.glsl"
+
+layout(location = 0) in vec3 place[];
+
+out gl_PerVertex {
+    invariant vec4 gl_Position;
+};
+
+void copy(uint light) {
+    for (uint vertex = 0u; vertex < 3u; ++vertex) {
+        gl_Layer = int(light);
+        gl_Position = seen_by(light, place[vertex]);
+        EmitVertex();
+    }
+    EndPrimitive();
+}
+
+void main() {
+#ifdef INVOCATIONS
+    copy(uint(gl_InvocationID));
+#else
+    for (uint light = 0u; light < lights.count; ++light) {
+        copy(light);
+    }
+#endif
+}
