@@ -19,6 +19,8 @@ pub struct SurfaceView<'a> {
     pub size: ImageSize,
     /// The surface as drawn in this view.
     pub surface: &'a SurfaceFrame,
+    /// Back faces are drawn too: a surface of closed bodies whose other side counts beside a rim.
+    pub draws_back_faces: bool,
 }
 
 impl<'a> From<&'a FillInput> for SurfaceView<'a> {
@@ -29,6 +31,7 @@ impl<'a> From<&'a FillInput> for SurfaceView<'a> {
             camera: &input.camera,
             size: input.size,
             surface: &input.surface,
+            draws_back_faces: false,
         }
     }
 }

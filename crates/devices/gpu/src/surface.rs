@@ -11,8 +11,12 @@ use terrafill_surface::{SurfaceFrame, SurfaceRenderer};
 #[derive(Debug)]
 pub(crate) struct TriangleRenderer {
     gpu: Arc<Gpu>,
+    layout: wgpu::BindGroupLayout,
     pipeline: wgpu::RenderPipeline,
+    /// Of views that ask for it.
+    both_faces: Option<wgpu::RenderPipeline>,
     uploaded: Option<Uploaded>,
+    draws_back_faces: bool,
 }
 
 #[derive(Debug)]
@@ -26,10 +30,22 @@ impl TriangleRenderer {
     /// - `layout`: of group 0
     pub(crate) fn new(gpu: &Arc<Gpu>, layout: &wgpu::BindGroupLayout) -> Result<Self, DeviceError> {
         Ok(Self {
-            pipeline: pipeline(gpu, layout)?,
+            pipeline: pipeline(gpu, layout, Some(wgpu::Face::Back))?,
+            both_faces: None,
+            layout: layout.clone(),
             gpu: Arc::clone(gpu),
             uploaded: None,
+            draws_back_faces: false,
         })
+    }
+
+    /// Whether back faces are drawn from now on.
+    pub(crate) fn set_faces(&mut self, draws_back_faces: bool) -> Result<(), DeviceError> {
+        self.draws_back_faces = draws_back_faces;
+        if draws_back_faces && self.both_faces.is_none() {
+            self.both_faces = Some(pipeline(&self.gpu, &self.layout, None)?);
+        }
+        Ok(())
     }
 }
 
@@ -54,7 +70,8 @@ impl SurfaceRenderer for TriangleRenderer {
         let Some(uploaded) = &self.uploaded else {
             return;
         };
-        pass.set_pipeline(&self.pipeline);
+        let both = self.both_faces.as_ref().filter(|_| self.draws_back_faces);
+        pass.set_pipeline(both.unwrap_or(&self.pipeline));
         pass.set_vertex_buffer(0, uploaded.vertices.slice(..));
         pass.set_index_buffer(uploaded.indices.slice(..), wgpu::IndexFormat::Uint32);
         pass.draw_indexed(0..uploaded.index_count, 0, 0..1);
@@ -64,6 +81,7 @@ impl SurfaceRenderer for TriangleRenderer {
 fn pipeline(
     gpu: &Gpu,
     layout: &wgpu::BindGroupLayout,
+    cull_mode: Option<wgpu::Face>,
 ) -> Result<wgpu::RenderPipeline, DeviceError> {
     let shader = gpu.shader("surface/surface.wgsl")?;
     let layout = gpu
@@ -87,7 +105,7 @@ fn pipeline(
             })],
         },
         primitive: wgpu::PrimitiveState {
-            cull_mode: Some(wgpu::Face::Back),
+            cull_mode,
             ..Default::default()
         },
         depth_stencil: Some(wgpu::DepthStencilState {

@@ -95,6 +95,8 @@ impl Topology {
 pub enum PipelineState {
     /// The surface: nearest depth wins, back faces are culled.
     Surface,
+    /// The same, back faces drawn as well.
+    SurfaceOfBothFaces,
     /// Into the stencil, in a pass with or without a colour target that is left alone.
     Mark {
         /// Which fragments do what.
@@ -166,9 +168,11 @@ impl PipelineState {
                 has_colour: false, ..
             }
             | Self::Count { .. } => PassTarget::Stencil,
-            Self::Mark { .. } | Self::Surface | Self::Colour { .. } | Self::Resolve => {
-                PassTarget::Colour
-            }
+            Self::Mark { .. }
+            | Self::Surface
+            | Self::SurfaceOfBothFaces
+            | Self::Colour { .. }
+            | Self::Resolve => PassTarget::Colour,
             Self::Accumulate { .. } => PassTarget::Numbers,
         }
     }
@@ -180,7 +184,7 @@ impl PipelineState {
             Self::Count { faces } | Self::Colour { faces, .. } | Self::Accumulate { faces, .. } => {
                 faces
             }
-            Self::Resolve => FaceSet::Both,
+            Self::Resolve | Self::SurfaceOfBothFaces => FaceSet::Both,
         }
     }
 }
@@ -259,7 +263,10 @@ impl Pipeline {
     }
 
     pub(crate) fn is_surface(&self) -> bool {
-        self.descriptor.state == PipelineState::Surface
+        matches!(
+            self.descriptor.state,
+            PipelineState::Surface | PipelineState::SurfaceOfBothFaces
+        )
     }
 
     pub(crate) fn needs_vertices(&self) -> bool {
@@ -449,7 +456,7 @@ impl Assembly<'_> {
 /// Passes that differ in what they load are compatible.
 fn render_pass(fixtures: &Fixtures, state: PipelineState) -> vk::RenderPass {
     match state {
-        PipelineState::Surface => fixtures.surface,
+        PipelineState::Surface | PipelineState::SurfaceOfBothFaces => fixtures.surface,
         PipelineState::Accumulate { .. } => fixtures.numbers,
         _ => fixtures.fill(false, state.target() == PassTarget::Colour),
     }
@@ -497,7 +504,7 @@ pub(crate) fn depth_stencil(
 ) -> vk::PipelineDepthStencilStateCreateInfo<'static> {
     let base = vk::PipelineDepthStencilStateCreateInfo::default();
     match state {
-        PipelineState::Surface => base
+        PipelineState::Surface | PipelineState::SurfaceOfBothFaces => base
             .depth_test_enable(true)
             .depth_write_enable(true)
             .depth_compare_op(vk::CompareOp::GREATER),

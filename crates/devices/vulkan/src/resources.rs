@@ -3,7 +3,7 @@
 
 use crate::bindings::SetPool;
 use crate::failure::failure;
-use crate::{Buffer, BufferUse, Gpu, SampledImage};
+use crate::{Buffer, BufferUse, Gpu, SampledImage, TriangleTree};
 use ash::vk;
 use std::sync::Arc;
 use terrafill_fill::DeviceError;
@@ -17,6 +17,8 @@ pub enum Resource {
     Storage(Arc<Buffer>),
     /// An image whose texels are loaded by their number.
     Image(Arc<SampledImage>),
+    /// Triangles that rays may meet.
+    Triangles(Arc<TriangleTree>),
 }
 
 impl Resource {
@@ -25,6 +27,7 @@ impl Resource {
             Self::Uniform(_) => vk::DescriptorType::UNIFORM_BUFFER,
             Self::Storage(_) => vk::DescriptorType::STORAGE_BUFFER,
             Self::Image(_) => vk::DescriptorType::SAMPLED_IMAGE,
+            Self::Triangles(_) => vk::DescriptorType::ACCELERATION_STRUCTURE_KHR,
         }
     }
 
@@ -38,6 +41,7 @@ impl Resource {
                 buffer.is_on(gpu) && buffer.use_for().is_some_and(|of| uses.contains(&of))
             }
             Self::Image(image) => image.is_on(gpu),
+            Self::Triangles(tree) => tree.is_on(gpu),
         }
     }
 }
@@ -120,6 +124,14 @@ impl Resources {
                         image_layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
                     }];
                     let writes = [write.image_info(&images)];
+                    // SAFETY: as above.
+                    unsafe { gpu.device.update_descriptor_sets(&writes, &[]) };
+                }
+                Resource::Triangles(tree) => {
+                    let trees = [tree.raw()];
+                    let mut own = vk::WriteDescriptorSetAccelerationStructureKHR::default()
+                        .acceleration_structures(&trees);
+                    let writes = [write.descriptor_count(1).push_next(&mut own)];
                     // SAFETY: as above.
                     unsafe { gpu.device.update_descriptor_sets(&writes, &[]) };
                 }

@@ -32,7 +32,10 @@ const SURFACE: PipelineDescriptor = PipelineDescriptor {
 pub(crate) struct TriangleRenderer {
     gpu: Arc<Gpu>,
     pipeline: Pipeline,
+    /// Of views that ask for it.
+    both_faces: Option<Pipeline>,
     uploaded: Option<Uploaded>,
+    draws_back_faces: bool,
 }
 
 #[derive(Debug)]
@@ -62,9 +65,24 @@ impl TriangleRenderer {
     pub(crate) fn new(gpu: &Arc<Gpu>) -> Result<Self, DeviceError> {
         Ok(Self {
             pipeline: Pipeline::new(gpu, SURFACE)?,
+            both_faces: None,
             gpu: Arc::clone(gpu),
             uploaded: None,
+            draws_back_faces: false,
         })
+    }
+
+    /// Whether back faces are drawn from now on.
+    pub(crate) fn set_faces(&mut self, draws_back_faces: bool) -> Result<(), DeviceError> {
+        self.draws_back_faces = draws_back_faces;
+        if draws_back_faces && self.both_faces.is_none() {
+            let descriptor = PipelineDescriptor {
+                state: PipelineState::SurfaceOfBothFaces,
+                ..SURFACE
+            };
+            self.both_faces = Some(Pipeline::new(&self.gpu, descriptor)?);
+        }
+        Ok(())
     }
 }
 
@@ -93,11 +111,13 @@ impl SurfaceRenderer for TriangleRenderer {
             return;
         };
         let SurfacePass { device, commands } = *pass;
+        let both = self.both_faces.as_ref().filter(|_| self.draws_back_faces);
+        let pipeline = both.unwrap_or(&self.pipeline);
         let graphics = vk::PipelineBindPoint::GRAPHICS;
         // SAFETY: the pass is being recorded, as its maker promised; pipeline and buffers were made for
         // it on this device; the indices are all there.
         unsafe {
-            device.cmd_bind_pipeline(commands, graphics, self.pipeline.raw);
+            device.cmd_bind_pipeline(commands, graphics, pipeline.raw);
             device.cmd_bind_vertex_buffers(commands, 0, &[uploaded.vertices.raw], &[0]);
             let width = vk::IndexType::UINT32;
             device.cmd_bind_index_buffer(commands, uploaded.indices.raw, 0, width);

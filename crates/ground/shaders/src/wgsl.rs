@@ -23,13 +23,14 @@ pub(crate) use shader_sources;
 pub(crate) const MODULES: &[ShaderSource] = include!(concat!(env!("OUT_DIR"), "/modules.rs"));
 
 /// Files that others import.
-pub(crate) const SHARED: [ShaderSource; 6] = shader_sources![
+pub(crate) const SHARED: [ShaderSource; 7] = shader_sources![
     "shared/view.wgsl",
     "shared/footprint.wgsl",
     "shared/region.wgsl",
     "shared/volume.wgsl",
     "shared/draw.wgsl",
     "shared/grid.wgsl",
+    "shared/receiver.wgsl",
 ];
 
 /// What can be wrong with a shader.
@@ -141,8 +142,9 @@ pub(crate) fn parse_and_validate(
     };
     let module = naga::front::wgsl::parse_str(composed)
         .map_err(|error| invalid(error.emit_to_string_with_path(composed, path)))?;
-    // A module that numbers primitives says so; its device is asked first.
-    let info = Validator::new(ValidationFlags::all(), Capabilities::PRIMITIVE_INDEX)
+    // A module that numbers primitives or sends rays says so; its device is asked first.
+    let known = Capabilities::PRIMITIVE_INDEX | Capabilities::RAY_QUERY;
+    let info = Validator::new(ValidationFlags::all(), known)
         .validate(&module)
         .map_err(|error| invalid(error.emit_to_string_with_path(composed, path)))?;
     Ok((module, info))

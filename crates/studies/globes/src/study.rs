@@ -542,6 +542,7 @@ impl SightSession<'_> {
             camera: &eye.camera,
             size: eye.size,
             surface: frame,
+            draws_back_faces: false,
         };
         let targets = self.targets.get_mut(targets);
         let targets = targets.ok_or(DeviceError::Missing("targets of the interface"))?;
