@@ -81,14 +81,17 @@ pub(crate) fn rungs(interface: Interface) -> Vec<Rung> {
 }
 
 impl Scene {
-    /// Every lit triangle a volume of its own.
+    /// Every triangle that casts a volume of its own.
     pub(crate) fn volume_of_each_triangle(&self, end: End) -> Result<Volume, LightError> {
-        let lit = (0..self.mesh().triangles.len()).filter(|at| self.is_lit(*at));
-        let sides = lit.flat_map(|at| {
-            let [a, b, c] = self.mesh().triangles[at];
-            [[a, b], [b, c], [c, a]]
-        });
-        let sides: Vec<Side> = sides.collect();
+        let mut sides: Vec<Side> = Vec::new();
+        for (at, &[a, b, c]) in self.mesh().triangles.iter().enumerate() {
+            if self.is_lit(at) {
+                sides.extend([[a, b], [b, c], [c, a]]);
+            } else if self.is_robust() {
+                // Turned to the light, as its cap is.
+                sides.extend([[a, c], [c, b], [b, a]]);
+            }
+        }
         self.volume_of(&sides, end)
     }
 

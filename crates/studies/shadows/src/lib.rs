@@ -6,6 +6,7 @@
 //! hold it; devices draw the same volumes into a stencil. The casters are a procedural port, or a user's model.
 
 mod brought;
+mod casting;
 mod chapter;
 mod count;
 mod device;
@@ -13,6 +14,7 @@ mod device_map;
 mod drawing;
 mod eyes;
 mod images;
+mod job;
 mod ladder;
 mod list;
 mod loading;

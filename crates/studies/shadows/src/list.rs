@@ -7,7 +7,8 @@ use self::planned::planned;
 use crate::brought::Brought;
 use crate::count::Rule;
 use crate::device::Interface;
-use crate::ladder::{Rung, rungs};
+use crate::job::{Job, Method};
+use crate::ladder::rungs;
 use crate::maps::Bias;
 use crate::near::EyeTest;
 use crate::outline::Way;
@@ -94,54 +95,6 @@ const OF_ANY_MODEL: [&str; 10] = [
     "maps",
     "device-maps",
 ];
-
-/// How a silhouette is found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Method {
-    Stack,
-    Hash,
-    Adjacency,
-}
-
-impl Method {
-    pub(crate) const ALL: [Self; 3] = [Self::Stack, Self::Hash, Self::Adjacency];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Stack => "stack",
-            Self::Hash => "hash",
-            Self::Adjacency => "adjacency",
-        }
-    }
-}
-
-/// What a case computes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Job {
-    Eye([f64; 2], f64, EyeTest),
-    Updates([f64; 2], End, Rule),
-    Scissor([f64; 2], Scissor),
-    /// By depth bounds, volumes closed at the sea.
-    Bounds([f64; 2], Rule),
-    Finite([f64; 2], f64),
-    Row(u32, bool),
-    Casters(Policy),
-    Outline(u32, Way),
-    Silhouette(&'static str, Method),
-    /// What a user's file holds.
-    Model,
-    Device([f64; 2], DeviceWay),
-    Origin([f64; 2], Eyes, DeviceWay),
-    /// Of boxes, turned so that faces are edge-on or at random.
-    Facing([f64; 2], bool, DeviceWay),
-    Near([f64; 2], DeviceWay),
-    DeviceRow(u32, DeviceWay),
-    Map([f64; 2], f64, Bias),
-    DeviceMap([f64; 2], f64, Bias),
-    Rival([f64; 2], Rival),
-    View([f64; 2], Place, Chooser),
-    Rung([f64; 2], Rung),
-}
 
 /// Volumes from the CPU, closed at the sea, z-fail, two-sided, whole.
 fn device_way(interface: Interface) -> DeviceWay {
@@ -267,10 +220,6 @@ fn origin_ways(interface: Interface) -> impl Iterator<Item = DeviceWay> {
 
 /// A question's cases.
 pub(crate) type Questions = (&'static str, Vec<(Job, PlannedCase)>);
-
-pub(crate) fn sun_name([elevation, azimuth]: [f64; 2]) -> String {
-    format!("{elevation}° from {azimuth}°")
-}
 
 /// All of a depth, by question.
 ///

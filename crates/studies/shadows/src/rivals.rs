@@ -12,6 +12,7 @@ mod on_wgpu;
 
 use self::on_vulkan::Rays;
 use self::on_wgpu::Tiles;
+use crate::casting::{Asks, Casting, Receivers};
 use crate::count::Wrong;
 use crate::drawing::{hash, lost};
 use crate::reference::{Light, Reference};
@@ -19,7 +20,7 @@ use crate::view::View;
 use crate::way::{DrawError, Positions, count};
 use crate::work::Scene;
 use std::cell::LazyCell;
-use terrafill_fill::{DeviceError, Devices, FrameTimes, SurfaceView};
+use terrafill_fill::{Devices, SurfaceView};
 
 /// A triangle counts as over a place where the place is this many pixels below it: where rasterisers round corners to
 /// 1/256 of a pixel, depths are no more exact.
@@ -53,49 +54,6 @@ impl Rival {
     /// changes nothing that is held.
     fn takes_all(self) -> bool {
         self == Self::Rays
-    }
-}
-
-/// Twin of `Receivers` in `shared/receiver.wgsl`.
-#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub(crate) struct Receivers {
-    /// Axes of the view over the tangents of half its fields.
-    right: [f32; 4],
-    up: [f32; 4],
-    ahead: [f32; 4],
-    to_light: [f32; 4],
-    /// Pixels.
-    size: [u32; 2],
-    triangles: u32,
-    near_m: f32,
-    /// m a metre of depth.
-    margin: f32,
-    unused: [u32; 3],
-}
-
-/// What a rival is handed.
-struct Casting {
-    receivers: Receivers,
-    /// x, y, z from the eye, m, and 1.
-    places: Vec<[f32; 4]>,
-    /// Corners, and which triangle of the mesh it is.
-    triangles: Vec<[u32; 4]>,
-}
-
-/// Answers of a device, ready to be given again.
-pub(crate) trait Asks {
-    fn mask(&mut self) -> Result<Vec<bool>, DeviceError>;
-
-    /// From depth to answers.
-    fn time(&mut self) -> Result<FrameTimes, DeviceError>;
-
-    /// Of what it holds, and of it what another sun changes.
-    fn bytes(&self) -> [u64; 2];
-
-    /// GPU time of what is built once for casters that rest, ms.
-    fn build_ms(&self) -> Option<f64> {
-        None
     }
 }
 
@@ -184,12 +142,6 @@ impl Scene {
             triangles,
         }
     }
-}
-
-/// 1 for a pixel in shadow.
-fn mask_of(bytes: &[u8]) -> Vec<bool> {
-    let words = bytes.as_chunks::<4>().0.iter();
-    words.map(|word| u32::from_ne_bytes(*word) != 0).collect()
 }
 
 #[cfg(test)]

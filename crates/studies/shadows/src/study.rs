@@ -4,16 +4,17 @@
 mod on_devices;
 
 use crate::brought::{Brought, SETTING};
+use crate::casting::Asks;
 use crate::chapter::ShadowsChapter;
 use crate::count::{Rule, Wrong};
 use crate::device::Draws;
 use crate::device_map::DeviceMap;
 use crate::eyes::EyeTable;
-use crate::list::{Job, Method, questions};
+use crate::job::{Job, Method};
+use crate::list::questions;
 use crate::metrics::METRICS;
 use crate::near::EyeTest;
 use crate::outline::{Way, outlines};
-use crate::rivals::Asks;
 use crate::view::sun;
 use crate::views::Chooser;
 use crate::way::DrawError;

@@ -295,6 +295,7 @@ mod tests {
                 samples_depth: true,
                 mesh_shader: true,
                 transform_feedback: true,
+                ray_query: true,
             },
             lacks: Vec::new(),
         }

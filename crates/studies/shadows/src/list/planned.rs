@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! What a case is called, its conditions, and whether being wrong is what it is to show.
 
-use super::{Job, sun_name};
 use crate::STUDY;
 use crate::brought::Brought;
 use crate::count::Rule;
-use crate::list::Method;
+use crate::job::{Job, Method, sun_name};
 use crate::near::EyeTest;
 use crate::outline::Way;
 use crate::views::Chooser;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Rays to the sun, by ray queries in a compute shader on Vulkan.
 
-use super::{Asks, Casting, mask_of};
+use crate::casting::{Asks, Casting, mask_of};
 use std::sync::Arc;
 use terrafill_fill::{CpuStopwatch, DeviceError, Devices, FrameTimes, SurfaceView};
 use terrafill_vulkan::{

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! The hierarchy of tiles, by compute on wgpu.
 
-use super::{Asks, Casting, mask_of};
+use crate::casting::{Asks, Casting, mask_of};
 use std::sync::Arc;
 use terrafill_fill::{CpuStopwatch, DeviceError, Devices, FrameTimes, SurfaceView};
 use terrafill_gpu::{Gpu, PassTimer, RenderTargets, TimedPass, read_buffer, shared_gpu};

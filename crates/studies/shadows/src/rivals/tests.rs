@@ -5,6 +5,7 @@ use super::*;
 use crate::view::bridge;
 use std::mem::offset_of;
 use terrafill_casters::{PortSize, port};
+use terrafill_fill::DeviceError;
 use terrafill_shaders::struct_layout;
 
 #[test]
